@@ -32,14 +32,15 @@ class StructureForward final : public OutsideModel {
   }
   void evaluate(std::span<const double> theta, std::span<double> y) override {
     std::ranges::copy(theta, x_.begin());
-    if (!predictor_.solve(x_)) throw std::invalid_argument("there is no such structure");
+    if (!predictor_.predict(0, x_, ForwardModel::Quantity::modes, predicted_))
+      throw std::invalid_argument("there is no such structure");
     if (problem_->states() != nullptr) {
-      const auto score = predictor_.score(x_);
+      const auto score = problem_->modes().score(predicted_, problem_->modal_noise(x_));
       for (std::size_t i = 0; i < y.size(); ++i) y[i] = score.matches[i].frequency_hz;
       return;
     }
     for (std::size_t i = 0; i < y.size(); ++i)
-      y[i] = std::sqrt(predictor_.modes().eigenvalues[static_cast<Eigen::Index>(i)]) / kTwoPi;
+      y[i] = std::sqrt(predicted_.modes[0].eigenvalues[static_cast<Eigen::Index>(i)]) / kTwoPi;
   }
   // f = √λ / 2π:  ∂f = ∂λ / (8π² f).
   bool gradient(std::span<const double> theta, std::span<const double> sensitivity,
@@ -78,7 +79,8 @@ class StructureForward final : public OutsideModel {
   }
 
   std::shared_ptr<const UpdateProblem> problem_;
-  ModePredictor predictor_;
+  StructuralPredictor predictor_;
+  Prediction predicted_;
   std::optional<fem::ParametricModes::Workspace> workspace_;
   fem::ParametricModes::Modes modes_;
   fem::ParametricModes::Slopes slopes_;
@@ -164,7 +166,7 @@ LinePlace line_place(const DefectKind& kind, std::span<const double> said) {
 class DamageForward final : public OutsideModel {
  public:
   explicit DamageForward(std::shared_ptr<const DamageProblem> problem)
-      : problem_(std::move(problem)), predictor_(*problem_) {
+      : problem_(std::move(problem)), predictor_(*problem_, problem_->predicting()) {
     for (const DefectKind& kind : problem_->damage_case.kinds) {
       if (kind.severity_prior() == nullptr)
         throw std::invalid_argument("a " + kind.name +
@@ -172,7 +174,6 @@ class DamageForward final : public OutsideModel {
                                     "there is none");
       inputs_ += static_cast<int>(defect_numbers(kind)) * kind.max_count;
     }
-    variance_.resize(static_cast<std::size_t>(outputs()));
   }
   [[nodiscard]] int inputs() const override { return inputs_; }
   [[nodiscard]] int outputs() const override { return problem_->damage_case.modes(); }
@@ -200,18 +201,14 @@ class DamageForward final : public OutsideModel {
     for (int p = 0; p < problem_->common; ++p)
       x.push_back(space.prior(model, p).from_standard_normal(0.0));
     x.insert(x.end(), present.begin(), present.end());
-    if (problem_->emulator && !problem_->exact())
-      predictor_.emulate(model, x, y, variance_);
-    else
-      predictor_.solve(model, x, y);
+    predictor_.solve(model, x, y);
     if (!std::ranges::all_of(y, [](double f) { return std::isfinite(f); }))
       throw std::invalid_argument("there is no such structure");
   }
 
  private:
   std::shared_ptr<const DamageProblem> problem_;
-  FrequencyPredictor predictor_;
-  std::vector<double> variance_;
+  StructuralPredictor predictor_;
   int inputs_ = 0;
 };
 

@@ -80,7 +80,7 @@ std::vector<double> inferred_scatter(const DamageProblem& problem,
   const std::size_t chains = posterior.chains.size();
   const std::size_t draws = posterior.chains[0].model.size();
   const std::size_t stride = std::max<std::size_t>(1, chains * draws / kSolved);
-  FrequencyPredictor predictor(problem);
+  StructuralPredictor predictor(problem);
   ModeObservation::Scored scored;
   std::vector<int> with;
   double solved = 0.0;

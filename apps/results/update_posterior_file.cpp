@@ -27,7 +27,9 @@ void write_replicates(const io::NetcdfWriter& file, const UpdateProblem& problem
   const int mode = file.dimension(group, "mode", shape.modes, 1);
   const auto& observed = problem.update_case.data.frequencies_hz;
   Eigen::VectorXd noise(static_cast<Eigen::Index>(shape.modes));
-  const bool scatters_vary = problem.cov >= 0 || problem.discrepancy >= 0 ||
+  const UnknownScatters& scatters = problem.modes().scatters();
+  const bool scatters_vary = scatters.contains(&ModalNoise::cov) ||
+                             scatters.contains(&ModalNoise::discrepancy) ||
                              (problem.program() != nullptr && problem.program()->emulator);
   Eigen::MatrixXd root;
   const auto replicate = [&](std::size_t c, std::vector<float>& values) {

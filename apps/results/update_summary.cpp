@@ -117,7 +117,7 @@ Report update_data_of(const UpdateCaseFile& parsed, const UpdateFindings& findin
 
 Report predictions_of(const UpdateFindings& findings) {
   Report rows = Report::array();
-  for (const Prediction& p : findings.predictions) {
+  for (const PredictedMode& p : findings.predictions) {
     const Marginal& f = p.frequency_hz;
     rows.push_back(
         {{"mode", p.mode},

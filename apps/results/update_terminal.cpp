@@ -95,7 +95,7 @@ void print_predictions(const Page& page, const UpdateFindings& findings) {
   page.heading("Modes foretold");
   std::vector<std::vector<std::string>> rows = {
       {"mode", "model [Hz]", "95 % of a measurement", "held out [Hz]", ""}};
-  for (const Prediction& p : findings.predictions)
+  for (const PredictedMode& p : findings.predictions)
     rows.push_back({std::to_string(p.mode), resolved(p.frequency_hz.q50, p.high_hz - p.low_hz),
                     resolved(p.low_hz, p.high_hz - p.low_hz) + " to " +
                         resolved(p.high_hz, p.high_hz - p.low_hz),

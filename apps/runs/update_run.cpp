@@ -41,7 +41,7 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
                        : std::string()));
   if (!emulator) return;
   const auto& holdout = emulator->error().holdout;
-  const Eigen::MatrixXd noise = problem.likelihood().data().covariance;
+  const Eigen::MatrixXd noise = problem.modes().data().covariance;
   for (std::size_t m = 0; m < holdout.size(); ++m) {
     const auto i = static_cast<Eigen::Index>(m);
     const std::string mode = "mode " + std::to_string(m + 1);

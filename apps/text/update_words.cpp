@@ -152,7 +152,7 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
                                      "\"doubt\": 0.05."
                                    : "."));
   }
-  for (const Prediction& p : findings.predictions)
+  for (const PredictedMode& p : findings.predictions)
     if (p.misses())
       out.push_back("Mode " + std::to_string(p.mode) + (p.state.empty() ? "" : " of " + p.state) +
                     ", held out, was measured at " + significant(*p.measured_hz, 5) +
@@ -245,7 +245,7 @@ std::vector<std::string> update_warnings(const UpdateFindings& findings) {
   if (!elsewhere.empty())
     out.push_back("By shape and frequency, " + in_words(elsewhere) +
                   ": the order of the data is not that of the model.");
-  for (const Prediction& p : findings.predictions)
+  for (const PredictedMode& p : findings.predictions)
     if (p.useless())
       out.push_back("The band foretold for mode " + std::to_string(p.mode) + ", " +
                     significant(p.low_hz, 3) + " to " + significant(p.high_hz, 3) +

@@ -53,8 +53,11 @@ class Frequencies : public Likelihood {
     }
     return sum;
   }
-  [[nodiscard]] std::span<const double> prediction() const override { return predicted_; }
-  [[nodiscard]] std::span<const double> residuals() const override { return residuals_; }
+  void evaluate(double, int model, std::span<const double> x, Evaluation& out) override {
+    out.log_likelihood = log_likelihood(model, x);
+    out.prediction = predicted_;
+    out.residuals = residuals_;
+  }
 
  private:
   Predictor predictor_;

@@ -38,6 +38,14 @@ Estimate Posterior::log_bayes_factor(std::string_view a, std::string_view b) con
   return log_bayes_factor(space->find(a), space->find(b));
 }
 
+std::pair<std::size_t, std::size_t> Posterior::best_draw() const {
+  std::size_t chain = 0, place = 0;
+  for (std::size_t c = 0; c < chains.size(); ++c)
+    for (std::size_t i = 0; i < chains[c].log_likelihood.size(); ++i)
+      if (chains[c].log_likelihood[i] > chains[chain].log_likelihood[place]) chain = c, place = i;
+  return {chain, place};
+}
+
 bool Posterior::converged() const {
   return judge(*this).converged;
 }

@@ -6,8 +6,10 @@
 
 #include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "inference/chains/chain.hpp"
@@ -116,6 +118,13 @@ struct Posterior : RunRecord {
 
   /// Draw i of chain c.
   [[nodiscard]] Draw draw(std::size_t c, std::size_t i) const { return chains[c].draw(i, *space); }
+  /// Its row of Chain::theta.
+  [[nodiscard]] std::span<const double> theta(std::size_t c, std::size_t i) const {
+    const auto width = static_cast<std::size_t>(dimension);
+    return {chains[c].theta.data() + i * width, width};
+  }
+  /// Chain and place of the draw with the largest likelihood, the first of several.
+  [[nodiscard]] std::pair<std::size_t, std::size_t> best_draw() const;
 
   // The questions. Each of the first four judges the whole run (verdict.hpp), which sorts all its
   // draws: who asks often keeps `judge(posterior)` and asks that. Models are asked for by index or

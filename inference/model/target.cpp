@@ -56,10 +56,8 @@ void Target::set_model_bias(const std::vector<double>& bias) {
 }
 
 double Target::call(Likelihood& likelihood, Tally& tally, const State& state, double floor) {
-  const double value = floor == -kInfinity
-                           ? likelihood.log_likelihood(state.model, state.x)
-                           : likelihood.log_likelihood_above(floor, state.model, state.x);
-  return checked(value, tally, state);
+  likelihood.evaluate(floor, state.model, state.x, evaluation_);
+  return checked(evaluation_.log_likelihood, tally, state);
 }
 
 double Target::checked(double value, Tally& tally, const State& state) const {
@@ -116,13 +114,11 @@ void Target::screen_above(double level, double beta, State& state) {
   const double floor = beta > 0.0 ? (level - log_prior(state)) / beta - 1e-6 : -kInfinity;
   state.log_screen = call(cheapest, screen_ ? memory_.stand_in : memory_.proper, state,
                           std::isnan(floor) ? -kInfinity : floor);
-  const auto residuals = cheapest.residuals();
-  state.residuals.assign(residuals.begin(), residuals.end());
-  state.noise_scale = cheapest.noise_scale();
+  state.residuals = evaluation_.residuals;
+  state.noise_scale = evaluation_.noise_scale;
   if (screen_) return;
   state.log_likelihood = state.log_screen;
-  const auto prediction = likelihood_->prediction();
-  state.prediction.assign(prediction.begin(), prediction.end());
+  state.prediction = evaluation_.prediction;
 }
 
 void Target::complete(State& state) {
@@ -131,8 +127,7 @@ void Target::complete(State& state) {
   if (state.log_screen == -kInfinity) return;
   ++memory_.full_evaluations;
   state.log_likelihood = call(*likelihood_, memory_.proper, state, -kInfinity);
-  const auto prediction = likelihood_->prediction();
-  state.prediction.assign(prediction.begin(), prediction.end());
+  state.prediction = evaluation_.prediction;
 }
 
 void Target::evaluate(State& state) {

@@ -14,7 +14,32 @@
 
 namespace wheeltap::inference {
 
-/// The data's side of a problem. One object serves one thread; it may keep scratch memory.
+/// The result of one evaluation of a likelihood. The caller owns it and passes it again: then no
+/// evaluation allocates memory.
+struct Evaluation {
+  double log_likelihood = -std::numeric_limits<double>::infinity();
+  /// The predicted observables, or empty: recorded for posterior predictive checks and convergence
+  /// of the responses.
+  std::vector<double> prediction = {};
+  /// Standardised residuals (observed - predicted) / sd, or empty. Where they are given, ln p(data
+  /// | ·) = c - ½ Σ residual², up to a c that adding a component does not change, and births can be
+  /// proposed where they explain the residual.
+  std::vector<double> residuals = {};
+  /// Where the noise is a parameter: the factor common to all sds, so that residual · noise_scale
+  /// does not depend on it. 1 for known noise.
+  double noise_scale = 1.0;
+
+  /// As a new one, with the memory kept.
+  void clear() {
+    log_likelihood = -std::numeric_limits<double>::infinity();
+    prediction.clear();
+    residuals.clear();
+    noise_scale = 1.0;
+  }
+};
+
+/// The data's side of a problem. One object serves one thread; it may keep scratch memory, which no
+/// result depends on.
 class Likelihood {
  public:
   virtual ~Likelihood() = default;
@@ -30,8 +55,20 @@ class Likelihood {
     return log_likelihood(model, x);
   }
 
+  /// The same with all that the likelihood says of x, in place of what `out` held.
+  virtual void evaluate(double floor, int model, std::span<const double> x, Evaluation& out) {
+    out.clear();
+    out.log_likelihood = log_likelihood_above(floor, model, x);
+  }
+  /// The same as a value, without a floor.
+  [[nodiscard]] Evaluation evaluation(int model, std::span<const double> x) {
+    Evaluation out;
+    evaluate(-std::numeric_limits<double>::infinity(), model, x, out);
+    return out;
+  }
+
   /// Several parameter vectors of one model, one after the other in `xs`: for likelihoods that can
-  /// share work between them. Neither prediction nor residuals follow from it.
+  /// share work between them.
   virtual void log_likelihoods(int model, std::span<const double> xs, std::span<double> out) {
     const std::size_t d = xs.size() / out.size();
     for (std::size_t i = 0; i < out.size(); ++i)
@@ -45,10 +82,9 @@ class Likelihood {
   }
 
   /// Optional: ∂ ln p(data | model, x)/∂x_i into out[i], in the units of 1/x_i, of any possible x,
-  /// asked for before or not. False, whatever `out` then holds, where there is none. Prediction and
-  /// residuals may follow x or stay. Searches and proposals use it and no ratio depends on it:
-  /// where the likelihood is a staircase in x_i, whose derivative is zero, give the slope across
-  /// the steps.
+  /// asked for before or not. False, whatever `out` then holds, where there is none. Searches and
+  /// proposals use it and no ratio depends on it: where the likelihood is a staircase in x_i, whose
+  /// derivative is zero, give the slope across the steps.
   virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
     return false;
   }
@@ -66,19 +102,6 @@ class Likelihood {
                             std::span<double> /*information*/) {
     return false;
   }
-
-  /// The predicted observables of the last call to log_likelihood, or empty: recorded for posterior
-  /// predictive checks and convergence of the responses.
-  [[nodiscard]] virtual std::span<const double> prediction() const { return {}; }
-
-  /// Standardised residuals (observed - predicted) / sd of the last call, or empty. Where they are
-  /// given, ln p(data | ·) = c - ½ Σ residual², up to a c that adding a component does not change,
-  /// and births can be proposed where they explain the residual.
-  [[nodiscard]] virtual std::span<const double> residuals() const { return {}; }
-
-  /// Where the noise is a parameter: the factor common to all sds of the last call, so that
-  /// residual · noise_scale does not depend on it. 1 for known noise.
-  [[nodiscard]] virtual double noise_scale() const { return 1.0; }
 };
 
 /// Makes one likelihood a thread; never null.
@@ -250,6 +273,7 @@ class Target {
  private:
   /// x and the prior's factor; false where the prior makes the state impossible.
   bool locate(State& state) const;
+  /// Fills in `evaluation_`; returns the checked log likelihood.
   double call(Likelihood& likelihood, Tally& tally, const State& state, double floor);
   double checked(double log_likelihood, Tally& tally, const State& state) const;
 
@@ -257,6 +281,7 @@ class Target {
   std::unique_ptr<Likelihood> likelihood_;
   std::unique_ptr<Likelihood> screen_;
   Memory memory_;
+  Evaluation evaluation_;  // scratch
   std::vector<double> batch_x_, batch_values_, batch_floors_;
 };
 

@@ -45,11 +45,12 @@ TEST(DamageProblem, LikelihoodIsTheContractsGaussian) {
     for (std::size_t i = 0; i < 3; ++i) {
       expected += log_normal_density(observed[i], f[i], 0.01 * observed[i]);
     }
-    EXPECT_NEAR(likelihood->log_likelihood(m, theta), expected, 1e-4 * std::abs(expected));
-    ASSERT_EQ(likelihood->residuals().size(), 3U);
+    const inference::Evaluation found = likelihood->evaluation(m, theta);
+    EXPECT_NEAR(found.log_likelihood, expected, 1e-4 * std::abs(expected));
+    ASSERT_EQ(found.residuals.size(), 3U);
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_NEAR(likelihood->prediction()[i], f[i], 2e-7 * f[i]);
-      EXPECT_NEAR(likelihood->residuals()[i], (observed[i] - f[i]) / (0.01 * observed[i]), 1e-4);
+      EXPECT_NEAR(found.prediction[i], f[i], 2e-7 * f[i]);
+      EXPECT_NEAR(found.residuals[i], (observed[i] - f[i]) / (0.01 * observed[i]), 1e-4);
     }
   }
 }
@@ -67,9 +68,9 @@ TEST(DamageProblem, InferredNoiseKeepsItsNormaliser) {
     for (std::size_t i = 0; i < 3; ++i) {
       expected += log_normal_density(observed[i], f[i], cv * observed[i]);
     }
-    EXPECT_NEAR(likelihood->log_likelihood(0, std::vector<double>{cv}), expected,
-                1e-4 * std::abs(expected));
-    EXPECT_EQ(likelihood->noise_scale(), cv);
+    const inference::Evaluation found = likelihood->evaluation(0, std::vector<double>{cv});
+    EXPECT_NEAR(found.log_likelihood, expected, 1e-4 * std::abs(expected));
+    EXPECT_EQ(found.noise_scale, cv);
   }
 }
 
@@ -98,28 +99,25 @@ TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
     if (inferred) x.insert(x.begin(), 0.02);
     const std::size_t o = inferred ? 1 : 0;
     std::vector<double> gradient(x.size());
-    (void)likelihood->log_likelihood(model, x);
-    const std::vector<double> f(likelihood->prediction().begin(), likelihood->prediction().end());
+    const std::vector<double> f = likelihood->evaluation(model, x).prediction;
     ASSERT_TRUE(likelihood->gradient(model, x, gradient));
     const auto at = [&](std::size_t j, double value) {
       std::vector<double> moved = x;
       moved[j] = value;
-      return likelihood->log_likelihood(model, moved);
+      return likelihood->evaluation(model, moved);
     };
     for (std::size_t j = 0; j < x.size(); ++j) {
       if (j == o || j == o + 2) continue;  // a damage's place
       const double h = 1e-4 * x[j];
-      const double expected = (at(j, x[j] + h) - at(j, x[j] - h)) / (2.0 * h);
+      const double expected =
+          (at(j, x[j] + h).log_likelihood - at(j, x[j] - h).log_likelihood) / (2.0 * h);
       EXPECT_NEAR(gradient[j], expected, 1e-5 * std::abs(expected) + 1e-8 / h) << j;
       EXPECT_NE(gradient[j], 0.0);
     }
     for (const std::size_t j : {o, o + 2}) {
       const double low = j == o ? 0.25 : 0.65;
-      std::vector<double> before, after;
-      (void)at(j, low);
-      before.assign(likelihood->prediction().begin(), likelihood->prediction().end());
-      (void)at(j, low + 0.2);
-      after.assign(likelihood->prediction().begin(), likelihood->prediction().end());
+      const std::vector<double> before = at(j, low).prediction;
+      const std::vector<double> after = at(j, low + 0.2).prediction;
       double expected = 0.0;
       for (const std::size_t i : {std::size_t{0}, std::size_t{2}}) {
         const double sd = p->noise().sd(i, inferred ? x[0] : 0.0, 0.0);
@@ -149,9 +147,10 @@ TEST(DamageProblem, ModesNotMeasuredAreLeftOut) {
   const auto f = elastic_frequencies(p->damage_case.beam, {}, 3);
   const double expected =
       log_normal_density(13.8, f[0], 0.138) + log_normal_density(124.0, f[2], 1.24);
-  EXPECT_NEAR(likelihood->log_likelihood(0, {}), expected, 1e-5);
-  EXPECT_EQ(likelihood->residuals().size(), 2U);
-  EXPECT_EQ(likelihood->prediction().size(), 3U);
+  const inference::Evaluation found = likelihood->evaluation(0, {});
+  EXPECT_NEAR(found.log_likelihood, expected, 1e-5);
+  EXPECT_EQ(found.residuals.size(), 2U);
+  EXPECT_EQ(found.prediction.size(), 3U);
 }
 
 TEST(DamageProblem, FreeFreePredictsElasticModes) {
@@ -165,10 +164,10 @@ TEST(DamageProblem, FreeFreePredictsElasticModes) {
   const auto likelihood = p->problem.likelihood();
   const auto check = [&](const std::vector<int>& counts, const std::vector<double>& theta,
                          const fem::Defects& defects) {
-    (void)likelihood->log_likelihood(p->problem.space.find(counts), theta);
+    const auto found = likelihood->evaluation(p->problem.space.find(counts), theta).prediction;
     const auto f = elastic_frequencies(p->damage_case.beam, defects, 3);
     for (std::size_t i = 0; i < 3; ++i) {
-      EXPECT_NEAR(likelihood->prediction()[i], f[i], 1e-6 * f[i]) << counts[0] << counts[1] << i;
+      EXPECT_NEAR(found[i], f[i], 1e-6 * f[i]) << counts[0] << counts[1] << i;
     }
   };
   check({0, 0}, {}, {});
@@ -223,19 +222,17 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
   input["predictor"]["symmetrise"] = true;  // what it is by default where the error counts
   const auto blind = problem(input);
   const auto with = aware->problem.likelihood(), without = blind->problem.likelihood();
-  (void)with->log_likelihood(1, theta);
-  const double naive = without->log_likelihood(1, theta);
+  const inference::Evaluation naive = without->evaluation(1, theta);
   double sum = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
-    const double f = without->prediction()[i],
-                 observed = input["data"]["frequencies"][i].get<double>();
+    const double f = naive.prediction[i], observed = input["data"]["frequencies"][i].get<double>();
     // Grown with the compliance that the damage adds, 0.3 / 0.7 of an element's (and 0.001).
     const double variance = aware->emulator->error(1).scale[i] * (0.3 / 0.7 + 1e-3);
     EXPECT_GT(variance, 0.0);
     sum += log_normal_density(observed, f, 0.01 * observed);
     expected += log_normal_density(observed, f, std::hypot(0.01 * observed, std::sqrt(variance)));
   }
-  EXPECT_NEAR(naive, sum, 1e-9);
+  EXPECT_NEAR(naive.log_likelihood, sum, 1e-9);
   EXPECT_NEAR(with->log_likelihood(1, theta), expected, 1e-9);
   EXPECT_EQ(with->log_likelihood(0, {}), without->log_likelihood(0, {})) << "intact is exact";
 }

@@ -41,11 +41,11 @@ TEST(Extent, IsAThirdParameterOfEachDamage) {
 
 TEST(Extent, PredictsAsOneThatIsKnown) {
   const auto unknown = extent_problem(with_extent(json::parse(R"({"uniform": [0.0, 0.5]})")));
-  FrequencyPredictor by_prior(*unknown);
+  StructuralPredictor by_prior(*unknown);
   std::vector<double> f(3), expected(3), narrow(3);
   for (const double extent : {0.03, 0.2, 0.37}) {
     const auto known = extent_problem(with_extent(extent));
-    FrequencyPredictor by_number(*known);
+    StructuralPredictor by_number(*known);
     by_prior.solve(1, std::vector<double>{0.42, 0.3, extent}, f);
     by_number.solve(1, std::vector<double>{0.42, 0.3}, expected);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_DOUBLE_EQ(f[i], expected[i]) << extent;
@@ -60,7 +60,7 @@ TEST(Extent, OfATruthIsSimulated) {
   c["data"] = {{"cov", 1e-9}, {"modes", 3}};
   c["damage"]["truth"] = {{{"location", 0.42}, {"reduction", 0.3}, {"extent", 0.2}}};
   const auto p = extent_problem(c);
-  FrequencyPredictor predictor(*p);
+  StructuralPredictor predictor(*p);
   std::vector<double> f(3);
   predictor.solve(1, std::vector<double>{0.42, 0.3, 0.2}, f);
   for (std::size_t i = 0; i < 3; ++i)

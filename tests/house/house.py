@@ -37,7 +37,7 @@ FOLDERS = {
     'inference': ['', 'statistics', 'mixtures', 'model', 'search', 'evidence', 'moves', 'moves/between_models',
                   'chains', 'diagnosis', 'exploration', 'engine'],
     'identification': ['', 'findings', 'emulation', 'structural', 'structural/defects', 'structural/likelihood', 'structural/forward',
-                       'structural/updating', 'structural/damage', 'sid/residuals', 'sid', 'sid/findings', 'modal'],
+                       'structural/problem', 'structural/updating', 'structural/damage', 'sid/residuals', 'sid', 'sid/findings', 'modal'],
     'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'text', 'remote', 'results', 'report',
              'runs', 'runs/sid', 'runs/batch', 'commands', 'cli'],
 }

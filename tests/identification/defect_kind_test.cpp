@@ -4,10 +4,12 @@
 
 #include <algorithm>
 
+#include "fem/structures/modes/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
 #include "identification/structural/damage/damage_findings.hpp"
 #include "identification/structural/defects/support.hpp"
 #include "tests/identification/cases.hpp"
+#include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {
 namespace {
@@ -63,7 +65,8 @@ TEST(DefectKind, ATypeOfOnesOwnIsFoundInABeam) {
   const auto likelihood = problem->problem.likelihood();
   const double at_truth = likelihood->log_likelihood(1, std::vector<double>{0.475, 0.5});
   EXPECT_GT(at_truth, likelihood->log_likelihood(1, std::vector<double>{0.675, 0.5}) + 2.0);
-  for (const double r : likelihood->residuals()) EXPECT_TRUE(std::isfinite(r));
+  for (const double r : likelihood->evaluation(1, std::vector<double>{0.675, 0.5}).residuals)
+    EXPECT_TRUE(std::isfinite(r));
   std::vector<double> slope(2);
   EXPECT_FALSE(likelihood->gradient(1, std::vector<double>{0.475, 0.5}, slope))
       << "its derivatives are not those of one damage";
@@ -74,6 +77,67 @@ TEST(DefectKind, ATypeOfOnesOwnIsFoundInABeam) {
   EXPECT_EQ(found.models[1].name, "1 twin crack");
   EXPECT_NEAR(found.models[1].find(0, 0, 0)->q50, 0.475, 0.1);
   EXPECT_NEAR(found.models[1].find(0, 0, 1)->q50, 0.5, 0.2);
+}
+
+// A member that has lost a share of its stiffness over half a metre and carries 100 kg of water
+// there for each tenth of it.
+const DefectType kSoaked = {
+    .name = "soaked",
+    .noun = "soaked stretch",
+    .several = "soaked stretches",
+    .severity = "reduction",
+    .severity_words = "stiffness lost",
+    .effect_words = "stiffness lost",
+    .percent = true,
+    .lower = 0.0,
+    .upper = 0.99,
+    .bounds_words = "a reduction lies in [0, 0.99)",
+    .unit = [](const DefectKind&) -> std::string_view { return ""; },
+    .place_in_structure =
+        [](const DefectKind&, const SiteLine::Spot& spot, double severity, StructureEffects& out) {
+          out.defects.reductions.push_back(
+              {spot.site, std::max(spot.s - 0.25, 0.0), spot.s + 0.25, severity});
+          out.defects.masses.push_back({spot.site, spot.s, 1000.0 * severity});
+        }};
+
+// The same of a frame: its frequencies are those of the frame so changed.
+TEST(DefectKind, ATypeOfOnesOwnIsFoundInAFrame) {
+  const fem::Structure frame = modal::portal(8);
+  const fem::Mesh mesh(frame);
+  DamageCase damage_case;
+  damage_case.structure = std::make_shared<const StructureModel>(StructureModel{.nominal = frame});
+  SiteLine line = SiteLine::of_members(mesh, {0, 1, 2});
+  const double truth = line.x_of(1, 1.3);
+  DefectKind kind{.type = &kSoaked,
+                  .name = "soaked stretch",
+                  .plural = "soaked stretches",
+                  .max_count = 1,
+                  .location = inference::Uniform{0.0, line.length()},
+                  .severity = inference::Prior(inference::Uniform{0.0, 0.9}),
+                  .truth = {{.location = truth, .severity = 0.4}}};
+  kind.line = std::move(line);
+  damage_case.kinds = {kind};
+  damage_case.simulation = Simulation{.modes = 4, .cv = 0.002, .seed = 1};
+  damage_case.data = simulate(damage_case, 1);
+
+  const auto problem = make_damage_problem(damage_case, {});
+  const auto likelihood = problem->problem.likelihood();
+  const inference::Evaluation at_truth = likelihood->evaluation(1, std::vector{truth, 0.4});
+  const fem::Discretisation changed = fem::changed(
+      mesh.discretisation(),
+      fem::change_of(mesh, {.reductions = {{1, 1.05, 1.55, 0.4}}, .masses = {{1, 1.3, 400.0}}}));
+  const fem::StructureModes modes = fem::structure_modes(changed, 4);
+  for (std::size_t i = 0; i < 4; ++i) {
+    const double f = modes.frequencies_hz[static_cast<Eigen::Index>(i)];
+    EXPECT_NEAR(at_truth.prediction[i], f, 1e-6 * f) << i;
+  }
+  EXPECT_GT(at_truth.log_likelihood, likelihood->log_likelihood(0, {}) + 2.0);
+
+  const auto posterior =
+      inference::reversible_jump(problem->problem, {.seed = 1, .warmup = 1000, .draws = 1000});
+  const DamageFindings found = damage_findings(*problem, posterior, {}, 1);
+  EXPECT_EQ(found.models[1].name, "1 soaked stretch");
+  EXPECT_GT(found.models[1].probability(), 0.9);
 }
 
 TEST(DefectKind, WhatCannotBeIsRefusedWithItsPlace) {

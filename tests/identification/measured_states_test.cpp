@@ -307,7 +307,7 @@ TEST(MeasuredStates, ARollerBeamForetellsOtherPlaces) {
   for (const auto& p : found.models[0].parameters)
     std::printf("  %-14s %.5g ± %.2g\n", p.unknown.label.c_str(), p.estimate.mean, p.estimate.sd);
   ASSERT_EQ(found.predictions.size(), 4U);
-  for (const Prediction& p : found.predictions) {
+  for (const PredictedMode& p : found.predictions) {
     std::printf("  %s, mode %d: %.3f Hz, %.3f to %.3f, measured %.3f (%+.2f %%)\n", p.state.c_str(),
                 p.mode, p.frequency_hz.q50, p.low_hz, p.high_hz, *p.measured_hz,
                 100.0 * (p.frequency_hz.q50 / *p.measured_hz - 1.0));

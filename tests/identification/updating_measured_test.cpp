@@ -40,7 +40,7 @@ void report(const UpdateFindings& found) {
   for (const auto& p : found.models[0].parameters)
     std::printf("  %-12s %.5g ± %.2g\n", p.unknown.label.c_str(), p.estimate.mean, p.estimate.sd);
   std::printf("  p %.2g, of the best draw %.2g\n", found.fit.p, found.fit.best_p);
-  for (const Prediction& p : found.predictions)
+  for (const PredictedMode& p : found.predictions)
     std::printf("  mode %d: %.4f to %.4f Hz, measured %.4f\n", p.mode, p.low_hz, p.high_hz,
                 p.measured_hz.value_or(0.0));
 }
@@ -145,7 +145,7 @@ TEST(UpdatingMeasured, AnInferredDiscrepancyWidensTheBandOfEighteenStoreys) {
   update_case.data.shape_discrepancy.prior = inference::LogUniform{1e-3, 0.5};
   const UpdateFindings found = updated(update_case);
   report(found);
-  const Prediction& p = found.predictions[0];
+  const PredictedMode& p = found.predictions[0];
   EXPECT_TRUE(!p.misses() || p.useless() || !found.fit.ok());
 }
 

@@ -156,8 +156,10 @@ class EarlyRejecting final : public Likelihood {
     ++early_;
     return -std::numeric_limits<double>::infinity();
   }
-  [[nodiscard]] std::span<const double> prediction() const override { return exact_->prediction(); }
-  [[nodiscard]] std::span<const double> residuals() const override { return exact_->residuals(); }
+  void evaluate(double floor, int model, std::span<const double> x, Evaluation& out) override {
+    out = exact_->evaluation(model, x);
+    if (!(out.log_likelihood >= floor)) out.log_likelihood = log_likelihood_above(floor, model, x);
+  }
 
  private:
   std::unique_ptr<Likelihood> exact_;

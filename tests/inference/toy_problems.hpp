@@ -41,8 +41,9 @@ class BumpLikelihood : public Likelihood {
     }
     return sum;
   }
-  [[nodiscard]] std::span<const double> prediction() const override { return y_; }
-  [[nodiscard]] std::span<const double> residuals() const override { return r_; }
+  void evaluate(double, int model, std::span<const double> x, Evaluation& out) override {
+    out = {.log_likelihood = log_likelihood(model, x), .prediction = y_, .residuals = r_};
+  }
 
  private:
   std::vector<double> data_;

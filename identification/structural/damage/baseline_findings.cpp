@@ -73,7 +73,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
   std::vector<std::vector<double>> all;  // z of each parameter
   std::vector<double> weights;
   draws.for_each([&](std::size_t c, std::size_t i) { weights.push_back(draws.weight(c, i)); });
-  for (int p = problem.scatters; p < problem.common; ++p) {
+  for (int p = problem.first_theta; p < problem.first_theta + problem.structural; ++p) {
     const inference::Prior& prior = space.prior(0, p);
     std::vector<double> x, z;
     draws.for_each([&](std::size_t c, std::size_t i) {

@@ -1,7 +1,6 @@
 #include "identification/structural/damage/damage_findings.hpp"
 
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <limits>
 #include <numeric>
@@ -208,7 +207,6 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   const Posterior& posterior = draws.posterior();
   const auto modes = static_cast<std::size_t>(data.modes());
   if (posterior.predictions != data.modes()) return {};
-  const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto prediction = [&](std::size_t c, std::size_t i, std::size_t mode) {
     return static_cast<double>(posterior.chains[c].prediction[i * modes + mode]);
   };
@@ -221,7 +219,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   if (problem.by_modes()) stride = std::max(1L, all / kSolved);  // each is solved again
   // Of those visited, so many are remembered mode by mode.
   const long kept_every = stride * std::max(1L, all / (stride * kKept));
-  FrequencyPredictor by_shapes(problem);
+  StructuralPredictor by_shapes(problem);
   ModeObservation::Scored scored;
   const ModalLikelihood::Score& score = scored.score;
   long visited = 0;
@@ -229,7 +227,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   std::vector<double> mean_residual(modes), spurious(modes), densities(modes);
   SingleModes single(problem);
   draws.for_each([&](std::size_t c, std::size_t i) {
-    const std::span<const double> x(posterior.chains[c].theta.data() + i * width, width);
+    const std::span<const double> x = posterior.theta(c, i);
     const auto variances = emulator_error.next(posterior.chains[c].model[i], x);
     if (visited++ % stride != 0) return;
     const double weight = draws.weight(c, i);
@@ -245,8 +243,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     }
     if (problem.by_modes()) {
       if (!by_shapes.score(posterior.chains[c].model[i], x, scored)) return;
-      mean_p +=
-          weight * boost::math::gamma_q(0.5 * std::max(score.freedoms, 1), 0.5 * score.chi_square);
+      mean_p += weight * chi_square_tail(std::max(score.freedoms, 1), score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
       // In units of all that they may be off by: what the model leaves out is a part of it.
@@ -264,7 +261,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     } else {
       if ((visited - 1) % kept_every == 0)
         single.pass(posterior.chains[c].model[i], weight, densities);
-      mean_p += weight * boost::math::gamma_q(0.5 * data.measured(), 0.5 * squares);
+      mean_p += weight * chi_square_tail(data.measured(), squares);
     }
     weight_seen += weight;
   });
@@ -281,19 +278,15 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
       remarks.push_back(remark::SpuriousMode{.mode = static_cast<int>(mode) + 1,
                                              .hz = data.frequencies_hz[mode],
                                              .probability = doubted});
+    const StructuralProblem::Row row = problem.row(static_cast<int>(mode));
     out.modes.push_back({.observed = data.frequencies_hz[mode],
                          .sd = measured && !data.sd_hz.empty() ? data.sd_hz[mode] : kNaN,
                          .mean = predicted.mean,
                          .q2_5 = predicted.q2_5,
                          .q97_5 = predicted.q97_5,
                          .standardised_residual = measured ? residual : kNaN,
-                         .state = {},
-                         .mode = static_cast<int>(mode) + 1});
-    if (const StatesLikelihood* states = problem.states()) {
-      const auto place = states->place(static_cast<int>(mode));
-      out.modes.back().state = states->states().list[static_cast<std::size_t>(place.state)].name;
-      out.modes.back().mode = place.mode + 1;
-    }
+                         .state = row.state,
+                         .mode = row.mode});
     if (measured && std::abs(residual) > 3.0 && doubted < 0.5)
       off.push_back(static_cast<int>(mode) + 1);
   }
@@ -327,11 +320,9 @@ void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>
     if (std::ranges::any_of(model.counts, [](int n) { return n > 0; }))
       damaged += model.probability();
   const Posterior& posterior = draws.posterior();
-  const auto width = static_cast<std::size_t>(posterior.dimension);
   double sum = 0.0, weights = 0.0;
   draws.for_each([&](std::size_t c, std::size_t i) {
-    sum += draws.weight(c, i) *
-           problem.modal_noise({posterior.chains[c].theta.data() + i * width, width}).discrepancy;
+    sum += draws.weight(c, i) * problem.modal_noise(posterior.theta(c, i)).discrepancy;
     weights += draws.weight(c, i);
   });
   if (damaged > 0.5 && sum > kOff * weights)
@@ -415,17 +406,17 @@ void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
 
 EmulatorVariances::EmulatorVariances(const DamageProblem& problem)
     : stride_(emulator_stride(problem)),
-      ignored_(static_cast<std::size_t>(problem.damage_case.data.modes())),
       last_(static_cast<std::size_t>(problem.problem.space.size())) {
-  if (problem.emulator && !problem.exact()) predictor_.emplace(problem);
+  predicted_.frequencies_hz.resize(static_cast<std::size_t>(problem.rows()));
+  if (problem.emulator && !problem.exact()) predictor_.emplace(problem, *problem.emulated);
 }
 
 std::span<const double> EmulatorVariances::next(int model, std::span<const double> x) {
   if (!predictor_) return {};
   std::vector<double>& variance = last_[static_cast<std::size_t>(model)];
   if (visited_++ % stride_ == 0 || variance.empty()) {
-    variance.resize(ignored_.size());
-    predictor_->emulate(model, x, ignored_, variance);
+    predictor_->predict(model, x, ForwardModel::Quantity::frequencies, predicted_);
+    variance = predicted_.error_variance;
   }
   return variance;
 }

@@ -132,9 +132,9 @@ class EmulatorVariances {
   [[nodiscard]] std::span<const double> next(int model, std::span<const double> x);
 
  private:
-  std::optional<FrequencyPredictor> predictor_;
+  std::optional<StructuralPredictor> predictor_;
   long stride_, visited_ = 0;
-  std::vector<double> ignored_;
+  Prediction predicted_;
   std::vector<std::vector<double>> last_;  // of each model
 };
 

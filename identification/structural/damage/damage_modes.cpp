@@ -60,14 +60,9 @@ void SingleModes::tell(int winner, FitFinding& out) const {
 }
 
 std::vector<ShapesBeside> best_shapes(const DamageProblem& problem, const Posterior& posterior) {
-  std::size_t chain = 0, draw = 0;
-  for (std::size_t c = 0; c < posterior.chains.size(); ++c)
-    for (std::size_t i = 0; i < posterior.chains[c].model.size(); ++i)
-      if (posterior.chains[c].log_likelihood[i] > posterior.chains[chain].log_likelihood[draw])
-        chain = c, draw = i;
-  const auto width = static_cast<std::size_t>(posterior.dimension);
-  const std::span<const double> x(posterior.chains[chain].theta.data() + draw * width, width);
-  FrequencyPredictor predictor(problem);
+  const auto [chain, draw] = posterior.best_draw();
+  const std::span<const double> x = posterior.theta(chain, draw);
+  StructuralPredictor predictor(problem);
   ModeObservation::Scored scored;
   if (!predictor.score(posterior.chains[chain].model[draw], x, scored)) return {};
   std::vector<ShapesBeside> out;

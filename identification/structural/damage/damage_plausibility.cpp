@@ -30,17 +30,14 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
   const FrequencyData& data = problem.damage_case.data;
   const auto& space = problem.problem.space;
   const auto modes = static_cast<std::size_t>(data.modes());
-  FrequencyPredictor predictor(problem);
-  std::vector<PriorRange> predicted(modes);
-  std::vector<double> f(modes), ignored(modes);
   // A model of someone else's is asked no more than it must be.
-  const bool emulated = problem.program() != nullptr && problem.emulator && !problem.exact();
+  StructuralPredictor predictor(
+      problem, problem.program() != nullptr ? problem.predicting() : *problem.model);
+  std::vector<PriorRange> predicted(modes);
+  std::vector<double> f(modes);
   for (int i = 0; i < kPriorDraws; ++i) {
     const int m = i % space.size();
-    if (emulated)
-      predictor.emulate(m, prior_draw(space, m, i), f, ignored);
-    else
-      predictor.solve(m, prior_draw(space, m, i), f);
+    predictor.solve(m, prior_draw(space, m, i), f);
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isfinite(f[mode])) predicted[mode].take(f[mode]);
     }

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 
 #include "identification/findings/marginal.hpp"
 #include "inference/evidence/importance_sampling.hpp"
@@ -49,7 +50,6 @@ std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
   // Without the likelihood there is nothing that an emulator could move.
   if (!problem.emulator || problem.exact() || posterior.likelihood_evaluations == 0) return {};
   const FrequencyData& data = problem.damage_case.data;
-  const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto modes = static_cast<std::size_t>(data.modes());
   const auto all = static_cast<std::size_t>(posterior.draws) * posterior.chains.size();
   const std::size_t stride = std::max<std::size_t>(1, all / static_cast<std::size_t>(most));
@@ -57,23 +57,25 @@ std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
   std::vector<Checked> draws;
   const std::vector<double> of_model = model_weights(posterior);
   std::vector<double> log_weights, squares(modes, 0.0), largest(modes, 0.0);
-  FrequencyPredictor predictor(problem);
+  StructuralPredictor predictor(problem, *problem.emulated);
   const NoiseModel noise_model = problem.noise();
-  std::vector<double> emulated(modes), ignored(modes);
+  std::vector<double> emulated(modes);
+  inference::Evaluation fe;
   long compared = 0;
   for (std::size_t n = 0; n < all; n += stride) {
     const auto& chain = posterior.chains[n / static_cast<std::size_t>(posterior.draws)];
     const std::size_t i = n % static_cast<std::size_t>(posterior.draws);
-    const std::span<const double> x(chain.theta.data() + i * width, width);
-    const double log_fe = likelihood->log_likelihood(chain.model[i], x);
+    const std::span<const double> x =
+        posterior.theta(n / static_cast<std::size_t>(posterior.draws), i);
+    likelihood->evaluate(-std::numeric_limits<double>::infinity(), chain.model[i], x, fe);
     draws.push_back({chain.model[i], x, of_model[static_cast<std::size_t>(chain.model[i])], 0.0});
-    log_weights.push_back(log_fe - chain.log_likelihood[i]);
+    log_weights.push_back(fe.log_likelihood - chain.log_likelihood[i]);
     if (problem.problem.space[chain.model[i]].counts[0] == 0) continue;
     ++compared;
-    predictor.emulate(chain.model[i], x, emulated, ignored);
+    predictor.solve(chain.model[i], x, emulated);
     for (std::size_t mode = 0; mode < modes; ++mode) {
       if (std::isnan(data.frequencies_hz[mode])) continue;
-      const double error = emulated[mode] - likelihood->prediction()[mode];
+      const double error = emulated[mode] - fe.prediction[mode];
       const double noise = noise_model.sd(mode, noise_model.cv(x), 0.0);
       squares[mode] += error * error / (noise * noise);
       largest[mode] = std::max(largest[mode], std::abs(error) / noise);

@@ -272,7 +272,7 @@ std::optional<MergedFinding> merged_damages(const UnpackedDraws& draws,
   const DamageProblem& problem = draws.problem();
   const auto at = static_cast<std::size_t>(kind);
   const DefectKind& of = problem.damage_case.kinds[at];
-  if (!has_fixed_extent(of) || problem.program() != nullptr) return {};
+  if (!has_fixed_extent(of) || !problem.as_case) return {};
   const auto matters = [&](const ModelFinding& model) {
     return model.counts[at] > 1 && model.drawn() && model.probability() > kImprobable;
   };

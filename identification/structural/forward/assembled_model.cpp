@@ -25,14 +25,22 @@ class AssembledModel::AssembledSolver final : public Solver {
         all_(model.modes_),
         shapes_(model.modes_ * model.motions_.size()) {}
 
-  bool frequencies(const std::vector<PlacedDefect>& defects, std::span<double> out) override {
+  bool predict(std::span<const double> /*theta*/, const std::vector<PlacedDefect>& defects,
+               Quantity quantity, Prediction& out) override {
+    if (quantity == Quantity::slopes) return false;
+    if (quantity == Quantity::modes) {
+      out.modes.resize(1);
+      return solve_modes(defects, out.modes[0]);
+    }
     if (!solve(defects, {.frequencies_hz = all_})) return false;
     const std::size_t first = first_elastic(all_, model_.rigid_);
-    std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());
+    std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), out.frequencies_hz.size(),
+                out.frequencies_hz.begin());
     return true;
   }
 
-  bool modes(const std::vector<PlacedDefect>& defects, fem::ParametricModes::Modes& out) override {
+ private:
+  bool solve_modes(const std::vector<PlacedDefect>& defects, fem::ParametricModes::Modes& out) {
     if (!solve(defects, {.frequencies_hz = all_, .shapes = shapes_, .motions = model_.motions_}))
       return false;
     const std::size_t first = first_elastic(all_, model_.rigid_);
@@ -49,7 +57,6 @@ class AssembledModel::AssembledSolver final : public Solver {
     return true;
   }
 
- private:
   bool solve(const std::vector<PlacedDefect>& defects,
              const fem::StructureReanalysis::Results& results) {
     try {

@@ -23,15 +23,18 @@ class BeamModel::BeamSolver final : public Solver {
         workspace_(model.reanalysis_.make_workspace()),
         all_(model.modes_ + model.rigid_) {}
 
-  bool frequencies(const std::vector<PlacedDefect>& defects, std::span<double> out) override {
+  bool predict(std::span<const double> /*theta*/, const std::vector<PlacedDefect>& defects,
+               Quantity quantity, Prediction& out) override {
+    if (quantity == Quantity::modes) return false;
+    if (quantity == Quantity::slopes) return differentiate(defects, out);
     place_in_beam(model_.kinds_, defects, placed_);
     model_.reanalysis_.frequencies_hz(placed_.damages, placed_.supports, workspace_, all_);
-    copy_elastic(out);
+    copy_elastic(out.frequencies_hz);
     return true;
   }
 
-  bool differentiate(const std::vector<PlacedDefect>& defects, std::span<double> out,
-                     Slopes& slopes) override {
+ private:
+  bool differentiate(const std::vector<PlacedDefect>& defects, Prediction& out) {
     for (const DefectKind& kind : model_.kinds_)
       if (!kind.type->is_elementary) return false;
     place_in_beam(model_.kinds_, defects, placed_);
@@ -52,9 +55,9 @@ class BeamModel::BeamSolver final : public Solver {
                                        {.modes = static_cast<int>(n),
                                         .damages_hz_m = along_damages_,
                                         .supports_hz_m = along_supports_});
-    const std::size_t first = copy_elastic(out);
-    slopes.by_location.resize(out.size() * defects.size());
-    slopes.by_severity.resize(out.size() * defects.size());
+    const std::size_t first = copy_elastic(out.frequencies_hz), wanted = out.frequencies_hz.size();
+    out.by_location.resize(wanted * defects.size());
+    out.by_severity.resize(wanted * defects.size());
     // Each defect is one damage or one support, in the order of `defects`.
     std::size_t damage = 0, support = 0;
     for (std::size_t d = 0; d < defects.size(); ++d) {
@@ -65,15 +68,14 @@ class BeamModel::BeamSolver final : public Solver {
       const std::size_t at = is_damage ? damage++ : support++, of = is_damage ? damages : supports;
       const std::vector<double>& along = is_damage ? along_damages_ : along_supports_;
       const std::vector<double>& by = is_damage ? by_reduction_ : by_stiffness_;
-      for (std::size_t i = 0; i < out.size(); ++i) {
-        slopes.by_location[i * defects.size() + d] = along[(first + i) * of + at];
-        slopes.by_severity[i * defects.size() + d] = by[(first + i) * of + at];
+      for (std::size_t i = 0; i < wanted; ++i) {
+        out.by_location[i * defects.size() + d] = along[(first + i) * of + at];
+        out.by_severity[i * defects.size() + d] = by[(first + i) * of + at];
       }
     }
     return true;
   }
 
- private:
   std::size_t copy_elastic(std::span<double> out) const {
     const std::size_t first = first_elastic(all_, model_.rigid_);
     std::copy_n(all_.begin() + static_cast<std::ptrdiff_t>(first), out.size(), out.begin());

@@ -1,37 +1,35 @@
-// What measured modes, which are matched and not numbered, say of a structure with defects.
+// What measured modes, which are matched and not numbered, say of a structure.
 #pragma once
 
 #include <memory>
 #include <span>
+#include <utility>
 #include <vector>
 
-#include "identification/structural/forward/forward_model.hpp"
-#include "identification/structural/likelihood/modal_likelihood.hpp"
+#include "identification/structural/forward/observation.hpp"
 #include "identification/structural/likelihood/states_likelihood.hpp"
+#include "identification/structural/likelihood/unknown_scatters.hpp"
 
 namespace wheeltap::identification {
 
-/// Of one structure, or of several states of one. Immutable: threads share it, each with a solver
-/// of its own, which refers to it.
-class ModeObservation {
+/// Of one structure, or of several states of one.
+class ModeObservation : public Observation {
  public:
-  virtual ~ModeObservation() = default;
+  explicit ModeObservation(UnknownScatters scatters) : scatters_(std::move(scatters)) {}
 
   /// Modes of each state, and how the measured ones match them.
-  struct Scored {
-    std::vector<fem::ParametricModes::Modes> modes = {};
+  struct Scored : Prediction {
     ModalLikelihood::Score score = {};
   };
 
-  class Solver {
-   public:
-    virtual ~Solver() = default;
-    /// `theta`: of the intact structure, where it has parameters. False where there is no such
-    /// structure.
-    virtual bool score(std::span<const double> theta, const std::vector<PlacedDefect>& defects,
-                       const ModalNoise& noise, Scored& out) = 0;
-  };
-  [[nodiscard]] virtual std::unique_ptr<Solver> make_solver() const = 0;
+  [[nodiscard]] const UnknownScatters& scatters() const { return scatters_; }
+  [[nodiscard]] std::vector<inference::Parameter> parameters() const override {
+    return scatters_.parameters();
+  }
+  double log_density(const Prediction& predicted, std::span<const double> noise,
+                     inference::Evaluation& out) const override;
+  /// The same with the errors of the prediction, where it has some, in place of those of `noise`.
+  [[nodiscard]] ModalLikelihood::Score score(const Prediction& predicted, ModalNoise noise) const;
 
   /// All measured modes in a row.
   [[nodiscard]] virtual const ModalData& data() const = 0;
@@ -47,18 +45,35 @@ class ModeObservation {
                                                               const ModalNoise& /*noise*/) const {
     return {};
   }
-  /// As ForwardModel has it, at parameters of the intact structure that are no special place.
-  [[nodiscard]] virtual ForwardModel::AllFrequencies all_frequencies() const = 0;
   /// Null, or the likelihood of several states.
   [[nodiscard]] virtual const StatesLikelihood* several_states() const { return nullptr; }
+
+ private:
+  [[nodiscard]] virtual ModalLikelihood::Score score_modes(
+      const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise) const = 0;
+
+  UnknownScatters scatters_;
 };
 
-/// Modes of one structure, which `model` predicts at the sensors of `data`.
-[[nodiscard]] std::shared_ptr<const ModeObservation> observe_structure(
-    std::shared_ptr<const ForwardModel> model, const ModalData& data);
+/// Modes of one structure. Throws as ModalLikelihood does.
+[[nodiscard]] std::shared_ptr<const ModeObservation> observe_structure(const ModalData& data,
+                                                                       UnknownScatters scatters);
 
-/// Modes of several states. Throws as StatesLikelihood does.
+/// Modes of several states.
 [[nodiscard]] std::shared_ptr<const ModeObservation> observe_states(
-    std::shared_ptr<const ObservedStates> states, std::vector<DefectKind> kinds);
+    std::shared_ptr<const StatesLikelihood> likelihood, UnknownScatters scatters);
+
+/// What predicts them.
+class StatesModel final : public ForwardModel {
+ public:
+  explicit StatesModel(std::shared_ptr<const StatesLikelihood> states)
+      : states_(std::move(states)) {}
+
+  [[nodiscard]] std::unique_ptr<Solver> make_solver() const override;
+  [[nodiscard]] AllFrequencies all_frequencies() const override;
+
+ private:
+  std::shared_ptr<const StatesLikelihood> states_;
+};
 
 }  // namespace wheeltap::identification

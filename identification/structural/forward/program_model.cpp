@@ -9,7 +9,9 @@ class ProgramModel::ProgramSolver final : public Solver {
  public:
   explicit ProgramSolver(const ProgramModel& model) : model_(model) {}
 
-  bool frequencies(const std::vector<PlacedDefect>& defects, std::span<double> out) override {
+  bool predict(std::span<const double> /*theta*/, const std::vector<PlacedDefect>& defects,
+               Quantity quantity, Prediction& out) override {
+    if (quantity != Quantity::frequencies) return false;
     std::vector<PlacedDefect> present = defects;
     std::ranges::sort(present, [](const PlacedDefect& a, const PlacedDefect& b) {
       return std::tie(a.kind, a.location) < std::tie(b.kind, b.location);
@@ -27,7 +29,7 @@ class ProgramModel::ProgramSolver final : public Solver {
         inputs.insert(inputs.end(), numbers, numbers + (kind.extent_prior ? 3 : 2));
       }
     }
-    model_.model_->evaluate(inputs, out);
+    model_.model_->evaluate(inputs, out.frequencies_hz);
     return true;
   }
 

@@ -1,6 +1,7 @@
 #include "identification/structural/likelihood/mode_contributions.hpp"
 
 #include <algorithm>
+#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <numbers>
 
@@ -70,6 +71,11 @@ WithoutMode without_mode(std::span<const double> log_density, std::span<const do
   out.information = std::max(0.0, mean / all - least + std::log(sum / all));
   out.reliable = sum * sum / squares >= kFewDraws;
   return out;
+}
+
+double chi_square_tail(double freedoms, double chi_square) {
+  return freedoms > 0.0 ? boost::math::gamma_q(0.5 * freedoms, 0.5 * std::max(0.0, chi_square))
+                        : 1.0;
 }
 
 ShapesBeside shapes_beside(const ModalLikelihood& likelihood,

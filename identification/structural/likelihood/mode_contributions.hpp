@@ -35,6 +35,9 @@ struct WithoutMode {
 [[nodiscard]] WithoutMode without_mode(std::span<const double> log_density,
                                        std::span<const double> weights = {});
 
+/// P(χ² with so many degrees of freedom > `chi_square`); 1 without any.
+[[nodiscard]] double chi_square_tail(double freedoms, double chi_square);
+
 /// Measured shapes of one state beside those of the model.
 struct ShapesBeside {
   int state = 0;

@@ -1,7 +1,6 @@
 #include "identification/structural/updating/update_findings.hpp"
 
 #include <algorithm>
-#include <boost/math/special_functions/gamma.hpp>
 #include <cmath>
 #include <limits>
 #include <map>
@@ -23,19 +22,6 @@ using inference::Posterior;
 /// Draws that are looked at again, with their shapes.
 constexpr std::size_t kExamined = 2000;
 
-double tail(double freedoms, double chi_square) {
-  return freedoms > 0.0 ? boost::math::gamma_q(0.5 * freedoms, 0.5 * std::max(0.0, chi_square))
-                        : 1.0;
-}
-
-std::size_t width_of(const Posterior& posterior) {
-  return static_cast<std::size_t>(posterior.dimension);
-}
-std::span<const double> draw_of(const Posterior& posterior, std::size_t chain, std::size_t i) {
-  const std::size_t width = width_of(posterior);
-  return {posterior.chains[chain].theta.data() + i * width, width};
-}
-
 /// Draws in standard normal coordinates, one a row: all of them, of more than a million
 /// every n-th.
 MatrixXd coordinates(const UpdateProblem& problem, const Posterior& posterior) {
@@ -49,7 +35,7 @@ MatrixXd coordinates(const UpdateProblem& problem, const Posterior& posterior) {
   Index row = 0;
   for (std::size_t c = 0; c < posterior.chains.size(); ++c)
     for (std::size_t i = 0; i < posterior.chains[c].size(); i += step, ++row) {
-      const auto x = draw_of(posterior, c, i);
+      const auto x = posterior.theta(c, i);
       for (Index p = 0; p < z.cols(); ++p)
         z(row, p) = std::clamp(
             space.prior(0, static_cast<int>(p)).to_standard_normal(x[static_cast<std::size_t>(p)]),
@@ -74,7 +60,7 @@ void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
     std::vector<double> x;
     for (std::size_t chain = 0; chain < posterior.chains.size(); ++chain)
       for (std::size_t i = 0; i < posterior.chains[chain].size(); ++i)
-        x.push_back(draw_of(posterior, chain, i)[static_cast<std::size_t>(p)]);
+        x.push_back(posterior.theta(chain, i)[static_cast<std::size_t>(p)]);
     using Bound = Contraction::Bound;
     c.bound = bound_of(prior, x);
     if (c.bound != Bound::none)
@@ -119,29 +105,27 @@ struct Examined {
 
 Examined examine(const UpdateProblem& problem, const Posterior& posterior, UpdateFindings& out) {
   Examined seen;
-  ModePredictor predictor(problem);
+  StructuralPredictor predictor(problem);
+  ModeObservation::Scored scored;
   const auto add = [&](std::span<const double> x) {
-    if (!predictor.solve(x)) return;
+    if (!predictor.score(0, x, scored)) return;
+    const fem::ParametricModes::Modes& modes = scored.modes.back();
     seen.x.emplace_back(x.begin(), x.end());
-    seen.scores.push_back(predictor.score(x));
-    seen.log_likelihood.push_back(seen.scores.back().log_likelihood);
-    seen.frequencies_hz.emplace_back(predictor.modes().eigenvalues.cwiseSqrt() / (2.0 * M_PI));
-    out.in_full += problem.basis() != nullptr && predictor.modes().in_full &&
-                   !problem.basis()->training().complete;
+    seen.scores.push_back(scored.score);
+    seen.log_likelihood.push_back(scored.score.log_likelihood);
+    seen.frequencies_hz.emplace_back(modes.eigenvalues.cwiseSqrt() / (2.0 * M_PI));
+    out.in_full +=
+        problem.basis() != nullptr && modes.in_full && !problem.basis()->training().complete;
   };
   const std::size_t chains = posterior.chains.size(), draws = posterior.chains[0].model.size();
   const std::size_t stride = std::max<std::size_t>(1, chains * draws / kExamined);
-  std::size_t best_chain = 0, best_draw = 0;
   for (std::size_t c = 0; c < chains; ++c)
-    for (std::size_t i = 0; i < posterior.chains[c].model.size(); ++i) {
-      if (i % stride == 0) add(draw_of(posterior, c, i));
-      if (posterior.chains[c].log_likelihood[i] >
-          posterior.chains[best_chain].log_likelihood[best_draw])
-        best_chain = c, best_draw = i;
-    }
+    for (std::size_t i = 0; i < posterior.chains[c].model.size(); i += stride)
+      add(posterior.theta(c, i));
   out.examined = static_cast<int>(seen.x.size());
   // The best of all draws, last: it counts in no average.
-  add(draw_of(posterior, best_chain, best_draw));
+  const auto [chain, draw] = posterior.best_draw();
+  add(posterior.theta(chain, draw));
   seen.best = seen.x.size() - 1;
   return seen;
 }
@@ -195,9 +179,9 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
     const auto m = static_cast<std::size_t>(i);
     ModeFinding f{.mode = i + 1, .measured_hz = data.frequencies_hz[m], .sd_hz = kNaN};
     if (problem.states() != nullptr) {
-      const auto place = problem.states()->place(i);
-      f.state = problem.states()->states().list[static_cast<std::size_t>(place.state)].name;
-      f.mode_of_state = place.mode + 1;
+      StructuralProblem::Row row = problem.row(i);
+      f.state = std::move(row.state);
+      f.mode_of_state = row.mode;
     }
     const auto match = [&](std::size_t s) -> const auto& {
       return seen.scores[s].matches[m];
@@ -225,7 +209,7 @@ void judge_modes(const UpdateProblem& problem, const Examined& seen, UpdateFindi
       double p = 0.0;
       for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
         f.shape_chi_square += match(s).shape->chi_square / out.examined;
-        p += tail(f.shape_freedoms, match(s).shape->chi_square) / out.examined;
+        p += chi_square_tail(f.shape_freedoms, match(s).shape->chi_square) / out.examined;
       }
       f.shape_p = p;
     }
@@ -248,15 +232,14 @@ void judge_update_fit(const UpdateProblem& problem, const Examined& seen, Update
       numbers = score.freedoms;
     }
     if (s < static_cast<std::size_t>(out.examined))
-      fit.p += tail(score.freedoms, score.chi_square) / out.examined;
+      fit.p += chi_square_tail(score.freedoms, score.chi_square) / out.examined;
   }
   // Parameters that the data move, each its share of one.
   double used = 0.0;
   for (int p = 0; p < problem.structural; ++p)
     used += std::clamp(out.contractions[static_cast<std::size_t>(p)].contraction, 0.0, 1.0);
-  const bool known = problem.cov < 0 && problem.shape_sd < 0 && problem.discrepancy < 0 &&
-                     problem.shape_discrepancy < 0 && problem.mixing < 0;
-  if (known && numbers - used >= 1.0) fit.best_p = tail(numbers - used, least);
+  const bool known = problem.modes().scatters().parameters().empty();
+  if (known && numbers - used >= 1.0) fit.best_p = chi_square_tail(numbers - used, least);
   double rest = 0.0, spread = 0.0, mean = 0.0, count = 0.0;
   const auto counts = [](const ModeFinding& m) {
     return !std::isnan(m.measured_hz) && m.spurious < 0.5;
@@ -271,7 +254,7 @@ void judge_update_fit(const UpdateProblem& problem, const Examined& seen, Update
     spread += std::pow(m.measured_hz - mean, 2);
   }
   fit.r2 = count >= 2.0 && spread > 0.0 ? 1.0 - rest / spread : kNaN;
-  for (const Prediction& p : out.predictions)
+  for (const PredictedMode& p : out.predictions)
     if (p.misses()) fit.missed.push_back(p.mode);
 }
 
@@ -313,6 +296,25 @@ Conditional conditional(const UpdateProblem& problem, const ModalLikelihood::Sco
   return out;
 }
 
+/// Of the measured frequencies, relative, on average.
+double relative_variance(const ModalData& data, const MatrixXd& covariance) {
+  double sum = 0.0, count = 0.0;
+  for (int i = 0; i < data.modes(); ++i)
+    if (const double f = data.frequencies_hz[static_cast<std::size_t>(i)]; !std::isnan(f))
+      sum += covariance(i, i) / (f * f), ++count;
+  return sum / std::max(1.0, count);
+}
+
+/// The band of replicates of a mode, and what was held out of `data` of it.
+void set_band(std::vector<double>& replicates, const ModalData& data, std::size_t mode,
+              PredictedMode& p) {
+  std::ranges::sort(replicates);
+  p.low_hz = quantile(replicates, 0.025);
+  p.high_hz = quantile(replicates, 0.975);
+  if (mode < data.held_out_hz.size() && !std::isnan(data.held_out_hz[mode]))
+    p.measured_hz = data.held_out_hz[mode];
+}
+
 /// Modes of states in which no frequency was measured, as well known as the others are on average.
 void predict_states(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
                     UpdateFindings& out) {
@@ -320,33 +322,23 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
     if (!std::isnan(out.modes[m].measured_hz) || out.modes[m].has_shape) continue;
     const auto place = problem.states()->place(static_cast<int>(m));
-    Prediction p{.mode = place.mode + 1, .state = out.modes[m].state};
+    PredictedMode p{.mode = place.mode + 1, .state = out.modes[m].state};
     std::vector<double> means, replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
       ModalNoise noise = problem.noise(seen.x[s]);
       const Conditional error = conditional(problem, seen.scores[s], noise, m);
       noise.discrepancy = 0.0;
-      const MatrixXd covariance = problem.covariance(noise);
-      double relative = 0.0, count = 0.0;
-      for (int i = 0; i < data.modes(); ++i)
-        if (const double f = data.frequencies_hz[static_cast<std::size_t>(i)]; !std::isnan(f))
-          relative += covariance(i, i) / (f * f), ++count;
+      const double relative = relative_variance(data, problem.covariance(noise));
       base::Random random(seed, m, s, base::Purpose::prediction);
       means.push_back(seen.scores[s].matches[m].frequency_hz + error.mean);
       replicates.push_back(means.back() +
-                           std::sqrt(error.variance + relative / std::max(1.0, count) *
-                                                          means.back() * means.back()) *
+                           std::sqrt(error.variance + relative * means.back() * means.back()) *
                                random.normal());
     }
     p.frequency_hz = marginal({means});
-    std::ranges::sort(replicates);
-    p.low_hz = quantile(replicates, 0.025);
-    p.high_hz = quantile(replicates, 0.975);
     const ModalData& own =
         problem.states()->states().list[static_cast<std::size_t>(place.state)].data;
-    if (static_cast<std::size_t>(place.mode) < own.held_out_hz.size() &&
-        !std::isnan(own.held_out_hz[static_cast<std::size_t>(place.mode)]))
-      p.measured_hz = own.held_out_hz[static_cast<std::size_t>(place.mode)];
+    set_band(replicates, own, static_cast<std::size_t>(place.mode), p);
     out.predictions.push_back(std::move(p));
   }
 }
@@ -356,34 +348,25 @@ void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint
                    UpdateFindings& out) {
   if (problem.states() != nullptr) return predict_states(problem, seen, seed, out);
   const ModalData& data = problem.update_case.data;
+  // The lowest elastic modes that are computed.
+  const auto candidates = static_cast<int>(seen.frequencies_hz.front().size());
   int first = 0;
   for (const ModeFinding& m : out.modes)
     if (m.spurious < 0.5 && (m.is_measured() || !data.has_shapes()))
       first = std::max(first, m.computed);
-  for (int k = 0; k < data.predict && first + k < problem.candidates(); ++k) {
+  for (int k = 0; k < data.predict && first + k < candidates; ++k) {
     const Index at = first + k;
-    Prediction p{.mode = first + k + 1};
+    PredictedMode p{.mode = first + k + 1};
     p.frequency_hz = marginal_of(out, [&](std::size_t s) { return seen.frequencies_hz[s][at]; });
     // As well as the modes measured are known, on average.
     std::vector<double> replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
-      const MatrixXd covariance = problem.covariance(problem.noise(seen.x[s]));
-      double relative = 0.0, count = 0.0;
-      for (int i = 0; i < data.modes(); ++i) {
-        const double f = data.frequencies_hz[static_cast<std::size_t>(i)];
-        if (!std::isnan(f)) relative += covariance(i, i) / (f * f), ++count;
-      }
+      const double relative = relative_variance(data, problem.covariance(problem.noise(seen.x[s])));
       base::Random random(seed, static_cast<std::uint64_t>(k), s, base::Purpose::prediction);
       const double f = seen.frequencies_hz[s][at];
-      replicates.push_back(f *
-                           (1.0 + std::sqrt(relative / std::max(1.0, count)) * random.normal()));
+      replicates.push_back(f * (1.0 + std::sqrt(relative) * random.normal()));
     }
-    std::ranges::sort(replicates);
-    p.low_hz = quantile(replicates, 0.025);
-    p.high_hz = quantile(replicates, 0.975);
-    if (static_cast<std::size_t>(k) < data.held_out_hz.size() &&
-        !std::isnan(data.held_out_hz[static_cast<std::size_t>(k)]))
-      p.measured_hz = data.held_out_hz[static_cast<std::size_t>(k)];
+    set_band(replicates, data, static_cast<std::size_t>(k), p);
     out.predictions.push_back(std::move(p));
   }
 }
@@ -392,10 +375,11 @@ void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint
 void show_shapes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
   out.best_draw = seen.x[seen.best];
   if (!problem.update_case.data.has_shapes()) return;
-  ModePredictor predictor(problem);
-  if (!predictor.solve(seen.x[seen.best])) return;
+  StructuralPredictor predictor(problem);
+  Prediction best;
+  if (!predictor.predict(0, seen.x[seen.best], ForwardModel::Quantity::modes, best)) return;
   ShapesBeside beside =
-      shapes_beside(problem.likelihood(), predictor.modes(), seen.scores[seen.best].matches);
+      shapes_beside(problem.modes().of(0), best.modes.back(), seen.scores[seen.best].matches);
   out.mac = std::move(beside.mac);
   out.best_shapes = std::move(beside.computed);
 }
@@ -419,18 +403,19 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
                                const std::vector<MethodEvidence>& evidence, std::uint64_t seed) {
   UpdateFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior), seed);
-  if (problem.program() == nullptr) out.remarks = implausible(problem.update_case);
+  if (problem.basis() != nullptr || problem.states() != nullptr)
+    out.remarks = implausible(problem.update_case);
   out.numbers = problem.measured();
   SeparateSolutions solutions = separate_solutions(posterior, 0);
   judge_parameters(problem, posterior, solutions.covariance_within, out);
   out.solutions = std::move(solutions.list);
-  ModePredictor predictor(problem);
+  StructuralPredictor predictor(problem);
+  ModeObservation::Scored scored;
   for (Solution& solution : out.solutions)
-    if (predictor.solve(solution.best))
-      solution.chi_square = predictor.score(solution.best).chi_square;
+    if (predictor.score(0, solution.best, scored)) solution.chi_square = scored.score.chi_square;
   const Examined seen = examine(problem, posterior, out);
   judge_modes(problem, seen, out);
-  if (problem.states() == nullptr && problem.program() == nullptr)
+  if (problem.basis() != nullptr)
     out.numbering = numbering_of(*problem.update_case.structure, problem.update_case.data,
                                  problem.covariance(problem.noise(seen.x[seen.best])));
   leave_one_out(problem, seen, out);

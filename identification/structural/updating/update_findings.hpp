@@ -72,7 +72,7 @@ struct ModeFinding {
 };
 
 /// A mode that was not used.
-struct Prediction {
+struct PredictedMode {
   int mode = 0;  ///< elastic, computed, from 1
   Marginal frequency_hz = {};
   double low_hz = 0.0, high_hz = 0.0;  ///< 95 % of a measurement, noise and discrepancy included
@@ -109,7 +109,7 @@ struct UpdateFindings : Findings {
   /// Modes × sensors, at the best draw, scaled to the measured ones; NaN where not measured.
   Eigen::MatrixXd best_shapes;
   std::vector<double> best_draw;
-  std::vector<Prediction> predictions;
+  std::vector<PredictedMode> predictions;
   UpdateFit fit;
   int numbers = 0;   ///< measured
   long in_full = 0;  ///< of `examined` draws, those that the basis had no answer for

@@ -12,33 +12,6 @@
 namespace wheeltap::identification {
 namespace {
 
-class UpdateLikelihood final : public inference::Likelihood {
- public:
-  explicit UpdateLikelihood(const UpdateProblem& problem)
-      : problem_(problem), predictor_(problem) {}
-
-  double log_likelihood(int /*model*/, std::span<const double> x) override {
-    if (!predictor_.solve(x)) {
-      std::ranges::fill(prediction_, std::numeric_limits<double>::quiet_NaN());
-      return -std::numeric_limits<double>::infinity();
-    }
-    const auto score = predictor_.score(x);
-    prediction_.clear();
-    for (const auto& match : score.matches) prediction_.push_back(match.frequency_hz);
-    return score.log_likelihood;
-  }
-  bool gradient(int /*model*/, std::span<const double> x, std::span<double> out) override {
-    return predictor_.gradient(x, out);
-  }
-  [[nodiscard]] std::span<const double> prediction() const override { return prediction_; }
-
- private:
-  const UpdateProblem& problem_;
-  ModePredictor predictor_;
-  std::vector<double> prediction_ =
-      std::vector<double>(problem_.update_case.data.frequencies_hz.size());
-};
-
 /// How exactly modes are to be computed: to a thousandth of the smallest scatter of a frequency,
 /// and a fifth of that of a shape, by their bounds (errors are far below them).
 struct Tolerances {
@@ -63,7 +36,8 @@ Tolerances tolerances_of(const ModalLikelihood& likelihood) {
 }
 
 double seconds_of(const UpdateProblem& problem, const std::vector<std::vector<double>>& draws) {
-  ModePredictor predictor(problem);
+  StructuralPredictor predictor(problem);
+  ModeObservation::Scored scored;
   const std::size_t tried = std::min<std::size_t>(draws.size(), 50);
   std::vector<double> x;
   const auto began = std::chrono::steady_clock::now();
@@ -71,7 +45,7 @@ double seconds_of(const UpdateProblem& problem, const std::vector<std::vector<do
     x = draws[i];
     for (std::size_t p = x.size(); p < problem.problem.space.parameters().size(); ++p)
       x.push_back(problem.problem.space.parameters()[p].prior.from_standard_normal(0.0));
-    if (predictor.solve(x)) static_cast<void>(predictor.score(x));
+    static_cast<void>(predictor.score(0, x, scored));
   }
   const std::chrono::duration<double> took = std::chrono::steady_clock::now() - began;
   return took.count() / static_cast<double>(std::max<std::size_t>(1, tried));
@@ -103,8 +77,8 @@ std::shared_ptr<const fem::ParametricModes> reduced_basis(const UpdateCase& upda
           .progress = options.progress});
 }
 
-std::shared_ptr<const OutsidePredictor> predictor_in_front(const UpdateCase& update_case,
-                                                           const UpdateProblemOptions& options) {
+OutsidePredictor predictor_in_front(const UpdateCase& update_case,
+                                    const UpdateProblemOptions& options) {
   const ModalData& data = update_case.data;
   const auto& unknowns = update_case.structure->parameters;
   const auto must = [](const char* what, int has, int wanted) {
@@ -117,23 +91,17 @@ std::shared_ptr<const OutsidePredictor> predictor_in_front(const UpdateCase& upd
   if (data.has_shapes() || update_case.states)
     throw std::invalid_argument(
         "the model predicts frequencies: there must be no shapes or states");
-  auto out = std::make_shared<OutsidePredictor>(OutsidePredictor{.model = options.outside});
+  OutsidePredictor out{.model = options.outside};
   if (options.emulator)
-    out->emulator = std::make_shared<const OutsideEmulator>(
+    out.emulator = std::make_shared<const OutsideEmulator>(
         *options.outside, unknowns, *options.emulator, options.threads, options.progress);
   return out;
 }
 
 }  // namespace
 
-const std::vector<std::string>& scatter_names() {
-  static const std::vector<std::string> names = {"cov", "shape_sd", "discrepancy",
-                                                 "shape_discrepancy", "mixing"};
-  return names;
-}
-
 ModalNoise UpdateProblem::noise(std::span<const double> x) const {
-  ModalNoise out = scatters(x);
+  ModalNoise out = modal_noise(x);
   if (const OutsidePredictor* outside = program(); outside != nullptr && outside->emulator) {
     const auto outputs = static_cast<std::size_t>(outside->model->outputs());
     std::vector<double> ignored(outputs);
@@ -144,153 +112,43 @@ ModalNoise UpdateProblem::noise(std::span<const double> x) const {
   return out;
 }
 
-ModalNoise UpdateProblem::scatters(std::span<const double> x) const {
-  const ModalData& data = update_case.data;
-  const auto at = [&](int place, double known) {
-    return place < 0 ? known : x[static_cast<std::size_t>(place)];
-  };
-  return {.cov = at(cov, 0.0),
-          .shape_sd = at(shape_sd, 1.0),
-          .discrepancy = at(discrepancy, data.discrepancy.value),
-          .shape_discrepancy = at(shape_discrepancy, data.shape_discrepancy.value),
-          .mixing = at(mixing, data.mixing.value)};
-}
-
-namespace {
-
-bool asks_each_time(const UpdateProblem& problem) {
-  return problem.program() != nullptr && !problem.program()->emulator;
-}
-
-}  // namespace
-
 std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
                                                          const UpdateProblemOptions& options) {
+  auto out = std::make_unique<UpdateProblem>();
+  ModalData scatters = update_case.data;
+  scatters.stiffness_discrepancy = {};  // goes with damage
   const auto states = update_case.states ? std::make_shared<const StatesLikelihood>(
                                                update_case.states, std::vector<DefectKind>{})
                                          : nullptr;
-  const auto likelihood =
-      states ? nullptr : std::make_shared<const ModalLikelihood>(update_case.data);
-
-  std::vector<inference::Parameter> parameters =
+  out->observed = states ? observe_states(states, UnknownScatters(scatters))
+                         : observe_structure(update_case.data, UnknownScatters(scatters));
+  const std::vector<inference::Parameter> structural =
       states ? update_case.states->parameters() : update_case.structure->parameters;
-  if (parameters.empty())
+  if (structural.empty())
     throw std::invalid_argument("parameters is empty: there is nothing to be learnt");
-  const auto structural = static_cast<int>(parameters.size());
-  std::vector<int> places;
-  const ModalData& data = update_case.data;
-  for (const auto& prior : {data.cov_prior, data.shape_sd_prior, data.discrepancy.prior,
-                            data.shape_discrepancy.prior, data.mixing.prior}) {
-    places.push_back(prior ? static_cast<int>(parameters.size()) : -1);
-    const std::string& name = scatter_names()[places.size() - 1];
-    if (prior) parameters.push_back({name, *prior});
-  }
+  const std::vector<inference::Parameter> parameters =
+      out->place_parameters(StructuralProblem::First::structure, structural, options.observations);
   std::vector<std::string> names;
   for (const auto& parameter : parameters) names.push_back(parameter.name);
 
-  decltype(UpdateProblem::solution) solution = UpdateProblem::ByStates{states};
-  if (options.outside)
-    solution = UpdateProblem::ByProgram{predictor_in_front(update_case, options), likelihood};
-  else if (!states)
-    solution = UpdateProblem::ByBasis{reduced_basis(update_case, *likelihood, options), likelihood};
-  auto out = std::make_unique<UpdateProblem>(UpdateProblem{
-      .update_case = std::move(update_case),
-      .solution = std::move(solution),
-      .problem = {.space =
-                      inference::ModelSpace::of_models(parameters, {{"the structure", 1.0, names}}),
-                  .likelihood = {}},
-      .structural = structural,
-      .cov = places[0],
-      .shape_sd = places[1],
-      .discrepancy = places[2],
-      .shape_discrepancy = places[3],
-      .mixing = places[4]});
-  out->problem.likelihood = [problem = out.get()] {
-    return std::make_unique<UpdateLikelihood>(*problem);
-  };
+  if (options.model)
+    out->model = options.model;
+  else if (options.outside)
+    out->model = std::make_shared<const OutsideModes>(predictor_in_front(update_case, options));
+  else if (states)
+    out->model = std::make_shared<const StatesModel>(states);
+  else
+    out->model =
+        std::make_shared<const BasisModel>(reduced_basis(update_case, out->modes().of(0), options));
+  out->update_case = std::move(update_case);
+  out->problem.space =
+      inference::ModelSpace::of_models(parameters, {{"the structure", 1.0, names}});
+  out->problem.likelihood = likelihood_of(*out, *out->model);
   out->seconds_a_likelihood =
       states ? states->check(20).seconds_a_solution
              : seconds_of(*out, prior_draws(*out->update_case.structure,
-                                            asks_each_time(*out) ? 1 : options.training));
+                                            out->model->is_expensive() ? 1 : options.training));
   return out;
-}
-
-ModePredictor::ModePredictor(const UpdateProblem& problem) : problem_(problem) {
-  if (problem.basis() != nullptr) workspace_ = problem.basis()->make_workspace();
-  if (problem.states() != nullptr) states_workspace_ = problem.states()->make_workspace();
-}
-
-bool ModePredictor::solve(std::span<const double> x) {
-  if (problem_.program() != nullptr) return ask_outside(x);
-  if (problem_.states() != nullptr) {
-    if (!problem_.states()->solve(problem_.theta(x), {}, states_workspace_, of_states_))
-      return false;
-    modes_ = of_states_.back();
-    return true;
-  }
-  try {
-    problem_.basis()->solve(problem_.theta(x), *workspace_, modes_);
-  } catch (const std::invalid_argument&) {
-    return false;
-  } catch (const std::runtime_error&) {
-    return false;  // so near to a mechanism that the solver gives up
-  }
-  return modes_.eigenvalues.allFinite() && modes_.eigenvalues.minCoeff() > 0.0;
-}
-
-ModalLikelihood::Score ModePredictor::score(std::span<const double> x) const {
-  if (problem_.states() != nullptr) return problem_.states()->score(of_states_, problem_.noise(x));
-  ModalNoise noise = problem_.scatters(x);
-  noise.emulator_variance = variance_;
-  return problem_.likelihood().score(modes_, noise);
-}
-
-bool ModePredictor::ask_outside(std::span<const double> x) {
-  const auto outputs = static_cast<std::size_t>(problem_.program()->model->outputs());
-  frequencies_hz_.resize(outputs);
-  variance_.resize(outputs);
-  // The box cuts priors off: searches go beyond it far too often to ask the model itself there.
-  const auto& emulator = problem_.program()->emulator;
-  if (emulator && !emulator->contains(problem_.theta(x))) return false;
-  problem_.program()->predict(problem_.theta(x), frequencies_hz_, variance_);
-  if (!problem_.program()->emulator) variance_.clear();
-  modes_.eigenvalues.resize(static_cast<Eigen::Index>(outputs));
-  for (std::size_t i = 0; i < outputs; ++i) {
-    if (!(frequencies_hz_[i] > 0.0)) return false;
-    modes_.eigenvalues[static_cast<Eigen::Index>(i)] = eigenvalue_of(frequencies_hz_[i]);
-  }
-  return true;
-}
-
-bool ModePredictor::gradient(std::span<const double> x, std::span<double> out) {
-  if (problem_.states() != nullptr) return false;
-  const auto structural = static_cast<std::size_t>(problem_.structural);
-  if (problem_.program() != nullptr) {
-    if (problem_.program()->emulator || !ask_outside(x)) return false;
-    const auto pull = problem_.likelihood().pulls(modes_, problem_.scatters(x));
-    if (!problem_.program()->model->gradient(problem_.theta(x), pull, out.first(structural)))
-      return false;
-  } else {
-    try {
-      if (!problem_.basis()->differentiate(problem_.theta(x), *workspace_, modes_, slopes_))
-        return false;
-    } catch (const std::exception&) {
-      return false;
-    }
-    if (!problem_.likelihood().slope(modes_, slopes_, problem_.scatters(x), out.first(structural)))
-      return false;
-  }
-  // Scatters move no mode: differences cost next to nothing.
-  std::vector<double> moved(x.begin(), x.end());
-  for (std::size_t p = structural; p < x.size(); ++p) {
-    const double step = 1e-5 * std::max(std::abs(x[p]), 1e-8);
-    moved[p] = x[p] + step;
-    const double above = score(moved).log_likelihood;
-    moved[p] = x[p] - step;
-    out[p] = (above - score(moved).log_likelihood) / (2.0 * step);
-    moved[p] = x[p];
-  }
-  return true;
 }
 
 }  // namespace wheeltap::identification

@@ -1,0 +1,35 @@
+// A beam with an emulator of its frequencies in front of what predicts them.
+#pragma once
+
+#include <memory>
+#include <utility>
+#include <vector>
+
+#include "identification/structural/damage/frequency_emulator.hpp"
+#include "identification/structural/forward/forward_model.hpp"
+
+namespace wheeltap::identification {
+
+/// Frequencies with the variances of the emulator's error (0 where `errs` is false). Without
+/// damages, and where ANOVA's sum is no frequency, those of `exact`.
+class EmulatedModel final : public ForwardModel {
+ public:
+  EmulatedModel(std::shared_ptr<const FrequencyEmulator> emulator,
+                std::shared_ptr<const ForwardModel> exact, std::vector<DefectKind> kinds, bool errs)
+      : emulator_(std::move(emulator)),
+        exact_(std::move(exact)),
+        kinds_(std::move(kinds)),
+        errs_(errs) {}
+
+  [[nodiscard]] std::unique_ptr<Solver> make_solver() const override;
+
+ private:
+  class EmulatedSolver;
+
+  std::shared_ptr<const FrequencyEmulator> emulator_;
+  std::shared_ptr<const ForwardModel> exact_;
+  std::vector<DefectKind> kinds_;
+  bool errs_;
+};
+
+}  // namespace wheeltap::identification
