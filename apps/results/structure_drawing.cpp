@@ -23,7 +23,7 @@ std::string metres(double s) {
 }
 
 /// "beam at 0.5 m", "mass 2", "B".
-std::string place_in_words(const StructureDrawing::Point& point) {
+std::string point_in_words(const StructureDrawing::Point& point) {
   switch (point.on) {
     case On::member:
       return point.name + " at " + metres(point.along) + " m";
@@ -74,7 +74,7 @@ std::string largest_motion(const StructureDrawing& drawing, const Eigen::VectorX
     look(turned, point, point.turned(shape));
   }
   const auto at = [](const StructureDrawing::Point& point) {
-    return (point.on == On::node ? "node " : "") + place_in_words(point);
+    return (point.on == On::node ? "node " : "") + point_in_words(point);
   };
   // Twist without deflection.
   if (turned.point != nullptr && moved.motion < 1e-6 * drawing.size * turned.motion)
@@ -97,7 +97,7 @@ std::vector<NodeMotion> node_motions(const StructureDrawing& drawing,
   }
   for (const auto& point : drawing.points) {
     if (!point.is_node()) continue;
-    NodeMotion node{.node = place_in_words(point), .motions = {}};
+    NodeMotion node{.node = point_in_words(point), .motions = {}};
     const Vector3 moved = point.moved(shape), turned = point.turned(shape);
     const bool chain = point.on == On::mass;
     for (std::size_t k = 0; k < (chain ? 1U : drawing.dimension == 2 ? 2U : 3U); ++k)
