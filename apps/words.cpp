@@ -52,12 +52,16 @@ std::string percent(double probability, double error) {
     return probability > 0.5 ? "> " + fixed(std::min(least, 99.0), 0) + " %"
                              : "< " + fixed(std::max(most, 1.0), 0) + " %";
   }
-  return percent(probability) + " ± " + significant(100.0 * error, 2) + " %";
+  return percent(probability) + shown_error(probability, error);
+}
+
+std::string shown_error(double probability, double error) {
+  if (!std::isfinite(error) || probability > 0.999 || probability < 0.001) return {};
+  return " ± " + significant(100.0 * error, 2) + " %";
 }
 
 std::string probability_is(double probability) {
-  const std::string text = percent(probability);
-  return text[0] == '<' || text[0] == '>' ? "P " + text : "P = " + text;
+  return (probability > 0.999 || probability < 0.001 ? "P " : "P = ") + percent(probability);
 }
 
 std::string p_value(double p) {

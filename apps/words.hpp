@@ -28,6 +28,8 @@ using base::grouped;
 /// "75 % ± 2 %" with its Monte Carlo error; near 0 and 1 a bound alone, two errors away where these
 /// exceed 0.1 %: "> 99.9 %", "> 72 %".
 [[nodiscard]] std::string percent(double probability, double error);
+/// " ± 2 %": the error that it shows; empty beside a bound.
+[[nodiscard]] std::string shown_error(double probability, double error);
 /// "P = 75 %", "P > 99.9 %".
 [[nodiscard]] std::string probability_is(double probability);
 /// "p 0.03", "p < 1e-15".

@@ -187,6 +187,34 @@ ChannelQuality channel_quality(std::span<const double> all) {
   return out;
 }
 
+std::vector<FoundFault> channel_faults(const ChannelQuality& q, bool is_record) {
+  using enum ChannelFault;
+  std::vector<FoundFault> out;
+  if (q.missing > 0) out.push_back({missing, static_cast<double>(q.missing)});
+  if (q.missing == q.samples || !is_record) return out;
+  if (q.constant) {
+    out.push_back({constant, q.mean});
+    return out;
+  }
+  if (std::isinf(q.drift)) return {{counter, q.drift}};
+  const auto judge = [&](ChannelFault fault, double value, double bound) {
+    if (value > bound) out.push_back({fault, value, bound});
+  };
+  long still = 0;
+  for (const Stretch& d : q.dropouts) still += d.end - d.begin;
+  judge(dropouts, static_cast<double>(still), 0.0);
+  judge(clipped, static_cast<double>(q.clipped_high + q.clipped_low), 0.0);
+  judge(spikes, static_cast<double>(q.spikes.size()), 0.0);
+  if (std::abs(q.drift) > 1.0)
+    out.push_back({drift, q.drift, 1.0});
+  else
+    judge(wander, q.wander, 0.3);
+  // A bound of the mean and the step themselves: the standard deviation may be 0.
+  if (std::abs(q.mean) > 3.0 * q.sd) out.push_back({offset, std::abs(q.mean) / q.sd, 3.0});
+  if (q.step > 0.05 * q.sd) out.push_back({coarse, q.step / q.sd, 0.05});
+  return out;
+}
+
 std::vector<SpectrumPeak> spectrum_peaks(const Spectrum& spectrum, int most, double least_db) {
   std::vector<SpectrumPeak> peaks;
   const auto n = static_cast<long>(spectrum.density.size());

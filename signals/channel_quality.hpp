@@ -43,6 +43,29 @@ struct ChannelQuality {
 /// `x` may hold NaN; those samples are counted and left out.
 [[nodiscard]] ChannelQuality channel_quality(std::span<const double> x);
 
+/// What is wrong with a channel. In brackets: value, and the bound that it passes.
+enum class ChannelFault {
+  missing,   ///< samples (0)
+  constant,  ///< the value that it has
+  dropouts,  ///< samples in all of them (0)
+  clipped,   ///< samples at either end (0)
+  spikes,    ///< how many (0)
+  counter,   ///< rises evenly, without scatter
+  drift,     ///< over the record, in standard deviations (±1)
+  wander,    ///< as ChannelQuality has it (0.3), where there is no drift
+  offset,    ///< |mean|, in standard deviations (3)
+  coarse     ///< resolution, in standard deviations (0.05)
+};
+
+struct FoundFault {
+  ChannelFault fault;
+  double value, bound = 0.0;
+};
+
+/// In the order above. A constant channel has no faults but missing samples beside that, a counter
+/// none; of a channel that is no record of a vibration, missing samples alone are judged.
+[[nodiscard]] std::vector<FoundFault> channel_faults(const ChannelQuality& quality, bool is_record);
+
 /// A local maximum of a spectrum.
 struct SpectrumPeak {
   double frequency_hz;   ///< of the parabola through three lines of the logarithm

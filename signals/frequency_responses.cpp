@@ -44,6 +44,11 @@ FrequencyResponses estimate_frequency_responses(const Eigen::Ref<const MatrixXd>
            "must be those of the inputs, " + std::to_string(inputs.cols()));
   const Index n_in = inputs.rows(), n_out = outputs.rows(), all = n_in + n_out;
   if (n_in < 1 || n_out < 1) refuse("channels", 0, "must be at least one input and one output");
+  if (segment == 0) {
+    constexpr Index kSegments = 8;
+    segment = 16;
+    while (2 * segment <= outputs.cols() / kSegments) segment *= 2;
+  }
   if (segment < 8) refuse("segment", segment, "must be at least 8 samples");
   const Index length = segment, hop = length / 2;
   const Index segments = inputs.cols() < length ? 0 : (inputs.cols() - length) / hop + 1;

@@ -25,7 +25,8 @@ struct FrequencyResponses {
 /// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, each segment freed of its
 /// mean (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise on the
 /// inputs makes H₁ too small; resonances narrower than 1/segment duration are smeared. `inputs`,
-/// `outputs`: a channel a row. Throws std::invalid_argument for lengths that differ, fewer than 2
+/// `outputs`: a channel a row. A segment of 0 is the largest power of 2 that the record holds eight
+/// times, at least 16. Throws std::invalid_argument for lengths that differ, fewer than 2
 /// segments for each input, a rate <= 0, and inputs that are linearly dependent.
 [[nodiscard]] FrequencyResponses estimate_frequency_responses(
     const Eigen::Ref<const Eigen::MatrixXd>& inputs,

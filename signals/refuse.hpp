@@ -1,6 +1,7 @@
-// How a bad setting is said in this room.
+// Errors about bad settings and bad channels.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -13,5 +14,17 @@ namespace wheeltap::signals {
   throw std::invalid_argument(name + " = " + base::number(static_cast<double>(value)) + ": " +
                               bound);
 }
+
+/// "channel = 3: does not move": a channel, from 0, that a computation cannot use.
+struct ChannelError : std::invalid_argument {
+  ChannelError(long number, std::string why, std::optional<long> copied = {})
+      : std::invalid_argument("channel = " + std::to_string(number) + ": " + why),
+        channel(number),
+        reason(std::move(why)),
+        original(copied) {}
+  long channel;
+  std::string reason;
+  std::optional<long> original;  ///< the channel that this one is proportional to, if that is why
+};
 
 }  // namespace wheeltap::signals

@@ -269,4 +269,40 @@ std::vector<double> decimate(std::span<const double> x, int factor) {
   return out;
 }
 
+std::vector<SpectralLevel> spectral_levels(const Eigen::Ref<const Eigen::MatrixXd>& records,
+                                           double sample_rate_hz, double lowest_hz,
+                                           double highest_hz) {
+  const auto n = static_cast<int>(records.cols());
+  int segment = 64;
+  while (segment * 8 <= n && segment < 16384) segment *= 2;
+  std::vector<SpectralLevel> out;
+  for (Eigen::Index c = 0; c < records.rows(); ++c) {
+    const Eigen::VectorXd x = records.row(c).transpose();
+    const Spectrum s =
+        welch({x.data(), static_cast<std::size_t>(x.size())}, sample_rate_hz, {.segment = segment});
+    const double variance = (x.array() - x.mean()).square().mean();
+    if (out.empty())
+      for (const double f : s.frequencies_hz) out.push_back({f, 0.0});
+    for (std::size_t i = 0; i < out.size(); ++i) out[i].level_db += s.density[i] / variance;
+  }
+  std::erase_if(out, [&](const SpectralLevel& l) {
+    return l.frequency_hz < lowest_hz || l.frequency_hz > highest_hz || !(l.level_db > 0.0);
+  });
+  for (SpectralLevel& l : out) l.level_db = 10.0 * std::log10(l.level_db);
+  return out;
+}
+
+std::vector<SpectralLevel> highest_lines(const std::vector<SpectralLevel>& levels,
+                                         std::size_t most) {
+  const std::size_t width = (levels.size() + most - 1) / most;
+  std::vector<SpectralLevel> out;
+  for (std::size_t from = 0; from < levels.size(); from += width) {
+    const auto begin = levels.begin() + static_cast<std::ptrdiff_t>(from);
+    const auto end =
+        levels.begin() + static_cast<std::ptrdiff_t>(std::min(from + width, levels.size()));
+    out.push_back(*std::ranges::max_element(begin, end, {}, &SpectralLevel::level_db));
+  }
+  return out;
+}
+
 }  // namespace wheeltap::signals

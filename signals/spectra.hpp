@@ -5,6 +5,8 @@
 #include <span>
 #include <vector>
 
+#include "base/eigen.hpp"
+
 namespace wheeltap::signals {
 
 /// Welch's method (1967): Hann windows over overlapping segments, each freed of its mean.
@@ -74,5 +76,20 @@ void detrend(std::span<double> x, int degree);
 /// the new rate is kept, above 0.5 of it (what would alias) is removed, both to 1e-4 of the
 /// amplitude. Ends are continued by odd reflection. Throws std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
+
+/// What a plot of a spectrum shows.
+struct SpectralLevel {
+  double frequency_hz, level_db;
+};
+
+/// 10 lg of the sum of the channels' spectral densities, each over its variance, within
+/// [lowest_hz, highest_hz]; lines that are 0 are left out. `records`: a channel a row.
+[[nodiscard]] std::vector<SpectralLevel> spectral_levels(
+    const Eigen::Ref<const Eigen::MatrixXd>& records, double sample_rate_hz, double lowest_hz,
+    double highest_hz);
+
+/// At most `most` lines: the highest of each neighbourhood.
+[[nodiscard]] std::vector<SpectralLevel> highest_lines(const std::vector<SpectralLevel>& levels,
+                                                       std::size_t most);
 
 }  // namespace wheeltap::signals

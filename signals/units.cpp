@@ -167,6 +167,10 @@ std::optional<Unit> find_unit(std::string_view text) {
   return *found;
 }
 
+int derivative_order(Dimension dimension) {
+  return dimension == Dimension::acceleration ? 2 : dimension == Dimension::velocity ? 1 : 0;
+}
+
 std::string known_units(Dimension dimension) {
   std::string list;
   for (const Unit& unit : kUnits) {

@@ -26,6 +26,10 @@ struct Unit {
 /// "m/s^2", "m/s²", "m/s2", "m/s**2", "m/s/s", "m s^-2", "ms^-2"; "sec", "seconds".
 [[nodiscard]] std::optional<Unit> find_unit(std::string_view text);
 
+/// How often a displacement is differentiated to this: 1 of a velocity, 2 of an acceleration, 0 of
+/// all else.
+[[nodiscard]] int derivative_order(Dimension dimension);
+
 /// "s, ms, …": what a message may say is known.
 [[nodiscard]] std::string known_units(Dimension dimension);
 

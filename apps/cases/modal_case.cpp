@@ -4,12 +4,12 @@
 #include <cmath>
 #include <utility>
 
-#include "apps/cases/records/frequency_response_file.hpp"
 #include "apps/cases/records/modal_units.hpp"
 #include "apps/cases/records/record_reading.hpp"
 #include "apps/cases/sid_record.hpp"
 #include "base/number.hpp"
 #include "io/text/text.hpp"
+#include "signals/frequency_response_file.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -118,9 +118,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
     const auto& d = out.channels[i].conversion.dimension;
     if (!d) unsaid.push_back(out.channels[i].column);
     const signals::Dimension used = d.value_or(*common);
-    out.orders.push_back(used == signals::Dimension::length     ? 0
-                         : used == signals::Dimension::velocity ? 1
-                                                                : 2);
+    out.orders.push_back(signals::derivative_order(used));
     out.sensors[i].quantity = quantity_name(used);
   }
   if (mixed && !unsaid.empty())
@@ -231,15 +229,20 @@ void read_rate(const CaseFile& file, SetUp& out, signals::Record& record,
 
 void read_responses(const CaseFile& file, SetUp& out) {
   try {
-    MeasuredResponses measured = read_frequency_responses(file.resolve(out.name));
-    out.sensors = std::move(measured.sensors);
-    out.inputs = std::move(measured.inputs);
+    signals::MeasuredResponses measured = signals::read_frequency_responses(file.resolve(out.name));
+    for (const io::UniversalDof& dof : measured.outputs)
+      out.sensors.push_back({.name = io::dof_in_words(dof),
+                             .node = dof.node != 0 ? std::to_string(dof.node) : std::string(),
+                             .direction = io::translation_axis(dof)});
+    for (const io::UniversalDof& dof : measured.inputs) out.inputs.push_back(io::dof_in_words(dof));
+    for (std::size_t i = 0; i < measured.conversions.size(); ++i)
+      out.channels.push_back(
+          {.column = out.sensors[i].name, .conversion = measured.conversions[i]});
     if (measured.transposed)
       out.oddities.push_back(
           "There are more references than responses: by reciprocity the two are exchanged, and "
           "shapes are over the references.");
     out.responses = std::move(measured.responses);
-    out.channels = std::move(measured.channels);
     out.orders = std::move(measured.orders);
     out.places.assign(out.sensors.size(), out.where / "file");
   } catch (const io::FileError& error) {
@@ -261,16 +264,9 @@ void cut_decays(const CaseFile& file, SetUp& out) {
 }
 
 void estimate_responses(const CaseFile& file, SetUp& out, const Eigen::MatrixXd& forces) {
-  constexpr Eigen::Index kSegments = 8;
-  const Eigen::Index samples = out.records.cols();
-  int segment = file.json.value("segment", 0);
-  if (segment == 0) {
-    segment = 16;
-    while (2 * segment <= samples / kSegments) segment *= 2;
-  }
   try {
-    out.responses = signals::estimate_frequency_responses(forces, out.records,
-                                                          out.options.sample_rate_hz, segment);
+    out.responses = signals::estimate_frequency_responses(
+        forces, out.records, out.options.sample_rate_hz, file.json.value("segment", 0));
   } catch (const std::invalid_argument& error) {
     file.refuse(file.json.contains("segment") ? Pointer("/segment") : out.where, error.what());
   }
@@ -278,7 +274,9 @@ void estimate_responses(const CaseFile& file, SetUp& out, const Eigen::MatrixXd&
 
 SetUp read_set_up(const CaseFile& file, const Pointer& where,
                   std::optional<signals::Record> given) {
-  SetUp out{.where = where, .name = file.json.at(where / "file").get<std::string>()};
+  SetUp out;
+  out.where = where;
+  out.name = file.json.at(where / "file").get<std::string>();
   if (!file.json.at(where).contains("channels")) {
     if (!of_forces(file))
       file.refuse(where / "channels", "is missing: must say which columns are responses");
@@ -474,6 +472,7 @@ void take_band(const ModalCaseFile& out, SetUp& s) {
                     "says nothing of scatter, by which set-ups are weighed: take \"efdd\" or "
                     "\"ssi-cov\" for several");
   if (json.contains("order")) s.options.largest_order = json.at("order").value("max", 0);
+  s.segment = json.value("segment", 0);
   s.options.lags = json.value("lags", 0);
   s.options.blocks = json.value("blocks", 0);
   for (const char* key : {"lags", "blocks"})

@@ -10,34 +10,24 @@
 #include "apps/cases/records/modes_file.hpp"
 #include "apps/cases/records/record_reading.hpp"
 #include "apps/cases/syntax/case_file.hpp"
-#include "identification/modal/bayesian_modes.hpp"
-#include "signals/frequency_responses.hpp"
+#include "identification/modal/modal_record.hpp"
 #include "signals/modal/merged_modes.hpp"
 #include "signals/record.hpp"
 
 namespace wheeltap::apps {
 
 /// One record: sensors in their places.
-struct SetUp {
+struct SetUp : identification::ModalRecord {
   Pointer where{};                           ///< of its block in the case
   std::string name = {};                     ///< of its file
   std::vector<MeasuredSensor> sensors = {};  ///< a response channel each
   std::vector<int> which = {};               ///< among the sensors of all set-ups
   std::vector<Pointer> places = {};          ///< of their blocks in the case
-  Eigen::MatrixXd records = {};              ///< a response a row
   std::vector<std::string> oddities = {};    ///< of channels, in sentences
   std::vector<ChannelUse> channels = {};     ///< responses, then forces
-  /// Orders of differentiation of the responses (0: displacements); empty where none is known.
-  std::vector<int> orders = {};
   signals::Sampling sampling = {};
   std::optional<io::FoundLayout> layout = {};  ///< of a record in delimited text
-  signals::ModalOptions options = {};
-  /// Of the method plscf, where they are measured, and then there are no records; or made of them.
-  std::optional<signals::FrequencyResponses> responses = {};
-  std::vector<std::string> inputs = {};               ///< of the responses
-  std::vector<Eigen::MatrixXd> decays = {};           ///< of the method era: pieces of the records
-  std::vector<identification::ModalBand> bands = {};  ///< of the method bayoma
-  std::optional<signals::ModalMethod> spectral = {};  ///< decomposition or enhanced: fdd, efdd
+  std::vector<std::string> inputs = {};        ///< of the frequency responses
 };
 
 struct ModalCaseFile {

@@ -228,7 +228,7 @@ Report data_report(const MeasuredFile& file) {
          {"sampling_fault", table.sampling_fault},
          {"sampling", table.sampling.rate_hz > 0.0 ? sampling_json(table.sampling) : Report()},
          {"layout", table.layout ? layout_json(*table.layout) : Report()},
-         {"left_out", table.left_out},
+         {"left_out", left_out_in_words(table)},
          {"channels", channels}});
   }
   return {{"file", io::printable(file.path.string())},

@@ -5,7 +5,6 @@
 
 #include "apps/results/baseline_words.hpp"
 #include "apps/results/posterior_file.hpp"
-#include "apps/results/structure_drawing.hpp"
 #include "apps/text/answer.hpp"
 #include "apps/text/damage_words.hpp"
 
@@ -277,35 +276,25 @@ Report beam_of(const fem::Beam& beam) {
           {"shear_coefficient", beam.section.shear_coefficient}};
 }
 
-// What a drawing needs: nodes, members, held nodes, and where each kind's cells lie.
 // Points and lines, and how the intact structure's modes move them: what the report plays.
-Report drawing_of(const DamageCase& damage_case) {
-  constexpr std::size_t kMostPoints = 3000;
-  constexpr int kMostModes = 12;
-  const DrawnStructure structure = drawn(damage_case.structure->nominal);
-  const StructureDrawing& drawing = structure.drawing;
-  if (drawing.points.empty() || drawing.points.size() > kMostPoints) return {};
-  const auto rigid = static_cast<int>(structure.discretisation.rigid_motions.cols());
-  const int there = static_cast<int>(fem::mode_count(structure.discretisation));
-  const fem::StructureModes found = fem::structure_modes(
-      structure.discretisation, std::min(there, rigid + std::min(kMostModes, damage_case.modes())));
+Report drawing_of(const DrawnModes& drawn) {
   const auto rounded = [](const fem::Vector3& v) {
     Report row = Report::array();
     for (const double x : v) row.push_back(std::round(1e4 * x) / 1e4);
     return row;
   };
   Report points = Report::array(), modes = Report::array();
-  for (const auto& point : drawing.points) points.push_back(point.at);
-  for (Eigen::Index j = rigid; j < found.shapes.cols(); ++j) {
+  for (const auto& point : drawn.drawing.points) points.push_back(point.at);
+  for (std::size_t j = 0; j < drawn.motions.size(); ++j) {
     Report motions = Report::array();
-    for (const fem::Vector3& v : point_motions(drawing, found.shapes.col(j)))
-      motions.push_back(rounded(v));
-    modes.push_back({{"frequency_hz", found.frequencies_hz[j]}, {"motions", motions}});
+    for (const fem::Vector3& v : drawn.motions[j]) motions.push_back(rounded(v));
+    modes.push_back({{"frequency_hz", drawn.frequencies_hz[j]}, {"motions", motions}});
   }
-  return {{"points", points}, {"lines", drawing.lines}, {"modes", modes}};
+  return {{"points", points}, {"lines", drawn.drawing.lines}, {"modes", modes}};
 }
 
-Report structure_of(const DamageCase& damage_case) {
+// Nodes, members, held nodes, and where each kind's cells lie.
+Report structure_of(const DamageCase& damage_case, const std::optional<DrawnModes>& drawn) {
   Report out = Report::object();
   if (const auto* s = std::get_if<fem::Structure>(&damage_case.structure->nominal)) {
     out["dimension"] = s->dimension;
@@ -337,7 +326,7 @@ Report structure_of(const DamageCase& damage_case) {
     lines[kind.name] = {{"of", kind.site_name()}, {"stretches", stretches}};
   }
   out["lines"] = lines;
-  if (Report drawing = drawing_of(damage_case); !drawing.empty()) out["drawing"] = drawing;
+  if (drawn) out["drawing"] = drawing_of(*drawn);
   return out;
 }
 
@@ -412,7 +401,8 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
       {"damage", where(damage_case, findings)},
       {"data", {{"origin", damage_case.data.origin}, {"simulated", damage_case.data.simulated}}},
       {damage_case.structure ? "structure" : "beam",
-       damage_case.structure ? structure_of(damage_case) : beam_of(damage_case.beam)},
+       damage_case.structure ? structure_of(damage_case, findings.drawn_modes)
+                             : beam_of(damage_case.beam)},
       {"kinds", kinds_of(damage_case)},
       {"unknowns", unknowns_of(file, findings)},
       {"fit", fit_report(findings.fit_verdict)},

@@ -1,12 +1,9 @@
 #include "apps/results/posterior_file.hpp"
 
-#include <algorithm>
 #include <cmath>
 #include <set>
-#include <span>
 
-#include "base/random.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/damage_modes.hpp"
 #include "io/netcdf/netcdf_writer.hpp"
 
 namespace wheeltap::apps {
@@ -64,40 +61,6 @@ std::string common_variable(const std::string& name) {
       "node",  "link", "substructure", "depth", "mass", "mode",     "stiffness", "extent"};
   const bool free = !taken.contains(name) && !name.starts_with("k_");
   return variable_of(free ? name : "parameter_" + name);
-}
-
-/// Sd [Hz] of each measured frequency about the model's, where what the model leaves out is
-/// inferred: the mean over a few hundred draws, since each is solved again. 0 elsewhere.
-std::vector<double> inferred_scatter(const DamageProblem& problem,
-                                     const inference::Posterior& posterior) {
-  std::vector<double> out(static_cast<std::size_t>(problem.damage_case.data.modes()));
-  const auto& modal = problem.damage_case.modal;
-  if (!problem.by_modes() || !modal ||
-      (modal->discrepancy.known() && modal->stiffness_discrepancy.none()))
-    return out;
-  constexpr std::size_t kSolved = 300;
-  const auto width = static_cast<std::size_t>(posterior.dimension);
-  const std::size_t chains = posterior.chains.size();
-  const std::size_t draws = posterior.chains[0].model.size();
-  const std::size_t stride = std::max<std::size_t>(1, chains * draws / kSolved);
-  StructuralPredictor predictor(problem);
-  ModeObservation::Scored scored;
-  std::vector<int> with;
-  double solved = 0.0;
-  for (std::size_t n = 0; n < chains * draws; n += stride) {
-    const inference::Chain& chain = posterior.chains[n / draws];
-    const std::size_t i = n % draws;
-    const std::span<const double> x(chain.theta.data() + i * width, width);
-    if (!predictor.score(chain.model[i], x, scored)) continue;
-    const Eigen::MatrixXd covariance =
-        problem.modes().covariance(scored, problem.modal_noise(x), with);
-    for (std::size_t k = 0; k < with.size(); ++k)
-      out[static_cast<std::size_t>(with[k])] +=
-          covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k));
-    ++solved;
-  }
-  for (double& variance : out) variance = solved > 0.0 ? std::sqrt(variance / solved) : 0.0;
-  return out;
 }
 
 }  // namespace
@@ -183,7 +146,6 @@ void write_posterior(const io::NetcdfWriter& file, const std::string& run,
   const FrequencyData& data = damage_case.data;
   const std::size_t chains = posterior.chains.size();
   const std::size_t draws = posterior.chains[0].model.size();
-  const auto width = static_cast<std::size_t>(posterior.dimension);
   const auto modes = static_cast<std::size_t>(data.modes());
   const std::vector<DrawColumn> columns = damage_columns(problem, posterior);
   file.about(WHEELTAP_VERSION, run);
@@ -197,23 +159,10 @@ void write_posterior(const io::NetcdfWriter& file, const std::string& run,
     const int chain = file.dimension(group, "chain", chains, 0);
     const int draw = file.dimension(group, "draw", draws, 0);
     const int mode = file.dimension(group, "mode", modes, 1);
-    const NoiseModel noise = problem.noise();
-    EmulatorVariances variances(problem);
-    const std::vector<double> off = inferred_scatter(problem, posterior);
+    const auto next = frequency_replicates(problem, posterior, seed);
     const auto replicate = [&](std::size_t c, std::vector<float>& values) {
-      const auto& from = posterior.chains[c];
-      for (std::size_t i = 0; i < draws; ++i) {
-        const std::span<const double> x(from.theta.data() + i * width, width);
-        const std::span<const double> variance = variances.next(from.model[i], x);
-        base::Random random(seed, c, i, base::Purpose::prediction);
-        for (std::size_t m = 0; m < modes; ++m) {
-          const double f = from.prediction[i * modes + m];
-          const double sd = off[m] > 0.0 ? off[m]
-                                         : noise.replicate_sd(m, f, noise.cv(x),
-                                                              variance.empty() ? 0.0 : variance[m]);
-          values.push_back(static_cast<float>(f + (std::isnan(sd) ? 0.0 : sd) * random.normal()));
-        }
-      }
+      for (std::size_t i = 0; i < draws; ++i)
+        for (const double f : next(c, i)) values.push_back(static_cast<float>(f));
     };
     const int id = file.put_rows<float>(group, "frequency", {chain, draw, mode}, replicate);
     file.text(group, id, "units", "Hz");

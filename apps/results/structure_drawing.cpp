@@ -1,27 +1,19 @@
 #include "apps/results/structure_drawing.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
-#include <limits>
 #include <stdexcept>
 
 #include "base/number.hpp"
 
 namespace wheeltap::apps {
-
-using namespace identification;
-
 namespace {
 
-using fem::Direction;
 using fem::Vector3;
+using On = StructureDrawing::Point::On;
 
-constexpr std::array<Direction, 3> kTranslations = {Direction::x, Direction::y, Direction::z};
-constexpr std::array<Direction, 3> kRotations = {Direction::rx, Direction::ry, Direction::rz};
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
-
-/// Straight pieces of a member's line, at least.
-constexpr int kSegments = 16;
 
 /// "0.5", with three digits more than a part in a thousand of the size.
 std::string metres(double s) {
@@ -30,104 +22,19 @@ std::string metres(double s) {
   return text;
 }
 
-Vector3 values(const std::array<fem::SparseRow, 3>& rows, const Eigen::VectorXd& shape) {
-  return {rows[0].of(shape), rows[1].of(shape), rows[2].of(shape)};
-}
-
-void measure_extent(StructureDrawing& drawing) {
-  for (std::size_t axis = 0; axis < 3; ++axis) {
-    double low = std::numeric_limits<double>::infinity(), high = -low;
-    for (const auto& point : drawing.points) {
-      low = std::min(low, point.at[axis]);
-      high = std::max(high, point.at[axis]);
-    }
-    if (high > low) drawing.size = axis == 0 ? high - low : std::max(drawing.size, high - low);
+/// "beam at 0.5 m", "mass 2", "B".
+std::string point_in_words(const StructureDrawing::Point& point) {
+  switch (point.on) {
+    case On::member:
+      return point.name + " at " + metres(point.along) + " m";
+    case On::mass:
+      return "mass " + point.name;
+    case On::ground:
+      return "the ground";
+    case On::node:
+      break;
   }
-}
-
-DrawnStructure drawn_members(const fem::Structure& s) {
-  const fem::Mesh mesh(s);
-  DrawnStructure out{.discretisation = mesh.discretisation(), .drawing = {}};
-  StructureDrawing& d = out.drawing;
-  d.dimension = s.dimension;
-  for (std::size_t n = 0; n < s.nodes.size(); ++n) {
-    StructureDrawing::Point point{.place = s.nodes[n].name,
-                                  .at = s.nodes[n].at,
-                                  .translation = {},
-                                  .rotation = {},
-                                  .node = true};
-    for (std::size_t k = 0; k < 3; ++k) {
-      point.translation[k] = mesh.motion(static_cast<int>(n), kTranslations[k]);
-      point.rotation[k] = mesh.motion(static_cast<int>(n), kRotations[k]);
-    }
-    d.points.push_back(std::move(point));
-  }
-  for (std::size_t m = 0; m < s.members.size(); ++m) {
-    const fem::Member& member = s.members[m];
-    const int index = static_cast<int>(m);
-    Vector3 start = s.nodes[static_cast<std::size_t>(member.nodes[0])].at;
-    for (std::size_t k = 0; k < 3; ++k) start[k] += member.ends[0].offset[k];
-    const Vector3& along = mesh.member_axes(index)[0];
-    const auto elements = static_cast<std::size_t>(
-        (m + 1 < s.members.size() ? mesh.first_element(index + 1)
-                                  : static_cast<int>(mesh.elements().size())) -
-        mesh.first_element(index));
-    const std::size_t parts = (kSegments + elements - 1) / elements;
-    std::vector<int> line = {};
-    for (std::size_t e = 0; e < elements; ++e) {
-      const fem::Mesh::Element& element =
-          mesh.elements()[static_cast<std::size_t>(mesh.first_element(index)) + e];
-      for (std::size_t i = e == 0 ? 0 : 1; i <= parts; ++i) {
-        const double share = static_cast<double>(i) / static_cast<double>(parts);
-        const double x =
-            std::min(element.from + (element.to - element.from) * share, mesh.member_length(index));
-        StructureDrawing::Point point{.place = member.name + " at " + metres(x) + " m",
-                                      .at = start,
-                                      .translation = {},
-                                      .rotation = {},
-                                      .node = false};
-        for (std::size_t k = 0; k < 3; ++k) {
-          point.at[k] += x * along[k];
-          if (s.dimension == 2 && k == 2) {
-            point.rotation[k] = mesh.motion(index, x, Direction::rz);
-            continue;
-          }
-          point.translation[k] = mesh.motion(index, x, kTranslations[k]);
-          if (s.dimension == 3) point.rotation[k] = mesh.motion(index, x, kRotations[k]);
-        }
-        line.push_back(static_cast<int>(d.points.size()));
-        d.points.push_back(std::move(point));
-      }
-    }
-    d.lines.push_back(std::move(line));
-    d.line_names.push_back(member.name);
-  }
-  for (std::size_t i = 0; i < s.springs.size(); ++i)
-    if (s.springs[i].nodes[1] != fem::NodeSpring::kGround) {
-      d.lines.push_back({s.springs[i].nodes[0], s.springs[i].nodes[1]});
-      d.line_names.push_back("spring " + std::to_string(i + 1));
-    }
-  return out;
-}
-
-DrawnStructure drawn_chain(const fem::LumpedChain& chain) {
-  DrawnStructure out{.discretisation = fem::discretise(chain), .drawing = {}};
-  StructureDrawing& d = out.drawing;
-  for (std::size_t i = 0; i < chain.masses.size(); ++i)
-    d.points.push_back({.place = "mass " + std::to_string(i + 1),
-                        .at = {0.0, static_cast<double>(i + 1), 0.0},
-                        .translation = {fem::SparseRow{{static_cast<int>(i)}, {1.0}}, {}, {}},
-                        .rotation = {},
-                        .node = true});
-  const auto ground = static_cast<int>(d.points.size());
-  d.points.push_back(
-      {.place = "the ground", .at = {}, .translation = {}, .rotation = {}, .node = false});
-  for (const auto& link : chain.links) {
-    const auto point = [&](int mass) { return mass == 0 ? ground : mass - 1; };
-    d.lines.push_back({point(link.between[0]), point(link.between[1])});
-    d.line_names.push_back(link.name);
-  }
-  return out;
+  return point.name;
 }
 
 /// "x", or "x and y" where a second component is not much less.
@@ -143,19 +50,6 @@ std::string axes_of(const Vector3& v) {
 
 }  // namespace
 
-DrawnStructure drawn(const AnyStructure& structure) {
-  DrawnStructure out;
-  if (const auto* members = std::get_if<fem::Structure>(&structure))
-    out = drawn_members(*members);
-  else if (const auto* chain = std::get_if<fem::LumpedChain>(&structure))
-    out = drawn_chain(*chain);
-  else
-    out.discretisation = discretise(structure);
-  out.drawing.names = out.discretisation.names;
-  measure_extent(out.drawing);
-  return out;
-}
-
 std::string largest_motion(const StructureDrawing& drawing, const Eigen::VectorXd& shape) {
   if (drawing.points.empty()) {
     Eigen::Index dof = 0;
@@ -170,16 +64,17 @@ std::string largest_motion(const StructureDrawing& drawing, const Eigen::VectorX
   } moved, turned;
   const auto look = [&](Most& most, const StructureDrawing::Point& point, const Vector3& v) {
     // Nodes come first: one that moves almost as much as anything is named.
-    const double tie = most.point != nullptr && most.point->node && !point.node ? 1.01 : 1.0 + 1e-6;
+    const double tie =
+        most.point != nullptr && most.point->is_node() && !point.is_node() ? 1.01 : 1.0 + 1e-6;
     if (fem::norm(v) <= most.motion * tie) return;
     most = {fem::norm(v), &point, v};
   };
   for (const auto& point : drawing.points) {
-    look(moved, point, values(point.translation, shape));
-    look(turned, point, values(point.rotation, shape));
+    look(moved, point, point.moved(shape));
+    look(turned, point, point.turned(shape));
   }
   const auto at = [](const StructureDrawing::Point& point) {
-    return point.node && !point.place.starts_with("mass ") ? "node " + point.place : point.place;
+    return (point.on == On::node ? "node " : "") + point_in_words(point);
   };
   // Twist without deflection.
   if (turned.point != nullptr && moved.motion < 1e-6 * drawing.size * turned.motion)
@@ -201,10 +96,10 @@ std::vector<NodeMotion> node_motions(const StructureDrawing& drawing,
     return out;
   }
   for (const auto& point : drawing.points) {
-    if (!point.node) continue;
-    NodeMotion node{.node = point.place, .motions = {}};
-    const Vector3 moved = values(point.translation, shape), turned = values(point.rotation, shape);
-    const bool chain = point.place.starts_with("mass ");
+    if (!point.is_node()) continue;
+    NodeMotion node{.node = point_in_words(point), .motions = {}};
+    const Vector3 moved = point.moved(shape), turned = point.turned(shape);
+    const bool chain = point.on == On::mass;
     for (std::size_t k = 0; k < (chain ? 1U : drawing.dimension == 2 ? 2U : 3U); ++k)
       node.motions.emplace_back(kAxes[k], moved[k]);
     if (!chain && drawing.dimension == 2) node.motions.emplace_back("rotation", turned[2]);
@@ -212,17 +107,6 @@ std::vector<NodeMotion> node_motions(const StructureDrawing& drawing,
       node.motions.emplace_back("r" + std::string(kAxes[k]), turned[k]);
     out.push_back(std::move(node));
   }
-  return out;
-}
-
-std::vector<Vector3> point_motions(const StructureDrawing& drawing, const Eigen::VectorXd& shape) {
-  std::vector<Vector3> out;
-  double largest = 0.0;
-  for (const auto& point : drawing.points) {
-    out.push_back(values(point.translation, shape));
-    largest = std::max(largest, fem::norm(out.back()));
-  }
-  for (Vector3& v : out) v = largest > 0.0 ? fem::scaled(v, 1.0 / largest) : Vector3{};
   return out;
 }
 

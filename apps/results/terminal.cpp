@@ -12,6 +12,7 @@
 #include <ostream>
 
 #include "apps/text/verdict_words.hpp"
+#include "apps/words.hpp"
 
 namespace wheeltap::apps {
 
@@ -119,14 +120,14 @@ void print_models(const Page& page, const std::vector<ModelFinding>& all) {
     const bool known = std::isfinite(m.standing.mcse);
     // Beside "< 0.1 %" an error of 1e-24 % would only puzzle; the line below has the number.
     const bool with_error = known && !(m.standing.basis == inference::Basis::evidence && p < 0.001);
+    const std::string error = with_error ? shown_error(p, m.standing.mcse) : "";
     const std::string said = with_error               ? percent(p, m.standing.mcse)
                              : known                  ? percent(p)
                              : m.standing.passed_over ? "-"
                                                       : "?";
-    const std::size_t cut = said.find(" ± ");
-    page.out << "  " << pad_right(m.name, widest) << "  " << pad_left(said.substr(0, cut), 8)
-             << pad_right(cut == std::string::npos ? "" : said.substr(cut), 12) << ' ' << bar(p, 30)
-             << '\n';
+    page.out << "  " << pad_right(m.name, widest) << "  "
+             << pad_left(error.empty() ? said : percent(p), 8) << pad_right(error, 12) << ' '
+             << bar(p, 30) << '\n';
     if (const std::string told = told_by_evidence(m); !told.empty()) {
       page.wrapped(told, "    ", "    ");
     }

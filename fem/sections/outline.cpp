@@ -23,12 +23,18 @@ std::string text(const Point& p) {
   return "(" + text(p.x()) + ", " + text(p.y()) + ")";
 }
 
-[[noreturn]] void refuse_outline(const std::string& where, const std::string& what) {
-  throw std::invalid_argument(where + ": " + what);
+/// "regions[0].holes[1][4]".
+std::string text(const OutlinePlace& place) {
+  static constexpr const char* kParts[] = {"",         ".outer",   ".holes",
+                                           ".modulus", ".poisson", ".density"};
+  const auto at = [](std::size_t i) { return "[" + std::to_string(i) + "]"; };
+  return "regions" + at(place.region) + kParts[static_cast<int>(place.part)] +
+         (place.part == OutlinePlace::Part::hole ? at(place.hole) : "") +
+         (place.corner ? at(*place.corner) : "");
 }
 
-std::string corner(const std::string& ring, std::size_t i) {
-  return ring + "[" + std::to_string(i) + "]";
+[[noreturn]] void refuse_outline(const OutlinePlace& where, const std::string& what) {
+  throw OutlineError(where, text(where), what);
 }
 
 double cross_product(const Point& a, const Point& b) {
@@ -92,13 +98,15 @@ void each_pair(const std::vector<Segment>& all, const Visit& visit) {
       visit(all[i], all[j]);
 }
 
-void refuse_infinite(const Ring& ring, const std::string& name) {
-  for (std::size_t i = 0; i < ring.size(); ++i)
-    if (!ring[i].allFinite()) refuse_outline(corner(name, i), text(ring[i]) + ": must be finite");
+void refuse_infinite(const Ring& ring, OutlinePlace place) {
+  for (std::size_t i = 0; i < ring.size(); ++i) {
+    place.corner = i;
+    if (!ring[i].allFinite()) refuse_outline(place, text(ring[i]) + ": must be finite");
+  }
 }
 
 /// The ring without corners that repeat the one before, to `near`.
-Ring cleaned(const Ring& given, const std::string& name, double near) {
+Ring cleaned(const Ring& given, const OutlinePlace& name, double near) {
   const auto same = [&](const Point& a, const Point& b) { return (a - b).norm() <= near; };
   Ring ring;
   for (const Point& p : given)
@@ -122,7 +130,7 @@ Ring cleaned(const Ring& given, const std::string& name, double near) {
 }
 
 /// Turns the ring the given way round.
-void orient(Ring& ring, const std::string& name, bool counter_clockwise) {
+void orient(Ring& ring, const OutlinePlace& name, bool counter_clockwise) {
   double size = 0.0;
   for (const Point& p : ring) size = std::max(size, (p - ring[0]).norm());
   const double area = signed_area(ring);
@@ -132,7 +140,7 @@ void orient(Ring& ring, const std::string& name, bool counter_clockwise) {
 }
 
 void refuse_own_crossings(const std::vector<const Ring*>& rings,
-                          const std::vector<std::string>& names) {
+                          const std::vector<OutlinePlace>& names) {
   each_pair(segments_of(rings), [&](const Segment& s, const Segment& t) {
     const bool same = s.ring == t.ring;
     if (same && ((s.index + 1) % s.count == t.index || (t.index + 1) % t.count == s.index)) return;
@@ -141,9 +149,10 @@ void refuse_own_crossings(const std::vector<const Ring*>& rings,
                               " meets that from " + text(t.a) + " to " + text(t.b);
     if (same) refuse_outline(names[s.ring], "crosses or touches itself: " + edges);
     const auto [low, high] = std::minmax(s.ring, t.ring);
-    refuse_outline(names[high], (low == 0 ? "a hole must lie inside the outer polygon: "
-                                          : "a hole must not meet another (" + names[low] + "): ") +
-                                    edges);
+    refuse_outline(names[high],
+                   (low == 0 ? "a hole must lie inside the outer polygon: "
+                             : "a hole must not meet another (" + text(names[low]) + "): ") +
+                       edges);
   });
 }
 
@@ -203,13 +212,12 @@ void refuse_overlap(const Outline& outline) {
     owner.resize(rings.size(), r);
   }
   const double near = kSameCorner * outline_size(outline);
-  const auto name = [](std::size_t r) { return "regions[" + std::to_string(r) + "]"; };
   each_pair(segments_of(rings), [&](const Segment& s, const Segment& t) {
     const std::size_t p = owner[s.ring], q = owner[t.ring];
     if (p != q && cross_properly(s.a, s.b, t.a, t.b, near))
-      refuse_outline(name(std::max(p, q)),
-                     "overlaps " + name(std::min(p, q)) + ": the edge from " + text(s.a) + " to " +
-                         text(s.b) + " crosses that from " + text(t.a) + " to " + text(t.b));
+      refuse_outline({std::max(p, q)}, "overlaps " + text(OutlinePlace{std::min(p, q)}) +
+                                           ": the edge from " + text(s.a) + " to " + text(s.b) +
+                                           " crosses that from " + text(t.a) + " to " + text(t.b));
   });
   for (std::size_t p = 0; p < outline.regions.size(); ++p)
     for (std::size_t q = 0; q < outline.regions.size(); ++q) {
@@ -217,8 +225,8 @@ void refuse_overlap(const Outline& outline) {
       for (const Point& point :
            just_inside(outline.regions[p], outline.regions[q], near, 100.0 * near))
         if (inside(outline.regions[q], point) && distance(point, outline.regions[q]) > near)
-          refuse_outline(name(std::max(p, q)),
-                         "overlaps " + name(std::min(p, q)) + ": " + text(point) + " lies in both");
+          refuse_outline({std::max(p, q)}, "overlaps " + text(OutlinePlace{std::min(p, q)}) + ": " +
+                                               text(point) + " lies in both");
     }
 }
 
@@ -253,30 +261,30 @@ bool contains(std::span<const Point> ring, const Point& point) {
 }
 
 Outline checked(const Outline& outline) {
+  using Part = OutlinePlace::Part;
   if (outline.regions.empty())
-    refuse_outline("regions", "there are none: a section has at least 1");
+    throw std::invalid_argument("regions: there are none: a section has at least 1");
   for (std::size_t r = 0; r < outline.regions.size(); ++r) {
-    const std::string name = "regions[" + std::to_string(r) + "]";
-    refuse_infinite(outline.regions[r].outer, name + ".outer");
+    refuse_infinite(outline.regions[r].outer, {r, Part::outer});
     for (std::size_t h = 0; h < outline.regions[r].holes.size(); ++h)
-      refuse_infinite(outline.regions[r].holes[h], name + ".holes[" + std::to_string(h) + "]");
+      refuse_infinite(outline.regions[r].holes[h], {r, Part::hole, h});
   }
   const double near = kSameCorner * outline_size(outline);
   Outline result;
   for (std::size_t r = 0; r < outline.regions.size(); ++r) {
     const Region& given = outline.regions[r];
-    const std::string name = "regions[" + std::to_string(r) + "]";
     Region region = given;
     if (!(given.modulus > 0.0 && std::isfinite(given.modulus)))
-      refuse_outline(name + ".modulus", text(given.modulus) + ": must be positive");
+      refuse_outline({r, Part::modulus}, text(given.modulus) + ": must be positive");
     if (!(given.density > 0.0 && std::isfinite(given.density)))
-      refuse_outline(name + ".density", text(given.density) + ": must be positive");
+      refuse_outline({r, Part::density}, text(given.density) + ": must be positive");
     if (!(given.poisson > -1.0 && given.poisson <= 0.5))
-      refuse_outline(name + ".poisson", text(given.poisson) + ": must be above -1 and at most 0.5");
-    region.outer = cleaned(given.outer, name + ".outer", near);
-    std::vector<std::string> names = {name + ".outer"};
+      refuse_outline({r, Part::poisson},
+                     text(given.poisson) + ": must be above -1 and at most 0.5");
+    std::vector<OutlinePlace> names = {{r, Part::outer}};
+    region.outer = cleaned(given.outer, names[0], near);
     for (std::size_t h = 0; h < given.holes.size(); ++h) {
-      names.push_back(name + ".holes[" + std::to_string(h) + "]");
+      names.push_back({r, Part::hole, h});
       region.holes[h] = cleaned(given.holes[h], names.back(), near);
     }
     std::vector<const Ring*> rings = {&region.outer};
@@ -291,7 +299,8 @@ Outline checked(const Outline& outline) {
         refuse_outline(names[h + 1], "lies outside the outer polygon, e.g. " + text(p));
       for (std::size_t other = 0; other < region.holes.size(); ++other)
         if (other != h && contains(region.holes[other], p))
-          refuse_outline(names[h + 1], "lies inside " + names[other + 1] + ", e.g. " + text(p));
+          refuse_outline(names[h + 1],
+                         "lies inside " + text(names[other + 1]) + ", e.g. " + text(p));
     }
     result.regions.push_back(std::move(region));
   }

@@ -6,7 +6,10 @@
 #pragma once
 
 #include <Eigen/Core>
+#include <optional>
 #include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 namespace wheeltap::fem {
@@ -36,14 +39,31 @@ inline constexpr double kSameCorner = 1e-9;
 /// The largest distance of a corner from the outline's first one [m].
 [[nodiscard]] double outline_size(const Outline& outline);
 
+/// Where something is wrong with an outline.
+struct OutlinePlace {
+  enum class Part { region, outer, hole, modulus, poisson, density };
+  std::size_t region = 0;
+  Part part = Part::region;
+  std::size_t hole = 0;                    ///< of Part::hole
+  std::optional<std::size_t> corner = {};  ///< of a ring, where one corner is wrong
+};
+
+/// "regions[0].holes[1][4]: (nan, 0): must be finite". Numbers count from 0.
+struct OutlineError : std::invalid_argument {
+  OutlineError(const OutlinePlace& where, const std::string& name, const std::string& why)
+      : std::invalid_argument(name + ": " + why), place(where), reason(why) {}
+  OutlinePlace place;
+  std::string reason;  ///< without the place
+};
+
 /// Rings without repeated corners, outer ones counter-clockwise and holes clockwise. Neighbouring
 /// corners of a ring within kSameCorner of the section's size are one corner. Throws
-/// std::invalid_argument, naming place and value, for
+/// OutlineError, naming place and value, for
 /// - coordinates that are not finite, fewer than 3 corners, no area;
 /// - a ring that crosses or touches itself, or a hole that leaves its region or meets another hole;
 /// - regions that overlap;
 /// - a modulus or density that is not positive, a Poisson's ratio outside (-1, 0.5].
-/// Places read "regions[0].holes[1][4]": corner 4, from 0.
+/// and std::invalid_argument for an outline without regions.
 [[nodiscard]] Outline checked(const Outline& outline);
 
 /// ½ Σ (y_i z_{i+1} - y_{i+1} z_i): positive counter-clockwise [m²].

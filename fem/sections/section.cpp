@@ -3,6 +3,7 @@
 #include <numbers>
 #include <sstream>
 #include <stdexcept>
+#include <utility>
 
 namespace wheeltap::fem {
 namespace {
@@ -53,6 +54,18 @@ double cowper_tube(double poisson, double radius_ratio) {
   const double m2 = radius_ratio * radius_ratio;
   const double q = (1.0 + m2) * (1.0 + m2);
   return 6.0 * (1.0 + poisson) * q / ((7.0 + 6.0 * poisson) * q + (20.0 + 12.0 * poisson) * m2);
+}
+
+double rectangle_torsion_constant(double a, double b) {
+  if (a < b) std::swap(a, b);
+  const double pi = std::numbers::pi;
+  double sum = 0.0;
+  for (int n = 1;; n += 2) {
+    const double term = std::tanh(n * pi * a / (2.0 * b)) / std::pow(n, 5);
+    sum += term;
+    if (term < 1e-17 * sum) break;
+  }
+  return a * (b * b * b) * (1.0 / 3.0 - 64.0 / std::pow(pi, 5) * b / a * sum);
 }
 
 Section section(const Rectangle& shape, double poisson) {

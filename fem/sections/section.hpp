@@ -12,6 +12,12 @@ namespace wheeltap::fem {
 /// 6 (1 + ν)(1 + m²)² / ((7 + 6 ν)(1 + m²)² + (20 + 12 ν) m²).
 [[nodiscard]] double cowper_tube(double poisson, double radius_ratio);
 
+/// Saint-Venant's torsion constant of a rectangle with the sides a and b [m⁴] (Timoshenko &
+/// Goodier, Theory of Elasticity, 3rd ed., section 109), for a >= b:
+///
+///   J = a b³ (1/3 - 64/π⁵ b/a Σ_{n odd} tanh(nπa/2b) / n⁵)
+[[nodiscard]] double rectangle_torsion_constant(double a, double b);
+
 struct Rectangle {
   double width, height;
 };  ///< bending about the width [m]

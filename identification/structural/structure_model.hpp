@@ -9,9 +9,7 @@
 #include <variant>
 #include <vector>
 
-#include "fem/structures/lumped_chain.hpp"
-#include "fem/structures/matrix_structure.hpp"
-#include "fem/structures/mesh.hpp"
+#include "fem/structures/structure_drawing.hpp"
 #include "inference/model/model_space.hpp"
 
 namespace wheeltap::identification {
@@ -46,6 +44,11 @@ struct StructureModel {
     return fem::Mesh(*members).discretisation();
   if (const auto* chain = std::get_if<fem::LumpedChain>(&structure)) return fem::discretise(*chain);
   return fem::discretise(std::get<fem::MatrixStructure>(structure));
+}
+
+/// The same with its points and lines. Throws fem::InvalidStructure.
+[[nodiscard]] inline fem::DrawnStructure drawn(const AnyStructure& structure) {
+  return std::visit([](const auto& kind) { return fem::drawn(kind); }, structure);
 }
 
 }  // namespace wheeltap::identification

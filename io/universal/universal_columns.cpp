@@ -75,6 +75,13 @@ std::string dof_in_words(const UniversalDof& dof) {
   return text;
 }
 
+std::string translation_axis(const UniversalDof& dof) {
+  static constexpr const char* kAxes[] = {"", "x", "y", "z"};
+  const int axis = std::abs(dof.direction);
+  if (axis < 1 || axis > 3) return {};
+  return std::string(dof.direction < 0 ? "-" : "") + kAxes[axis];
+}
+
 std::string function_in_words(int type) {
   static constexpr const char* kTypes[] = {"general or unknown",
                                            "time response",

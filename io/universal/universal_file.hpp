@@ -172,6 +172,8 @@ struct UniversalFile {
 
 /// "12:+Z": a degree of freedom in words; empty where it names no node.
 [[nodiscard]] std::string dof_in_words(const UniversalDof& dof);
+/// "x", "-z"; empty for rotations and where no direction is given.
+[[nodiscard]] std::string translation_axis(const UniversalDof& dof);
 /// "frequency response", …; "function of type 37" where nobody knows.
 [[nodiscard]] std::string function_in_words(int type);
 

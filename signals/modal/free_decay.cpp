@@ -326,7 +326,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
     if (!d.allFinite()) throw std::invalid_argument("decays: must be finite");
     for (Index c = 0; c < channels; ++c)
       if (d.cols() < 1 || !((d.row(c).array() - d(c, 0)).abs().maxCoeff() > 0.0))
-        refuse("channel", static_cast<double>(c), "never moves");
+        throw ChannelError(c, "never moves");
   }
   ModalResult out{.method = ModalMethod::realisation,
                   .lowest_hz = options.lowest_hz,

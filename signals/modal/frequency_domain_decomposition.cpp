@@ -13,6 +13,7 @@
 #include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
+#include "signals/refuse.hpp"
 
 namespace wheeltap::signals {
 namespace {
@@ -275,8 +276,7 @@ ModalResult decompose_spectra(const Eigen::Ref<const MatrixXd>& records,
   const MatrixXd y = records_of_band(records, options.sample_rate_hz, options.threads, out);
   for (Index c = 0; c < y.rows(); ++c)
     if (!y.row(c).allFinite() || !((y.row(c).array() - y(c, 0)).abs().maxCoeff() > 0.0))
-      throw std::invalid_argument("channel = " + std::to_string(c) +
-                                  ".0: must be finite and must change");
+      throw ChannelError(c, "must be finite and must change");
   out.segment = 16;
   while (out.segment * (kSegments + 1) <= y.cols()) out.segment *= 2;
   if (options.segment > 0) out.segment = std::max(16, options.segment / out.decimated / 2 * 2);

@@ -39,8 +39,8 @@ void refuse_copies(const MatrixXd& y) {
     for (Index b = 0; b < a; ++b)
       if (std::abs(product(a, b)) > kAlike * std::sqrt(product(a, a) * product(b, b)) &&
           product(a, a) > 0.0 && product(b, b) > 0.0)
-        refuse("channel", static_cast<double>(a),
-               "is the same as channel " + std::to_string(b) + " but for scale: leave one out");
+        throw ChannelError(
+            a, "is the same as channel " + std::to_string(b) + " but for scale: leave one out", b);
 }
 
 MatrixXd decimated(const Eigen::Ref<const MatrixXd>& records, int factor, int threads) {

@@ -86,8 +86,9 @@ struct ModalResult {
 
 /// `records` holds a channel a row. Records are decimated to the band, and identified twice: first
 /// with as many lags as a period of the band's lowest frequency takes, then with as many as one of
-/// the lowest mode's takes; more lags add scatter. Throws std::invalid_argument for a band that is
-/// none, channels that are constant, alike or not finite, and records too short for any order.
+/// the lowest mode's takes; more lags add scatter. Throws ChannelError (signals/refuse.hpp) for
+/// channels that are constant, alike or not finite, and std::invalid_argument for a band that is
+/// none and for records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 

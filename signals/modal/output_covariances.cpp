@@ -40,11 +40,11 @@ OutputCovariances output_covariances(const Eigen::Ref<const Eigen::MatrixXd>& re
   for (Eigen::Index c = 0; c < r; ++c) {
     Eigen::Map<Eigen::RowVectorXd> row(x.data(), n);
     row = records.row(c);
-    if (!row.allFinite()) refuse("channel", c, "holds values that are not finite");
+    if (!row.allFinite()) throw ChannelError(c, "holds values that are not finite");
     const double largest = row.cwiseAbs().maxCoeff();
     detrend(x, 1);
     out.scale[c] = std::sqrt(row.squaredNorm() / static_cast<double>(n));
-    if (!(out.scale[c] > 1e-12 * largest)) refuse("channel", c, "does not move");
+    if (!(out.scale[c] > 1e-12 * largest)) throw ChannelError(c, "does not move");
     y.row(c) = row / out.scale[c];
     out.zero_lag[c] = y.row(c).squaredNorm() / static_cast<double>(n);
   }

@@ -29,7 +29,7 @@ struct OutputCovariances {
   [[nodiscard]] int channels() const { return static_cast<int>(scale.size()); }
 };
 
-/// `records` holds a channel a row. Throws std::invalid_argument for a channel that is constant or
+/// `records` holds a channel a row. Throws ChannelError for a channel that is constant or
 /// not finite, a reference that is none, and blocks that are not longer than the lags.
 [[nodiscard]] OutputCovariances output_covariances(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                                    const CovarianceOptions& options);

@@ -210,6 +210,25 @@ TEST_F(ModalCommand, GeometryOfAStructureAndWhatDoesNotFit) {
   refused(c, "/geometry/fixed/0");
 }
 
+TEST_F(ModalCommand, NamesTheChannelThatCopiesAnother) {
+  std::istringstream lines(read_all(where / "record.csv"));
+  std::string text = "a,copy\n", line;
+  std::getline(lines, line);
+  while (std::getline(lines, line)) {
+    const double a = std::stod(line);
+    char row[80];
+    std::snprintf(row, sizeof row, "%.9g,%.9g\n", a, -2.0 * a);
+    text += row;
+  }
+  where.write("copied.csv", text);
+  json c = a_case();
+  c["record"]["file"] = "copied.csv";
+  c["record"]["channels"][1]["column"] = "copy";
+  const Outcome ran = run(c);
+  EXPECT_EQ(ran.exit_code, 65);
+  EXPECT_THAT(ran.err, HasSubstr("/record/channels/1: is the same as a but for scale"));
+}
+
 TEST_F(ModalCommand, RefusesWhatCannotBe) {
   const auto refused = [&](const json& c, const std::string& said) {
     const Outcome ran = run(c);

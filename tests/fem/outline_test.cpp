@@ -93,6 +93,22 @@ TEST(Outline, RefusesHolesThatDoNotFit) {
           {"holes[1]", "inside regions[0].holes[0]", "(0.4, 0.6)"});
 }
 
+TEST(Outline, ErrorsCarryTheirPlace) {
+  const double nan = std::numeric_limits<double>::quiet_NaN();
+  try {
+    (void)checked(
+        {{{.outer = kSquare},
+          {.outer = rectangle(2, 0, 3, 1), .holes = {{{2.1, 0.1}, {2.2, nan}, {2.2, 0.2}}}}}});
+    FAIL();
+  } catch (const OutlineError& error) {
+    EXPECT_EQ(error.place.region, 1U);
+    EXPECT_EQ(error.place.part, OutlinePlace::Part::hole);
+    EXPECT_EQ(error.place.hole, 0U);
+    EXPECT_EQ(error.place.corner, 1U);
+    EXPECT_EQ(std::string(error.what()), "regions[1].holes[0][1]: " + error.reason);
+  }
+}
+
 TEST(Outline, RefusesRegionsThatOverlap) {
   const auto refused = [](const Ring& other, std::initializer_list<std::string> words) {
     expect_refusal([&] { (void)checked({{{.outer = kSquare}, {.outer = other}}}); }, words);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <numbers>
 
 #include "refusal.hpp"
@@ -60,6 +61,15 @@ TEST(Section, CowperThinWalledLimits) {
       ISection{.height = 0.2, .width = 0.1, .flange_thickness = 0.008, .web_thickness = 0.006},
       0.3);
   EXPECT_NEAR(beam.shear_coefficient * beam.area / (0.2 * 0.006), 1.0, 0.1);
+}
+
+TEST(Section, TorsionOfRectangles) {
+  // Timoshenko & Goodier, section 109: 0.1406 a⁴ of a square, 0.2287 of two to one, 1/3 of a strip.
+  EXPECT_NEAR(rectangle_torsion_constant(1, 1), 0.1405770, 1e-7);
+  EXPECT_NEAR(rectangle_torsion_constant(1, 2), 2 * 0.2286816, 1e-6);
+  EXPECT_NEAR(rectangle_torsion_constant(2, 1), rectangle_torsion_constant(1, 2), 1e-16);
+  EXPECT_NEAR(rectangle_torsion_constant(1000, 1),
+              1000 / 3.0 - 64 / std::pow(std::numbers::pi, 5) * 31 / 32 * 1.0369277551433699, 1e-9);
 }
 
 TEST(Section, RefusesSizesThatDoNotFit) {

@@ -100,6 +100,21 @@ TEST(ChannelQuality, DriftAndWander) {
   EXPECT_GT(channel_quality(y).wander, 0.8);
 }
 
+TEST(ChannelQuality, FaultsCarryValueAndBound) {
+  auto x = noise(20000);
+  EXPECT_THAT(channel_faults(channel_quality(x), true), IsEmpty());
+  x[7] = std::numeric_limits<double>::quiet_NaN();
+  for (std::size_t i = 0; i < x.size(); ++i) x[i] += 5.0 * static_cast<double>(i) / 20000.0;
+  const auto found = channel_faults(channel_quality(x), true);
+  ASSERT_THAT(found, SizeIs(2));
+  EXPECT_EQ(found[0].fault, ChannelFault::missing);
+  EXPECT_EQ(found[0].value, 1.0);
+  EXPECT_EQ(found[1].fault, ChannelFault::drift);
+  EXPECT_NEAR(found[1].value, 5.0, 0.2);
+  EXPECT_EQ(found[1].bound, 1.0);
+  EXPECT_THAT(channel_faults(channel_quality(x), false), SizeIs(1));
+}
+
 TEST(SpectrumPeaks, AreFoundByTheirProminence) {
   auto x = noise(60000);
   const auto a = sine(60000, 0.05), b = sine(60000, 0.1234);

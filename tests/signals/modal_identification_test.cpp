@@ -9,6 +9,7 @@
 #include <vector>
 
 #include "random_vibration.hpp"
+#include "signals/refuse.hpp"
 
 namespace wheeltap::signals {
 namespace {
@@ -119,10 +120,16 @@ TEST(ModalIdentification, RefusesRecordsThatCannotTell) {
   const Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(2000, 0.05, 1);
   Eigen::MatrixXd copied = y;
   copied.row(2) = -3.0 * copied.row(0);
-  EXPECT_THROW((void)identify_modes(copied, kChain), std::invalid_argument);
+  try {
+    (void)identify_modes(copied, kChain);
+    FAIL();
+  } catch (const ChannelError& error) {
+    EXPECT_EQ(error.channel, 2);
+    EXPECT_EQ(error.original, 0);
+  }
   Eigen::MatrixXd still = y;
   still.row(1).setZero();
-  EXPECT_THROW((void)identify_modes(still, kChain), std::invalid_argument);
+  EXPECT_THROW((void)identify_modes(still, kChain), ChannelError);
   EXPECT_THROW((void)identify_modes(y.leftCols(30), kChain), std::invalid_argument);
   EXPECT_THROW((void)identify_modes(y, {.sample_rate_hz = 20.0, .lowest_hz = 11.0}),
                std::invalid_argument);

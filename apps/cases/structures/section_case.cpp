@@ -6,7 +6,7 @@
 #include <utility>
 #include <vector>
 
-#include "fem/sections/section.hpp"
+#include "fem/sections/section_shapes.hpp"
 #include "io/drawings/outline_file.hpp"
 #ifdef WHEELTAP_WITH_CGAL
 #include "fem/sections/section_mesh.hpp"
@@ -17,16 +17,13 @@ namespace {
 
 using Keys = std::vector<std::string>;
 
-/// The keys of each shape; those of a polygon are checked on their own.
-const std::vector<std::pair<std::string, Keys>>& section_shapes() {
-  static const std::vector<std::pair<std::string, Keys>> list = {
-      {"rectangle", {"width", "height"}},
-      {"circle", {"diameter"}},
-      {"tube", {"outer_diameter", "thickness"}},
-      {"i", {"height", "width", "flange_thickness", "web_thickness"}},
-      {"box", {"height", "width", "flange_thickness", "web_thickness"}},
-      {"", {"area", "second_moment", "shear_coefficient"}}};
-  return list;
+/// The sizes of a section without a shape.
+const Keys kPlain = {"area", "second_moment", "shear_coefficient"};
+
+std::vector<double> sizes_of(const Json& s, const fem::SectionShape& shape) {
+  std::vector<double> out;
+  for (const std::string& key : shape.sizes) out.push_back(s.at(key).get<double>());
+  return out;
 }
 
 fem::Ring parse_ring(const Json& list) {
@@ -73,27 +70,19 @@ std::vector<fem::Region> regions_of_file(const CaseFile& file, const Pointer& wh
 
 /// fem::checked's places as the case writes them: "/beam/section/outline/3".
 [[noreturn]] void refuse_outline(const CaseFile& file, const Pointer& where, const Json& s,
-                                 std::size_t main_regions, const std::string& message) {
-  const auto colon = message.find(": ");
-  if (!message.starts_with("regions[") || colon == std::string::npos) file.refuse(where, message);
-  const std::string what = message.substr(colon + 2);
-  if (s.contains("file") || !s.contains("shape") || s.at("shape") != "polygon")
-    file.refuse(where, message);
-  std::string path = message.substr(8, colon - 8);  // "0].holes[1][4]"
-  for (const std::string& drop : {std::string("]")})
-    for (auto at = path.find(drop); at != std::string::npos; at = path.find(drop))
-      path.erase(at, drop.size());
-  std::ranges::replace(path, '.', '/');
-  std::ranges::replace(path, '[', '/');
-  const auto slash = path.find('/');
-  const auto region = static_cast<std::size_t>(std::stoul(path.substr(0, slash)));
-  std::string rest = slash == std::string::npos ? "" : path.substr(slash);
-  if (const auto outer = rest.find("/outer"); outer != std::string::npos)
-    rest.replace(outer, 6, "/outline");
-  if (region < main_regions) file.refuse(Pointer(where.to_string() + rest), what);
-  const Pointer place(where.to_string() + "/regions/" + std::to_string(region - main_regions) +
-                      rest);
-  file.refuse(place, what);
+                                 std::size_t main_regions, const fem::OutlineError& error) {
+  using Part = fem::OutlinePlace::Part;
+  if (s.contains("file") || s.value("shape", "") != "polygon") file.refuse(where, error.what());
+  const fem::OutlinePlace& place = error.place;
+  Pointer at = where;
+  if (place.region >= main_regions) at = at / "regions" / (place.region - main_regions);
+  if (place.part == Part::outer) at = at / "outline";
+  if (place.part == Part::hole) at = at / "holes" / place.hole;
+  if (place.part == Part::modulus) at = at / "modulus";
+  if (place.part == Part::poisson) at = at / "poisson";
+  if (place.part == Part::density) at = at / "density";
+  if (place.corner) at = at / *place.corner;
+  file.refuse(at, error.reason);
 }
 
 void check_polygon(const CaseFile& file, const Pointer& where) {
@@ -114,43 +103,14 @@ void check_polygon(const CaseFile& file, const Pointer& where) {
   if (!named && s.contains("unit")) file.refuse(where / "unit", "goes with file only");
 }
 
-fem::Outline sized_outline(const Json& s, double poisson) {
-  const auto size = [&](const char* key) { return s.at(key).get<double>(); };
-  const auto middle = [](double width, double height) -> fem::Ring {
-    const double y = 0.5 * width, z = 0.5 * height;
-    return {{-y, -z}, {y, -z}, {y, z}, {-y, z}};
-  };
-  const std::string shape = s.at("shape").get<std::string>();
-  fem::Region region{.outer = {}, .poisson = poisson};
-  if (shape == "circle") {
-    region.outer = fem::circle({0, 0}, 0.5 * size("diameter"));
-  } else if (shape == "tube") {
-    const double radius = 0.5 * size("outer_diameter");
-    region.outer = fem::circle({0, 0}, radius);
-    region.holes = {fem::circle({0, 0}, radius - size("thickness"))};
-  } else {
-    const double w = size("width"), h = size("height");
-    region.outer = middle(w, h);
-    if (shape == "box")
-      region.holes = {middle(w - 2.0 * size("web_thickness"), h - 2.0 * size("flange_thickness"))};
-    if (shape == "i") {
-      const double y = 0.5 * w, z = 0.5 * h, web = 0.5 * size("web_thickness"),
-                   in = z - size("flange_thickness");
-      region.outer = {{-y, -z}, {y, -z}, {y, -in}, {web, -in}, {web, in},   {y, in},
-                      {y, z},   {-y, z}, {-y, in}, {-web, in}, {-web, -in}, {-y, -in}};
-    }
-  }
-  return {{region}};
-}
-
 }  // namespace
 
 void check_sizes(const CaseFile& file, const Pointer& where) {
   const Json& s = file.json.at(where);
   const auto shape = s.value("shape", std::string());
   if (shape == "polygon") return check_polygon(file, where);
-  const Keys& sizes =
-      std::ranges::find(section_shapes(), shape, &std::pair<std::string, Keys>::first)->second;
+  const fem::SectionShape* const known = fem::find_section_shape(shape);
+  const Keys& sizes = known != nullptr ? known->sizes : kPlain;
   std::string list;
   for (const auto& size : sizes) list += (list.empty() ? "" : ", ") + size;
   const std::string what =
@@ -171,28 +131,11 @@ void check_sizes(const CaseFile& file, const Pointer& where) {
 
 fem::Section parse_sized_section(const CaseFile& file, const Pointer& where, double poisson) {
   const Json& s = file.json.at(where);
-  const auto shape = s.value("shape", std::string());
-  const auto size = [&](const char* key) { return s.at(key).get<double>(); };
   try {
-    fem::Section section{};
-    if (shape == "rectangle") {
-      section = fem::section(fem::Rectangle{size("width"), size("height")}, poisson);
-    } else if (shape == "circle") {
-      section = fem::section(fem::Circle{size("diameter")}, poisson);
-    } else if (shape == "tube") {
-      section = fem::section(fem::Tube{size("outer_diameter"), size("thickness")}, poisson);
-    } else if (shape == "i") {
-      section = fem::section(fem::ISection{size("height"), size("width"), size("flange_thickness"),
-                                           size("web_thickness")},
-                             poisson);
-    } else if (shape == "box") {
-      section = fem::section(
-          fem::Box{size("height"), size("width"), size("flange_thickness"), size("web_thickness")},
-          poisson);
-    } else {
-      section = {size("area"), size("second_moment"), size("shear_coefficient")};
-    }
-    return section;
+    if (const fem::SectionShape* shape = fem::find_section_shape(s.value("shape", "")))
+      return shape->plane(sizes_of(s, *shape), poisson);
+    const auto size = [&](const std::string& key) { return s.at(key).get<double>(); };
+    return {size(kPlain[0]), size(kPlain[1]), size(kPlain[2])};
   } catch (const std::invalid_argument& error) {
     file.refuse(where, error.what());
   }
@@ -204,7 +147,10 @@ fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
   const Json& s = file.json.at(where);
   if (s.value("shape", "") != "polygon") {
     (void)parse_sized_section(file, where, std::min(material.poisson, 0.49));
-    return sized_outline(s, material.poisson);
+    const fem::SectionShape& shape = *fem::find_section_shape(s.at("shape").get<std::string>());
+    fem::Region region = shape.outline(sizes_of(s, shape));
+    region.poisson = material.poisson;
+    return {{std::move(region)}};
   }
   fem::Outline outline;
   if (s.contains("file")) outline.regions = regions_of_file(file, where);
@@ -237,8 +183,10 @@ fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
   const std::size_t own = outline.regions.size() - parts.size();
   try {
     return fem::checked(outline);
+  } catch (const fem::OutlineError& error) {
+    refuse_outline(file, where, s, own, error);
   } catch (const std::invalid_argument& error) {
-    refuse_outline(file, where, s, own, error.what());
+    file.refuse(where, error.what());
   }
 }
 

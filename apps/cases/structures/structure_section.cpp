@@ -3,14 +3,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <numbers>
 #include <optional>
 #include <stdexcept>
 #include <utility>
 
 #include "apps/cases/structures/section_case.hpp"
 #include "apps/law_words.hpp"
-#include "fem/sections/section.hpp"
+#include "fem/sections/section_shapes.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -23,80 +22,6 @@ using OutlineKeys = std::vector<std::string>;
 constexpr double kPrincipal = 1e-6;
 /// Shear centres nearer to the centroid than this share of the radius of gyration are there.
 constexpr double kCentred = 1e-3;
-
-double cube(double x) {
-  return x * x * x;
-}
-
-/// A shape: its sizes, and what follows from them by formula. Where a function is missing, the mesh
-/// is asked.
-struct Shape {
-  std::string name;
-  OutlineKeys sizes;
-  /// A, I_y and Cowper's κ_z.
-  fem::Section (*plane)(std::span<const double> sizes, double poisson);
-  double (*second_moment_z)(std::span<const double> sizes);
-  double (*shear_coefficient_y)(std::span<const double> sizes, double poisson);
-  double (*torsion_constant)(std::span<const double> sizes);
-  double (*depth)(std::span<const double> sizes);
-};
-
-const std::vector<Shape>& outline_shapes() {
-  using S = std::span<const double>;
-  static const std::vector<Shape> list = {
-      {"rectangle",
-       {"width", "height"},
-       [](S s, double nu) { return section(fem::Rectangle{.width = s[0], .height = s[1]}, nu); },
-       [](S s) { return s[1] * cube(s[0]) / 12.0; },
-       [](S, double nu) { return fem::cowper_rectangle(nu); },
-       [](S s) { return rectangle_torsion_constant(s[0], s[1]); },
-       [](S s) { return s[1]; }},
-      {"circle",
-       {"diameter"},
-       [](S s, double nu) { return section(fem::Circle{s[0]}, nu); },
-       [](S s) { return section(fem::Circle{s[0]}, 0.0).second_moment; },
-       [](S, double nu) { return fem::cowper_circle(nu); },
-       [](S s) { return 2.0 * section(fem::Circle{s[0]}, 0.0).second_moment; },
-       [](S s) { return s[0]; }},
-      {"tube",
-       {"outer_diameter", "thickness"},
-       [](S s, double nu) {
-         return section(fem::Tube{s[0], s[1]}, nu);
-       },
-       [](S s) {
-         return section(fem::Tube{s[0], s[1]}, 0.0).second_moment;
-       },
-       [](S s, double nu) {
-         return section(fem::Tube{s[0], s[1]}, nu).shear_coefficient;
-       },
-       [](S s) {
-         return 2.0 * section(fem::Tube{s[0], s[1]}, 0.0).second_moment;
-       },
-       [](S s) { return s[0]; }},
-      {"i",
-       {"height", "width", "flange_thickness", "web_thickness"},
-       [](S s, double nu) {
-         return section(fem::ISection{s[0], s[1], s[2], s[3]}, nu);
-       },
-       [](S s) { return (2.0 * s[2] * cube(s[1]) + (s[0] - 2.0 * s[2]) * cube(s[3])) / 12.0; },
-       nullptr,
-       nullptr,
-       [](S s) { return s[0]; }},
-      {"box",
-       {"height", "width", "flange_thickness", "web_thickness"},
-       [](S s, double nu) {
-         return section(fem::Box{s[0], s[1], s[2], s[3]}, nu);
-       },
-       [](S s) {
-         return section(fem::Box{s[1], s[0], s[3], s[2]}, 0.0).second_moment;
-       },
-       [](S s, double nu) {
-         return section(fem::Box{s[1], s[0], s[3], s[2]}, nu).shear_coefficient;
-       },
-       nullptr,
-       [](S s) { return s[0]; }}};
-  return list;
-}
 
 class SectionParser {
  public:
@@ -121,7 +46,7 @@ class SectionParser {
       allow("a polygon", {"outline", "holes", "file", "regions", "unit"});
       out = by_outline();
     } else {
-      out = by_sizes(*std::ranges::find(outline_shapes(), shape, &Shape::name));
+      out = by_sizes(*fem::find_section_shape(shape));
     }
     out.depends = out.depends || depends_;
     const auto nominal = parameters_.nominal();
@@ -217,7 +142,7 @@ class SectionParser {
     }};
   }
 
-  PieceSection by_sizes(const Shape& shape) {
+  PieceSection by_sizes(const fem::SectionShape& shape) {
     const std::string what = "a \"" + shape.name + "\" section";
     allow(what, shape.sizes);
     std::vector<Coefficient> sizes;
@@ -240,7 +165,7 @@ class SectionParser {
         shear_y = Coefficient{.nominal = 1.0 / meshed.analysis.properties.shear_flexibility.yy};
     }
     const bool given_torsion = given_torsion_ || mesh_torsion;
-    const Shape* const formulas = &shape;  // of a static list
+    const fem::SectionShape* const formulas = &shape;  // of a static list
     return {.at = [=, space = space_, shear_z = shear_z_, depth = given_depth_,
                    poisson = material_.poisson](Values v) {
       std::vector<double> x;
@@ -353,18 +278,6 @@ class SectionParser {
 };
 
 }  // namespace
-
-double rectangle_torsion_constant(double a, double b) {
-  if (a < b) std::swap(a, b);
-  const double pi = std::numbers::pi;
-  double sum = 0.0;
-  for (int n = 1;; n += 2) {
-    const double term = std::tanh(n * pi * a / (2.0 * b)) / std::pow(n, 5);
-    sum += term;
-    if (term < 1e-17 * sum) break;
-  }
-  return a * cube(b) * (1.0 / 3.0 - 64.0 / std::pow(pi, 5) * b / a * sum);
-}
 
 PieceSection parse_piece_section(const CaseFile& file, const Pointer& where,
                                  const MaterialCoefficients& material, int dimension,

@@ -12,12 +12,6 @@
 
 namespace wheeltap::apps {
 
-/// Saint-Venant's torsion constant of a rectangle with the sides a and b [m⁴] (Timoshenko &
-/// Goodier, Theory of Elasticity, 3rd ed., section 109), for a >= b:
-///
-///   J = a b³ (1/3 - 64/π⁵ b/a Σ_{n odd} tanh(nπa/2b) / n⁵)
-[[nodiscard]] double rectangle_torsion_constant(double a, double b);
-
 /// The material of a piece of a member, as the case has it.
 struct MaterialCoefficients {
   Coefficient young, poisson, density;

@@ -495,6 +495,8 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   DamageFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior, watched), seed);
   out.symmetry = symmetric;
+  if (damage_case.structure)
+    out.drawn_modes = drawn_modes(damage_case.structure->nominal, damage_case.modes());
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     out.kinds.push_back(where(draws, static_cast<int>(k)));
     out.kinds.back().places = places(draws, static_cast<int>(k), out.kinds.back().expected);

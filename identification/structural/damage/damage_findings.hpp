@@ -12,6 +12,7 @@
 #include "identification/structural/damage/damage_problem.hpp"
 #include "identification/structural/damage/emulator_check.hpp"
 #include "identification/structural/damage/merged_damages.hpp"
+#include "identification/structural/drawn_modes.hpp"
 #include "identification/structural/likelihood/mode_contributions.hpp"
 
 namespace wheeltap::identification {
@@ -100,7 +101,8 @@ struct DamageFindings : Findings {
   std::optional<SymmetryFinding> symmetry;
   std::optional<FitFinding> fit;
   std::optional<EmulatorFinding> emulator;
-  std::optional<BaselineFindings> baseline;  ///< where there are states
+  std::optional<BaselineFindings> baseline;    ///< where there are states
+  std::optional<DrawnModes> drawn_modes = {};  ///< of the intact structure, for figures
 
   /// Of one kind; nullptr where there is nothing to merge.
   [[nodiscard]] const MergedFinding* merged_of(int kind) const {

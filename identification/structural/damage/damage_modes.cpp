@@ -2,12 +2,51 @@
 
 #include <algorithm>
 #include <cmath>
+#include <memory>
 
+#include "base/random.hpp"
 #include "identification/structural/likelihood/mode_contributions.hpp"
 
 namespace wheeltap::identification {
 
 using inference::Posterior;
+
+namespace {
+
+/// Sd [Hz] of each measured frequency about the model's, where what the model leaves out is
+/// inferred: the mean over a few hundred draws, since each is solved again. 0 elsewhere.
+std::vector<double> inferred_scatter(const DamageProblem& problem, const Posterior& posterior) {
+  std::vector<double> out(static_cast<std::size_t>(problem.damage_case.data.modes()));
+  const auto& modal = problem.damage_case.modal;
+  if (!problem.by_modes() || !modal ||
+      (modal->discrepancy.known() && modal->stiffness_discrepancy.none()))
+    return out;
+  constexpr std::size_t kSolved = 300;
+  const auto width = static_cast<std::size_t>(posterior.dimension);
+  const std::size_t chains = posterior.chains.size();
+  const std::size_t draws = posterior.chains[0].model.size();
+  const std::size_t stride = std::max<std::size_t>(1, chains * draws / kSolved);
+  StructuralPredictor predictor(problem);
+  ModeObservation::Scored scored;
+  std::vector<int> with;
+  double solved = 0.0;
+  for (std::size_t n = 0; n < chains * draws; n += stride) {
+    const inference::Chain& chain = posterior.chains[n / draws];
+    const std::size_t i = n % draws;
+    const std::span<const double> x(chain.theta.data() + i * width, width);
+    if (!predictor.score(chain.model[i], x, scored)) continue;
+    const Eigen::MatrixXd covariance =
+        problem.modes().covariance(scored, problem.modal_noise(x), with);
+    for (std::size_t k = 0; k < with.size(); ++k)
+      out[static_cast<std::size_t>(with[k])] +=
+          covariance(static_cast<Eigen::Index>(k), static_cast<Eigen::Index>(k));
+    ++solved;
+  }
+  for (double& variance : out) variance = solved > 0.0 ? std::sqrt(variance / solved) : 0.0;
+  return out;
+}
+
+}  // namespace
 
 SingleModes::SingleModes(const DamageProblem& problem)
     : problem_(problem),
@@ -57,6 +96,29 @@ void SingleModes::tell(int winner, FitFinding& out) const {
     for (std::size_t s = 0; s < models_.size(); ++s)
       if (models_[s] == winner) mode.probability_without += without.weights[s];
   }
+}
+
+std::function<std::vector<double>(std::size_t, std::size_t)> frequency_replicates(
+    const DamageProblem& problem, const Posterior& posterior, std::uint64_t seed) {
+  const auto variances = std::make_shared<EmulatorVariances>(problem);
+  return [&posterior, variances, noise = problem.noise(), seed,
+          inferred = inferred_scatter(problem, posterior)](std::size_t c, std::size_t i) {
+    const inference::Chain& from = posterior.chains[c];
+    const auto width = static_cast<std::size_t>(posterior.dimension);
+    const std::span<const double> x(from.theta.data() + i * width, width);
+    const std::span<const double> variance = variances->next(from.model[i], x);
+    base::Random random(seed, c, i, base::Purpose::prediction);
+    std::vector<double> out;
+    for (std::size_t m = 0; m < inferred.size(); ++m) {
+      const double f = from.prediction[i * inferred.size() + m];
+      const double sd =
+          inferred[m] > 0.0
+              ? inferred[m]
+              : noise.replicate_sd(m, f, noise.cv(x), variance.empty() ? 0.0 : variance[m]);
+      out.push_back(f + (std::isnan(sd) ? 0.0 : sd) * random.normal());
+    }
+    return out;
+  };
 }
 
 std::vector<ShapesBeside> best_shapes(const DamageProblem& problem, const Posterior& posterior) {

@@ -1,6 +1,8 @@
 // What each measured mode says of damage.
 #pragma once
 
+#include <cstdint>
+#include <functional>
 #include <span>
 #include <vector>
 
@@ -31,6 +33,12 @@ class SingleModes {
   std::vector<std::vector<double>> densities_, macs_;  // of a mode, at each draw
   bool doubted_ = false, told_ = true;
 };
+
+/// Replicates [Hz] of the measured frequencies at a draw (chain, draw) of the posterior, which are
+/// asked for in order: f_m(θ) + s_m(θ) e, e standard normal of `seed`, s_m the standard deviation
+/// of the likelihood's own noise model. Refers to the problem and the posterior.
+[[nodiscard]] std::function<std::vector<double>(std::size_t, std::size_t)> frequency_replicates(
+    const DamageProblem& problem, const inference::Posterior& posterior, std::uint64_t seed);
 
 /// Measured shapes beside those of the best draw, of each state that has some; of problems
 /// `by_modes`.

@@ -4,17 +4,16 @@
 #include <filesystem>
 #include <vector>
 
-#include "apps/cases/records/modes_file.hpp"
-#include "apps/cases/records/record_reading.hpp"
+#include "io/universal/universal_file.hpp"
 #include "signals/frequency_responses.hpp"
+#include "signals/units.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::signals {
 
 struct MeasuredResponses {
-  signals::FrequencyResponses responses = {};
-  std::vector<MeasuredSensor> sensors = {};  ///< an output each
-  std::vector<std::string> inputs = {};      ///< "2:+Z"
-  std::vector<ChannelUse> channels = {};     ///< of the outputs: units, where the file says them
+  FrequencyResponses responses = {};
+  std::vector<io::UniversalDof> outputs = {}, inputs = {};
+  std::vector<Conversion> conversions = {};  ///< of the outputs; empty where they were exchanged
   /// Of the outputs: 0 displacement, 1 velocity, 2 acceleration; empty where the file says none.
   std::vector<int> orders = {};
   bool transposed = false;  ///< outputs and inputs were exchanged, by reciprocity: a roving hammer
@@ -26,4 +25,4 @@ struct MeasuredResponses {
 /// twice.
 [[nodiscard]] MeasuredResponses read_frequency_responses(const std::filesystem::path& path);
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::signals

@@ -1,34 +1,21 @@
-#include "apps/cases/records/frequency_response_file.hpp"
+#include "signals/frequency_response_file.hpp"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <utility>
 
 #include "io/file_error.hpp"
 #include "io/universal/universal_file.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::signals {
 namespace {
 
 using Eigen::Index;
 
 constexpr int kFrequencyResponse = 4;
-
-std::string axis_of(int direction) {
-  static constexpr std::array<const char*, 4> names = {"", "x", "y", "z"};
-  const int axis = std::abs(direction);
-  if (axis < 1 || axis > 3) return {};
-  return std::string(direction < 0 ? "-" : "") + names[static_cast<std::size_t>(axis)];
-}
-
-MeasuredSensor sensor_of(const io::UniversalDof& dof) {
-  return {.name = io::dof_in_words(dof),
-          .node = dof.node != 0 ? std::to_string(dof.node) : std::string(),
-          .direction = axis_of(dof.direction)};
-}
 
 std::size_t place_of(const io::UniversalDof& dof, std::vector<io::UniversalDof>& list) {
   const auto same = [&](const io::UniversalDof& other) {
@@ -41,23 +28,16 @@ std::size_t place_of(const io::UniversalDof& dof, std::vector<io::UniversalDof>&
 }
 
 /// What a function's numerator is of, by its unit or its quantity.
-signals::Conversion conversion_of(const io::UniversalFunction& f) {
-  using signals::Dimension;
+Conversion numerator_conversion(const io::UniversalFunction& f) {
   std::optional<Dimension> wanted;
   if (f.numerator.quantity == 8) wanted = Dimension::length;
   if (f.numerator.quantity == 11) wanted = Dimension::velocity;
   if (f.numerator.quantity == 12) wanted = Dimension::acceleration;
-  signals::Conversion out = signals::conversion_of(f.numerator.unit, {});
+  Conversion out = conversion_of(f.numerator.unit, {});
   // "g" or "(m/s^2)/N": the numerator's unit where it stands alone.
-  if (out.basis == signals::Conversion::Basis::foreign) out = {.unit = out.unit};
+  if (out.basis == Conversion::Basis::foreign) out = {.unit = out.unit};
   if (!out.dimension) out.dimension = wanted;
   return out;
-}
-
-int order_of(signals::Dimension dimension) {
-  return dimension == signals::Dimension::acceleration ? 2
-         : dimension == signals::Dimension::velocity   ? 1
-                                                       : 0;
 }
 
 }  // namespace
@@ -100,8 +80,8 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
   out.responses.h.assign(static_cast<std::size_t>(lines), Eigen::MatrixXcd(rows, columns));
   bool any = false, all = true, dimensions = true;
   for (const auto& [which, f] : found) {
-    const signals::Conversion c = conversion_of(*f);
-    const bool known = c.basis == signals::Conversion::Basis::unit;
+    const Conversion c = numerator_conversion(*f);
+    const bool known = c.basis == Conversion::Basis::unit;
     any = any || known;
     all = all && known;
     dimensions = dimensions && c.dimension.has_value();
@@ -111,23 +91,23 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
         "the units of some frequency responses' numerators are known and of others not: shapes "
         "cannot compare them");
   for (const auto& [which, f] : found) {
-    const signals::Conversion conversion = conversion_of(*f);
+    const Conversion conversion = numerator_conversion(*f);
     for (Index k = 0; k < lines; ++k)
       out.responses.h[static_cast<std::size_t>(k)](static_cast<Index>(which.first),
                                                    static_cast<Index>(which.second)) =
           conversion.factor * f->y[static_cast<std::size_t>(k)];
     if (which.second != 0 || out.transposed) continue;
     // In the order of the outputs, as the map is.
-    out.channels.push_back({.column = io::dof_in_words(f->response), .conversion = conversion});
-    if (dimensions) out.orders.push_back(order_of(*conversion.dimension));
+    out.conversions.push_back(conversion);
+    if (dimensions) out.orders.push_back(derivative_order(*conversion.dimension));
   }
   if (out.transposed) {
     for (Eigen::MatrixXcd& h : out.responses.h) h = h.transpose().eval();
     std::swap(outputs, inputs);
   }
-  for (const io::UniversalDof& dof : outputs) out.sensors.push_back(sensor_of(dof));
-  for (const io::UniversalDof& dof : inputs) out.inputs.push_back(io::dof_in_words(dof));
+  out.outputs = std::move(outputs);
+  out.inputs = std::move(inputs);
   return out;
 }
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::signals

@@ -1,0 +1,37 @@
+// The shapes of cross-sections that are known by their sizes, and what follows from these by
+// formula.
+//
+// To add one: a line in the list of section_shapes.cpp.
+#pragma once
+
+#include <span>
+#include <string>
+#include <string_view>
+#include <vector>
+
+#include "fem/sections/outline.hpp"
+#include "fem/sections/section.hpp"
+
+namespace wheeltap::fem {
+
+/// All functions take the sizes [m] in the order of `sizes`. Those of shear coefficient and torsion
+/// constant are null where there is no formula: a mesh of the outline has them.
+struct SectionShape {
+  std::string name;                ///< "rectangle"
+  std::vector<std::string> sizes;  ///< names: "width", "height"
+  /// A, I_y = ∫z² and Cowper's κ_z. Throws std::invalid_argument as section() does.
+  Section (*plane)(std::span<const double> sizes, double poisson);
+  double (*second_moment_z)(std::span<const double> sizes);  ///< ∫y² [m⁴]
+  double (*shear_coefficient_y)(std::span<const double> sizes, double poisson);
+  double (*torsion_constant)(std::span<const double> sizes);  ///< Saint-Venant's J [m⁴]
+  double (*depth)(std::span<const double> sizes);             ///< along z [m]
+  /// y along the width, the origin in the middle; circles as polygons of equal area.
+  Region (*outline)(std::span<const double> sizes);
+};
+
+[[nodiscard]] const std::vector<SectionShape>& section_shapes();
+
+/// Null where no shape has this name.
+[[nodiscard]] const SectionShape* find_section_shape(std::string_view name);
+
+}  // namespace wheeltap::fem

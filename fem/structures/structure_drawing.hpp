@@ -1,0 +1,51 @@
+// A structure as points and lines, with the motion of every point in a mode shape.
+#pragma once
+
+#include <array>
+#include <string>
+#include <vector>
+
+#include "base/eigen.hpp"
+#include "fem/structures/discretisation.hpp"
+#include "fem/structures/lumped_chain.hpp"
+#include "fem/structures/matrix_structure.hpp"
+#include "fem/structures/mesh.hpp"
+
+namespace wheeltap::fem {
+
+struct StructureDrawing {
+  struct Point {
+    enum class On { node, member, mass, ground };
+    On on;
+    std::string name = {};  ///< of the node or the member; number of the mass, from 1
+    double along = 0.0;     ///< distance from the member's start [m]
+    Vector3 at;             ///< [m]
+    std::array<SparseRow, 3> translation, rotation;
+
+    [[nodiscard]] bool is_node() const { return on == On::node || on == On::mass; }
+    [[nodiscard]] Vector3 moved(const Eigen::VectorXd& shape) const;   ///< translations
+    [[nodiscard]] Vector3 turned(const Eigen::VectorXd& shape) const;  ///< rotations
+  };
+  int dimension = 2;
+  std::vector<Point> points;            ///< nodes first, in their order
+  std::vector<std::vector<int>> lines;  ///< of points; one a member, then one a spring or link
+  double size = 1.0;                    ///< the largest extent [m]
+  std::vector<DofName> names;           ///< of the degrees of freedom
+};
+
+/// A structure, its matrices, and what is drawn of it. Matrices have no places: they are degrees of
+/// freedom by name, and nothing is drawn. A chain is drawn upwards, a metre a mass, moving along x.
+struct DrawnStructure {
+  Discretisation discretisation;
+  StructureDrawing drawing;
+};
+/// Throws InvalidStructure.
+[[nodiscard]] DrawnStructure drawn(const Structure& structure);
+[[nodiscard]] DrawnStructure drawn(const LumpedChain& chain);
+[[nodiscard]] DrawnStructure drawn(const MatrixStructure& matrices);
+
+/// Displacement of every point in a shape, the largest scaled to 1 (all 0 where nothing moves).
+[[nodiscard]] std::vector<Vector3> point_motions(const StructureDrawing& drawing,
+                                                 const Eigen::VectorXd& shape);
+
+}  // namespace wheeltap::fem
