@@ -8,9 +8,13 @@
 #include <string>
 #include <vector>
 
+namespace wheeltap::inference {
+struct RunCost;  // run_cost.hpp
+}
+
 namespace wheeltap::apps {
 
-struct RunCost;  // run_cost.hpp
+using inference::RunCost;
 
 /// An environment variable that stands for --threads where that is not given.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";

@@ -1,14 +1,12 @@
-// Runs that sample: damage, update, sid.
+// Runs that sample: a function for each command that samples a kind of case.
 #include <pybind11/stl.h>
 
 #include <algorithm>
 
+#include "apps/commands/command_list.hpp"
 #include "apps/report/report.hpp"
 #include "apps/results/stored_run.hpp"
-#include "apps/runs/damage_run.hpp"
 #include "apps/runs/running.hpp"
-#include "apps/runs/sid/sid_run.hpp"
-#include "apps/runs/update_run.hpp"
 #include "io/netcdf/netcdf_library.hpp"
 #include "io/netcdf/netcdf_reader.hpp"
 #include "python/bindings.hpp"
@@ -22,39 +20,16 @@ namespace {
 
 using namespace apps;
 
-Run damage(CaseFile file, const RunOptions& options, JobWatch& watch) {
-  const auto parsed = std::make_shared<const DamageCaseFile>(parse_damage_case(std::move(file)));
-  require_affordable(parsed->file, Pointer("/predictor"), cost_of_tables(parsed->damage),
-                     options.common);
-  require_affordable(parsed->file, Pointer(),
-                     cost_of_damages(parsed->damage, options.common, options.sampling),
-                     options.common);
-  const auto problem = prepare_damage(*parsed, options.common, watch);
-  return {*sample_damage(parsed, problem, options.common, options.sampling, watch), {}};
+/// The steps of run_case that leave no files.
+Run finished(CaseRun& run, JobWatch& watch) {
+  const bool prepared = !run.estimate();
+  run.prepare(watch);
+  if (prepared) static_cast<void>(run.estimate());
+  return {*run.sample(watch), watch.lines()};
 }
 
-Run update(CaseFile file, const RunOptions& options, JobWatch& watch) {
-  const auto parsed = std::make_shared<const UpdateCaseFile>(parse_update_case(std::move(file)));
-  require_affordable(parsed->file, Pointer("/structure"), cost_of_basis(*parsed), options.common);
-  const auto problem = prepare_update(*parsed, options.common, watch);
-  require_affordable(parsed->file, Pointer(),
-                     cost_of_update(*problem, options.common, options.sampling), options.common);
-  return {*sample_update(parsed, problem, options.common, options.sampling, watch), {}};
-}
-
-Run sid(CaseFile file, const RunOptions& options, JobWatch& watch) {
-  if (file.json.contains("sweep"))
-    file.refuse(Pointer("/sweep"), "a sweep is the program's: in Python, run the cases in a loop");
-  require_room_for_truth(file, options.common);
-  const auto parsed = std::make_shared<const SidCaseFile>(parse_sid_case(std::move(file)));
-  require_affordable(parsed->file, Pointer(),
-                     cost_of_sid(*parsed, options.common, options.sampling), options.common);
-  return {*sample_sid(parsed, options.common, options.sampling, watch), {}};
-}
-
-/// The work of one of the three on a thread of its own.
-template <class Work>
-std::shared_ptr<Run> run(const Work& work, const std::string& path, const py::object& text,
+/// The run of a case of one kind on a thread of its own.
+std::shared_ptr<Run> run(const MakeCaseRun& make, const std::string& path, const py::object& text,
                          const std::vector<std::string>& overrides, const py::dict& said,
                          const py::object& progress) {
   const RunOptions options = [&] {
@@ -68,8 +43,11 @@ std::shared_ptr<Run> run(const Work& work, const std::string& path, const py::ob
     std::shared_ptr<Run> out;
     watched(progress, [&](Job& job) {
       JobWatch watch(job);
-      out = std::make_shared<Run>(work(std::move(file), options, watch));
-      out->lines = watch.lines();
+      if (file.json.contains("sweep") && file.json.value("kind", Json()) == "sid")
+        file.refuse(Pointer("/sweep"),
+                    "a sweep is the program's: in Python, run the cases in a loop");
+      const auto of_case = make(std::move(file), options.common, options.sampling);
+      out = std::make_shared<Run>(finished(*of_case, watch));
     });
     return out;
   });
@@ -104,20 +82,18 @@ void JobWatch::show(const char* stage, double fraction, const std::string& /*det
 }
 
 void bind_runs(py::module_& m) {
-  const auto bind = [&](const char* name, auto work) {
+  for (const Command& command : commands()) {
+    if (!command.make_run) continue;
     m.def(
-        name,
-        [work](const std::string& path, const py::object& text,
-               const std::vector<std::string>& overrides, const py::dict& options,
-               const py::object& progress) {
-          return run(work, path, text, overrides, options, progress);
+        command.name.c_str(),
+        [make = command.make_run](const std::string& path, const py::object& text,
+                                  const std::vector<std::string>& overrides,
+                                  const py::dict& options, const py::object& progress) {
+          return run(make, path, text, overrides, options, progress);
         },
         py::arg("path"), py::arg("text"), py::arg("overrides"), py::arg("options"),
         py::arg("progress"));
-  };
-  bind("damage", damage);
-  bind("update", update);
-  bind("sid", sid);
+  }
 
   m.def(
       "keep",

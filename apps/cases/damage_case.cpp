@@ -14,12 +14,12 @@
 #include "apps/cases/syntax/case_remedies.hpp"
 #include "apps/structure_words.hpp"
 #include "base/constants.hpp"
-#include "base/log_gamma.hpp"
 #include "emulator/gaussian_process.hpp"
 #include "fem/sections/section.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
 #include "identification/structural/defects/reduction.hpp"
 #include "identification/structural/structure_plausibility.hpp"
+#include "inference/model/poisson_weights.hpp"
 #include "io/netcdf/netcdf_name.hpp"
 #include "io/text/text.hpp"
 
@@ -63,11 +63,7 @@ std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where
   std::vector<double> weights(n, 1.0);
   const Json& count = file.json.at(where);
   if (count.contains("prior") && count["prior"].is_object()) {
-    const double mean = count["prior"]["poisson"].get<double>();
-    for (std::size_t i = 0; i < n; ++i) {
-      const double k = min + static_cast<double>(i);
-      weights[i] = std::exp(k * std::log(mean) - base::log_gamma(k + 1.0) - mean);
-    }
+    weights = inference::poisson_weights(count["prior"]["poisson"].get<double>(), min, max);
   } else if (count.contains("prior") && count["prior"].is_array()) {
     weights = count["prior"].get<std::vector<double>>();
     if (weights.size() != n) {

@@ -1,71 +1,14 @@
 // wheeltap: the command line.
-#include <CLI/CLI.hpp>
-#include <algorithm>
-#include <csignal>
-#include <cstdlib>
-#include <iostream>
-#include <stdexcept>
+#include <string>
+#include <string_view>
 
-#include "apps/cli/command_line_faults.hpp"
-#include "apps/cli/json_output.hpp"
 #include "apps/cli/restart.hpp"
+#include "apps/cli/run_program.hpp"
 #include "apps/commands/command_list.hpp"
-#include "apps/commands/command_options.hpp"
-#include "apps/runs/failure_of.hpp"
-#include "apps/runs/several_ranks.hpp"
-#include "base/simd.hpp"
-#include "io/date_of_files.hpp"
-#include "io/text/text.hpp"
 
 namespace {
 
 using namespace wheeltap;
-using apps::Exit;
-
-std::string& last_words() {
-  static std::string words;
-  return words;
-}
-
-int report(Exit exit, const std::string& line) {
-  // Names, keys and values in it are a user's: one line, whatever they hold.
-  std::string words = io::printable(line);
-  // What was typed may be of any length; what it lacks stands before it or behind.
-  constexpr std::size_t kLongest = 1000;
-  if (exit == Exit::usage && words.size() > kLongest)
-    words.replace(kLongest / 2, words.size() - kLongest, " ... ");
-  words = io::printable(words);  // the cut may have halved a character
-  std::cerr << "wheeltap: " << words << '\n';
-  last_words() = words;
-  return static_cast<int>(exit);
-}
-
-// The end of whatever says something: a full disk behind standard output is no success.
-int printed() {
-  std::cout.flush();
-  if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
-  return static_cast<int>(Exit::done);
-}
-
-std::string joined(int argc, char** argv) {
-  std::string line = "wheeltap";
-  for (int i = 1; i < argc; ++i) {
-    const std::string word = io::printable(argv[i]);
-    const bool plain =
-        !word.empty() && word.find_first_of(" '\"{}[]$*?&|;<>()\\") == std::string::npos;
-    line += " " + (plain ? word : "'" + word + "'");
-  }
-  return line;
-}
-
-// Before there is anything to lose.
-void check_date_of_files() {
-  try {
-    (void)io::date_of_files();
-  } catch (const std::invalid_argument& error) {
-    throw apps::Failure(Exit::usage, error.what());
-  }
-}
 
 // How the program is asked to start, before anything else of the command line is read.
 void obey_simd(int argc, char** argv) {
@@ -80,134 +23,9 @@ void obey_simd(int argc, char** argv) {
   }
 }
 
-// What --help says, for shells and manuals.
-apps::ProgramText text_of(const CLI::App& app) {
-  apps::ProgramText program{.name = "wheeltap",
-                            .version = WHEELTAP_VERSION,
-                            .description = app.get_description(),
-                            .commands = {}};
-  for (const CLI::App* command : app.get_subcommands({})) {
-    program.commands.push_back(
-        {.name = command->get_name(), .description = command->get_description(), .options = {}});
-    for (const CLI::Option* option : command->get_options()) {
-      apps::OptionText text{.names = {}, .description = option->get_description(), .value = {}};
-      text.is_argument = option->get_positional();
-      if (text.is_argument) text.names.push_back(option->get_name());
-      for (const std::string& name : option->get_snames()) text.names.push_back("-" + name);
-      for (const std::string& name : option->get_lnames()) text.names.push_back("--" + name);
-      if (option->get_items_expected_max() > 0) text.value = option->get_type_name();
-      program.commands.back().options.push_back(std::move(text));
-    }
-  }
-  return program;
-}
-
-/// Adds every command of the list to `app`.
-void add_commands(CLI::App& app, apps::Invocation& invocation) {
-  for (const apps::Command& command : apps::commands()) {
-    apps::CommandOptions options(*app.add_subcommand(command.name, command.summary), invocation);
-    command.add_options(options);
-  }
-}
-
-const apps::Command& chosen_command(const CLI::App& app) {
-  return *std::ranges::find(apps::commands(), app.get_subcommands().front()->get_name(),
-                            &apps::Command::name);
-}
-
-/// Why the command line cannot be read, and where help is.
-std::string parse_fault(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
-  const auto chosen = app.get_subcommands();
-  std::string what = error.what();
-  if (chosen.empty() && argc > 1 && argv[1][0] != '-') what = apps::unknown_command(app, argv[1]);
-  if (!chosen.empty()) {
-    const CLI::App& command = *chosen.front();
-    if (const std::string words = apps::unexpected_words(app, command); !words.empty()) {
-      what = words;
-    } else if (dynamic_cast<const CLI::RequiredError*>(&error) != nullptr) {
-      what = apps::missing_option(command).value_or(what);
-    }
-  }
-  // The number may be the environment's, which nobody typed.
-  const bool typed = std::any_of(argv + 1, argv + argc, [](const char* word) {
-    return std::string_view(word).starts_with("--threads");
-  });
-  if (const std::string option = "--threads: "; what.starts_with(option) && !typed)
-    what.replace(0, option.size(), std::string(apps::kThreadsVariable) + ": ");
-  std::ranges::replace(what, '\n', ' ');
-  return what + " (see wheeltap " + (chosen.empty() ? "" : chosen.front()->get_name() + " ") +
-         "--help)";
-}
-
-/// Under mpirun, ranks other than the first have work in some commands only. Returns whether this
-/// rank has.
-bool divide_among_ranks(const apps::Command& command, apps::CommonOptions& common) {
-  if (base::ranks() == nullptr) return true;
-  if (common.threads == 0) common.threads = 1;
-  if (command.on_all_ranks) return true;
-  if (!base::is_first_rank()) return false;
-  base::ranks() = nullptr;
-  return true;
-}
-
-int run(int argc, char** argv) {
-  // A file that may not grow is an error of writing, which has a line and an exit code.
-  std::signal(SIGXFSZ, SIG_IGN);
-  // What is ours is locked by ourselves, and on some file systems of clusters nothing can be.
-  ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
-  CLI::App app{
-      "Structural health monitoring: number, positions and severities of damages, with calibrated "
-      "probabilities"};
-  app.set_version_flag("--version", std::string("wheeltap ") + WHEELTAP_VERSION);
-  app.require_subcommand(1);
-  app.get_formatter()->column_width(34);
-  apps::Invocation asked;
-  asked.common.command_line = joined(argc, argv);
-  asked.describe = [&app] { return text_of(app); };
-  add_commands(app, asked);
-  try {
-    app.parse(argc, argv);
-  } catch (const CLI::Success& success) {
-    app.exit(success);
-    return printed();
-  } catch (const CLI::ParseError& error) {
-    return report(Exit::usage, parse_fault(app, error, argc, argv));
-  }
-
-  const apps::Command& command = chosen_command(app);
-  const CLI::App& line = *app.get_subcommands().front();
-  if (!divide_among_ranks(command, asked.common)) return static_cast<int>(Exit::done);
-  apps::JsonOutput json(asked.as_json, asked.common);
-  try {
-    check_date_of_files();
-    if (base::ranks() != nullptr) apps::require_equal_processors();
-    const bool may_only_estimate = line.get_option_no_throw("--dry-run") != nullptr;
-    if (may_only_estimate && asked.common.output.empty() && !asked.common.dry_run)
-      throw apps::Failure(Exit::usage, apps::output_is_missing(line) + " (see wheeltap " +
-                                           command.name + " --help)");
-    command.run(asked);
-    json.print();
-    return printed();
-  } catch (const apps::FailedOnFirstRank&) {
-    return static_cast<int>(Exit::done);  // that one says and returns what it was
-  } catch (const std::exception&) {
-    json.print_said();
-    const apps::Failure failure =
-        apps::failure_of(std::current_exception(), asked.common.case_path);
-    return report(failure.exit(), failure.what());
-  }
-}
-
 }  // namespace
 
 int main(int argc, char** argv) {
   obey_simd(argc, argv);
-  try {
-    apps::JoinedRanks joined;
-    const int code = run(argc, argv);
-    joined.leave(code, last_words());
-    return code;
-  } catch (const apps::Failure& failure) {
-    return report(failure.exit(), failure.what());
-  }
+  return apps::run_program(apps::commands(), argc, argv);
 }

@@ -31,16 +31,10 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The command that runs a case of this kind.
+/// The command that runs a case of this kind. Throws Failure where there is none.
 const Command& command_of(const CaseFile& file) {
-  std::vector<std::string> known;
-  for (const Command& command : commands()) {
-    if (command.case_kind.empty()) continue;
-    if (file.json.is_object() && file.json.value("kind", Json()) == command.case_kind)
-      return command;
-    known.push_back(command.case_kind);
-  }
-  file.refuse(Pointer("/kind"), "a batch runs cases of the kinds " + listed(known));
+  if (const Command* command = command_of_kind(file)) return *command;
+  file.refuse(Pointer("/kind"), "a batch runs cases of the kinds " + listed(case_kinds()));
 }
 
 // A path that begins with a dash is no option.
@@ -61,7 +55,7 @@ std::vector<std::string> arguments(const Command& command, const std::filesystem
     out.insert(out.end(), {option, Json(value).dump()});
   };
   for (const std::string& override : common.overrides) out.push_back("--set=" + override);
-  if (!command.samples) return out;  // nothing goes on
+  if (!command.make_run) return out;  // nothing goes on
   add("--chains", sampling.chains);
   if (common.seed) add("--seed", *common.seed);
   if (sampling.warmup > 0) add("--warmup", sampling.warmup);

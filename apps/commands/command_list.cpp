@@ -13,4 +13,19 @@ const std::vector<Command>& commands() {
   return all;
 }
 
+const Command* command_of_kind(const CaseFile& file) {
+  if (!file.json.is_object() || !file.json.contains("kind")) return nullptr;
+  for (const Command& command : commands())
+    if (!command.case_kind.empty() && file.json["kind"] == command.case_kind) return &command;
+  return nullptr;
+}
+
+std::vector<std::string> case_kinds(bool sampled_only) {
+  std::vector<std::string> kinds;
+  for (const Command& command : commands())
+    if (!command.case_kind.empty() && (command.make_run || !sampled_only))
+      kinds.push_back(command.case_kind);
+  return kinds;
+}
+
 }  // namespace wheeltap::apps

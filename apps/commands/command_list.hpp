@@ -1,6 +1,7 @@
 // All commands of the program.
 #pragma once
 
+#include <string>
 #include <vector>
 
 #include "apps/commands/command.hpp"
@@ -30,5 +31,11 @@ namespace wheeltap::apps {
 /// In the order of --help. A new command is a file NAME_command.cpp, its declaration above and its
 /// line in this list.
 [[nodiscard]] const std::vector<Command>& commands();
+
+/// The command that runs the kind of the case at /kind; null where there is none.
+[[nodiscard]] const Command* command_of_kind(const CaseFile& file);
+
+/// The kinds of case that commands run, or those of them that are sampled.
+[[nodiscard]] std::vector<std::string> case_kinds(bool sampled_only = false);
 
 }  // namespace wheeltap::apps

@@ -60,11 +60,17 @@ class CommandOptions {
   void add_limits();
   /// --dry-run, which needs no --output.
   void add_dry_run();
-  void add_resume(const char* what);
+  void add_resume(const std::string& what);
 
  private:
   CLI::App& app_;
   Invocation& invocation_;
 };
+
+/// `command`, which has a name, a summary and make_run, as the command that runs cases of the kind
+/// of its name, with the options of such a run. `may_reach_out` adds the permissions to run
+/// programs and to reach hosts; `resumed` is what --resume continues.
+[[nodiscard]] Command sampled_command(Command command, bool may_reach_out,
+                                      const char* resumed = "run");
 
 }  // namespace wheeltap::apps

@@ -15,6 +15,7 @@
 #include "apps/runs/run_cost.hpp"
 #include "apps/runs/running.hpp"
 #include "apps/text/modal_words.hpp"
+#include "identification/modal/modal_cost.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text/text.hpp"
 #include "signals/modal/shape_quantities.hpp"
@@ -213,7 +214,7 @@ void run_modal(const CommonOptions& common) {
                   << significant(set_up.options.sample_rate_hz, 6) << " Hz\n";
       }
     }
-    return common.dry_run("identification", cost_of_modes(numbers));
+    return common.dry_run("identification", identification::cost_of_modes(numbers));
   }
   claim_output_folder(common.output);
   const ModalRun run = identify_modal(std::move(file), common);
@@ -227,7 +228,6 @@ Command modal_command() {
   return {.name = "modal",
           .summary = "modes with their uncertainty, from records of a vibration",
           .case_kind = "modal",
-          .samples = false,
           .add_options =
               [](CommandOptions& options) {
                 options.add_case();

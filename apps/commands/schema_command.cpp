@@ -7,12 +7,14 @@
 namespace wheeltap::apps {
 
 Command schema_command() {
-  const auto kind = std::make_shared<std::string>("damage");
+  const auto kind = std::make_shared<std::string>();
   return {.name = "schema",
           .summary = "the JSON Schema of a case",
           .add_options =
               [kind](CommandOptions& options) {
-                options.app().add_option("NAME", *kind, "which kind of case (default: damage)");
+                *kind = case_kinds().front();
+                options.app().add_option("NAME", *kind,
+                                         "which kind of case (default: " + *kind + ")");
               },
           .run = [kind](const Invocation&) { std::cout << schema(*kind).dump(2) << '\n'; }};
 }

@@ -1,17 +1,12 @@
 #include "apps/commands/serve_command.hpp"
 
 #include <iostream>
+#include <limits>
 
-#include "apps/cases/damage_case.hpp"
-#include "apps/cases/sid_case.hpp"
 #include "apps/commands/command_list.hpp"
 #include "apps/commands/command_options.hpp"
-#include "apps/commands/served_case.hpp"
-#include "apps/runs/damage_run.hpp"
 #include "apps/runs/running.hpp"
-#include "apps/runs/update_run.hpp"
 #include "base/parallel.hpp"
-#include "identification/sid/sid_residuals.hpp"
 #include "io/text/text.hpp"
 
 namespace wheeltap::apps {
@@ -36,24 +31,15 @@ class ServeWatch final : public RunWatch {
   ProgressBar bar_;
 };
 
-std::vector<ServedModel> models_of(CaseFile file, const CommonOptions& common) {
+std::vector<ServedModel> models_of(CaseFile file, CommonOptions common) {
+  common.max_memory_gb = std::numeric_limits<double>::infinity();  // no option limits it here
+  const Command* command = command_of_kind(file);
+  if (command == nullptr || !command->make_run)
+    file.refuse(Pointer("/kind"), "must be one of " + listed(case_kinds(true)) + " to be served");
+  const auto run = command->make_run(std::move(file), common, {});
   ServeWatch watch(common.quiet);
-  const Json kind = file.json.value("kind", Json());
-  if (kind == "update")
-    return served(prepare_update(parse_update_case(std::move(file)), common, watch));
-  if (kind == "sid") {
-    SidCaseFile parsed = parse_sid_case(std::move(file));
-    // As a run does before anything else, where a case leaves the residual model to it.
-    identification::choose_residuals(parsed.sid, common.seed.value_or(1), common.threads);
-    return explained(parsed, [&] {
-      return served(std::shared_ptr<const identification::SidProblem>(
-          identification::make_sid_problem(parsed.sid)));
-    });
-  }
-  if (kind != "damage")
-    file.refuse(Pointer("/kind"), "must be \"damage\", \"update\" or \"sid\" to be served");
-  const DamageCaseFile parsed = parse_damage_case(std::move(file));
-  return explained(parsed, [&] { return served(prepare_damage(parsed, common, watch)); });
+  run->prepare(watch);
+  return run->served();
 }
 
 }  // namespace

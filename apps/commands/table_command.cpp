@@ -16,6 +16,7 @@
 #include "base/parallel.hpp"
 #include "emulator/journal.hpp"
 #include "identification/emulation/frequency_tables.hpp"
+#include "identification/structural/damage/damage_cost.hpp"
 #include "io/atomic_file.hpp"
 #include "io/text/text.hpp"
 

@@ -17,10 +17,10 @@
 #include "apps/failure.hpp"
 #include "apps/results/terminal.hpp"
 #include "apps/runs/checkpoint_file.hpp"
-#include "apps/runs/likelihood_probe.hpp"
 #include "apps/runs/several_ranks.hpp"
 #include "apps/runs/time_left.hpp"
 #include "base/parallel.hpp"
+#include "inference/model/likelihood_probe.hpp"
 #include "io/atomic_file.hpp"
 #include "io/file_lock.hpp"
 #include "io/fingerprint.hpp"
@@ -114,7 +114,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   ProgressBar bar(quiet);
   // The climbs on a record are made on its first samples; all that follows, on the whole of it.
   TimeLeft time_left(problem.shortened
-                         ? probe(problem, kBriefProbe).middle /
+                         ? inference::probe(problem, kBriefProbe).middle /
                                std::min(base::thread_count(options.threads), options.chains)
                          : 0.0);
   const auto began = std::chrono::steady_clock::now();

@@ -1,17 +1,20 @@
-#include "apps/runs/update_run.hpp"
-
 #include <cmath>
 
 #include "apps/cases/structures/structure_case.hpp"
+#include "apps/cases/update_case.hpp"
 #include "apps/remote/outside_model.hpp"
+#include "apps/remote/served_case.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/results/update_posterior_file.hpp"
 #include "apps/results/update_summary.hpp"
 #include "apps/results/update_terminal.hpp"
+#include "apps/runs/case_run.hpp"
 #include "apps/runs/running.hpp"
+#include "apps/runs/several_ranks.hpp"
 #include "apps/words.hpp"
 #include "base/parallel.hpp"
 #include "identification/structural/updating/update_findings.hpp"
+#include "identification/structural/updating/update_problem.hpp"
 
 namespace wheeltap::apps {
 
@@ -77,106 +80,140 @@ void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& p
   }
 }
 
-RunCost cost_of(int dimension, int modes, double seconds_a_likelihood, const CommonOptions& common,
-                const SamplingOptions& options) {
-  const double d = dimension;
-  return cost_of_sampling({.models = 1.0,
-                           .dimensions = d,
-                           .largest = d,
-                           .predictions = static_cast<double>(modes),
-                           .explored = 6'000.0,
-                           .seconds_a_likelihood = seconds_a_likelihood},
-                          common, options);
-}
-
-}  // namespace
-
-RunCost cost_of_outside(const UpdateCaseFile& parsed, const CommonOptions& common,
-                        const SamplingOptions& options) {
-  const ModalData& data = parsed.update.data;
-  auto d = static_cast<int>(parsed.update.structure->parameters.size());
-  for (const auto& prior : {data.cov_prior, data.discrepancy.prior}) d += prior ? 1 : 0;
-  return cost_of(d, data.modes(), 0.0, common, options);
-}
-
-RunCost cost_of_update(const UpdateProblem& problem, const CommonOptions& common,
-                       const SamplingOptions& options) {
-  RunCost cost = cost_of(problem.problem.space.max_dimension(), problem.update_case.data.modes(),
-                         problem.seconds_a_likelihood, common, options);
-  cost.bytes += bytes_held();
-  if (problem.program() == nullptr)
-    measure(cost, problem.problem, engine_options(common, options), probe_seconds(common));
-  return cost;
-}
-
-RunCost cost_of_basis(const UpdateCaseFile& parsed) {
-  if (parsed.outside) return {};
-  const auto n = static_cast<double>(discretise(parsed.update.structure->nominal).size());
-  return {.bytes = 8.0 * n * 800.0, .seconds = 60.0 * 1e-5 * n};
-}
-
-std::shared_ptr<const UpdateProblem> prepare_update(const UpdateCaseFile& parsed,
-                                                    const CommonOptions& common, RunWatch& watch) {
-  UpdateProblemOptions options = {.threads = base::thread_count(common.threads)};
-  const char* stage = "reduced basis";
-  if (parsed.outside) {
-    const ModalData& data = parsed.update.data;
-    options.outside =
-        open_outside(parsed.file, *parsed.outside, data.modes() + data.predict, common);
-    options.emulator = parsed.outside->emulator;
-    stage = "emulator";
-  }
-  options.progress = [&](double done) { watch.show(stage, done, ""); };
-  std::shared_ptr<const UpdateProblem> problem =
-      complaining(parsed, [&] { return make_update_problem(parsed.update, options); });
-  watch.clear();
-  return problem;
-}
-
-std::optional<FinishedRun> sample_update(std::shared_ptr<const UpdateCaseFile> parsed,
-                                         std::shared_ptr<const UpdateProblem> problem,
-                                         const CommonOptions& common,
-                                         const SamplingOptions& options, RunWatch& watch) {
-  const auto methods = evidence_methods(options.evidence);
-  const std::uint64_t seed = common.seed.value_or(1);
-  const auto basis = problem->basis() != nullptr ? problem->basis()->training()
-                                                 : fem::ParametricModes::Training{.complete = true};
+/// The reduced basis, or the predictor of one's own, before anything is sampled.
+void tell_of_preparation(const UpdateCaseFile& parsed, const UpdateProblem& problem,
+                         RunWatch& watch) {
+  const auto basis = problem.basis() != nullptr ? problem.basis()->training()
+                                                : fem::ParametricModes::Training{.complete = true};
   if (!basis.complete)
     watch.note("reduced basis: " + std::to_string(basis.basis) + " modes stand for " +
-               std::to_string(problem->basis()->structure().nominal().size()) +
-               " degrees of freedom, " + significant(1e3 * problem->seconds_a_likelihood, 2) +
+               std::to_string(problem.basis()->structure().nominal().size()) +
+               " degrees of freedom, " + significant(1e3 * problem.seconds_a_likelihood, 2) +
                " ms a solution");
   if (basis.beyond > 0)
     watch.warn(std::to_string(basis.beyond) + " of " + std::to_string(basis.points) +
                " draws of the prior are beyond the basis and solved in full: this may take long");
-  if (parsed->outside) tell_of_outside(*parsed, *problem, watch);
-  if (!parsed->outside)
-    for (const Remark& doubt : implausible(problem->update_case)) watch.warn(sentence(doubt, {}));
+  if (parsed.outside) return tell_of_outside(parsed, problem, watch);
+  for (const Remark& doubt : implausible(problem.update_case)) watch.warn(sentence(doubt, {}));
+}
+
+/// Only the trained basis tells what a likelihood takes: estimated once before, once after.
+class UpdateRun final : public CaseRun {
+ public:
+  UpdateRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)
+      : CaseRun(common, options),
+        parsed_(std::make_shared<const UpdateCaseFile>(parse_update_case(std::move(file)))) {}
+
+  [[nodiscard]] const CaseFile& file() const override { return parsed_->file; }
+
+  std::optional<RunCost> estimate() override {
+    if (problem_) {
+      RunCost cost =
+          cost_of(problem_->problem.space.max_dimension(), problem_->seconds_a_likelihood);
+      cost.bytes += bytes_held();
+      if (!parsed_->outside)
+        measure(cost, problem_->problem, engine_options(common(), options()),
+                probe_seconds(common()));
+      require_affordable(file(), Pointer(), cost, common());
+      return cost;
+    }
+    if (!parsed_->outside) {  // the solutions for the reduced basis
+      const auto n = static_cast<double>(discretise(parsed_->update.structure->nominal).size());
+      require_affordable(file(), Pointer("/structure"),
+                         {.bytes = 8.0 * n * 800.0, .seconds = 60.0 * 1e-5 * n}, common());
+    }
+    if (parsed_->outside && !common().dry_run && base::ranks() != nullptr)
+      throw Failure(Exit::usage, "a predictor of one's own runs in one process, not under mpirun");
+    return {};
+  }
+
+  void dry_run(const std::optional<RunCost>& /*cost*/, RunWatch& watch) override {
+    if (!parsed_->outside) {
+      require_same_on_all_ranks("case", identity_of(file()));
+      prepare(watch);
+      return CaseRun::dry_run(estimate(), watch);
+    }
+    if (const auto& front = parsed_->outside->emulator) {
+      const auto d = static_cast<int>(parsed_->outside->order.size());
+      common().dry_run("emulator", {.likelihoods = static_cast<double>(front->runs_for(d) +
+                                                                       front->holdout_for(d))});
+    }
+    const ModalData& data = parsed_->update.data;
+    auto dimension = static_cast<int>(parsed_->update.structure->parameters.size());
+    for (const auto& prior : {data.cov_prior, data.discrepancy.prior}) dimension += prior ? 1 : 0;
+    CaseRun::dry_run(cost_of(dimension, 0.0), watch);
+  }
+
+  void prepare(RunWatch& watch) override {
+    if (parsed_->outside && !common().output.empty())  // for answers
+      on_first_rank([&] { claim_output_folder(common().output); });
+    UpdateProblemOptions how = {.threads = base::thread_count(common().threads)};
+    const char* stage = "reduced basis";
+    if (parsed_->outside) {
+      const ModalData& data = parsed_->update.data;
+      how.outside = open_outside(file(), *parsed_->outside, data.modes() + data.predict, common());
+      how.emulator = parsed_->outside->emulator;
+      stage = "emulator";
+    }
+    how.progress = [&](double done) { watch.show(stage, done, ""); };
+    problem_ = complaining(*parsed_, [&] { return make_update_problem(parsed_->update, how); });
+    watch.clear();
+  }
+
+  std::optional<FinishedRun> sample(RunWatch& watch) override;
+
+  std::vector<ServedModel> served() override { return apps::served(problem_); }
+
+ private:
+  [[nodiscard]] RunCost cost_of(double dimension, double seconds_a_likelihood) const {
+    return cost_of_sampling({.dimensions = dimension,
+                             .largest = dimension,
+                             .predictions = static_cast<double>(parsed_->update.data.modes()),
+                             .explored = 6'000.0,
+                             .seconds_a_likelihood = seconds_a_likelihood},
+                            engine_options(common(), options()), draws_in_memory(common()));
+  }
+
+  std::shared_ptr<const UpdateCaseFile> parsed_;
+  std::shared_ptr<const UpdateProblem> problem_;
+};
+
+std::optional<FinishedRun> UpdateRun::sample(RunWatch& watch) {
+  tell_of_preparation(*parsed_, *problem_, watch);
   const auto posterior = std::make_shared<const inference::Posterior>(
-      watch.sample(problem->problem, engine_options(common, options)));
-  if (parsed->outside) warn_of_the_box(*problem, *posterior, watch);
-  const auto evidence = compute_evidence(problem->problem, methods, seed, common.threads, watch);
+      watch.sample(problem_->problem, engine_options(common(), options())));
+  if (parsed_->outside) warn_of_the_box(*problem_, *posterior, watch);
+  const auto evidence = compute_evidence(problem_->problem, evidence_methods(options().evidence),
+                                         seed(), common().threads, watch);
   if (!base::is_first_rank()) return {};
-  const auto findings =
-      std::make_shared<const UpdateFindings>(update_findings(*problem, *posterior, evidence, seed));
-  Report summary = update_summary(*parsed, *problem, *findings,
-                                  {.seed = seed, .command_line = common.command_line});
-  summary["wheeltap"]["options"] = options_report(options);
-  if (parsed->outside)
-    summary["predictor"] = outside_report(*parsed->outside, *problem->program()->model,
-                                          problem->program()->emulator.get());
+  const auto findings = std::make_shared<const UpdateFindings>(
+      update_findings(*problem_, *posterior, evidence, seed()));
+  Report summary = update_summary(*parsed_, *problem_, *findings,
+                                  {.seed = seed(), .command_line = common().command_line});
+  summary["wheeltap"]["options"] = options_report(options());
+  if (parsed_->outside)
+    summary["predictor"] = outside_report(*parsed_->outside, *problem_->program()->model,
+                                          problem_->program()->emulator.get());
   const std::string run = run_id(summary["wheeltap"], *posterior);
-  return FinishedRun{
-      .summary = std::move(summary),
-      .run = run,
-      .posterior = posterior,
-      .print = [parsed, findings](std::ostream& out,
+  return FinishedRun{.summary = std::move(summary),
+                     .run = run,
+                     .posterior = posterior,
+                     .print = [parsed = parsed_, findings](
+                                  std::ostream& out,
                                   bool colour) { print_update(out, *parsed, *findings, colour); },
-      .draws =
-          [parsed, problem, posterior, run, seed](const io::NetcdfWriter& file) {
-            write_update_posterior(file, run, *parsed, *problem, *posterior, seed);
-          },
-      .columns = [posterior] { return parameter_columns(*posterior); }};
+                     .draws =
+                         [parsed = parsed_, problem = problem_, posterior, run,
+                          seed = seed()](const io::NetcdfWriter& to) {
+                           write_update_posterior(to, run, *parsed, *problem, *posterior, seed);
+                         },
+                     .columns = [posterior] { return parameter_columns(*posterior); }};
+}
+
+}  // namespace
+
+std::unique_ptr<CaseRun> make_update_run(CaseFile file, const CommonOptions& common,
+                                         const SamplingOptions& options) {
+  return std::make_unique<UpdateRun>(std::move(file), common, options);
 }
 
 }  // namespace wheeltap::apps

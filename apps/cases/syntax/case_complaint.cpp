@@ -400,8 +400,8 @@ class Examination {
         text += " or " + parent_of(here[1]);
       return text;
     }
-    for (const std::string& kind : schema_names()) {
-      if (kind == kind_ || kind == "section" || kind == "structure") continue;
+    for (const std::string& kind : kinds_with_schema()) {
+      if (kind == kind_) continue;
       const std::vector<KeyPlace> there = found_in({kind});
       if (!there.empty() && there[0].path.size() == 1)
         return "it belongs to cases of the kind \"" + kind + "\"";

@@ -201,6 +201,12 @@ std::vector<std::string> schema_names() {
   return names;
 }
 
+std::vector<std::string> kinds_with_schema() {
+  std::vector<std::string> kinds = schema_names();
+  std::erase_if(kinds, [](const auto& name) { return name == "section" || name == "structure"; });
+  return kinds;
+}
+
 Json schema(std::string_view name) {
   const auto find = [](std::string_view wanted) -> std::optional<Json> {
     for (const auto& [n, text] : kSchemaTexts) {
@@ -239,7 +245,7 @@ void require_kind(const CaseFile& file, const Json& rules) {
   std::string text;
   for (const Json& one : rules.at(allowed))
     text += (text.empty() ? "must be " : " or ") + one.dump();
-  for (const char* command : {"damage", "update", "sid", "modal"})
+  for (const std::string& command : kinds_with_schema())
     if (kind == command)
       text += ": the command for this case is `wheeltap " + kind.get<std::string>() + "`";
   file.refuse(Pointer("/kind"), text);

@@ -49,6 +49,8 @@ struct CaseFile {
 
 /// Kinds of case that have a schema.
 [[nodiscard]] std::vector<std::string> schema_names();
+/// Those of them whose name is the kind of a whole case, which the command of that name runs.
+[[nodiscard]] std::vector<std::string> kinds_with_schema();
 /// The JSON Schema (draft 7) of a kind of case, its shared definitions included. Throws Failure
 /// (64) for another name.
 [[nodiscard]] Json schema(std::string_view name);

@@ -1,11 +1,14 @@
 #include "apps/runs/sid/sid_run.hpp"
 
+#include "apps/remote/served_case.hpp"
 #include "apps/results/sid_posterior_file.hpp"
 #include "apps/results/sid_summary.hpp"
 #include "apps/results/sid_terminal.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/results/terminal.hpp"
 #include "apps/runs/running.hpp"
+#include "base/ranks.hpp"
+#include "identification/sid/sid_residuals.hpp"
 
 namespace wheeltap::apps {
 
@@ -30,21 +33,11 @@ void require_room_for_truth(CaseFile& file, const CommonOptions& common) {
 RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
                     const SamplingOptions& options) {
   const auto problem = explained(parsed, [&] { return make_sid_problem(parsed.sid); });
-  SamplingOptions chosen = options;
   const inference::Options engine =
       affordable(engine_options(common, options), problem->seconds_a_likelihood);
-  chosen.warmup = engine.warmup;
-  chosen.draws = engine.draws;
-  const inference::ModelSpace& space = problem->problem.space;
-  Sampled sampled{
-      .models = static_cast<double>(space.size()),
-      .largest = static_cast<double>(space.max_dimension()),
-      // 10 000 to 150 000 on the shipped cases, the repetition with finer steps included
-      .explored = 40'000.0,
-      .seconds_a_likelihood = problem->seconds_a_likelihood,
-      .records = true};
-  for (int m = 0; m < space.size(); ++m) sampled.dimensions += space[m].dimension;
-  RunCost cost = cost_of_sampling(sampled, common, chosen);
+  RunCost cost =
+      cost_of_sampling({.largest = static_cast<double>(problem->problem.space.max_dimension())},
+                       engine, draws_in_memory(common));  // its time is measured
   // The record and all that was made of it is there; searches shorten it to a half, a quarter, …,
   // each with simulators of its own.
   cost.bytes += 2.0 * bytes_held();
@@ -87,29 +80,71 @@ SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
   return out;
 }
 
-std::optional<FinishedRun> sample_sid(std::shared_ptr<const SidCaseFile> parsed,
-                                      const CommonOptions& common, const SamplingOptions& options,
-                                      RunWatch& watch) {
-  const auto out = std::make_shared<const SidOutcome>(identify(*parsed, common, options, watch));
+namespace {
+
+/// Simulators need no preparation; their likelihood is measured when the run is estimated.
+class SidCaseRun final : public CaseRun {
+ public:
+  SidCaseRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)
+      : CaseRun(common, options) {
+    require_room_for_truth(file, common);
+    parsed_ = std::make_shared<const SidCaseFile>(parse_sid_case(std::move(file)));
+  }
+
+  [[nodiscard]] const CaseFile& file() const override { return parsed_->file; }
+  [[nodiscard]] const char* options_key() const override { return "asked"; }
+
+  std::optional<RunCost> estimate() override {
+    const RunCost cost = cost_of_sid(*parsed_, common(), options());
+    require_affordable(file(), Pointer(), cost, common());
+    return cost;
+  }
+
+  std::optional<FinishedRun> sample(RunWatch& watch) override;
+
+  std::vector<ServedModel> served() override {
+    SidCaseFile chosen = *parsed_;
+    // As a run does before anything else, where a case leaves the orders to it.
+    choose_residuals(chosen.sid, seed(), common().threads);
+    return explained(chosen, [&] {
+      return apps::served(std::shared_ptr<const SidProblem>(make_sid_problem(chosen.sid)));
+    });
+  }
+
+ private:
+  std::shared_ptr<const SidCaseFile> parsed_;
+};
+
+std::optional<FinishedRun> SidCaseRun::sample(RunWatch& watch) {
+  const auto out =
+      std::make_shared<const SidOutcome>(identify(*parsed_, common(), options(), watch));
   if (!base::is_first_rank()) return {};
   const std::uint64_t seed = out->run.engine.seed;
-  Report summary = sid_summary(*parsed, *out->run.problem, out->findings,
-                               {.seed = seed, .command_line = common.command_line});
-  summary["wheeltap"]["asked"] = options_report(options);
-  summary["wheeltap"]["options"] = used_options(options, out->run.engine);
+  Report summary = sid_summary(*parsed_, *out->run.problem, out->findings,
+                               {.seed = seed, .command_line = common().command_line});
+  summary["wheeltap"]["asked"] = options_report(options());
+  summary["wheeltap"]["options"] = used_options(options(), out->run.engine);
   const std::string run = run_id(summary["wheeltap"], out->run.posterior);
   return FinishedRun{
       .summary = std::move(summary),
       .run = run,
       .posterior = {out, &out->run.posterior},
-      .print = [parsed, out](std::ostream& to,
-                             bool colour) { print_sid(to, *parsed, out->findings, colour); },
+      .print = [parsed = parsed_, out](
+                   std::ostream& to,
+                   bool colour) { print_sid(to, *parsed, out->findings, colour); },
       .draws =
-          [parsed, out, run, seed](const io::NetcdfWriter& file) {
-            write_sid_posterior(file, run, *parsed, *out->run.problem, out->run.posterior,
+          [parsed = parsed_, out, run, seed](const io::NetcdfWriter& to) {
+            write_sid_posterior(to, run, *parsed, *out->run.problem, out->run.posterior,
                                 out->predictive, seed);
           },
       .columns = [out] { return sid_columns(*out->run.problem, out->run.posterior); }};
+}
+
+}  // namespace
+
+std::unique_ptr<CaseRun> make_sid_run(CaseFile file, const CommonOptions& common,
+                                      const SamplingOptions& options) {
+  return std::make_unique<SidCaseRun>(std::move(file), common, options);
 }
 
 }  // namespace wheeltap::apps

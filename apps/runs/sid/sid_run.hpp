@@ -2,13 +2,9 @@
 #pragma once
 
 #include <memory>
-#include <optional>
 
 #include "apps/cases/sid_case.hpp"
-#include "apps/run_options.hpp"
-#include "apps/runs/finished_run.hpp"
-#include "apps/runs/run_cost.hpp"
-#include "apps/runs/run_watch.hpp"
+#include "apps/runs/case_run.hpp"
 #include "identification/sid/findings/sid_findings.hpp"
 
 namespace wheeltap::apps {
@@ -30,10 +26,9 @@ struct SidOutcome {
 /// Throws Failure.
 [[nodiscard]] SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
                                   const SamplingOptions& options, RunWatch& watch);
-/// The same with all that is to be written of it; none on ranks but the first.
-[[nodiscard]] std::optional<FinishedRun> sample_sid(std::shared_ptr<const SidCaseFile> parsed,
-                                                    const CommonOptions& common,
-                                                    const SamplingOptions& options,
-                                                    RunWatch& watch);
+
+/// Of a case without a sweep.
+[[nodiscard]] std::unique_ptr<CaseRun> make_sid_run(CaseFile file, const CommonOptions& common,
+                                                    const SamplingOptions& options);
 
 }  // namespace wheeltap::apps

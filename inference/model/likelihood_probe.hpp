@@ -3,7 +3,7 @@
 
 #include "inference/model/target.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::inference {
 
 /// Processor time of one thread [s], so that what else the machine does counts little.
 struct LikelihoodTime {
@@ -15,6 +15,6 @@ struct LikelihoodTime {
 /// Likelihoods at draws of the prior, all models with parameters in turn, for about so many
 /// seconds; at least one of each model, unless that takes ten times as long. Impossible draws,
 /// which may cost little, do not count where others are possible.
-[[nodiscard]] LikelihoodTime probe(const inference::Problem& problem, double seconds);
+[[nodiscard]] LikelihoodTime probe(const Problem& problem, double seconds);
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::inference

@@ -1,4 +1,4 @@
-#include "apps/commands/served_case.hpp"
+#include "apps/remote/served_case.hpp"
 
 #include <algorithm>
 #include <cmath>

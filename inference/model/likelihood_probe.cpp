@@ -1,4 +1,4 @@
-#include "apps/runs/likelihood_probe.hpp"
+#include "inference/model/likelihood_probe.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -8,7 +8,7 @@
 
 #include "base/random.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::inference {
 namespace {
 
 constexpr long kMostCalls = 2000;
@@ -22,8 +22,7 @@ double processor_seconds() {
 
 }  // namespace
 
-LikelihoodTime probe(const inference::Problem& problem, double seconds) {
-  using namespace inference;
+LikelihoodTime probe(const Problem& problem, double seconds) {
   std::vector<int> models;
   for (int m = 0; m < problem.space.size(); ++m)
     if (problem.space[m].dimension > 0 && std::isfinite(problem.space[m].log_prior))
@@ -52,4 +51,4 @@ LikelihoodTime probe(const inference::Problem& problem, double seconds) {
           .calls = static_cast<long>(possible.size() + impossible.size())};
 }
 
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::inference

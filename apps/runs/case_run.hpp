@@ -1,0 +1,72 @@
+// A run of a case that is sampled: the steps in which the kinds of case differ, and their order.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <vector>
+
+#include "apps/cases/syntax/case_file.hpp"
+#include "apps/remote/umbridge_server.hpp"
+#include "apps/run_options.hpp"
+#include "apps/runs/finished_run.hpp"
+#include "apps/runs/run_cost.hpp"
+#include "apps/runs/run_watch.hpp"
+
+namespace wheeltap::apps {
+
+/// A case that has been parsed, with the options of its run. `run_case` and Python call the steps
+/// in the order of their declaration; `serve` prepares only.
+class CaseRun {
+ public:
+  CaseRun(const CommonOptions& common, const SamplingOptions& options)
+      : common_(common), options_(options) {}
+  CaseRun(const CaseRun&) = delete;
+  CaseRun& operator=(const CaseRun&) = delete;
+  virtual ~CaseRun() = default;
+
+  [[nodiscard]] const CommonOptions& common() const { return common_; }
+  [[nodiscard]] const SamplingOptions& options() const { return options_; }
+  [[nodiscard]] std::uint64_t seed() const { return common_.seed.value_or(1); }
+  [[nodiscard]] virtual const CaseFile& file() const = 0;
+  /// The key in /wheeltap of a summary under which the requested options stand.
+  [[nodiscard]] virtual const char* options_key() const { return "options"; }
+
+  /// Memory and time of the run; none where they are known only after prepare(), which is then to
+  /// be followed by another call. Throws Failure (65) where the limits in common() are exceeded.
+  virtual std::optional<RunCost> estimate() = 0;
+  /// Passes the estimates to CommonOptions::dry_run; `cost` is what estimate() returned.
+  virtual void dry_run(const std::optional<RunCost>& cost, RunWatch& watch);
+  /// Trains or opens what predicts. Throws Failure, io::FileError, OutsideModelError.
+  virtual void prepare(RunWatch& /*watch*/) {}
+  /// Prints what a terminal shows of the preparation.
+  virtual void print_preparation() const {}
+  /// Samples and judges; none on ranks but the first. Throws as the watch does.
+  virtual std::optional<FinishedRun> sample(RunWatch& watch) = 0;
+
+  /// The case's predictor, likelihood and posterior, after prepare(). Throws Failure.
+  virtual std::vector<ServedModel> served() = 0;
+
+ private:
+  CommonOptions common_;
+  SamplingOptions options_;
+};
+
+/// Parses a case of one kind. Throws Failure.
+using MakeCaseRun =
+    std::function<std::unique_ptr<CaseRun>(CaseFile, const CommonOptions&, const SamplingOptions&)>;
+
+[[nodiscard]] std::unique_ptr<CaseRun> make_damage_run(CaseFile file, const CommonOptions& common,
+                                                       const SamplingOptions& options);
+[[nodiscard]] std::unique_ptr<CaseRun> make_update_run(CaseFile file, const CommonOptions& common,
+                                                       const SamplingOptions& options);
+
+/// The case on the command line, once the options can be obeyed. Throws Failure.
+[[nodiscard]] CaseFile case_to_sample(const CommonOptions& common, const SamplingOptions& options);
+
+/// Writes summary.json, posterior.nc and the report into the output folder and prints the findings.
+/// With --dry-run, estimates only; with --resume, a folder that holds a finished run of the same
+/// case and options is printed again instead. Throws Failure, io::FileError.
+void run_case(CaseRun& run);
+
+}  // namespace wheeltap::apps
