@@ -41,7 +41,7 @@ struct Phrase {
            " >= " + short_number(r.limit);
   }
   std::string operator()(const AnnealingFindsMore& r) const {
-    return name(r.model) + ": ln Z by annealing " + short_number(r.annealed.value) + ", by draws " +
+    return name(r.model) + ": ln Z by SMC " + short_number(r.annealed.value) + ", by draws " +
            short_number(r.drawn.value);
   }
   std::string operator()(const EvidenceDisagrees& r) const {
@@ -49,12 +49,12 @@ struct Phrase {
            ", by evidence " + short_number(r.by_evidence.value);
   }
   std::string operator()(const DrawsBeyondMixture& r) const {
-    return name(r.model) + ": a share of draws beyond its mixture, " + short_number(r.share) +
-           ", in effective visits " + short_number(r.visits) + " <= " + short_number(r.limit);
+    return name(r.model) + ": share of draws outside its mixture " + short_number(r.share) +
+           ", effective visits " + short_number(r.visits) + " <= " + short_number(r.limit);
   }
   std::string operator()(const AnnealingDrawsBeyond& r) const {
-    return name(r.model) + ": a share of annealing's draws beyond its mixture, " +
-           short_number(r.annealed) + ", of the chains' " + short_number(r.drawn);
+    return name(r.model) + ": share of SMC draws outside its mixture " + short_number(r.annealed) +
+           ", of chain draws " + short_number(r.drawn);
   }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " " + short_number(r.rhat) + " >= " + short_number(r.limit);
@@ -76,7 +76,7 @@ struct Phrase {
            std::to_string(r.limit);
   }
   std::string operator()(const StoppedEarly& /*unused*/) const { return "stopped early"; }
-  std::string operator()(const QuickLook& /*unused*/) const { return "a quick look"; }
+  std::string operator()(const QuickLook& /*unused*/) const { return "quick run"; }
 };
 
 }  // namespace

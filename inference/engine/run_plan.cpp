@@ -8,20 +8,20 @@
 namespace wheeltap::inference {
 namespace {
 
-// Counted on the shipped cases and on the toys of the tests (docs/scale.md).
+// Counted on the shipped cases and on the test problems (docs/scale.md).
 constexpr double kCallsAClimb = 40.0, kCallsAClimbAndDimension = 12.0;
 constexpr double kWeighingRounds = 3.0;
-constexpr double kStagesADimension = 2.0, kStages = 4.0;  // of annealing
-constexpr double kCallsAParticle = 12.0;                  // in one of them
+constexpr double kStagesADimension = 2.0, kStages = 4.0;  // of SMC
+constexpr double kCallsAParticle = 12.0;                  // per stage
 constexpr double kScans = 800.0, kQuickScans = 60.0, kRungs = 10.0, kStepsOfAScan = 3.0;
 constexpr double kSettlingSteps = 500.0;
-constexpr double kShortRecords = 0.25;  // of a call on the whole record, while exploring
-constexpr double kSearchedSets = 12.0;  // models of sets that are searched, at the most
+constexpr double kShortRecords = 0.25;  // of a call on the whole record, during exploration
+constexpr double kSearchedSets = 12.0;  // upper limit of the component-set models that are searched
 
 struct Sizes {
-  double models = 0.0;      // with parameters and a prior probability
-  double dimensions = 0.0;  // of all of these
-  double in_draws = 0.0;    // of a round of weighing, all models
+  double models = 0.0;      // number with parameters and a prior probability
+  double dimensions = 0.0;  // sum over these
+  double in_draws = 0.0;    // in one round of importance sampling, all models
 };
 
 Sizes sizes_of(const ModelSpace& space) {

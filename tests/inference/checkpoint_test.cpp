@@ -435,7 +435,7 @@ TEST(Checkpoint, OneThatIsNoneOfTheProblemIsRefused) {
         static_cast<void>(resumed(toy::bump_problem({1, 0, 0, 0, 0, 0}, {1, 1, 1, 1}), options,
                                   whole.checkpoints.back()));
       },
-      ThrowsMessage<CheckpointError>(HasSubstr("likelihood is another one")));
+      ThrowsMessage<CheckpointError>(HasSubstr("likelihood differs from that")));
 }
 
 TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
@@ -445,7 +445,7 @@ TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
   const auto& last = run.whole.checkpoints.back();
   ASSERT_GT(parts_of(*last).second, 0);
   EXPECT_THAT([&] { static_cast<void>(resumed(problem, options, last)); },
-              ThrowsMessage<CheckpointError>(HasSubstr("kept apart")));
+              ThrowsMessage<CheckpointError>(HasSubstr("separate parts")));
   const auto refused = [&](const Checkpoint& part, const char* why) {
     Options other = run.reading(options);
     other.checkpoints.saved_draws = [&](long) { return part; };
@@ -453,7 +453,7 @@ TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
                 ThrowsMessage<CheckpointError>(HasSubstr(why)));
   };
   const Checkpoint& good = run.parts.begin()->second;
-  refused(draws_of(run.whole.posterior.chains[0], 0, run.part - 1), "has not 3");
+  refused(draws_of(run.whole.posterior.chains[0], 0, run.part - 1), "does not have 3 draws");
   Checkpoint shorter = good, more = good;
   std::get<std::vector<double>>(shorter.columns.at("theta")).pop_back();
   refused(shorter, "lacks a part of \"theta\"");

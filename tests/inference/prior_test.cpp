@@ -242,7 +242,7 @@ TEST(Prior, OfATableRefusesWhatIsNone) {
     return {};
   };
   EXPECT_EQ(message({0, 1, 1}, {1, 1, 1}),
-            "table prior: x[2] = 1, must be more than the one before it");
+            "table prior: x[2] = 1, must be greater than the previous value");
   EXPECT_EQ(message({0, 1, 2}, {1, -1, 1}),
             "table prior: density[1] = -1, must be >= 0 and finite");
   EXPECT_NE(message({0, 1, 2}, {1, 0, 1}).find("density[1] = 0"), std::string::npos);

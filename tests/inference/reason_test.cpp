@@ -41,7 +41,7 @@ TEST(Reason, IsDescribedInAShortPhrase) {
   EXPECT_EQ(describe(TooFewRoundTrips{.completed = 3, .limit = 10}, space),
             "round trips of the ladder 3 < 10");
   EXPECT_EQ(describe(StoppedEarly{}, space), "stopped early");
-  EXPECT_EQ(describe(QuickLook{}, space), "a quick look");
+  EXPECT_EQ(describe(QuickLook{}, space), "quick run");
 }
 
 }  // namespace

@@ -131,7 +131,7 @@ TEST(Target, RefusesAFactoryThatMakesNothing) {
     const Target target(problem, false);
     FAIL() << "no error";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("the problem's likelihood factory made nothing"),
+    EXPECT_NE(std::string(error.what()).find("the problem's likelihood factory returned null"),
               std::string::npos)
         << error.what();
   }
