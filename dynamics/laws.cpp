@@ -64,7 +64,7 @@ Law make_law(std::string_view name, std::span<const Coefficient> coefficients, S
     }
     return law;
   }
-  throw std::invalid_argument("no force law is called '" + std::string(name) + "'");
+  throw std::invalid_argument("unknown force law '" + std::string(name) + "'");
 }
 
 }  // namespace wheeltap::dynamics

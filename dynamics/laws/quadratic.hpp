@@ -8,17 +8,17 @@ namespace wheeltap::dynamics::laws {
 
 /// T = k₂ e²: the even part of an asymmetric spring (two wells of unequal depth).
 struct Quadratic {
-  static constexpr LawInfo kInfo{.name = "quadratic",
-                                 .formula = "T = k2 e^2",
-                                 .description = "the even part of an asymmetric spring",
-                                 .notes =
-                                     "By itself it pulls the same way on both sides, so it belongs "
-                                     "beside a `stiffness` or a cubic.",
-                                 .coefficients = {{{.name = "stiffness",
-                                                    .unit = "N/m^2",
-                                                    .symbol = "k2",
-                                                    .words = "the coefficient of e^2",
-                                                    .example = 6e4}}}};
+  static constexpr LawInfo kInfo{
+      .name = "quadratic",
+      .formula = "T = k2 e^2",
+      .description = "the even part of an asymmetric spring",
+      .notes =
+          "Alone, it has the same sign on both sides, so combine it with a `stiffness` or a cubic.",
+      .coefficients = {{{.name = "stiffness",
+                         .unit = "N/m^2",
+                         .symbol = "k2",
+                         .words = "the coefficient of e^2",
+                         .example = 6e4}}}};
   static constexpr int kPower = 2;
 
   template <class V>
