@@ -1,8 +1,9 @@
-// Ranks by MPI (plain C interface; MPI 3.1): the one file that calls it. Built as a module that
-// the program loads where mpirun has started it, so that it runs without MPI elsewhere.
+// Ranks by MPI (C interface; MPI 3.1): the only file that calls MPI. Built as a module that the
+// program loads when mpirun has started it, so that the program also runs without MPI.
 //
-// While units are shared out, the thread that joined speaks and others compute. A rank asks rank 0
-// for a unit whenever one of its threads is free; at the end each sends what it did to all.
+// During shared work, the thread that joined communicates and other threads compute. A rank
+// requests a unit from rank 0 whenever one of its threads is free; at the end, each sends its
+// outcomes to all.
 #include <mpi.h>
 
 #include <chrono>
@@ -27,15 +28,15 @@ using Clock = std::chrono::steady_clock;
 
 enum class Says : std::int64_t { want, give, none, done, stop, pause };
 
-/// What ranks say to one another while units are shared out.
+/// Message between ranks during shared work.
 struct Message {
   std::int64_t says = 0;
-  std::int64_t section = 0;  ///< which sharing out it belongs to
+  std::int64_t section = 0;  ///< number of the shared section that it belongs to
   std::int64_t unit = 0;
 };
 
-/// Sleeps a little longer each time that there was nothing to do. Where ranks share processors, one
-/// that waits must not take another's.
+/// Sleeps increasingly long while there is nothing to do. If ranks share processors, a waiting rank
+/// must not occupy one.
 class Patience {
  public:
   void reset() { wait_ = kFirst; }
@@ -57,14 +58,15 @@ void append(std::string& to, std::int64_t number) {
 }
 std::int64_t take(std::string_view& from) {
   std::int64_t number = 0;
-  if (from.size() < sizeof number) throw std::logic_error("a rank's message is too short");
+  if (from.size() < sizeof number)
+    throw std::logic_error("a message from another rank is too short");
   std::memcpy(&number, from.data(), sizeof number);
   from.remove_prefix(sizeof number);
   return number;
 }
 
-/// The threads of one rank at the units it is given, and what they made of them. Where the system
-/// grants no thread they have ended before they began.
+/// The threads of one rank, which compute its units, and their outcomes. If the system grants no
+/// thread, they end without outcomes.
 class Workers {
  public:
   struct Outcome {
@@ -75,7 +77,7 @@ class Workers {
 
   Workers(int threads, const std::function<void(int)>& job, const Carriage& carriage)
       : job_(job), carriage_(carriage) {
-    const std::scoped_lock lock(mutex_);  // they wait until their number is known
+    const std::scoped_lock lock(mutex_);  // threads wait until their number is known
     enlist(pool_, threads, [this] { work(); });
     working_ = static_cast<int>(pool_.size());
   }
@@ -86,7 +88,7 @@ class Workers {
     pool_.clear();
   }
 
-  /// Threads that have begun to wait for a unit since this was last asked.
+  /// Number of threads that have begun to wait for a unit since the last call.
   [[nodiscard]] int newly_free() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(free_, 0);
@@ -105,7 +107,7 @@ class Workers {
     const std::scoped_lock lock(mutex_);
     return working_ == 0;
   }
-  /// Once all have ended.
+  /// To be called after all threads have ended.
   [[nodiscard]] std::vector<Outcome>& outcomes() { return outcomes_; }
 
  private:
@@ -211,7 +213,7 @@ class MpiRanks final : public Ranks {
   }
 
  private:
-  // Rank 0's part: the next unit to whoever asks, its own threads among them.
+  // Work of rank 0: gives the next unit to each rank that requests one, including itself.
   void hand_out(int n, Workers& workers, const Carriage& carriage) {
     std::int64_t next = 0;
     int at_work = size_ - 1;
@@ -250,7 +252,7 @@ class MpiRanks final : public Ranks {
     }
   }
 
-  // The others' part.
+  // Work of the other ranks.
   void ask_for(Workers& workers) {
     int asked = 0;  // and not answered
     bool wished = false;
@@ -306,12 +308,12 @@ class MpiRanks final : public Ranks {
     append(head, told_to_stop_ || wishes_to_stop() ? 1 : 0);
     append(head, static_cast<std::int64_t>(bytes.size()));
     const std::string heads = gathered(head);
-    std::int64_t failed = n;  // the lowest
-    std::int64_t done = 0;    // the first so many: they are given in order
+    std::int64_t failed = n;  // the lowest-numbered
+    std::int64_t done = 0;    // number of completed units: they are given out in order
     std::string_view next = heads;
     for (int r = 0; r < size_; ++r) {
       if (take(next) != section_ || take(next) != n)
-        throw std::logic_error("the ranks have gone different ways");
+        throw std::logic_error("the ranks have taken different branches");
       if (take(next) != 0) agreed_ = true;
       const std::int64_t size = take(next);
       std::string theirs = r == rank_ ? std::move(bytes) : std::string();
@@ -327,7 +329,7 @@ class MpiRanks final : public Ranks {
         rest.remove_prefix(length);
       }
     }
-    if (failed == n) {  // what no rank had a thread for, each does itself
+    if (failed == n) {  // no rank had a thread for these units: every rank computes them itself
       for (; done < n; ++done) job(static_cast<int>(done));
       return;
     }
@@ -338,7 +340,7 @@ class MpiRanks final : public Ranks {
     throw std::runtime_error("unit " + std::to_string(failed) + " failed on another rank");
   }
 
-  // All ranks' bytes, which are as many on each.
+  // The bytes of all ranks, of equal length on each.
   [[nodiscard]] std::string gathered(std::string bytes) {
     std::string all(bytes.size() * static_cast<std::size_t>(size_), '\0');
     MPI_Request request = MPI_REQUEST_NULL;
@@ -348,7 +350,8 @@ class MpiRanks final : public Ranks {
     return all;
   }
 
-  // Where all ranks are here already: it goes on only as long as one asks, so no one sleeps.
+  // All ranks are here already, and the transfer progresses only while a rank polls, so do not
+  // sleep.
   void broadcast(void* bytes, std::size_t n, int from) {
     constexpr std::size_t kMost = std::size_t{1} << 30;  // MPI counts in int
     for (std::size_t at = 0; at < n; at += kMost) {
@@ -375,7 +378,8 @@ class MpiRanks final : public Ranks {
   void send_all(Says says) const {
     for (int r = 1; r < size_; ++r) send(says, 0, r);
   }
-  // The next one of this section, if there is one. Others are of sections that have ended.
+  // Receives the next message of this section, if there is one, and discards those of earlier
+  // sections.
   bool receive(Message& message, int& from) const {
     while (true) {
       int there = 0;
@@ -398,7 +402,8 @@ class MpiRanks final : public Ranks {
 }  // namespace
 }  // namespace wheeltap::base
 
-/// What the program looks for in the module. The caller deletes it last of all.
+/// Entry point that the program looks up in the module. The caller deletes the result at program
+/// end.
 extern "C" wheeltap::base::Ranks* wheeltap_join_ranks() {
   return new wheeltap::base::MpiRanks;
 }
