@@ -66,7 +66,7 @@ TEST(Parcel, WhatIsTakenOutIsWhatWasPutIn) {
   EXPECT_EQ(here.lists, there.lists);
   EXPECT_EQ(here.matrix, there.matrix);
   EXPECT_EQ(here.vector, there.vector);
-  EXPECT_EQ(here.part, (std::vector<double>{0, 2, 3, 0}));  // a span: its own numbers alone
+  EXPECT_EQ(here.part, (std::vector<double>{0, 2, 3, 0}));  // a span: only its own numbers
   EXPECT_EQ(packed(here).size(), bytes.size());
 }
 

@@ -45,7 +45,7 @@ TEST(Random, UniformAndNormalHaveTheirDistributions) {
   EXPECT_LT(kolmogorov_smirnov(index), kCritical);
 }
 
-// Tails, where a sampler made of pieces goes wrong first: counts beyond each threshold are Poisson.
+// Tails, where a piecewise sampler would fail first: counts beyond each threshold are Poisson.
 TEST(Random, NormalTailsHoldTheirShare) {
   Random random(2, 0, 0, Purpose::test);
   constexpr int kMany = 4000000;

@@ -30,7 +30,7 @@ TEST(Simd, OffersWhatTheProcessorHasNarrowestFirst) {
                                                                            : &two);
 }
 
-// What tests override the choice with.
+// Tests override the choice with this variable.
 TEST(Simd, OffersOnlyWhatIsAskedFor) {
   const Loops two{2}, four{4};
   const Compiled<Loops> compiled{.baseline = &two, .avx2 = &four};

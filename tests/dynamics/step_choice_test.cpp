@@ -1,5 +1,5 @@
-// Steps must follow the fastest rate of a chain, whatever its laws, and a run whose steps do not
-// must not pass for a response.
+// Steps must follow the fastest rate of a chain for all laws, and a run with too long steps must
+// fail.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,8 +34,8 @@ double difference(const Response& a, const Response& b) {
       .maxCoeff();
 }
 
-// 97 of these 100 samples were not numbers, and the run had not failed: the watch asked whether
-// 0 · y is 0, which a compiler may take for granted.
+// Regression: 97 of these 100 samples were NaN, and the run had not failed. The check was whether 0
+// · y is 0, which a compiler may assume.
 TEST(Watch, SeesANaNOfBoucWenWithStepsTooLong) {
   const Law law = make_law<laws::BoucWen>({500.0, 1e-4, 10.0});
   const Response response = one_mass(law, 10.0, {.substeps = 8}).simulate({});
@@ -43,7 +43,7 @@ TEST(Watch, SeesANaNOfBoucWenWithStepsTooLong) {
   EXPECT_EQ(response.values.size(), 0);
 }
 
-// The same for every integrator, and for a state that is not a number from the start.
+// The same for every integrator, and for a state that is NaN from the start.
 TEST(Watch, SeesANaNInEveryIntegrator) {
   const std::vector<std::vector<Law>> kinds{{},
                                             {make_law<laws::Bilinear>({30.0})},
@@ -61,7 +61,7 @@ TEST(Watch, SeesANaNInEveryIntegrator) {
           start.displacement.assign(static_cast<std::size_t>(masses), 0.0);
           start.velocity = start.displacement;
           (velocity ? start.velocity : start.displacement)[0] = Coefficient::of_parameter(0);
-          // One sample: nothing has been looked at on the way.
+          // One sample: there is no check within the run.
           for (std::size_t samples : {1U, 2U, 100U}) {
             const Simulator simulator(
                 chain,
@@ -76,7 +76,8 @@ TEST(Watch, SeesANaNInEveryIntegrator) {
         }
 }
 
-// Of five laws' kinds none knew what its own state needs: 30 to 40 % of the response was wrong.
+// Regression: for five laws, the step choice ignored the rate of the internal state; 30 to 40 % of
+// the response was wrong.
 TEST(StepChoice, CoversBoucWenHoweverSmallItsYield) {
   for (double yield : {1e-1, 1e-2, 1e-3})
     for (double exponent : {1.0, 10.0}) {
@@ -88,8 +89,8 @@ TEST(StepChoice, CoversBoucWenHoweverSmallItsYield) {
     }
 }
 
-// A drag only takes energy away. With steps that do not know it, it blew up and was cut from the
-// prior.
+// Drag only dissipates energy. Regression: with steps that ignored it, the trajectory diverged and
+// was removed from the prior.
 TEST(StepChoice, PassiveDragDoesNotBlowUp) {
   for (double drag : {1.0, 30.0, 100.0, 1e3, 1e4}) {
     const Law law = make_law<laws::QuadraticDamping>({drag});
@@ -99,7 +100,7 @@ TEST(StepChoice, PassiveDragDoesNotBlowUp) {
     ASSERT_FALSE(fine.failed) << drag;
     EXPECT_LT(difference(chosen, fine), 1e-3) << drag;
   }
-  // A Misfit, through which priors are cut, sees the same.
+  // A Misfit, through which priors are truncated, fails in the same cases.
   const Misfit misfit(
       one_mass(make_law<laws::QuadraticDamping>({Coefficient::of_parameter(0)}), 100.0),
       {{noise(100, 3)}, {noise(100, 4)}});
@@ -112,11 +113,11 @@ TEST(StepChoice, PassiveDragDoesNotBlowUp) {
 TEST(StepChoice, TellsStepsTooLongFromDivergence) {
   const auto outcome = [](const Simulator& simulator) { return simulator.simulate({}).outcome; };
   EXPECT_EQ(outcome(one_mass(make_law<laws::Cubic>({1.0}), 10.0)), Outcome::complete);
-  // A well that ends: the mass leaves it, with any steps.
+  // A well of finite depth: the mass leaves it for any step length.
   EXPECT_EQ(outcome(one_mass(make_law<laws::Cubic>({-500.0}), 100.0)), Outcome::diverged);
-  // Drag that drives.
+  // Negative drag.
   EXPECT_EQ(outcome(one_mass(make_law<laws::QuadraticDamping>({-50.0}), 100.0)), Outcome::diverged);
-  // 4096 steps a sample are too few, or the given ones are.
+  // 4096 steps per sample are too few, or the given number is.
   EXPECT_EQ(outcome(one_mass(make_law<laws::BoucWen>({500.0, 1e-8}), 10.0)),
             Outcome::steps_too_long);
   EXPECT_EQ(outcome(one_mass(make_law<laws::Coulomb>({1e9, 1e-6}), 10.0)), Outcome::steps_too_long);
@@ -129,7 +130,8 @@ TEST(StepChoice, TellsStepsTooLongFromDivergence) {
             Outcome::impossible);
 }
 
-// Where damping chose the steps, refined ones were as long as before, and a check of them blind.
+// Regression: if damping chose the steps, refined steps were equally long, and a step check found
+// no change.
 TEST(StepChoice, RefinedStepsAreShorterWhereDampingChoseThem) {
   const Simulator simulator = one_mass(make_law<laws::Coulomb>({2.0, 0.01}), 10.0);
   const int coarse = simulator.substeps({});
@@ -137,8 +139,8 @@ TEST(StepChoice, RefinedStepsAreShorterWhereDampingChoseThem) {
   EXPECT_GE(simulator.refined(4).substeps({}), 4 * coarse / 2);
 }
 
-// Where one step a sample was chosen and would do at half the limit, "half as long" was as long,
-// and a check of the steps found nothing.
+// Regression: if one step per sample sufficed at half the limit, refined steps were equally long,
+// and a step check found no change.
 TEST(StepChoice, RefinedStepsAreShorterWhereOneASampleWasChosen) {
   const Chain chain{.masses = {1.0}, .links = {{.laws = {make_law<laws::Coulomb>({1e-3, 1.0})}}}};
   const Simulator simulator(
@@ -149,7 +151,7 @@ TEST(StepChoice, RefinedStepsAreShorterWhereOneASampleWasChosen) {
   EXPECT_EQ(simulator.refined(2).refined(4).substeps({}), 8);
 }
 
-// Rates were summed in an array of 65 rows.
+// Regression: rates were summed in an array of 65 rows.
 TEST(StepChoice, StiffestRatesOfManyMasses) {
   Chain chain = uniform_chain(300);
   chain.masses.back() = 0.05;
@@ -172,7 +174,7 @@ TEST(StepChoice, PacesAreTheRatesAUnitOfSpeed) {
   EXPECT_FALSE(is_paced(uniform_chain(2)));
 }
 
-// β > γ: where a fully yielded link turns back it is stiffer than at rest, by 2 β / (β + γ).
+// β > γ: a fully yielded link is stiffer at a reversal than at rest, by 2 β / (β + γ).
 TEST(StepChoice, KnowsThatBoucWenTurnsBackStiffer) {
   const Chain chain{.masses = {1.0},
                     .links = {{.laws = {make_law<laws::BoucWen>({50.0, 0.01, 1.0, 0.9, 0.1})}}}};

@@ -1,6 +1,6 @@
-// A law is one file and its lines in dynamics/laws/list.hpp: then it has a name, defaults, bounds,
-// a step choice and every integrator that can take it. This program is the room compiled with the
-// list and toy_law.hpp.
+// A law needs one file and its lines in dynamics/laws/list.hpp to get a name, defaults, bounds, a
+// step choice and all suitable integrators. This program is dynamics/ compiled with the list and
+// toy_law.hpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -45,7 +45,7 @@ TEST(ToyLaw, IsHeldToItsBounds) {
   EXPECT_EQ(released_from(0.1, law).simulate(outside).outcome, Outcome::impossible);
 }
 
-// Energy: m ẏ²/2 + k s² (|y|/s - ln(1 + |y|/s)) is kept.
+// Conservation of energy: m ẏ²/2 + k s² (|y|/s - ln(1 + |y|/s)).
 TEST(ToyLaw, IsIntegratedWithStepsOfItsOwnChoice) {
   const Simulator simulator = released_from(1.5, make_law<laws::Toy>({8.0, 0.4}));
   EXPECT_GT(simulator.substeps({}), 0);

@@ -10,8 +10,8 @@ namespace {
 constexpr std::size_t kResponses = 3;
 using Point = std::vector<double>;
 
-/// An effect of each component (location, size), of each pair, and if asked of each triple, in the
-/// additive quantity, shifted to stay on the side where that quantity exists.
+/// An effect of each component (location, size), of each pair, and optionally of each triple, in
+/// the additive quantity, shifted to the range where that quantity exists.
 double effects(const Point& x, std::size_t r, bool triples) {
   const std::size_t k = x.size() / 2;
   const auto one = [&](std::size_t i) {

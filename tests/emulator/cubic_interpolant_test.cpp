@@ -94,7 +94,7 @@ TEST_P(CubicDimension, LinearRuleIsTheMultilinearInterpolant) {
 
 INSTANTIATE_TEST_SUITE_P(CubicInterpolant, CubicDimension, testing::Values(1, 2, 3, 4));
 
-/// Largest fall along lines that should rise.
+/// Largest decrease along lines that should increase.
 double largest_fall(AxisRule rule) {
   const auto factors = uneven(2);
   const CubicInterpolant f = fit(factors, steps, {rule, rule});

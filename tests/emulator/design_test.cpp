@@ -104,7 +104,8 @@ TEST(Design, LatinHypercubeUsesEachStratumOnceAndSpreads) {
     }
     EXPECT_TRUE(std::all_of(used.begin(), used.end(), [](bool b) { return b; }));
   }
-  // Twenty purely random designs of this size: the best of their closest pairs is still below ours.
+  // Among twenty random designs of this size, the largest minimum distance is still below that of
+  // the Latin hypercube.
   const Factors cube = {{"a", "", {0, 1}}, {"b", "", {0, 1}}, {"c", "", {0, 1}}};
   double best_random = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed)
@@ -117,8 +118,8 @@ TEST(Design, LatinHypercubeUsesEachStratumOnceAndSpreads) {
 TEST(Design, SobolFillsEveryBinaryBoxEqually) {
   const Factors square = {{"a", "", {0, 1}}, {"b", "", {0, 1}}};
   const Design design = sobol(square, 256, 3);
-  // A (0, m, 2)-net in base 2 keeps its balance under a digital shift: 256 points put one in each
-  // of the 16 × 16 boxes, once the sequence's missing origin is accounted for.
+  // A (0, m, 2)-net in base 2 keeps its balance under a digital shift: 256 points have one in each
+  // of the 16 × 16 boxes, if the sequence's missing origin is included.
   std::vector<int> count(256);
   for (Eigen::Index i = 0; i < 256; ++i)
     ++count[static_cast<std::size_t>(design.points(i, 0) * 16) * 16 +

@@ -37,7 +37,7 @@ TEST(Experiment, ResultsDoNotDependOnThreads) {
 }
 
 TEST(Experiment, NoModelServesTwoThreadsAtOnce) {
-  // A model that notices when two threads are in it at once.
+  // A model that detects simultaneous calls from two threads.
   std::atomic<int> made{0};
   std::atomic<bool> shared{false};
   const ModelFactory factory = [&] {

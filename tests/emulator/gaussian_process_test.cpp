@@ -28,7 +28,7 @@ double k(Kernel kernel, double squared) {
   return (1 + r + r * r / 3) * std::exp(-r);
 }
 
-/// R, written down from its definition.
+/// R by its definition.
 MatrixXd correlation_matrix(const RowMatrix& u, const Correlation& c) {
   MatrixXd r(u.rows(), u.rows());
   for (Index i = 0; i < u.rows(); ++i)
@@ -164,7 +164,7 @@ TEST_P(GaussianProcessKernel, AThousandClusteredPointsStayPositiveDefinite) {
     for (Index j = 0; j < 2; ++j)
       points(i, j) = std::clamp(
           centres(i % 10, j) + 1e-7 * static_cast<double>(generator() >> 11) * 0x1p-53, 0.0, 1.0);
-  points.row(999) = points.row(9);  // and one of them twice
+  points.row(999) = points.row(9);  // with one duplicate
   const RowMatrix y = smooth_values(points, 1);
   const GaussianProcess f(cube(2), points, y, {.kernel = GetParam(), .most_fitted_runs = 150});
   EXPECT_LE(f.parameters()(0, 2), 1e-8) << "a nugget no larger than rounding needs";
@@ -227,7 +227,7 @@ TEST(GaussianProcess, FindsTheNoiseOfTheRuns) {
   const LeaveOneOut loo = f.leave_one_out();
   const auto z = ((y - loo.mean).array() / loo.variance.array().sqrt()).eval();
   EXPECT_NEAR(z.square().mean(), 1.0, 5 * std::sqrt(2.0 / 300));
-  // A left-out run's variance is hardly more than its noise.
+  // The variance of a left-out run is little more than its noise.
   EXPECT_NEAR(std::sqrt(loo.variance.mean()), 0.05, 5 * 0.05 / std::sqrt(2.0 * 300) + 0.003);
   double mean = 0, variance = 0;
   const std::vector x{0.5, 0.5};
@@ -237,8 +237,8 @@ TEST(GaussianProcess, FindsTheNoiseOfTheRuns) {
 }
 
 TEST(GaussianProcess, ScalesAreRespected) {
-  // Linear in the compliance: in that scale a straight line, which Kriging gets to rounding of its
-  // long lengths; in the reduction a hyperbola.
+  // Linear in the compliance: a straight line in that scale, which Kriging reproduces to rounding;
+  // a hyperbola in the reduction.
   std::vector<Factor> plain = {{"r", "", {0, 0.9}}};
   std::vector<Factor> scaled = plain;
   scaled[0].scale = Scale::compliance;

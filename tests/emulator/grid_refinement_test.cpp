@@ -38,7 +38,7 @@ TEST(GridRefinement, ReachesTheToleranceWithLevelsWhereTheyAreNeeded) {
   EXPECT_GT(grid.factors[0].levels.size(), 10u);
   EXPECT_LT(grid.factors[1].levels.size(), 6u);
   EXPECT_EQ(grid.values.rows(), full_factorial(grid.factors).runs());
-  // Fresh points, not those that the refinement looked at.
+  // New points, not those of the refinement.
   const MultilinearInterpolant f(grid.factors, grid.values);
   const auto fresh =
       validate(coarse(), 2, peaked(),
@@ -68,8 +68,7 @@ TEST(GridRefinement, LevelsAreTakenFromCandidates) {
   const RefinedGrid grid = refine_grid(coarse(), 2, peaked(), o);
   const std::set<double> allowed(o.candidates[0].begin(), o.candidates[0].end());
   for (double level : grid.factors[0].levels) EXPECT_TRUE(allowed.contains(level));
-  // Only candidates are asked for, so with each of them a level there is no error left on that
-  // axis.
+  // Only candidates are evaluated, so with a level at each of them no error remains on that axis.
   EXPECT_TRUE(grid.reached);
 }
 

@@ -62,7 +62,7 @@ TEST_F(JournalTest, RemembersWhatWasAppended) {
   EXPECT_EQ(again.entries()[1].run, 0);
 }
 
-// A run that began anew removed the journal of one under way.
+// Regression: a run that started anew removed the journal of a running one.
 TEST_F(JournalTest, OneRunWritesItAtATime) {
   Journal first(path, "beam", 2);
   first.append(0, std::vector{1.0, 2.0});
@@ -165,7 +165,7 @@ TEST_F(JournalTest, FinishedRunsSurviveAFailingOne) {
   EXPECT_EQ(calls, 4);
 }
 
-// `table` without --resume removed whatever had the journal's name.
+// Regression: `table` without --resume removed any file with the journal's name.
 TEST(Journal, RemovesJournalsOnly) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "runs";

@@ -10,7 +10,7 @@
 
 #include "tests/emulator/temporary_directory.hpp"
 
-// NetCDF and HDF5 keep some memory when they fail to open a damaged file; it is not ours.
+// NetCDF and HDF5 leak memory when they fail to open a damaged file.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libnetcdf\nleak:libhdf5\n";
 }
@@ -28,7 +28,7 @@ class TableFileTest : public testing::Test {
   }
   [[nodiscard]] std::string bytes() const { return test::bytes_of(path()); }
   void put(const std::string& content) const { test::put_bytes(path(), content); }
-  /// The kind of error that reading the file ends with; nullopt when it reads well.
+  /// The kind of error when reading the file; nullopt on success.
   [[nodiscard]] std::optional<Kind> read_error(const std::string& fingerprint = {}) const {
     try {
       (void)read_table_file(path(), {.expected_fingerprint = fingerprint});
@@ -68,7 +68,7 @@ TableFile example() {
   return file;
 }
 
-// HDF5 crashes on some, which a child of the reader's own bears.
+// HDF5 crashes on some of them, in the reader's child process.
 TEST_F(TableFileTest, NoDamageEndsTheProgram) {
   write_table_file(path(), example());
   const std::string whole = bytes();

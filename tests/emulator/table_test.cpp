@@ -82,7 +82,7 @@ TEST(Table, ScatteredRunsAreJoined) {
   Table first = whole, second = whole;
   first.points = whole.points.topRows(6);
   first.values = whole.values.topRows(6);
-  second.points = whole.points.bottomRows(6);  // two points are in both
+  second.points = whole.points.bottomRows(6);  // two points occur in both
   second.values = whole.values.bottomRows(6);
   const Table merged = merge(std::vector{file(first), file(second)}).tables.at("count_1");
   EXPECT_EQ(merged.points, whole.points);

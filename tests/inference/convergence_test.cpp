@@ -10,8 +10,8 @@
 namespace wheeltap::inference {
 namespace {
 
-// Independent draws of two models without parameters, of the second with a probability of each
-// chain's own (or the last).
+// Independent draws of two models without parameters; the second has a different probability in
+// each chain (the last value repeats).
 Posterior made_up(int draws, const std::vector<double>& probabilities, double shift = 0.0) {
   Posterior posterior;
   posterior.space = std::make_shared<const ModelSpace>(
@@ -38,7 +38,7 @@ Posterior made_up(int draws, const std::vector<double>& probabilities, double sh
 TEST(Convergence, ARunMayStopWhenItsProbabilitiesAreKnownToFourInAThousand) {
   EXPECT_FALSE(may_stop(made_up(2500, {0.5}), false));
   EXPECT_TRUE(may_stop(made_up(6000, {0.5}), false));
-  EXPECT_FALSE(may_stop(made_up(6000, {0.5}), true));  // 0.001 where models are drawn evenly
+  EXPECT_FALSE(may_stop(made_up(6000, {0.5}), true));  // 0.001 for balanced draws
   EXPECT_TRUE(may_stop(made_up(2500, {0.0005}), false));
 }
 

@@ -28,8 +28,7 @@ TEST(DifferentialEvolution, LeavesLocalModes) {
     const Optimum modes = maximise_by_differential_evolution(two_modes, 4, {.seed = seed});
     found += std::fabs(modes.value - 5.0) < 1e-6 ? 1 : 0;
   }
-  // Which narrow mode wins is settled by a few early members: either happens to be missed now and
-  // then.
+  // A few early members decide between the narrow modes, so that either is missed occasionally.
   EXPECT_GE(found, 7);
 }
 

@@ -39,7 +39,7 @@ TEST(DrawList, IsASequence) {
   EXPECT_TRUE(list.empty());
 }
 
-// That reads the same whether its pages are in memory or not.
+// Reads equal values whether or not the pages are in memory.
 void expect_counts(const DrawList<double>& list, std::size_t n) {
   for (int times = 0; times < 2; ++times, list.let_go()) {
     ASSERT_EQ(list.size(), n);
@@ -60,7 +60,7 @@ TEST(DrawList, IsInAFileWithoutANameWhereItIsLong) {
   fill(3 * kMany);
   EXPECT_TRUE(list.in_file());
   list.let_go();
-  fill(10 * kMany);  // grows, its pages away
+  fill(10 * kMany);  // grows, with its pages released
   expect_counts(list, n);
   const DrawList<double> copy = list;
   EXPECT_TRUE(copy.in_file());
@@ -84,7 +84,7 @@ TEST(DrawList, IsOnTheHeapWhereThereCanBeNoFile) {
   }
 }
 
-// Draws are the same wherever they are.
+// Storage in a file does not change draws.
 TEST(DrawList, ChangesNoDraw) {
   const test::TemporaryDirectory folder;
   const Problem problem = toy::bumps();

@@ -1,5 +1,5 @@
-// The answers of hard_problems.cpp, each by a second way: bridge sampling between exact draws of
-// the posterior and a mixture fitted to them, quadrature, or plain importance sampling.
+// The answers of hard_problems.cpp by a second method: bridge sampling between exact posterior
+// draws and a mixture fitted to them, quadrature, or importance sampling.
 #include "tests/inference/hard_problems.hpp"
 
 #include <gtest/gtest.h>
@@ -35,8 +35,8 @@ TEST(HardProblems, NamesDifferAndProbabilitiesFollowFromEvidences) {
   EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
 }
 
-// Exact draws in place of chains; the bridge knows nothing of the density but its values, so that a
-// wrong normaliser, cut-off or draw shows.
+// Exact draws instead of chains. Bridge sampling uses only values of the density, so that a wrong
+// normaliser, cut-off or draw shows.
 void check_by_bridge(const HardProblem& p, int model, double largest_error) {
   const Model& m = p.problem.space[model];
   constexpr int kChains = 4, kDraws = 5000;
@@ -89,7 +89,7 @@ INSTANTIATE_TEST_SUITE_P(All, HardProblemAnswers,
                            return identifier(hard_problems()[at.param].name);
                          });
 
-// Draws from ½ · prior + ½ · one component (any) in the spot: the weights are bounded.
+// Draws from ½ · prior + ½ · a random component in the spot: the weights are bounded.
 TEST(HardProblems, CountsWithASpotByImportanceSampling) {
   const HardProblem& p = hard_problem("counts 0..10 with a spot");
   const auto likelihood = p.problem.likelihood();

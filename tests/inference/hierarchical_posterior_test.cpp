@@ -59,20 +59,20 @@ TEST(HierarchicalPosterior, IsThatOfATwoDimensionalGrid) {
   }
 }
 
-// Where groups scatter by far more than their errors, what is left is Student's: mean ± t s/√n.
+// If groups scatter by far more than their errors, the interval is Student's: mean ± t s/√n.
 TEST(HierarchicalPosterior, OfPreciseGroupsIsStudents) {
   const std::vector<GroupEstimate> groups = {
       {0.11, 1e-7}, {0.14, 1e-7}, {0.08, 1e-7}, {0.10, 1e-7}, {0.17, 1e-7}};
   const HierarchicalPosterior h =
       hierarchical_posterior(groups, {.centre_sd = 1e3, .largest_scatter = 1e4});
   const double mean = 0.12, s = std::sqrt(0.005 / 4.0);
-  constexpr double kT = 2.131847;  // of 4 degrees of freedom, 95 %
+  constexpr double kT = 2.131847;  // quantile for 4 degrees of freedom, 95 %
   EXPECT_NEAR(h.centre.quantile(0.95), mean + kT * s / std::sqrt(5.0), 1e-3 * s);
   EXPECT_NEAR(h.group.quantile(0.05), mean - kT * s * std::sqrt(1.2), 2e-3 * s);
 }
 
-// Groups of one value, told apart by their errors alone: the scatter shrinks with them, and the
-// centre's interval becomes that of all data together.
+// Groups with equal values and decreasing errors: the scatter decreases with them, and the centre's
+// interval becomes that of the pooled data.
 TEST(HierarchicalPosterior, ScatterOfEqualGroupsShrinksWithTheirErrors) {
   for (const double sd : {0.1, 0.001}) {
     std::vector<GroupEstimate> groups;
@@ -89,9 +89,9 @@ TEST(HierarchicalPosterior, ScatterOfEqualGroupsShrinksWithTheirErrors) {
   }
 }
 
-// Calibration at a true scatter of none, about the error and three times it: the 90 % intervals
-// hold the centre, a new group and a new group's mean as often as they say. 1000 repetitions each:
-// the bounds are four standard deviations of a binomial, 0.038.
+// Calibration for a true scatter of zero, one and three times the error: the coverage of the 90 %
+// intervals for the centre, a new group and a new group's mean. 1000 repetitions each; the
+// tolerance is four standard deviations of a binomial, 0.038.
 TEST(HierarchicalPosterior, IntervalsHoldWhatTheySay) {
   constexpr int kRepetitions = 1000, kGroups = 6;
   std::uint64_t stream = 0;
@@ -120,7 +120,7 @@ TEST(HierarchicalPosterior, IntervalsHoldWhatTheySay) {
     EXPECT_TRUE(at_least(group)) << group << " at " << tau;
     EXPECT_TRUE(at_least(estimate)) << estimate << " at " << tau;
     if (tau > 0.1) {
-      // Neither too wide: where scatter rules, the centre's are Student's.
+      // Nor too wide: if scatter dominates, the centre's intervals are Student's.
       EXPECT_LE(centre, (0.90 + 0.045) * kRepetitions);
       EXPECT_LE(estimate, (0.90 + 0.045) * kRepetitions);
     }

@@ -17,7 +17,7 @@ Mixing mixed(const Posterior& posterior, const std::vector<Watched>& watched = {
   return mixing(posterior, model_shares(posterior), watched);
 }
 
-// Normal numbers, `shift` more in each further chain.
+// Normal draws; each chain is shifted by `shift` relative to the one before.
 ChainsOf quantity(double shift) {
   ChainsOf out(4);
   for (std::uint64_t c = 0; c < 4; ++c) {
@@ -49,7 +49,7 @@ TEST(Mixing, AModelThatIsHardlyEverDrawnIsNotWatched) {
   EXPECT_EQ(found.ess_model, found.ess_log_posterior) << "nothing else changes";
 }
 
-// Every draw fifty times: effective draws are a fiftieth, some 320 of 16 000.
+// Every draw fifty times: the effective draws are a fiftieth, about 320 of 16 000.
 TEST(Mixing, ModelsThatChangeSeldomAreTooFewUnlessTheirProbabilityIsKnown) {
   for (const bool rare : {false, true}) {
     Posterior posterior = made_up::run({rare ? std::vector{0.998, 0.002, 0.0}  // known to 3.5e-4

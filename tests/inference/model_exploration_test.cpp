@@ -43,8 +43,8 @@ TEST(ModelExploration, GivesModesTheirShares) {
   EXPECT_NEAR(std::min(found.shares[0], found.shares[1]), 0.03, 0.01);
 }
 
-// The climbs have settled the matter; of a record, whose likelihoods are dear, annealing only looks
-// for what they may have missed.
+// The climbs settle this model; on a record, with an expensive likelihood, SMC only checks for
+// missed probability mass.
 TEST(ModelExploration, IsCheapWhereOneModeOfARecordHoldsEverything) {
   const HardProblem& hard = problem_named("nested normal, 5-d");
   Problem record = hard.problem;
@@ -63,8 +63,8 @@ TEST(ModelExploration, IsNotSettledByTwoModes) {
   EXPECT_FALSE(survey_model(hard.problem, 1, {.climbs = 100}).settled());
 }
 
-// Two climbs that end in one of two equal modes settle nothing for good: draws of the annealing lie
-// far from it, and a climb from them finds the other.
+// Two climbs that end in one of two equal modes do not settle the model: SMC draws lie far from it,
+// and a climb from them finds the other mode.
 TEST(ModelExploration, ABriefAnnealingFindsAModeThatTheClimbsMissed) {
   const HardProblem& hard = problem_named("equal modes, 2-d");
   ExplorationOptions options{.climbs = 2};
@@ -79,7 +79,7 @@ TEST(ModelExploration, ABriefAnnealingFindsAModeThatTheClimbsMissed) {
 }
 
 // Two equal modes, each a millionth of the prior wide in six dimensions, the second with the
-// smaller basin: a record's annealing is cut short long before it is there.
+// smaller basin: SMC on a record is cut short long before it reaches them.
 Problem two_needles() {
   class Needles : public Likelihood {
    public:

@@ -1,7 +1,7 @@
-// Needles inside broad modes: found where the climbs go, and else below the width that a run
-// states for what it may have missed.
+// Needles inside broad modes: the climbs find them, or they are narrower than the width that the
+// run states as its resolution.
 //
-// Short: searches alone, and one run. WHEELTAP_LONG_TESTS=1: runs of all, five seeds.
+// Short: searches only, and one run. WHEELTAP_LONG_TESTS=1: runs of all, five seeds.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -43,7 +43,7 @@ TEST_P(Needles, AreFoundByTheSearchOrNarrowerThanItResolves) {
   }
 }
 
-// Whoever reads the limit of wide modes alone is told too little by a factor of hundreds.
+// The resolution for wide modes alone would be too small by a factor of hundreds.
 TEST(Needle, NeedsTheWidthForItsLimit) {
   EXPECT_NEAR(search_resolution(5e-4, 0.2, 0.2), 5e-4, 1e-12);
   EXPECT_NEAR(search_resolution(5e-4, 0.2, 1.0), 5e-4, 1e-12);

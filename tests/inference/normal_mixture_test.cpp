@@ -83,7 +83,7 @@ TEST(NormalMixture, LogDensityMatchesTheDefinition) {
         const Eigen::MatrixXd samples = draw(q, 20, random);
         for (int i = 0; i < samples.rows(); ++i) {
           const Eigen::VectorXd z = samples.row(i);
-          // Conditioning of the random factors, to the power of what is solved with them.
+          // Condition number of the random factors, to the power of the number of solves.
           EXPECT_NEAR(q.log_density(view(z)), plain_log_density(q, z), 1e-9 * d)
               << d << " dimensions, " << components << " components, nu " << nu;
           std::vector<double> parts(static_cast<std::size_t>(components));
@@ -116,8 +116,8 @@ TEST(NormalMixture, IntegratesToOne) {
   EXPECT_NEAR(sum, 1.0, 1e-8);
 }
 
-// If draws come from q and q's density is right, E_q[p/q] = 1 for any density p inside q. The error
-// is taken from the draws; 4 of it, and it must be small to mean anything.
+// If draws come from q and its density is correct, E_q[p/q] = 1 for any density p inside q. The
+// tolerance is 4 standard errors from the draws, which must be small.
 TEST(NormalMixture, SamplesHaveItsDensity) {
   for (const double nu : {kInfinity, 4.0})
     for (const int d : {1, 3, 6}) {
@@ -166,7 +166,7 @@ TEST(NormalMixture, AffineCoordinatesOfAComponent) {
   EXPECT_NEAR(parts[1], std::log(q[1].weight) + standard - q.log_determinant(1), 1e-12);
 }
 
-// A fit with the right number of components to n samples has a divergence of about parameters /
+// The divergence of a fit with the correct number of components to n samples is about parameters /
 // (2n).
 TEST(NormalMixtureFit, RecoversMixturesItCouldHaveComeFrom) {
   constexpr int kSamples = 5000;
@@ -237,7 +237,7 @@ TEST(NormalMixtureFit, FollowsABanana) {
 }
 
 TEST(NormalMixtureFit, UnitsDoNotMatter) {
-  // Powers of two scale exactly, so that the whole fit must come out the same.
+  // Scaling by powers of two is exact, so that the fits must be equal.
   const NormalMixture truth = random_mixture(3, 3, 13);
   base::Random random(14, 0, 0, base::Purpose::test);
   const Eigen::MatrixXd samples = draw(truth, 2000, random);
@@ -264,7 +264,7 @@ TEST(NormalMixtureFit, NeitherOrderNorRepetitionOfSamplesMisleadsIt) {
   const NormalMixture b = NormalMixture::fit(samples.colwise().reverse(), second);
   const Eigen::VectorXd z = samples.row(3);
   EXPECT_EQ(a.log_density(view(z)), b.log_density(view(z)));
-  // A chain that stood still for 200 draws: a spike there would be a likelihood without bound.
+  // A chain that repeated its state 200 times: a spike there would have an unbounded likelihood.
   Eigen::MatrixXd sticky(1200, 2);
   sticky.topRows(1000) = samples;
   sticky.bottomRows(200).rowwise() = samples.row(3);

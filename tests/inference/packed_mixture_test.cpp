@@ -1,4 +1,4 @@
-// The packed routines against the formulas that their header states, in plain loops.
+// The packed routines against plain loops over the formulas in their header.
 #include "inference/mixtures/packed_mixture.hpp"
 
 #include <gtest/gtest.h>
@@ -66,8 +66,7 @@ void for_each_size(const Check& check) {
   }
 }
 
-// Fault: they contracted to fused multiply-add where the processor has it, and a chain's draws were
-// others on another processor.
+// Regression: with contraction to fused multiply-add, a chain's draws differed between processors.
 TEST(PackedMixture, EveryInstructionSetGivesTheSameBits) {
   const auto all = runnable_routines(base::Instructions::automatic);
   for_each_size([&](int d, const std::vector<Component>& parts, base::Random& random) {
@@ -200,8 +199,8 @@ TEST(PackedMixture, OnePassOfEmSumsTheMomentsOfEachComponent) {
       expected += weight[n] * std::log(all);
     }
     EXPECT_NEAR(log_likelihood / expected, 1.0, kRounding);
-    // Groups whose responsibilities of a sample are all below 1e-12 leave it out: 50 samples whose
-    // deviations multiply to 100 at most.
+    // Groups with responsibilities below 1e-12 omit the sample: 50 samples whose deviations
+    // multiply to 100 at most.
     constexpr double kLeftOut = 5e-9;
     for (std::size_t k = 0; k < parts.size(); ++k) {
       const auto plain = plain_moments(parts, k, z, weight);

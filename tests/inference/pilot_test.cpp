@@ -38,7 +38,7 @@ TEST(PilotSamples, CountEveryVisitAndKeepAThinnedRecord) {
   EXPECT_EQ(kept.rows(), 1);
   EXPECT_GE(kept.cols(), 4000);
   EXPECT_LT(kept.cols(), 8000);
-  // Equally far apart, over the whole run.
+  // Equally spaced over the whole run.
   const double stride = kept(0, 1) - kept(0, 0);
   for (Eigen::Index i = 1; i < kept.cols(); ++i) EXPECT_EQ(kept(0, i) - kept(0, i - 1), stride);
   EXPECT_EQ(kept(0, 0), 0.0);
@@ -59,7 +59,7 @@ TEST(PilotSamples, OfSeveralChainsAddUp) {
   EXPECT_EQ(one.states(1)(0, 0), 5.0);
 }
 
-// N(2, 0.1²) in model 1; too few in model 2, which keeps its prior.
+// N(2, 0.1²) in model 1; too few samples in model 2, which keeps its prior.
 std::vector<PilotSamples> met(const ModelSpace& space) {
   PilotSamples samples(space);
   base::Random random(1, 0, 0, base::Purpose::test);
@@ -76,14 +76,14 @@ TEST(FitPilot, FitsWhatWasMetAndThePriorWhereThatWasLittle) {
   const ModelSpace space = two_models();
   const Pilot pilot = fit_pilot(space, met(space), {});
   EXPECT_EQ(pilot.fit->density[0], nullptr);
-  // 3000 draws know a mean to 2 % of the sd and ln sd to 1.3 %: 0.1 in ln q within two sds.
+  // 3000 draws give a mean to 2 % of the sd and ln sd to 1.3 %: 0.1 in ln q within two sds.
   for (const double z : {1.8, 2.0, 2.2}) {
     EXPECT_NEAR(pilot.fit->log_density(1, std::vector{z}), log_normal_density(z, 2.0, 0.1), 0.2)
         << z;
   }
   EXPECT_NEAR(pilot.fit->log_density(2, std::vector{0.5, -1.0}),
               log_normal_density(0.5, 0, 1) + log_normal_density(-1.0, 0, 1), 1e-9);
-  // Models are weighted as they were visited, and none is never looked at again.
+  // Models are weighted by their visits, with a positive lower limit.
   EXPECT_GT(pilot.fit->weight[1], 0.95);
   EXPECT_GE(pilot.fit->weight[0], 0.003);
   EXPECT_NEAR(pilot.fit->weight[0] + pilot.fit->weight[1] + pilot.fit->weight[2], 1.0, 1e-12);
@@ -96,7 +96,7 @@ TEST(FitPilot, TakesTheProbabilitiesThatAreKnown) {
   EXPECT_NEAR(pilot.fit->weight[2], 0.5, 1e-12);
 }
 
-// A mode that no chain met is in the proposal all the same.
+// The proposal covers a mode that no chain visited.
 TEST(FitPilot, CoversAModeThatTheSearchesFound) {
   const ModelSpace space = two_models();
   const auto one = [](double mean) {

@@ -1,5 +1,4 @@
-// What a run answers, on runs that were made up: independent draws, so that every answer and its
-// error are known.
+// Queries on made-up runs of independent draws, for which every result and its error are known.
 #include "inference/diagnosis/posterior.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kPosteriorSigmas = 4.9;  // a false alarm once in 10⁶ comparisons
+constexpr double kPosteriorSigmas = 4.9;  // false-alarm rate 10⁻⁶ per comparison
 constexpr int kPosteriorDraws = 4000;
 
 // Two models of different dimension: 70 : 30, prior weights 1 : 2.
@@ -62,8 +61,8 @@ TEST(Posterior, AProbabilityComesWithItsError) {
   EXPECT_NEAR(posterior.probability("linear").value + p.value, 1.0, 1e-12);
 }
 
-// ln odds have the error 1/√(n p (1 - p)): shares that add up to one err together, which adding
-// their own errors in quadrature would miss by √2.
+// ln odds have the error 1/√(n p (1 - p)): shares that sum to one have correlated errors; adding
+// them in quadrature would be wrong by √2.
 TEST(Posterior, ABayesFactorComesWithItsError) {
   const Posterior posterior = made_up();
   const double exact = std::log(0.3 / 0.7) - std::log(2.0);
@@ -135,7 +134,7 @@ Problem made_problem() {
           .likelihood = [] { return std::make_unique<Flat>(); }};
 }
 
-// A regression test: the posterior pointed into the problem, which a temporary takes with it.
+// Regression: the posterior referred to a problem that was a temporary.
 TEST(Posterior, OutlivesItsProblem) {
   const Options options{.chains = 2, .warmup = 200, .draws = 200};
   const Posterior of_temporary = reversible_jump(made_problem(), options);

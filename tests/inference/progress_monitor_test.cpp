@@ -19,7 +19,7 @@ TEST(ProgressMonitor, TellsStageShareCallsAndProbabilities) {
   ProgressMonitor monitor(options, 2);
   monitor.begin("tuning", 200.0, 5000.0);
   monitor.evaluated(31);
-  EXPECT_TRUE(monitor.advance(50.0));  // the first of a stage comes at once
+  EXPECT_TRUE(monitor.advance(50.0));  // the monitor reports the start of a stage at once
   ASSERT_EQ(calls, 1);
   EXPECT_EQ(std::string(last.stage), "tuning");
   EXPECT_EQ(last.fraction, 0.25);

@@ -11,7 +11,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// Each reason has a phrase of its own, which names its model or its quantity and ends in no stop.
+// Each reason has a different phrase, with its model or quantity and without a full stop.
 TEST(Reason, IsDescribedInAShortPhrase) {
   const auto space =
       ModelSpace::of_models({{"a", Normal{0.0, 1.0}}}, {{"one", 1.0, {}}, {"two", 1.0, {"a"}}});

@@ -114,7 +114,7 @@ TEST(ReversibleJump, OrderOfParametersDoesNotMatter) {
   EXPECT_LT(probability(plain, 1), 0.99);
 }
 
-// Numbers judged over all chains are the same whichever comes first.
+// Quantities judged over all chains do not depend on their order.
 TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
   const Problem problem = nested_means(1.0);
   ChainsOf chains = indicator(reversible_jump(problem, small()), 1);
@@ -142,7 +142,7 @@ TEST(ReversibleJump, SameSeedSameRunForAnyNumberOfThreads) {
             one.chains[0].log_likelihood);
 }
 
-/// Says no more of values below the floor than that they are there.
+/// Returns -∞ for values below the floor.
 class EarlyRejecting final : public Likelihood {
  public:
   EarlyRejecting(std::unique_ptr<Likelihood> exact, long& early)
@@ -173,8 +173,8 @@ TEST(ReversibleJump, EarlyRejectionChangesNoDraw) {
   };
   Options options = small(5);
   options.threads = 1;
-  // Adaptation takes small acceptance probabilities for zero, so warm-up differs: compare draws of
-  // a kernel that does not adapt.
+  // Adaptation treats small acceptance probabilities as zero, so that warm-up differs: compare
+  // draws of a kernel that does not adapt.
   options.moves.random_walk = false;
   const Posterior one = reversible_jump(exact, options);
   const Posterior two = reversible_jump(rejecting, options);
@@ -201,7 +201,7 @@ TEST(ReversibleJump, MoveSetsAgree) {
   }
 }
 
-// Tempering leaves P(k) and the parameters alone, whether it stops after warm-up or goes on.
+// Tempering does not change P(k) or the parameters, whether it stops after warm-up or continues.
 TEST(ReversibleJump, TemperingChangesNoProbability) {
   const Problem problem = toy::bumps();
   Options options{.seed = 4, .warmup = 3000, .draws = 20000};
@@ -266,7 +266,7 @@ TEST(ReversibleJump, ReportsALikelihoodThatIsNeverFinite) {
   EXPECT_THROW((void)reversible_jump(problem, small()), LikelihoodError);
 }
 
-// One model of two, so that the other cannot hide it.
+// One of two models, so that the other must not hide it.
 TEST(ReversibleJump, NamesTheModelAndThePriorThatMakeItImpossible) {
   class Half : public Likelihood {
    public:
@@ -324,11 +324,10 @@ TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
   }
 }
 
-// y = A x + e with noise 1e-4 of the parameters' and columns that nearly lie in a plane: a
-// posterior some 10^4 times narrower than its prior, on a ridge, where chains that temper from the
-// prior come to rest in different places. ln p(y) = ln N(y | 0, A Aᵀ + s² I) gives the odds
-// exactly.
-// A model without parameters, and one that is some 2000 times less probable.
+// y = A x + e with noise 1e-4 of the parameters' and columns nearly in a plane: a ridge about 10^4
+// times narrower than the prior, on which chains tempered from the prior stop in different places.
+// ln p(y) = ln N(y | 0, A Aᵀ + s² I) gives the exact odds. There is also a model without
+// parameters, and one about 2000 times less probable.
 Problem lopsided() {
   class Mean : public Likelihood {
    public:
@@ -371,14 +370,14 @@ double most_rare_draws() {
   return expected + 4.9 * std::sqrt(expected) + 1.0;
 }
 
-// While tuning, models are visited evenly; the first draws must not show it.
+// Tuning visits the models evenly; the first draws must not be affected.
 TEST(ReversibleJump, SettlesAfterTheBiasOfTuningIsGone) {
   const Problem problem = lopsided();
   const Posterior posterior = reversible_jump(problem, one_draw_each());
   EXPECT_LE(rare_draws(posterior), most_rare_draws());
 }
 
-// The control: the same run, its chains drawing without having settled.
+// The control: the same run without burn-in before the draws.
 TEST(ReversibleJumpControl, NoticesThatChainsHaveNotSettled) {
   const Problem problem = lopsided();
   const Options options = one_draw_each();
@@ -391,8 +390,8 @@ TEST(ReversibleJumpControl, NoticesThatChainsHaveNotSettled) {
   EXPECT_GT(rare_draws(state.posterior), 10.0 * most_rare_draws());
 }
 
-// With equal prior odds the rare model's probability is known to a tenth of itself; weighted to be
-// drawn evenly, to a hundredth.
+// With equal prior odds, the relative error of the rare model's probability is a tenth; with
+// balanced draws, a hundredth.
 TEST(ReversibleJump, BalanceKnowsARareModelWell) {
   const Problem problem = lopsided();
   const Posterior posterior = reversible_jump(problem, {.seed = 7, .balance = true});
@@ -405,7 +404,7 @@ TEST(ReversibleJump, BalanceKnowsARareModelWell) {
   EXPECT_LT(verdict.models[1].mcse, 0.01 * exact);
 }
 
-// Every run says what it looked for, and what each model's evidence is.
+// Every run reports its searches and the evidence of each model.
 TEST(ReversibleJump, TellsWhatItsSearchesFound) {
   const Posterior posterior = reversible_jump(lopsided(), {.seed = 9, .searches = 77});
   ASSERT_EQ(posterior.found.size(), 2U);
@@ -414,7 +413,8 @@ TEST(ReversibleJump, TellsWhatItsSearchesFound) {
   ASSERT_EQ(found.modes.size(), 1U);
   EXPECT_NEAR(found.modes[0].x[0], 1.0 / 1.01, 0.01);
   const double exact = 0.5 * std::log(0.01 / 1.01) - 0.5 / 1.01;
-  for (const Evidence& evidence : {found.annealed, found.sampled})  // too few draws for a bridge
+  // Too few draws for bridge sampling.
+  for (const Evidence& evidence : {found.annealed, found.sampled})
     EXPECT_NEAR(evidence.log_evidence, exact, 4.9 * evidence.standard_error + 1e-6);
   EXPECT_EQ(posterior.found[0].sampled.log_evidence, 0.0);
 }

@@ -1,5 +1,5 @@
-// The self-tests for a user's own priors and moves: right ones pass, and each fault is found and
-// said.
+// Self-tests of user-defined priors and moves: correct ones pass, and each fault is found and
+// reported.
 #include "inference/moves/self_tests.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// F = 1/(1 + e^-x), with whatever fault is asked for.
+// F = 1/(1 + e^-x), with optional faults.
 struct Faults {
   double mass = 1.0;       // of the density
   double stretch = 1.0;    // of the density's x
@@ -111,8 +111,8 @@ class Stretch : public Move {
   double jacobian_;
 };
 
-// A birth of the first parameter from N(½, 1) or its death. Models 0 and 1 have one way out; from 1
-// up to 2 there is another move.
+// A birth of the first parameter from N(½, 1), or its death. Models 0 and 1 have one such move;
+// another move leads from 1 to 2.
 class Appear : public Move {
  public:
   explicit Appear(double share) : share_(share) {}
@@ -135,8 +135,8 @@ class Appear : public Move {
   double share_;
 };
 
-// Of the engine's own sort of mistake: from 1 it goes up or down at even odds, from 0 always up,
-// and the ratio does not know it.
+// A typical error at the bounds: from 1 it goes up or down with equal probability, from 0 always
+// up, and the ratio omits this.
 class ForgetsTheEnds : public Move {
  public:
   explicit ForgetsTheEnds(bool knows) : knows_(knows) {}
@@ -182,7 +182,7 @@ TEST(CheckMove, FindsWhatDoesNot) {
   }
 }
 
-// A reverse that does not lead back: always to the right.
+// A move without a reverse: always to the right.
 class Rightwards : public Move {
  public:
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
@@ -216,7 +216,7 @@ TEST(CheckMove, SaysWhereNothingCanBeSaid) {
       std::invalid_argument);
 }
 
-// A prior factor is part of the target: with it a move that was right is right.
+// The prior factor is part of the target: with it, a correct move stays correct.
 TEST(CheckMove, KnowsThePriorFactor) {
   Problem with = problem();
   with.log_prior_factor = [](int model, std::span<const double> x) {

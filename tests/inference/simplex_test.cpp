@@ -1,4 +1,4 @@
-// Dirichlet's density by sticks, against its moments and its own formula.
+// Dirichlet density by stick breaking, against its moments and its formula.
 #include "inference/model/simplex.hpp"
 
 #include <gtest/gtest.h>

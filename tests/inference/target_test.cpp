@@ -22,7 +22,7 @@ State at(double z) {
   return state;
 }
 
-// A fault wherever |x| > 3, one draw of the prior in 370.
+// A fault for |x| > 3, one draw of the prior in 370.
 Problem faulty_at_the_edge(double fault) {
   return of_function(
       [fault](int, std::span<const double> x) { return std::fabs(x[0]) > 3.0 ? fault : -x[0]; });
@@ -80,7 +80,7 @@ TEST(Target, CountsFaultsOfTheStandInAndOfTheLikelihoodApart) {
   EXPECT_EQ(target.impossible(), 2);
 }
 
-// What a run says, after how many evaluations, where x cycles through the share that is at fault.
+// The run's message and the number of evaluations, if x cycles through `share` of faulty values.
 std::pair<std::string, long> failure(double share) {
   const Problem problem =
       of_function([](int, std::span<const double> x) { return x[0] < 0.0 ? std::nan("") : 0.0; });
@@ -141,7 +141,7 @@ TEST(Target, RefusesAFactoryThatMakesNothing) {
   EXPECT_NO_THROW(Target(problem, true));
 }
 
-// ln p = Σ_i -½ (g(x_i) - i)², g = ln(1 + x²): smooth, and not the same for any two parameters.
+// ln p = Σ_i -½ (g(x_i) - i)², g = ln(1 + x²): smooth, and different for each parameter.
 class Smooth : public Likelihood {
  public:
   explicit Smooth(bool offers) : offers_(offers) {}

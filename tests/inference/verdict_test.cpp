@@ -71,11 +71,11 @@ TEST(Verdict, AProbableModelThatNoChainEnteredIsNamedWithWhatItsEvidenceSays) {
   EXPECT_EQ(verdict.models[1].basis, Basis::evidence);
   EXPECT_NEAR(verdict.models[1].probability, 0.25, 1e-9);
   EXPECT_NEAR(verdict.models[1].mcse, 0.25 * 0.75 * std::hypot(0.1, 0.01), 1e-9);
-  // Models that were visited share the rest.
+  // Visited models share the remaining probability.
   EXPECT_EQ(verdict.models[0].basis, Basis::draws);
   EXPECT_NEAR(verdict.models[0].probability, 0.75, 1e-9);
   EXPECT_NEAR(verdict.models[0].mcse, verdict.models[1].mcse, 1e-3);
-  // An improbable one need not be drawn, and its error may be as small as it is.
+  // An improbable model needs no draws, and its error may be small.
   EXPECT_EQ(verdict.models[2].basis, Basis::evidence);
   EXPECT_LT(verdict.models[2].probability, 1e-150);
   EXPECT_LT(verdict.models[2].mcse, 1e-150);
@@ -95,7 +95,7 @@ TEST(Verdict, EvidenceIsBridgedElseSampledElseAnnealed) {
   found.bridged = kUnknown;
   found.annealed = {.log_evidence = -59.0, .standard_error = 0.2};
   EXPECT_EQ(judge(posterior).models[2].log_evidence, -59.0);
-  found.sampled = {.log_evidence = -60.0, .standard_error = 2.0};  // says little
+  found.sampled = {.log_evidence = -60.0, .standard_error = 2.0};  // uncertain
   EXPECT_EQ(judge(posterior).models[2].log_evidence, -59.0);
   found.sampled.standard_error = 0.3;
   EXPECT_EQ(judge(posterior).models[2].log_evidence, -60.0);
@@ -167,13 +167,13 @@ TEST(Verdict, AnnealingThatFindsMoreThanTheDrawsIsHeeded) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   posterior.found[0].annealed = {.log_evidence = -50.0 + std::log(0.6) - 3.0,
                                  .standard_error = 0.1};
-  EXPECT_THAT(complaints(posterior), IsEmpty());  // its own fault
+  EXPECT_THAT(complaints(posterior), IsEmpty());  // an error of SMC itself
   posterior.found[0].annealed.log_evidence += 6.0;
   EXPECT_THAT(complaints(posterior), ElementsAre(of_model<AnnealingFindsMore>(0)));
 }
 
-// Found by the funnel in 10-d (verdict_suite): chains that agreed lacked half of its neck, which
-// no component of the mixture covered; 16 % of the draws were beyond it, in 20 effective visits.
+// Found with the funnel in 10-d (verdict_suite): chains that agreed lacked half of its neck, which
+// no mixture component covered; 16 % of the draws were outside the mixture, in 20 effective visits.
 TEST(Verdict, DrawsWhereTheMixtureIsNotMustBeVisitedOften) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const auto beyond = [&](double share, double ess) {
@@ -192,7 +192,8 @@ TEST(Verdict, DrawsWhereTheMixtureIsNotMustBeVisitedOften) {
   EXPECT_THAT(beyond(0.9, 200.0), IsEmpty()) << "nearly all, often";
 }
 
-// Found by bananas of width 1e-4: annealing had 6 % of its draws at their ends, the chains none.
+// Found with bananas of width 1e-4: 6 % of the SMC draws and none of the chains' were at their
+// ends.
 TEST(Verdict, WhatAnnealingDrewBeyondTheMixtureMustBeDrawn) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const auto seen = [&](double annealed, long draws, double drawn, double ess) {
@@ -276,7 +277,7 @@ TEST(Verdict, ParametersWithinAModelAreJudged) {
   Posterior posterior = made_up::run({{0.8, 0.15, 0.05}});
   for (std::size_t i = 0; i < static_cast<std::size_t>(kDraws); ++i) {
     auto& chain = posterior.chains[1];
-    if (chain.model[i] == 1) chain.theta[i] += 3.0;  // its log posterior tells nothing
+    if (chain.model[i] == 1) chain.theta[i] += 3.0;  // the log posterior does not show it
   }
   EXPECT_THAT(complaints(posterior), ElementsAre(of_model<ParameterDisagrees>(1)));
 }
@@ -294,7 +295,7 @@ TEST(Verdict, ParametersThatMoveSlowlyAreJudged) {
 }
 
 TEST(Verdict, WhichComponentIsWhichIsALabel) {
-  // Two components at opposite ends, in an order that each chain chooses for itself.
+  // Two components at opposite ends, in a different order in each chain.
   const auto space = ModelSpace::of_components(
       {}, {{"damage", "damages", {{"location", Uniform{0.0, 1.0}}}}}, {{{2}, 1.0}});
   Posterior posterior = made_up::run({{1.0, 0.0, 0.0}});
@@ -333,7 +334,7 @@ TEST(Verdict, ARunThatWasStoppedSaysSo) {
 
 TEST(Verdict, ResolutionIsWhatTheClimbsWouldMissOnceInAHundred) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
-  posterior.found[1].climbs = 50;  // the fewest; the model without parameters has no modes
+  posterior.found[1].climbs = 50;  // the smallest number; the model without parameters has no modes
   posterior.found[2].climbs = 0;
   const double p = judge(posterior).resolution;
   EXPECT_NEAR(std::pow(1.0 - p, 50.0), 0.01, 1e-9);
@@ -341,8 +342,8 @@ TEST(Verdict, ResolutionIsWhatTheClimbsWouldMissOnceInAHundred) {
   EXPECT_EQ(judge(posterior).resolution, 1.0);
 }
 
-// Fault: two climbs in each of sixteen subsets made the resolution 99 % beside "Converged", though
-// the models that held the probability had been searched.
+// Regression: two climbs in each of sixteen subsets gave a resolution of 99 % together with
+// "Converged", although the probable models had been searched.
 TEST(Verdict, ResolutionIsThatOfTheModelsThatHoldTheProbability) {
   Posterior posterior = made_up::run({{0.9996, 0.0004, 0.0}});
   posterior.found[1].climbs = 2;
@@ -350,7 +351,7 @@ TEST(Verdict, ResolutionIsThatOfTheModelsThatHoldTheProbability) {
   Verdict verdict = judge(posterior);
   EXPECT_NEAR(std::pow(1.0 - verdict.resolution, 100.0), 0.01, 1e-9);
   EXPECT_EQ(verdict.glanced, 1);
-  // One that holds more than .1 % counts, however little was looked at it.
+  // A model above .1 % counts, however few its climbs.
   posterior = made_up::run({{0.95, 0.05, 0.0}});
   posterior.found[1].climbs = 2;
   posterior.found[1].glanced = true;
@@ -360,7 +361,7 @@ TEST(Verdict, ResolutionIsThatOfTheModelsThatHoldTheProbability) {
 }
 
 TEST(Verdict, WeightedDrawsAreReweighted) {
-  // Drawn evenly, while the first two have odds of 1 : 4862.
+  // Balanced draws; the first two models have odds of 1 : 4862.
   Posterior posterior = made_up::run({{0.5, 0.5, 0.0}});
   const double p = 1.0 / 4863.0;
   posterior.log_weight = {std::log(p), std::log(1.0 - p), 0.0};

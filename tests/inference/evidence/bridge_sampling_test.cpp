@@ -35,7 +35,7 @@ TEST(BridgeSampling, NestedMeans) {
   EXPECT_LT(e.standard_error, 0.01);
 }
 
-// Draws from a random walk alone are correlated, and the error must say so.
+// Draws from a random walk are correlated, and the error must include this.
 TEST(BridgeSampling, StandardErrorCovers) {
   const int seeds = asked_for_long_tests() ? 200 : 25;
   const Known known = linear_gaussian(3);

@@ -38,7 +38,7 @@ TEST(Disagreements, SpeakOnlyBeyondTheCombinedError) {
 }
 
 TEST(Disagreements, AreNotClaimedWhereAnErrorIsUnknown) {
-  // Laplace's evidences have no standard error: their difference is reported, not judged.
+  // Laplace's evidences have no standard error, so their difference is not judged.
   const double unknown = std::nan("");
   const ImpliedProbabilities implied =
       implied_probabilities(three(), {{0.0, unknown}, {0.5, unknown}, {1.0, unknown}});

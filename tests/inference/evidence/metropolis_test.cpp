@@ -40,7 +40,7 @@ TEST(Metropolis, NestedMeansPosterior) {
   EXPECT_LT(samples.rhat, 1.02);
   EXPECT_NEAR(samples.acceptance, 0.44, 0.1);
   EXPECT_EQ(samples.likelihood_evaluations, 4 * (50 + 3000 + 5000));
-  // What is stored is what a fresh evaluation gives.
+  // Stored values equal those of a new evaluation.
   const Problem problem = nested_means();
   ModelPosterior posterior(problem, 1);
   for (Eigen::Index i = 0; i < 100; ++i) {

@@ -16,7 +16,7 @@ bool long_tests() {
   return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
 }
 
-// The standard error is a Student t's sd with 7 degrees of freedom; 6 of it are exceeded with
+// The standard error is a Student t's sd with 7 degrees of freedom; six of these are exceeded with
 // probability 2 · P(t₇ > 7.1) = 2e-4.
 constexpr double kErrors = 6.0;
 
@@ -39,7 +39,7 @@ TEST(Tmcmc, KeepsModesInProportion) {
   const Tmcmc result = tmcmc(known.problem, 0, {.seed = 2});
   double right = 0.0;
   for (Eigen::Index i = 0; i < result.z.rows(); ++i) right += result.z(i, 0) > 0.0 ? 1.0 : 0.0;
-  // 4000 samples less what resampling costs; a standard error of 2 % is seen between replicates.
+  // 4000 samples minus the loss by resampling; the replicates show a standard error of 2 %.
   EXPECT_NEAR(right / static_cast<double>(result.z.rows()), 0.75, 0.08);
 }
 
@@ -77,7 +77,7 @@ TEST(Tmcmc, StandardErrorCovers) {
 
 TEST(Tmcmc, SeesARecordGrow) {
   Problem problem = logistic_map(400);
-  // Within 3e-4 of the truth is all the posterior, and its needles are some 1e-9 wide.
+  // The posterior is within 3e-4 of the truth, with needles about 1e-9 wide.
   constexpr double kReach = 3e-4, kStep = 1e-10;
   LogisticMap likelihood(400);
   double sum = 0.0;
@@ -97,7 +97,7 @@ TEST(Tmcmc, SeesARecordGrow) {
   EXPECT_GT(std::fabs(at_once.log_evidence - known), 3.0 * at_once.standard_error);
 }
 
-// Possible on 4e-4 of the prior, where a factor then weighs the places.
+// Possible on 4e-4 of the prior, where a factor then weights the positions.
 TEST(Tmcmc, DrawsOnWhereLittleOfThePriorIsPossible) {
   const Problem problem = one_model(
       {{"a", Uniform{0.0, 1.0}}, {"b", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
@@ -115,7 +115,7 @@ TEST(Tmcmc, DrawsOnWhereLittleOfThePriorIsPossible) {
     mean += std::exp(e.log_evidence - exact) / seeds;
     squares += std::exp(2.0 * (e.log_evidence - exact)) / seeds;
   }
-  // Z itself is unbiased: within 4 of its own standard errors.
+  // Z itself is unbiased: within 4 of its standard errors.
   EXPECT_NEAR(mean, 1.0, 4.0 * std::sqrt((squares - mean * mean) / (seeds - 1)));
   std::printf("    mean of Z / exact Z: %.3f ± %.3f\n", mean,
               std::sqrt((squares - mean * mean) / (seeds - 1)));
@@ -136,7 +136,8 @@ TEST(Tmcmc, WithoutAnEndHasNoEvidenceButAWarning) {
   EXPECT_EQ(describe(warning).find("TMCMC is still at exponent "), 0U) << describe(warning);
 }
 
-// Where its calls are spent it has draws of what it had reached, and no evidence.
+// After its maximum number of calls, it returns draws of the tempered posterior reached, and no
+// evidence.
 TEST(Tmcmc, IsCutShortWhenItsCallsAreSpent) {
   const Known known = linear_gaussian(2);
   const TmcmcOptions all{.seed = 1, .replicates = 4, .samples = 100};

@@ -59,7 +59,7 @@ TEST(NestedStarts, TakeTheBestModesOfTheLargestModelsWithin) {
 }
 
 // y = A sin(k t) + Σ terms: two climbs from the prior of k rarely end at its narrow peak, and
-// without it no term is worth anything.
+// without it no term improves the fit.
 class Tone : public Likelihood {
  public:
   explicit Tone(const ModelSpace& space) {
@@ -106,7 +106,7 @@ Problem tones() {
   return {.space = space, .likelihood = [space] { return std::make_unique<Tone>(space); }};
 }
 
-// Of 64 models the run visits the one that matters, whose inclusions are beyond doubt.
+// Of 64 models, the run visits the most probable one; its terms are certain.
 TEST(NestedStarts, FindTheSubsetWhoseMaskingParameterIsHardToFind) {
   Options options;
   options.warmup = 4000;

@@ -1,5 +1,5 @@
-// A run between two rounds is a value: a copy goes on bit for bit, in another context, with another
-// copy of the problem, and what happens to the copy does not happen to the original.
+// The state of a run between two rounds is a value: a copy continues bit for bit in another context
+// with another copy of the problem, and does not affect the original.
 #include "inference/engine/run_state.hpp"
 
 #include <gtest/gtest.h>
@@ -79,7 +79,7 @@ TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
     state = begin(run);
   }
   for (const Round round : rounds(GetParam())) {
-    const Problem again = toy::bumps();  // of the context before nothing is left
+    const Problem again = toy::bumps();  // nothing of the earlier context remains
     RunContext run(again, options);
     resume(run, state);
     round(run, state);
