@@ -51,7 +51,7 @@ std::string packed(All all) {
   return std::move(parcel).bytes();
 }
 
-TEST(Parcel, WhatIsTakenOutIsWhatWasPutIn) {
+TEST(Parcel, RestoresPackedValues) {
   All there = some(), here;
   const std::string bytes = packed(there);
   Unpacker parcel(bytes);
@@ -70,7 +70,7 @@ TEST(Parcel, WhatIsTakenOutIsWhatWasPutIn) {
   EXPECT_EQ(packed(here).size(), bytes.size());
 }
 
-TEST(Parcel, OneThatIsCutOffIsRefused) {
+TEST(Parcel, RejectsTruncatedBytes) {
   const std::string bytes = packed(some());
   for (std::size_t n = 0; n < bytes.size(); ++n) {
     All here;

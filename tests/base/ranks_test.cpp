@@ -49,7 +49,7 @@ class SeveralRanks : public testing::Test {
   TwoRanks two;
 };
 
-TEST_F(SeveralRanks, UnitsWithACarriageAreSharedOut) {
+TEST_F(SeveralRanks, ShareUnitsWithACarriage) {
   std::vector<double> x(5, -1.0);
   const auto job = [&](int i) { x[static_cast<std::size_t>(i)] = i; };
   parallel_for(5, 2, job,
@@ -60,7 +60,7 @@ TEST_F(SeveralRanks, UnitsWithACarriageAreSharedOut) {
   EXPECT_EQ(two.shared, 1);
 }
 
-TEST_F(SeveralRanks, ALoopWithinAUnitStaysOnItsRank) {
+TEST_F(SeveralRanks, KeepALoopWithinAUnitOnItsRank) {
   const Carriage none{.pack = [](int) { return std::string(); },
                       .unpack = [](int, std::string_view) {}};
   std::atomic<int> calls = 0;
@@ -79,7 +79,7 @@ TEST_F(SeveralRanks, ALoopWithinAUnitStaysOnItsRank) {
 }
 
 // Ranks that receive signals at different times must leave their loops at the same iteration.
-TEST_F(SeveralRanks, OutsideOfUnitsAWishToStopWaitsForAllToAgree) {
+TEST_F(SeveralRanks, StopOutsideOfUnitsOnlyByCommonDecision) {
   EXPECT_FALSE(is_to_stop(true));
   const Carriage none{.pack = [](int) { return std::string(); },
                       .unpack = [](int, std::string_view) {}};
@@ -103,7 +103,7 @@ TEST_F(SeveralRanks, OutsideOfUnitsAWishToStopWaitsForAllToAgree) {
   EXPECT_TRUE(is_to_stop(false));
 }
 
-TEST_F(SeveralRanks, AThreadIsUnmarkedAfterAUnitThatThrows) {
+TEST_F(SeveralRanks, UnmarkAThreadAfterAUnitThatThrows) {
   const Carriage none{.pack = [](int) { return std::string(); },
                       .unpack = [](int, std::string_view) {}};
   EXPECT_THROW(parallel_for(

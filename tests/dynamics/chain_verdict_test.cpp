@@ -103,7 +103,7 @@ Case read_case(const std::filesystem::path& folder) {
   return out;
 }
 
-TEST(ChainVerdict, SharedOrOwnSpringsAreFound) {
+TEST(ChainVerdict, FindsSharedOrSeparateSprings) {
   const auto folder = std::filesystem::path(WHEELTAP_SHARED_DIR) / "validation" / "chain";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const Case chain = read_case(folder);

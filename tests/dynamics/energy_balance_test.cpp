@@ -69,7 +69,7 @@ class EnergyOf : public testing::TestWithParam<BalanceCase> {};
 // a kink (friction at ė = 0, hysteresis at reversals), the error of a step is up to h²/12 times the
 // jump of its slope, 2 F |ë|: with F = 2 N, |ë| < 40 m/s² and h = 1/2560 s that is 2e-6 J, of
 // either sign, for fewer than 40 reversals. The work done is at least 5 J.
-TEST_P(EnergyOf, WorkIsMotionStretchAndHeat) {
+TEST_P(EnergyOf, WorkEqualsEnergyPlusDissipation) {
   const Law& law = GetParam().law;
   const int refined = 128, coarse = 120;
   const double rate = 20.0 * refined;
@@ -139,7 +139,7 @@ const std::vector<BalanceCase>& cases() {
 INSTANTIATE_TEST_SUITE_P(Laws, EnergyOf, testing::ValuesIn(cases()),
                          [](const auto& test) { return test.param.name; });
 
-TEST(EnergyBalance, IsTriedForEveryLaw) {
+TEST(EnergyBalance, CoversEveryLaw) {
   for (int kind = 0; kind < LawList::kSize; ++kind)
     EXPECT_TRUE(std::ranges::any_of(cases(), [&](const BalanceCase& c) {
       return c.law.kind == kind;

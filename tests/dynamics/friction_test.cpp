@@ -56,7 +56,7 @@ struct FreeDecay {
 // Issue 14, "It is done when" 5: extremes decrease by 2F/k per half period, then stick where |kx|
 // <= F; to 1e-8, finely and coarsely sampled (ω h from 0.05 to 3.5), by series; by Runge-Kutta
 // within its own accuracy.
-TEST(Friction, FreeDecayOfAMassOnASpring) {
+TEST(Friction, MatchesTheFreeDecayOfAMassOnASpring) {
   const FreeDecay closed{.mass = 2.0, .stiffness = 50.0, .force = 4.0, .x0 = 1.02};
   for (const double rate : {100.0, 31.0, 10.0, 7.3, 1.43})
     for (const auto& [options, tolerance] :
@@ -83,7 +83,7 @@ TEST(Friction, FreeDecayOfAMassOnASpring) {
 }
 
 // Released where the spring force is below the friction force, the mass stays at rest exactly.
-TEST(Friction, StartsInStickWhereItCan) {
+TEST(Friction, StartsInStickIfPossible) {
   for (const double x0 : {0.079, -0.0799999}) {
     const Chain chain{.masses = {2.0}, .links = {{.stiffness = 50.0, .laws = {dry(4.0)}}}};
     const Response response = Simulator(chain, no_force(20.0, 50), motion_of(1),
@@ -97,7 +97,7 @@ TEST(Friction, StartsInStickWhereItCan) {
 
 // Issue 14, "It is done when" 5: stuck to the belt until kx = F, then amplitude v/ω about F/k. Once
 // per period, block and belt have equal speeds, at the limit of sticking.
-TEST(Friction, BlockOnABelt) {
+TEST(Friction, MatchesABlockOnABelt) {
   const double k = 30.0, m = 1.2, force = 6.0, v = 0.4, omega = std::sqrt(k / m);
   const Chain chain{
       .masses = {m, 1e13},
@@ -157,7 +157,7 @@ TEST(Friction, BreaksAwayUnderBaseMotion) {
 }
 
 // A direct reversal: the force at the turning point exceeds the friction force.
-TEST(Friction, TurnsRoundWithoutSticking) {
+TEST(Friction, ReversesWithoutSticking) {
   const double m = 1.0, force = 2.0, drive = 5.0, v0 = 3.0, rate = 13.0;
   const Simulator simulator({.masses = {m}, .links = {{.laws = {dry(force)}}}},
                             {.sample_rate_hz = rate,
@@ -304,7 +304,7 @@ class Reference {
 };
 
 // Two links that stick and slip, separately and together, against the reference above.
-TEST(Friction, TwoLinksAgainstARegimeByRegimeReference) {
+TEST(Friction, TwoLinksMatchAnIndependentReference) {
   Reference reference;
   const double rate = 20.0;
   const int samples = 200;
@@ -388,7 +388,7 @@ TEST(Friction, ParallelLinksActAsOne) {
 
 // Three sticking links in a closed loop: the force in each is not determined, but the motion of the
 // masses is.
-TEST(Friction, ARingOfStickingLinksHolds) {
+TEST(Friction, AClosedLoopOfStickingLinksSticks) {
   Chain chain{.masses = {1.0, 2.0}};
   chain.links = {{.a = 0, .b = 1, .laws = {dry(4.0)}},
                  {.a = 1, .b = 2, .laws = {dry(4.0)}},
@@ -406,7 +406,7 @@ TEST(Friction, ARingOfStickingLinksHolds) {
 }
 
 // Together with every other law, for series and for Runge-Kutta.
-TEST(Friction, GoesWithEveryOtherLaw) {
+TEST(Friction, CombinesWithEveryOtherLaw) {
   const std::vector<double> force = noise(150, 9, 30.0);
   const auto run = [&](const std::vector<Law>& laws, SimulatorOptions options) {
     const Chain chain{.masses = {1.0, 0.7},
@@ -439,7 +439,7 @@ TEST(Friction, GoesWithEveryOtherLaw) {
 }
 
 // A creep speed that is a parameter gives regularised friction, even if its value is 0.
-TEST(Friction, OnlyAKnownCreepSpeedOfZeroIsExact) {
+TEST(Friction, IsExactOnlyForAConstantCreepSpeedOfZero) {
   EXPECT_TRUE(is_dry(make_law<laws::Coulomb>({1.0})));
   EXPECT_TRUE(is_dry(make_law<laws::Coulomb>({Coefficient::of_parameter(0), 0.0})));
   EXPECT_FALSE(is_dry(make_law<laws::Coulomb>({1.0, 1e-3})));
@@ -455,7 +455,7 @@ TEST(Friction, OnlyAKnownCreepSpeedOfZeroIsExact) {
 }
 
 // More links with exact friction than supported: the message says what to do.
-TEST(Friction, ManyLinksAreRefused) {
+TEST(Friction, RejectsTooManyLinks) {
   Chain chain = uniform_chain(9);
   for (Link& link : chain.links) link.laws = {dry(1.0)};
   EXPECT_THROW(Simulator(chain, no_force(20.0, 10), displacements(1)), std::invalid_argument);

@@ -78,7 +78,7 @@ TEST(RungeKutta, ConvergesAtFourthOrderOnDuffing) {
 }
 
 // The textbook scheme for scalars.
-TEST(RungeKutta, IsTheTextbookScheme) {
+TEST(RungeKutta, MatchesTheTextbookScheme) {
   const double m = 5.0, k = 50.0, c = 0.1, k3 = 1000.0, h = 0.01;
   const std::vector<double> force = noise(400, 61, 20.0);
   using State = Eigen::Matrix<double, 6, 1>;

@@ -19,7 +19,7 @@ double dissipated(const std::vector<CyclePoint>& points) {
 }
 
 // Dry friction dissipates 4 F A per cycle; a spring, one-sided or not, dissipates nothing.
-TEST(LawCycle, FrictionTakesItsEnergyAndSpringsTakeNone) {
+TEST(LawCycle, FrictionDissipatesAndSpringsDoNot) {
   const Cycle cycle{.amplitude = 0.01, .period = 0.5, .points = 2001};
   EXPECT_NEAR(dissipated(law_cycle(make_law<laws::Coulomb>({3.0}), cycle)), 4 * 3.0 * 0.01, 2e-4);
   for (const Side side : {Side::opening, Side::closing}) {
@@ -29,7 +29,7 @@ TEST(LawCycle, FrictionTakesItsEnergyAndSpringsTakeNone) {
 }
 
 // ∮ c₂ ė² |ė| dt = 8/3 c₂ A³ ω².
-TEST(LawCycle, DragTakesWhatItsIntegralSays) {
+TEST(LawCycle, DragDissipatesItsClosedFormEnergy) {
   const Cycle cycle{.amplitude = 0.01, .period = 0.5, .points = 2001};
   const double omega = 2.0 * M_PI / cycle.period,
                expected = 8.0 / 3.0 * 60.0 * 1e-6 * omega * omega;

@@ -22,7 +22,7 @@ double tension(const Law& law, double e, double rate) {
   return -simulator.simulate({}).values(0, 0);
 }
 
-TEST(Laws, FollowTheContract) {
+TEST(Laws, MatchTheirFormulas) {
   for (double e : {-0.7, -0.2, 0.0, 0.1, 0.9})
     for (double rate : {-1.3, 0.0, 0.4}) {
       EXPECT_DOUBLE_EQ(tension(make_law<laws::Quadratic>({3.0}), e, rate), 3.0 * e * e);
@@ -107,7 +107,7 @@ TEST(Laws, BoucWenIsIntegratedToFourthOrder) {
   EXPECT_GT(std::log2(coarse / fine) / 2.0, 3.0) << coarse << ' ' << fine;
 }
 
-TEST(Laws, HaveTheirOwnNamesAndDefaults) {
+TEST(Laws, HaveUniqueNamesAndDefaults) {
   std::set<std::string_view> names;
   for (const LawInfo& info : law_infos()) {
     EXPECT_TRUE(names.insert(info.name).second) << info.name;
@@ -130,7 +130,7 @@ TEST(Laws, HaveTheirOwnNamesAndDefaults) {
 
 // Every coefficient has a unit and bounds. A constant outside them is rejected, also beside unknown
 // ones, and an unknown coefficient is impossible there.
-TEST(Laws, CoefficientsAreHeldToTheBoundsOfTheLaw) {
+TEST(Laws, EnforceTheBoundsOfCoefficients) {
   for (const LawInfo& info : law_infos())
     for (int i = 0; i < info.size(); ++i) {
       const LawCoefficient& c = info.coefficients[static_cast<std::size_t>(i)];
@@ -156,7 +156,7 @@ TEST(Laws, CoefficientsAreHeldToTheBoundsOfTheLaw) {
   EXPECT_THROW(validate(chain(make_law<laws::Coulomb>({-1.0}))), std::invalid_argument);
 }
 
-TEST(Laws, WhatIsImpossibleIsNamed) {
+TEST(Laws, NameAnInfeasibleCoefficient) {
   const auto named = [](const Law& law, double mass, double x) {
     const Chain chain{.masses = {mass}, .links = {{.laws = {law}}}};
     const std::string why = impossibility(chain, {&x, 1});

@@ -33,7 +33,7 @@ std::vector<Link> links_with_laws() {
 }
 
 // Regularised friction is zero at rest; exact friction is omitted, as documented.
-TEST(LinkTension, IsTheIntegratorsForALinkAtRest) {
+TEST(LinkTension, MatchesTheIntegratorForALinkAtRest) {
   for (const Link& link : links_with_laws()) {
     for (const double e : {-0.7, -0.1, 0.0, 0.1, 0.9}) {
       const double want = integrated(link, theta, e);
@@ -42,7 +42,7 @@ TEST(LinkTension, IsTheIntegratorsForALinkAtRest) {
   }
 }
 
-TEST(LinkTension, IsTheIntegratorsForALinkThatMoves) {
+TEST(LinkTension, MatchesTheIntegratorForAMovingLink) {
   for (const Link& link : links_with_laws()) {
     for (const double e : {-0.7, 0.0, 0.9}) {
       for (const double rate : {-0.4, 1.3}) {

@@ -140,7 +140,7 @@ struct Everything {
   }
 };
 
-TEST(Lanes, EveryWidthAndCompanyGivesTheSameBits) {
+TEST(Lanes, EveryWidthAndGroupingGivesTheSameBits) {
   enum class Kind { everything, cubic, stops, springs, linear, dry, dry_everything };
   for (Kind kind : {Kind::everything, Kind::cubic, Kind::stops, Kind::springs, Kind::linear,
                     Kind::dry, Kind::dry_everything})
@@ -239,7 +239,7 @@ TEST(Misfit, IsTheSumOfSquaredResidualsOfTheStoredResponse) {
   }
 }
 
-TEST(Misfit, GivesUpWhereTheSumsExceedTheLimit) {
+TEST(Misfit, StopsIfTheSumsExceedTheLimit) {
   const std::vector<double> force = noise(5000, 41, 20.0);
   const Excitation drive{.sample_rate_hz = 50.0, .forces = {{.mass = 1, .signal = {force}}}};
   const std::vector<std::vector<Law>> kinds{
@@ -260,7 +260,7 @@ TEST(Misfit, GivesUpWhereTheSumsExceedTheLimit) {
 
 // Each of several vectors by its own limit, independent of the others: with fixed and with adaptive
 // steps.
-TEST(Misfit, GivesUpEachVectorByItsOwnLimit) {
+TEST(Misfit, StopsEachVectorAtItsOwnLimit) {
   const std::vector<double> force = noise(3000, 41, 20.0);
   const Excitation drive{.sample_rate_hz = 50.0, .forces = {{.mass = 1, .signal = {force}}}};
   const Coefficient unknown = Coefficient::of_parameter(0);
@@ -282,7 +282,7 @@ TEST(Misfit, GivesUpEachVectorByItsOwnLimit) {
   }
 }
 
-TEST(Simulator, ATrajectoryThatBlowsUpFails) {
+TEST(Simulator, FailsIfTheTrajectoryDiverges) {
   const Coefficient k3 = Coefficient::of_parameter(0);
   const Chain chain{.masses = {1.0},
                     .links = {{.stiffness = 1.0, .laws = {make_law<laws::Cubic>({k3})}}}};
@@ -319,7 +319,7 @@ TEST(Simulator, ATrajectoryThatBlowsUpFails) {
 }
 
 // Energy of an undamped chain in free vibration, with springs of every kind.
-TEST(Simulator, EnergyOfAConservativeChainIsKept) {
+TEST(Simulator, ConservesTheEnergyOfAConservativeChain) {
   const double k = 40.0, k2 = 20.0, k3 = 300.0, kb = 60.0, kl = 500.0, gap = 0.03;
   Chain chain{.masses = {1.0, 2.0, 1.5}};
   for (int i = 0; i < 3; ++i) chain.links.push_back({.a = i, .b = i + 1, .stiffness = k});
@@ -418,7 +418,7 @@ TEST(Simulator, ChoosesStepsFromTheStiffestBranch) {
   EXPECT_EQ(steps(0.6, {}), 3);  // creep rate F/(v m) = 30 /s
 }
 
-TEST(Simulator, RefusesMisuse) {
+TEST(Simulator, RejectsInvalidInput) {
   const Chain chain = uniform_chain(2);
   const Excitation drive{.sample_rate_hz = 10.0,
                          .forces = {{.mass = 1, .signal = {std::vector<double>(10)}}}};

@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 // Every law of the list has a case above.
-TEST(StepCheck, TriesEveryLaw) {
+TEST(StepCheck, CoversEveryLaw) {
   EXPECT_EQ(LawList::kSize, 8);
 }
 
@@ -148,7 +148,7 @@ Simulator driven(const Law& law, double amplitude, SimulatorOptions options = {}
                    {{.mass = 1}}, {}, std::move(options));
 }
 
-TEST(StepCheck, TellsStepsTooLongFromDivergence) {
+TEST(StepCheck, DistinguishesTooLongStepsFromDivergence) {
   const auto outcome = [](const Simulator& simulator) {
     return checked_response(simulator, {}).response.outcome;
   };
@@ -164,7 +164,7 @@ TEST(StepCheck, TellsStepsTooLongFromDivergence) {
   EXPECT_EQ(outcome(driven(hard, 500.0)), Outcome::complete);
 }
 
-TEST(StepCheck, KeepsTheStepsThatAreGivenAndTellsWhatTheyLose) {
+TEST(StepCheck, KeepsGivenStepsAndReportsTheirError) {
   const CheckedResponse given =
       checked_response(driven(make_law<laws::Cubic>({500.0}), 20.0, {.substeps = 4}), {});
   ASSERT_FALSE(given.response.failed);

@@ -36,7 +36,7 @@ double difference(const Response& a, const Response& b) {
 
 // Regression: 97 of these 100 samples were NaN, and the run had not failed. The check was whether 0
 // · y is 0, which a compiler may assume.
-TEST(Watch, SeesANaNOfBoucWenWithStepsTooLong) {
+TEST(Watch, DetectsNaNOfBoucWenWithTooLongSteps) {
   const Law law = make_law<laws::BoucWen>({500.0, 1e-4, 10.0});
   const Response response = one_mass(law, 10.0, {.substeps = 8}).simulate({});
   EXPECT_TRUE(response.failed);
@@ -44,7 +44,7 @@ TEST(Watch, SeesANaNOfBoucWenWithStepsTooLong) {
 }
 
 // The same for every integrator, and for a state that is NaN from the start.
-TEST(Watch, SeesANaNInEveryIntegrator) {
+TEST(Watch, DetectsNaNInEveryIntegrator) {
   const std::vector<std::vector<Law>> kinds{{},
                                             {make_law<laws::Bilinear>({30.0})},
                                             {make_law<laws::Cubic>({10.0})},
@@ -78,7 +78,7 @@ TEST(Watch, SeesANaNInEveryIntegrator) {
 
 // Regression: for five laws, the step choice ignored the rate of the internal state; 30 to 40 % of
 // the response was wrong.
-TEST(StepChoice, CoversBoucWenHoweverSmallItsYield) {
+TEST(StepChoice, CoversBoucWenWithASmallYieldExtension) {
   for (double yield : {1e-1, 1e-2, 1e-3})
     for (double exponent : {1.0, 10.0}) {
       const Law law = make_law<laws::BoucWen>({500.0, yield, exponent});
@@ -91,7 +91,7 @@ TEST(StepChoice, CoversBoucWenHoweverSmallItsYield) {
 
 // Drag only dissipates energy. Regression: with steps that ignored it, the trajectory diverged and
 // was removed from the prior.
-TEST(StepChoice, PassiveDragDoesNotBlowUp) {
+TEST(StepChoice, PassiveDragDoesNotDiverge) {
   for (double drag : {1.0, 30.0, 100.0, 1e3, 1e4}) {
     const Law law = make_law<laws::QuadraticDamping>({drag});
     const Response chosen = one_mass(law, 100.0).simulate({});
@@ -110,7 +110,7 @@ TEST(StepChoice, PassiveDragDoesNotBlowUp) {
   for (double sum : sums) EXPECT_TRUE(std::isfinite(sum));
 }
 
-TEST(StepChoice, TellsStepsTooLongFromDivergence) {
+TEST(StepChoice, DistinguishesTooLongStepsFromDivergence) {
   const auto outcome = [](const Simulator& simulator) { return simulator.simulate({}).outcome; };
   EXPECT_EQ(outcome(one_mass(make_law<laws::Cubic>({1.0}), 10.0)), Outcome::complete);
   // A well of finite depth: the mass leaves it for any step length.
@@ -132,7 +132,7 @@ TEST(StepChoice, TellsStepsTooLongFromDivergence) {
 
 // Regression: if damping chose the steps, refined steps were equally long, and a step check found
 // no change.
-TEST(StepChoice, RefinedStepsAreShorterWhereDampingChoseThem) {
+TEST(StepChoice, RefinedStepsAreShorterIfDampingChoseThem) {
   const Simulator simulator = one_mass(make_law<laws::Coulomb>({2.0, 0.01}), 10.0);
   const int coarse = simulator.substeps({});
   EXPECT_GE(coarse, 8);
@@ -141,7 +141,7 @@ TEST(StepChoice, RefinedStepsAreShorterWhereDampingChoseThem) {
 
 // Regression: if one step per sample sufficed at half the limit, refined steps were equally long,
 // and a step check found no change.
-TEST(StepChoice, RefinedStepsAreShorterWhereOneASampleWasChosen) {
+TEST(StepChoice, RefinedStepsAreShorterIfOnePerSampleWasChosen) {
   const Chain chain{.masses = {1.0}, .links = {{.laws = {make_law<laws::Coulomb>({1e-3, 1.0})}}}};
   const Simulator simulator(
       chain, {.sample_rate_hz = 100.0, .forces = {{.mass = 1, .signal = {noise(50, 1)}}}},
@@ -152,7 +152,7 @@ TEST(StepChoice, RefinedStepsAreShorterWhereOneASampleWasChosen) {
 }
 
 // Regression: rates were summed in an array of 65 rows.
-TEST(StepChoice, StiffestRatesOfManyMasses) {
+TEST(StepChoice, HandlesManyMasses) {
   Chain chain = uniform_chain(300);
   chain.masses.back() = 0.05;
   const Rates rates = stiffest_rates(chain, {});
@@ -160,7 +160,7 @@ TEST(StepChoice, StiffestRatesOfManyMasses) {
   EXPECT_NEAR(rates.damping, 0.2 / 0.05, 1e-12);
 }
 
-TEST(StepChoice, PacesAreTheRatesAUnitOfSpeed) {
+TEST(StepChoice, PacesAreRatesPerUnitOfSpeed) {
   Chain chain = uniform_chain(2);
   chain.masses = {2.0, 4.0};
   chain.links[0].laws = {make_law<laws::QuadraticDamping>({3.0}), make_law<laws::Cubic>({9.0})};
@@ -175,7 +175,7 @@ TEST(StepChoice, PacesAreTheRatesAUnitOfSpeed) {
 }
 
 // β > γ: a fully yielded link is stiffer at a reversal than at rest, by 2 β / (β + γ).
-TEST(StepChoice, KnowsThatBoucWenTurnsBackStiffer) {
+TEST(StepChoice, IncludesTheUnloadingStiffnessOfBoucWen) {
   const Chain chain{.masses = {1.0},
                     .links = {{.laws = {make_law<laws::BoucWen>({50.0, 0.01, 1.0, 0.9, 0.1})}}}};
   EXPECT_NEAR(stiffest_rates(chain, {}).frequency, std::sqrt(90.0), 1e-12);

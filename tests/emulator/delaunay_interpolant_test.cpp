@@ -113,7 +113,7 @@ TEST(DelaunayInterpolant, ErrorFallsAsTheSquareOfTheDistanceBetweenRuns) {
   EXPECT_NEAR(std::log(rmse(64) / rmse(1024)) / std::log(4.0), 2.0, 0.35);
 }
 
-TEST(DelaunayInterpolant, OutsideTheHullIsAnErrorNamingThePoint) {
+TEST(DelaunayInterpolant, NamesAPointOutsideTheHull) {
   const std::vector<Factor> factors = {{"location", "m", {0, 1}}, {"reduction", "", {0, 1}}};
   RowMatrix triangle(3, 2), values(3, 1);
   triangle << 0, 0, 1, 0, 0, 1;
@@ -150,7 +150,7 @@ TEST(DelaunayInterpolant, LookupsDoNotAllocate) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-TEST(DelaunayInterpolant, WhatCannotBeTriangulatedIsRefused) {
+TEST(DelaunayInterpolant, RejectsRunsThatCannotBeTriangulated) {
   const std::vector<Factor> factors = {{"a", "", {0, 1}}, {"b", "", {0, 1}}};
   const auto refused = [&](const RowMatrix& points) {
     try {

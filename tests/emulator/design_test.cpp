@@ -46,7 +46,7 @@ TEST(Design, TheSourcesTablesHave40And1600Runs) {
   EXPECT_EQ(full_factorial({site, level, other_site, other_level}).runs(), 1600);
 }
 
-TEST(Design, BadFactorsAreNamed) {
+TEST(Design, NamesInvalidFactors) {
   const double nan = std::nan("");
   EXPECT_NE(message({}).find("at least one factor"), std::string::npos);
   for (const Factor& bad :
@@ -76,7 +76,7 @@ TEST(Design, ScalesInvertAndIncrease) {
   EXPECT_THROW((void)scale_named("cubic"), std::invalid_argument);
 }
 
-TEST(Design, InsideAndOutside) {
+TEST(Design, ChecksPointsAgainstTheBox) {
   const Factors box = {{"r", "", {0, 0.5}}, {"x", "m", {1, 2}}};
   EXPECT_TRUE(contains(box, std::vector{0.0, 2.0}));
   EXPECT_FALSE(contains(box, std::vector{0.6, 1.5}));
@@ -130,7 +130,7 @@ TEST(Design, SobolFillsEveryBinaryBoxEqually) {
   EXPECT_NE(design.points, sobol(square, 256, 4).points);
 }
 
-TEST(Design, CornersAreAddedOnce) {
+TEST(Design, AddsCornersOnce) {
   const Factors box = {{"a", "", {0, 1, 3}}, {"b", "", {-1, 1}}};
   Design design = latin_hypercube(box, 5, 1);
   EXPECT_EQ(with_corners(design).runs(), 9);
@@ -141,7 +141,7 @@ TEST(Design, CornersAreAddedOnce) {
   EXPECT_EQ(with_corners(more).points, more.points);
 }
 
-TEST(Design, EmptyScatteredDesignsAreRefused) {
+TEST(Design, RejectsEmptyScatteredDesigns) {
   const Factors box = {{"a", "", {0, 1}}};
   EXPECT_THROW((void)random_design(box, 0, 1), std::invalid_argument);
   EXPECT_THROW((void)latin_hypercube(box, 0, 1), std::invalid_argument);

@@ -53,7 +53,7 @@ RowMatrix smooth_values(const RowMatrix& points, Index responses) {
 
 class GaussianProcessKernel : public testing::TestWithParam<Kernel> {};
 
-TEST_P(GaussianProcessKernel, LikelihoodIsItsDefinition) {
+TEST_P(GaussianProcessKernel, LikelihoodMatchesItsDefinition) {
   const RowMatrix u = random_design(cube(2), 15, 1).points;
   const RowMatrix y = smooth_values(u, 2);
   const Correlation c{GetParam(), Eigen::Vector2d(0.3, 0.7), 1e-3};
@@ -155,7 +155,7 @@ TEST_P(GaussianProcessKernel, LeaveOneOutMatchesBruteForce) {
   }
 }
 
-TEST_P(GaussianProcessKernel, AThousandClusteredPointsStayPositiveDefinite) {
+TEST_P(GaussianProcessKernel, StaysPositiveDefiniteForAThousandClusteredPoints) {
   const Index n = 1000;
   const RowMatrix centres = latin_hypercube(cube(2), 10, 7).points;
   RowMatrix points(n, 2);
@@ -179,7 +179,7 @@ TEST_P(GaussianProcessKernel, AThousandClusteredPointsStayPositiveDefinite) {
   EXPECT_TRUE((loo.variance.array() > 0).all());
 }
 
-TEST_P(GaussianProcessKernel, VarianceIsHonestForFunctionsOfItsOwnKind) {
+TEST_P(GaussianProcessKernel, VarianceIsCalibratedForDrawsOfTheProcess) {
   // 400 functions drawn from the process with known lengths, each known at 40 points.
   const Index n = 41, functions = 400;
   const RowMatrix points = latin_hypercube(cube(2), n, 9).points;
@@ -217,7 +217,7 @@ TEST(GaussianProcess, AFactorWithoutEffectGetsALongLength) {
   EXPECT_GT(p(0, 2), 5 * p(0, 0));
 }
 
-TEST(GaussianProcess, FindsTheNoiseOfTheRuns) {
+TEST(GaussianProcess, EstimatesTheNoiseOfTheRuns) {
   const Design design = latin_hypercube(cube(2), 300, 12);
   RowMatrix y = smooth_values(design.points, 1);
   std::mt19937_64 generator(13);
@@ -236,7 +236,7 @@ TEST(GaussianProcess, FindsTheNoiseOfTheRuns) {
   EXPECT_LT(variance, 0.05 * 0.05 / 4) << "the noise averages out";
 }
 
-TEST(GaussianProcess, ScalesAreRespected) {
+TEST(GaussianProcess, UsesTheScalesOfFactors) {
   // Linear in the compliance: a straight line in that scale, which Kriging reproduces to rounding;
   // a hyperbola in the reduction.
   std::vector<Factor> plain = {{"r", "", {0, 0.9}}};
@@ -290,7 +290,7 @@ TEST(GaussianProcess, AConstantResponseStaysConstant) {
   }
 }
 
-TEST(GaussianProcess, Misuse) {
+TEST(GaussianProcess, RejectsInvalidInput) {
   const Design design = latin_hypercube(cube(2), 20, 16);
   const RowMatrix y = smooth_values(design.points, 2);
   const GaussianProcess f(design.factors, design.points, y);

@@ -31,7 +31,7 @@ RefinementOptions options(double tolerance, const InterpolantType& type = kMulti
   return {.tolerance = {tolerance, tolerance}, .interpolant = &type};
 }
 
-TEST(GridRefinement, ReachesTheToleranceWithLevelsWhereTheyAreNeeded) {
+TEST(GridRefinement, ReachesTheToleranceWithFewLevels) {
   const RefinedGrid grid = refine_grid(coarse(), 2, peaked(), options(0.01));
   EXPECT_TRUE(grid.reached);
   for (const HoldoutError& e : grid.holdout) EXPECT_LE(e.max_error, 0.01);
@@ -55,13 +55,13 @@ TEST(GridRefinement, CubicNeedsFewerLevels) {
   EXPECT_LT(cubic.values.rows(), linear.values.rows());
 }
 
-TEST(GridRefinement, NoPointIsRunTwice) {
+TEST(GridRefinement, RunsNoPointTwice) {
   std::atomic<int> calls = 0;
   const RefinedGrid grid = refine_grid(coarse(), 2, peaked(&calls), options(0.01));
   EXPECT_EQ(calls, grid.model_runs);
 }
 
-TEST(GridRefinement, LevelsAreTakenFromCandidates) {
+TEST(GridRefinement, UsesLevelsFromCandidates) {
   RefinementOptions o = options(0.01);
   o.candidates = {{}, {}};
   for (int i = 0; i <= 40; ++i) o.candidates[0].push_back(i / 40.0);
@@ -72,7 +72,7 @@ TEST(GridRefinement, LevelsAreTakenFromCandidates) {
   EXPECT_TRUE(grid.reached);
 }
 
-TEST(GridRefinement, SaysWhenItCannot) {
+TEST(GridRefinement, ReportsAMissedTolerance) {
   RefinementOptions few = options(1e-6);
   few.most_runs = 50;
   const RefinedGrid grid = refine_grid(coarse(), 2, peaked(), few);
@@ -88,7 +88,7 @@ TEST(GridRefinement, DoesNotDependOnThreads) {
   EXPECT_EQ(a.values, b.values);
 }
 
-TEST(GridRefinement, Misuse) {
+TEST(GridRefinement, RejectsInvalidOptions) {
   EXPECT_THROW((void)refine_grid(coarse(), 3, peaked(), options(0.01)), std::invalid_argument);
   EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), options(0)), std::invalid_argument);
   EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), options(0.01, kGaussianProcess)),

@@ -69,7 +69,7 @@ TEST_F(RunsCsv, ErrorsNameLineAndColumn) {
 }
 
 // Runs accept the same delimited text as records.
-TEST_F(RunsCsv, SeparatorsAndUnitsAsInRecords) {
+TEST_F(RunsCsv, AcceptsTheSeparatorsAndUnitsOfRecords) {
   const std::string header = "reduction;location[1] (m);f1 (Hz)\r\n";
   const Table t = parse_runs_csv("\xEF\xBB\xBF" + header + "+0.1;0.25;13.8\r\n0.3;0.75;13.1\r\n",
                                  "runs.csv", kFactors, "frequency");
@@ -87,7 +87,7 @@ TEST_F(RunsCsv, MissingFile) {
   }
 }
 
-TEST_F(RunsCsv, ADesignGoesOutAndComesBack) {
+TEST_F(RunsCsv, ReadsBackAWrittenDesign) {
   std::vector<Factor> factors = {{"location[1]", "m", {0.05, 0.95}},
                                  {"reduction", "", {0, 0.6}, Scale::compliance}};
   const Design design = latin_hypercube(factors, 25, 2);
@@ -105,7 +105,7 @@ TEST_F(RunsCsv, ADesignGoesOutAndComesBack) {
   EXPECT_THROW(write_design_csv(directory / "absent/design.csv", design), io::FileError);
 }
 
-TEST_F(RunsCsv, AFullFactorialInAnyOrderIsAGrid) {
+TEST_F(RunsCsv, RecognisesAFullFactorialInAnyOrder) {
   std::vector<Factor> factors = {{"a", "", {0, 1, 4}}, {"b", "", {2, 3}}};
   Table whole{.factors = factors,
               .points = {},

@@ -138,7 +138,7 @@ TEST_F(TableFileTest, ScatteredRunsParametersAndAttributes) {
   EXPECT_EQ(r.parameters.at("nugget"), t.parameters.at("nugget"));
 }
 
-TEST_F(TableFileTest, AnIncompleteTableIsOnlyReadOnRequest) {
+TEST_F(TableFileTest, ReadsAnIncompleteTableOnlyOnRequest) {
   TableFile file = example();
   file.tables["count_2"].values.row(7).setConstant(std::nan(""));
   write_table_file(path(), file);
@@ -167,7 +167,7 @@ TEST_F(TableFileTest, AnyNetcdfReaderSeesNamedDimensionsAndUnits) {
   nc_close(file);
 }
 
-TEST_F(TableFileTest, ATableOfAnotherCaseIsRefused) {
+TEST_F(TableFileTest, RejectsATableOfAnotherCase) {
   write_table_file(path(), example());
   EXPECT_EQ(read_error(), std::nullopt);
   EXPECT_EQ(read_error(io::fingerprint("another beam")), Kind::mismatch);
@@ -194,7 +194,7 @@ TEST_F(TableFileTest, MissingAndForeignFiles) {
   EXPECT_EQ(read_error(), Kind::foreign);
 }
 
-TEST_F(TableFileTest, OtherFormatVersionsAreNamed) {
+TEST_F(TableFileTest, NamesOtherFormatVersions) {
   for (int version : {kTableFormatVersion - 1, kTableFormatVersion + 1}) {
     write_table_file(path(), example());
     int file;
@@ -237,7 +237,7 @@ TEST_F(TableFileTest, ADamagedByteNeverChangesWhatIsRead) {
   EXPECT_GT(noticed, 50);
 }
 
-TEST_F(TableFileTest, AFileThatContradictsItselfIsCorrupt) {
+TEST_F(TableFileTest, AnInconsistentFileIsCorrupt) {
   write_table_file(path(), example());
   int file, group, variable;
   ASSERT_EQ(nc_open(path().c_str(), NC_WRITE, &file), NC_NOERR);
@@ -272,7 +272,7 @@ TEST_F(TableFileTest, AFailedWriteLeavesTheOldFile) {
   EXPECT_EQ(directory.files(), 1);
 }
 
-TEST_F(TableFileTest, ContradictingTablesAreRefused) {
+TEST_F(TableFileTest, RejectsInconsistentTables) {
   TableFile wrong_rows = example();
   wrong_rows.tables["count_1"].values = RowMatrix::Zero(11, 20);
   EXPECT_THROW(write_table_file(path(), wrong_rows), std::invalid_argument);

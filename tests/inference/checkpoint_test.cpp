@@ -267,7 +267,7 @@ int stage(const Checkpoint& checkpoint) {
 
 class CheckpointOf : public testing::TestWithParam<Case> {};
 
-TEST_P(CheckpointOf, EverySafePointLeadsToTheSamePosterior) {
+TEST_P(CheckpointOf, EverySafePointGivesTheSamePosterior) {
   const Problem problem = GetParam().problem();
   const Options options = GetParam().options;
   const Posterior straight = reversible_jump(problem, options);
@@ -290,7 +290,7 @@ TEST_P(CheckpointOf, EverySafePointLeadsToTheSamePosterior) {
   }
 }
 
-TEST_P(CheckpointOf, DrawsKeptApartLeadToTheSamePosterior) {
+TEST_P(CheckpointOf, DrawsInPartsGiveTheSamePosterior) {
   const Problem problem = GetParam().problem();
   const InParts run = run_in_parts(problem, GetParam().options);
   const Options options = run.reading(GetParam().options);
@@ -314,7 +314,7 @@ TEST_P(CheckpointOf, DrawsKeptApartLeadToTheSamePosterior) {
   EXPECT_GT(most, 2);
 }
 
-TEST_P(CheckpointOf, ColumnsAreTheState) {
+TEST_P(CheckpointOf, ColumnsRestoreTheState) {
   const Problem problem = GetParam().problem();
   const Whole whole = run_whole(problem, GetParam().options);
   for (const auto& checkpoint : whole.checkpoints) {
@@ -333,7 +333,7 @@ TEST_P(CheckpointOf, ColumnsAreTheState) {
 }
 
 // Stopped repeatedly, each time after a little more work: the sessions together equal one run.
-TEST_P(CheckpointOf, ARunOfManySessionsIsOneRun) {
+TEST_P(CheckpointOf, ManySessionsEqualOneRun) {
   const Problem problem = GetParam().problem();
   Options options = GetParam().options;
   const Posterior straight = reversible_jump(problem, options);
@@ -361,7 +361,7 @@ INSTANTIATE_TEST_SUITE_P(Runs, CheckpointOf, testing::ValuesIn(cases()),
                          [](const auto& at) { return std::string(at.param.name); });
 
 // The control: with any of these members reset to its initial value, the run differs.
-TEST(Checkpoint, AMemberLeftOutMakesAnotherRun) {
+TEST(Checkpoint, AMissingMemberChangesTheRun) {
   const Problem problem = toy::bumps();
   const Options options{
       .seed = 3, .chains = 2, .threads = 1, .warmup = 240, .draws = 40, .thin = 2};
@@ -402,7 +402,7 @@ TEST(Checkpoint, AMemberLeftOutMakesAnotherRun) {
   EXPECT_TRUE(differs(without("pilot.efficiencies", drawing)));
 }
 
-TEST(Checkpoint, OneThatIsNoneOfTheProblemIsRefused) {
+TEST(Checkpoint, RejectsACheckpointOfAnotherProblem) {
   const Problem problem = toy::bumps();
   const Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 40};
   const Whole whole = run_whole(problem, options);
@@ -438,7 +438,7 @@ TEST(Checkpoint, OneThatIsNoneOfTheProblemIsRefused) {
       ThrowsMessage<CheckpointError>(HasSubstr("likelihood differs from that")));
 }
 
-TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
+TEST(Checkpoint, RejectsPartsOfOtherDraws) {
   const Problem problem = toy::bumps();
   const Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 40};
   const InParts run = run_in_parts(problem, options);
@@ -472,7 +472,7 @@ TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
 
 // When a run starts tempering, or fits its proposals to its draws, these draws become warm-up:
 // their parts on disk are obsolete, and later parts have other numbers.
-TEST(Checkpoint, DrawsKeptApartAreForgottenWithTheOthers) {
+TEST(Checkpoint, PartsBecomeObsoleteWhenDrawsBecomeWarmup) {
   const auto& all = hard_problems();
   const auto at = std::ranges::find(all, "bananas, 2-d, 1e-3 wide", &HardProblem::name);
   ASSERT_NE(at, all.end());
@@ -501,7 +501,7 @@ TEST(Checkpoint, DrawsKeptApartAreForgottenWithTheOthers) {
   EXPECT_TRUE(again(*checkpoints.back()));
 }
 
-TEST(Checkpoint, SavingKeepsToItsInterval) {
+TEST(Checkpoint, SavesAtItsInterval) {
   int saved = 0;
   Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 200};
   options.checkpoints = {.save = [&](const Checkpoint&) { ++saved; }, .every_seconds = 3600.0};

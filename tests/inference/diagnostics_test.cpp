@@ -157,7 +157,7 @@ void expect_same_verdict(const ChainsOf& draws, const char* what) {
   EXPECT_EQ(ours.mcse_mean, mcse_mean(draws));
 }
 
-TEST(Diagnostics, AgreeWithAPlainImplementation) {
+TEST(Diagnostics, AgreeWithAnIndependentImplementation) {
   expect_same_verdict(autoregressive(0.0, 4, 250, 1), "independent");
   expect_same_verdict(autoregressive(0.9, 4, 301, 2), "correlated, odd length");
   expect_same_verdict(autoregressive(0.995, 2, 600, 3),
@@ -179,7 +179,7 @@ TEST(Diagnostics, AgreeWithAPlainImplementation) {
 // ESS of an AR(1) chain is N (1 - rho) / (1 + rho). The estimate of an integrated autocorrelation
 // time tau from N draws with a window of about 5 tau has a relative sd of about √(2 · 5 tau / N)
 // (Sokal 1997); the tolerance is four of these.
-TEST(Diagnostics, AutoregressiveChainsHaveTheirKnownEffectiveSize) {
+TEST(Diagnostics, MatchTheEffectiveSizeOfAutoregressiveChains) {
   for (const double rho : {0.0, 0.5, 0.9, 0.98}) {
     const double tau = (1.0 + rho) / (1.0 - rho), draws = 4.0 * 20000.0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -192,7 +192,7 @@ TEST(Diagnostics, AutoregressiveChainsHaveTheirKnownEffectiveSize) {
   }
 }
 
-TEST(Diagnostics, StandardErrorOfTheMeanIsHonest) {
+TEST(Diagnostics, StandardErrorOfTheMeanIsCalibrated) {
   // Means of 300 replicates, divided by their reported errors, have variance 1: χ²/300 within 4 sd.
   constexpr int kReplicates = 300;
   double sum = 0.0;
@@ -212,7 +212,7 @@ TEST(Diagnostics, AntitheticChainsAreCapped) {
   EXPECT_GT(ess_mean(autoregressive(-0.5, 4, 2000, 1)), 8000.0 * 2.0);
 }
 
-TEST(Diagnostics, ChainsThatDisagreeAreFoundOut) {
+TEST(Diagnostics, DetectChainsThatDisagree) {
   ChainsOf shifted = autoregressive(0.0, 4, 1000, 1);
   for (double& x : shifted[0]) x += 1.0;
   EXPECT_GT(rhat(shifted), 1.05);
@@ -294,7 +294,7 @@ TEST(ModelProbabilities, IndependentDrawsCountInFull) {
   EXPECT_EQ(p.transitions.sum(), 3999.0);
 }
 
-TEST(ModelProbabilities, ModelsNeverVisitedAreLeftOut) {
+TEST(ModelProbabilities, OmitModelsNeverVisited) {
   const ModelProbabilities one = stationary_model_probabilities({{2, 2, 2}, {2, 2}}, 4, 1);
   EXPECT_EQ(one.mean, (std::vector<double>{0.0, 0.0, 1.0, 0.0}));
   EXPECT_EQ(one.sd[2], 0.0);
@@ -308,7 +308,7 @@ TEST(ModelProbabilities, ModelsNeverVisitedAreLeftOut) {
   EXPECT_THROW((void)stationary_model_probabilities({{0, 3}}, 3, 1), std::invalid_argument);
 }
 
-TEST(RoundTrips, CountsThereAndBack) {
+TEST(RoundTrips, CountsBothDirections) {
   EXPECT_EQ(round_trips({{0, 1, 2, 1, 0}}, 0, 2), 1);
   EXPECT_EQ(round_trips({{0, 1, 0, 1, 0}}, 0, 2), 0);
   EXPECT_EQ(round_trips({{1, 2, 0, 2, 0, 2}}, 0, 2), 2);

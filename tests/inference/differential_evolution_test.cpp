@@ -32,7 +32,7 @@ TEST(DifferentialEvolution, LeavesLocalModes) {
   EXPECT_GE(found, 7);
 }
 
-TEST(DifferentialEvolution, RespectsItsBoundAndTheImpossible) {
+TEST(DifferentialEvolution, RespectsItsBoundAndImpossiblePoints) {
   const auto rising = [](std::span<const double> z) { return z[0] + z[1]; };
   const Optimum corner =
       maximise_by_differential_evolution(rising, 2, {.bound = 3.0, .tolerance = 1e-12});
@@ -43,7 +43,7 @@ TEST(DifferentialEvolution, RespectsItsBoundAndTheImpossible) {
   EXPECT_NEAR(maximise_by_differential_evolution(half, 1, {}).z[0], 0.5, 1e-6);
 }
 
-TEST(DifferentialEvolution, SameSeedSameAnswer) {
+TEST(DifferentialEvolution, DependsOnlyOnTheSeed) {
   const Optimum a =
       maximise_by_differential_evolution(rosenbrock, 3, {.seed = 7, .generations = 50});
   const Optimum b =

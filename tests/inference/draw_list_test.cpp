@@ -18,7 +18,7 @@ using testing::ElementsAre;
 
 constexpr std::size_t kMany = DrawMemory::kOnHeap / sizeof(double) + 1;
 
-TEST(DrawList, IsASequence) {
+TEST(DrawList, BehavesLikeAVector) {
   DrawList<int> list = {3, 1};
   list.push_back(4);
   const std::vector<int> more = {1, 5};
@@ -47,7 +47,7 @@ void expect_counts(const DrawList<double>& list, std::size_t n) {
   }
 }
 
-TEST(DrawList, IsInAFileWithoutANameWhereItIsLong) {
+TEST(DrawList, UsesAnUnnamedFileIfLong) {
   const test::TemporaryDirectory folder;
   DrawList<double> list;
   list.keep_in(folder / ".");
@@ -71,7 +71,7 @@ TEST(DrawList, IsInAFileWithoutANameWhereItIsLong) {
   EXPECT_EQ(folder.files(), 0);
 }
 
-TEST(DrawList, IsOnTheHeapWhereThereCanBeNoFile) {
+TEST(DrawList, UsesTheHeapIfNoFileIsPossible) {
   DrawList<double> homeless, lost;
   lost.keep_in("/nowhere/at/all");
   for (DrawList<double>* list : {&homeless, &lost}) {
@@ -85,7 +85,7 @@ TEST(DrawList, IsOnTheHeapWhereThereCanBeNoFile) {
 }
 
 // Storage in a file does not change draws.
-TEST(DrawList, ChangesNoDraw) {
+TEST(DrawList, StorageDoesNotChangeDraws) {
   const test::TemporaryDirectory folder;
   const Problem problem = toy::bumps();
   Options options{.chains = 1, .warmup = 500, .draws = static_cast<int>(kMany), .thin = 1};

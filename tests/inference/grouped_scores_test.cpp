@@ -28,7 +28,7 @@ const MatrixXd kFlat = MatrixXd::Zero(1, 1);
 
 // The jackknife of a mean is s/√N exactly, and that of a weighted mean agrees with omitting each
 // group.
-TEST(GroupedErrors, OfAMeanIsTheStandardErrorOfAMean) {
+TEST(GroupedErrors, MatchTheStandardErrorOfAMean) {
   const std::vector<double> y = {1.0, 4.0, -2.0, 0.5, 3.0, -1.0};
   const auto errors = grouped_errors(of_location(y, std::vector<double>(6, 50.0)), kFlat);
   double mean = 0.0, squares = 0.0;
@@ -53,7 +53,7 @@ TEST(GroupedErrors, OfAMeanIsTheStandardErrorOfAMean) {
 
 // Two groups can be resampled in one way only: the interval is Student's t with one degree of
 // freedom.
-TEST(GroupedErrors, OfTwoGroupsAreStudents) {
+TEST(GroupedErrors, AreStudentsTForTwoGroups) {
   const auto errors = grouped_errors(of_location({0.0, 1.0}, {1e4, 1e4}), kFlat);
   EXPECT_NEAR(errors[0].sd, 0.5, 1e-12);
   EXPECT_NEAR(errors[0].quantile(0.95), 0.5 * 6.313752, 1e-5);
@@ -61,7 +61,7 @@ TEST(GroupedErrors, OfTwoGroupsAreStudents) {
 }
 
 // For groups that agree, the error is that of the information.
-TEST(GroupedErrors, NeverLessThanTheInformationSays) {
+TEST(GroupedErrors, AreAtLeastThoseOfTheInformation) {
   const auto errors = grouped_errors(of_location({2.0, 2.0, 2.0, 2.0}, {4, 4, 4, 4}), kFlat);
   EXPECT_DOUBLE_EQ(errors[0].sd, 0.25);
 }
@@ -69,7 +69,7 @@ TEST(GroupedErrors, NeverLessThanTheInformationSays) {
 // Random weights correlated with the values, as for large amplitudes with stiffening: z∞ = E h y /
 // E h. The 90 % intervals cover it; Student's with the sandwich error (the control) do not. 1000
 // repetitions; the tolerance is four standard deviations of a binomial (0.038).
-TEST(GroupedErrors, HoldWhereLoudGroupsDecide) {
+TEST(GroupedErrors, CoverIfInfluentialGroupsDominate) {
   constexpr int kRepetitions = 1000, kGroups = 8;
   int held = 0, control = 0;
   for (int r = 0; r < kRepetitions; ++r) {
@@ -96,7 +96,7 @@ TEST(GroupedErrors, HoldWhereLoudGroupsDecide) {
   EXPECT_LT(control, held - 0.038 * kRepetitions);
 }
 
-TEST(GroupedErrors, RefuseWhatMakesNoSense) {
+TEST(GroupedErrors, RejectInvalidInput) {
   EXPECT_THROW(static_cast<void>(grouped_errors(of_location({1.0}, {1.0}), kFlat)),
                std::invalid_argument);
   EXPECT_THROW(static_cast<void>(

@@ -23,7 +23,7 @@ const HardProblem& hard_problem(const std::string& name) {
   throw std::invalid_argument("no problem is called '" + name + "'");
 }
 
-TEST(HardProblems, NamesDifferAndProbabilitiesFollowFromEvidences) {
+TEST(HardProblems, NamesAreUniqueAndProbabilitiesFollowFromEvidences) {
   std::vector<std::string> names;
   for (const HardProblem& p : hard_problems()) {
     names.push_back(p.name);
@@ -74,7 +74,7 @@ void check_by_bridge(const HardProblem& p, int model, double largest_error) {
 
 class HardProblemAnswers : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(HardProblemAnswers, AreThoseOfBridgeSampling) {
+TEST_P(HardProblemAnswers, AgreeWithBridgeSampling) {
   const HardProblem& p = hard_problems()[GetParam()];
   if (p.family == "counts with a spot" || p.family == "bananas")
     GTEST_SKIP() << "by importance sampling below";
@@ -90,7 +90,7 @@ INSTANTIATE_TEST_SUITE_P(All, HardProblemAnswers,
                          });
 
 // Draws from ½ · prior + ½ · a random component in the spot: the weights are bounded.
-TEST(HardProblems, CountsWithASpotByImportanceSampling) {
+TEST(HardProblems, CountsWithASpotAgreeWithImportanceSampling) {
   const HardProblem& p = hard_problem("counts 0..10 with a spot");
   const auto likelihood = p.problem.likelihood();
   constexpr double kX = 0.62, kY = 0.27, kWidth = 1e-3;
@@ -123,7 +123,7 @@ TEST(HardProblems, CountsWithASpotByImportanceSampling) {
 }
 
 // From wider bananas: x1 ~ N(0, 1.1²), x2 ~ N(x1², (1.1 width)²). The weights are bounded.
-TEST(HardProblems, BananasByImportanceSampling) {
+TEST(HardProblems, BananasAgreeWithImportanceSampling) {
   for (const auto& [name, width] :
        {std::pair{"banana, 2-d", 0.01}, std::pair{"bananas, 6-d", 0.01},
         std::pair{"bananas, 2-d, 1e-3 wide", 1e-3}, std::pair{"bananas, 2-d, 1e-4 wide", 1e-4}}) {
@@ -156,7 +156,7 @@ TEST(HardProblems, BananasByImportanceSampling) {
   }
 }
 
-TEST(HardProblems, TheChangePointHasABayesFactorNear75) {
+TEST(HardProblems, ChangePointHasABayesFactorNear75) {
   const HardProblem& p = hard_problem("change point, 16-d against 10-d");
   EXPECT_NEAR(p.probability[1] / p.probability[0], 75.0, 5.0);
 }
@@ -179,7 +179,7 @@ double quadrature(const HardProblem& p, int n) {
   return std::log(sum) - d * std::log(n);
 }
 
-TEST(HardProblems, AnswersInOneAndTwoDimensionsAreThoseOfQuadrature) {
+TEST(HardProblems, AnswersInOneAndTwoDimensionsAgreeWithQuadrature) {
   for (const auto& [name, n, tolerance] :
        {std::tuple{"equal modes, 2-d", 1000, 1e-9}, std::tuple{"a mode of 3 %, 2-d", 1000, 1e-9},
         std::tuple{"log-gamma mixture, 2-d", 1000, 1e-6}, std::tuple{"Cauchy, 1-d", 40000, 1e-6},

@@ -70,7 +70,7 @@ TEST(ModeSearch, FindsBothPeaksWithTheirCurvatures) {
   }
 }
 
-TEST(ModeSearch, CostsAFewCallsAStartWhereThePosteriorIsNormal) {
+TEST(ModeSearch, NeedsFewCallsPerStartForANormalPosterior) {
   const Problem problem = problem_of(10, [](std::span<const double> x) {
     double sum = 0.0;
     for (const double v : x) sum -= 0.5 * std::pow((v - 0.3) / 0.01, 2.0);
@@ -82,7 +82,7 @@ TEST(ModeSearch, CostsAFewCallsAStartWhereThePosteriorIsNormal) {
   EXPECT_LT(static_cast<double>(found.likelihood_evaluations) / 2000.0, 10.0 + 8.0);
 }
 
-TEST(ModeSearch, DoesNotLeapOverANarrowPeakOnTheWay) {
+TEST(ModeSearch, DoesNotStepOverANarrowPeak) {
   // Most starts climb to the broad peak at 2; half of them pass the narrow one at 0.
   const Problem problem = problem_of(1, [](std::span<const double> x) {
     return log_sum_exp(-0.5 * std::pow((x[0] - 2.0) / 0.2, 2.0),
@@ -92,14 +92,14 @@ TEST(ModeSearch, DoesNotLeapOverANarrowPeakOnTheWay) {
   EXPECT_EQ(found.modes.size(), 2U);
 }
 
-TEST(ModeSearch, TakesAPlateauForOneMode) {
+TEST(ModeSearch, CountsAPlateauAsOneMode) {
   const Problem problem = problem_of(2, [](std::span<const double>) { return 0.0; });
   const ModeSearch found = search_modes(problem, 0, {.climbs = 50});
   ASSERT_EQ(found.modes.size(), 1U);
   EXPECT_NEAR(found.modes[0].log_mass, 0.0, 1e-3);  // the prior's whole mass
 }
 
-TEST(ModeSearch, PutsComponentsInOrder) {
+TEST(ModeSearch, SortsComponents) {
   const std::vector<double> data{0.5, 0.2, -0.3, 0.4, 0.1, 0.2};
   const Problem problem = toy::bump_problem(data, {1.0, 1.0, 1.0});
   const ModeSearch found = search_modes(problem, 2, {.climbs = 100});
@@ -110,7 +110,7 @@ TEST(ModeSearch, PutsComponentsInOrder) {
 }
 
 // If the likelihood has a gradient, climbs to the same mode need fewer calls.
-TEST(ModeSearch, UsesTheGradientWhereThereIsOne) {
+TEST(ModeSearch, UsesTheGradientOfTheLikelihood) {
   class Sloped : public Likelihood {
    public:
     double log_likelihood(int, std::span<const double> x) override {
@@ -134,7 +134,7 @@ TEST(ModeSearch, UsesTheGradientWhereThereIsOne) {
 }
 
 // The gradient of a set refers to its components in the given order.
-TEST(ModeSearch, GradientsOfSetsComeBackInTheirOrder) {
+TEST(ModeSearch, GradientsOfSetsKeepTheirOrder) {
   class Sum : public Likelihood {
    public:
     double log_likelihood(int, std::span<const double> x) override {
@@ -175,7 +175,7 @@ TEST(ModeSearch, DoesNotDependOnThreads) {
 }
 
 // Searches with n climbs miss a mode whose basin holds p in a share (1 - p)^n.
-TEST(ModeSearch, MissesAsOftenAsItsResolutionSays) {
+TEST(ModeSearch, MissRateMatchesItsResolution) {
   // A step at x > 2.326: a hundredth of the prior, and no gradient outside points to it.
   const Problem problem = problem_of(1, [](std::span<const double> x) {
     return x[0] > 2.3263478740408408 ? 10.0 - 50.0 * std::pow(x[0] - 3.0, 2.0)
@@ -196,7 +196,7 @@ TEST(ModeSearch, MissesAsOftenAsItsResolutionSays) {
   EXPECT_NEAR(static_cast<double>(missed) / kSearches, expected, 4.9 * error);
 }
 
-TEST(ModeSearch, ResolutionIsWhatOneSearchInAHundredMisses) {
+TEST(ModeSearch, ResolutionIsMissedByOneSearchInAHundred) {
   for (const long n : {1L, 30L, 10000L})
     EXPECT_NEAR(std::pow(1.0 - search_resolution(n), static_cast<double>(n)), 0.01, 1e-12);
   EXPECT_EQ(search_resolution(0), 1.0);
@@ -204,7 +204,7 @@ TEST(ModeSearch, ResolutionIsWhatOneSearchInAHundredMisses) {
 
 // A record of 400 samples whose likelihood is possible only near its mode: both climbs from the
 // prior begin at impossible points, and only the given start succeeds.
-TEST(ModeSearch, StartsCountWhereNoDrawOfThePriorIsPossible) {
+TEST(ModeSearch, UsesGivenStartsIfNoDrawOfThePriorIsPossible) {
   const auto island = [](std::span<const double> x) {
     const double e = (x[0] - 6.0) / 0.1;
     return std::abs(e) < 20.0 ? -0.5 * e * e : -std::numeric_limits<double>::infinity();
@@ -244,7 +244,7 @@ Problem growing_ever_faster(long n, double jump) {
   return problem;
 }
 
-TEST(ModeSearch, FollowsAModeThatTwiceTheRecordHides) {
+TEST(ModeSearch, FollowsAModeThatTwiceTheRecordDoesNotShow) {
   const Problem problem = growing_ever_faster(200, 0.0);
   const ModeSearch found = search_modes(problem, 0, {.climbs = 200});
   ASSERT_FALSE(found.modes.empty());
@@ -253,7 +253,7 @@ TEST(ModeSearch, FollowsAModeThatTwiceTheRecordHides) {
 }
 
 // If the model does not explain the later samples, the search ends after a few climbs.
-TEST(ModeSearch, SpendsLittleOnModesThatAreNotThere) {
+TEST(ModeSearch, SpendsFewCallsIfTheModelDoesNotFit) {
   const auto spent = [](double jump) {
     return search_modes(growing_ever_faster(120, jump), 0, {.climbs = 200}).likelihood_evaluations;
   };

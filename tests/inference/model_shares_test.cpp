@@ -37,7 +37,7 @@ TEST(ModelShares, AreCountedChainByChain) {
 }
 
 // w = (1, 2, 8) and draws 5 : 3 : 0 give P = (5, 6, 0) / 11, for any constant added to all ln w.
-TEST(ModelShares, AreWeightedByWhatADrawOfEachModelCounts) {
+TEST(ModelShares, AreWeightedByTheWeightsOfTheModels) {
   for (const double added : {0.0, -800.0, 700.0}) {
     Posterior posterior = drawn({{0, 0, 1, 0}, {1, 1, 0, 0}});
     posterior.log_weight = {added, added + std::log(2.0), added + std::log(8.0)};
@@ -53,7 +53,7 @@ TEST(ModelShares, AreWeightedByWhatADrawOfEachModelCounts) {
 
 // With n independent draws and a model of share s whose draws have weight w instead of 1, P = w s /
 // (w s + 1 - s). By the delta method, its standard error is w √(s (1 - s) / n) / (w s + 1 - s)².
-TEST(ModelShares, ErrorsAreThoseOfIndependentDraws) {
+TEST(ModelShares, ErrorsMatchIndependentDraws) {
   for (const double w : {1.0, 0.05, 30.0}) {
     Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
     posterior.log_weight = {0.0, std::log(w), 0.0};
@@ -67,7 +67,7 @@ TEST(ModelShares, ErrorsAreThoseOfIndependentDraws) {
   }
 }
 
-TEST(ModelShares, OfNoDrawsAreNone) {
+TEST(ModelShares, AreEmptyWithoutDraws) {
   const ModelShares shares = model_shares(drawn({{}, {}}));
   EXPECT_THAT(shares.share, ElementsAre(0.0, 0.0, 0.0));
   EXPECT_THAT(shares.error, ElementsAre(0.0, 0.0, 0.0));

@@ -260,7 +260,7 @@ std::vector<Symmetry> thirds(double backwards) {
 // A temperature at which rotations are accepted.
 constexpr double kWarm = 1e-3;
 
-TEST(Invariance, ImagesUnderATurn) {
+TEST(Invariance, ImagesUnderARotation) {
   for (const bool whole : {true, false}) {
     const MoveFactory make = [whole] { return std::make_unique<Image>(thirds(2.0 / 3.0), whole); };
     EXPECT_GT(invariance_p_value(make, {1, 2, 2, 1}, kWarm), kFalseAlarm) << whole;
@@ -270,7 +270,7 @@ TEST(Invariance, ImagesUnderATurn) {
 }
 
 // Without the inverse rotation there is no reverse move.
-TEST(Invariance, ATurnAloneIsNone) {
+TEST(Invariance, DetectsARotationWithoutItsInverse) {
   const MoveFactory make = [] { return std::make_unique<Image>(thirds(1.0 / 3.0), true); };
   EXPECT_LT(invariance_p_value(make, {1, 2, 2, 1}, kWarm), kFalseAlarm);
 }
@@ -489,7 +489,7 @@ TEST(Invariance, DelayedAcceptance) {
   EXPECT_LT(p_value(control(walk), 1.0), kFalseAlarm);
 }
 
-TEST(DelayedAcceptance, ComputesTheLikelihoodOfProposalsThatPassTheScreenOnly) {
+TEST(DelayedAcceptance, EvaluatesTheLikelihoodOnlyAfterTheFirstStage) {
   const std::vector<double> data = {0.4, 0.3, -0.1, 0.2, 0.5, 0.0};
   const Problem problem = toy::screened_bump_problem(data, {1, 2, 2, 1});
   Target target(problem, false);
@@ -564,7 +564,7 @@ TEST(Invariance, DelayedRejection) {
 }
 
 // Kernels with additional cost are rated by accepted moves per work; cheap ones keep their weight.
-TEST(KernelEfficiencies, CountWorkAndNotTime) {
+TEST(KernelEfficiencies, DependOnWorkAndNotOnTime) {
   class Idle : public Kernel {
    public:
     Idle(const char* name, double work) : Kernel(name, work) {}

@@ -60,7 +60,7 @@ Share in_the_neck() {
   return {mean(in_neck), mcse_mean(in_neck)};
 }
 
-TEST(MultiscaleWalk, IsInTheNeckOfAFunnelAsOftenAsInItsMouth) {
+TEST(MultiscaleWalk, VisitsTheNeckOfAFunnelInProportion) {
   const double exact = 0.5 * std::erfc(1.0 / std::sqrt(2.0));  // of v ~ N(0, 3²)
   const Share all = in_the_neck<MultiscaleWalk>();
   EXPECT_NEAR(all.value, exact, 4.0 * all.error);

@@ -26,7 +26,7 @@ bool has_the_needle(const ModeSearch& found, const NeedleProblem& problem) {
 
 class Needles : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(Needles, AreFoundByTheSearchOrNarrowerThanItResolves) {
+TEST_P(Needles, SearchFindsThemOrTheyAreBelowItsResolution) {
   const NeedleProblem& problem = needle_problems()[GetParam()];
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const ModeSearch found =
@@ -44,7 +44,7 @@ TEST_P(Needles, AreFoundByTheSearchOrNarrowerThanItResolves) {
 }
 
 // The resolution for wide modes alone would be too small by a factor of hundreds.
-TEST(Needle, NeedsTheWidthForItsLimit) {
+TEST(Needle, ResolutionDependsOnTheWidth) {
   EXPECT_NEAR(search_resolution(5e-4, 0.2, 0.2), 5e-4, 1e-12);
   EXPECT_NEAR(search_resolution(5e-4, 0.2, 1.0), 5e-4, 1e-12);
   EXPECT_NEAR(search_resolution(5e-4, 0.2, 2e-3), 5e-2, 1e-12);
@@ -64,7 +64,7 @@ void check_run(const NeedleProblem& problem, std::uint64_t seed) {
   EXPECT_TRUE(a.exact || !verdict.converged || hard.basin < limit) << hard.name << ", " << seed;
 }
 
-TEST_P(Needles, AreFoundOrFlaggedOrBelowTheStatedLimit) {
+TEST_P(Needles, RunFindsOrFlagsThemOrTheyAreBelowItsResolution) {
   const bool long_tests = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
   const NeedleProblem& problem = needle_problems()[GetParam()];
   if (!long_tests && problem.hard.name != "1-d, 1e-9, one centre at .43")

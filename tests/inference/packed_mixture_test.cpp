@@ -96,7 +96,7 @@ TEST(PackedMixture, EveryInstructionSetGivesTheSameBits) {
   });
 }
 
-TEST(PackedMixture, LogDensityIsThatOfTheSum) {
+TEST(PackedMixture, LogDensityMatchesThePlainSum) {
   for_each_size([](int d, const std::vector<Component>& parts, base::Random& random) {
     const auto packed = pack(parts, kInfinity);
     for (int i = 0; i < 20; ++i) {
@@ -110,7 +110,7 @@ TEST(PackedMixture, LogDensityIsThatOfTheSum) {
   });
 }
 
-TEST(PackedMixture, FarFromEveryComponentNothingUnderflows) {
+TEST(PackedMixture, DoesNotUnderflowFarFromEveryComponent) {
   base::Random random(62, 0, 0, base::Purpose::test);
   const auto parts = components(2, 9, random);
   const auto packed = pack(parts, kInfinity);
@@ -121,7 +121,7 @@ TEST(PackedMixture, FarFromEveryComponentNothingUnderflows) {
   EXPECT_NEAR(log_density(packed, parts.size(), far) / top, 1.0, kRounding);
 }
 
-TEST(PackedMixture, StudentsNormaliserIsPackedWhereItIsAskedFor) {
+TEST(PackedMixture, PacksTheNormaliserOfStudentsTIfRequested) {
   // d = 1, one component, ν = 3: c = ln Γ(2) - ln Γ(3/2) - ½ ln (3 π) - ln σ.
   const Component c{.weight = 1.0,
                     .mean = Eigen::VectorXd::Constant(1, 0.3),
@@ -131,7 +131,7 @@ TEST(PackedMixture, StudentsNormaliserIsPackedWhereItIsAskedFor) {
   EXPECT_NEAR(pack({c}, 3.0)[0], expected, kRounding);
 }
 
-TEST(PackedMixture, QuadraticFormsAreOfEachComponent) {
+TEST(PackedMixture, QuadraticFormsMatchEachComponent) {
   for_each_size([](int d, const std::vector<Component>& parts, base::Random& random) {
     const auto packed = pack(parts, kInfinity);
     const Eigen::VectorXd z = place(d, random);
@@ -169,7 +169,7 @@ std::vector<double> plain_moments(const std::vector<Component>& parts, std::size
   return out;
 }
 
-TEST(PackedMixture, OnePassOfEmSumsTheMomentsOfEachComponent) {
+TEST(PackedMixture, EmPassSumsTheMomentsOfEachComponent) {
   for_each_size([](int dimension, const std::vector<Component>& parts, base::Random& random) {
     constexpr std::size_t kSamples = 50;
     const auto d = static_cast<std::size_t>(dimension);

@@ -24,7 +24,7 @@ State state_of(int model, std::vector<double> z) {
   return state;
 }
 
-TEST(PilotSamples, CountEveryVisitAndKeepAThinnedRecord) {
+TEST(PilotSamples, CountAllVisitsAndStoreThinnedStates) {
   const ModelSpace space = two_models();
   PilotSamples samples(space);
   constexpr int kVisits = 100000;
@@ -46,7 +46,7 @@ TEST(PilotSamples, CountEveryVisitAndKeepAThinnedRecord) {
   EXPECT_EQ(samples.states(0).size(), 0);
 }
 
-TEST(PilotSamples, OfSeveralChainsAddUp) {
+TEST(PilotSamples, PoolSeveralChains) {
   const ModelSpace space = two_models();
   PilotSamples one(space), other(space);
   one.add(state_of(2, {1.0, 2.0}));
@@ -72,7 +72,7 @@ double log_normal_density(double z, double mean, double sd) {
   return -0.5 * std::pow((z - mean) / sd, 2.0) - std::log(sd) - 0.91893853320467274178;
 }
 
-TEST(FitPilot, FitsWhatWasMetAndThePriorWhereThatWasLittle) {
+TEST(FitPilot, FitsTheSamplesOrThePriorIfTheyAreFew) {
   const ModelSpace space = two_models();
   const Pilot pilot = fit_pilot(space, met(space), {});
   EXPECT_EQ(pilot.fit->density[0], nullptr);
@@ -89,7 +89,7 @@ TEST(FitPilot, FitsWhatWasMetAndThePriorWhereThatWasLittle) {
   EXPECT_NEAR(pilot.fit->weight[0] + pilot.fit->weight[1] + pilot.fit->weight[2], 1.0, 1e-12);
 }
 
-TEST(FitPilot, TakesTheProbabilitiesThatAreKnown) {
+TEST(FitPilot, UsesKnownProbabilities) {
   const ModelSpace space = two_models();
   const Pilot pilot = fit_pilot(space, met(space), {.probability = {0.2, 0.3, 0.5}});
   EXPECT_NEAR(pilot.fit->weight[0], 0.2, 1e-12);
@@ -97,7 +97,7 @@ TEST(FitPilot, TakesTheProbabilitiesThatAreKnown) {
 }
 
 // The proposal covers a mode that no chain visited.
-TEST(FitPilot, CoversAModeThatTheSearchesFound) {
+TEST(FitPilot, CoversAModeOfTheSearches) {
   const ModelSpace space = two_models();
   const auto one = [](double mean) {
     return std::vector<NormalMixture::Component>{
@@ -110,7 +110,7 @@ TEST(FitPilot, CoversAModeThatTheSearchesFound) {
   EXPECT_GT(with.fit->log_density(1, top), log_normal_density(0.0, 0.0, 0.05) + std::log(0.04));
 }
 
-TEST(FitPilot, TakesWarmerSamplesOfAModelThatTheColdestLack) {
+TEST(FitPilot, UsesWarmerSamplesIfColdOnesAreMissing) {
   const ModelSpace space = two_models();
   PilotSamples warm(space), cold(space);
   base::Random random(2, 0, 0, base::Purpose::test);
@@ -120,7 +120,7 @@ TEST(FitPilot, TakesWarmerSamplesOfAModelThatTheColdestLack) {
   EXPECT_NEAR(pilot.fit->log_density(1, std::vector{-1.0}), log_normal_density(0.0, 0.0, 0.3), 0.4);
 }
 
-TEST(EqualVisitsBias, MakesModelsEquallyProbableDownToTheLeast) {
+TEST(EqualVisitsBias, MakesModelsEquallyProbableAboveTheLimit) {
   const std::vector<double> p{0.9, 0.1, 1e-3, 1e-9};
   const std::vector<double> bias = equal_visits_bias(p, 1e-3);
   for (std::size_t m = 0; m < 3; ++m) EXPECT_NEAR(p[m] * std::exp(bias[m]), 1.0, 1e-12);
@@ -133,7 +133,7 @@ std::set<std::string> names(const KernelMixture& kernels) {
   return out;
 }
 
-TEST(SamplingKernels, AreTheMovesThatAreAllowed) {
+TEST(SamplingKernels, AreTheAllowedMoves) {
   const Problem problem = toy::bump_problem(std::vector<double>(toy::kSensors, 1.0), {1, 1, 1});
   Options options;
   long calls = 0;

@@ -51,7 +51,7 @@ Posterior made_up(double p = 0.3) {
   return posterior;
 }
 
-TEST(Posterior, AProbabilityComesWithItsError) {
+TEST(Posterior, ProbabilityHasItsError) {
   const Posterior posterior = made_up();
   const double error = std::sqrt(0.3 * 0.7 / (4.0 * kPosteriorDraws));
   const Estimate p = posterior.probability("cubic");
@@ -63,7 +63,7 @@ TEST(Posterior, AProbabilityComesWithItsError) {
 
 // ln odds have the error 1/√(n p (1 - p)): shares that sum to one have correlated errors; adding
 // them in quadrature would be wrong by √2.
-TEST(Posterior, ABayesFactorComesWithItsError) {
+TEST(Posterior, BayesFactorHasItsError) {
   const Posterior posterior = made_up();
   const double exact = std::log(0.3 / 0.7) - std::log(2.0);
   const double error = 1.0 / std::sqrt(4.0 * kPosteriorDraws * 0.3 * 0.7);
@@ -76,7 +76,7 @@ TEST(Posterior, ABayesFactorComesWithItsError) {
   EXPECT_EQ(posterior.log_bayes_factor(1, 1).value, 0.0);
 }
 
-TEST(Posterior, TheBayesFactorOfAModelWithoutDrawsIsThatOfItsEvidence) {
+TEST(Posterior, BayesFactorOfAModelWithoutDrawsComesFromItsEvidence) {
   Posterior posterior = made_up(0.0);
   posterior.found[0].bridged = {.log_evidence = -20.0, .standard_error = 0.03};
   posterior.found[1].bridged = {.log_evidence = -900.0, .standard_error = 0.04};
@@ -87,7 +87,7 @@ TEST(Posterior, TheBayesFactorOfAModelWithoutDrawsIsThatOfItsEvidence) {
   EXPECT_TRUE(std::isnan(posterior.log_bayes_factor("cubic", "linear").value));
 }
 
-TEST(Posterior, AParametersDrawsAreThoseOfItsModel) {
+TEST(Posterior, ParameterDrawsBelongToTheirModel) {
   const Posterior posterior = made_up();
   const ChainsOf k = posterior.draws_of("k", "cubic");
   const ChainsOf c = posterior.draws_of("c", 0);
@@ -102,7 +102,7 @@ TEST(Posterior, AParametersDrawsAreThoseOfItsModel) {
               kPosteriorSigmas / std::sqrt(4.0 * kPosteriorDraws - static_cast<double>(n)));
 }
 
-TEST(Posterior, SaysWhetherItMayBeReliedOnAndWhyNot) {
+TEST(Posterior, ReportsConvergenceWithReasons) {
   Posterior posterior = made_up();
   EXPECT_TRUE(posterior.converged());
   EXPECT_TRUE(posterior.why_not().empty());
@@ -114,7 +114,7 @@ TEST(Posterior, SaysWhetherItMayBeReliedOnAndWhyNot) {
   EXPECT_EQ(describe(why[0], *posterior.space), "stopped early");
 }
 
-TEST(Posterior, RefusesWhatItDoesNotHave) {
+TEST(Posterior, RejectsUnknownModelsAndParameters) {
   const Posterior posterior = made_up();
   EXPECT_THAT([&] { (void)posterior.probability("quintic"); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("'quintic' among 'linear', 'cubic'")));

@@ -71,7 +71,7 @@ INSTANTIATE_TEST_SUITE_P(MoveSets, PriorRecovery,
 
 // The control: one move without its ratio among all correct ones; the result differs from the
 // prior.
-TEST(PriorRecoveryControl, NoticesAForgottenRatio) {
+TEST(PriorRecoveryControl, DetectsAMissingRatio) {
   class Forgetful : public BirthDeath {
    public:
     using BirthDeath::BirthDeath;

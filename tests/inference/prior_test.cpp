@@ -95,7 +95,7 @@ TEST(StandardNormal, LogDistributionFunctionIsSmoothAcrossItsBranches) {
 // The density, integrated over the image of z in (-8, 8), by the chain rule ∫ p(x(z)) x'(z) dz: one
 // only if the density is normalised *and* x(z) is its quantile function. The stronger condition
 // p(x) dx = φ(z) dz is checked at each point.
-TEST(Prior, DensityAndTransformBelongTogether) {
+TEST(Prior, DensityMatchesItsTransform) {
   for (const Prior& prior : every_family()) {
     for (double z = -5.0; z <= 5.0; z += 0.25) {
       constexpr double kStep = 1e-3;
@@ -113,7 +113,7 @@ TEST(Prior, DensityAndTransformBelongTogether) {
   }
 }
 
-TEST(Prior, RoundTripsInBothTails) {
+TEST(Prior, TransformInvertsInBothTails) {
   for (const Prior& prior : every_family()) {
     double previous = -kInfinity;
     for (double z = -8.0; z <= 8.0; z += 0.125) {
@@ -193,7 +193,7 @@ TEST(Prior, ClosedFormValues) {
 }
 
 // The areas of trapezia: 2, 1.5 and 2.25 of 5.75.
-TEST(Prior, OfATableIsTheLinesBetweenItsPoints) {
+TEST(Prior, TableIsLinearBetweenItsPoints) {
   const Prior prior = table();
   EXPECT_NEAR(prior.log_density(0.25), std::log(1.0 / 5.75), 1e-14);
   EXPECT_NEAR(prior.log_density(2.25), std::log(1.5 / 5.75), 1e-14);
@@ -221,7 +221,7 @@ TEST(Prior, OfATableIsTheLinesBetweenItsPoints) {
 }
 
 // Regression: slopes of the density underflowed, and quantiles decreased.
-TEST(Prior, OfATableMaySpanAllNumbers) {
+TEST(Prior, TableMaySpanAllMagnitudes) {
   const Prior prior = OwnPrior{std::make_shared<TabulatedPrior>(
       std::vector<double>{-1e307, 0.0, 1e307}, std::vector<double>{0.0, 1.0, 0.0})};
   for (const double z : {-3.0, -1.0, 0.0, 0.5, 3.0}) {
@@ -232,7 +232,7 @@ TEST(Prior, OfATableMaySpanAllNumbers) {
   }
 }
 
-TEST(Prior, OfATableRefusesWhatIsNone) {
+TEST(Prior, TableRejectsInvalidPoints) {
   const auto message = [](std::vector<double> x, std::vector<double> density) -> std::string {
     try {
       (void)TabulatedPrior(std::move(x), std::move(density));
@@ -269,7 +269,7 @@ TEST(Prior, MomentsMatchQuadratureOverTheTransform) {
   }
 }
 
-TEST(Prior, OutsideItsSupportTheDensityIsZero) {
+TEST(Prior, DensityIsZeroOutsideTheSupport) {
   EXPECT_EQ(Prior(Uniform{0.0, 1.0}).log_density(1.0 + 1e-12), -kInfinity);
   EXPECT_EQ(Prior(HalfNormal{1.0}).log_density(-1e-12), -kInfinity);
   EXPECT_EQ(Prior(Gamma{2.0, 1.0}).log_density(-1.0), -kInfinity);
@@ -277,7 +277,7 @@ TEST(Prior, OutsideItsSupportTheDensityIsZero) {
   EXPECT_EQ(Prior(Normal{0.0, 1.0}).log_density(kNaN), -kInfinity);
 }
 
-TEST(Prior, RefusesWhatIsNotADensityAndSaysWhy) {
+TEST(Prior, RejectsImproperDensitiesWithTheReason) {
   const auto message = [](const Prior::Family& family) -> std::string {
     try {
       (void)Prior(family);
@@ -367,7 +367,7 @@ TEST(Prior, SlopeInTheTails) {
 }
 
 // Regression: upper / lower overflowed, and all results were NaN.
-TEST(Prior, OfLogUniformMayBeginAtTheSmallestNumbers) {
+TEST(Prior, LogUniformMayBeginAtTheSmallestNumbers) {
   const double lower = 1e-320;
   const Prior prior = LogUniform{lower, 1.0};
   const double span = -std::log(lower);

@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 namespace {
 
 // Each reason has a different phrase, with its model or quantity and without a full stop.
-TEST(Reason, IsDescribedInAShortPhrase) {
+TEST(Reason, HasAShortDescription) {
   const auto space =
       ModelSpace::of_models({{"a", Normal{0.0, 1.0}}}, {{"one", 1.0, {}}, {"two", 1.0, {"a"}}});
   const std::vector<Reason> of_a_model{

@@ -67,7 +67,7 @@ Journey journey(std::unique_ptr<Move> move) {
   return {static_cast<double>(accepted) / kSteps, std::sqrt(square)};
 }
 
-TEST(RegionalWalk, FollowsARidgeThatTurns) {
+TEST(RegionalWalk, FollowsACurvedRidge) {
   const Journey regional = journey(std::make_unique<RegionalWalk>(tangents()));
   EXPECT_GT(regional.acceptance, 0.3);
   EXPECT_GT(regional.distance, 0.1);
@@ -123,7 +123,7 @@ double errors_in_the_middle() {
   return std::fabs(mean(within) - std::erf(0.2 / std::sqrt(2.0))) / mcse_mean(within);
 }
 
-TEST(RegionalWalk, LeavesTheTargetAlone) {
+TEST(RegionalWalk, LeavesTheTargetInvariant) {
   EXPECT_LT(errors_in_the_middle<RegionalWalk>(), 4.5);
   EXPECT_GT(errors_in_the_middle<ForgetsRatio>(), 9.0);
 }

@@ -54,7 +54,7 @@ TEST(ReversibleJump, NestedNormalMeans) {
   expect_probability(posterior, 1, 2.360070 / 3.360070);
 }
 
-TEST(ReversibleJump, UnitsDoNotMatter) {
+TEST(ReversibleJump, DoesNotDependOnUnits) {
   const Problem metres = nested_means(1.0);
   const Problem millimetres = nested_means(1000.0);
   const Posterior a = reversible_jump(metres, small());
@@ -63,7 +63,7 @@ TEST(ReversibleJump, UnitsDoNotMatter) {
   EXPECT_NEAR(b.chains[0].theta[0] / 1000.0, a.chains[0].theta[0], 1e-12);
 }
 
-TEST(ReversibleJump, OrderOfModelsDoesNotMatter) {
+TEST(ReversibleJump, DoesNotDependOnTheOrderOfModels) {
   Problem problem = nested_means(1.0);
   const Posterior forward = reversible_jump(problem, small());
   class Swapped : public NormalMean {
@@ -82,7 +82,7 @@ TEST(ReversibleJump, OrderOfModelsDoesNotMatter) {
 }
 
 // Parameters exchange names and places, the likelihood reads them where they are.
-TEST(ReversibleJump, OrderOfParametersDoesNotMatter) {
+TEST(ReversibleJump, DoesNotDependOnTheOrderOfParameters) {
   class Plane : public Likelihood {
    public:
     explicit Plane(bool swapped) : swapped_(swapped) {}
@@ -115,7 +115,7 @@ TEST(ReversibleJump, OrderOfParametersDoesNotMatter) {
 }
 
 // Quantities judged over all chains do not depend on their order.
-TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
+TEST(ReversibleJump, DoesNotDependOnTheOrderOfChains) {
   const Problem problem = nested_means(1.0);
   ChainsOf chains = indicator(reversible_jump(problem, small()), 1);
   const double before[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean(chains)};
@@ -125,7 +125,7 @@ TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(before[i], after[i], 1e-9 * std::abs(before[i]));
 }
 
-TEST(ReversibleJump, SameSeedSameRunForAnyNumberOfThreads) {
+TEST(ReversibleJump, DependsOnTheSeedAndNotOnThreads) {
   const Problem problem = toy::bumps();
   Options options = small(5);
   options.threads = 1;
@@ -220,7 +220,7 @@ TEST(ReversibleJump, TemperingChangesNoProbability) {
   for (int k = 0; k < 4; ++k) expect_probability(prior, k, 0.25);
 }
 
-TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
+TEST(ReversibleJump, RecordedDensitiesEqualRecomputedOnes) {
   const Problem problem = toy::bumps();
   const Posterior posterior = reversible_jump(problem, small());
   const auto likelihood = problem.likelihood();
@@ -237,7 +237,7 @@ TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
   }
 }
 
-TEST(ReversibleJump, ReportsALikelihoodThatIsNotANumber) {
+TEST(ReversibleJump, ReportsALikelihoodOfNaN) {
   class Bad : public Likelihood {
    public:
     double log_likelihood(int model, std::span<const double> x) override {
@@ -267,7 +267,7 @@ TEST(ReversibleJump, ReportsALikelihoodThatIsNeverFinite) {
 }
 
 // One of two models, so that the other must not hide it.
-TEST(ReversibleJump, NamesTheModelAndThePriorThatMakeItImpossible) {
+TEST(ReversibleJump, NamesAnImpossibleModelAndItsPriors) {
   class Half : public Likelihood {
    public:
     double log_likelihood(int model, std::span<const double>) override {
@@ -285,7 +285,7 @@ TEST(ReversibleJump, NamesTheModelAndThePriorThatMakeItImpossible) {
   }
 }
 
-TEST(ReversibleJump, RefusesOptionsThatMakeNoSense) {
+TEST(ReversibleJump, RejectsInvalidOptions) {
   const Problem problem = nested_means(1.0);
   EXPECT_THROW((void)reversible_jump(problem, {.chains = 0}), std::invalid_argument);
   EXPECT_THROW((void)reversible_jump(problem, {.threads = -1}), std::invalid_argument);
@@ -303,13 +303,13 @@ TEST(ReversibleJump, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW((void)reversible_jump(unmade, small()), std::invalid_argument);
 }
 
-TEST(ReversibleJump, TheLeastWarmupAndDrawsStillRun) {
+TEST(ReversibleJump, RunsWithMinimalWarmupAndDraws) {
   const Problem problem = nested_means(1.0);
   const Posterior posterior = reversible_jump(problem, {.warmup = 1, .draws = 1});
   EXPECT_EQ(posterior.draws, 1);
 }
 
-TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
+TEST(ReversibleJump, StopsOnRequestAndKeepsItsDraws) {
   const Problem problem = toy::bumps();
   for (const char* stage : {"exploring", "tuning", "sampling"}) {
     Options options{.seed = 1, .warmup = 20000, .draws = 400000};
@@ -371,14 +371,14 @@ double most_rare_draws() {
 }
 
 // Tuning visits the models evenly; the first draws must not be affected.
-TEST(ReversibleJump, SettlesAfterTheBiasOfTuningIsGone) {
+TEST(ReversibleJump, BurnInRemovesTheBiasOfTuning) {
   const Problem problem = lopsided();
   const Posterior posterior = reversible_jump(problem, one_draw_each());
   EXPECT_LE(rare_draws(posterior), most_rare_draws());
 }
 
 // The control: the same run without burn-in before the draws.
-TEST(ReversibleJumpControl, NoticesThatChainsHaveNotSettled) {
+TEST(ReversibleJumpControl, DetectsMissingBurnIn) {
   const Problem problem = lopsided();
   const Options options = one_draw_each();
   RunContext run(problem, options);
@@ -392,7 +392,7 @@ TEST(ReversibleJumpControl, NoticesThatChainsHaveNotSettled) {
 
 // With equal prior odds, the relative error of the rare model's probability is a tenth; with
 // balanced draws, a hundredth.
-TEST(ReversibleJump, BalanceKnowsARareModelWell) {
+TEST(ReversibleJump, BalancedDrawsReduceTheErrorOfARareModel) {
   const Problem problem = lopsided();
   const Posterior posterior = reversible_jump(problem, {.seed = 7, .balance = true});
   ASSERT_EQ(posterior.log_weight.size(), 2U);
@@ -405,7 +405,7 @@ TEST(ReversibleJump, BalanceKnowsARareModelWell) {
 }
 
 // Every run reports its searches and the evidence of each model.
-TEST(ReversibleJump, TellsWhatItsSearchesFound) {
+TEST(ReversibleJump, ReportsTheFindingsOfItsSearches) {
   const Posterior posterior = reversible_jump(lopsided(), {.seed = 9, .searches = 77});
   ASSERT_EQ(posterior.found.size(), 2U);
   const ModelFindings& found = posterior.found[1];
@@ -419,7 +419,7 @@ TEST(ReversibleJump, TellsWhatItsSearchesFound) {
   EXPECT_EQ(posterior.found[0].sampled.log_evidence, 0.0);
 }
 
-TEST(ReversibleJump, FindsAPosteriorThatIsVeryMuchNarrowerThanItsPrior) {
+TEST(ReversibleJump, FindsAPosteriorMuchNarrowerThanItsPrior) {
   constexpr Eigen::Index kData = 12, kParameters = 7;
   static constexpr double kNoiseSd = 1e-4;
   Eigen::MatrixXd design(kData, kParameters);

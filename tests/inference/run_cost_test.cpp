@@ -27,7 +27,7 @@ Problem nested_mean() {
           .likelihood = [] { return std::make_unique<NormalMean>(); }};
 }
 
-TEST(RunCost, CallsOfItsPhasesAddUp) {
+TEST(RunCost, CallsOfTheStagesAddUp) {
   const Problem problem = toy::bumps();
   const Posterior posterior = reversible_jump(problem, {.warmup = 2000, .draws = 500});
   const Calls& calls = posterior.calls;
@@ -70,7 +70,7 @@ Problem decay(long samples) {
 
 // Regression: warm-up took 2.9 times as many calls as the draws. A record has two iterations per
 // draw and half the tuning, and tuning must not continue for a negligible model.
-TEST(RunCost, WarmUpCostsNoMoreThanTheDrawsWhereOneModeHoldsEverything) {
+TEST(RunCost, WarmUpCostsAtMostAsMuchAsTheDrawsForASingleMode) {
   const Posterior posterior = reversible_jump(decay(400), {});
   EXPECT_TRUE(posterior.converged());
   EXPECT_LE(posterior.warmup_evaluations, posterior.calls.sample);
@@ -101,14 +101,14 @@ Problem lines() {
 
 // The constant is hundreds of nats below the line: climbs show this, and SMC is omitted for the
 // expensive likelihood of a record.
-TEST(RunCost, AHopelessModelIsNotAnnealed) {
+TEST(RunCost, OmitsSmcForANegligibleModel) {
   const Posterior posterior = reversible_jump(lines(), {.warmup = 1000, .draws = 500});
   EXPECT_TRUE(std::isnan(posterior.found[0].annealed.log_evidence));
   EXPECT_TRUE(std::isfinite(posterior.found[0].sampled.log_evidence));
   EXPECT_TRUE(std::isfinite(posterior.found[1].annealed.log_evidence));
 }
 
-TEST(RunCost, AQuickLookIsCheapAndMarkedAsSuch) {
+TEST(RunCost, QuickRunIsCheapAndMarked) {
   const Problem problem = nested_mean();
   const Posterior full = reversible_jump(problem, {});
   const Posterior look = reversible_jump(problem, {.quick = true});
@@ -124,7 +124,7 @@ TEST(RunCost, AQuickLookIsCheapAndMarkedAsSuch) {
 // A run stopped at any time returns at least draws based on its findings.
 class Stopped : public testing::TestWithParam<std::pair<const char*, bool>> {};
 
-TEST_P(Stopped, LeavesDrawsOfWhatWasFound) {
+TEST_P(Stopped, HasDrawsOfTheFindings) {
   const auto [stage, components] = GetParam();
   const Problem problem = components ? toy::bumps() : lines();
   bool reached = false;
@@ -163,7 +163,7 @@ INSTANTIATE_TEST_SUITE_P(RunCost, Stopped,
                          });
 
 // Stopped during the first model's search: the result has the modes found so far.
-TEST(RunCost, StoppedInItsFirstSearchHasThoseModes) {
+TEST(RunCost, StoppedInItsFirstSearchKeepsItsModes) {
   int calls = 0;
   Options options;
   options.progress = [&](const Options::Progress&) { return ++calls < 2; };

@@ -50,7 +50,7 @@ PriorCheck checked(Faults faults) {
   return check_prior(OwnPrior{std::make_shared<Logistic>(faults)});
 }
 
-TEST(CheckPrior, PassesWhatIsRight) {
+TEST(CheckPrior, PassesCorrectPriors) {
   const PriorCheck own = checked({});
   EXPECT_TRUE(own.passed()) << (own.passed() ? "" : own.faults.front());
   EXPECT_NEAR(own.mass, 1.0, 1e-6);
@@ -66,7 +66,7 @@ TEST(CheckPrior, PassesWhatIsRight) {
   }
 }
 
-TEST(CheckPrior, SaysWhatIsWrong) {
+TEST(CheckPrior, NamesEachFault) {
   const auto fault = [](Faults faults) {
     const PriorCheck check = checked(faults);
     return check.passed() ? std::string() : check.faults.front();
@@ -163,7 +163,7 @@ MoveCheck checked_move(A... arguments) {
   return check_move(problem(), [=] { return std::make_unique<M>(arguments...); });
 }
 
-TEST(CheckMove, PassesWhatBalances) {
+TEST(CheckMove, PassesReversibleMoves) {
   for (const MoveCheck& check : {checked_move<Stretch>(1.0), checked_move<Appear>(1.0),
                                  checked_move<ForgetsTheEnds>(true)}) {
     EXPECT_TRUE(check.passed) << check.words;
@@ -173,7 +173,7 @@ TEST(CheckMove, PassesWhatBalances) {
   }
 }
 
-TEST(CheckMove, FindsWhatDoesNot) {
+TEST(CheckMove, FindsIrreversibleMoves) {
   for (const MoveCheck& check :
        {checked_move<Stretch>(0.0), checked_move<Stretch>(2.0), checked_move<Appear>(0.0),
         checked_move<Appear>(0.8), checked_move<ForgetsTheEnds>(false)}) {
@@ -203,11 +203,11 @@ class Never : public Move {
   bool proposes_;
 };
 
-TEST(CheckMove, FindsAWayOfNoReturn) {
+TEST(CheckMove, FindsAMissingReverseMove) {
   EXPECT_FALSE(checked_move<Rightwards>().passed);
 }
 
-TEST(CheckMove, SaysWhereNothingCanBeSaid) {
+TEST(CheckMove, ReportsMovesThatItCannotTest) {
   EXPECT_EQ(checked_move<Never>(false).words,
             "the move proposed nothing from any draw of the prior");
   EXPECT_NE(checked_move<Never>(true).words.find("could not be tested"), std::string::npos);
@@ -217,7 +217,7 @@ TEST(CheckMove, SaysWhereNothingCanBeSaid) {
 }
 
 // The prior factor is part of the target: with it, a correct move stays correct.
-TEST(CheckMove, KnowsThePriorFactor) {
+TEST(CheckMove, IncludesThePriorFactor) {
   Problem with = problem();
   with.log_prior_factor = [](int model, std::span<const double> x) {
     return model == 0 ? 0.0 : std::log(2.0) - (x[0] > 0.0 ? 0.0 : kInfinity);

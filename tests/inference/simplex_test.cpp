@@ -13,7 +13,7 @@ namespace {
 
 const std::vector<double> kAlpha = {0.7, 2.0, 4.3};
 
-TEST(Simplex, SharesAndSticksLeadToEachOther) {
+TEST(Simplex, SharesAndSticksAreInverse) {
   const Simplex simplex("w", kAlpha);
   EXPECT_EQ(simplex.size(), 3);
   EXPECT_EQ(simplex.names(), (std::vector<std::string>{"w[1]", "w[2]"}));
@@ -28,7 +28,7 @@ TEST(Simplex, SharesAndSticksLeadToEachOther) {
 }
 
 // ∏ p(v_i) |∂v/∂w| is Dirichlet's density: Γ(Σα) ∏ w_i^(α_i - 1)/Γ(α_i).
-TEST(Simplex, HasDirichletsDensity) {
+TEST(Simplex, HasTheDirichletDensity) {
   const Simplex simplex("w", kAlpha);
   for (const double a : {0.05, 0.3, 0.8}) {
     for (const double b : {0.1, 0.5, 0.95}) {
@@ -45,7 +45,7 @@ TEST(Simplex, HasDirichletsDensity) {
 }
 
 // E w_i = α_i/Σα, to 4.5 standard errors of 20 000 draws.
-TEST(Simplex, HasDirichletsMeans) {
+TEST(Simplex, HasTheDirichletMeans) {
   const Simplex simplex("w", kAlpha);
   base::Random random(3, 0, 0, base::Purpose::test);
   constexpr int kDraws = 20000;
@@ -63,7 +63,7 @@ TEST(Simplex, HasDirichletsMeans) {
   }
 }
 
-TEST(Simplex, RefusesWhatIsNone) {
+TEST(Simplex, RejectsInvalidInput) {
   EXPECT_THROW(Simplex("w", {1.0}), std::invalid_argument);
   EXPECT_THROW(Simplex("w", {1.0, 0.0}), std::invalid_argument);
   const Simplex simplex("w", kAlpha);

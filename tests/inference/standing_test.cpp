@@ -23,7 +23,7 @@ double sum(const Standings& all) {
   return out;
 }
 
-TEST(Standing, ModelsThatEveryChainDrewStandByTheirDraws) {
+TEST(Standing, UsesDrawsForModelsThatEveryChainVisited) {
   const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const ModelShares shares = model_shares(posterior);
   const Standings all = stand(posterior);
@@ -39,7 +39,7 @@ TEST(Standing, ModelsThatEveryChainDrewStandByTheirDraws) {
 
 // Two models drawn 2 : 1, and a third without draws with P = 0.25 by evidence: the others share the
 // rest.
-TEST(Standing, AModelThatNoChainDrewStandsByItsEvidence) {
+TEST(Standing, UsesEvidenceForAModelWithoutDraws) {
   Posterior posterior = made_up::run({{2.0 / 3.0, 1.0 / 3.0, 0.0}});
   posterior.found[2].bridged = made_up::kUnknown;
   posterior.found[2].sampled = {.log_evidence = -50.0 + std::log(1.0 / 3.0), .standard_error = 0.1};
@@ -58,7 +58,7 @@ TEST(Standing, AModelThatNoChainDrewStandsByItsEvidence) {
   EXPECT_NEAR(sum(all), 1.0, 1e-12);
 }
 
-TEST(Standing, ModelsThatChainsDoNotNeedToHaveAreNotMissed) {
+TEST(Standing, RareModelsNeedNotBeVisited) {
   // P of about 1e-8 by evidence: no draw is expected in 4000 per chain.
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   posterior.found[2].bridged = {.log_evidence = -68.0, .standard_error = 0.1};
@@ -69,7 +69,7 @@ TEST(Standing, ModelsThatChainsDoNotNeedToHaveAreNotMissed) {
 }
 
 // P = .6, .3 and .1: 3 % more of the first would give 1.03 · .6 / (1 + .03 · .6).
-TEST(Standing, WhatAnnealingSawAndTheDrawsHaveNotIsInTheError) {
+TEST(Standing, ErrorIncludesTheExcessOfSmcDraws) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const Standings before = stand(posterior);
   ModelFindings& found = posterior.found[0];
@@ -90,7 +90,7 @@ TEST(Standing, WhatAnnealingSawAndTheDrawsHaveNotIsInTheError) {
   EXPECT_EQ(stand(posterior).models[0].mcse, before.models[0].mcse);
 }
 
-TEST(Standing, EvidenceIsThatOfTheBestMethodThatCouldSay) {
+TEST(Standing, UsesTheBestAvailableEvidence) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   // There is also bridge sampling.
   posterior.found[0].sampled = {.log_evidence = -1.0, .standard_error = 0.1};
@@ -107,7 +107,7 @@ TEST(Standing, EvidenceIsThatOfTheBestMethodThatCouldSay) {
   EXPECT_NEAR(sum(all), 1.0, 1e-12);
 }
 
-TEST(Standing, WhereNothingIsKnownTheErrorIsNoNumber) {
+TEST(Standing, ErrorIsNaNIfNothingIsKnown) {
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   for (ModelFindings& found : posterior.found) found.bridged = made_up::kUnknown;
   const Standings all = stand(posterior);
@@ -117,7 +117,7 @@ TEST(Standing, WhereNothingIsKnownTheErrorIsNoNumber) {
 
 // Independent draws, shares 0.6 and 0.3: ln B is ln (s_a / s_b) - ln (prior odds), and its standard
 // error √((1/s_a + 1/s_b) / n).
-TEST(Standing, BayesFactorsOfModelsThatWereDrawnAreOfTheDraws) {
+TEST(Standing, BayesFactorsOfVisitedModelsComeFromDraws) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const ModelShares shares = model_shares(posterior);
   const Estimate found = log_bayes_factor(posterior, 0, 1);
@@ -132,7 +132,7 @@ TEST(Standing, BayesFactorsOfModelsThatWereDrawnAreOfTheDraws) {
 }
 
 // exp(-800) underflows; the evidences keep the ratio.
-TEST(Standing, BayesFactorsBeyondTheNumbersAreOfTheEvidences) {
+TEST(Standing, BayesFactorsThatUnderflowComeFromEvidences) {
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   posterior.found[2].bridged = {.log_evidence = -850.0, .standard_error = 0.4};
   const Estimate found = log_bayes_factor(posterior, 0, 2);

@@ -60,7 +60,7 @@ std::vector<Laplace> climb(const Problem& problem, Options options = {}) {
   return climb_with_record(problem, options, monitor);
 }
 
-TEST(StartingPoints, AreTheModesGivenTheWholeRecord) {
+TEST(StartingPoints, AreTheModesForTheWholeRecord) {
   const auto modes = climb(level(kSamples, false));
   ASSERT_EQ(modes.size(), 2U);
   const double sum = std::accumulate(record().begin(), record().end(), 0.0);
@@ -78,14 +78,14 @@ TEST(StartingPoints, AreTheModesGivenTheWholeRecord) {
   }
 }
 
-TEST(StartingPoints, OfAModelWithoutAPossiblePlaceThereIsNone) {
+TEST(StartingPoints, AreMissingForAnImpossibleModel) {
   const auto modes = climb(level(kSamples, true));
   ASSERT_EQ(modes.size(), 2U);
   EXPECT_TRUE(std::isfinite(modes[0].evidence.log_evidence));
   EXPECT_TRUE(std::isnan(modes[1].evidence.log_evidence));
 }
 
-TEST(StartingPoints, AreNoneWhereTheCallerStopsAtOnce) {
+TEST(StartingPoints, AreMissingIfTheCallerStopsAtOnce) {
   const auto modes =
       climb(level(kSamples, false), {.progress = [](const Options::Progress&) { return false; }});
   for (const Laplace& mode : modes) EXPECT_TRUE(std::isnan(mode.evidence.log_evidence));

@@ -28,7 +28,7 @@ Problem faulty_at_the_edge(double fault) {
       [fault](int, std::span<const double> x) { return std::fabs(x[0]) > 3.0 ? fault : -x[0]; });
 }
 
-TEST(Target, TakesARareNanOrInfinityForImpossibleAndCountsIt) {
+TEST(Target, CountsRareNanOrInfinityAsImpossible) {
   for (const double fault : {std::nan(""), kInfinity}) {
     const Problem problem = faulty_at_the_edge(fault);
     Target target(problem, false);
@@ -60,7 +60,7 @@ TEST(Target, TakesARareNanOrInfinityForImpossibleAndCountsIt) {
   }
 }
 
-TEST(Target, CountsFaultsOfTheStandInAndOfTheLikelihoodApart) {
+TEST(Target, CountsFaultsOfApproximationAndLikelihoodSeparately) {
   Problem problem = faulty_at_the_edge(std::nan(""));
   problem.screen = [] {
     return std::make_unique<FunctionLikelihood>(
@@ -100,7 +100,7 @@ std::pair<std::string, long> failure(double share) {
   return {};
 }
 
-TEST(Target, GivesUpWhereFaultsAreFrequent) {
+TEST(Target, ThrowsIfFaultsAreFrequent) {
   EXPECT_EQ(failure(0.005).second, 0);
   const auto [often, after] = failure(0.02);
   EXPECT_GE(after, 1000);
@@ -110,7 +110,7 @@ TEST(Target, GivesUpWhereFaultsAreFrequent) {
   EXPECT_EQ(failure(1.0).second, 20) << "a likelihood that never works is told at once";
 }
 
-TEST(Target, GivesUpOnAFaultyPriorFactorAtOnce) {
+TEST(Target, ThrowsAtOnceForAFaultyPriorFactor) {
   for (const double fault : {std::nan(""), kInfinity}) {
     Problem problem = of_function([](int, std::span<const double>) { return 0.0; });
     problem.log_prior_factor = [fault](int, std::span<const double>) { return fault; };
@@ -120,7 +120,7 @@ TEST(Target, GivesUpOnAFaultyPriorFactorAtOnce) {
   }
 }
 
-TEST(Target, RefusesAFactoryThatMakesNothing) {
+TEST(Target, RejectsAFactoryThatReturnsNull) {
   Problem problem = of_function([](int, std::span<const double>) { return 0.0; });
   problem.screen = [] { return std::unique_ptr<Likelihood>(); };
   EXPECT_THROW(Target(problem, false), std::invalid_argument);
@@ -206,7 +206,7 @@ TEST(Target, GradientEqualsCentralDifferencesForEveryPrior) {
   }
 }
 
-TEST(Target, GradientIsOfferedOnlyWhereItIsThatOfTheWholePosterior) {
+TEST(Target, OffersAGradientOnlyOfTheWholePosterior) {
   State state;
   state.z.assign(8, 0.3);
   std::vector<double> dz(8);

@@ -52,7 +52,7 @@ Shares temper(bool balanced) {
   return run;
 }
 
-TEST(Tempering, WeightsKeepAModelWhoseTemperedEvidenceDips) {
+TEST(Tempering, WeightsKeepAModelOfLowTemperedEvidence) {
   const Shares balanced = temper(true);
   for (const double share : balanced.share) {
     EXPECT_GT(share, 0.2);
@@ -98,7 +98,7 @@ TEST(Tempering, FindsASmallFeasibleRegionInThePrior) {
   }
 }
 
-TEST(Tempering, AsksWhetherToGoOnBeforeEveryTry) {
+TEST(Tempering, ChecksForAStopBeforeEveryTry) {
   const Problem problem = never();
   Target target(problem, false);
   int asked = 0;
@@ -110,7 +110,7 @@ TEST(Tempering, AsksWhetherToGoOnBeforeEveryTry) {
   EXPECT_EQ(target.evaluations(), 10);
 }
 
-TEST(Tempering, RefusesAModelThatIsNowherePossible) {
+TEST(Tempering, RejectsAnImpossibleModel) {
   const Problem problem = never();
   Target target(problem, false);
   try {

@@ -50,7 +50,7 @@ void check(const HardProblem& problem) {
 
 class VerdictSuite : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(VerdictSuite, IsRight) {
+TEST_P(VerdictSuite, IsCorrect) {
   const HardProblem& problem = hard_problems()[GetParam()];
   if (!problem.quick && !long_verdict_tests()) GTEST_SKIP() << "of the long suite";
   check(problem);

@@ -54,13 +54,13 @@ TEST(BridgeSampling, StandardErrorCovers) {
               std::sqrt(squares));
 }
 
-TEST(BridgeSampling, ThreadsDoNotMatter) {
+TEST(BridgeSampling, DoesNotDependOnThreads) {
   const Known known = two_narrow_modes(2);
   EXPECT_EQ(bridge_sampling(known.problem, 0, {.seed = 3, .threads = 1}).log_evidence,
             bridge_sampling(known.problem, 0, {.seed = 3, .threads = 3}).log_evidence);
 }
 
-TEST(BridgeSampling, WithoutAPilotHasNoEvidenceButAWarning) {
+TEST(BridgeSampling, WarnsWithoutEvidenceIfThePilotFails) {
   const Problem problem = endless();
   const Tmcmc pilot =
       tmcmc(problem, 0, {.seed = 1, .replicates = 4, .samples = 20, .acceptances = 0.1});
@@ -71,7 +71,7 @@ TEST(BridgeSampling, WithoutAPilotHasNoEvidenceButAWarning) {
   EXPECT_EQ(e.warnings[0].kind, EvidenceWarning::Kind::stalled);
 }
 
-TEST(BridgeSampling, Misuse) {
+TEST(BridgeSampling, RejectsInvalidOptions) {
   const Known known = linear_gaussian(1);
   const ModelSamples few = metropolis(known.problem, 0, {.warmup = 10, .draws = 10});
   EXPECT_THROW((void)bridge_sampling(known.problem, 0, few, {}), std::invalid_argument);

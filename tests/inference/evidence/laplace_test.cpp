@@ -30,14 +30,14 @@ TEST(Laplace, IsExactForALinearGaussianModel) {
   EXPECT_EQ(none.evidence.standard_error, 0.0);
 }
 
-TEST(Laplace, KnowsOneModeOnly) {
+TEST(Laplace, CoversOneModeOnly) {
   // The higher mode has ¾ of the evidence.
   const Known known = two_narrow_modes(2);
   EXPECT_NEAR(laplace(known.problem, 0, {.restarts = 20}).evidence.log_evidence,
               known.log_evidence + std::log(0.75), 1e-4);
 }
 
-TEST(Laplace, SaysWhereTheHessianFails) {
+TEST(Laplace, WarnsIfTheHessianIsNotDefinite) {
   // A likelihood that increases faster than the prior of z decreases: the only maximum is at the
   // search bound.
   const Problem flat = one_model({{"a", Normal{0.0, 1.0}}},
@@ -49,7 +49,7 @@ TEST(Laplace, SaysWhereTheHessianFails) {
   EXPECT_THROW((void)laplace(never(), 0, {}), LikelihoodError);
 }
 
-TEST(Laplace, SaysWhereThePosteriorIsNotNormal) {
+TEST(Laplace, WarnsIfThePosteriorIsNotNormal) {
   // Piecewise constant per element, as for a damage location: zero differences, but a narrow mode.
   const Problem steps = one_model({{"a", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
     const double element = std::floor(100.0 * x[0]) - 30.0;
@@ -62,7 +62,7 @@ TEST(Laplace, SaysWhereThePosteriorIsNotNormal) {
 
 // Regression: a mode at the boundary of the possible region has no curvature, and the next search
 // started from an empty list of points.
-TEST(MaximumAPosteriori, IsFoundAtTheEdgeOfALongRecordsPossibleParameters) {
+TEST(MaximumAPosteriori, IsFoundAtTheBoundaryOfALongRecordsPossibleParameters) {
   Problem edge = one_model({{"a", Normal{0.0, 1.0}}}, [](int, std::span<const double> x) {
     return x[0] > 0.0 ? -std::numeric_limits<double>::infinity() : 10.0 * x[0];
   });

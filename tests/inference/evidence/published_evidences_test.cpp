@@ -37,7 +37,7 @@ TEST(PublishedEvidences, CoalMiningDisasters) {
 // Coverage of ± 1, 2, 3 reported standard errors, and the ratio of the actual scatter of ln Z over
 // seeds to the reported error. The error is that of Student's t with 7 degrees of freedom scaled by
 // √(7/5), with coverages of 0.731, 0.951, 0.991 instead of a normal's 0.683, 0.954, 0.997.
-TEST(PublishedEvidences, StandardErrorsAreHonest) {
+TEST(PublishedEvidences, StandardErrorsAreCalibrated) {
   SKIP_WITHOUT_SHARED("coal");
   const auto exact =
       nlohmann::json::parse(std::ifstream(kShared / "validation" / "coal" / "exact.json"));

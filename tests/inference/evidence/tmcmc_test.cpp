@@ -75,7 +75,7 @@ TEST(Tmcmc, StandardErrorCovers) {
   }
 }
 
-TEST(Tmcmc, SeesARecordGrow) {
+TEST(Tmcmc, FollowsAGrowingRecord) {
   Problem problem = logistic_map(400);
   // The posterior is within 3e-4 of the truth, with needles about 1e-9 wide.
   constexpr double kReach = 3e-4, kStep = 1e-10;
@@ -98,7 +98,7 @@ TEST(Tmcmc, SeesARecordGrow) {
 }
 
 // Possible on 4e-4 of the prior, where a factor then weights the positions.
-TEST(Tmcmc, DrawsOnWhereLittleOfThePriorIsPossible) {
+TEST(Tmcmc, ContinuesDrawingIfLittleOfThePriorIsPossible) {
   const Problem problem = one_model(
       {{"a", Uniform{0.0, 1.0}}, {"b", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
         return x[0] > 0.98 && x[1] > 0.98 ? 100.0 * (x[0] - 0.98)
@@ -121,7 +121,7 @@ TEST(Tmcmc, DrawsOnWhereLittleOfThePriorIsPossible) {
               std::sqrt((squares - mean * mean) / (seeds - 1)));
 }
 
-TEST(Tmcmc, WithoutAnEndHasNoEvidenceButAWarning) {
+TEST(Tmcmc, WarnsWithoutEvidenceIfItDoesNotReachTheEnd) {
   const Tmcmc result =
       tmcmc(endless(), 0, {.seed = 1, .replicates = 4, .samples = 20, .acceptances = 0.1});
   EXPECT_TRUE(std::isnan(result.evidence.log_evidence));
@@ -138,7 +138,7 @@ TEST(Tmcmc, WithoutAnEndHasNoEvidenceButAWarning) {
 
 // After its maximum number of calls, it returns draws of the tempered posterior reached, and no
 // evidence.
-TEST(Tmcmc, IsCutShortWhenItsCallsAreSpent) {
+TEST(Tmcmc, StopsAfterItsMaximumNumberOfCalls) {
   const Known known = linear_gaussian(2);
   const TmcmcOptions all{.seed = 1, .replicates = 4, .samples = 100};
   const Tmcmc whole = tmcmc(known.problem, 0, all);
@@ -162,7 +162,7 @@ TEST(Tmcmc, IsCutShortWhenItsCallsAreSpent) {
   EXPECT_FALSE(whole.cut);
 }
 
-TEST(Tmcmc, ThreadsDoNotMatterAndSeedsDo) {
+TEST(Tmcmc, DependsOnTheSeedAndNotOnThreads) {
   const Known known = linear_gaussian(2);
   const double one =
       tmcmc(known.problem, 0, {.seed = 3, .samples = 100, .threads = 1}).evidence.log_evidence;
@@ -172,7 +172,7 @@ TEST(Tmcmc, ThreadsDoNotMatterAndSeedsDo) {
   EXPECT_NE(tmcmc(known.problem, 0, {.seed = 4, .samples = 100}).evidence.log_evidence, one);
 }
 
-TEST(Tmcmc, Misuse) {
+TEST(Tmcmc, RejectsInvalidOptions) {
   const Known known = linear_gaussian(1);
   EXPECT_THROW((void)tmcmc(never(), 0, {}), LikelihoodError);
   EXPECT_THROW((void)tmcmc(known.problem, 0, {.replicates = 3}), std::invalid_argument);

@@ -85,7 +85,7 @@ NormalMixture::Component normal(const Eigen::VectorXd& mean, double sd) {
 }
 
 // Two equal modes, and a mixture that covers one of them.
-TEST(FollowAnnealed, WhatIsThePosteriorsStays) {
+TEST(FollowAnnealed, ChainsStayInAPartOfThePosterior) {
   const HardProblem& problem = named("equal modes, 2-d");
   // Mean of the draws on one side.
   Followed probe(problem, normal(Eigen::VectorXd::Zero(2), 1.0), Steps::small);
@@ -121,7 +121,7 @@ TEST(FollowAnnealed, WhatIsThePosteriorsStays) {
 
 // A Cauchy density of scale 1 in ± 1000, and 30 to 330 false SMC draws of it. Its true share
 // outside a normal of scale 1 (beyond 4.4) is 14 %.
-TEST(FollowAnnealed, WhatIsAnnealingsErrorWalksHome) {
+TEST(FollowAnnealed, ChainsReturnFromAnErrorOfSmc) {
   const HardProblem& problem = named("Cauchy, 1-d");
   const double unit = std::sqrt(2.0 * M_PI) / 2000.0;  // z of a uniform prior near its middle
   Followed cauchy(problem, normal(Eigen::VectorXd::Zero(1), unit), Steps::all);

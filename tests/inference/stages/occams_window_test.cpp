@@ -126,7 +126,7 @@ Looked look(const ModelSpace& space, const Regression& data) {
   return out;
 }
 
-TEST(OccamsWindow, TheLatticeHasTermsOneByOne) {
+TEST(OccamsWindow, LatticeLinksModelsThatDifferByOneTerm) {
   const ModelSpace space = subsets(4);
   const ModelLattice lattice(space);
   EXPECT_THAT(lattice.within(0), testing::IsEmpty());
@@ -140,7 +140,7 @@ TEST(OccamsWindow, TheLatticeHasTermsOneByOne) {
 
 // 0 to 8 of 8 terms are true; the exact probability of all models not evaluated stays below the
 // search threshold.
-TEST(OccamsWindow, WhatItPassesOverIsImprobable) {
+TEST(OccamsWindow, OmittedModelsAreImprobable) {
   const ModelSpace space = subsets(8);
   base::Random random(1, 0, 0, base::Purpose::test);
   int models = 0, problems = 0;
@@ -156,7 +156,7 @@ TEST(OccamsWindow, WhatItPassesOverIsImprobable) {
   EXPECT_LT(models, problems * space.size() / 2);
 }
 
-TEST(OccamsWindow, OfAStrongLawItLooksAtLittleMoreThanTheLawAndWhatHasIt) {
+TEST(OccamsWindow, ExploresFewModelsBesidesAStrongLawAndItsExtensions) {
   const ModelSpace space = subsets(8);
   Regression data = regression(space, 0b01001001, 0.5, 3);
   data.x *= 10.0;
@@ -168,7 +168,7 @@ TEST(OccamsWindow, OfAStrongLawItLooksAtLittleMoreThanTheLawAndWhatHasIt) {
 
 // Three terms that matter only together, with columns that nearly cancel. A term costs ln 7700 = 9
 // nats, so that no pair is in the window.
-TEST(OccamsWindow, TermsThatShowOnlyTogetherAreFoundFromTheLargestModel) {
+TEST(OccamsWindow, FindsTermsThatMatterOnlyTogetherFromTheLargestModel) {
   const ModelSpace space = subsets(8);
   Regression data = regression(space, 0, 0.0, 5);
   data.x.rightCols(data.x.cols() - 1) *= 250.0;
@@ -185,7 +185,7 @@ TEST(OccamsWindow, TermsThatShowOnlyTogetherAreFoundFromTheLargestModel) {
   EXPECT_LT(looked.models, 200);
 }
 
-TEST(OccamsWindow, ASmallerModelStartsFromTheLikeliestAroundIt) {
+TEST(OccamsWindow, StartsASmallerModelFromTheMostProbableOneAroundIt) {
   const ModelSpace space = subsets(2);
   const ModelLattice lattice(space);
   std::vector<ModelExploration> found(4);
@@ -220,7 +220,7 @@ Problem problem_of(const ModelSpace& space, const Regression& data, long samples
   return problem;
 }
 
-TEST(OccamsWindow, ARunThatPassesOverModelsHasTheOthersProbabilities) {
+TEST(OccamsWindow, RunWithOmittedModelsHasTheExactProbabilities) {
   const ModelSpace space = subsets(6);
   const Regression data = regression(space, 0b001001, 0.7, 11);
   const Posterior posterior =
@@ -247,7 +247,7 @@ TEST(OccamsWindow, ARunThatPassesOverModelsHasTheOthersProbabilities) {
 }
 
 // Regression: with few models, those not evaluated had an evidence that was far too low.
-TEST(OccamsWindow, OfFewModelsThosePassedOverHaveNoEvidence) {
+TEST(OccamsWindow, OmittedModelsOfAShortListHaveNoEvidence) {
   const ModelSpace space = subsets(5);
   const Regression data = regression(space, 0b00101, 0.7, 11);
   const Posterior posterior =

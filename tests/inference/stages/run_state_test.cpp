@@ -65,7 +65,7 @@ void expect_same_posterior(const Posterior& a, const Posterior& b) {
 
 class RunStateOf : public testing::TestWithParam<bool> {};
 
-TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
+TEST_P(RunStateOf, InterruptionAfterEveryRoundDoesNotChangeTheRun) {
   const Options options{.seed = 3, .chains = 2, .warmup = 1000, .draws = 2 * kStateDraws};
   const Problem problem = toy::bumps();
   RunContext context(problem, options);
@@ -91,7 +91,7 @@ TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
   }());
 }
 
-TEST_P(RunStateOf, CopiesDoNotKnowOfEachOther) {
+TEST_P(RunStateOf, CopiesAreIndependent) {
   const Options options{.seed = 4, .chains = 2, .warmup = 1000, .draws = kStateDraws};
   const Problem problem = toy::bumps();
   RunContext run(problem, options);
