@@ -37,7 +37,7 @@ struct Message {
 
 /// Sleeps increasingly long while there is nothing to do. If ranks share processors, a waiting rank
 /// must not occupy one.
-class Patience {
+class Backoff {
  public:
   void reset() { wait_ = kFirst; }
   void wait() {
@@ -159,8 +159,8 @@ class MpiRanks final : public Ranks {
   [[nodiscard]] int rank() const override { return rank_; }
   [[nodiscard]] int size() const override { return size_; }
   [[nodiscard]] bool stop_agreed() const override { return agreed_; }
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
-  [[nodiscard]] bool told_to_pause() const override { return told_to_pause_; }
+  [[nodiscard]] bool stop_requested() const override { return told_to_stop_; }
+  [[nodiscard]] bool pause_requested() const override { return told_to_pause_; }
 
   void share_out(int n, int threads, const std::function<void(int)>& job,
                  const Carriage& carriage) override {
@@ -201,7 +201,7 @@ class MpiRanks final : public Ranks {
     MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ibarrier(farewell_, &request);
     const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-    for (Patience patience; !is_done(request); patience.wait()) {
+    for (Backoff backoff; !is_done(request); backoff.wait()) {
       if (Clock::now() >= end) return false;
     }
     return true;
@@ -218,7 +218,7 @@ class MpiRanks final : public Ranks {
     std::int64_t next = 0;
     int at_work = size_ - 1;
     bool stop = false;
-    Patience patience;
+    Backoff backoff;
     while (at_work > 0 || !workers.ended()) {
       bool idle = true;
       for (int k = workers.newly_free(); k > 0; --k) {
@@ -248,7 +248,7 @@ class MpiRanks final : public Ranks {
         told_to_pause_ = true;
         send_all(Says::pause);
       }
-      idle ? patience.wait() : patience.reset();
+      idle ? backoff.wait() : backoff.reset();
     }
   }
 
@@ -256,7 +256,7 @@ class MpiRanks final : public Ranks {
   void ask_for(Workers& workers) {
     int asked = 0;  // and not answered
     bool wished = false;
-    Patience patience;
+    Backoff backoff;
     while (!workers.ended() || asked > 0) {
       bool idle = true;
       for (int k = workers.newly_free(); k > 0; --k, ++asked) {
@@ -287,7 +287,7 @@ class MpiRanks final : public Ranks {
         told_to_stop_ = true;
         send(Says::stop, 0, 0);
       }
-      idle ? patience.wait() : patience.reset();
+      idle ? backoff.wait() : backoff.reset();
     }
     send(Says::done, 0, 0);
   }
@@ -368,7 +368,7 @@ class MpiRanks final : public Ranks {
     return done != 0;
   }
   static void finish(MPI_Request& request) {
-    for (Patience patience; !is_done(request);) patience.wait();
+    for (Backoff backoff; !is_done(request);) backoff.wait();
   }
 
   void send(Says says, std::int64_t unit, int to) const {

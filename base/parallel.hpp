@@ -77,7 +77,7 @@ void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
 [[nodiscard]] inline bool is_to_stop(bool wish) {
   const Ranks* all = ranks();
   if (all == nullptr) return wish;
-  return within().shared ? wish || all->told_to_stop() : all->stop_agreed();
+  return within().shared ? wish || all->stop_requested() : all->stop_agreed();
 }
 
 }  // namespace wheeltap::base

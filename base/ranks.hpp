@@ -21,7 +21,7 @@ struct Carriage {
   std::function<std::string(int unit)> pack;
   /// Called by the thread that requested all units.
   std::function<void(int unit, std::string_view bytes)> unpack;
-  /// Called by rank 0 during shared work: whether all ranks should pause (Ranks::told_to_pause).
+  /// Called by rank 0 during shared work: whether all ranks should pause (Ranks::pause_requested).
   std::function<bool()> pause = {};
 };
 
@@ -59,8 +59,8 @@ class Ranks {
   [[nodiscard]] virtual bool stop_agreed() const = 0;
   /// During shared work: whether some rank has requested to stop; whether rank 0 has requested to
   /// pause.
-  [[nodiscard]] virtual bool told_to_stop() const = 0;
-  [[nodiscard]] virtual bool told_to_pause() const = 0;
+  [[nodiscard]] virtual bool stop_requested() const = 0;
+  [[nodiscard]] virtual bool pause_requested() const = 0;
 
  protected:
   [[nodiscard]] bool wishes_to_stop() const { return asked_ || (wish_ && wish_()); }

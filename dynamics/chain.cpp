@@ -124,7 +124,7 @@ std::string impossibility(const Chain& chain, std::span<const double> theta) {
       }
       if (!is_feasible(law.kind, c.data()))
         return name + ": its coefficients contradict each other";
-      if (is_dry_by_chance(law, c.data()))
+      if (has_zero_creep_speed(law, c.data()))
         return name +
                ": velocity = 0 as a parameter's value, must be > 0 (exact friction is asked for "
                "by leaving it out)";

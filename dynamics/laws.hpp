@@ -34,7 +34,7 @@ inline constexpr bool kFriction = requires(const double* c) {
 [[nodiscard]] bool is_dry(const Law& law);
 /// Whether a creep speed given by a parameter is 0 at these coefficients. Stick and slip of such
 /// friction are not located, and no step would be short enough.
-[[nodiscard]] bool is_dry_by_chance(const Law& law, const double* c);
+[[nodiscard]] bool has_zero_creep_speed(const Law& law, const double* c);
 
 /// Whether coefficients [N, m, s …] are feasible for a law: each is finite and within its bounds,
 /// and all together satisfy `feasible`, if the law has it.

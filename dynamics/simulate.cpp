@@ -90,7 +90,8 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
     for (const Law& law : link.laws) {
       std::array<double, kMaxLawCoefficients> c;
       for (std::size_t i = 0; i < c.size(); ++i) c[i] = law.coefficients[i].at(theta);
-      if (!is_feasible(law.kind, c.data()) || is_dry_by_chance(law, c.data())) return kInfeasible;
+      if (!is_feasible(law.kind, c.data()) || has_zero_creep_speed(law, c.data()))
+        return kInfeasible;
     }
   const bool exact = integrator == Integrator::exact;
   if (integrator == Integrator::runge_kutta && options.substeps > 0)

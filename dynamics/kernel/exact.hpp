@@ -249,12 +249,12 @@ class Exact {
       WHEELTAP_UNROLL
       for (int i = 0; i < n; ++i) w[i] = next[i];
       WHEELTAP_UNROLL
-      for (int i = 0; i < m; ++i) watch.saw(w[i]);
+      for (int i = 0; i < m; ++i) watch.check(w[i]);
       if (watch.over(sample, output)) break;
       excite(sample + 1);
     }
     WHEELTAP_UNROLL
-    for (int i = 0; i < n; ++i) watch.saw_last(w[i]);
+    for (int i = 0; i < n; ++i) watch.check_last(w[i]);
     watch.finish();
   }
 

@@ -61,16 +61,16 @@ class PacedRungeKutta {
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive_now[i] = drive_next[i];
-        watch.saw(x.y[i]);
+        watch.check(x.y[i]);
       }
       if (watch.over(sample, output, kPacedSamplesBetweenChecks)) break;
     }
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) {
-      watch.saw_last(x.y[i]);
-      watch.saw_last(x.v[i]);
+      watch.check_last(x.y[i]);
+      watch.check_last(x.v[i]);
     }
-    for (int m = 0; m < task_.memories; ++m) watch.saw_last(x.q[m]);
+    for (int m = 0; m < task_.memories; ++m) watch.check_last(x.q[m]);
     watch.finish();
   }
 

@@ -61,11 +61,11 @@ class Piecewise : private Exact<N> {
       WHEELTAP_UNROLL
       for (int i = 0; i < n; ++i) x[i] = next[i];
       WHEELTAP_UNROLL
-      for (int i = 0; i < m; ++i) watch.saw(x[i]);
+      for (int i = 0; i < m; ++i) watch.check(x[i]);
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
-    for (int i = 0; i < n; ++i) watch.saw_last(x[i]);
+    for (int i = 0; i < n; ++i) watch.check_last(x[i]);
     watch.finish();
   }
 

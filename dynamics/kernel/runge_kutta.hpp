@@ -55,14 +55,14 @@ class RungeKutta {
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive_now[i] = drive_next[i];
-        watch.saw(y[i]);
+        watch.check(y[i]);
       }
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) {
-      watch.saw_last(y[i]);
-      watch.saw_last(v[i]);
+      watch.check_last(y[i]);
+      watch.check_last(v[i]);
     }
     watch.finish();
   }

@@ -84,14 +84,14 @@ class Series {
       WHEELTAP_UNROLL
       for (int i = 1; i <= m; ++i) {
         now[i] = then[i];
-        watch.saw(y[i]);
+        watch.check(y[i]);
       }
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
     for (int i = 1; i <= m; ++i) {
-      watch.saw_last(y[i]);
-      watch.saw_last(v[i]);
+      watch.check_last(y[i]);
+      watch.check_last(v[i]);
     }
     watch.finish();
   }

@@ -42,7 +42,7 @@ class Output {
 
   [[nodiscard]] WHEELTAP_INLINE bool limited() const { return task_.weights != nullptr; }
   /// 1 in lanes whose limit is exceeded: sums of squares can only grow.
-  WHEELTAP_INLINE V hopeless() const {
+  WHEELTAP_INLINE V over_limit() const {
     V total{};
     for (int i = 0; i < task_.sensors; ++i)
       total += vectors(task_.weights)[i] * vectors(task_.sums)[i];
@@ -63,12 +63,12 @@ class Watch {
   explicit Watch(const Task& task) : task_(task), bound_(task.bound) {}
 
   /// To be called for every mass at every sample. A lane that was outside once stays failed.
-  WHEELTAP_INLINE void saw(V displacement) {
+  WHEELTAP_INLINE void check(V displacement) {
     outside_ = lanes::abs(displacement) <= bound_ ? outside_ : V{} + 1.0;
   }
 
   /// To be called for the whole state at the last sample, including the laws' internal states.
-  WHEELTAP_INLINE void saw_last(V x) {
+  WHEELTAP_INLINE void check_last(V x) {
     outside_ = lanes::max(outside_, outside(x, std::numeric_limits<double>::max()));
   }
 
@@ -89,7 +89,7 @@ class Watch {
   WHEELTAP_INLINE bool over(std::int64_t sample, const Output& output,
                             std::int64_t between = kSamplesBetweenChecks) {
     if (sample % between != 0) return false;
-    if (output.limited()) outside_ = lanes::max(outside_, output.hopeless());
+    if (output.limited()) outside_ = lanes::max(outside_, output.over_limit());
     return all(outside_);
   }
 

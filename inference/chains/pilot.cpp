@@ -17,7 +17,8 @@ namespace wheeltap::inference {
 
 namespace {
 
-constexpr double kHopeless = 1e-15;  // probability below which a model is fitted briefly
+constexpr double kNegligibleProbability =
+    1e-15;  // probability below which a model is fitted briefly
 constexpr Eigen::Index kFewSamples = 2000;
 constexpr int kMostComponents = 240;
 constexpr int kFewComponents = 4;
@@ -256,17 +257,17 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
                         base::Purpose::fit);
     // A model that no chain will visit: fitted only for its evidence. (Models of component sets use
     // each other's fits.)
-    const bool hopeless =
-        is_list(space) && !options.probability.empty() && options.probability[at] < kHopeless;
-    const Eigen::Index used = hopeless ? std::min(states.cols(), kFewSamples) : states.cols();
+    const bool negligible = is_list(space) && !options.probability.empty() &&
+                            options.probability[at] < kNegligibleProbability;
+    const Eigen::Index used = negligible ? std::min(states.cols(), kFewSamples) : states.cols();
     Eigen::MatrixXd fitted(d, used);
     for (Eigen::Index i = 0; i < used; ++i) fitted.col(i) = states.col(i * states.cols() / used);
     // As many components as the samples require: a curved ridge takes hundreds.
-    int most = hopeless ? kFewComponents : options.most_components;
+    int most = negligible ? kFewComponents : options.most_components;
     while (true) {
       fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
           fitted.transpose(), {.max_components = most, .tolerance = options.tolerance}, random));
-      if (hopeless || fit->density[at]->size() < most || 3 * most > kMostComponents) break;
+      if (negligible || fit->density[at]->size() < most || 3 * most > kMostComponents) break;
       most *= 3;
     }
     if (at < options.modes.size()) cover(options.modes[at], *fit->density[at]);

@@ -30,7 +30,7 @@ using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// States sampled in warm-up, by model: one a column, thinned to a few thousand.
+/// States sampled in warm-up, by model: one per column, thinned to a few thousand.
 class PilotSamples {
  public:
   explicit PilotSamples(const ModelSpace& space);
@@ -60,7 +60,7 @@ class PilotSamples {
 struct Pilot {
   std::shared_ptr<const PilotFit> fit;
   std::shared_ptr<const Archive> archive;
-  std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one a kind
+  std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one per kind
   RandomWalk::Scales scales;
   /// efficiency of each kernel (kernel_efficiencies); {}: not known yet
   std::vector<double> efficiencies;

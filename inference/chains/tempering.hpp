@@ -18,7 +18,7 @@ struct Ladder {
   std::vector<long> tried{};        ///< swaps tried by each pair
   std::vector<int> direction{};  ///< of each replica: +1 if it last was at β = 0, -1 if at β = 1
   std::vector<int> replica{};    ///< index of the replica at each rung
-  std::vector<std::vector<double>> weights;  ///< log weights of each rung, one a model
+  std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
   bool balancing = false;                    ///< weights are learned in scans that adapt
   long scans = 0;
   long round_trips = 0;

@@ -30,7 +30,7 @@ struct Mixing {
   double ess_model = 0.0;
   bool too_few = false;  ///< `ess_model` belongs to a judged quantity and is not above the limit
 
-  /// Effective draws a chain, by the smaller of the two.
+  /// Effective draws per chain, by the smaller of the two.
   [[nodiscard]] double effective(std::size_t chains) const;
 };
 

@@ -13,7 +13,7 @@ namespace wheeltap::inference {
 
 struct ModelShares {
   std::vector<std::vector<long>> counts;  ///< draws, chains × models
-  std::vector<double> visits;             ///< s, one a model
+  std::vector<double> visits;             ///< s, one per model
   std::vector<double> weight;             ///< w, scaled to be 1 on average over the draws
   std::vector<double> share;              ///< weighted share: P by draws
   std::vector<double> error;              ///< Monte Carlo standard error of `share`

@@ -82,15 +82,15 @@ enum class Choice {
 struct Posterior {
   std::shared_ptr<const ModelSpace> space;
   std::vector<Chain> chains;
-  std::vector<ModelFindings> found;  ///< one a model
-  /// ln of the weight of a draw of each model, one a model; empty: all weights are 1. Not empty if
-  /// `Options::balance` drew models more evenly than they are probable.
+  std::vector<ModelFindings> found;  ///< one per model
+  /// ln of the weight of a draw of each model, one per model; empty: all weights are 1. Not empty
+  /// if `Options::balance` drew models more evenly than they are probable.
   std::vector<double> log_weight;
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
   std::vector<std::vector<long>> jumps_accepted;
   int draws = 0;   ///< a chain
-  int warmup = 0;  ///< iterations a chain at β = 1 before the first draw
+  int warmup = 0;  ///< iterations per chain at β = 1 before the first draw
   int thin = 1;
   int dimension = 0;    ///< row length of Chain::theta
   int predictions = 0;  ///< row length of Chain::prediction
@@ -128,7 +128,7 @@ struct Posterior {
   [[nodiscard]] bool converged() const;
   [[nodiscard]] std::vector<Reason> why_not() const;
 
-  /// All draws of a parameter within a model, one vector a chain (of different lengths), e.g.
+  /// All draws of a parameter within a model, one vector per chain (of different lengths), e.g.
   /// draws_of("k", "own springs") or draws_of("location[2]", "2 damages"). Throws
   /// std::invalid_argument, listing the names, if the model has no such parameter.
   [[nodiscard]] ChainsOf draws_of(std::string_view parameter, int model) const;

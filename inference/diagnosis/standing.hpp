@@ -50,7 +50,7 @@ struct Standings {
 
 /// Order of preference: bridge sampling, which uses the draws; importance sampling with a finite
 /// error; SMC from the prior. Every chain should visit a model whose probability by evidence times
-/// the effective draws a chain exceeds 10.
+/// the effective draws per chain exceeds 10.
 [[nodiscard]] Standings standings(const Posterior& posterior, const ModelShares& shares,
                                   const Mixing& mixing);
 

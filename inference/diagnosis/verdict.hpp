@@ -17,7 +17,7 @@ namespace wheeltap::inference {
 
 /// Diagnosis of a whole run.
 struct Verdict {
-  std::vector<ModelStanding> models;    ///< one a model of the space
+  std::vector<ModelStanding> models;    ///< one per model of the space
   bool converged = false;               ///< true exactly if `not_established` is empty
   std::vector<Reason> not_established;  ///< the most serious first, models in order of probability
   /// Resolution of the mode search: a mode whose basin holds less than this share of the prior may
@@ -54,8 +54,8 @@ struct Verdict {
 /// numbers in brackets are the probabilities that a converged run violates the rule by chance.
 ///
 /// - Every chain visited, at β = 1, every model whose probability by evidence times the effective
-///   draws a chain exceeds 10 (e⁻¹⁰ = 5e-5 a chain). Every other model has draws, or evidence, or a
-///   prior weight of 0, or lies outside Occam's window.
+///   draws per chain exceeds 10 (e⁻¹⁰ = 5e-5 per chain). Every other model has draws, or evidence,
+///   or a prior weight of 0, or lies outside Occam's window.
 /// - Visits and evidence agree within 4.5 combined errors (7e-6) and 0.005. No evidence by SMC
 ///   exceeds that of the draws by 4.5 errors and half a nat. It may be lower: SMC may miss a mode
 ///   that the draws have.

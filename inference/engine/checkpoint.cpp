@@ -107,7 +107,7 @@ struct CheckpointFields {
     a("accepted", m.accepted);
   }
   template <class A>
-  static void of(A& a, In<A, Lesson>& l) {
+  static void of(A& a, In<A, AdaptationState>& l) {
     a("steps", l.steps);
     a("begun", l.begun);
     a("ended", l.ended);
@@ -130,7 +130,7 @@ struct CheckpointFields {
     a("moves", c.moves);
     a("proposed", c.proposed);
     a("accepted", c.accepted);
-    a("lesson", c.lesson);
+    a("lesson", c.adaptation);
   }
   template <class A>
   static void of(A& a, In<A, Mode>& m) {
@@ -141,7 +141,7 @@ struct CheckpointFields {
     a("climbs", m.climbs);
   }
   template <class A>
-  static void of(A& a, In<A, WeightyModes>& w) {
+  static void of(A& a, In<A, CountedModes>& w) {
     a("modes", w.modes);
     a("precisions", w.precisions);
     a("shares", w.shares);

@@ -15,7 +15,7 @@
 namespace wheeltap::inference {
 
 /// The columns of a RunState. A member of a structure is a column of its name, e.g.
-/// "chains.lesson.steps", with one number per structure, in order. A list adds its length to
+/// "chains.adaptation.steps", with one number per structure, in order. A list adds its length to
 /// "….size" and its entries to the column of its name ("….each" if they are lists themselves). A
 /// matrix adds its shape to "….rows" and "….columns". The number of columns therefore does not
 /// depend on the number of chains, models or draws.

@@ -37,7 +37,7 @@ constexpr long kSearchBudget = 300000;       // likelihood calls for climbs, all
 constexpr long kRecordBudget = 50000;        // if a record grows: its modes are also followed
 constexpr long kLeastBudget = 3000;          // per model
 constexpr double kBriefAnnealing = 50000.0;  // likelihood calls per model, approximately
-constexpr double kHopelessModel = 50.0;      // ln: no SMC for models this far below the best
+constexpr double kNegligibleModel = 50.0;    // ln: no SMC for models this far below the best
 constexpr double kLive = 30.0;  // ln: chains start in models up to this far below the best
 
 std::vector<int> every_model(const RunContext& run) {
@@ -149,13 +149,14 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   const auto anneal_one = [&](int m) {
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
     if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0) return;
-    const bool hopeless = problem.shortened && log_mass(m) < at.best - kHopelessModel;
-    if (hopeless && found.settled()) {
+    const bool negligible = problem.shortened && log_mass(m) < at.best - kNegligibleModel;
+    if (negligible && found.settled()) {
       run.monitor.advance(1.0);
       return;
     }
     const ExplorationCalls before = found.calls;
-    anneal_model(problem, m, options(m), hopeless ? Annealing::brief : Annealing::as_needed, found);
+    anneal_model(problem, m, options(m), negligible ? Annealing::brief : Annealing::as_needed,
+                 found);
     count(run, state, found, before);
     at.best = std::max(at.best, log_mass(m));
   };
@@ -174,7 +175,7 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
 // Searches one of many models by climbs only. In a nested list (`lattice`), these start from the
 // best mode of the models within it, from that of the most probable model one step around it, and
 // from its own earlier modes.
-void glance(RunContext& run, RunState& state, int m, const ModelLattice* lattice) {
+void climb_only(RunContext& run, RunState& state, int m, const ModelLattice* lattice) {
   const Problem& problem = run.problem;
   const bool nested = lattice != nullptr;
   ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
@@ -211,12 +212,12 @@ std::vector<double> heights(const RunState& state) {
 
 // Searches the models in Occam's window by climbs until it admits no more. Stores them in
 // at.models, so that a resumed run continues. False: stopped.
-bool glance_in_window(RunContext& run, RunState& state, const ModelLattice& lattice) {
+bool climb_in_window(RunContext& run, RunState& state, const ModelLattice& lattice) {
   Position& at = state.at;
   for (;;) {
     for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
       run.safe_points.pass(state);
-      glance(run, state, at.models[static_cast<std::size_t>(at.model)], &lattice);
+      climb_only(run, state, at.models[static_cast<std::size_t>(at.model)], &lattice);
       if (!run.monitor.advance(1.0)) return false;
     }
     const std::vector<int> next = next_in_window(run.space(), lattice, state.explorations);
@@ -226,8 +227,8 @@ bool glance_in_window(RunContext& run, RunState& state, const ModelLattice& latt
 }
 
 // Repeats the climbs in models around a model with a better mode, which may help them, too.
-void glance_again(RunContext& run, RunState& state, const ModelLattice& lattice,
-                  const std::vector<double>& before) {
+void repeat_climbs(RunContext& run, RunState& state, const ModelLattice& lattice,
+                   const std::vector<double>& before) {
   constexpr double kBetter = 3.0;  // ln
   const ModelSpace& space = run.space();
   const std::vector<double> now = heights(state);
@@ -240,14 +241,14 @@ void glance_again(RunContext& run, RunState& state, const ModelLattice& lattice,
     if (!state.explorations[static_cast<std::size_t>(m)].glanced ||
         std::ranges::none_of(better, [&](int b) { return is_within(space[b], space[m]); }))
       continue;
-    glance(run, state, m, &lattice);
+    climb_only(run, state, m, &lattice);
     if (run.monitor.stopped()) return;
   }
   for (;;) {
     const std::vector<int> next = next_in_window(space, lattice, state.explorations);
     if (next.empty()) return;
     for (const int m : next) {
-      glance(run, state, m, &lattice);
+      climb_only(run, state, m, &lattice);
       if (run.monitor.stopped()) return;
     }
   }
@@ -274,23 +275,23 @@ void explore_many(RunContext& run, RunState& state) {
   const bool nested = lattice.has_value();
   Position& at = state.at;
   if (at.explore == Part::begin) {
-    at.explore = Part::glance;
+    at.explore = Part::climb;
     at.models = nested ? next_in_window(problem.space, *lattice, state.explorations)
                        : by_dimension(problem.space);
   }
-  if (at.explore == Part::glance) {
+  if (at.explore == Part::climb) {
     run.monitor.begin("searching", static_cast<double>(run.models()),
                       planned_searches(problem, run.options) + planned_tuning(run) +
                           planned_draws(run) + planned_evidence(run));
     run.monitor.advance(at.model);
     if (nested) {
-      if (!glance_in_window(run, state, *lattice)) return;
+      if (!climb_in_window(run, state, *lattice)) return;
     } else {
       for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
         run.safe_points.pass(state);
         const int m = at.models[static_cast<std::size_t>(at.model)];
         if (!std::isfinite(problem.space[m].log_prior)) continue;
-        glance(run, state, m, nullptr);
+        climb_only(run, state, m, nullptr);
         if (!run.monitor.advance(1.0)) return;
       }
     }
@@ -321,12 +322,12 @@ void explore_many(RunContext& run, RunState& state) {
     }
     explore_each(run, state, false, true);
     if (run.monitor.stopped()) return;
-    glance_again(run, state, *lattice, at.before);
+    repeat_climbs(run, state, *lattice, at.before);
     if (run.monitor.stopped()) return;
     estimate_probabilities(run, state);
     at.explore = Part::look;
   }
-  for (ModelExploration& found : state.explorations) found.passed_over = !found.looked_at();
+  for (ModelExploration& found : state.explorations) found.passed_over = !found.is_explored();
 }
 
 // For long records, on which exploration from the prior is too expensive.

@@ -19,8 +19,8 @@ namespace wheeltap::inference {
 namespace {
 
 // Prepends the draws that were saved separately to those of the checkpoint.
-void take_up_draws(const Options::Checkpoints& from, const std::filesystem::path& folder,
-                   RunState& state) {
+void prepend_saved_draws(const Options::Checkpoints& from, const std::filesystem::path& folder,
+                         RunState& state) {
   const Position& at = state.at;
   if (at.part_chains.empty()) return;
   if (!from.saved_draws)
@@ -63,12 +63,12 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
     }
     if (!move.make) throw std::invalid_argument("move '" + move.name + "': `make` is not set");
   }
-  const Options chosen = options.quick ? as_a_look(options) : options;
+  const Options chosen = options.quick ? quick_options(options) : options;
   RunContext run(problem, chosen);
   RunState state;
   if (options.checkpoints.from) {
     state = state_of(*options.checkpoints.from, problem.space, options.chains);
-    take_up_draws(options.checkpoints, options.draws_folder, state);
+    prepend_saved_draws(options.checkpoints, options.draws_folder, state);
     for (const Chain& chain : state.posterior.chains)
       if (static_cast<long>(chain.size()) > state.at.goal)
         throw CheckpointError("it has more draws than the options ask for");

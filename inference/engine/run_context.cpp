@@ -21,7 +21,7 @@ double planned_evidence(const RunContext& run) {
   return run.options.prior_only || run.space().size() > kFewModels
              ? 0.0
              : static_cast<double>(run.space().size()) *
-                   (run.options.quick ? kLookDraws : kEvidenceDraws);
+                   (run.options.quick ? kQuickDraws : kEvidenceDraws);
 }
 
 RunState begin(RunContext& run) {

@@ -27,17 +27,17 @@ inline constexpr int kDefaultThin = 4;
 /// number of draws. Tuning steps and thinning are then halved. They make the draws less correlated,
 /// at a cost of about a hundred times that of a formula, and the run continues anyway until the
 /// draws suffice.
-[[nodiscard]] inline bool is_dear(const Problem& problem, const Options& options) {
+[[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return problem.samples > 0 && options.draws == 0;
 }
 [[nodiscard]] inline int default_thin(const Problem& problem, const Options& options) {
-  return is_dear(problem, options) ? kDefaultThin / 2 : kDefaultThin;
+  return is_expensive(problem, options) ? kDefaultThin / 2 : kDefaultThin;
 }
 [[nodiscard]] inline int tuning_steps(const Problem& problem, const Options& options) {
-  return is_dear(problem, options) ? kTuningSteps / 2 : kTuningSteps;
+  return is_expensive(problem, options) ? kTuningSteps / 2 : kTuningSteps;
 }
 inline constexpr int kEvidenceDraws = 4000;  ///< of each model's mixture
-inline constexpr int kLookDraws = 500;       ///< the same in a quick run
+inline constexpr int kQuickDraws = 500;      ///< the same in a quick run
 
 /// `problem` and `options` must outlive the context. It serves only the run state of begin() or
 /// resume().
@@ -79,7 +79,7 @@ struct RunContext {
   /// returns whether it is complete. It is called again until it is complete in every chain, or the
   /// run is stopped. The state must contain all its progress.
   template <typename Job>
-  void bring_each_chain_to_its_end(RunState& state, Job&& job) {
+  void complete_each_chain(RunState& state, Job&& job) {
     for (bool all = false; !all;) {
       all = each_chain_until(state, job);
       if (monitor.stopped()) return safe_points.stop(state);
@@ -89,7 +89,7 @@ struct RunContext {
   /// Whether a job should return now.
   [[nodiscard]] bool leave() const {
     return monitor.stopped() ||
-           (base::ranks() ? base::ranks()->told_to_pause() : safe_points.due());
+           (base::ranks() ? base::ranks()->pause_requested() : safe_points.due());
   }
 
  private:

@@ -42,7 +42,7 @@ double brevity(const Options& options) {
 
 }  // namespace
 
-Options as_a_look(Options options) {
+Options quick_options(Options options) {
   constexpr int kClimbs = 16, kWarmup = 600, kDraws = 300;
   if (options.searches == 0) options.searches = kClimbs;
   if (options.warmup == 0) options.warmup = kWarmup;
@@ -68,7 +68,7 @@ double planned_searches(const Problem& problem, const Options& options) {
 }
 
 RunPlan plan_of(const Problem& problem, const Options& asked) {
-  const Options options = asked.quick ? as_a_look(asked) : asked;
+  const Options options = asked.quick ? quick_options(asked) : asked;
   const double chains = options.chains;
   const bool sets = !problem.space.kinds().empty();
   RunPlan plan;
@@ -98,7 +98,7 @@ RunPlan plan_of(const Problem& problem, const Options& asked) {
   const double draws = options.draws > 0 ? options.draws : kDefaultDraws;
   plan.sample = chains * draws * (options.thin > 0 ? options.thin : default_thin(problem, options));
   if (!options.prior_only && problem.space.size() <= kFewModels)
-    plan.evidence = problem.space.size() * (options.quick ? kLookDraws : kEvidenceDraws);
+    plan.evidence = problem.space.size() * (options.quick ? kQuickDraws : kEvidenceDraws);
   return plan;
 }
 

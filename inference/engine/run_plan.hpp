@@ -22,7 +22,7 @@ struct RunPlan {
 
 /// The options of a quick run (Options::quick): about 16 climbs per model, a thousand draws from
 /// the normals about their modes, 4 x 300 draws.
-[[nodiscard]] Options as_a_look(Options options);
+[[nodiscard]] Options quick_options(Options options);
 
 [[nodiscard]] RunPlan plan_of(const Problem& problem, const Options& options);
 

@@ -17,7 +17,7 @@
 namespace wheeltap::inference {
 
 /// Progress of a chain in a stage whose kernels adapt.
-struct Lesson {
+struct AdaptationState {
   int steps = 0;  ///< of this tuning round, or scans of a ladder
   // Tempering only:
   bool begun = false;
@@ -30,7 +30,7 @@ struct Lesson {
 };
 
 /// State of one chain. Its target and kernels are rebuilt from this and from the run's state in
-/// each round (run_context.hpp); `lesson` holds what a kernel has learned within a round.
+/// each round (run_context.hpp); `adaptation` holds what a kernel has learned within a round.
 struct ChainState {
   State state;                     ///< the current state
   long iteration = 0;              ///< steps of sampling so far: key of the next random numbers
@@ -44,14 +44,14 @@ struct ChainState {
   std::vector<MoveStatistics> moves{};       ///< counted after warm-up
   /// Jumps between models, models × models, after warm-up.
   std::vector<std::vector<long>> proposed{}, accepted{};
-  Lesson lesson{};
+  AdaptationState adaptation{};
 };
 
 /// Position in the run: what it does next. After a restart, work between two positions is repeated
 /// from the first of them with the same result.
 struct Position {
   enum class Stage { explore, tune, sample };
-  enum class Explore { begin, glance, look, search, anneal };
+  enum class Explore { begin, climb, look, search, anneal };
   enum class Sample { begin, ladder, prepare, settle, draw };
 
   Stage stage = Stage::explore;
@@ -78,7 +78,7 @@ struct Position {
 };
 
 /// Modes of a model whose shares of the draws are counted.
-struct WeightyModes {
+struct CountedModes {
   std::vector<Mode> modes;
   std::vector<Eigen::MatrixXd> precisions;
   std::vector<double> shares;
@@ -104,7 +104,7 @@ struct RunState {
   std::vector<double> sampling_bias;
 
   // Results of sampling.
-  std::vector<WeightyModes> weighty_modes;
+  std::vector<CountedModes> weighty_modes;
   std::vector<std::vector<double>> at_mixture;  ///< ln π - ln q at draws of each model's mixture
   Posterior posterior;
   long shared_evaluations = 0;  ///< likelihood calls that belong to no chain

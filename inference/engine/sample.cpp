@@ -36,7 +36,7 @@ void choose_modes(RunState& state) {
   state.weighty_modes.assign(state.explorations.size(), {});
   for (std::size_t m = 0; m < state.explorations.size(); ++m) {
     const ModelExploration& found = state.explorations[m];
-    WeightyModes& of = state.weighty_modes[m];
+    CountedModes& of = state.weighty_modes[m];
     for (std::size_t k = 0; k < found.modes.size(); ++k) {
       if (k > 0 && found.shares[k] < kLeast) continue;
       of.modes.push_back(found.modes[k]);
@@ -159,7 +159,7 @@ void reserve(Chain& chain, int goal, std::size_t dimension, const State& at) {
 // Draws until the goal is reached.
 void draw_on(RunContext& run, RunState& state) {
   const int goal = state.at.goal;
-  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
+  run.complete_each_chain(state, [&](int c, ChainState& chain, Target& target) {
     Sampler sampler(run, state, c, chain, target);
     Chain& out = state.posterior.chains[static_cast<std::size_t>(c)];
     reserve(out, goal, static_cast<std::size_t>(state.posterior.dimension), chain.state);
@@ -233,7 +233,7 @@ void count_as_tuning(RunState& state) {
 }
 
 // The largest share of draws outside the mixture, over the models above the probability limit.
-double beyond_mixtures(const Posterior& posterior) {
+double share_outside_mixtures(const Posterior& posterior) {
   double most = 0.0;
   for (std::size_t m = 0; m < posterior.found.size(); ++m) {
     const double share = posterior.found[m].beyond_mixture;
@@ -297,7 +297,7 @@ void prepare_draws(RunContext& run, RunState& state) {
   for (ChainState& chain : state.chains) {
     chain.kept.emplace(run.space());
     chain.at_mode.clear();
-    for (const WeightyModes& of : state.weighty_modes) chain.at_mode.emplace_back(of.modes.size());
+    for (const CountedModes& of : state.weighty_modes) chain.at_mode.emplace_back(of.modes.size());
     if (state.posterior.tempered_draws) {
       chain.ladder->weights.back() = state.sampling_bias;
       chain.ladder->states.back() = chain.state;
@@ -322,7 +322,7 @@ void record(const RunContext& run, const RunState& state, const Target& target, 
   out.move.push_back(static_cast<std::int16_t>(move));
   out.accepted.push_back(accepted ? 1 : 0);
   const auto m = static_cast<std::size_t>(at.model);
-  const WeightyModes& of = state.weighty_modes[m];
+  const CountedModes& of = state.weighty_modes[m];
   if (const int k = nearest_mode(of.modes, of.precisions, at.z); k >= 0) {
     ++chain.at_mode[m][static_cast<std::size_t>(k)];
   }
@@ -382,7 +382,7 @@ void sample(RunContext& run, RunState& state) {
     const bool enough = may_stop(posterior, options.balance);
     if (options.moves.independence && !posterior.tempered_draws && !options.prior_only &&
         state.at.refits < (enough ? 1 : kMostRefits) &&
-        (beyond_mixtures(posterior) > kWorthRefitting ||
+        (share_outside_mixtures(posterior) > kWorthRefitting ||
          std::ranges::any_of(posterior.found, [](const ModelFindings& found) {
            return lacks_annealed(found, kWorthFollowing);
          }))) {

@@ -38,13 +38,13 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
   run.monitor.begin(how.fitted ? "setting up the ladder" : "exploring",
                     static_cast<double>(scans) * options.chains, later);
   for (const ChainState& chain : state.chains)
-    if (state.at.tempering) run.monitor.advance(chain.lesson.scans + chain.lesson.steps);
+    if (state.at.tempering) run.monitor.advance(chain.adaptation.scans + chain.adaptation.steps);
   if (!state.at.tempering) {
-    for (ChainState& chain : state.chains) chain.lesson = {};
+    for (ChainState& chain : state.chains) chain.adaptation = {};
     state.at.tempering = true;
   }
-  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
-    Lesson& at = chain.lesson;
+  run.complete_each_chain(state, [&](int c, ChainState& chain, Target& target) {
+    AdaptationState& at = chain.adaptation;
     if (at.ended) return true;
     const int rungs = options.moves.tempering ? kExplorationRungs : 1;
     TemperedChain tempered(
@@ -120,12 +120,13 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
     target.set_model_bias(std::vector<double>(run.models(), 0.0));
     return true;
   });
-  state.posterior.warmup += state.chains.front().lesson.scans * kStepsAScan;
+  state.posterior.warmup += state.chains.front().adaptation.scans * kStepsAScan;
   double& barrier = state.posterior.barrier = 0.0;
-  for (const ChainState& chain : state.chains) barrier = std::max(barrier, chain.lesson.barrier);
+  for (const ChainState& chain : state.chains)
+    barrier = std::max(barrier, chain.adaptation.barrier);
   if (run.monitor.stopped()) return;
   state.at.tempering = false;
-  for (ChainState& chain : state.chains) chain.lesson = {};
+  for (ChainState& chain : state.chains) chain.adaptation = {};
 }
 
 void pool_ladders(const RunContext& run, RunState& state) {

@@ -51,8 +51,8 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
 // Runs a round of this length, or the rest of it, then the fit; the next round is then due.
 void tune_once(RunContext& run, RunState& state, int steps) {
   state.tuning_bias = equal_visits_bias(state.probability, kLeastTuned);
-  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
-    int& i = chain.lesson.steps;
+  run.complete_each_chain(state, [&](int c, ChainState& chain, Target& target) {
+    int& i = chain.adaptation.steps;
     if (i > 0 && i == steps) return true;
     target.set_model_bias(state.tuning_bias);
     const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
@@ -61,7 +61,7 @@ void tune_once(RunContext& run, RunState& state, int steps) {
       chain.models.clear();
       chain.records.assign(static_cast<std::size_t>(kernels->size()), {});
     } else {
-      kernels->restore(chain.lesson.learnt.at(0));
+      kernels->restore(chain.adaptation.learnt.at(0));
     }
     long before = target.evaluations();
     while (i < steps) {
@@ -83,13 +83,13 @@ void tune_once(RunContext& run, RunState& state, int steps) {
       }
       if (i % kBetweenLooks == 0 && run.leave()) break;
     }
-    chain.lesson.learnt.assign(1, kernels->learnt());
+    chain.adaptation.learnt.assign(1, kernels->learnt());
     return i == steps;
   });
   if (run.monitor.stopped()) return;
   state.at.tuned += steps;
   fit_proposals(run, state, ++state.at.round);
-  for (ChainState& chain : state.chains) chain.lesson = {};
+  for (ChainState& chain : state.chains) chain.adaptation = {};
   run.safe_points.pass(state);
 }
 
@@ -126,7 +126,7 @@ void fit_proposals(RunContext& run, RunState& state, int round) {
   if (round > 0) learn_probabilities(state, pooled.back());
   // Only the last fit is used for the draws; the first two prepare it.
   const bool last = round >= static_cast<int>(kTuning.size());
-  const bool dear = is_dear(run.problem, run.options);
+  const bool dear = is_expensive(run.problem, run.options);
   PilotOptions how{.seed = run.options.seed,
                    .round = round,
                    .threads = run.options.threads,
@@ -167,7 +167,7 @@ void tune(RunContext& run, RunState& state) {
   const auto begin_monitor = [&](const char* stage, int steps) {
     run.monitor.begin(stage, static_cast<double>(steps) * options.chains, later);
     for (const ChainState& chain : state.chains)
-      run.monitor.advance(static_cast<double>(chain.lesson.steps));
+      run.monitor.advance(static_cast<double>(chain.adaptation.steps));
   };
   if (at.round < kRounds) {
     begin_monitor("tuning", tuning_steps(run.problem, run.options));
@@ -185,7 +185,7 @@ void tune(RunContext& run, RunState& state) {
     const int longest =
         options.draws > 0 ? std::min(kLongTuning / thin, options.draws) * thin : kLongTuning;
     const bool begun = std::ranges::any_of(
-        state.chains, [](const ChainState& chain) { return chain.lesson.steps > 0; });
+        state.chains, [](const ChainState& chain) { return chain.adaptation.steps > 0; });
     if (begun || (longest > kTuning.back() &&
                   tuned_model_draws(state, options.balance) < kEnoughModelDraws)) {
       begin_monitor("tuning on", longest);

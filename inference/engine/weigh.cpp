@@ -76,7 +76,7 @@ void find_by_bridge(const RunState& state, int model, const std::vector<double>&
 
 void describe_modes(const RunContext& run, const RunState& state, int model, ModelFindings& found) {
   const auto at = static_cast<std::size_t>(model);
-  const WeightyModes& of = state.weighty_modes[at];
+  const CountedModes& of = state.weighty_modes[at];
   Target target(run.problem, true);
   for (std::size_t k = 0; k < of.modes.size(); ++k) {
     State there;
@@ -132,7 +132,7 @@ void weigh(RunContext& run, RunState& state) {
       long calls = 0;
       at_mixture =
           log_importance_ratios(run.problem, m, *state.pilot.fit->density[at],
-                                run.options.quick ? kLookDraws : kEvidenceDraws, run.options.seed,
+                                run.options.quick ? kQuickDraws : kEvidenceDraws, run.options.seed,
                                 run.options.threads, calls, [&] { return run.monitor.stopped(); });
       state.shared_evaluations += calls;
       state.posterior.calls.evidence += calls;

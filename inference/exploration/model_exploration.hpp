@@ -61,7 +61,7 @@ struct ModelExploration {
   double efficiency = 0.0;                     ///< effective_draws divided by the draws
   ExplorationCalls calls{};
 
-  [[nodiscard]] bool looked_at() const { return calls.sum() > 0; }
+  [[nodiscard]] bool is_explored() const { return calls.sum() > 0; }
   /// The best estimate of ln Z so far; -∞ if nothing was found.
   [[nodiscard]] double log_evidence() const;
   /// Whether one mode has 99 % of the probability found by the climbs and importance sampling from

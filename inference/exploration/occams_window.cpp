@@ -55,7 +55,7 @@ std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lat
   for (std::size_t at = 0; at < models; ++at) {
     const int m = static_cast<int>(at);
     const ModelExploration& found = explorations[at];
-    open[at] = std::isfinite(space[m].log_prior) && !found.looked_at();
+    open[at] = std::isfinite(space[m].log_prior) && !found.is_explored();
     asked[at] = lattice.level(m) <= kAllUpTo;
     if (open[at] || !(log_mass(space, m, found) > most)) continue;
     most = log_mass(space, m, found);
@@ -67,7 +67,7 @@ std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lat
   for (std::size_t at = 0; at < models; ++at) {
     const int m = static_cast<int>(at);
     const ModelExploration& found = explorations[at];
-    if (!found.looked_at()) continue;
+    if (!found.is_explored()) continue;
     const bool likely = log_mass(space, m, found) > most - kWindow;
     if (likely) ask(lattice.around(m));
     if (likely || height(found) > top + kHigher) ask(lattice.within(m));

@@ -100,7 +100,7 @@ class Search {
 
   // Looks for much narrower modes at the maxima of the known ones. There is no valley between the
   // two; both are kept, since each may have probability mass.
-  void look_at_summits() {
+  void search_summits() {
     const long each = summit_calls(dimension());
     const double affordable = kSummitShare * static_cast<double>(options_.budget);
     const auto most = std::min<std::size_t>(
@@ -354,7 +354,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     Search search(problem, model, options);
     search.run(options.starts);
     search.run();
-    if (options.climbs == 0 || options.climbs >= kFewestClimbs) search.look_at_summits();
+    if (options.climbs == 0 || options.climbs >= kFewestClimbs) search.search_summits();
     ModeSearch found = search.result();
     found.climbs -= std::min(found.climbs, static_cast<long>(options.starts.size()));
     return found;

@@ -22,7 +22,7 @@ class Summit {
 
   // The maximum of ln π + ½ |z|² · of_prior. Near it, minus the Hessian is the inverse of
   // `covariance`; a secant update (BFGS) corrects this in each step.
-  std::optional<Vector> look(double of_prior, Matrix covariance) {
+  std::optional<Vector> maximise(double of_prior, Matrix covariance) {
     Vector z = mode_.z, g(d_), before_g, step;
     for (int iteration = 0; iteration < kSummitSteps && !f_.stopped(); ++iteration) {
       if (!gradient(z, g)) return found_;
@@ -77,14 +77,14 @@ class Summit {
 
 std::optional<Vector> above_summit(Surface& f, const KnownMode& mode) {
   Summit summit(f, mode);
-  if (auto found = summit.look(0.0, mode.covariance)) return found;
+  if (auto found = summit.maximise(0.0, mode.covariance)) return found;
   // Minus the Hessian of the likelihood alone is smaller by the prior's, which is 1.
   const Eigen::Index d = mode.z.size();
   const Matrix precision = mode.precision - Matrix::Identity(d, d);
   const Eigen::LLT<Matrix> llt(precision);
   constexpr double kFlat = 0.1;
   if (llt.info() != Eigen::Success || !(llt.matrixLLT().diagonal().minCoeff() > kFlat)) return {};
-  return summit.look(1.0, llt.solve(Matrix::Identity(d, d)));
+  return summit.maximise(1.0, llt.solve(Matrix::Identity(d, d)));
 }
 
 }  // namespace wheeltap::inference

@@ -42,7 +42,7 @@ struct Convergence {
 /// matrix has a stationary vector. Assumes that the indicator is a Markov chain, which is nearly
 /// true.
 struct ModelProbabilities {
-  std::vector<double> mean;     ///< one a model; 0 for a model never visited
+  std::vector<double> mean;     ///< one per model; 0 for a model never visited
   std::vector<double> sd;       ///< 0 for a model never visited
   Eigen::MatrixXd transitions;  ///< counts, models × models
   /// Size of the independent sample with the same uncertainty: the mass of the Dirichlet

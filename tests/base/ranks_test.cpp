@@ -35,8 +35,8 @@ class TwoRanks : public Ranks {
   [[nodiscard]] bool meet(double) override { return true; }
   [[noreturn]] void abort(int) override { std::abort(); }
   [[nodiscard]] bool stop_agreed() const override { return agreed; }
-  [[nodiscard]] bool told_to_stop() const override { return told; }
-  [[nodiscard]] bool told_to_pause() const override { return false; }
+  [[nodiscard]] bool stop_requested() const override { return told; }
+  [[nodiscard]] bool pause_requested() const override { return false; }
 
   int shared = 0;
   bool agreed = false, told = false;

@@ -385,18 +385,18 @@ TEST(Checkpoint, AMissingMemberChangesTheRun) {
   };
   const auto tempering = [](const Checkpoint& c) {
     return first<std::uint8_t>(c, "at.tempering") == 1 &&
-           first<std::int32_t>(c, "chains.lesson.steps") > 5;
+           first<std::int32_t>(c, "chains.adaptation.steps") > 5;
   };
   const auto tuning = [](const Checkpoint& c) {
-    return stage(c) == 1 && first<std::int32_t>(c, "chains.lesson.steps") > 5 &&
+    return stage(c) == 1 && first<std::int32_t>(c, "chains.adaptation.steps") > 5 &&
            first<std::int32_t>(c, "at.tuned") > 0;
   };
   const auto drawing = [](const Checkpoint& c) {
     return stage(c) == 2 && first<std::int64_t>(c, "chains.iteration") > 20;
   };
   EXPECT_TRUE(differs(without("chains.ladder.scans", tempering)));
-  EXPECT_TRUE(differs(without("chains.lesson.learnt.each", tempering)));
-  EXPECT_TRUE(differs(without("chains.lesson.learnt.each", tuning)));
+  EXPECT_TRUE(differs(without("chains.adaptation.learnt.each", tempering)));
+  EXPECT_TRUE(differs(without("chains.adaptation.learnt.each", tuning)));
   EXPECT_TRUE(differs(without("at.tuned", tuning)));
   EXPECT_TRUE(differs(without("chains.iteration", drawing)));
   EXPECT_TRUE(differs(without("pilot.efficiencies", drawing)));

@@ -43,9 +43,9 @@ KernelFactory accepted_or_rejected(const MoveFactory& make) {
 }
 
 // A move whose ratio is replaced by 1.
-class ForgetsRatio : public Move {
+class OmitsRatio : public Move {
  public:
-  explicit ForgetsRatio(std::unique_ptr<Move> move) : move_(std::move(move)) {}
+  explicit OmitsRatio(std::unique_ptr<Move> move) : move_(std::move(move)) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
     if (!move_->propose(from, step, to)) return std::nullopt;
     return 0.0;
@@ -192,19 +192,19 @@ MoveFactory informed() {
 TEST(Invariance, BirthAndDeathFromThePrior) {
   EXPECT_GT(invariance_p_value(birth_from_prior()), kFalseAlarm);
   EXPECT_GT(invariance_p_value(birth_from_prior(), {1, 2, 2, 1}, 0.3), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(birth_from_prior())), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(birth_from_prior())), kFalseAlarm);
 }
 
 TEST(Invariance, InformedBirthAndDeath) {
   ASSERT_NE(toy_atlas(), nullptr);
   EXPECT_GT(invariance_p_value(informed<BirthDeath>()), kFalseAlarm);
   EXPECT_GT(invariance_p_value(informed<BirthDeath>(), {1, 2, 2, 1}, 0.3), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(informed<BirthDeath>())), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(informed<BirthDeath>())), kFalseAlarm);
 }
 
 TEST(Invariance, Relocation) {
   EXPECT_GT(invariance_p_value(informed<Relocation>()), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(informed<Relocation>())), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(informed<Relocation>())), kFalseAlarm);
 }
 
 TEST(Invariance, RandomWalk) {
@@ -350,7 +350,7 @@ TEST(Invariance, MixtureJumpBetweenModels) {
   const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
   const MoveFactory make = [fit] { return std::make_unique<MixtureJump>(fit, true); };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make)), kFalseAlarm);
 }
 
 TEST(Invariance, MixtureRenewalWithinAModel) {
@@ -364,14 +364,14 @@ TEST(Invariance, MixtureTransport) {
   const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
   const MoveFactory make = [fit] { return std::make_unique<MixtureTransport>(fit); };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make)), kFalseAlarm);
 }
 
 TEST(Invariance, SplitAndMerge) {
   for (const auto keeps : {SplitMerge::Keeps::sum, SplitMerge::Keeps::product_of_complements}) {
     const MoveFactory make = [keeps] { return std::make_unique<SplitMerge>(0, 0.15, keeps); };
     EXPECT_GT(invariance_p_value(make), kFalseAlarm);
-    EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+    EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make)), kFalseAlarm);
   }
 }
 
@@ -390,7 +390,7 @@ TEST(Invariance, PilotBirthAndDeath) {
   for (const MoveFactory& make : {from_pilot, from_prior}) {
     EXPECT_GT(invariance_p_value(make), kFalseAlarm);
     EXPECT_GT(invariance_p_value(make, {1, 2, 2, 1}, 0.3), kFalseAlarm);
-    EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+    EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make)), kFalseAlarm);
   }
 }
 
@@ -447,7 +447,7 @@ TEST(Invariance, Transformation) {
   EXPECT_GT(invariance_p_value(make(false)), kFalseAlarm);
   EXPECT_GT(invariance_p_value(make(false), {1, 2, 2, 1}, 0.3), kFalseAlarm);
   EXPECT_LT(invariance_p_value(make(true)), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make(false))), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make(false))), kFalseAlarm);
 }
 
 // Delayed acceptance, with and without moves that use residuals, hot and cold.
@@ -539,9 +539,9 @@ TEST(Invariance, DelayedRejection) {
             kFalseAlarm);
   // The control omits the first stage from the ratio of the second: it accepts too few points
   // beyond a rejected one.
-  class Forgets : public Kernel {
+  class OmitsFirstStage : public Kernel {
    public:
-    explicit Forgets(RandomWalk::Scales scales)
+    explicit OmitsFirstStage(RandomWalk::Scales scales)
         : Kernel("forgets"), walk_(scales), scales_(std::move(scales)) {}
     Outcome step(State& state, const Step& s) override {
       State to = state;
@@ -560,7 +560,7 @@ TEST(Invariance, DelayedRejection) {
     RandomWalk walk_;
     RandomWalk::Scales scales_;
   };
-  EXPECT_LT(kernel_p_value([&] { return std::make_unique<Forgets>(scales); }), kFalseAlarm);
+  EXPECT_LT(kernel_p_value([&] { return std::make_unique<OmitsFirstStage>(scales); }), kFalseAlarm);
 }
 
 // Kernels with additional cost are rated by accepted moves per work; cheap ones keep their weight.

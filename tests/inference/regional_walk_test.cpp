@@ -42,10 +42,10 @@ std::shared_ptr<const PilotFit> tangents() {
 }
 
 // Acceptance of 20 000 steps from the middle, and their root-mean-square distance.
-struct Journey {
+struct WalkResult {
   double acceptance, distance;
 };
-Journey journey(std::unique_ptr<Move> move) {
+WalkResult walk(std::unique_ptr<Move> move) {
   const Problem problem = ridge();
   Target target(problem, false);
   State state;
@@ -68,18 +68,18 @@ Journey journey(std::unique_ptr<Move> move) {
 }
 
 TEST(RegionalWalk, FollowsACurvedRidge) {
-  const Journey regional = journey(std::make_unique<RegionalWalk>(tangents()));
+  const WalkResult regional = walk(std::make_unique<RegionalWalk>(tangents()));
   EXPECT_GT(regional.acceptance, 0.3);
   EXPECT_GT(regional.distance, 0.1);
   // Almost no step with the covariance of the whole ridge is accepted.
   RandomWalk::Scales scales = RandomWalk::initial_scales(ridge().space);
   scales[0].back().factor << 1.0, 0.0, 0.0, std::sqrt(0.5);
-  const Journey random = journey(std::make_unique<RandomWalk>(scales));
+  const WalkResult random = walk(std::make_unique<RandomWalk>(scales));
   EXPECT_LT(random.acceptance, 0.01);
   EXPECT_LT(random.distance, 0.5 * regional.distance);
 }
 
-class ForgetsRatio : public RegionalWalk {
+class OmitsRatio : public RegionalWalk {
  public:
   using RegionalWalk::RegionalWalk;
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
@@ -125,7 +125,7 @@ double errors_in_the_middle() {
 
 TEST(RegionalWalk, LeavesTheTargetInvariant) {
   EXPECT_LT(errors_in_the_middle<RegionalWalk>(), 4.5);
-  EXPECT_GT(errors_in_the_middle<ForgetsRatio>(), 9.0);
+  EXPECT_GT(errors_in_the_middle<OmitsRatio>(), 9.0);
 }
 
 }  // namespace

@@ -137,9 +137,9 @@ class Appear : public Move {
 
 // A typical error at the bounds: from 1 it goes up or down with equal probability, from 0 always
 // up, and the ratio omits this.
-class ForgetsTheEnds : public Move {
+class OmitsTheBounds : public Move {
  public:
-  explicit ForgetsTheEnds(bool knows) : knows_(knows) {}
+  explicit OmitsTheBounds(bool knows) : knows_(knows) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
     const auto log_q = [](double z) { return -0.5 * z * z - kLogSqrt2Pi; };
     const double half = knows_ ? std::log(2.0) : 0.0;
@@ -165,7 +165,7 @@ MoveCheck checked_move(A... arguments) {
 
 TEST(CheckMove, PassesReversibleMoves) {
   for (const MoveCheck& check : {checked_move<Stretch>(1.0), checked_move<Appear>(1.0),
-                                 checked_move<ForgetsTheEnds>(true)}) {
+                                 checked_move<OmitsTheBounds>(true)}) {
     EXPECT_TRUE(check.passed) << check.words;
     EXPECT_GT(check.accepted, 500) << check.words;
     EXPECT_GT(check.beta, 0.0);
@@ -176,7 +176,7 @@ TEST(CheckMove, PassesReversibleMoves) {
 TEST(CheckMove, FindsIrreversibleMoves) {
   for (const MoveCheck& check :
        {checked_move<Stretch>(0.0), checked_move<Stretch>(2.0), checked_move<Appear>(0.0),
-        checked_move<Appear>(0.8), checked_move<ForgetsTheEnds>(false)}) {
+        checked_move<Appear>(0.8), checked_move<OmitsTheBounds>(false)}) {
     EXPECT_FALSE(check.passed) << check.words;
     EXPECT_NE(check.words.find("detailed balance is VIOLATED"), std::string::npos) << check.words;
   }

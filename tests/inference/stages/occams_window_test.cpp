@@ -107,7 +107,7 @@ Looked look(const ModelSpace& space, const Regression& data) {
     const std::vector<int> next = next_in_window(space, lattice, found);
     if (next.empty()) break;
     for (const int m : next) {
-      EXPECT_FALSE(found[static_cast<std::size_t>(m)].looked_at()) << "twice";
+      EXPECT_FALSE(found[static_cast<std::size_t>(m)].is_explored()) << "twice";
       found[static_cast<std::size_t>(m)] = all[static_cast<std::size_t>(m)];
     }
   }
@@ -116,7 +116,7 @@ Looked look(const ModelSpace& space, const Regression& data) {
   for (std::size_t m = 0; m < all.size(); ++m) {
     const double p = std::exp(all[m].log_evidence() - top);
     sum += p;
-    if (found[m].looked_at()) {
+    if (found[m].is_explored()) {
       ++out.models;
     } else {
       out.missed += p;
