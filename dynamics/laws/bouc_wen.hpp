@@ -50,12 +50,12 @@ struct BoucWen {
                          .otherwise = 0.5,
                          .symbol = "beta",
                          .words =
-                             "the share of the bend that changes sign where the motion turns back"},
+                             "the part of the bend that changes sign when the motion reverses"},
                         {.name = "gamma",
                          .unit = "1",
                          .otherwise = 0.5,
                          .symbol = "gamma",
-                         .words = "the share that does not"}}},
+                         .words = "the part that does not"}}},
       .memory = true,
       .paced = true};
 

@@ -16,10 +16,9 @@ struct Contact {
       .notes =
           "Two of them in a list, one for each side, form a gap between two stops: "
           "`[{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"opening\"}, "
-          "{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"closing\"}]`. The gap is counted "
-          "from "
-          "e = 0 and the force has no jump. A stop that the record never reached shows "
-          "only that the gap is wider than the motion.",
+          "{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"closing\"}]`. The gap is measured "
+          "from e = 0, and the force has no jump. If the motion never reaches the stop, the record "
+          "shows only that the gap is larger than the motion.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .symbol = "kc",
@@ -29,7 +28,7 @@ struct Contact {
                          .unit = "m",
                          .lower = 0.0,
                          .symbol = "g",
-                         .words = "the travel before the stop is touched",
+                         .words = "the distance to the stop",
                          .example = 0.004}}},
       .one_sided = true};
 

@@ -1,7 +1,7 @@
 // Each problem is a density of known mass g as likelihood: ln L = c + ln g - ln p under the prior
 // p, so that Z = e^c · (mass of g where p > 0), against a model without parameters and with Z = 1.
 //
-// Longer than 600 lines, since it is one list of independent entries that share the densities and
+// Longer than 600 lines: it is one list of independent entries that share the densities and
 // helper functions.
 #include "tests/inference/hard_problems.hpp"
 
