@@ -16,7 +16,7 @@ struct Table {
   RowMatrix points;             ///< runs × factors if scattered; empty for a grid
   std::string response_name;    ///< e.g. "frequency"
   std::string response_unit;    ///< e.g. "Hz"
-  /// runs × responses, rows in the order of `design()`; a row of NaN is a missing run.
+  /// Runs × responses, rows in the order of `design()`; a row of NaN is a missing run.
   RowMatrix values;
   std::vector<HoldoutError> holdout;              ///< one per response, or empty: not measured
   std::map<std::string, std::string> attributes;  ///< e.g. the emulator that the table belongs to

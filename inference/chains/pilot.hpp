@@ -62,7 +62,7 @@ struct Pilot {
   std::shared_ptr<const Archive> archive;
   std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one per kind
   RandomWalk::Scales scales;
-  /// efficiency of each kernel (kernel_efficiencies); {}: not known yet
+  /// Efficiency of each kernel (kernel_efficiencies); {}: not known yet.
   std::vector<double> efficiencies;
 };
 

@@ -52,8 +52,9 @@ void check_models(Target& target, std::uint64_t seed,
   }
   for (int m = 0; m < target.space().size(); ++m) {
     if (!std::isfinite(target.space()[m].log_prior)) continue;
-    // The first samples of a long record show cheaply which draws are impossible, but cannot prove
-    // that a draw is possible.
+    // The first samples of a long record show at lower cost that a draw is impossible. The first
+    // kTriesOfWhole draws use the whole record, so that LikelihoodError never depends on the first
+    // samples alone.
     const int tries = shortened ? kTriesOfRecord : kTries;
     State state;
     bool finite = false;

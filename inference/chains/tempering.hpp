@@ -116,8 +116,8 @@ class TemperedChain {
 /// Checks that every model with prior weight has a finite likelihood at one draw from its prior at
 /// least. Throws LikelihoodError, naming the model, after 100 000 draws without one (5000 if the
 /// problem can be shortened; all but the first 200 are then tested on its first 50 samples first).
-/// `goes_on`, if any, is called before every try with the largest share of the tries made so far;
-/// if it returns false, the remaining models are not checked.
+/// `goes_on`, if any, is called before every try with the completed share of the largest possible
+/// number of tries; if it returns false, the remaining models are not checked.
 void check_models(Target& target, std::uint64_t seed,
                   const std::function<bool(double tried)>& goes_on = {});
 

@@ -13,7 +13,7 @@ struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit
   double ess = 400.0;        ///< lower limit, all chains together
   double ess_within = 20.0;  ///< the same for the parameters of the least probable model judged
-  /// above it, chains are in different places or modes have different shares
+  /// Above it, chains are in different places or modes have different shares.
   double rhat_apart = 1.05;
   double known = 0.001;          ///< error of a probability that is negligible
   double worth_knowing = 0.004;  ///< error of a probability that is small enough to stop

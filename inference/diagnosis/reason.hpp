@@ -61,7 +61,7 @@ struct DrawsBeyondMixture {
 /// stay there.
 struct AnnealingDrawsBeyond {
   int model = 0;
-  /// share of the draws outside the mixture, by SMC and by the chains
+  /// Share of the draws outside the mixture, by SMC and by the chains.
   double annealed = 0.0, drawn = 0.0;
 };
 /// R-hat of a quantity with the same meaning in every model is too large.
@@ -77,7 +77,7 @@ struct TooFewEffectiveDraws {
 /// R-hat of a parameter within a model is too large.
 struct ParameterDisagrees {
   int model = 0;
-  /// for components of a kind "sum of …", since their order is only a label
+  /// "sum of …" for components of a kind, since their order is only a label.
   std::string parameter;
   double rhat = 0.0, limit = 0.0;
 };

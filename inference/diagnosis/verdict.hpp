@@ -30,7 +30,7 @@ struct Verdict {
   /// basin of steepest ascent and still be missed (resolution_of).
   double resolved_width = 0.0;
   int glanced = 0;  ///< models searched by climbs alone, which do not count in `resolution`
-  /// models not evaluated (ModelFindings::passed_over), which do not count either
+  /// Models not evaluated (ModelFindings::passed_over), which do not count either.
   int passed_over = 0;
   double rhat_max = std::numeric_limits<double>::quiet_NaN();
   std::string rhat_worst;  ///< its quantity

@@ -36,9 +36,9 @@ class ModelLattice {
 /// - all models up to two steps from the smallest, since some terms matter only in pairs;
 /// - the models one step above or below each model whose probability is within e^-12 (6e-6) of the
 ///   most probable one's (Madigan & Raftery 1994, JASA 89:1535, section 3, in both directions);
-/// - finally the largest model, whose maximum of the likelihood is at least that of all others.
-///   While its maximum exceeds that of the most probable model by 10 nats, the models one step
-///   within it are explored, too.
+/// - finally the largest model, whose maximum of the likelihood is at least that of all others;
+/// - the models one step within each explored model whose maximum exceeds that of the most probable
+///   model by 10 nats.
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,
                                               const std::vector<ModelExploration>& explorations);
 

@@ -5,12 +5,12 @@
 
 namespace wheeltap::inference {
 
-/// z' = z + f S u, alternating between one coordinate, chosen uniformly, and all of them, with u ~
-/// N(0, 1) or N(0, I). S are the model's scales after warm-up (for one coordinate its standard
-/// deviation). ln f is uniform between ln 10⁻³ and ln 3, independent of the state: symmetric, so
-/// the ratio is 1. A random walk with one scale suits either the mouth of a funnel (Neal 2003,
-/// Annals of Statistics 31:705, section 8) or its neck. A walk with all scales moves in both, at
-/// the cost of steps that are too long or too short.
+/// z' = z + f S u, for one coordinate, chosen uniformly, or all of them, each with probability ½,
+/// and u ~ N(0, 1) or N(0, I). S are the model's scales after warm-up (for one coordinate its
+/// standard deviation). ln f is uniform between ln 10⁻³ and ln 3, independent of the state:
+/// symmetric, so the ratio is 1. A random walk with one scale suits either the mouth of a funnel
+/// (Neal 2003, Annals of Statistics 31:705, section 8) or its neck. A walk with all scales moves in
+/// both, at the cost of steps that are too long or too short.
 class MultiscaleWalk : public Move {
  public:
   /// Uses the last block of each model, which holds all coordinates.
