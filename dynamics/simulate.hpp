@@ -90,9 +90,9 @@ struct SimulatorOptions {
   /// as the next of 1, 2, 3, 4, 6, 8, 12, … 4096 that satisfies ω h <= step_limit and γ h <= 1 for
   /// the bounds of stiffest_rates, and γ h <= 5 step_limit if that is less. For laws whose rate
   /// grows with the speed of their link (LawInfo::paced), these steps shorten with the motion, up
-  /// to kMaxPacedSubsteps, so that the product of their rate and a step is at most 1 and 5
-  /// step_limit. A vector that needs more steps fails. For `series` and `piecewise`, this is the
-  /// number of pieces per sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
+  /// to kMaxPacedSubsteps, so that the product of their rate and a step is at most 1 and at
+  /// most 5 step_limit. A vector that needs more steps fails. For `series` and `piecewise`, this is
+  /// the number of pieces per sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
   /// One step of length h shifts a frequency ω by the factor 1 - (ω h)⁴/120 and adds a damping
   /// ratio (ω h)⁵/144: 1.3e-5 and 2.2e-6 at 0.2.
