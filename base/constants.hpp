@@ -1,4 +1,4 @@
-// Numbers that every room writes down.
+// Numeric constants.
 #pragma once
 
 #include <limits>

@@ -1,14 +1,14 @@
-// Eigen, with the settings that the libraries were built with.
+// Eigen, with the settings of the library build.
 //
-// Eigen's vectors and matrices cross the libraries' boundary by value: what one side allocates the
-// other frees, and how depends on EIGEN_MALLOC_ALREADY_ALIGNED, which follows from the compiler's
-// -march unless it is set, as EIGEN_MAX_ALIGN_BYTES does. wheeltap::base sets both for whoever
-// links it; code that is compiled without them is refused here, rather than left to crash in
+// Eigen's vectors and matrices cross the library boundary by value: one side allocates memory and
+// the other frees it. The method of freeing depends on EIGEN_MALLOC_ALREADY_ALIGNED, which follows
+// from the compiler's -march unless it is set, as does EIGEN_MAX_ALIGN_BYTES. wheeltap::base sets
+// both for its users. Code compiled without them fails to compile here instead of crashing in
 // free().
 //
-// EIGEN_NO_CPUID: Eigen cuts sums of products to the sizes of the caches, which it asks of the
-// processor; their rounding, and with it every draw of a chain, would depend on the machine. With
-// it the sizes are the same everywhere.
+// EIGEN_NO_CPUID: Eigen splits sums of products by cache sizes, which it reads from the processor.
+// Rounding, and with it every draw of a chain, would depend on the machine. With this setting, the
+// sizes are the same everywhere.
 #pragma once
 
 #include "base/eigen_products.hpp"

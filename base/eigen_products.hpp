@@ -1,13 +1,13 @@
-// Products of matrices and solutions of triangular systems, compiled once.
+// Matrix products and solutions of triangular systems, compiled once.
 //
-// Eigen cuts C = A B into panels and runs them through a kernel (`gebp_kernel`; Goto & van de Geijn
-// 2008) that is a template of the scalars and the storage orders. Every source file that multiplies
-// matrices would compile the kernel anew, which was a third of the time of a build. The
-// declarations below leave that to eigen_products.cpp. They change no result: the kernel is the
-// same code, compiled with the same options.
+// Eigen divides C = A B into panels and processes them with a kernel (`gebp_kernel`; Goto & van de
+// Geijn 2008), a template of the scalar types and storage orders. Otherwise every source file with
+// a matrix product would compile the kernel, which was a third of the build time. With the
+// following declarations, only eigen_products.cpp compiles it. Results do not change: the kernel is
+// the same code, compiled with the same options.
 //
-// The names are those of Eigen 3.4. For another version, or another instruction set than the
-// library's, nothing is declared, and each source file compiles what it uses.
+// The names are those of Eigen 3.4. For another version, or an instruction set other than the
+// library's, nothing is declared, and each source file compiles its own.
 #pragma once
 
 #include <Eigen/Core>

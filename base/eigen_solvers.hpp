@@ -1,9 +1,9 @@
 // Eigen's decompositions of dense matrices of variable size, compiled once (eigen_solvers.cpp).
 //
-// Include this in place of <Eigen/Dense>, <Eigen/Cholesky>, <Eigen/LU>, <Eigen/QR>, <Eigen/SVD> and
-// <Eigen/Eigenvalues>: a source file that takes a decomposition then does not compile it. Pass the
-// decomposition a matrix, not an expression, where the expression is not needed otherwise. What one
-// or two files use (complex matrices, JacobiSVD, EigenSolver) is compiled there.
+// Include this instead of <Eigen/Dense>, <Eigen/Cholesky>, <Eigen/LU>, <Eigen/QR>, <Eigen/SVD> and
+// <Eigen/Eigenvalues>; source files then do not compile the decompositions. Pass a matrix to a
+// decomposition, not an expression, unless the expression is needed anyway. Decompositions used in
+// one or two files only (complex matrices, JacobiSVD, EigenSolver) are compiled there.
 #pragma once
 
 #include <Eigen/Dense>
@@ -33,7 +33,7 @@ WHEELTAP_SOLVER_INSTANCE template SelfAdjointEigenSolver<MatrixXd>&
 SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
 WHEELTAP_SOLVER_INSTANCE template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
 
-// What the decompositions of expressions come down to.
+// Functions called by decompositions of expressions.
 namespace internal {
 WHEELTAP_SOLVER_INSTANCE template void tridiagonalization_inplace(MatrixXd&, VectorXd&);
 WHEELTAP_SOLVER_INSTANCE template void make_block_householder_triangular_factor(

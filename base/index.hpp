@@ -1,4 +1,4 @@
-// Eigen counts with signed numbers, the containers with unsigned ones.
+// Conversion between Eigen's signed indices and the containers' unsigned ones.
 #pragma once
 
 #include <concepts>
@@ -6,7 +6,7 @@
 
 namespace wheeltap {
 
-/// i, which is not negative, as the containers count.
+/// i >= 0 as an unsigned index.
 [[nodiscard]] constexpr std::size_t index(std::integral auto i) {
   return static_cast<std::size_t>(i);
 }

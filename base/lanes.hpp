@@ -1,5 +1,5 @@
-// Elementary functions over GCC vector types (and plain double): the same operations in every lane,
-// so a lane's result does not depend on the vector's width.
+// Elementary functions for GCC vector types (and double). Every lane has the same operations, so a
+// lane's result does not depend on the vector's width.
 #pragma once
 
 #include <cmath>
@@ -27,7 +27,7 @@ template <class V>
 /// remainder is 4e-18. Relative error below 3 units in the last place.
 template <class V>
 [[gnu::always_inline]] inline V exp(V x) {
-  // Adding 1.5·2⁵² leaves the nearest integer in the low bits of the mantissa.
+  // Adding 1.5·2⁵² stores the nearest integer in the low bits of the mantissa.
   constexpr double kShift = 6755399441055744.0;
   const V shifted = x * 1.4426950408889634 + kShift;
   const V k = shifted - kShift;

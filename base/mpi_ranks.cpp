@@ -1,8 +1,9 @@
-// Ranks by MPI (plain C interface; MPI 3.1): the one file that calls it. Built as a module that
-// the program loads where mpirun has started it, so that it runs without MPI elsewhere.
+// Ranks by MPI (C interface; MPI 3.1): the only file that calls MPI. Built as a module that the
+// program loads when mpirun has started it, so that the program also runs without MPI.
 //
-// While units are shared out, the thread that joined speaks and others compute. A rank asks rank 0
-// for a unit whenever one of its threads is free; at the end each sends what it did to all.
+// During shared work, the thread that joined communicates and other threads compute. A rank
+// requests a unit from rank 0 whenever one of its threads is free; at the end, each sends its
+// outcomes to all.
 #include <mpi.h>
 
 #include <chrono>
@@ -26,16 +27,16 @@ using Clock = std::chrono::steady_clock;
 
 enum class Says : std::int64_t { want, give, none, done, stop, pause };
 
-/// What ranks say to one another while units are shared out.
+/// Message between ranks during shared work.
 struct Message {
   std::int64_t says = 0;
-  std::int64_t section = 0;  ///< which sharing out it belongs to
+  std::int64_t section = 0;  ///< number of the shared section that it belongs to
   std::int64_t unit = 0;
 };
 
-/// Sleeps a little longer each time that there was nothing to do. Where ranks share processors, one
-/// that waits must not take another's.
-class Patience {
+/// Sleeps increasingly long while there is nothing to do. If ranks share processors, a waiting rank
+/// must not occupy one.
+class Backoff {
  public:
   void reset() { wait_ = kFirst; }
   void wait() {
@@ -56,14 +57,15 @@ void append(std::string& to, std::int64_t number) {
 }
 std::int64_t take(std::string_view& from) {
   std::int64_t number = 0;
-  if (from.size() < sizeof number) throw std::logic_error("a rank's message is too short");
+  if (from.size() < sizeof number)
+    throw std::logic_error("a message from another rank is too short");
   std::memcpy(&number, from.data(), sizeof number);
   from.remove_prefix(sizeof number);
   return number;
 }
 
-/// The threads of one rank at the units it is given, and what they made of them. Where the system
-/// grants no thread they have ended before they began.
+/// The threads of one rank, which compute its units, and their outcomes. If the system grants no
+/// thread, they end without outcomes.
 class Workers {
  public:
   struct Outcome {
@@ -74,7 +76,7 @@ class Workers {
 
   Workers(int threads, const std::function<void(int)>& job, const Carriage& carriage)
       : job_(job), carriage_(carriage) {
-    const std::scoped_lock lock(mutex_);  // they wait until their number is known
+    const std::scoped_lock lock(mutex_);  // threads wait until their number is known
     enlist(pool_, threads, [this] { work(); });
     working_ = static_cast<int>(pool_.size());
   }
@@ -85,7 +87,7 @@ class Workers {
     pool_.clear();
   }
 
-  /// Threads that have begun to wait for a unit since this was last asked.
+  /// Number of threads that have begun to wait for a unit since the last call.
   [[nodiscard]] int newly_free() {
     const std::scoped_lock lock(mutex_);
     return std::exchange(free_, 0);
@@ -104,7 +106,7 @@ class Workers {
     const std::scoped_lock lock(mutex_);
     return working_ == 0;
   }
-  /// Once all have ended.
+  /// To be called after all threads have ended.
   [[nodiscard]] std::vector<Outcome>& outcomes() { return outcomes_; }
 
  private:
@@ -156,8 +158,8 @@ class MpiRanks final : public Ranks {
   [[nodiscard]] int rank() const override { return rank_; }
   [[nodiscard]] int size() const override { return size_; }
   [[nodiscard]] bool stop_agreed() const override { return agreed_; }
-  [[nodiscard]] bool told_to_stop() const override { return told_to_stop_; }
-  [[nodiscard]] bool told_to_pause() const override { return told_to_pause_; }
+  [[nodiscard]] bool stop_requested() const override { return told_to_stop_; }
+  [[nodiscard]] bool pause_requested() const override { return told_to_pause_; }
 
   void share_out(int n, int threads, const std::function<void(int)>& job,
                  const Carriage& carriage) override {
@@ -198,7 +200,7 @@ class MpiRanks final : public Ranks {
     MPI_Request request = MPI_REQUEST_NULL;
     MPI_Ibarrier(farewell_, &request);
     const auto end = Clock::now() + std::chrono::duration<double>(seconds);
-    for (Patience patience; !is_done(request); patience.wait()) {
+    for (Backoff backoff; !is_done(request); backoff.wait()) {
       if (Clock::now() >= end) return false;
     }
     return true;
@@ -210,12 +212,12 @@ class MpiRanks final : public Ranks {
   }
 
  private:
-  // Rank 0's part: the next unit to whoever asks, its own threads among them.
+  // Work of rank 0: gives the next unit to each rank that requests one, including itself.
   void hand_out(int n, Workers& workers, const Carriage& carriage) {
     std::int64_t next = 0;
     int at_work = size_ - 1;
     bool stop = false;
-    Patience patience;
+    Backoff backoff;
     while (at_work > 0 || !workers.ended()) {
       bool idle = true;
       for (int k = workers.newly_free(); k > 0; --k) {
@@ -245,15 +247,15 @@ class MpiRanks final : public Ranks {
         told_to_pause_ = true;
         send_all(Says::pause);
       }
-      idle ? patience.wait() : patience.reset();
+      idle ? backoff.wait() : backoff.reset();
     }
   }
 
-  // The others' part.
+  // Work of the other ranks.
   void ask_for(Workers& workers) {
     int asked = 0;  // and not answered
     bool wished = false;
-    Patience patience;
+    Backoff backoff;
     while (!workers.ended() || asked > 0) {
       bool idle = true;
       for (int k = workers.newly_free(); k > 0; --k, ++asked) {
@@ -284,7 +286,7 @@ class MpiRanks final : public Ranks {
         told_to_stop_ = true;
         send(Says::stop, 0, 0);
       }
-      idle ? patience.wait() : patience.reset();
+      idle ? backoff.wait() : backoff.reset();
     }
     send(Says::done, 0, 0);
   }
@@ -305,12 +307,12 @@ class MpiRanks final : public Ranks {
     append(head, told_to_stop_ || wishes_to_stop() ? 1 : 0);
     append(head, static_cast<std::int64_t>(bytes.size()));
     const std::string heads = gathered(head);
-    std::int64_t failed = n;  // the lowest
-    std::int64_t done = 0;    // the first so many: they are given in order
+    std::int64_t failed = n;  // the lowest-numbered
+    std::int64_t done = 0;    // number of completed units: they are given out in order
     std::string_view next = heads;
     for (int r = 0; r < size_; ++r) {
       if (take(next) != section_ || take(next) != n)
-        throw std::logic_error("the ranks have gone different ways");
+        throw std::logic_error("the ranks have taken different branches");
       if (take(next) != 0) agreed_ = true;
       const std::int64_t size = take(next);
       std::string theirs = r == rank_ ? std::move(bytes) : std::string();
@@ -326,7 +328,7 @@ class MpiRanks final : public Ranks {
         rest.remove_prefix(length);
       }
     }
-    if (failed == n) {  // what no rank had a thread for, each does itself
+    if (failed == n) {  // no rank had a thread for these units: every rank computes them itself
       for (; done < n; ++done) job(static_cast<int>(done));
       return;
     }
@@ -337,7 +339,7 @@ class MpiRanks final : public Ranks {
     throw std::runtime_error("unit " + std::to_string(failed) + " failed on another rank");
   }
 
-  // All ranks' bytes, which are as many on each.
+  // The bytes of all ranks, of equal length on each.
   [[nodiscard]] std::string gathered(std::string bytes) {
     std::string all(bytes.size() * static_cast<std::size_t>(size_), '\0');
     MPI_Request request = MPI_REQUEST_NULL;
@@ -347,7 +349,8 @@ class MpiRanks final : public Ranks {
     return all;
   }
 
-  // Where all ranks are here already: it goes on only as long as one asks, so no one sleeps.
+  // All ranks are here already, and the transfer progresses only while a rank polls, so do not
+  // sleep.
   void broadcast(void* bytes, std::size_t n, int from) {
     constexpr std::size_t kMost = std::size_t{1} << 30;  // MPI counts in int
     for (std::size_t at = 0; at < n; at += kMost) {
@@ -364,7 +367,7 @@ class MpiRanks final : public Ranks {
     return done != 0;
   }
   static void finish(MPI_Request& request) {
-    for (Patience patience; !is_done(request);) patience.wait();
+    for (Backoff backoff; !is_done(request);) backoff.wait();
   }
 
   void send(Says says, std::int64_t unit, int to) const {
@@ -374,7 +377,8 @@ class MpiRanks final : public Ranks {
   void send_all(Says says) const {
     for (int r = 1; r < size_; ++r) send(says, 0, r);
   }
-  // The next one of this section, if there is one. Others are of sections that have ended.
+  // Receives the next message of this section, if there is one, and discards those of earlier
+  // sections.
   bool receive(Message& message, int& from) const {
     while (true) {
       int there = 0;
@@ -397,7 +401,8 @@ class MpiRanks final : public Ranks {
 }  // namespace
 }  // namespace wheeltap::base
 
-/// What the program looks for in the module. The caller deletes it last of all.
+/// Entry point that the program looks up in the module. The caller deletes the result at program
+/// end.
 extern "C" wheeltap::base::Ranks* wheeltap_join_ranks() {
   return new wheeltap::base::MpiRanks;
 }

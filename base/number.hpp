@@ -1,4 +1,4 @@
-// Numbers in text.
+// Conversion of numbers to text.
 #pragma once
 
 #include <charconv>
@@ -7,28 +7,28 @@
 
 namespace wheeltap::base {
 
-/// The shortest text that reads back as x: "1e-70", "0.1", "nan".
+/// The shortest text that converts back to x: "1e-70", "0.1", "nan".
 [[nodiscard]] inline std::string number(double x) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, x, std::chars_format::general).ptr;
   return {text, end};
 }
 
-/// `digits` significant ones, no trailing zeros.
+/// With `digits` significant digits and without trailing zeros.
 [[nodiscard]] inline std::string significant(double x, int digits) {
   char text[40];
   std::snprintf(text, sizeof text, "%.*g", digits, x);
   return text;
 }
 
-/// `decimals` after the point.
+/// With `decimals` digits after the point.
 [[nodiscard]] inline std::string fixed(double x, int decimals) {
   char text[400];
   std::snprintf(text, sizeof text, "%.*f", decimals, x);
   return text;
 }
 
-/// All digits of a count, in threes: "123 456".
+/// All digits of a count in groups of three: "123 456".
 [[nodiscard]] inline std::string grouped(long n) {
   std::string text = std::to_string(n);
   for (auto at = static_cast<long>(text.size()) - 3; at > (n < 0 ? 1 : 0); at -= 3) {

@@ -1,4 +1,4 @@
-// Independent jobs on a few threads, and on other ranks where there are any.
+// Independent jobs on several threads, and on other ranks if there are any.
 #pragma once
 
 #include <algorithm>
@@ -13,26 +13,26 @@
 
 namespace wheeltap::base {
 
-/// As many threads as asked for; 0 is as many as the machine has.
+/// The requested number of threads; 0: as many as the machine has.
 [[nodiscard]] inline int thread_count(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-/// Adds `n` threads that do `work` to a crew, or as many as the system grants: where a limit of
-/// processes is reached (a container's, a batch system's), fewer do the same.
+/// Starts up to `n` threads that run `work`. If the system limits the number of processes
+/// (container, batch system), fewer threads do the same work.
 template <typename Work>
 void enlist(std::vector<std::jthread>& crew, int n, const Work& work) {
   try {
     for (int t = 0; t < n; ++t) crew.emplace_back(work);
   } catch (const std::system_error&) {
     return;
-  } catch (const std::bad_alloc&) {  // of a thread's own state, or its stack
+  } catch (const std::bad_alloc&) {  // for the thread's state or its stack
     return;
   }
 }
 
 /// Calls job(0), …, job(n - 1), each once, on up to `threads` threads; rethrows the first exception
-/// of the lowest-numbered job that failed.
+/// of the lowest-numbered failed job.
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job) {
   std::vector<std::exception_ptr> errors(static_cast<std::size_t>(n));
@@ -58,8 +58,8 @@ void parallel_for(int n, int threads, Job&& job) {
   }
 }
 
-/// The same where each job's outcome can be carried: the jobs are shared out among the ranks, if
-/// there are others and this is not a part of another parallel_for.
+/// The same for jobs whose outcomes can be transferred: ranks, if there are several, share the
+/// jobs, unless this call is inside another parallel_for.
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
   if (ranks() == nullptr || within().job) return parallel_for(n, threads, job);
@@ -72,13 +72,12 @@ void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
       carriage);
 }
 
-/// Whether the run is to stop, as far as this thread may know: where ranks must take the same turn,
-/// what they have agreed on; within a unit that is shared out, what any of them wishes; and, alone,
-/// `wish`.
+/// Whether the run is to stop, as far as this thread knows. Where all ranks must do the same, their
+/// common decision; within a shared unit, the request of any rank; without ranks, `wish`.
 [[nodiscard]] inline bool is_to_stop(bool wish) {
   const Ranks* all = ranks();
   if (all == nullptr) return wish;
-  return within().shared ? wish || all->told_to_stop() : all->stop_agreed();
+  return within().shared ? wish || all->stop_requested() : all->stop_agreed();
 }
 
 }  // namespace wheeltap::base

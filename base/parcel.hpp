@@ -1,4 +1,5 @@
-// Outcomes of units of work as bytes, for other ranks of the same program: no format for files.
+// Serialisation of outcomes of units of work for other ranks of the same program; not a file
+// format.
 #pragma once
 
 #include <concepts>
@@ -20,9 +21,9 @@ namespace wheeltap::base {
 template <class T>
 concept PlainNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
-/// Bytes of what it is called with, one after the other: numbers, texts, vectors and matrices of
-/// numbers, optional ones, structures with a `carry(parcel, structure)` beside them, vectors of
-/// these; of a span its numbers alone, whose number both sides know.
+/// Packs its arguments one after the other: numbers, texts, vectors and matrices of numbers,
+/// optional values, structures with a `carry(parcel, structure)` beside them, and vectors of these.
+/// A span is packed without its length, which both sides know.
 class Packer {
  public:
   template <class... T>
@@ -74,7 +75,7 @@ class Packer {
   std::string bytes_;
 };
 
-/// Takes them out again, into what has the same types in the same order.
+/// Unpacks values of the same types in the same order.
 class Unpacker {
  public:
   explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
@@ -140,8 +141,8 @@ class Unpacker {
   std::string_view bytes_;
 };
 
-/// A carriage for what `members` lists of a unit, once for both directions:
-/// `[&](int unit, auto& parcel) { parcel(x[unit], y[unit]); }`.
+/// A carriage for the values that `members` lists for a unit, for both directions: `[&](int unit,
+/// auto& parcel) { parcel(x[unit], y[unit]); }`.
 template <class Members>
 [[nodiscard]] Carriage carriage(Members members) {
   return {.pack =

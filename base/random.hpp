@@ -1,5 +1,5 @@
-// Counter-based random numbers: what a chain draws depends on (seed, chain, iteration, purpose)
-// alone, never on threads or on what was drawn before.
+// Counter-based random numbers: draws depend only on (seed, chain, iteration, purpose), not on
+// threads or earlier draws.
 #pragma once
 
 #include <Random123/philox.h>
@@ -11,7 +11,7 @@
 
 namespace wheeltap::base {
 
-/// What a stream of random numbers is for; a part of its key, so that streams never overlap.
+/// Purpose of a stream of random numbers; a part of its key, so that streams never overlap.
 enum class Purpose : std::uint32_t {
   start,
   exploration,
@@ -29,7 +29,7 @@ enum class Purpose : std::uint32_t {
 };
 
 /// A stream of Philox 4x64-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
-/// Cheap to construct: one is made for every iteration.
+/// Cheap to construct; a new one is used for every iteration.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t chain, std::uint64_t iteration, Purpose purpose)

@@ -1,10 +1,10 @@
-// Several processes that run the same program on the same input, and share its work.
+// Several processes (ranks) that run the same program on the same input and share its work.
 //
-// Every rank goes the same way through the program: it does by itself what is cheap, and a part of
-// what is dear (base::parallel_for with a Carriage), after which all ranks have all outcomes. So
-// each has the whole state at any time, nothing else needs to be sent, and rank 0 writes the files.
-// What only one rank can know (a clock, a signal, a file of results) must be asked for here, so
-// that all take the same turn.
+// Every rank executes the whole program: all cheap work, and its part of expensive work
+// (base::parallel_for with a Carriage), after which all ranks have all outcomes. Each rank thus
+// always has the complete state, no other communication is needed, and rank 0 writes the files.
+// Information that only one rank has (a clock, a signal, a result file) must be distributed by the
+// functions here, so that all ranks take the same branch.
 #pragma once
 
 #include <atomic>
@@ -15,17 +15,18 @@
 
 namespace wheeltap::base {
 
-/// How the outcome of a unit of work gets to the ranks that have not done it.
+/// Transfers the outcome of a unit of work to the ranks that did not compute it.
 struct Carriage {
-  std::function<std::string(int unit)> pack;  ///< called by the thread that did it, right after
-  std::function<void(int unit, std::string_view bytes)> unpack;  ///< by the one that asked for all
-  /// Asked by rank 0 while units are on their way: whether all are to leave their work
-  /// (Ranks::told_to_pause).
+  /// Called by the thread that computed the unit, right after it.
+  std::function<std::string(int unit)> pack;
+  /// Called by the thread that requested all units.
+  std::function<void(int unit, std::string_view bytes)> unpack;
+  /// Called by rank 0 during shared work: whether all ranks should pause (Ranks::pause_requested).
   std::function<bool()> pause = {};
 };
 
-/// One process of several. All members but the const ones are to be called by every rank, in the
-/// same order, by the thread that joined.
+/// One process of several. Every rank must call all non-const members in the same order, from the
+/// thread that joined.
 class Ranks {
  public:
   Ranks() = default;
@@ -36,29 +37,30 @@ class Ranks {
   [[nodiscard]] virtual int rank() const = 0;
   [[nodiscard]] virtual int size() const = 0;
 
-  /// Calls job(0), …, job(n - 1), each once, on some rank, by up to `threads` threads on each: the
-  /// next unit goes to whoever is free. Throws everywhere what the lowest-numbered unit that failed
-  /// threw; where it failed elsewhere, by doing it again.
+  /// Calls job(0), …, job(n - 1), each once, on some rank, by up to `threads` threads on each; the
+  /// next unit goes to the next free thread. All ranks throw the exception of the lowest-numbered
+  /// failed unit, and repeat that unit if it failed on another rank.
   virtual void share_out(int n, int threads, const std::function<void(int)>& job,
                          const Carriage& carriage) = 0;
   /// The bytes of rank 0, on every rank.
   [[nodiscard]] virtual std::string from_first(std::string bytes) = 0;
   /// Whether all ranks have the same bytes.
   [[nodiscard]] virtual bool all_have(const std::string& bytes) = 0;
-  /// Waits until all ranks have come here, at most so long; false: some have not.
+  /// Waits until all ranks have called this, at most `seconds`; false on timeout.
   [[nodiscard]] virtual bool meet(double seconds) = 0;
-  /// Ends all ranks, wherever they are.
+  /// Terminates all ranks at once.
   [[noreturn]] virtual void abort(int exit_code) = 0;
 
-  /// Any rank's wish that the run may stop, for whatever reason: `wish` is asked while work is
-  /// shared out. All agree on it at the end of that.
+  /// Sets a callback for requests to stop, called during shared work. A request of any rank becomes
+  /// the decision of all at the end of that work.
   void on_wish_to_stop(std::function<bool()> wish) { wish_ = std::move(wish); }
-  /// Any thread may.
+  /// Requests a stop. Safe to call from any thread.
   void ask_to_stop() { asked_ = true; }
   [[nodiscard]] virtual bool stop_agreed() const = 0;
-  /// For units on their way: some rank wishes to stop; rank 0 wishes them to pause.
-  [[nodiscard]] virtual bool told_to_stop() const = 0;
-  [[nodiscard]] virtual bool told_to_pause() const = 0;
+  /// During shared work: whether some rank has requested to stop; whether rank 0 has requested to
+  /// pause.
+  [[nodiscard]] virtual bool stop_requested() const = 0;
+  [[nodiscard]] virtual bool pause_requested() const = 0;
 
  protected:
   [[nodiscard]] bool wishes_to_stop() const { return asked_ || (wish_ && wish_()); }
@@ -68,28 +70,28 @@ class Ranks {
   std::atomic<bool> asked_{false};
 };
 
-/// What this process is one of; null where it is alone.
+/// The ranks of this process; null if it is the only one.
 [[nodiscard]] inline Ranks*& ranks() {
   static Ranks* all = nullptr;
   return all;
 }
 
-/// Whether this process writes what is found: it is alone, or rank 0.
+/// Whether this process writes the results: it is the only one, or rank 0.
 [[nodiscard]] inline bool is_first_rank() {
   return ranks() == nullptr || ranks()->rank() == 0;
 }
 
-/// What this thread is at.
+/// Current context of this thread.
 struct Within {
-  bool job = false;     ///< of any parallel_for: those within it stay on this thread's rank
-  bool shared = false;  ///< of one whose units are shared out: other ranks are elsewhere
+  bool job = false;     ///< inside a job of any parallel_for: nested ones stay on this rank
+  bool shared = false;  ///< inside a shared unit: other ranks execute different units
 };
 [[nodiscard]] inline Within& within() {
   static thread_local Within at;
   return at;
 }
 
-/// Marks this thread for as long as it lives.
+/// Marks this thread during the lifetime of the object.
 class Inside {
  public:
   explicit Inside(Within at) : before_(std::exchange(within(), at)) {}

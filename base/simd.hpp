@@ -1,11 +1,11 @@
-// Loops that are compiled once for each width of the vector registers and chosen at run time.
+// Loops compiled once for each vector register width and selected at run time.
 //
-// A loop that should use wide registers in a portable build lives in an implementation file that is
+// A loop that should use wide registers in a portable build is in an implementation file that is
 // compiled several times, each time with the flags of one instruction set and into a table of
-// functions (plain pointers: nothing there may pull library code into a file compiled for wide
-// registers, where the linker could pick its instance for every processor). `runnable` says which
-// of the tables this processor can run. All are compiled without contraction to fused multiply-add,
-// so that they give the same bits; tests ask for each in turn.
+// functions. These files use plain pointers only, since library code compiled for wide registers
+// could be selected by the linker for every processor. `runnable` returns the tables that this
+// processor can run. All are compiled without contraction to fused multiply-add, so that they give
+// the same bits; tests run each of them.
 #pragma once
 
 #include <cstdlib>
@@ -14,10 +14,10 @@
 
 namespace wheeltap::base {
 
-/// The vector instructions to use; `automatic` is whatever the processor has.
+/// The vector instructions to use; `automatic`: the widest that the processor has.
 enum class Instructions { automatic, baseline, avx2, avx512 };
 
-/// The environment variable that keeps `automatic` to these instructions or narrower ones:
+/// The environment variable that limits `automatic` to these instructions or narrower ones:
 /// "baseline", "avx2" or "avx512".
 inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
 
@@ -33,8 +33,8 @@ inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
   return widest;
 }
 
-/// Whether this processor has what the files of these instructions are compiled with: for avx2
-/// -mavx2, for avx512 -mavx512f -mavx512dq -mavx512vl.
+/// Whether this processor has the instructions of the compiler flags: for avx2 -mavx2, for avx512
+/// -mavx512f -mavx512dq -mavx512vl.
 [[nodiscard]] inline bool processor_has(Instructions instructions) {
   if (instructions == Instructions::automatic || instructions == Instructions::baseline)
     return true;
@@ -47,7 +47,7 @@ inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
 #endif
 }
 
-/// The tables of one set of loops; null where a build has none of these instructions.
+/// The tables of one set of loops; null if the build does not include these instructions.
 template <class Table>
 struct Compiled {
   const Table* baseline;
@@ -55,8 +55,8 @@ struct Compiled {
   const Table* avx512 = nullptr;
 };
 
-/// Those that this processor can run, the narrowest first: of `wanted` alone, or all. Empty if
-/// `wanted` cannot be had.
+/// The tables that this processor can run, the narrowest first: only `wanted`, or all. Empty if
+/// `wanted` is not available.
 template <class Table>
 [[nodiscard]] std::vector<const Table*> runnable(const Compiled<Table>& compiled,
                                                  Instructions wanted = Instructions::automatic) {

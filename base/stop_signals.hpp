@@ -1,4 +1,4 @@
-// The signals by which people, schedulers and the system ask a program to end.
+// Signals by which users, schedulers and the system request a program to end.
 #pragma once
 
 #include <array>
@@ -6,9 +6,9 @@
 
 namespace wheeltap::base {
 
-/// Ctrl-C, `kill`, a terminal that is closed; what mpirun hands on to its ranks, and clusters send
-/// before a job's time is up (Slurm by choice, Grid Engine and LSF SIGUSR2); and what the system
-/// sends at a limit of processor time, every second from then on (setrlimit(2)).
+/// Ctrl-C, `kill`, and a closed terminal; signals that mpirun forwards to its ranks, and that
+/// clusters send before the end of a job's time (Slurm optionally, Grid Engine and LSF SIGUSR2);
+/// and the signal at the limit of processor time, repeated every second (setrlimit(2)).
 inline constexpr std::array kStopSignals{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
 
 }  // namespace wheeltap::base

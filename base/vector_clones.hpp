@@ -1,8 +1,8 @@
-// Run-time dispatch of a hot loop to the processor's vector width, so that a portable build is
-// fast.
+// Run-time selection of a hot loop's vector width, for fast portable builds.
 #pragma once
 
-// GCC resolves the clones at load time, before a sanitizer's run-time is ready: no clones then.
+// Not with sanitizers: GCC resolves the clones at load time, before their run-time library is
+// ready.
 // clang-format off
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__AVX2__)

@@ -30,7 +30,7 @@ std::array<double, kMaxLawCoefficients> values(const Law& law, std::span<const d
   return c;
 }
 
-/// Whether the law's known coefficients make sense, whatever its unknown ones.
+/// Whether the law's constant coefficients are feasible for some values of the others.
 bool constants_feasible(const Law& law) {
   const LawInfo& info = law_infos()[static_cast<std::size_t>(law.kind)];
   std::array<double, kMaxLawCoefficients> c{};
@@ -124,10 +124,9 @@ std::string impossibility(const Chain& chain, std::span<const double> theta) {
       }
       if (!is_feasible(law.kind, c.data()))
         return name + ": its coefficients contradict each other";
-      if (is_dry_by_chance(law, c.data()))
+      if (has_zero_creep_speed(law, c.data()))
         return name +
-               ": velocity = 0 as a parameter's value, must be > 0 (exact friction is asked for "
-               "by leaving it out)";
+               ": velocity = 0 as a parameter's value, must be > 0 (omit it for exact friction)";
     }
   }
   return "";
@@ -156,7 +155,7 @@ LinearMatrices linear_matrices(const Chain& chain, std::span<const double> theta
 Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                      std::span<const double> extension) {
   // Row i of M⁻¹ K has absolute sum (Σ k over links at i + Σ k over links to other masses) / m_i.
-  // The memory is the thread's, since a likelihood is not to allocate.
+  // The memory is thread-local, so that a likelihood does not allocate.
   thread_local std::vector<Slopes> rows;
   rows.assign(chain.masses.size() + 1, {});
   for (std::size_t l = 0; l < chain.links.size(); ++l) {

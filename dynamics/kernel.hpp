@@ -1,26 +1,27 @@
-// Between simulate.cpp and the time loops compiled once for every vector width. Internal.
+// Interface between simulate.cpp and the time loops, which are compiled once per vector width.
+// Internal.
 #pragma once
 
 #include <cstdint>
 
 namespace wheeltap::dynamics::kernel {
 
-// The loops read plain arrays: nothing here may pull library code into a file compiled for AVX-512,
-// where the linker could pick its instance for every processor.
+// The loops use plain arrays only: library code in a file compiled for AVX-512 could be selected by
+// the linker for every processor.
 
 struct LawTerm {
   int kind = 0;
   int slot = 0;    ///< first coefficient; the side (±1) follows the last one
-  int memory = 0;  ///< index of its state, if it has one
-  int dry = -1;    ///< of exact friction: index of its pair of masses
+  int memory = 0;  ///< index of its internal state, if it has one
+  int dry = -1;    ///< for exact friction: index of its pair of masses
 };
 
 struct LinkTerm {
   int a = 0, b = 0;
   int slot = 0;       ///< stiffness, damping
-  int pace_slot = 0;  ///< rate of its laws a unit of its speed [1/m], see chain.hpp
+  int pace_slot = 0;  ///< rate of its laws per unit of its speed [1/m], see chain.hpp
   int law_begin = 0, law_end = 0;
-  bool turning = false;  ///< a law with memory is among these: it has a corner where ė = 0
+  bool turning = false;  ///< has a law with memory, which has a corner at ė = 0
 };
 
 struct DriveTerm {
@@ -33,13 +34,13 @@ struct DriveTerm {
 struct SensorTerm {
   int mass = 0;
   int quantity = 0;              ///< time derivatives
-  const double* base = nullptr;  ///< null: relative. Of every sample of the excitation.
+  const double* base = nullptr;  ///< null: relative. One value per sample of the excitation.
   int base_slot = 0;             ///< scale, offset
   const double* observed = nullptr;
-  int slot = 0;  ///< scale, offset of what was observed
+  int slot = 0;  ///< scale and offset of the observed signal
 };
 
-/// The work for one group of parameter vectors, one a lane.
+/// The work for one group of parameter vectors, one per lane.
 struct Task {
   int masses = 0, links = 0, laws = 0, drives = 0, sensors = 0, memories = 0;
   int frictions = 0;  ///< pairs of masses with exact friction between them
@@ -47,41 +48,40 @@ struct Task {
   const LawTerm* law = nullptr;
   const DriveTerm* drive = nullptr;
   const SensorTerm* sensor = nullptr;
-  bool serial = false;  ///< link i joins masses i and i + 1, and there are no others
-  int only_law = -1;    ///< the kind of all laws, if they are of one kind
+  bool serial = false;  ///< link i joins masses i and i + 1, and there are no other links
+  int only_law = -1;    ///< the kind of all laws, if they have the same
   double step = 0.0;    ///< time between two samples of the excitation [s]
   std::int64_t samples = 0;
   int stride = 1;
-  std::int64_t lead_in = 0;  ///< samples of the response that are not scored
+  std::int64_t lead_in = 0;  ///< samples of the response before scoring begins
   int substeps = 1;
-  bool turning = false;  ///< LinkTerm::turning, of any
-  bool paced = false;    ///< laws whose rate grows with the speed of their link are among them
+  bool turning = false;  ///< LinkTerm::turning of any link
+  bool paced = false;    ///< some law has a rate that grows with the speed of its link
   double pace = 0.0;     ///< largest product of their rates and a step
-  int most_steps = 1;    ///< that a lane may take in a sample
+  int most_steps = 1;    ///< per lane and sample
   int degree = 0;        ///< of the Taylor series, 2 … kMaxDegree
-  int halvings = 0;      ///< of the step, in the exponential of the exact solution
+  int halvings = 0;  ///< number of halvings of the step in the exponential of the exact solution
   double bound = 0.0;
   int initial_slot = 0;  ///< displacements, then velocities; masses are slots 0, 1, …
 
   /// coefficients[slot · W + lane], 64-byte aligned like everything below.
   const double* coefficients = nullptr;
   double* scratch = nullptr;  ///< scratch_size(…) · W doubles
-  double* sums = nullptr;     ///< [sensor][lane]; or null: then the trajectory is stored
-  /// [sensor][lane], or null. A lane whose weighted sum exceeds its limit, [lane], is given up: it
-  /// fails.
+  double* sums = nullptr;     ///< [sensor][lane]; null: store the trajectory
+  /// [sensor][lane], or null. A lane whose weighted sum exceeds its limit, [lane], fails at once.
   const double* weights = nullptr;
   const double* limit = nullptr;
   double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]
-  double* failed = nullptr;      ///< [lane]: 0, or why
+  double* failed = nullptr;      ///< [lane]: 0, or the reason
 };
 
-/// What `failed` says.
+/// Values of `failed`.
 inline constexpr double kDiverged = 1.0, kStepsTooLong = 2.0;
 
 inline constexpr int kMaxMasses = 64;
 inline constexpr int kMaxMemories = 64;
 inline constexpr int kMaxThresholds = 4;   ///< each doubles the number of regimes
-inline constexpr int kMaxPolynomials = 8;  ///< links with such laws that series can have
+inline constexpr int kMaxPolynomials = 8;  ///< largest number of links with such laws for series
 inline constexpr int kMaxFrictions = 8;    ///< pairs of masses with exact friction between them
 inline constexpr int kMaxDegree = 12;
 
@@ -91,7 +91,7 @@ constexpr int scratch_size(int masses, int inputs, int sensors) {
   return 3 * n * n + masses * (n + inputs) + 4 * n * inputs + sensors * (n + inputs) + inputs + n;
 }
 
-/// The same for one that switches.
+/// The same for the exact solution between switches.
 constexpr int scratch_size(int masses, int inputs, int sensors, int thresholds) {
   const int n = 2 * masses;
   return scratch_size(masses, inputs + 1, sensors) + inputs +

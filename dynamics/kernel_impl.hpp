@@ -1,7 +1,8 @@
-// The time loops over vectors of parameter sets. Included by each kernel_*.cpp, which first defines
-//   WHEELTAP_KERNEL        a namespace of its own, so that no two instruction sets share a symbol,
+// The time loops over vectors of parameter sets. Each kernel_*.cpp includes this file and first
+// defines
+//   WHEELTAP_KERNEL        its own namespace, so that no two instruction sets share a symbol,
 //   WHEELTAP_KERNEL_TABLE  the name of its table of functions (base/simd.hpp),
-//   WHEELTAP_LANES         how many doubles a vector holds.
+//   WHEELTAP_LANES         the number of doubles in a vector.
 // Compiled without contraction to fused multiply-add: every width gives the same bits.
 #pragma once
 

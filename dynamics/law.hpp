@@ -1,4 +1,4 @@
-// What every force law of a link has in common: its coefficients, its name, its stiffest branch.
+// Common parts of the force laws of a link: coefficients, description, largest slopes.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace wheeltap::dynamics {
 
-/// A number of the model: known, or entry `parameter` of the parameter vector given at each
+/// A number of the model: a constant, or entry `parameter` of the parameter vector of each
 /// evaluation.
 struct Coefficient {
   double value = 0.0;
@@ -58,10 +58,10 @@ struct LawCoefficient {
   double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< NaN: must be given
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  bool above_lower = false;      ///< `lower` itself makes no sense (a division by it)
+  bool above_lower = false;      ///< `lower` itself is excluded (the law divides by it)
   std::string_view symbol = {};  ///< in the law's formula
-  std::string_view words = {};   ///< what it stands for
-  double example = 1.0;          ///< for a spring of 2000 N/m that moves by a centimetre
+  std::string_view words = {};   ///< its meaning
+  double example = 1.0;          ///< for a spring of 2000 N/m and motions of a centimetre
 
   [[nodiscard]] constexpr bool required() const { return otherwise != otherwise; }
   /// Whether the value is finite and within the bounds.
@@ -71,16 +71,16 @@ struct LawCoefficient {
   }
 };
 
-/// A law's own description. Coefficients are listed in the order in which the law reads them.
+/// Description of a law. Coefficients are listed in the order in which the law reads them.
 struct LawInfo {
   std::string_view name;         ///< its key in a case file
-  std::string_view formula;      ///< plain text, e the extension, ė its rate, T > 0 pulls
-  std::string_view description;  ///< what it stands for, half a sentence
-  std::string_view notes = {};   ///< what else its user should know, whole sentences
+  std::string_view formula;      ///< plain text; e: extension, ė: its rate, T > 0: tension
+  std::string_view description;  ///< its meaning, half a sentence
+  std::string_view notes = {};   ///< further advice, whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
   bool one_sided =
-      false;  ///< takes a side; written for opening, closing is T(e, ė) = -T_open(-e, -ė)
-  bool memory = false;  ///< carries one state of its own
+      false;            ///< has a side; defined for opening, closing is T(e, ė) = -T_open(-e, -ė)
+  bool memory = false;  ///< has an internal state
   bool paced = false;   ///< has rates that grow with the speed of its link (Slopes)
 
   [[nodiscard]] constexpr int size() const {
@@ -90,13 +90,13 @@ struct LawInfo {
   }
 };
 
-/// What the choice of the time step needs: the steepest slopes of a law over |e| <= e_max, and for
-/// a paced law what grows with |ė|.
+/// Data for the choice of the time step: the largest slopes of a law over |e| <= e_max, and for a
+/// paced law their growth with |ė|.
 struct Slopes {
   double stiffness = 0.0;          ///< |∂T/∂e| [N/m]
-  double damping = 0.0;            ///< |∂T/∂ė| at ė = 0 or wherever it is bounded [N s/m]
-  double damping_per_speed = 0.0;  ///< by which |∂T/∂ė| grows with |ė| [N s²/m²]
-  double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's own state [1/m]
+  double damping = 0.0;            ///< |∂T/∂ė| at ė = 0, or its bound [N s/m]
+  double damping_per_speed = 0.0;  ///< growth of |∂T/∂ė| with |ė| [N s²/m²]
+  double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's internal state [1/m]
 };
 
 /// A list of types, here of laws.

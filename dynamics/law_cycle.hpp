@@ -1,4 +1,4 @@
-// What a law answers to a motion that is given: the curve or loop by which it is known.
+// Response of a law to a prescribed motion: its curve or hysteresis loop.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,12 @@
 
 namespace wheeltap::dynamics {
 
-/// A link's extension moved as e(t) = A sin(2π t / T).
+/// Extension of a link, e(t) = A sin(2π t / T).
 struct Cycle {
   double amplitude = 0.01;  ///< A [m]
   double period = 1.0;      ///< T [s]
-  int before = 2;           ///< cycles that are run first, for a law with memory to settle
-  int points = 240;         ///< of the cycle that is returned, both ends included
+  int before = 2;           ///< preceding cycles, for a law with memory to become steady
+  int points = 240;         ///< of the returned cycle, both ends included
 };
 
 struct CyclePoint {
@@ -21,8 +21,8 @@ struct CyclePoint {
   double tension = 0.0;    ///< [N]
 };
 
-/// T along the last cycle, for a law whose coefficients are all known. The state of a law with
-/// memory follows by the classical Runge-Kutta step, 20 of them a point.
+/// T along the last cycle, for a law whose coefficients are all constant. The state of a law with
+/// memory is integrated by the classical Runge-Kutta scheme with 20 steps per point.
 [[nodiscard]] std::vector<CyclePoint> law_cycle(const Law& law, const Cycle& cycle);
 
 }  // namespace wheeltap::dynamics

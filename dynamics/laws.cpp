@@ -31,7 +31,7 @@ bool is_dry(const Law& law) {
   return dry;
 }
 
-bool is_dry_by_chance(const Law& law, const double* c) {
+bool has_zero_creep_speed(const Law& law, const double* c) {
   bool zero = false;
   LawList::visit(law.kind, [&]<class L>(L) {
     if constexpr (kFriction<L>) zero = c[L::kCreep] == 0.0;
@@ -64,7 +64,7 @@ Law make_law(std::string_view name, std::span<const Coefficient> coefficients, S
     }
     return law;
   }
-  throw std::invalid_argument("no force law is called '" + std::string(name) + "'");
+  throw std::invalid_argument("unknown force law '" + std::string(name) + "'");
 }
 
 }  // namespace wheeltap::dynamics

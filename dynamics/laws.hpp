@@ -1,4 +1,4 @@
-// The force laws a link may have: how they are described and made. Their list is laws/list.hpp.
+// Access to the force laws of laws/list.hpp: descriptions, properties and construction.
 #pragma once
 
 #include <initializer_list>
@@ -10,8 +10,8 @@
 
 namespace wheeltap::dynamics {
 
-/// Whether a law is linear on either side of a threshold, so that a chain can be solved exactly
-/// between the switches.
+/// Whether a law is linear on both sides of a threshold, so that the chain has an exact solution
+/// between switches.
 template <class Law>
 inline constexpr bool kPiecewiseLinear = Law::kInfo.one_sided&& requires(const double* c) {
   Law::threshold(c);
@@ -30,14 +30,14 @@ inline constexpr bool kFriction = requires(const double* c) {
   Law::kCreep;
 };
 
-/// Whether a law is exact dry friction: its creep speed is known to be 0.
+/// Whether a law is exact dry friction: its creep speed is the constant 0.
 [[nodiscard]] bool is_dry(const Law& law);
-/// Whether a creep speed that is a parameter is 0 among the coefficients: such friction is not
-/// located, and no steps would be short enough for it.
-[[nodiscard]] bool is_dry_by_chance(const Law& law, const double* c);
+/// Whether a creep speed given by a parameter is 0 at these coefficients. Stick and slip of such
+/// friction are not located, and no step would be short enough.
+[[nodiscard]] bool has_zero_creep_speed(const Law& law, const double* c);
 
-/// Whether coefficients [N, m, s …] make sense for a law: each is finite and within its bounds, and
-/// together they are what `feasible`, where the law has one, asks for.
+/// Whether coefficients [N, m, s …] are feasible for a law: each is finite and within its bounds,
+/// and all together satisfy `feasible`, if the law has it.
 template <class L>
 [[nodiscard]] bool is_feasible(const double* c) {
   for (int i = 0; i < L::kInfo.size(); ++i)
@@ -52,8 +52,8 @@ template <class L>
 /// The descriptions of all laws, in the order of Law::kind.
 [[nodiscard]] std::span<const LawInfo> law_infos();
 
-/// The law called `name`, its coefficients in the order of its LawInfo; missing ones at the end
-/// take their default. Throws std::invalid_argument for an unknown name, too many or too few
+/// Makes the law called `name`, with coefficients in the order of its LawInfo; missing ones at the
+/// end get their default. Throws std::invalid_argument for an unknown name, too many or too few
 /// coefficients.
 [[nodiscard]] Law make_law(std::string_view name, std::span<const Coefficient> coefficients,
                            Side side = Side::opening);

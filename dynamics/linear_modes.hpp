@@ -10,18 +10,18 @@ namespace wheeltap::dynamics {
 
 /// An oscillation of the free chain, z = φ exp(λ t) with a pair of complex eigenvalues λ.
 struct LinearMode {
-  double frequency_hz;   ///< |λ| / 2π, the undamped one where damping is proportional
-  double damping_ratio;  ///< -Re λ / |λ|; negative for a motion that grows
+  double frequency_hz;   ///< |λ| / 2π; the undamped frequency for proportional damping
+  double damping_ratio;  ///< -Re λ / |λ|; negative for a growing motion
 };
 
 /// Modes of
 ///
 ///   M z̈ + C ż + K z = 0,
 ///
-/// the chain without its laws beside stiffness and damping (springs beyond a gap and powers of the
-/// extension vanish at rest; of friction and hysteresis it says nothing), in the order of their
-/// frequency: complex pairs of eigenvalues of [0 1; -M⁻¹K -M⁻¹C]. A motion that does not oscillate
-/// (rigid, overdamped, unstable at rest) is not among them. Masses must be > 0.
+/// in order of frequency: complex pairs of eigenvalues of [0 1; -M⁻¹K -M⁻¹C]. Only the links'
+/// stiffness and damping enter. (Springs beyond a gap and powers of the extension vanish at rest;
+/// friction and hysteresis are ignored.) Motions without oscillation (rigid, overdamped, unstable
+/// at rest) are omitted. Masses must be > 0.
 [[nodiscard]] std::vector<LinearMode> linear_modes(const Chain& chain,
                                                    std::span<const double> theta);
 

@@ -1,4 +1,4 @@
-// The law of a link as a curve: tension against extension, and against its rate.
+// The law of a link as a curve of tension against extension or its rate.
 #pragma once
 
 #include <span>
@@ -7,13 +7,12 @@
 
 namespace wheeltap::dynamics {
 
-/// T(e, 0) = stiffness · e + Σ laws(e, 0) [N] of a link held at the extension e [m]. Damping and
-/// friction need a rate and count nothing; nor does a law with memory, whose tension depends on how
-/// it got there.
+/// T(e, 0) = stiffness · e + Σ laws(e, 0) [N] of a link at rest at the extension e [m]. Damping and
+/// friction do not contribute, nor do laws with memory, whose tension depends on the history.
 [[nodiscard]] double resting_tension(const Link& link, std::span<const double> theta, double e);
 
 /// T(e, ė) = stiffness · e + damping · ė + Σ laws(e, ė) [N] of a link at the extension e [m] and
-/// the rate ė [m/s]; laws with memory count nothing here, either.
+/// the rate ė [m/s]; laws with memory do not contribute.
 [[nodiscard]] double tension(const Link& link, std::span<const double> theta, double e,
                              double rate);
 

@@ -15,7 +15,7 @@ using detail::fail, detail::Key, detail::kInfeasible, detail::kTooManySteps,
 
 namespace {
 
-/// 64-byte aligned memory that grows and is kept by its thread.
+/// 64-byte aligned memory that grows and stays with its thread.
 class Scratch {
  public:
   double* take(std::size_t doubles) {
@@ -34,7 +34,7 @@ class Scratch {
   std::size_t size_ = 0;
 };
 
-/// What one thread needs to evaluate a batch.
+/// Memory of one thread to evaluate a batch.
 struct ThreadMemory {
   Scratch coefficients, exact, trajectory;
   std::vector<double> values;  ///< [set][slot]
@@ -47,11 +47,12 @@ ThreadMemory& thread_memory() {
   return memory;
 }
 
-/// The longest piece of a series [1/ω], at the usual step limit or more.
+/// The longest piece of a series [1/ω], at the usual or a higher step limit.
 constexpr double kLongestPiece = 0.7;
 
-/// Of a series whose piece is x/ω long, so that of a velocity at most xᴰ/D! = 3e-10 is lost in a
-/// piece; a cubic spring alone has its nearest pole at 3.2/ω, which costs about (x/3.2)ᴰ⁺¹.
+/// Degree of a series for a piece of length x/ω: the truncation error of a velocity is at most
+/// xᴰ/D! = 3e-10 per piece. A cubic spring alone has its nearest pole at 3.2/ω, with an error of
+/// about (x/3.2)ᴰ⁺¹.
 int degree_of_series(double x) {
   return x <= 0.15 ? 7 : x <= 0.35 ? 9 : kernel::kMaxDegree;
 }
@@ -72,7 +73,7 @@ Outcome outcome_of(double failed) {
                                            : Outcome::diverged;
 }
 
-/// `frequency` and `damping` in a sample.
+/// `frequency` and `damping` per sample.
 Key with_halvings(Key key, double frequency, double damping) {
   const double norm = std::max(1.0, frequency * frequency + damping);
   key.halvings = 1 + static_cast<int>(std::ceil(std::log2(norm)));
@@ -88,7 +89,8 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
     for (const Law& law : link.laws) {
       std::array<double, kMaxLawCoefficients> c;
       for (std::size_t i = 0; i < c.size(); ++i) c[i] = law.coefficients[i].at(theta);
-      if (!is_feasible(law.kind, c.data()) || is_dry_by_chance(law, c.data())) return kInfeasible;
+      if (!is_feasible(law.kind, c.data()) || has_zero_creep_speed(law, c.data()))
+        return kInfeasible;
     }
   const bool exact = integrator == Integrator::exact;
   if (integrator == Integrator::runge_kutta && options.substeps > 0)
@@ -98,8 +100,8 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
   if (!std::isfinite(frequency) || !std::isfinite(damping)) return kInfeasible;
   if (exact) return with_halvings({}, frequency, damping);
   const double fastest = std::max(frequency, damping);
-  // Counts come in few numbers: those of a refined simulator are its factor times as many, even
-  // where the limit alone would not change them.
+  // A refined simulator takes `refinement` times the steps of the coarse one, even if rounding to
+  // the allowed counts would give fewer.
   const auto at_least_refined = [&](const auto& steps) {
     const int coarse = ladder(steps(options.step_limit * options.refinement));
     const int count = std::max(ladder(steps(options.step_limit)), options.refinement * coarse);
@@ -116,7 +118,7 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
   });
   if (pieces < 0) return kTooManySteps;
   int degree = degree_of_series(fastest / pieces);
-  // What holds a link that sticks is a series of two terms less.
+  // The tension of a sticking link is a series with two terms less.
   if (task.frictions > 0) degree = std::min(degree + 2, kernel::kMaxDegree);
   const Key key{.substeps = pieces, .degree = degree};
   return integrator == Integrator::series ? key : with_halvings(key, frequency, damping);
@@ -181,7 +183,7 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
     const Key group = memory.order[begin].first;
     std::size_t end = begin;
     while (end < count && end - begin < most && memory.order[end].first == group) ++end;
-    // The narrowest kernel that holds the group: a wide vector costs more than a narrow one.
+    // The narrowest kernel that holds the group, since wider vectors cost more.
     const kernel::Kernel& kernel = **std::find_if(
         kernels.begin(), kernels.end() - 1,
         [&](const kernel::Kernel* k) { return static_cast<std::size_t>(k->lanes) >= end - begin; });

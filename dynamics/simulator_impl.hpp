@@ -1,4 +1,4 @@
-// What simulate.cpp, simulator_setup.cpp and misfit.cpp share. Internal.
+// Declarations shared by simulate.cpp, simulator_setup.cpp and misfit.cpp. Internal.
 #pragma once
 
 #include <compare>
@@ -16,33 +16,33 @@ namespace detail {
 /// Throws std::invalid_argument.
 [[noreturn]] void fail(const std::string& what);
 
-/// Throws unless there are `sets` vectors of at least so many parameters each.
+/// Throws unless there are `sets` vectors of at least `parameters` numbers each.
 void require_parameters(std::span<const double> thetas, int sets, int parameters);
 
-/// The kernels to choose from, narrowest first: the one asked for, or all that this processor has.
+/// The available kernels, narrowest first: the requested one, or all that this processor can run.
 [[nodiscard]] std::vector<const kernel::Kernel*> make_kernels(Instructions instructions);
 
 [[nodiscard]] int count_thresholds(const Chain& chain);
 
-/// The pairs of masses, smaller number first, with exact friction between them, in the order of the
+/// The pairs of masses with exact friction between them, smaller number first, in the order of the
 /// links.
 [[nodiscard]] std::vector<std::pair<int, int>> frictions(const Chain& chain);
 
-/// At which γ h <= 1 for damping rates γ; where it is lower, they have steps shorter in
+/// Limits γ h <= 1 for damping rates γ; for a lower step limit, these steps are shorter in
 /// proportion.
 inline constexpr double kUsualStepLimit = 0.2;
 
-/// What a group of parameter vectors must have in common.
+/// Step parameters that the vectors of a group must share.
 struct Key {
   int substeps = 0, halvings = 0, degree = 0;
   auto operator<=>(const Key&) const = default;
 };
 
 inline constexpr Key kInfeasible{-1, -1, -1};
-/// Steps would be more than kMaxSubsteps.
+/// More than kMaxSubsteps steps would be needed.
 inline constexpr Key kTooManySteps{-2, -1, -1};
 
-/// What became of one set, and where it is in the memory of `task`.
+/// Outcome of one set, and its lane in the memory of `task`.
 struct Lane {
   std::size_t set = 0;
   Key key;
@@ -50,11 +50,11 @@ struct Lane {
   std::size_t lane = 0, lanes = 1;
 };
 
-/// A reference to what is called for every set.
+/// A reference to a function that is called for every set.
 class Receiver {
  public:
   template <class F>
-  Receiver(const F& f)  // NOLINT: stands for the function
+  Receiver(const F& f)  // NOLINT: implicit, like the function
       : object_(&f), call_([](const void* object, const Lane& lane, const kernel::Task& task) {
           (*static_cast<const F*>(object))(lane, task);
         }) {}
@@ -99,9 +99,9 @@ struct Simulator::Impl {
   [[nodiscard]] detail::Key key(std::span<const double> theta) const;
   [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
 
-  /// Runs the sets in groups of equal key; receive(lane, task) for each of them after its group.
-  /// With `sums` false the trajectory is left in task.trajectory. `weights`, of each set's sensors,
-  /// and `limits`, of each set: kernel::Task::weights; or empty.
+  /// Runs the sets in groups of equal key and calls receive(lane, task) for each set after its
+  /// group. If `sums` is false, task.trajectory holds the trajectory. `weights` of each set's
+  /// sensors and `limits` of each set as in kernel::Task::weights, or empty.
   void run(std::span<const double> thetas, int sets,
            const std::vector<kernel::SensorTerm>& sensor_terms,
            std::span<const Coefficient> all_slots, int lead_in, bool sums, detail::Receiver receive,

@@ -1,4 +1,4 @@
-// How a simulator is checked, and compiled into the flat tables that the kernels read.
+// Validation of a simulator's input, and its conversion to the flat tables that the kernels read.
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -51,8 +51,8 @@ std::vector<const kernel::Kernel*> make_kernels(Instructions instructions) {
   compiled.avx512 = &kernel::kAvx512Kernel;
 #endif
   auto kernels = base::runnable(compiled, instructions);
-  if (kernels.empty()) fail("this processor lacks the vector instructions asked for");
-  // Two lanes cost as much as four where there are four.
+  if (kernels.empty()) fail("this processor lacks the requested vector instructions");
+  // If four lanes are available, two cost as much as four.
   if (kernels.size() > 1) kernels.erase(kernels.begin());
   return kernels;
 }

@@ -7,7 +7,7 @@ namespace wheeltap::dynamics {
 
 namespace {
 
-/// What a run of steps that may be too long is tried again with.
+/// Factor on the number of steps for a retry after a failed run.
 constexpr int kMuchFiner = 4;
 constexpr int kMostRetries = 3;
 
@@ -43,8 +43,8 @@ double change(const Eigen::MatrixXd& coarse, const Eigen::MatrixXd& fine) {
   return largest;
 }
 
-/// A first pass with all masses' motion: options with which the chain can be integrated, and the
-/// extensions of its links; or why not.
+/// A first pass with the motion of all masses. Returns options with which the chain can be
+/// integrated and the extensions of its links, or the reason for failure.
 std::pair<SimulatorOptions, Outcome> first_pass(const Simulator& simulator,
                                                 std::span<const double> theta) {
   std::vector<Sensor> masses;
@@ -61,7 +61,7 @@ std::pair<SimulatorOptions, Outcome> first_pass(const Simulator& simulator,
   }
   SimulatorOptions options = motion.options();
   if (response.failed) return {options, response.outcome};
-  if (simulator.options().substeps > 0)  // the given steps are kept, and are at fault
+  if (simulator.options().substeps > 0)  // the user fixed the steps, so report them as too long
     return {simulator.options(), first == Outcome::complete ? first : Outcome::steps_too_long};
   if (!simulator.chain().is_linear())
     options.extension = extensions(simulator.chain(), response.values);
@@ -88,7 +88,8 @@ CheckedResponse checked_response(const Simulator& simulator, std::span<const dou
     Simulator finer = can_refine(now.options(), 2) ? now.refined(2) : now;
     Response better = finer.simulate(theta);
     if (better.failed || !can_refine(now.options(), 2)) {
-      // More steps than there may be: then those twice as long bound the change from above.
+      // The maximum number of steps is exceeded: the change from steps twice as long is an upper
+      // bound.
       if (halvings > 0) break;
       const Response worse = coarsened(now).simulate(theta);
       if (worse.failed) return fail(Outcome::steps_too_long);

@@ -1,4 +1,4 @@
-// A simulated response whose steps are short enough, and known to be.
+// Simulation with a step length verified by step halving.
 #pragma once
 
 #include <span>
@@ -11,24 +11,24 @@ namespace wheeltap::dynamics {
 ///
 ///   ‖r - r'‖ / ‖r'‖,   r' the response with steps half as long.
 struct StepCheck {
-  double wanted = 1e-6;     ///< steps are halved until the change is at most this …
-  int most_halvings = 8;    ///< … or this often,
-  double tolerated = 1e-3;  ///< and a change beyond this is Outcome::steps_too_long.
+  double wanted = 1e-6;     ///< steps are halved until the change is at most this,
+  int most_halvings = 8;    ///< or this number of times;
+  double tolerated = 1e-3;  ///< a larger change gives Outcome::steps_too_long
 };
 
 struct CheckedResponse {
-  /// Its outcome tells apart what a single integration cannot: it has diverged only if it does so
-  /// with steps a quarter as long, too; else its steps were too long.
+  /// Unlike for a single integration, the outcome is `diverged` only if the response also diverges
+  /// with steps a quarter as long; else it is `steps_too_long`.
   Response response;
-  double change = 0.0;  ///< 0 for the exact solution, whose steps lose nothing
-  /// What gave the response: with the extensions of its links, and the step limit that sufficed.
+  double change = 0.0;  ///< 0 for the exact solution, which has no truncation error
+  /// Options of this response: extensions of its links, and the step limit that sufficed.
   SimulatorOptions options;
 };
 
-/// The response of the simulator's chain with steps chosen by this motion: the extensions that its
-/// nonlinear laws see are taken from a first pass, and steps are halved (or series taken, where the
-/// laws let them) as StepCheck says. A number of substeps that the simulator's options fix is kept,
-/// and only its change told.
+/// The response of the simulator's chain with steps chosen for this motion. A first pass gives the
+/// extensions for its nonlinear laws; then steps are halved (or series used, if the laws allow) as
+/// StepCheck specifies. If the simulator's options fix the number of substeps, it is kept, and the
+/// result gives the change only.
 [[nodiscard]] CheckedResponse checked_response(const Simulator& simulator,
                                                std::span<const double> theta,
                                                const StepCheck& check = {});

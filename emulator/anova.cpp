@@ -80,7 +80,7 @@ void AnovaEmulator::evaluate(std::span<const double> x, std::span<double> out) c
   if (count == 1) return single_(x, out);
   if (count == 2) return pair_(x, out);
 
-  // One answer of a part and the two components asked for; a thread keeps them between calls.
+  // Thread-local storage of one prediction and the two components of its arguments.
   thread_local std::vector<double> part, both;
   part.resize(responses());
   both.resize(2 * factors_);

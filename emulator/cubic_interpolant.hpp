@@ -1,4 +1,4 @@
-// Cubic interpolation on a full-factorial grid, monotone where the data are, all responses at once.
+// Cubic interpolation on a full-factorial grid, optionally monotone, all responses at once.
 #pragma once
 
 #include "emulator/grid.hpp"
@@ -6,11 +6,11 @@
 
 namespace wheeltap::emulator {
 
-/// How an interpolant joins the values along one factor.
+/// Interpolation rule along one factor.
 enum class AxisRule {
-  linear,         ///< straight lines
+  linear,         ///< piecewise linear
   cubic,          ///< cubic Hermite pieces with the slopes of the parabola through three neighbours
-  monotone_cubic  ///< the same, its slopes limited so that no piece overshoots its two end values
+  monotone_cubic  ///< the same, with slopes limited so that no piece overshoots its two end values
 };
 
 /// Interpolates along the last factor first, on every line of the local stencil, then along the one
@@ -18,15 +18,15 @@ enum class AxisRule {
 ///   p(t) = y_0 + t h [d_0 + t (3Δ - 2d_0 - d_1 + t (d_0 + d_1 - 2Δ))],  Δ = (y_1 - y_0)/h,
 /// with d the parabolas' slopes (one-sided at the ends of the range). monotone_cubic sets d to 0
 /// where the secants on its sides differ in sign, and limits it to three times the smaller secant,
-/// which is enough for a monotone piece (Fritsch & Carlson 1980, Monotone piecewise cubic
-/// interpolation, section 3). Exact at nodes; cubic reproduces parabolas, monotone_cubic those it
-/// need not limit. The error falls as the cube of the spacing for smooth data (as the square where
-/// monotone_cubic flattens an extremum: choose cubic along a factor that the response waves in). A
-/// factor that sits on a level costs nothing. Evaluations do not allocate and may run in several
+/// which suffices for a monotone piece (Fritsch & Carlson 1980, Monotone piecewise cubic
+/// interpolation, section 3). Exact at nodes; cubic reproduces parabolas, monotone_cubic those that
+/// need no limit. The error is of third order in the spacing for smooth data, and of second order
+/// where monotone_cubic flattens an extremum: use cubic along a factor with oscillating responses.
+/// A factor exactly on a level costs nothing. Evaluations do not allocate and may run in several
 /// threads at once.
 class CubicInterpolant final : public Interpolant {
  public:
-  /// The most stencil nodes (4 a cubic factor, 2 a linear one) an evaluation gathers.
+  /// Largest number of stencil nodes (4 per cubic factor, 2 per linear one) in an evaluation.
   static constexpr std::size_t kMostNodes = 4096;
 
   /// `values`: runs × responses, rows in the order of `full_factorial(factors)`; `rules`: one per
@@ -51,7 +51,7 @@ class CubicInterpolant final : public Interpolant {
   std::vector<AxisRule> rules_;
 };
 
-/// Cubic along factors that responses wave in, monotone along the others.
+/// Cubic along factors with oscillating responses, monotone along the others.
 extern const InterpolantType kCubic;
 /// Monotone along every factor.
 extern const InterpolantType kMonotoneCubic;

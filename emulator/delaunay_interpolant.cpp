@@ -22,7 +22,7 @@ using Simplex = CGAL::Triangulation_full_cell<Geometry, std::int32_t>;
 using Triangulation = CGAL::Delaunay_triangulation<
     Geometry, CGAL::Triangulation_data_structure<CGAL::Dynamic_dimension_tag, Vertex, Simplex>>;
 
-/// A point this far outside a simplex, in barycentric coordinates, is on its face: rounding.
+/// A point this far outside a simplex, in barycentric coordinates, is on its face to rounding.
 constexpr double kOnFace = 1e-9;
 
 std::string describe(const std::vector<Factor>& factors, std::span<const double> x) {
@@ -79,7 +79,7 @@ DelaunayInterpolant::DelaunayInterpolant(std::vector<Factor> factors, const RowM
     Coordinates u;
     to_unit(x, u);
     if (!run_at.try_emplace({u, u + d}, static_cast<std::int32_t>(i)).second)
-      refuse("the point " + describe(factors_, x) + " is there twice");
+      refuse("the point " + describe(factors_, x) + " occurs twice");
     std::copy_n(u, d, unit_points_.row(i).data());
   }
   if (is_full_factorial(points))
@@ -92,7 +92,7 @@ DelaunayInterpolant::DelaunayInterpolant(std::vector<Factor> factors, const RowM
       const double* const u = unit_points_.row(i).data();
       sites.emplace_back(static_cast<int>(d), u, u + d);
     }
-    triangulation.insert(sites.begin(), sites.end());  // in a spatial order of its own
+    triangulation.insert(sites.begin(), sites.end());  // in a spatial order chosen by CGAL
   }
   for (auto vertex = triangulation.finite_vertices_begin();
        vertex != triangulation.finite_vertices_end(); ++vertex) {
@@ -126,7 +126,7 @@ DelaunayInterpolant::DelaunayInterpolant(std::vector<Factor> factors, const RowM
         edges.fullPivLu().inverse();
   }
 
-  // About one simplex a cell; each cell's walk starts from its neighbour's.
+  // About one simplex per cell; the walk for a cell starts at its neighbour's simplex.
   cells_a_side_ = std::max<std::size_t>(
       1,
       static_cast<std::size_t>(std::pow(static_cast<double>(all), 1.0 / static_cast<double>(d))));
@@ -150,8 +150,8 @@ void DelaunayInterpolant::to_unit(std::span<const double> x, Coordinates& u) con
     u[j] = (to_scale(factors_[j].scale, x[j]) - low_[j]) / range_[j];
 }
 
-/// Barycentric coordinates, refined once against the vertices so that thin simplices do not lose
-/// digits: x = Σ λ_i v_i then holds to rounding.
+/// Barycentric coordinates, refined once with the vertices, so that thin simplices keep their
+/// accuracy: x = Σ λ_i v_i holds to rounding.
 void DelaunayInterpolant::weights(std::size_t simplex, const Coordinates& u,
                                   Weights& lambda) const {
   const std::size_t d = dimension();
@@ -177,13 +177,13 @@ void DelaunayInterpolant::weights(std::size_t simplex, const Coordinates& u,
   for (std::size_t i = 1; i <= d; ++i) lambda[0] -= lambda[i];
 }
 
-/// Walks from `simplex` through the face that x is furthest beyond. False where that leads out of
-/// the hull; `simplex` is then the last one inside.
+/// Walks from `simplex` through the face that x is farthest beyond. Returns false if that leads out
+/// of the hull; `simplex` is then the last one inside.
 bool DelaunayInterpolant::locate(const Coordinates& u, std::size_t& simplex,
                                  Weights& lambda) const {
   const std::size_t d = dimension();
-  // In exact arithmetic the walk ends (Delaunay triangulations are acyclic); should rounding make
-  // it turn in a circle, every simplex is tried.
+  // In exact arithmetic the walk ends (Delaunay triangulations are acyclic). If rounding makes it
+  // cycle, every simplex is tried.
   const std::size_t patience = 100 + 20 * cells_a_side_ * (d + 1);
   for (std::size_t step = 0; step < patience; ++step) {
     weights(simplex, u, lambda);

@@ -29,14 +29,14 @@ void check_scattered(const std::vector<Factor>& factors, Eigen::Index n) {
     throw std::invalid_argument("a design of n = " + std::to_string(n) + " points is empty");
 }
 
-/// Unit-cube coordinates (uniform in each factor's scale) to factor units.
+/// Converts unit-cube coordinates (uniform in each factor's scale) to factor units.
 Design on_box(std::vector<Factor> factors, RowMatrix unit) {
   for (Eigen::Index j = 0; j < unit.cols(); ++j) {
     const Factor& factor = factors[static_cast<std::size_t>(j)];
     const double low = to_scale(factor.scale, factor.low());
     const double high = to_scale(factor.scale, factor.high());
     for (Eigen::Index i = 0; i < unit.rows(); ++i)
-      // The clamp only undoes rounding at the ends of the range.
+      // The clamp only corrects rounding at the ends of the range.
       unit(i, j) = std::clamp(from_scale(factor.scale, low + (high - low) * unit(i, j)),
                               factor.low(), factor.high());
   }
@@ -180,7 +180,7 @@ Design latin_hypercube(std::vector<Factor> factors, Eigen::Index n, std::uint64_
     for (Eigen::Index i = n - 1; i > 0; --i)
       std::swap(unit(i, j), unit(uniform_below(generator, i + 1), j));
   }
-  // Distances are measured in units of the mean spacing, so that d^-p stays in range.
+  // Distances are relative to the mean spacing, so that d^-p stays in range.
   const double spacing = std::pow(static_cast<double>(n), -1.0 / static_cast<double>(d));
   const auto crowding = [&](Eigen::Index i, Eigen::Index skip) {
     double sum = 0.0;

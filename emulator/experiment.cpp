@@ -31,7 +31,7 @@ std::string describe(const Design& design, Eigen::Index run) {
   return text.str();
 }
 
-/// Names and points, byte for byte: two designs with the same text are the same.
+/// Names and points, byte for byte: equal texts mean equal designs.
 std::string text_of(const Design& design) {
   std::string text;
   for (const Factor& factor : design.factors) text += factor.name + '\n';
@@ -40,8 +40,8 @@ std::string text_of(const Design& design) {
   return text;
 }
 
-// Runs that are being made. Ranks keep one journal, rank 0's: it has what others made once a
-// section of the runs has ended.
+// Experiment in progress. Ranks share the journal of rank 0, which gets the runs of other ranks at
+// the end of each section.
 class Experiment {
  public:
   Experiment(const Design& design, Eigen::Index responses, const ModelFactory& factory,
@@ -87,7 +87,7 @@ class Experiment {
     return {result_.row(run).data(), static_cast<std::size_t>(result_.cols())};
   }
 
-  // What the journal has; rank 0's, where there are several.
+  // Takes the runs of the journal (of rank 0, if there are several).
   void remember() {
     base::Packer packer;
     if (base::is_first_rank()) {
@@ -114,8 +114,8 @@ class Experiment {
     }
   }
 
-  // Blocks are handed out in order, and those before one that fails are made to their end: the
-  // first failing run of the design is found, whatever the threads' timing.
+  // Blocks are started in order, and those before a failed one are completed: the error refers to
+  // the first failing run of the design, independent of timing.
   void make(int block) {
     if (block > failed_block_) return;
     try {
@@ -179,7 +179,7 @@ class Experiment {
   std::vector<char> known_;  // from the journal
   Eigen::Index first_ = 0, last_ = 0, block_ = 1;
   std::atomic<int> failed_block_{kNone};
-  std::mutex mutex_;  // guards what follows and the progress callback
+  std::mutex mutex_;  // guards the following members and the progress callback
   std::optional<Journal> journal_;
   std::vector<Model> idle_;
   Eigen::Index done_ = 0;

@@ -21,13 +21,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The squared exponential's eigenvalues fall so fast that less leaves weights of the runs that
-/// cancel.
+/// The squared exponential's eigenvalues decrease so fast that a smaller nugget leads to cancelling
+/// weights.
 double least_nugget(Kernel kernel) {
   return kernel == Kernel::squared_exponential ? 1e-8 : 1e-12;
 }
 constexpr double kLargestNugget = 1e3;
-constexpr double kLadder[] = {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // lengths tried first
+constexpr double kLadder[] = {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // initial lengths tried
 constexpr double kShortest = 0.005, kLongest = 50.0;  // lengths, in units of the factor's range
 const double kSqrt5 = std::sqrt(5.0);
 
@@ -49,12 +49,12 @@ ArrayXd slope(Kernel kernel, const ArrayXd& squared) {
   return (5.0 / 3.0) * (1.0 + r) * (-r).exp();
 }
 
-/// Points divided by the lengths, a factor a column.
+/// Points divided by the lengths, one factor per column.
 MatrixXd scaled(const RowMatrix& unit_points, const VectorXd& lengths) {
   return unit_points * lengths.cwiseInverse().asDiagonal();
 }
 
-/// r² between the points from row `from` on and point i.
+/// r² between point i and the points from row `from` on.
 ArrayXd squared_distances(const MatrixXd& z, Index i, Index from) {
   ArrayXd squared = ArrayXd::Zero(z.rows() - from);
   for (Index j = 0; j < z.cols(); ++j)
@@ -62,7 +62,7 @@ ArrayXd squared_distances(const MatrixXd& z, Index i, Index from) {
   return squared;
 }
 
-/// Lower triangle of R = k(X, X) + η I; the upper one is left as it is.
+/// Lower triangle of R = k(X, X) + η I; the upper one is not written.
 MatrixXd correlation_matrix(const RowMatrix& unit_points, const Correlation& c) {
   const MatrixXd z = scaled(unit_points, c.lengths);
   MatrixXd r(z.rows(), z.rows());
@@ -124,7 +124,7 @@ LogLikelihood log_likelihood(const RowMatrix& unit_points, const RowMatrix& valu
     const Index below = n - i - 1;
     const ArrayXd common =
         slope(c.kernel, squared_distances(z, i, i + 1)) * w.col(i).tail(below).array();
-    for (Index j = 0; j < d; ++j)  // twice a half: the matrix is symmetric
+    for (Index j = 0; j < d; ++j)  // twice ½, since the matrix is symmetric
       out.gradient(j) += (common * (z.col(j).tail(below).array() - z(i, j)).square()).sum();
   }
   out.gradient(d) = 0.5 * c.nugget * w.trace();
@@ -151,7 +151,7 @@ struct GaussianProcess::Impl {
   std::vector<Factor> factors;
   Kernel kernel;
   RowMatrix unit_points;
-  RowMatrix values;  // standardised: less offset, divided by size
+  RowMatrix values;  // standardised: (value - offset) / size
   Eigen::RowVectorXd offset, size;
   std::vector<double> low, range;  // of the scale coordinates
   std::vector<Group> groups;
@@ -160,15 +160,16 @@ struct GaussianProcess::Impl {
       : factors(std::move(f)), kernel(k) {
     check_factors(factors);
     if (points.rows() < 2)
-      throw std::invalid_argument("a Gaussian process from " + std::to_string(points.rows()) +
-                                  " runs; at least 2 are needed");
+      throw std::invalid_argument("Gaussian process: " + std::to_string(points.rows()) +
+                                  " runs, must be at least 2");
     if (points.rows() != y.rows() || y.cols() < 1 ||
         points.cols() != static_cast<Index>(factors.size()))
-      throw std::invalid_argument(
-          "a Gaussian process from points " + std::to_string(points.rows()) + " x " +
-          std::to_string(points.cols()) + " and values " + std::to_string(y.rows()) + " x " +
-          std::to_string(y.cols()) + " in " + std::to_string(factors.size()) + " factors");
-    if (!y.allFinite()) throw std::invalid_argument("runs with values that are not finite");
+      throw std::invalid_argument("Gaussian process: points " + std::to_string(points.rows()) +
+                                  " x " + std::to_string(points.cols()) + " and values " +
+                                  std::to_string(y.rows()) + " x " + std::to_string(y.cols()) +
+                                  " in " + std::to_string(factors.size()) + " factors");
+    if (!y.allFinite())
+      throw std::invalid_argument("Gaussian process: a value of the runs is not finite");
     for (const Factor& factor : factors) {
       low.push_back(to_scale(factor.scale, factor.low()));
       range.push_back(to_scale(factor.scale, factor.high()) - low.back());
@@ -186,7 +187,7 @@ struct GaussianProcess::Impl {
     offset = y.colwise().mean();
     values = y.rowwise() - offset;
     size = values.colwise().norm() / std::sqrt(static_cast<double>(y.rows()));
-    // A constant response, to rounding, has nothing to be learnt: its variance will be 0.
+    // A constant response, to rounding, gets variance 0.
     for (Index k_response = 0; k_response < size.size(); ++k_response)
       if (!(size(k_response) > 1e-14 * std::abs(offset(k_response)))) {
         size(k_response) = 0.0;
@@ -201,8 +202,8 @@ struct GaussianProcess::Impl {
       u[j] = (to_scale(factors[j].scale, x[j]) - low[j]) / range[j];
   }
 
-  /// Conditions the responses [first, first + count) on all runs, with the nugget raised until R is
-  /// numerically positive definite.
+  /// Conditions the responses [first, first + count) on all runs, with the nugget increased until R
+  /// is numerically positive definite.
   [[nodiscard]] Group condition(Index first, Index count, Correlation correlation) const {
     Group g{.first = first,
             .count = count,
@@ -215,7 +216,8 @@ struct GaussianProcess::Impl {
       g.factor.compute(correlation_matrix(unit_points, g.correlation));
       if (g.factor.info() == Eigen::Success) break;
       if (nugget > kLargestNugget)
-        throw std::invalid_argument("a correlation matrix that no nugget makes positive definite");
+        throw std::invalid_argument(
+            "Gaussian process: no nugget makes the correlation matrix positive definite");
     }
     g.z = scaled(unit_points, g.correlation.lengths);
     g.fit = trend(g.factor, values.middleCols(first, count));
@@ -225,10 +227,9 @@ struct GaussianProcess::Impl {
 
 namespace {
 
-/// Maximises ln L over ln ℓ (and ln η) inside a box by BFGS, whose steps are projected on the box
-/// and halved until they gain enough (Nocedal & Wright 2006, Numerical Optimization, chapter 6).
-/// Eigen has no such search for a scalar function, and a dependency for d + 1 unknowns is not worth
-/// it.
+/// Maximises ln L over ln ℓ (and ln η) inside a box by BFGS, with steps projected on the box and
+/// halved until they gain enough (Nocedal & Wright 2006, Numerical Optimization, chapter 6). Eigen
+/// has no optimiser for scalar functions, and d + 1 unknowns do not justify a dependency.
 class Search {
  public:
   Search(const RowMatrix& points, const RowMatrix& values, const GaussianProcessOptions& options)
@@ -255,7 +256,7 @@ class Search {
     };
     const std::vector<double> nuggets =
         options_.infer_nugget ? std::vector{1e-6, 1e-3, 0.1} : std::vector{nugget_};
-    // Clusters of runs may need more than the least nugget at any length.
+    // Clusters of runs may need more than the smallest nugget at any length.
     for (; nugget_ < kLargestNugget; nugget_ *= 10.0) {
       for (double length : kLadder)
         for (double nugget : nuggets) {
@@ -266,8 +267,8 @@ class Search {
       if (best.size() > 0) break;
     }
     if (best.size() == 0) return correlation(VectorXd::Zero(unknowns_));
-    // Then each length by itself: a response may wave along one factor and hardly move along
-    // another, and the likelihood has a hill for each number of waves.
+    // Then each length separately: a response may oscillate along one factor and vary little along
+    // another, and the likelihood has a local maximum for each number of waves.
     for (bool moved = true; std::exchange(moved, false);)
       for (Index j = 0; j < points_.cols(); ++j) {
         const double before = best_value;
@@ -304,7 +305,7 @@ class Search {
     MatrixXd h = MatrixXd::Identity(unknowns_, unknowns_);  // inverse Hessian of -ln L
     bool fresh = true;
     for (int iteration = 0; iteration < options_.most_iterations; ++iteration) {
-      // Unknowns that press against a bound stay there for this step.
+      // Unknowns at a bound whose gradient points outwards stay there in this step.
       VectorXd gradient = at.gradient;
       for (Index j = 0; j < unknowns_; ++j)
         if ((p(j) <= low_(j) && gradient(j) < 0) || (p(j) >= high_(j) && gradient(j) > 0))
@@ -319,7 +320,7 @@ class Search {
         direction = gradient;
       }
       if (fresh) direction /= std::max(1.0, direction.norm());
-      direction *= std::min(1.0, 2.0 / direction.cwiseAbs().maxCoeff());  // a factor e² at most
+      direction *= std::min(1.0, 2.0 / direction.cwiseAbs().maxCoeff());  // a factor of at most e²
 
       VectorXd next;
       Value there;
@@ -358,7 +359,7 @@ class Search {
   double nugget_ = least_nugget(options_.kernel);
 };
 
-/// The rows of m that a fit looks at.
+/// The rows of m used in a fit.
 RowMatrix fitted_rows(const RowMatrix& m, const std::vector<Index>& rows) {
   return m(rows, Eigen::all);
 }
@@ -387,7 +388,7 @@ GaussianProcess::GaussianProcess(std::vector<Factor> factors, const RowMatrix& p
   impl->groups.resize(static_cast<std::size_t>(groups));
 
   base::parallel_for(static_cast<int>(groups), options.threads, [&](Index g) {
-    // Constant responses say nothing about lengths.
+    // Constant responses contain no information on lengths.
     std::vector<Index> varying;
     for (Index k = g * per_group; k < (g + 1) * per_group; ++k)
       if (impl->values(rows, k).squaredNorm() > 0.0) varying.push_back(k);
@@ -476,7 +477,7 @@ LeaveOneOut GaussianProcess::leave_one_out() const {
     for (Index k = 0; k < g.count; ++k) {
       const Index response = g.first + k;
       const double size = impl_->size(response);
-      // Q y = R⁻¹ (y - β): β has been fitted to y.
+      // Q y = R⁻¹ (y - β), since β is fitted to y.
       const VectorXd residual = g.fit.alpha.col(k).cwiseQuotient(q);
       out.mean.col(response) =
           (impl_->offset(response) + size * (impl_->values.col(response) - residual).array())

@@ -1,4 +1,4 @@
-// Kriging: interpolation of scattered runs that says how uncertain it is.
+// Kriging: interpolation of scattered runs with its uncertainty.
 #pragma once
 
 #include <memory>
@@ -7,8 +7,8 @@
 
 namespace wheeltap::emulator {
 
-/// Correlation of two points whose distance is r² = Σ_j ((u_j - u'_j) / ℓ_j)², with one length ℓ_j
-/// a factor; u are the factors' scale coordinates, mapped to [0, 1].
+/// Correlation of two points at distance r² = Σ_j ((u_j - u'_j) / ℓ_j)², with one length ℓ_j per
+/// factor; u are the factors' scale coordinates, mapped to [0, 1].
 enum class Kernel {
   matern52,            ///< (1 + √5 r + 5 r²/3) exp(-√5 r): twice differentiable
   squared_exponential  ///< exp(-r²/2): infinitely smooth
@@ -17,20 +17,20 @@ enum class Kernel {
 /// What a Gaussian process is told about covariance, less its variance.
 struct Correlation {
   Kernel kernel = Kernel::matern52;
-  Eigen::VectorXd lengths;  ///< ℓ, one a factor, > 0, in units of the factor's range
+  Eigen::VectorXd lengths;  ///< ℓ, one per factor, > 0, in units of the factor's range
   double nugget = 0.0;      ///< η >= 0: variance of independent noise / variance of the process
 };
 
-/// ln L and its derivatives by ln ℓ_1 … ln ℓ_d, ln η.
+/// ln L and its derivatives with respect to ln ℓ_1 … ln ℓ_d, ln η.
 struct LogLikelihood {
-  double value;  ///< -∞ where R is not numerically positive definite
+  double value;  ///< -∞ if R is not numerically positive definite
   Eigen::VectorXd gradient;
 };
 
 /// Log marginal likelihood of m independent columns y of `values` (n × m) at `unit_points` (n × d,
-/// in the unit cube), under R = k(X, X) + η I, with each column's constant mean β = 1ᵀR⁻¹y / 1ᵀR⁻¹1
-/// and variance σ² = (y-β)ᵀR⁻¹(y-β)/n put in at their most likely values (Rasmussen & Williams
-/// 2006, Gaussian Processes for Machine Learning, sections 2.7 and 5.4):
+/// in the unit cube), under R = k(X, X) + η I. Each column's constant mean β = 1ᵀR⁻¹y / 1ᵀR⁻¹1 and
+/// variance σ² = (y-β)ᵀR⁻¹(y-β)/n have their maximum-likelihood values (Rasmussen & Williams 2006,
+/// Gaussian Processes for Machine Learning, sections 2.7 and 5.4):
 ///   ln L = -½ Σ_columns [n ln(2π σ²) + ln|R| + n],
 ///   ∂ ln L / ∂p = ½ Σ_columns [αᵀ ∂R α / σ² - tr(R⁻¹ ∂R)],  α = R⁻¹(y - β).
 [[nodiscard]] LogLikelihood log_marginal_likelihood(const RowMatrix& unit_points,
@@ -39,14 +39,15 @@ struct LogLikelihood {
 
 struct GaussianProcessOptions {
   Kernel kernel = Kernel::matern52;
-  /// One set of lengths for all responses: evaluations cost as one response does. Else each
-  /// response has its own, which is more accurate where responses wave at different lengths.
+  /// One set of lengths for all responses: an evaluation costs as much as for one response.
+  /// Otherwise each response has its own, which is more accurate if responses oscillate with
+  /// different lengths.
   bool shared_lengths = false;
-  /// Fit the nugget too: for runs with noise. Else it is the least that arithmetic needs, and the
-  /// process interpolates.
+  /// Also fit the nugget, for runs with noise. Otherwise the nugget is the smallest that is
+  /// numerically stable, and the process interpolates.
   bool infer_nugget = false;
-  /// Lengths are fitted on at most this many of the runs (drawn by `seed`): the cost of a fit grows
-  /// with their cube. The process itself uses them all.
+  /// Largest number of runs in the fit of the lengths (drawn by `seed`), whose cost grows with
+  /// their cube. The process itself uses all runs.
   Eigen::Index most_fitted_runs = 400;
   int most_iterations = 60;  ///< of the quasi-Newton search
   int threads = 1;
@@ -55,21 +56,21 @@ struct GaussianProcessOptions {
 
 /// Ordinary Kriging with constant mean β, for each response
 ///   f(x) | y ~ N(β + rᵀR⁻¹(y - β),  σ² [1 - rᵀR⁻¹r + (1 - 1ᵀR⁻¹r)² / 1ᵀR⁻¹1]),  r = k(X, x)
-/// (the last term is what not knowing β adds; Rasmussen & Williams 2006, section 2.7). R is kept
-/// positive definite by a nugget of at least 1e-12 (Matérn; 1e-8 with the squared exponential),
-/// raised tenfold as often as its factorisation needs it. Evaluations may run in several threads at
+/// (the last term is the uncertainty of β; Rasmussen & Williams 2006, section 2.7). A nugget of at
+/// least 1e-12 (Matérn; 1e-8 with the squared exponential) keeps R positive definite; it is
+/// multiplied by ten as often as the factorisation requires. Several threads may evaluate it at
 /// once.
 class GaussianProcess final : public Interpolant {
  public:
-  /// Fits lengths (and nugget) to runs by maximum marginal likelihood: the best of a ladder of
-  /// common lengths starts a quasi-Newton search with the analytic gradient. `points` (runs ×
+  /// Fits lengths (and nugget) to runs by maximum marginal likelihood. The best of several common
+  /// lengths is the start of a quasi-Newton search with the analytic gradient. `points` (runs ×
   /// factors) must lie in the factors' ranges. Throws std::invalid_argument for fewer than two
-  /// runs, shapes that disagree, points outside or values that are not finite.
+  /// runs, shapes that disagree, points outside the ranges or values that are not finite.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   const GaussianProcessOptions& options = {});
 
-  /// With `parameters()` of an earlier fit to the same runs: nothing is fitted. Throws
-  /// std::invalid_argument as above, and unless parameters are 1 or `responses` rows of d + 1
+  /// Uses `parameters()` of an earlier fit to the same runs, without fitting. Throws
+  /// std::invalid_argument as above, and unless `parameters` has 1 or `responses` rows of d + 1
   /// positive numbers.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   Kernel kernel, const RowMatrix& parameters);
@@ -80,17 +81,16 @@ class GaussianProcess final : public Interpolant {
   /// Means of all responses at x. Throws std::out_of_range outside the factors' box, as the other
   /// interpolants do: there is no extrapolation.
   void evaluate(std::span<const double> x, std::span<double> mean) const override;
-  /// And the variances of the model's answer, without the runs' own noise.
+  /// Also gives the variances of the model's response, without the noise of the runs.
   void evaluate(std::span<const double> x, std::span<double> mean,
                 std::span<double> variance) const override;
 
-  /// At the fitted lengths, nugget and variance, with β estimated anew each time (Dubrule 1983,
-  /// Cross validation of Kriging in a unique neighborhood): with
-  /// Q = R⁻¹ - R⁻¹1 1ᵀR⁻¹ / 1ᵀR⁻¹1, the residual of run i is [Q y]_i / Q_ii, its variance σ² /
-  /// Q_ii.
+  /// At the fitted lengths, nugget and variance, with β estimated for each omission (Dubrule 1983,
+  /// Cross validation of Kriging in a unique neighborhood): with Q = R⁻¹ - R⁻¹1 1ᵀR⁻¹ / 1ᵀR⁻¹1, the
+  /// residual of run i is [Q y]_i / Q_ii, its variance σ² / Q_ii.
   [[nodiscard]] LeaveOneOut leave_one_out() const override;
 
-  /// One row per set of lengths (1, or one a response): ℓ_1 … ℓ_d, η.
+  /// One row per set of lengths (1, or one per response): ℓ_1 … ℓ_d, η.
   [[nodiscard]] RowMatrix parameters() const;
   [[nodiscard]] Kernel kernel() const;
   [[nodiscard]] const std::vector<Factor>& factors() const;
@@ -104,7 +104,7 @@ class GaussianProcess final : public Interpolant {
   std::unique_ptr<const Impl> impl_;
 };
 
-/// With a Matérn kernel and lengths for each response; a table keeps `parameters()` as
+/// With a Matérn kernel and separate lengths for each response; a table stores `parameters()` as
 /// "gaussian_process".
 extern const InterpolantType kGaussianProcess;
 

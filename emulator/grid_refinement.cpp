@@ -37,7 +37,7 @@ void check_options(const std::vector<Factor>& factors, Eigen::Index responses,
   require(options.check_runs > 1, "check_runs must be > 1");
 }
 
-/// The model, remembering every answer.
+/// The model with a cache of all results.
 class Memory {
  public:
   Memory(const std::vector<Factor>& factors, Eigen::Index responses, const ModelFactory& factory,
@@ -78,8 +78,7 @@ class Memory {
   std::map<std::vector<double>, std::vector<double>> known_;
 };
 
-/// The level that would halve the interval between levels i and i + 1; none where candidates ran
-/// out.
+/// The level that halves the interval between levels i and i + 1; none if no candidate is left.
 std::optional<double> middle(const Factor& factor, std::size_t i,
                              const std::vector<double>& candidates) {
   const double low = factor.levels[i], high = factor.levels[i + 1];
@@ -87,7 +86,7 @@ std::optional<double> middle(const Factor& factor, std::size_t i,
       from_scale(factor.scale, 0.5 * (to_scale(factor.scale, low) + to_scale(factor.scale, high)));
   if (candidates.empty()) {
     if (wanted > low && wanted < high) return wanted;
-    return std::nullopt;  // no number left between two neighbours
+    return std::nullopt;  // the neighbours are adjacent numbers
   }
   std::optional<double> best;
   for (double candidate : candidates)
@@ -143,7 +142,7 @@ RefinedGrid refine_grid(const std::vector<Factor>& initial, Eigen::Index respons
         table, {.threads = options.experiment.threads, .waves = options.waves});
     const auto answer = [&f](std::span<const double> x, std::span<double> y) { f->evaluate(x, y); };
 
-    // One trial an interval: its middle, with the other factors on random levels.
+    // One test of an interval: its middle, with the other factors on random levels.
     struct Trial {
       std::size_t factor;
       double level;

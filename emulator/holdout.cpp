@@ -13,8 +13,8 @@ std::vector<HoldoutError> holdout_error(const RowMatrix& truth, const RowMatrix&
         std::to_string(truth.cols()) + " and " + std::to_string(predicted.rows()) + " x " +
         std::to_string(predicted.cols()));
   if (truth.rows() < 2)
-    throw std::invalid_argument("a holdout error from " + std::to_string(truth.rows()) +
-                                " runs; at least 2 are needed");
+    throw std::invalid_argument("holdout error: " + std::to_string(truth.rows()) +
+                                " runs, must be at least 2");
   const auto n = static_cast<double>(truth.rows());
   std::vector<HoldoutError> errors;
   for (Eigen::Index k = 0; k < truth.cols(); ++k) {
@@ -43,7 +43,7 @@ std::vector<StandardisedResiduals> standardised_residuals(const RowMatrix& truth
   };
   if (truth.rows() < 1 || !alike(mean) || !alike(variance))
     throw std::invalid_argument(
-        "standardised residuals from matrices of different shapes, or none");
+        "standardised residuals: the matrices are empty or have different shapes");
   std::vector<StandardisedResiduals> out;
   for (Eigen::Index k = 0; k < truth.cols(); ++k) {
     double n = 0, sum = 0, squares = 0, beyond = 0;

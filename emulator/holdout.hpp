@@ -1,4 +1,4 @@
-// How wrong an emulator is, measured on runs of the model that it has not seen.
+// Error of an emulator, measured on new runs of the model.
 #pragma once
 
 #include "emulator/experiment.hpp"
@@ -9,43 +9,42 @@ namespace wheeltap::emulator {
 struct HoldoutError {
   double rmse;       ///< √(Σ (ŷ - y)² / n), in the response's unit
   double max_error;  ///< max |ŷ - y|
-  double spread;     ///< √(Σ (y - ȳ)² / n): how much the factors move the response
+  double spread;     ///< √(Σ (y - ȳ)² / n): standard deviation of the response
   double q2;  ///< predictive coefficient Q² = 1 - Σ (ŷ-y)² / Σ (y-ȳ)² = 1 - (rmse/spread)²
 
-  /// rmse / spread: 0 is perfect, 1 no better than predicting the mean.
+  /// rmse / spread: 0 is exact, 1 equals predicting the mean.
   [[nodiscard]] double relative_rmse() const { return spread > 0 ? rmse / spread : 0.0; }
-  /// True where Q² < 0.9, that is rmse/spread > 0.32: the error is then a third or more of the
-  /// whole effect that the response is meant to reveal, and two designs a standard deviation of the
-  /// effect apart are no longer told apart at two to three sigma. A usual bound for metamodels in
-  /// sensitivity studies is Q² ≥ 0.9 as well.
+  /// Whether Q² < 0.9, i.e. rmse/spread > 0.32. The error is then a third or more of the effect of
+  /// the factors, and two designs that differ by a standard deviation of the effect cannot be
+  /// distinguished at two to three sigma. Sensitivity studies also use Q² ≥ 0.9 for metamodels.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }
   [[nodiscard]] bool operator==(const HoldoutError&) const = default;
 };
 
-/// Per response, from truth and prediction (runs × responses each). Where a response does not vary,
-/// Q² is 1 for an error within rounding (1e-12 of its size) and -∞ otherwise. Throws
+/// Errors per response, from truth and prediction (runs × responses each). If a response does not
+/// vary, Q² is 1 for an error within rounding (1e-12 of its size) and -∞ otherwise. Throws
 /// std::invalid_argument unless both have the same shape and at least two runs.
 [[nodiscard]] std::vector<HoldoutError> holdout_error(const RowMatrix& truth,
                                                       const RowMatrix& predicted);
 
-/// Whether a response's predicted variances are honest: of z = (y - ŷ) / √variance over n runs.
+/// Calibration of a response's predicted variances, by z = (y - ŷ) / √variance over n runs.
 struct StandardisedResiduals {
   double mean;        ///< 0 for an unbiased predictor
-  double rms;         ///< 1 for honest variances; above: overconfident
+  double rms;         ///< 1 for calibrated variances; above: overconfident
   double beyond_two;  ///< share with |z| > 2: 0.046 for a normal error
 };
 
-/// Per response, from runs × responses each; for held-out runs or leave-one-out predictions alike.
-/// Runs predicted exactly with variance 0 are left out; an error at variance 0 makes rms infinite.
-/// Throws std::invalid_argument for different shapes or no runs.
+/// Statistics per response, from runs × responses each, for held-out runs or leave-one-out
+/// predictions. Runs predicted exactly with variance 0 are omitted; an error at variance 0 makes
+/// rms infinite. Throws std::invalid_argument for different shapes or no runs.
 [[nodiscard]] std::vector<StandardisedResiduals> standardised_residuals(const RowMatrix& truth,
                                                                         const RowMatrix& mean,
                                                                         const RowMatrix& variance);
 
-/// Something that answers like a model: an emulator bound to its evaluate().
+/// A function with a model's interface, such as an emulator's evaluate().
 using Predictor = std::function<void(std::span<const double> point, std::span<double> response)>;
 
-/// The predictor's answers at every point of a design: runs × responses.
+/// The predictions at every point of a design: runs × responses.
 [[nodiscard]] RowMatrix predict(const Predictor& predictor, const Design& design,
                                 Eigen::Index responses);
 
@@ -55,8 +54,8 @@ struct HoldoutOptions {
   ExperimentOptions experiment = {};
 };
 
-/// Runs the model at points uniform in the box of the factors' ranges and compares.
-/// Throws as run_experiment does, and std::invalid_argument for fewer than two runs.
+/// Runs the model at points uniform in the box of the factors' ranges and compares. Throws as
+/// run_experiment does, and std::invalid_argument for fewer than two runs.
 [[nodiscard]] std::vector<HoldoutError> validate(const std::vector<Factor>& factors,
                                                  Eigen::Index responses,
                                                  const ModelFactory& factory,

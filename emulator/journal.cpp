@@ -46,9 +46,10 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   const auto there = fs::symlink_status(path_, error);
   if (fs::is_directory(there)) throw io::FileError(Kind::unwritable, path_, "is a directory");
   if (fs::exists(there) && !fs::is_regular_file(there))
-    throw io::FileError(Kind::unwritable, path_, "is no regular file");
+    throw io::FileError(Kind::unwritable, path_, "is not a regular file");
   if (use == Use::alone) {
-    // Made first where it is not there, so that of two runs that begin together one has it.
+    // Creates the file first if it does not exist, so that of two simultaneous runs only one gets
+    // it.
     if (!std::ofstream(path_, std::ios::binary | std::ios::app))
       throw io::FileError(Kind::unwritable, path_, "cannot be written");
     lock_ = held_alone(path_);
@@ -56,14 +57,14 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   if (std::ifstream existing(path_, std::ios::binary); existing)
     bytes.assign(std::istreambuf_iterator<char>(existing), {});
 
-  // A kill while the first line was being written leaves a part of it: the journal then starts
-  // anew.
+  // If a process was killed while writing the first line, only a part of it exists; the journal
+  // then starts anew.
   const bool fresh = bytes.size() < header.size() && header.starts_with(bytes);
   if (!fresh && !bytes.starts_with(kMagic))
-    throw io::FileError(Kind::foreign, path_, "not a journal of runs");
+    throw io::FileError(Kind::foreign, path_, "is not a journal of runs");
   if (!fresh && !bytes.starts_with(header))
     throw io::FileError(Kind::mismatch, path_,
-                        "the journal of another experiment: remove it to start anew");
+                        "is the journal of another experiment: remove it to start anew");
 
   std::size_t end = header.size();
   for (; !fresh && end + record <= bytes.size(); end += record) {
@@ -85,13 +86,13 @@ void Journal::remove(const fs::path& path) {
   const auto there = fs::symlink_status(path, error);
   if (!fs::exists(there)) return;
   const bool ours = fs::is_regular_file(there) && [&] {
-    // A kill while the first line was being written leaves a part of it.
+    // Accepts a partial first line, from a process killed while writing it.
     const std::string beginning = io::first_bytes(path, kMagic.size());
     return kMagic.starts_with(beginning);
   }();
   if (!ours)
     throw io::FileError(Kind::unwritable, path,
-                        "is in the way: no journal of runs, and not to be removed");
+                        "is not a journal of runs and was not removed: choose another name");
   const io::FileLock lock = held_alone(path);
   fs::remove(path, error);
 }

@@ -1,4 +1,4 @@
-// A file that remembers finished runs, so that an interrupted experiment goes on where it stopped.
+// A file of finished runs, from which an interrupted experiment resumes.
 #pragma once
 
 #include <filesystem>
@@ -13,9 +13,9 @@
 
 namespace wheeltap::emulator {
 
-/// One line of text that says what the runs belong to, then a record for each finished run: its
-/// number, its responses, and a checksum. A process killed in the middle of a record leaves a tail
-/// that fails its checksum; opening the journal again cuts it off. Not thread-safe.
+/// One line of text that identifies the experiment, then one record per finished run: number,
+/// responses and checksum. If a process is killed while writing, the incomplete record at the end
+/// fails its checksum, and opening the journal removes it. Not thread-safe.
 class Journal {
  public:
   struct Entry {
@@ -23,23 +23,24 @@ class Journal {
     std::vector<double> response;
   };
 
-  /// One process at a time writes it, or as many as like: what they add stands record by record.
+  /// One process writes at a time, or several: records of several processes do not mix.
   enum class Use { alone, shared };
 
   /// Opens or creates the journal of an experiment with this identity and number of responses.
-  /// Throws FileError: foreign (not a journal), mismatch (of another experiment), unwritable, also
-  /// where another process has it alone.
+  /// Throws FileError: foreign (not a journal), mismatch (of another experiment), unwritable (also
+  /// if another process has exclusive use).
   Journal(std::filesystem::path path, std::string_view identity, std::size_t responses,
           Use use = Use::alone);
 
-  /// Removes a journal, of whichever experiment, if there is one. Throws FileError (unwritable)
-  /// where something else has its name, or another process writes it; it stays then.
+  /// Removes the journal of any experiment, if there is one. Throws FileError (unwritable), without
+  /// removing, if it is not a journal or another process writes it.
   static void remove(const std::filesystem::path& path);
 
-  /// The runs found in the file when it was opened.
+  /// The runs in the file when it was opened.
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
 
-  /// Adds a run and hands it to the operating system. Throws FileError (unwritable) on a full disk.
+  /// Appends a run and passes it to the operating system. Throws FileError (unwritable) on a full
+  /// disk.
   void append(std::int64_t run, std::span<const double> response);
 
  private:

@@ -10,7 +10,7 @@ namespace wheeltap::emulator {
 namespace {
 
 /// out_k = Σ_c weight_c · corner_c[k] for k < responses. Blocks of responses stay in registers
-/// while the corners stream past.
+/// while the loop reads the corners.
 WHEELTAP_VECTOR_CLONES void weighted_sum(const double* __restrict weights,
                                          const double* const* __restrict corners, std::size_t count,
                                          double* __restrict out, std::size_t responses) {

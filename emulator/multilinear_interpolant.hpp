@@ -6,24 +6,24 @@
 
 namespace wheeltap::emulator {
 
-/// In the cell that holds x, with t_j ∈ [0, 1] the place of s_j(x_j) between its two levels,
+/// In the cell that contains x, with t_j ∈ [0, 1] the position of s_j(x_j) between its two levels,
 ///   f(x) = Σ over the 2^d corners c of  Π_j (c_j ? t_j : 1 - t_j) · f_c.
 /// Exact at every node; reproduces functions that are linear in each s_j separately. Evaluations do
 /// not allocate and may run in several threads at once.
 class MultilinearInterpolant final : public Interpolant {
  public:
-  /// The most factors an interpolant takes: the 2^d corner weights live on the stack.
+  /// Largest number of factors: the 2^d corner weights are on the stack.
   static constexpr std::size_t kMostFactors = 12;
 
   /// `values`: runs × responses, rows in the order of `full_factorial(factors)`. Throws
-  /// std::invalid_argument for bad factors (at least two levels each, at most kMostFactors), a row
-  /// count that is not the product of the level counts, no responses, or values that are not
+  /// std::invalid_argument for invalid factors (at least two levels each, at most kMostFactors), a
+  /// row count that is not the product of the level counts, no responses, or values that are not
   /// finite.
   MultilinearInterpolant(std::vector<Factor> factors, RowMatrix values);
 
-  /// All responses at x (one value per factor), written to `out` (one value per response).
-  /// Throws std::out_of_range naming factor, value and bounds when x lies outside the grid's box or
-  /// is NaN: there is no extrapolation. Throws std::invalid_argument for wrong sizes.
+  /// Writes all responses at x (one value per factor) to `out` (one value per response). Throws
+  /// std::out_of_range, naming factor, value and bounds, if x lies outside the grid's box or is
+  /// NaN: there is no extrapolation. Throws std::invalid_argument for wrong sizes.
   void evaluate(std::span<const double> x, std::span<double> out) const override;
 
   [[nodiscard]] bool contains(std::span<const double> x) const override {

@@ -33,10 +33,10 @@ Table parse_runs_csv(std::string bytes, const fs::path& name, std::vector<Factor
   for (std::size_t c = 0; c < columns.size(); ++c) {
     if (columns[c].name.empty()) fail("column " + std::to_string(c + 1) + " has no name");
     if (!names.insert(columns[c].name).second)
-      fail("the column \"" + columns[c].name + "\" is there twice");
+      fail("the column \"" + columns[c].name + "\" occurs twice");
   }
 
-  // Which factor a column is; -1 for a response.
+  // Factor of a column; -1 for a response.
   std::vector<std::ptrdiff_t> factor_of(columns.size(), -1);
   for (std::size_t j = 0; j < factors.size(); ++j) {
     const auto found = std::find_if(columns.begin(), columns.end(),

@@ -6,7 +6,7 @@
 namespace wheeltap::emulator {
 namespace {
 
-/// Names of variables, dimensions and attributes that the file format takes for itself.
+/// Names of variables, dimensions and attributes reserved by the file format.
 constexpr std::string_view kOwnNames[] = {"response", "run", "response_name"};
 constexpr std::string_view kOwnPrefixes[] = {"holdout_", "parameter_"};
 
@@ -21,7 +21,7 @@ bool same(const std::vector<Factor>& a, const std::vector<Factor>& b) {
   });
 }
 
-/// Removes from `a` what `b` does not have alike.
+/// Removes from `a` the entries that differ in `b` or are missing there.
 template <class Map, class Same>
 void keep_common(Map& a, const Map& b, Same alike) {
   std::erase_if(a, [&](const auto& item) {
@@ -30,12 +30,13 @@ void keep_common(Map& a, const Map& b, Same alike) {
   });
 }
 
-/// Puts b's run into a row that may have it already. `where` names the run in the message.
+/// Copies b's run into a row that may already have it. `where` names the run in the message.
 void put_run(RowMatrix& values, Eigen::Index row, const Table& b, Eigen::Index from,
              const std::string& where) {
   if (b.values.row(from).hasNaN()) return;
   if (!values.row(row).hasNaN() && values.row(row) != b.values.row(from))
-    throw std::invalid_argument(where + ": two parts disagree about run " + std::to_string(from));
+    throw std::invalid_argument(where + ": two parts have different values of run " +
+                                std::to_string(from));
   values.row(row) = b.values.row(from);
 }
 

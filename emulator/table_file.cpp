@@ -30,7 +30,7 @@ constexpr struct {
                          {"holdout_spread", &HoldoutError::spread},
                          {"holdout_q2", &HoldoutError::q2}};
 
-/// Of everything a file holds, so that no damage passes unseen, wherever in the file it is.
+/// Covers the complete content, so that damage anywhere in the file is detected.
 std::string checksum(const TableFile& file) {
   std::uint64_t hash = io::fnv1a("");
   const auto text = [&](std::string_view s) { hash = io::fnv1a("\n", io::fnv1a(s, hash)); };
@@ -69,7 +69,7 @@ std::string checksum(const TableFile& file) {
 // ---- writing ----------------------------------------------------------------------------------
 
 struct Writer {
-  const fs::path& path;  // the final name, for messages
+  const fs::path& path;  // final name, for messages
 
   void check(int status) const {
     if (status != NC_NOERR) throw io::FileError(Kind::unwritable, path, nc_strerror(status));
@@ -133,7 +133,7 @@ struct Writer {
       const int columns = dimension(group, full + "_columns", matrix.cols());
       check(nc_put_var_double(group, variable(group, full, {rows, columns}), matrix.data()));
     }
-    // Not an attribute that a caller may set: it says which variable is the response.
+    // Stores which variable is the response. Callers cannot set this attribute.
     text(group, NC_GLOBAL, kResponseName, t.response_name);
     for (const auto& [key, value] : t.attributes) text(group, NC_GLOBAL, key.c_str(), value);
   }
@@ -162,7 +162,7 @@ struct Reader {
     return value;
   }
 
-  /// The text attributes of a group, less our own.
+  /// The text attributes of a group, without those of the format.
   std::map<std::string, std::string> texts(int file) const {
     std::map<std::string, std::string> found;
     int count = 0;
@@ -296,7 +296,7 @@ struct Reader {
   }
 };
 
-/// Refuses what is no NetCDF-4 file by its first bytes.
+/// Rejects files that do not start like NetCDF-4.
 void check_beginning(const fs::path& path, std::string_view bytes) {
   if (!bytes.starts_with(io::kNetcdfMagic))
     throw io::FileError(Kind::foreign, path, "not a NetCDF-4 table file");
@@ -307,7 +307,7 @@ void check_open(const fs::path& path, int status) {
     Reader{path}.fail(std::string("truncated or damaged NetCDF-4 file: ") + nc_strerror(status));
 }
 
-/// All of an open file.
+/// Reads an open file completely.
 TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
   const Reader in{path};
   std::size_t length = 0;
@@ -344,7 +344,7 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
       file.tables[name] = in.table(group);
     } catch (const io::FileError&) {
       throw;
-    } catch (const std::exception& contradiction) {  // std::bad_alloc for an absurd size, too
+    } catch (const std::exception& contradiction) {  // also std::bad_alloc for an absurd size
       in.fail("damaged table file: group " + std::string(name) + ": " + contradiction.what());
     }
   }
@@ -359,7 +359,7 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
   return file;
 }
 
-/// First in a child: some damaged files crash HDF5.
+/// Reads in a child process first: some damaged files crash HDF5.
 template <class Read>
 TableFile twice(const fs::path& path, const Read& read_it) {
   const io::NetcdfLock lock;

@@ -1,4 +1,4 @@
-// What a run tells its caller while it runs.
+// Progress reports from a run to its caller.
 #pragma once
 
 #include <algorithm>
@@ -12,26 +12,26 @@
 
 namespace wheeltap::inference {
 
-/// Shares the caller's progress function between threads, and carries its wish to stop.
+/// Serialises the caller's progress function between threads, and passes on its request to stop.
 class ProgressMonitor {
  public:
   ProgressMonitor(const Options& options, int models)
       : options_(options), visits_(static_cast<std::size_t>(models)) {}
 
-  /// `to_come`: likelihood calls of the stages that will follow.
+  /// `to_come`: planned likelihood calls of the later stages.
   void begin(const char* stage, double total, double to_come = 0.0) {
     stage_ = stage;
     total_ = total;
     to_come_ = to_come;
     done_ = 0.0;
-    last_ = {};  // the first call of a stage comes at once
+    last_ = {};  // reports the start of a stage at once
   }
   void evaluated(long n) { evaluations_ += n; }
   void visited(const std::vector<long>& visits) {
     const std::scoped_lock lock(mutex_);
     for (std::size_t m = 0; m < visits.size(); ++m) visits_[m] += visits[m];
   }
-  /// False where the caller wants to stop.
+  /// Returns false if the caller wants to stop.
   bool advance(double work) {
     const std::scoped_lock lock(mutex_);
     done_ += work;
@@ -56,7 +56,7 @@ class ProgressMonitor {
     }
     return !stopped();
   }
-  /// As far as this thread may know (base::is_to_stop).
+  /// Whether the run is to stop, as far as this thread knows (base::is_to_stop).
   [[nodiscard]] bool stopped() const {
     return base::is_to_stop(stop_ || (options_.stop && options_.stop()));
   }

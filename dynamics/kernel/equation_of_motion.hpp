@@ -1,5 +1,5 @@
-// The forces on the masses of a chain: what all integrators but the exact one evaluate. Part of
-// kernel_impl.hpp, which says what it is compiled for.
+// Forces on the masses of a chain, for all integrators except the exact one. Part of
+// kernel_impl.hpp, which describes the compilation.
 #pragma once
 
 #include <type_traits>
@@ -10,8 +10,8 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// visit(i, link, stiffness, threshold, side) for every law that is a spring beyond a threshold,
-/// the i-th of them.
+/// Calls visit(i, link, stiffness, threshold, side) for every law that is a spring beyond a
+/// threshold, i = 0, 1, ….
 template <class Visitor>
 WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
   int i = 0;
@@ -30,11 +30,11 @@ WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
 
 struct AnyLaw {};
 
-/// z̈ = drive + M⁻¹ pull: drive = F / m - ÿ_base, pull the sum of the tensions on a mass. Exact
-/// friction is left out: friction.hpp adds it.
+/// z̈ = drive + M⁻¹ pull: drive = F / m - ÿ_base, pull is the sum of the tensions on a mass.
+/// friction.hpp adds exact friction.
 ///
 /// N > 0: number of masses; 0: task.masses. kSerial: link i joins masses i and i + 1. OnlyLaw: the
-/// one kind of law there is, which spares the choice at every link.
+/// kind of all laws, which saves the selection at every link.
 template <int N, bool kSerial, class OnlyLaw>
 class EquationOfMotion {
  public:
@@ -69,7 +69,7 @@ class EquationOfMotion {
     for (int i = 1; i <= n; ++i) drive[i] = force[i] * inverse_mass_[i] - base;
   }
 
-  /// Of laws without memory; exact friction is left out.
+  /// For laws without memory and without exact friction.
   WHEELTAP_INLINE void accelerations(std::int64_t sample, const V* y, const V* v, V* a) const {
     const int n = masses();
     V pull[M];
@@ -80,7 +80,7 @@ class EquationOfMotion {
     for (int i = 1; i <= n; ++i) a[i] += inverse_mass_[i] * pull[i];
   }
 
-  /// The sum of the tensions on every mass, and the rates of the laws' own states.
+  /// The sum of the tensions on every mass, and the rates of the laws' internal states.
   WHEELTAP_INLINE void forces(const V* y, const V* v, const V* q, V* pull, V* q_rate) const {
     const int n = masses();
     pull[0] = V{};
@@ -95,7 +95,8 @@ class EquationOfMotion {
       V tension = c_[link.slot] * e;
       for (int j = link.law_begin; j < link.law_end; ++j)
         tension += apply(task_.law[j], e, rate, q, q_rate);
-      tension += c_[link.slot + 1] * rate;  // last: within a stage the velocities are known last
+      // Last: within a stage, the velocities become available last.
+      tension += c_[link.slot + 1] * rate;
       pull[from] += tension;
       pull[to] -= tension;
     }
@@ -118,8 +119,9 @@ class EquationOfMotion {
   WHEELTAP_INLINE V apply(Law, const LawTerm& term, V e, V rate, const V* q, V* q_rate) const {
     const V* c = c_ + term.slot;
     if constexpr (Law::kInfo.memory) {
-      static_assert(!Law::kInfo.one_sided && Law::kInfo.paced,
-                    "only PacedRungeKutta carries laws' own states, for both sides alike");
+      static_assert(
+          !Law::kInfo.one_sided && Law::kInfo.paced,
+          "only PacedRungeKutta integrates internal states of laws, and only of two-sided ones");
       q_rate[term.memory] = Law::memory_rate(c, e, rate, q[term.memory]);
       return Law::tension(c, e, rate, q[term.memory]);
     } else if constexpr (Law::kInfo.one_sided) {
@@ -135,7 +137,7 @@ class EquationOfMotion {
   WHEELTAP_INLINE void emit(Output& output, std::int64_t sample, const V* y, const V* v,
                             const V* a) const {
     const int n = masses();
-    V motion[3][M];  // a copy, so that y, v and a need not live in memory
+    V motion[3][M];  // a copy, so that y, v and a can stay in registers
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) {
       motion[0][i] = y[i];

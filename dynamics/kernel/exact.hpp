@@ -1,24 +1,23 @@
-// The exact solution of linear chains.
-// Part of kernel_impl.hpp, which says what it is compiled for.
+// Exact solution of linear chains. Part of kernel_impl.hpp, which describes the compilation.
 #pragma once
 
 #include "dynamics/kernel/equation_of_motion.hpp"
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// The exact solution of a linear chain. With the state x = (z, h ż) and the inputs u linear over a
+/// The exact solution of a linear chain. With the state x = (z, h ż) and inputs u linear over a
 /// step,
 ///
 ///   x⁺ = Φ x + Γ₀ u + Γ₁ u⁺,  Φ = e^A, Γ₁ = φ₂(A) B, Γ₀ = φ₁(A) B - Γ₁,
 ///   A = [0 1; -h² M⁻¹K  -h M⁻¹C],  φ₁(A) = Σ Aᵏ/(k+1)!,  φ₂(A) = Σ Aᵏ/(k+2)!
 ///
-/// (the first-order hold; Van Loan 1978 gives the integrals). The loop propagates w = x - Γ₁ u,
-/// which takes one product with u a step: w⁺ = Φ w + (Φ Γ₁ + Γ₀) u.
+/// (first-order hold; Van Loan 1978 gives the integrals). The loop propagates w = x - Γ₁ u, which
+/// needs one product with u per step: w⁺ = Φ w + (Φ Γ₁ + Γ₀) u.
 template <int N>
 class Exact {
  public:
-  /// With `thresholds` the constant input 1 follows the others, for the forces of springs that
-  /// begin elsewhere than at e = 0.
+  /// With `thresholds`, the constant input 1 follows the others, for the forces of springs with
+  /// thresholds other than e = 0.
   explicit Exact(const Task& task, bool thresholds = false)
       : task_(task),
         c_(vectors(task.coefficients)),
@@ -149,7 +148,8 @@ class Exact {
     multiply_a(factor, product_, transition_, n);  // Φ = A φ₁ + 1
     for (int i = 0; i < n; ++i) transition_[i * n + i] += 1.0;
 
-    // gamma1 = φ₂ B and gain = φ₁ B, B zero in its upper half. Over the short step B is factor · B.
+    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. Over the short step, B is
+    // factor · B.
     for (int i = 0; i < n; ++i)
       for (int c = 0; c < j; ++c) {
         V first{}, second{};
@@ -175,7 +175,7 @@ class Exact {
     for (int i = 0; i < n * j; ++i) gain_[i] += gamma0_[i];
   }
 
-  /// Sensor i reads rows · w + feed · u: of w only one entry unless it is an accelerometer.
+  /// Sensor i reads rows · w + feed · u; unless it is an accelerometer, rows has one nonzero entry.
   void observe() {
     const int m = masses(), n = order(), j = inputs_;
     const double h = task_.step;
@@ -249,18 +249,18 @@ class Exact {
       WHEELTAP_UNROLL
       for (int i = 0; i < n; ++i) w[i] = next[i];
       WHEELTAP_UNROLL
-      for (int i = 0; i < m; ++i) watch.saw(w[i]);
+      for (int i = 0; i < m; ++i) watch.check(w[i]);
       if (watch.over(sample, output)) break;
       excite(sample + 1);
     }
     WHEELTAP_UNROLL
-    for (int i = 0; i < n; ++i) watch.saw_last(w[i]);
+    for (int i = 0; i < n; ++i) watch.check_last(w[i]);
     watch.finish();
   }
 
   const Task& task_;
   const V* c_;
-  V* free_;  ///< what is left of the scratch memory
+  V* free_;  ///< unused rest of the scratch memory
   int masses_, inputs_;
   V *transition_, *phi2_, *product_, *lower_, *input_;
   V *gamma0_, *gamma1_, *gain_, *shifted_, *rows_, *feed_, *u_, *state_;

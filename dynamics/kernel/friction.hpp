@@ -1,5 +1,5 @@
-// Exact dry friction: which links stick, which slip, and what holds those that stick. Part of
-// kernel_impl.hpp, which says what it is compiled for.
+// Exact dry friction: stick and slip of links, and the tensions of sticking links. Part of
+// kernel_impl.hpp, which describes the compilation.
 #pragma once
 
 #include "dynamics/kernel/vectors.hpp"
@@ -7,30 +7,30 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Between two events every link with friction either slips, T = ±F, or sticks: then its tension is
+/// Between two events every link with friction either slips, T = ±F, or sticks; its tension is then
 /// the Lagrange multiplier of ė = 0. With ë₀ the accelerations of the extensions without friction
 /// and B the signs with which masses enter extensions (-1 at a, +1 at b),
 ///
 ///   ë = ë₀ - G T,   G = B M⁻¹ Bᵀ,   so that   G_ss T_s = ë₀_s - G_sg T_g
 ///
-/// for the links s that stick and g that slip. Of the links whose ė is 0 those stick that can: T is
-/// the one solution, G being positive definite, of
+/// for the sticking links s and the slipping links g. Among the links with ė = 0, the stick-slip
+/// state follows from the unique solution T, since G is positive definite, of
 ///
 ///   |T| < F, ë = 0   or   T = F, ë >= 0   or   T = -F, ë <= 0
 ///
-/// (Glocker 2001, Set-Valued Force Laws, chapter 5), found by changing the first link that breaks
-/// its condition until none does: least-index pivoting ends after finitely many changes (Murty
-/// 1974; for bounds on both sides Júdice & Pires 1992). In a loop of links that all stick G is
-/// singular and their tensions are not unique: the first of them carry it.
+/// (Glocker 2001, Set-Valued Force Laws, chapter 5). The solver changes the first link that
+/// violates its condition until none does. Least-index pivoting ends after finitely many changes
+/// (Murty 1974; for bounds on both sides Júdice & Pires 1992). In a closed loop of sticking links G
+/// is singular and the tensions are not unique; the first links then carry the force.
 ///
-/// Links between the same two masses stick and slip as one. A lane's arithmetic is the same
-/// whatever the others do.
+/// Links between the same two masses stick and slip together. The result of a lane does not depend
+/// on the other lanes.
 template <int N>
 class Friction {
  public:
   static constexpr int M = (N > 0 ? N : kMaxMasses) + 1;
 
-  /// Accelerations are taken and given times `unit` [m/s²]: the square of the unit of time.
+  /// Accelerations have the unit `unit` [m/s²], the square of the unit of time.
   Friction(const Task& task, double unit) : size_(task.frictions) {
     if (size_ == 0) return;
     const V* c = vectors(task.coefficients);
@@ -61,15 +61,16 @@ class Friction {
   /// 1 and -1 in the lanes where link f slips and opens or closes, 0 where it sticks.
   [[nodiscard]] WHEELTAP_INLINE V state(int f) const { return state_[f]; }
   [[nodiscard]] WHEELTAP_INLINE V force(int f) const { return force_[f]; }
-  /// By how much a unit of tension changes ë.
+  /// Change of ë per unit of tension.
   [[nodiscard]] WHEELTAP_INLINE V compliance(int f) const { return delassus_[f][f]; }
   /// Whether any link sticks in any lane.
   [[nodiscard]] WHEELTAP_INLINE bool sticking() const { return sticking_; }
-  /// ė, or any other difference between the ends.
+  /// ė, or another difference between the ends.
   [[nodiscard]] WHEELTAP_INLINE V across(int f, const V* x) const { return x[b_[f]] - x[a_[f]]; }
 
-  /// The tensions for accelerations without friction, to which what they do is added. Without
-  /// `slipping` (of higher terms of a series) links that slip have none.
+  /// Computes the tensions for accelerations without friction, and adds their effect to
+  /// `acceleration`. Without `slipping` (for higher terms of a series), slipping links have no
+  /// tension.
   WHEELTAP_INLINE void pull(bool slipping, V* acceleration, V* tension) const {
     for (int f = 0; f < size_; ++f) {
       tension[f] = slipping ? state_[f] * force_[f] : V{};
@@ -85,8 +86,8 @@ class Friction {
     }
   }
 
-  /// The regime of these velocities, for accelerations without friction: links with ė = 0 stick
-  /// where they can.
+  /// Sets the regime for these velocities and accelerations without friction: links with ė = 0
+  /// stick if they can.
   void start(V* v, const V* free) {
     V at_rest[kMaxFrictions] = {};
     for (int f = 0; f < size_; ++f) {
@@ -97,13 +98,13 @@ class Friction {
     settle(at_rest, v, free);
   }
 
-  /// In the lanes of `stop` link f, which slips, comes to rest.
+  /// In the lanes of `stop`, the slipping link f comes to rest.
   WHEELTAP_INLINE void stop(int f, V stop) { state_[f] = stop > 0.0 ? V{} : state_[f]; }
-  /// In the lanes where `side` is not 0 link f breaks away on that side. Factorises nothing.
+  /// In the lanes with nonzero `side`, link f breaks away on that side. Does not factorise.
   WHEELTAP_INLINE void break_away(int f, V side) { state_[f] = side == 0.0 ? state_[f] : side; }
 
-  /// Decides about the links at rest, for accelerations without friction, and takes from the
-  /// velocities what is left of the rates of those that stick.
+  /// Determines the state of the links at rest for accelerations without friction, and removes the
+  /// residual rates of sticking links from the velocities.
   void settle(const V* at_rest, V* v, const V* free) {
     V acceleration[M], tension[kMaxFrictions];
     const int ends = highest_end();
@@ -133,14 +134,14 @@ class Friction {
     for (int f = 0; f < size_; ++f) push(f, impulse[f], v);
   }
 
-  /// Prepares `pull` for the present regime.
+  /// Factorises for `pull` in the current regime.
   void factor() {
     sticking_ = false;
     for (int f = 0; f < size_; ++f) {
       sticking_ = sticking_ || !all(state_[f]);
       V pivot = state_[f] == 0.0 ? delassus_[f][f] : V{};
       for (int k = 0; k < f; ++k) pivot -= lower_[f][k] * lower_[f][k] * pivot_[k];
-      // 0 for a link that slips, and for one whose rate the others' already determine.
+      // 0 for a slipping link, and for one whose rate follows from the others.
       const V usable = pivot > kSingular * delassus_[f][f] ? V{} + 1.0 : V{};
       pivot_[f] = usable > 0.0 ? pivot : V{};
       reciprocal_[f] = usable > 0.0 ? 1.0 / pivot : V{};
@@ -154,7 +155,7 @@ class Friction {
 
  private:
   static constexpr int kMostChanges = 64;
-  /// Of a force or an acceleration, below which a condition is not broken.
+  /// Tolerance of the conditions, relative to a force or an acceleration.
   static constexpr double kTolerance = 1e-10;
   static constexpr double kSingular = 1e-12;
 

@@ -1,5 +1,5 @@
-// The classical Runge-Kutta scheme in steps that follow the motion. Part of kernel_impl.hpp, which
-// says what it is compiled for.
+// Classical Runge-Kutta scheme with adaptive steps. Part of kernel_impl.hpp, which describes the
+// compilation.
 #pragma once
 
 #include "dynamics/kernel/equation_of_motion.hpp"
@@ -8,15 +8,15 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// The scheme of RungeKutta for chains with laws whose rate grows with the speed of their link
-/// (LawInfo::paced): no step chosen beforehand suits both the rest and the stroke. With s the sum
-/// over the links of (rate a unit of speed) · |ė|, and s' that of (rate a unit of speed) · (|ë| and
-/// by how much the drive may change it within a step), a step τ is at most that of task.substeps
-/// and keeps
+/// (LawInfo::paced). No constant step suits both rest and fast motion. With s the sum over the
+/// links of (rate per unit of speed) · |ė|, and s' that of (rate per unit of speed) · (|ë| +
+/// largest change of the drive within a step), a step τ is at most that of task.substeps and
+/// satisfies
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
-/// Every lane goes its own way through a sample, by its own state alone. A step across which a link
-/// with exact friction would come to rest or break away is taken only up to there.
+/// Each lane chooses its steps from its own state alone. A step within which a link with exact
+/// friction would come to rest or break away ends there.
 ///
 ///   0   |
 ///   1/2 | 1/2
@@ -61,25 +61,26 @@ class PacedRungeKutta {
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive_now[i] = drive_next[i];
-        watch.saw(x.y[i]);
+        watch.check(x.y[i]);
       }
       if (watch.over(sample, output, kPacedSamplesBetweenChecks)) break;
     }
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) {
-      watch.saw_last(x.y[i]);
-      watch.saw_last(x.v[i]);
+      watch.check_last(x.y[i]);
+      watch.check_last(x.v[i]);
     }
-    for (int m = 0; m < task_.memories; ++m) watch.saw_last(x.q[m]);
+    for (int m = 0; m < task_.memories; ++m) watch.check_last(x.q[m]);
     watch.finish();
   }
 
  private:
   using Motion = EquationOfMotion<N, false, AnyLaw>;
   static constexpr int M = Motion::M;
-  /// Beyond this product of rate and step the scheme itself is unstable: 2.79 on the real axis.
+  /// Product of rate and step above which the scheme is unstable; 2.79 on the real axis.
   static constexpr double kUnstable = 2.5;
-  /// Of friction in a sample beyond its steps; links that chatter slip or stick on to its end.
+  /// Friction events in a sample in addition to its steps; afterwards, chattering links keep
+  /// slipping or sticking until its end.
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
@@ -88,7 +89,7 @@ class PacedRungeKutta {
   struct State {
     V y[M], v[M], q[kMaxMemories];
   };
-  /// The rates of v and q; that of y is v.
+  /// Time derivatives of v and q; that of y is v.
   struct Rates {
     V v[M], q[kMaxMemories];
   };
@@ -130,14 +131,14 @@ class PacedRungeKutta {
     for (int m = 0; m < task_.memories; ++m) to.q[m] = x.q[m] + tau * k.q[m];
   }
 
-  /// From one sample to the next, with drives linear between.
+  /// Advances from one sample to the next, with linear drives in between.
   [[gnu::noinline]] void advance(State& x, const V* now, const V* next, Watch& watch) {
     const int n = motion_.masses();
     const V longest = V{} + 1.0 / task_.substeps;
     V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // of the sample
     for (int steps = 0; any(left); ++steps) {
       if (steps == task_.most_steps) {
-        V fast{};  // beyond the bound within a sample: no steps would help
+        V fast{};  // above the bound within a sample: smaller steps would not help
         WHEELTAP_UNROLL
         for (int i = 1; i <= n; ++i)
           fast = lanes::max(fast, outside(x.v[i] * task_.step, task_.bound));
@@ -176,7 +177,7 @@ class PacedRungeKutta {
     for (int i = 1; i <= n; ++i) drive[i] = now[i] + time * (next[i] - now[i]);
   }
 
-  /// One step of `part` of a sample, in the lanes of which anything is left.
+  /// One step of length `part` of a sample, in the lanes with remaining time.
   WHEELTAP_INLINE void step(const State& x, const Rates& k1, const V* now, const V* next, V left,
                             V part, State& end) const {
     const int n = motion_.masses();
@@ -218,8 +219,9 @@ class PacedRungeKutta {
       end.q[m] = x.q[m] + sixth * (k1.q[m] + k4.q[m] + 2.0 * (k2.q[m] + k3.q[m]));
   }
 
-  /// Shortens the step to where a link with hysteresis turns round or its law's own state changes
-  /// sign: the law has corners there. Returns whether any lane's is shortened.
+  /// Shortens the step to the time at which a link with hysteresis reverses or the law's internal
+  /// state changes sign, since the law has corners there. Returns whether the step of any lane is
+  /// shorter.
   [[gnu::noinline]] bool stop_at_turn(const State& x, const Rates& k1, V left, V& part,
                                       const State& end) const {
     const V h = part * task_.step;
@@ -238,7 +240,7 @@ class PacedRungeKutta {
   }
 
   /// Lowers `share` to the zero of the parabola through `from` with `slope` and, a step later,
-  /// `to`. A step that begins at one is not shortened to nothing by what was left of it.
+  /// `to`. A step that begins at a zero keeps a positive length.
   WHEELTAP_INLINE static void first_zero(V from, V slope, V to, V& share) {
     V root = slope * slope - 4.0 * (to - from - slope) * from;
     for (int lane = 0; lane < WHEELTAP_LANES; ++lane)
@@ -247,8 +249,8 @@ class PacedRungeKutta {
     share = from * to < 0.0 && at < share && at > kAtTurn ? at : share;
   }
 
-  /// How far each link with friction is from an event, in units of a speed; negative beyond. The
-  /// smallest of them.
+  /// Distance of each link with friction from an event, in units of a speed, and negative beyond
+  /// it. Returns the smallest.
   [[gnu::noinline]] V margins(const State& x, V time, const V* now, const V* next,
                               V* margin) const {
     V tension[kMaxFrictions], drive[M], least = V{} + 1e300;
@@ -269,9 +271,9 @@ class PacedRungeKutta {
     return least;
   }
 
-  /// Shortens the step to the first event within it, to 1e-12 of a sample: by halving and false
-  /// position (the Illinois rule). Returns whether there is one in any lane, and writes to
-  /// changes[link] to which side it breaks away, or 2 where it comes to rest.
+  /// Shortens the step to its first event, to 1e-12 of a sample, by bisection and false position
+  /// (Illinois rule). Returns whether any lane has one. Writes to changes[link] the side to which
+  /// it breaks away, or 2 if it comes to rest.
   [[gnu::noinline]] bool stop_at_event(const State& x, const Rates& k1, const V* now, const V* next,
                                        V left, V& part, State& end, V* changes) const {
     const V begin = 1.0 - left;
@@ -281,7 +283,7 @@ class PacedRungeKutta {
     V at_low = margins(x, begin, now, next, margin);
     V low{}, high = part, open = found, last{};
     for (int i = 0; i < kMostTrials && any(open); ++i) {
-      // From an event at the start of the step only halving leads away.
+      // If the event is at the start of the step, only bisection advances.
       const V chord = low + (high - low) * (at_low / (at_low - at_high)),
               middle = 0.5 * (low + high);
       const V inside = at_low > 0.0 ? (i % 3 == 2 ? middle : chord) : middle;
@@ -311,7 +313,7 @@ class PacedRungeKutta {
     return true;
   }
 
-  /// Goes on in another regime of friction.
+  /// Changes to another regime of friction.
   [[gnu::noinline]] void stick_or_slip(State& x, const V* changes, V left, const V* now,
                                        const V* next) {
     V stopping{}, at_rest[kMaxFrictions] = {};
@@ -332,7 +334,8 @@ class PacedRungeKutta {
   /// The length of the next step, in samples.
   WHEELTAP_INLINE V pace(const State& x, const Rates& k, const V* now, const V* next, V longest,
                          Watch& watch) const {
-    // Where a law holds its link against the drive, ė and ë say nothing: what is to come does.
+    // If a law holds its link against the drive, ė and ë are no measure; use the drive's change
+    // instead.
     const auto coming = [&](int mass) __attribute__((always_inline)) {
       return mass == 0 ? V{} : next[mass] - now[mass];
     };
@@ -347,7 +350,7 @@ class PacedRungeKutta {
     V root = task_.pace * growth;
     for (int lane = 0; lane < WHEELTAP_LANES; ++lane) root[lane] = __builtin_sqrt(root[lane]);
     const V length = task_.pace / ((rate + root) * task_.step);
-    const V chosen = length < longest ? length : longest;  // NaN, and 0/0: the longest
+    const V chosen = length < longest ? length : longest;  // the longest step if NaN (0/0)
     watch.mark_long_steps(rate * chosen * task_.step > kUnstable ? V{} + 1.0 : V{});
     return chosen;
   }

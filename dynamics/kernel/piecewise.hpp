@@ -1,5 +1,5 @@
-// The exact solution between switches.
-// Part of kernel_impl.hpp, which says what it is compiled for.
+// Exact solution between the switching times of laws. Part of kernel_impl.hpp, which describes the
+// compilation.
 #pragma once
 
 #include "dynamics/kernel/exact.hpp"
@@ -7,11 +7,11 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Chains whose laws are all springs beyond a threshold: linear between the switches. A sample in
-/// which no law switches is stepped by the exact solution of its regime, one with a switch by
-/// series. A switch shows in the sign of a law's e - threshold at the end, or in its tangents from
-/// both ends crossing zero; where the sample is long beside the stiffest period all samples are
-/// taken by series.
+/// Integrates chains whose laws are all springs beyond a threshold, and which are linear between
+/// switches. A sample without a switch uses the exact solution of its regime, a sample with one
+/// uses series. A switch is detected by the sign of a law's e - threshold at the end, or by its
+/// tangents from both ends crossing zero. If the sample is long relative to the shortest period,
+/// all samples use series.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:
@@ -61,11 +61,11 @@ class Piecewise : private Exact<N> {
       WHEELTAP_UNROLL
       for (int i = 0; i < n; ++i) x[i] = next[i];
       WHEELTAP_UNROLL
-      for (int i = 0; i < m; ++i) watch.saw(x[i]);
+      for (int i = 0; i < m; ++i) watch.check(x[i]);
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
-    for (int i = 0; i < n; ++i) watch.saw_last(x[i]);
+    for (int i = 0; i < n; ++i) watch.check_last(x[i]);
     watch.finish();
   }
 
@@ -82,7 +82,7 @@ class Piecewise : private Exact<N> {
   [[nodiscard]] WHEELTAP_INLINE int order() const { return 2 * this->masses(); }
   [[nodiscard]] WHEELTAP_INLINE const Task& task() const { return this->task_; }
 
-  /// side · e - threshold, and its growth in a step.
+  /// side · e - threshold, and its increase in a step.
   WHEELTAP_INLINE V level(const Threshold& t, const V* x) const {
     return t.side * (end(t.b, x) - end(t.a, x)) - t.threshold;
   }
@@ -91,8 +91,8 @@ class Piecewise : private Exact<N> {
   }
   WHEELTAP_INLINE static V end(int mass, const V* x) { return mass == 0 ? V{} : x[mass - 1]; }
 
-  /// The table of the regime that `series_` is in; lanes in different regimes have theirs woven
-  /// together.
+  /// The table of the current regime of `series_`; if lanes are in different regimes, a table
+  /// combined from theirs.
   [[gnu::noinline]] const Table* choose() {
     unsigned regime[WHEELTAP_LANES];
     bool same = true;
@@ -140,7 +140,7 @@ class Piecewise : private Exact<N> {
     series_.start(y);
   }
 
-  /// Lanes of `switched` take their next state from series. Returns whether a regime is another at
+  /// Lanes of `switched` get their next state from series. Returns whether a regime has changed at
   /// the end.
   [[gnu::noinline]] bool step(std::int64_t sample, const V* x, V switched, V* next) {
     const int m = this->masses(), laws = task().laws;

@@ -1,11 +1,11 @@
-// The classical Runge-Kutta scheme. Part of kernel_impl.hpp, which says what it is compiled for.
+// Classical Runge-Kutta scheme. Part of kernel_impl.hpp, which describes the compilation.
 #pragma once
 
 #include "dynamics/kernel/equation_of_motion.hpp"
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// The classical fourth-order scheme with task.substeps equal steps a sample, for laws without
+/// The classical fourth-order scheme with task.substeps equal steps per sample, for laws without
 /// memory,
 ///
 ///   0   |
@@ -55,14 +55,14 @@ class RungeKutta {
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive_now[i] = drive_next[i];
-        watch.saw(y[i]);
+        watch.check(y[i]);
       }
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) {
-      watch.saw_last(y[i]);
-      watch.saw_last(v[i]);
+      watch.check_last(y[i]);
+      watch.check_last(v[i]);
     }
     watch.finish();
   }
@@ -71,8 +71,8 @@ class RungeKutta {
   using Motion = EquationOfMotion<N, kSerial, OnlyLaw>;
   static constexpr int M = Motion::M;
 
-  /// From one sample to the next, with drives linear between. `seen` is given the accelerations at
-  /// the first sample, and whether to stop there.
+  /// Advances from one sample to the next, with linear drives in between. `seen` gets the
+  /// accelerations at the first sample and returns whether to stop there.
   template <class Seen>
   WHEELTAP_INLINE void advance(V* y, V* v, const V* drive_now, const V* drive_next,
                                Seen seen) const {
@@ -84,9 +84,8 @@ class RungeKutta {
     for (int i = 1; i <= n; ++i) slope[i] = (drive_next[i] - drive_now[i]) * fraction;
     for (int s = 0; s < steps; ++s) {
       // k_j = (velocity, acceleration a_j) at stage j. The velocities of the stages are v, v + h/2
-      // a1, v + h/2 a2, v + h a3, so y gains h v + h²/6 (a1 + a2 + a3). A stage is a chain of
-      // dependent operations: what it knows before its forces, v + h drive / 2, is added
-      // beforehand.
+      // a1, v + h/2 a2, v + h a3, so y increases by h v + h²/6 (a1 + a2 + a3). A stage is a chain
+      // of dependent operations; the part known before its forces, v + h drive / 2, is added first.
       V a1[M], a2[M], a3[M], known[M], yi[M], vi[M], vn[M], drive[M], pull[M];
       yi[0] = vi[0] = vn[0] = V{};
 

@@ -1,5 +1,5 @@
-// Taylor series from switch to switch.
-// Part of kernel_impl.hpp, which says what it is compiled for.
+// Taylor series between the switching times of laws. Part of kernel_impl.hpp, which describes the
+// compilation.
 #pragma once
 
 #include "dynamics/kernel/equation_of_motion.hpp"
@@ -7,13 +7,12 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Springs that are polynomials, or linear beyond a threshold, by Taylor series in time: the
-/// solution between two samples is analytic but for the times at which a law switches. A sample is
-/// gone through in pieces, each a series that ends at its length or where the first law reaches its
-/// threshold. (A step across a switch would be wrong by the square of its length, and by more or
-/// less of it as the switch moves within the step: a likelihood is then rugged where it is not.)
-/// Exact friction is an event, too: where a link that slips comes to rest, and where one that
-/// sticks would need more than its force.
+/// Integrates springs that are polynomials, or linear beyond a threshold, by Taylor series in time.
+/// The solution between two samples is analytic except where a law switches. A sample is divided
+/// into pieces: each is a series that ends at its full length or where the first law reaches its
+/// threshold. (A step across a switch would have an error of the square of its length, which varies
+/// with the position of the switch within the step and makes the likelihood rugged.) Exact friction
+/// adds events: a slipping link comes to rest, or a sticking link needs more than its slip force.
 template <int N, bool kSerial>
 class Series {
  public:
@@ -85,14 +84,14 @@ class Series {
       WHEELTAP_UNROLL
       for (int i = 1; i <= m; ++i) {
         now[i] = then[i];
-        watch.saw(y[i]);
+        watch.check(y[i]);
       }
       if (watch.over(sample, output)) break;
     }
     WHEELTAP_UNROLL
     for (int i = 1; i <= m; ++i) {
-      watch.saw_last(y[i]);
-      watch.saw_last(v[i]);
+      watch.check_last(y[i]);
+      watch.check_last(v[i]);
     }
     watch.finish();
   }
@@ -103,17 +102,17 @@ class Series {
   };
   [[nodiscard]] WHEELTAP_INLINE int switches() const { return switches_; }
   [[nodiscard]] WHEELTAP_INLINE const Threshold& threshold(int i) const { return thresholds_[i]; }
-  /// 1 in the lanes in which a law acts, -1 where it does not.
+  /// 1 in the lanes in which a law is active, else -1.
   [[nodiscard]] WHEELTAP_INLINE V sign(int i) const { return sign_[i]; }
 
-  /// The regime at y.
+  /// Sets the regime at y.
   WHEELTAP_INLINE void start(const V* y) {
     for (int i = 0; i < switches_; ++i)
       sign_[i] = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
   }
 
-  /// y and v (in units of a sample's time) one sample on, in the lanes that move; `now` and `then`
-  /// are the drives at its ends.
+  /// Advances y and v (in units of a sample's time) by one sample, in the lanes that move; `now`
+  /// and `then` are the drives at its ends.
   WHEELTAP_INLINE void advance(V* y, V* v, const V* now, const V* then, V moving) {
     const int m = masses(), degree = task_.degree;
     const V piece = V{} + 1.0 / task_.substeps;
@@ -193,11 +192,11 @@ class Series {
   }
 
  private:
-  /// Switches in one sample; a law that chatters about its threshold ends there.
+  /// Switches per sample; a law that chatters about its threshold stops switching then.
   static constexpr int kMostSwitches = 32;
   static constexpr int kMaxPower = 3;
-  /// Since the tension of a spring is continuous at its threshold, the state that follows is wrong
-  /// by the square of what is left of the time; that of friction jumps.
+  /// The tension of a spring is continuous at its threshold, so that the error of the following
+  /// state is the square of the time error; the tension of friction jumps.
   static constexpr double kSwitchCloseness = 1e-4, kSlipCloseness = 1e-8;
   struct Polynomial {
     int a, b;
@@ -211,10 +210,10 @@ class Series {
     return t.side * (y[t.b] - y[t.a]) - t.threshold;
   }
 
-  /// y_i(τ) = Σ terms[k][i] τᵏ, τ in samples from the time when `left` of this one is to come, by
-  /// the equation of motion of the regime that `sign_` says:
+  /// Coefficients of y_i(τ) = Σ terms[k][i] τᵏ, τ in samples from the time with `left` of this
+  /// sample remaining, by the equation of motion in the regime of `sign_`:
   ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h - T(e)_k]),
-  /// the powers of e by Cauchy products.
+  /// with the powers of e by Cauchy products.
   WHEELTAP_INLINE void expand(const V* y, const V* v, const V* now, const V* then, V left,
                               V terms[][M]) {
     const int m = masses(), links = kSerial && N > 0 ? N : task_.links, degree = task_.degree;
@@ -290,8 +289,8 @@ class Series {
       acceleration[i] = unit * drive[i] + scaled_inverse_[i] * pull[i];
   }
 
-  /// The first time in [0, length] at which link f has to change between stick and slip, and to
-  /// which side it breaks away; 2 where there is none.
+  /// The first time in [0, length] at which link f changes between stick and slip, and the side to
+  /// which it breaks away; 2 if there is none.
   V first_change(int f, const V terms[][M], V length, V& side) const {
     const int degree = task_.degree;
     const V state = friction_.state(f), force = friction_.force(f);
@@ -315,8 +314,8 @@ class Series {
     return second < first ? second : first;
   }
 
-  /// Goes on in another regime of friction in the lanes of `change`, a list over the links. In
-  /// those `unwatched`, in which no events were looked for, the velocities say it.
+  /// Changes to another regime of friction in the lanes of `change`, a list over the links. In the
+  /// lanes of `unwatched`, without event detection, the velocities decide.
   void stick_or_slip(const V* change, const V* side, V until, const V* y, V* v, const V* now,
                      const V* then, V left, V unwatched) {
     const int links = friction_.size();
@@ -324,7 +323,7 @@ class Series {
     for (int f = 0; f < links; ++f) {
       was[f] = friction_.state(f);
       const V broken = was[f] == 0.0 ? change[f] : V{};
-      // From ė, ë = 0 where it breaks away; an event between leaves it what it then has.
+      // From ė, ë = 0 at break-away; an event in between keeps the current value.
       const V kept = was[f] == 0.0 ? V{} : fresh_slip_[f];
       fresh_slip_[f] = broken > 0.0 ? V{} + 2.0 : until > 0.0 ? V{} : kept;
       stopping = lanes::max(stopping, was[f] == 0.0 ? V{} : change[f]);
@@ -351,8 +350,8 @@ class Series {
   }
 
   /// The first time in [0, length] at which law i, which keeps its state while sign · (side · e -
-  /// threshold) > 0, has to change it; 2 where there is none. One that has just changed begins at
-  /// its threshold, which is taken out of the polynomial.
+  /// threshold) > 0, changes it; 2 if there is none. A law that has just changed begins at its
+  /// threshold; that root is divided out of the polynomial.
   WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
     const Threshold& t = thresholds_[i];
     const int degree = task_.degree;
@@ -366,19 +365,19 @@ class Series {
     return first_root(g, length, kSwitchCloseness);
   }
 
-  /// Takes the zero at τ = 0 out of g, in the lanes of `fresh`.
+  /// Divides the root at τ = 0 out of g, in the lanes of `fresh`.
   WHEELTAP_INLINE void shift(V* g, V fresh) const {
     for (int k = 0; k <= task_.degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
   }
 
-  /// The first time in [0, length] at which g turns negative; 2 where it does not.
+  /// The first time in [0, length] at which g becomes negative; 2 if it does not.
   WHEELTAP_INLINE V first_root(const V* g, V length, double closeness) const {
     const int degree = task_.degree;
     V falls[kMaxDegree + 1] = {};
     for (int k = 0; k < degree; ++k) falls[k] = -(k + 1) * g[k + 1];
     const V end = horner(g, degree, length), fall = horner(falls, degree - 1, length);
     V high = length, at_high = end, found = end < 0.0 ? V{} + 1.0 : V{};
-    // Between ends that are both above, where the tangents at both go below.
+    // Between two positive ends, if the tangents at both become negative.
     const V tangents = lanes::max(g[0] + length * g[1], end + length * fall);
     const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
     if (any(dips)) {
@@ -400,9 +399,9 @@ class Series {
     return sum;
   }
 
-  /// Where g turns negative in [0, high], g(high) = at_high < 0, in the lanes that are wanted:
-  /// Newton's method, kept between the ends by halving. The last step is at most `closeness` of a
-  /// sample and leaves about its square.
+  /// The root of g in [0, high], g(high) = at_high < 0, in the lanes of `wanted`: Newton's method,
+  /// safeguarded by bisection. The last step is at most `closeness` of a sample, so that the error
+  /// is about its square.
   static V turn(const V* g, int degree, V high, V at_high, V wanted, double closeness) {
     V low{}, x = g[0] > 0.0 ? high * g[0] / (g[0] - at_high) : 0.5 * high, open = wanted;
     for (int i = 0; i < 60 && any(open); ++i) {
@@ -414,7 +413,7 @@ class Series {
       low = value >= 0.0 ? x : low;
       high = value >= 0.0 ? high : x;
       const V newton = x - value / slope, middle = 0.5 * (low + high);
-      const V inside = newton > low ? (newton < high ? newton : middle) : middle;  // NaN: outside
+      const V inside = newton > low ? (newton < high ? newton : middle) : middle;  // also if NaN
       const V moved = lanes::abs(inside - x);
       x = open > 0.0 ? inside : x;
       open = moved > closeness ? open : V{};
@@ -433,8 +432,8 @@ class Series {
   Threshold thresholds_[kMaxThresholds];
   V sign_[kMaxThresholds];
   Polynomial polynomials_[kMaxPolynomials];
-  V tension_[kMaxDegree][kMaxFrictions];  ///< of friction in the present piece, as a series
-  /// 1 where slip has begun with ė = 0 at the start of the piece, 2 where with ë = 0, too.
+  V tension_[kMaxDegree][kMaxFrictions];  ///< of friction in the current piece, as a series
+  /// 1 if slip began with ė = 0 at the start of the piece, 2 if also with ë = 0.
   V fresh_slip_[kMaxFrictions];
 };
 

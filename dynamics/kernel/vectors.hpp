@@ -1,5 +1,5 @@
-// Vectors of parameter sets, one a lane. Part of kernel_impl.hpp, which says what it is compiled
-// for.
+// Vectors of parameter sets, one per lane. Part of kernel_impl.hpp, which describes the
+// compilation.
 #pragma once
 
 #include "base/lanes.hpp"
@@ -33,7 +33,7 @@ WHEELTAP_INLINE bool any(V mask) {
   return false;
 }
 
-/// 1 in every lane where |x| is not within the bound (NaN included), else 0.
+/// 1 in every lane with |x| above the bound or NaN, else 0.
 WHEELTAP_INLINE V outside(V x, double bound) {
   return lanes::abs(x) <= bound ? V{} : V{} + 1.0;
 }

@@ -1,5 +1,5 @@
-// What every integrator does with a sample, and how it sees that a trajectory failed. Part of
-// kernel_impl.hpp, which says what it is compiled for.
+// Output of samples and detection of failed trajectories, for all integrators. Part of
+// kernel_impl.hpp, which describes the compilation.
 #pragma once
 
 #include <limits>
@@ -9,10 +9,10 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 constexpr std::int64_t kSamplesBetweenChecks = 64;
-/// Of trajectories that take many steps a sample, each lane as many as it needs.
+/// For trajectories with many steps per sample, whose number varies between lanes.
 constexpr std::int64_t kPacedSamplesBetweenChecks = 4;
 
-/// What the integrators do with a sample: score it or store it.
+/// Scores or stores a sample.
 class Output {
  public:
   explicit Output(const Task& task) : task_(task), c_(vectors(task.coefficients)) {
@@ -20,7 +20,7 @@ class Output {
       for (int i = 0; i < task.sensors; ++i) vectors(task.sums)[i] = V{};
   }
 
-  /// True if sample n of the excitation is wanted.
+  /// Whether sample n of the excitation is a sample of the response.
   WHEELTAP_INLINE bool due(std::int64_t n) {
     if (n != next_) return false;
     next_ += task_.stride;
@@ -41,8 +41,8 @@ class Output {
   }
 
   [[nodiscard]] WHEELTAP_INLINE bool limited() const { return task_.weights != nullptr; }
-  /// 1 where there is no use in going on: sums of squares only grow.
-  WHEELTAP_INLINE V hopeless() const {
+  /// 1 in lanes whose limit is exceeded: sums of squares can only grow.
+  WHEELTAP_INLINE V over_limit() const {
     V total{};
     for (int i = 0; i < task_.sensors; ++i)
       total += vectors(task_.weights)[i] * vectors(task_.sums)[i];
@@ -56,28 +56,28 @@ class Output {
   std::int64_t sample_ = -1;
 };
 
-/// Whether trajectories go on, and which of them failed. All by comparisons that a NaN does not
-/// pass: arithmetic that a NaN should survive, such as 0 · x, is for the compiler to fold.
+/// Which trajectories continue, and which have failed. Uses only comparisons that are false for
+/// NaN, since the compiler may fold arithmetic such as 0 · x.
 class Watch {
  public:
   explicit Watch(const Task& task) : task_(task), bound_(task.bound) {}
 
-  /// For every mass at every sample. A lane once outside stays so.
-  WHEELTAP_INLINE void saw(V displacement) {
+  /// To be called for every mass at every sample. A lane that was outside once stays failed.
+  WHEELTAP_INLINE void check(V displacement) {
     outside_ = lanes::abs(displacement) <= bound_ ? outside_ : V{} + 1.0;
   }
 
-  /// For the whole state at the last sample, the laws' own included.
-  WHEELTAP_INLINE void saw_last(V x) {
+  /// To be called for the whole state at the last sample, including the laws' internal states.
+  WHEELTAP_INLINE void check_last(V x) {
     outside_ = lanes::max(outside_, outside(x, std::numeric_limits<double>::max()));
   }
 
-  /// Lanes in which a step was so long that the scheme was unstable: where they fail, it is this.
+  /// Marks lanes with a step at which the scheme was unstable, as the reason in case they fail.
   WHEELTAP_INLINE void mark_long_steps(V too_long) {
     long_steps_ = lanes::max(long_steps_, too_long);
   }
-  /// Lanes that stop because they would need more steps than there may be; in those that are `fast`
-  /// none would be short enough.
+  /// Fails the lanes that need more steps than allowed; in those that are `fast`, no step would be
+  /// short enough.
   WHEELTAP_INLINE void out_of_steps(V stopped, V fast) {
     mark_long_steps(fast > 0.0 ? V{} : stopped);
     outside_ = lanes::max(outside_, stopped);
@@ -85,11 +85,11 @@ class Watch {
   /// 1 where a trajectory has failed.
   [[nodiscard]] WHEELTAP_INLINE V failed() const { return outside_; }
 
-  /// Now and then: whether every lane has failed, or is not worth going on with.
+  /// At intervals: whether all lanes have failed or exceeded their limits.
   WHEELTAP_INLINE bool over(std::int64_t sample, const Output& output,
                             std::int64_t between = kSamplesBetweenChecks) {
     if (sample % between != 0) return false;
-    if (output.limited()) outside_ = lanes::max(outside_, output.hopeless());
+    if (output.limited()) outside_ = lanes::max(outside_, output.over_limit());
     return all(outside_);
   }
 

@@ -6,7 +6,7 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// T = k max(0, e), opening: a crack that bears on one side only. Closing: k min(0, e).
+/// T = k max(0, e), opening: a crack that transmits force on one side only. Closing: k min(0, e).
 struct Bilinear {
   static constexpr LawInfo kInfo{
       .name = "bilinear",

@@ -20,7 +20,7 @@ struct BoucWen {
       .formula = "T = kh y z, z' = (ė/y) (1 - |z|^n (beta sgn(ė z) + gamma)), z = 0 at the start",
       .description = "smooth hysteresis, elastic with stiffness kh before it yields at about e = y",
       .notes =
-          "z is the law's own state: the tension depends on how the link got where it is. With "
+          "z is an internal state: the tension depends on the history of the link. With "
           "beta + "
           "gamma = 1, as unless given, the plateau is T = kh y. beta = gamma unloads with the "
           "stiffness "
@@ -52,12 +52,12 @@ struct BoucWen {
                          .otherwise = 0.5,
                          .symbol = "beta",
                          .words =
-                             "the share of the bend that changes sign where the motion turns back"},
+                             "the part of the bend that changes sign when the motion reverses"},
                         {.name = "gamma",
                          .unit = "1",
                          .otherwise = 0.5,
                          .symbol = "gamma",
-                         .words = "the share that does not"}}},
+                         .words = "the part that does not"}}},
       .memory = true,
       .paced = true};
 
@@ -71,9 +71,9 @@ struct BoucWen {
     return rate / c[1] *
            (1.0 - base::lanes::power(zeta > 0.0 ? zeta : -zeta, c[2]) * (direction + c[4]));
   }
-  /// At the largest |ζ|: with z = (β + γ)^(-1/n) |∂ζ̇/∂ζ| <= |ė|/e_y n zⁿ⁻¹ (|β| + |γ|), and
-  /// |dζ/de| <= (1 + (β - γ) zⁿ) / e_y where the motion turns back. The yield itself is passed at
-  /// the rate |ė|/e_y.
+  /// At the largest |ζ|: with z = (β + γ)^(-1/n), |∂ζ̇/∂ζ| <= |ė|/e_y n zⁿ⁻¹ (|β| + |γ|), and
+  /// |dζ/de| <= (1 + (β - γ) zⁿ) / e_y at a reversal of the motion. Yielding itself has the rate
+  /// |ė|/e_y.
   static Slopes slopes(const double* c, double /*e_max*/) {
     const double sum = c[3] + c[4], turning = std::max(1.0, 2.0 * c[3] / sum);
     const double yielding =

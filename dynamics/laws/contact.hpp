@@ -7,19 +7,18 @@
 namespace wheeltap::dynamics::laws {
 
 /// T = k max(0, e - g), opening: a stop at distance g >= 0. Closing: k min(0, e + g), the bumper of
-/// Tiboaca 2016 (section 6.3), its sign mended. The force is continuous at the stop.
+/// Tiboaca 2016 (section 6.3) with the sign corrected. The force is continuous at the stop.
 struct Contact {
   static constexpr LawInfo kInfo{
       .name = "contact",
       .formula = "opening: T = kc max(0, e - g); closing: T = kc min(0, e + g)",
       .description = "a stop at distance g, as behind a backlash",
       .notes =
-          "Two of them in a list, one a side, are a play between two stops: "
+          "Two of them in a list, one for each side, form a gap between two stops: "
           "`[{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"opening\"}, "
-          "{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"closing\"}]`. The gap is counted "
-          "from "
-          "e = 0 and the force has no jump. A stop that the record never reached shows "
-          "only that the gap is wider than the motion.",
+          "{\"stiffness\": \"kc\", \"gap\": \"g\", \"side\": \"closing\"}]`. The gap is measured "
+          "from e = 0, and the force has no jump. If the motion never reaches the stop, the record "
+          "shows only that the gap is larger than the motion.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),
@@ -31,7 +30,7 @@ struct Contact {
                          .role = {LawRole::Kind::extension},
                          .lower = 0.0,
                          .symbol = "g",
-                         .words = "the travel before the stop is touched",
+                         .words = "the distance to the stop",
                          .example = 0.004}}},
       .one_sided = true};
 

@@ -9,25 +9,26 @@ namespace wheeltap::dynamics::laws {
 
 /// Dry friction of force F >= 0 (Coulomb):
 ///
-///   T = F sgn(ė) while it slips,   |T| <= F, whatever holds ė = 0, while it sticks,
+///   T = F sgn(ė) in slip;   |T| <= F, with the value that keeps ė = 0, in stick.
 ///
-/// located event by event (kernel/friction.hpp). With a creep speed v > 0, or one that is a
-/// parameter, it is regularised:
+/// The transitions are located in time (kernel/friction.hpp). With a creep speed v > 0, or one that
+/// is a parameter, the law is regularised:
 ///
 ///   T = F tanh(ė / v).
 ///
-/// Within |ė| < v that is a dashpot F/v, so sticking is creep, and a small v asks for small steps.
+/// For |ė| < v this is a damper F/v, so that the link creeps instead of sticking, and a small v
+/// requires small steps.
 struct Coulomb {
   static constexpr LawInfo kInfo{
       .name = "coulomb",
       .formula = "T = F sgn(ė) in slip, |T| <= F in stick; with a velocity v: T = F tanh(ė/v)",
       .description = "dry friction; exact where velocity is left out or 0",
       .notes =
-          "A bare number or name is the force, exactly: while ė = 0 the link holds whatever "
-          "tension up "
-          "to F keeps it there, and each start and stop is located. A velocity smooths the jump; "
-          "within |ė| < v it is a damper F/v, so that the link creeps where it should stick, and a "
-          "small v asks for small steps. Give one only to compare with work that did.",
+          "A number or name alone gives the force of the exact law: in stick the tension takes the "
+          "value up to F that keeps ė = 0, and each transition is located in time. A velocity "
+          "regularises the law: for |ė| < v it is a damper F/v, so that the link creeps where it "
+          "should stick, and a small v requires small steps. Use it only to reproduce work with "
+          "the regularised law.",
       .coefficients = {{{.name = "force",
                          .unit = "N",
                          .role = factor_of(0),
@@ -40,7 +41,7 @@ struct Coulomb {
                          .otherwise = 0.0,
                          .lower = 0.0,
                          .symbol = "v",
-                         .words = "the speed over which the jump is smoothed; 0 is exact",
+                         .words = "the speed of the regularisation; 0 is exact",
                          .example = 0.01}}}};
   static constexpr int kCreep = 1;
 

@@ -1,5 +1,5 @@
-// The list of force laws. A new law is one file in laws/ and its two lines here, the include and
-// the name in `LawList`; a test of its own goes to tests/dynamics/laws_test.cpp.
+// The list of force laws. To add a law, write one file in laws/ and add two lines here, the include
+// and the name in `LawList`; add its test to tests/dynamics/laws_test.cpp.
 //
 // A law T(e, ė) is a struct with
 //   kInfo                    its name in a case file and its coefficients with units, roles and

@@ -6,8 +6,8 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// T = k₅ e⁵: what hardens (k₅ > 0) or softens beyond the reach of a cubic spring. Series expand no
-/// fifth power: a chain with it is integrated by Runge-Kutta.
+/// T = k₅ e⁵: hardens (k₅ > 0) or softens more strongly than a cubic spring. The series integrator
+/// has no fifth power: chains with this law use Runge-Kutta.
 struct Quintic {
   static constexpr LawInfo kInfo{
       .name = "quintic",

@@ -3,7 +3,7 @@
 namespace wheeltap::inference {
 namespace {
 
-/// f(list) for each list of a chain.
+/// Calls f(list) for each list of a chain.
 template <class OfChain, class F>
 void for_each_list(OfChain& chain, const F& f) {
   f(chain.model), f(chain.theta), f(chain.log_prior), f(chain.log_likelihood);

@@ -1,4 +1,4 @@
-// One Markov chain's draws of (model, parameters), and a view of one of them.
+// The draws of one Markov chain over (model, parameters), and a view of one draw.
 #pragma once
 
 #include <cstdint>
@@ -10,7 +10,7 @@
 
 namespace wheeltap::inference {
 
-/// A view of one draw, good for as long as its chain and its space are.
+/// A view of one draw, valid as long as its chain and its model space exist.
 struct Draw {
   const ModelSpace* space = nullptr;
   int model = 0;
@@ -18,7 +18,7 @@ struct Draw {
   double log_prior = 0.0, log_likelihood = 0.0;
 
   [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
-  /// Components of this kind.
+  /// Number of components of this kind.
   [[nodiscard]] int count(int kind) const {
     return (*space)[model].counts[static_cast<std::size_t>(kind)];
   }
@@ -40,7 +40,7 @@ struct Chain {
   DrawList<float> prediction;  ///< draws × Posterior::predictions, or empty
 
   [[nodiscard]] std::size_t size() const { return model.size(); }
-  /// What all lists take.
+  /// Memory of all lists.
   [[nodiscard]] std::size_t bytes() const;
   /// Draw i < size() of a chain in this space.
   [[nodiscard]] Draw draw(std::size_t i, const ModelSpace& space) const {
@@ -52,19 +52,19 @@ struct Chain {
             .log_prior = log_prior[i],
             .log_likelihood = log_likelihood[i]};
   }
-  /// Keeps none, and stays in its folder.
+  /// Removes all draws; the storage folder stays the same.
   void clear() { truncate(0); }
-  /// Keeps the first `draws` alone.
+  /// Keeps only the first `draws` draws.
   void truncate(std::size_t draws);
-  /// Those of `more` follow, of the same space.
+  /// Appends the draws of `more`, a chain over the same model space.
   void append(const Chain& more);
-  /// Where there are many, they are in a file of this folder, not in memory (DrawMemory).
+  /// Stores large lists in a file in this folder instead of on the heap (DrawMemory).
   void keep_in(const std::filesystem::path& folder);
-  /// Room for so many, of rows of these lengths.
+  /// Reserves room for `draws` draws with rows of these lengths.
   void reserve(std::size_t draws, std::size_t dimension, std::size_t predictions);
-  /// Waits until they are where they are kept. Throws DrawsLost.
+  /// Waits until all draws are written to disk. Throws DrawsLost.
   void settle() const;
-  /// They were read, or written, and need not stay in memory.
+  /// Allows the system to page out draws that were read or written.
   void let_go() const;
 };
 

@@ -14,7 +14,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// A file without a name, or one that has lost it; -1: none can be made there.
+// Opens an unnamed file, or one whose name is deleted; -1 if the folder allows neither.
 int nameless_file(const std::filesystem::path& folder) {
 #ifdef O_TMPFILE
   if (const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600); file >= 0)
@@ -28,8 +28,9 @@ int nameless_file(const std::filesystem::path& folder) {
   return file;
 }
 
-// A full disk says so here: of a page without room on the disk, mapped, the process would die.
-// Where a file system cannot take room, zeros are written, and are there once they are on the disk.
+// Reserves disk space. A full disk is reported here; otherwise access to a mapped page without disk
+// space would kill the process. If the file system cannot reserve space, zeros are written and
+// synchronised.
 bool take_room(int file, std::size_t from, std::size_t to) {
   int error = EINTR;
   while (error == EINTR)
@@ -105,7 +106,7 @@ void DrawMemory::grow_heap(std::size_t bytes) {
   capacity_ = bytes;
 }
 
-// One that copies on write may have no room in the end, even for what it had taken.
+// A copy-on-write file system may run out of space even for reserved blocks.
 void DrawMemory::settle() const {
   if (file_ < 0 || ::fsync(file_) == 0) return;
   throw DrawsLost(std::generic_category().message(errno));
@@ -113,7 +114,7 @@ void DrawMemory::settle() const {
 
 void DrawMemory::let_go() const {
 #ifdef __linux__
-  // Of a shared mapping the pages stay in the system's cache, and those not yet written are.
+  // For a shared mapping, pages stay in the system's cache and dirty ones are written.
   if (file_ >= 0) ::madvise(data_, capacity_, MADV_DONTNEED);
 #endif
 }

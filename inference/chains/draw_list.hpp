@@ -1,4 +1,4 @@
-// Numbers in a row, of which there may be more than memory should hold.
+// A growing sequence of numbers that may exceed the available memory.
 #pragma once
 
 #include <algorithm>
@@ -12,23 +12,23 @@
 
 namespace wheeltap::inference {
 
-/// A file system had no room for what it had taken.
+/// Thrown if the file system cannot write draws that it accepted before.
 class DrawsLost : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Bytes in a row that grow: on the heap; with a folder, from kOnHeap on, in a file there that has
-/// no name, which is mapped into memory. The system writes such memory to the disk when it is short
-/// of it, and the file is gone when this is, or the process that has it. The disk's room is taken
-/// as the file grows; where there is none, or the folder's file system has no such files, the heap
-/// is used after all.
+/// A growing byte buffer. It lies on the heap or, if a folder is given and the size reaches
+/// kOnHeap, in an unnamed file in that folder that is mapped into memory. The operating system
+/// writes mapped pages to disk when memory is short. The file disappears with this object or with
+/// the process. Disk space is reserved as the file grows. If the disk is full, or the file system
+/// has no unnamed files, the heap is used.
 class DrawMemory {
  public:
   static constexpr std::size_t kOnHeap = std::size_t{1} << 22U;
 
   DrawMemory() = default;
-  /// Of nothing, in the same folder.
+  /// An empty buffer in the same folder.
   explicit DrawMemory(std::filesystem::path folder) : folder_(std::move(folder)) {}
   DrawMemory(const DrawMemory&) = delete;
   DrawMemory& operator=(const DrawMemory&) = delete;
@@ -44,15 +44,15 @@ class DrawMemory {
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] bool in_file() const { return file_ >= 0; }
-  /// From when it grows next.
+  /// Takes effect the next time that the buffer grows.
   void keep_in(std::filesystem::path folder) { folder_ = std::move(folder); }
-  /// To at least so many, which keeps what is there. Throws std::bad_alloc.
+  /// Grows to at least `bytes` and keeps the content. Throws std::bad_alloc.
   void grow(std::size_t bytes);
-  /// Waits until what is in a file is on the disk. Throws DrawsLost where it cannot be written:
-  /// what is read is then not what was put there.
+  /// Waits until the file's content is on disk. Throws DrawsLost if it cannot be written; the
+  /// content is then invalid.
   void settle() const;
-  /// What is in a file need not be in memory until it is asked for again. Reading meanwhile is no
-  /// error.
+  /// Allows the system to page out the file's content until the next access. Concurrent reading is
+  /// safe.
   void let_go() const;
 
  private:
@@ -66,7 +66,7 @@ class DrawMemory {
   int file_ = -1;
 };
 
-/// A sequence as std::vector is, its numbers in a DrawMemory.
+/// A sequence like std::vector whose numbers lie in a DrawMemory.
 template <class Number>
 class DrawList {
   static_assert(std::is_trivially_copyable_v<Number>);
@@ -120,7 +120,7 @@ class DrawList {
     make_room(size_ + 1);
     numbers()[size_++] = number;
   }
-  /// Behind those that are there, of another sequence.
+  /// Appends the numbers of another sequence.
   template <std::input_iterator It>
   void append(It first, It last) {
     const auto more = static_cast<std::size_t>(std::distance(first, last));

@@ -11,8 +11,8 @@ namespace wheeltap::inference {
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// Keeps kKeep to 2 kKeep draws of each model, in order and equally far apart: every second one
-/// goes where there are too many, and from then on every second one comes.
+/// Keeps kKeep to 2 kKeep draws of each model, in order and equally spaced. When there are too
+/// many, every second one is deleted and the thinning interval doubles.
 class KeptDraws {
  public:
   struct OfModel {

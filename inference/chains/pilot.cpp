@@ -17,7 +17,8 @@ namespace wheeltap::inference {
 
 namespace {
 
-constexpr double kHopeless = 1e-15;  // probability of a model that is fitted briefly
+constexpr double kNegligibleProbability =
+    1e-15;  // probability below which a model is fitted briefly
 constexpr Eigen::Index kFewSamples = 2000;
 constexpr int kMostComponents = 240;
 constexpr int kFewComponents = 4;
@@ -33,8 +34,8 @@ bool is_list(const ModelSpace& space) {
   return space.kinds().empty();
 }
 
-// The kernels that both stages share, scaled by `share`; random walks are the caller's. `pilot` may
-// be null.
+// Adds the kernels common to both stages, scaled by `share`; the caller adds random walks. `pilot`
+// may be null.
 void add_component_moves(KernelMixture& kernels, const Problem& problem, const Options& options,
                          const Atlases& atlases, double share,
                          const std::shared_ptr<const PilotFit>& pilot) {
@@ -43,8 +44,8 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
   for (std::size_t j = 0; j < space.kinds().size(); ++j) {
     const int kind = static_cast<int>(j);
     if (options.moves.birth_death) {
-      // Without an atlas the plain birth does the informed one's work as well, and blind
-      // relocations are rarely accepted.
+      // Without an atlas, plain births replace informed ones, and blind relocations are rarely
+      // accepted.
       add_move<BirthDeath>(kernels, share * (atlases[j] ? 0.3 : 0.9) / kinds, "birth and death",
                            kind, std::make_unique<PriorProposal>(), pilot);
     }
@@ -113,7 +114,7 @@ void PilotSamples::add(const State& state) {
   if (visits_[m]++ % model.stride != 0 || model.dimension == 0) return;
   model.values.insert(model.values.end(), state.z.begin(), state.z.end());
   if (model.values.size() >= 2 * kKeep * model.dimension) {
-    // Every second one goes, and from now on every second one comes.
+    // Deletes every second state; from now on only every second one is added.
     const auto d = static_cast<std::ptrdiff_t>(model.dimension);
     for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(kKeep); ++i) {
       std::copy_n(model.values.begin() + 2 * i * d, d, model.values.begin() + i * d);
@@ -172,7 +173,7 @@ void fit_scales(const Eigen::MatrixXd& states, std::vector<RandomWalk::Block>& b
     const Eigen::MatrixXd centred = part.colwise() - part.rowwise().mean();
     Eigen::MatrixXd covariance =
         centred * centred.transpose() / static_cast<double>(states.cols() - 1);
-    // Keeps a parameter that did not move at all from having no width.
+    // Gives a constant parameter a positive width.
     covariance.diagonal() *= 1.0 + 1e-10;
     covariance.diagonal().array() += 1e-30;
     const Eigen::LLT<Eigen::MatrixXd> llt(covariance);
@@ -182,10 +183,10 @@ void fit_scales(const Eigen::MatrixXd& states, std::vector<RandomWalk::Block>& b
   }
 }
 
-// Adds the modes at whose tops the mixture is far thinner than their own normals would have it.
+// Adds the modes at whose maxima the mixture density is far below that of their own normals.
 void cover(const std::vector<NormalMixture::Component>& modes, NormalMixture& mixture) {
   constexpr double kThin = 5.0;    // ln
-  constexpr double kShare = 0.05;  // of the mixture, for all of them together
+  constexpr double kShare = 0.05;  // of the mixture, all added modes together
   std::vector<NormalMixture::Component> missing;
   double weight = 0.0;
   for (const NormalMixture::Component& mode : modes) {
@@ -220,7 +221,7 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
   pilot.scales = RandomWalk::initial_scales(space);
   fit->density.resize(models);
 
-  // A share of the cold visits, and never so small that the model is not looked at again.
+  // Share of the cold visits, with a lower limit so that the model is still proposed.
   const PilotSamples& cold = by_rung.back();
   double visits = 0.0;
   for (std::size_t m = 0; m < models; ++m) {
@@ -254,19 +255,19 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
     }
     base::Random random(options.seed, at, static_cast<std::uint64_t>(options.round),
                         base::Purpose::fit);
-    // Of a model that no chain will visit: for its evidence alone. (Sets of components lend each
-    // other theirs.)
-    const bool hopeless =
-        is_list(space) && !options.probability.empty() && options.probability[at] < kHopeless;
-    const Eigen::Index used = hopeless ? std::min(states.cols(), kFewSamples) : states.cols();
+    // A model that no chain will visit: fitted only for its evidence. (Models of component sets use
+    // each other's fits.)
+    const bool negligible = is_list(space) && !options.probability.empty() &&
+                            options.probability[at] < kNegligibleProbability;
+    const Eigen::Index used = negligible ? std::min(states.cols(), kFewSamples) : states.cols();
     Eigen::MatrixXd fitted(d, used);
     for (Eigen::Index i = 0; i < used; ++i) fitted.col(i) = states.col(i * states.cols() / used);
-    // As many components as the samples ask for: a ridge that turns takes hundreds.
-    int most = hopeless ? kFewComponents : options.most_components;
+    // As many components as the samples require: a curved ridge takes hundreds.
+    int most = negligible ? kFewComponents : options.most_components;
     while (true) {
       fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
           fitted.transpose(), {.max_components = most, .tolerance = options.tolerance}, random));
-      if (hopeless || fit->density[at]->size() < most || 3 * most > kMostComponents) break;
+      if (negligible || fit->density[at]->size() < most || 3 * most > kMostComponents) break;
       most *= 3;
     }
     if (at < options.modes.size()) cover(options.modes[at], *fit->density[at]);
@@ -294,16 +295,14 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
   const ModelSpace& space = problem.space;
   auto kernels = std::make_unique<KernelMixture>();
   if (options.moves.random_walk) {
-    // What a mixture is fitted to must have been found first: steps of all lengths, and steps along
-    // its components, go where it has nothing to propose from. Among the draws they take over most
-    // of the random walk's.
+    // Before the mixture fits the posterior, steps of all lengths and along its components must
+    // find the missing regions. In the final draws they replace most of the random walk.
     add_move<RandomWalk>(*kernels, tuning ? 0.1 : 0.02, "random walk", pilot.scales);
     add_move<MultiscaleWalk>(*kernels, tuning ? 0.3 : 0.05, "multiscale walk", pilot.scales);
     add_move<RegionalWalk>(*kernels, tuning ? 0.2 : 0.03, "regional walk", pilot.fit);
     add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
-  // Without an atlas only blind births and the pilots change the count: give them more of the
-  // steps.
+  // Without an atlas, only blind births and pilot births change the count; these get more steps.
   const bool blind = std::none_of(atlases.begin(), atlases.end(), [](const auto& a) { return a; });
   add_component_moves(*kernels, problem, options, atlases, blind && !is_list(space) ? 0.6 : 0.3,
                       options.moves.independence ? pilot.fit : nullptr);

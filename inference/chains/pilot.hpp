@@ -1,4 +1,4 @@
-// Warm-up: from priors alone to proposals that fit the posterior.
+// Warm-up: fits proposal distributions to samples of the posterior, starting from the priors.
 #pragma once
 
 #include <functional>
@@ -16,21 +16,21 @@
 
 namespace wheeltap::inference {
 
-/// What is computed once and shared by every chain: the effects of single components, a kind each
-/// (null where there are none).
+/// Effects of single components, one atlas per kind (null if there is none). Computed once and shared
+/// by all chains.
 using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 [[nodiscard]] Atlases make_atlases(const Problem& problem, const Options& options,
                                    long& evaluations);
 
-/// The kernels that need no pilot: random walk, births and deaths, relocation, mirrors, model
-/// switches.
+/// Kernels that need no pilot samples: random walk, birth and death, relocation, reflection, model
+/// switch.
 [[nodiscard]] std::unique_ptr<KernelMixture> exploration_kernels(const Problem& problem,
                                                                  const Options& options,
                                                                  const Atlases& atlases);
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// States met in warm-up, by model: columns are states, thinned to a few thousand.
+/// States sampled in warm-up, by model: one per column, thinned to a few thousand.
 class PilotSamples {
  public:
   explicit PilotSamples(const ModelSpace& space);
@@ -39,7 +39,7 @@ class PilotSamples {
   void append(const PilotSamples& other);
   [[nodiscard]] long visits(int model) const { return visits_[static_cast<std::size_t>(model)]; }
   [[nodiscard]] long total() const;
-  /// The kept states of a model, dimension × n.
+  /// The stored states of a model, dimension × n.
   [[nodiscard]] Eigen::MatrixXd states(int model) const;
 
  private:
@@ -56,43 +56,46 @@ class PilotSamples {
   std::vector<long> visits_;
 };
 
-/// What the pilots of all chains amount to; frozen when sampling starts.
+/// Proposals fitted to the pilot samples of all chains; fixed when sampling starts.
 struct Pilot {
   std::shared_ptr<const PilotFit> fit;
   std::shared_ptr<const Archive> archive;
-  std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one a kind
+  std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one per kind
   RandomWalk::Scales scales;
-  std::vector<double> efficiencies;  ///< of each kernel (kernel_efficiencies); {}: not known yet
+  /// Efficiency of each kernel (kernel_efficiencies); {}: not known yet.
+  std::vector<double> efficiencies;
 };
 
-/// Fits the proposals. `by_rung[i]` holds the samples at the i-th temperature, the coldest last: a
-/// model with too few cold samples is fitted to warmer ones, and to its prior where there are none.
+/// Options of the fit of the proposals. `by_rung[i]` holds the samples at the i-th temperature, the
+/// coldest last. A model with too few cold samples is fitted to warmer ones, or to its prior if
+/// there are none.
 struct PilotOptions {
   std::uint64_t seed = 1;
   int round = 0;
   int threads = 0;
-  Eigen::Index most_samples = 8000;  ///< that a mixture is fitted to
-  int most_components = 20;          ///< of a mixture
-  double tolerance = 1e-7;           ///< of its last fit, in the mean log density of a sample
-  /// Samples of each model's posterior that the chains may not have met since; {}: none.
+  Eigen::Index most_samples = 8000;  ///< samples that a mixture is fitted to
+  int most_components = 20;          ///< components of a mixture
+  double tolerance = 1e-7;  ///< of the last fit of a mixture, in the mean log density a sample
+  /// Additional samples of each model's posterior, for example in regions that the chains may not
+  /// have visited; {}: none.
   std::vector<Eigen::MatrixXd> besides{};
-  /// P of each model as far as it is known, one a model; {}: the share of the coldest visits.
+  /// Probability of each model as far as it is known; {}: the share of the coldest visits.
   std::vector<double> probability{};
-  /// Each model's modes as the searches found them; one that the mixture does not cover is added
-  /// to it.
+  /// Modes of each model found by the searches. A mode that the mixture does not cover is added to
+  /// it.
   std::vector<std::vector<NormalMixture::Component>> modes{};
 };
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);
 
-/// The bias under which all models of at least this probability are visited about equally often,
-/// and the others no more than that makes them: a proposal for a model can only be as good as its
-/// samples.
+/// The log weights under which all models of at least this probability are visited about equally
+/// often; less probable models get no larger weight. The quality of a model's proposal depends on
+/// the number of its samples.
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 
-/// All the kernels, the pilot's among them. While the proposals are still `tuning`, more of the
-/// steps find what those lack.
+/// All kernels, including those with pilot proposals. During `tuning`, more steps go to kernels
+/// that explore outside the fitted proposals.
 [[nodiscard]] std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem,
                                                               const Options& options,
                                                               const Atlases& atlases,

@@ -8,15 +8,17 @@
 namespace wheeltap::inference {
 
 namespace {
-constexpr long kMaxRungs = 1 << 10;  // streams of one scan
-// Draws from the prior before giving up: a feasible region of 1e-4 of the prior is missed with a
-// probability of e^-10, and a likelihood that is zero mostly says so cheaply.
+constexpr long kMaxRungs = 1 << 10;  // random streams per scan
+// Draws from the prior before giving up. A feasible region of 1e-4 of the prior is missed with a
+// probability of e^-10, and a zero likelihood is mostly cheap.
 constexpr int kTries = 100'000;
-constexpr int kTriesOfRecord = 5000;  // of a long record, after the first by its first samples
+// Of a long record, after the first draws, which are tested on its first samples.
+constexpr int kTriesOfRecord = 5000;
 constexpr int kTriesOfWhole = 200;
-constexpr long kFirstSamples = 50;    // of a record that is too long to be tried whole each time
-constexpr int kFirstOfCheck = 1000;   // streams of the check, behind those of the rungs
-constexpr double kFirstScans = 60.0;  // t₀: of full gain in learning weights
+// Of a record that is too long for a full evaluation of each draw.
+constexpr long kFirstSamples = 50;
+constexpr int kFirstOfCheck = 1000;   // random streams of the check, after those of the rungs
+constexpr double kFirstScans = 60.0;  // t₀: scans of full gain in learning weights
 }  // namespace
 
 std::vector<double> geometric_ladder(int rungs) {
@@ -50,7 +52,9 @@ void check_models(Target& target, std::uint64_t seed,
   }
   for (int m = 0; m < target.space().size(); ++m) {
     if (!std::isfinite(target.space()[m].log_prior)) continue;
-    // A long record's first samples tell what is impossible for less; they must not say so alone.
+    // The first samples of a long record show at lower cost that a draw is impossible. The first
+    // kTriesOfWhole draws use the whole record, so that LikelihoodError never depends on the first
+    // samples alone.
     const int tries = shortened ? kTriesOfRecord : kTries;
     State state;
     bool finite = false;
@@ -142,7 +146,7 @@ bool TemperedChain::scan(int steps, bool adapting, base::Purpose purpose, const 
       State draw;
       target_.draw_prior(random, draw);
       target_.evaluate(draw);
-      // With a prior factor the draw is an independence proposal; without one it is the
+      // With a prior factor, the draw is an independence proposal; without one, a draw from the
       // prior.
       const double log_ratio = draw.log_prior_factor - ladder_.states[r].log_prior_factor;
       if (std::isfinite(draw.log_likelihood) && std::log(random.uniform()) < log_ratio) {
@@ -202,7 +206,7 @@ double TemperedChain::barrier() const {
 }
 
 void TemperedChain::adapt_ladder(int count) {
-  // Λ(β), piecewise linear in ln(β + β_1) between the rungs so far, shared out equally.
+  // Λ(β), piecewise linear in ln(β + β_1) between the current rungs, divided into equal parts.
   const std::size_t n = ladder_.betas.size();
   std::vector<double> cumulative(n, 0.0);
   for (std::size_t i = 0; i + 1 < n; ++i) {
@@ -235,7 +239,7 @@ void TemperedChain::adapt_ladder(int count) {
   ladder_.states = std::move(states);
   kernels_ = std::move(kernels);
   ladder_.weights = std::move(weights);
-  ladder_.weights.front().assign(ladder_.weights.front().size(), 0.0);  // the prior's own
+  ladder_.weights.front().assign(ladder_.weights.front().size(), 0.0);  // those of the prior
   ladder_.reset_swaps();
 }
 

@@ -10,24 +10,24 @@
 
 namespace wheeltap::inference {
 
-/// One chain's replicas at inverse temperatures, as a value: what it has met and learnt so far.
+/// State of one chain's replicas at all inverse temperatures, with what they have learned so far.
 struct Ladder {
   std::vector<double> betas;
-  std::vector<State> states;                 ///< at each rung
-  std::vector<double> rejection{};           ///< Σ (1 - α) of each pair
-  std::vector<long> tried{};                 ///< swaps of each pair
-  std::vector<int> direction{};              ///< of each replica: +1 since β = 0, -1 since β = 1
-  std::vector<int> replica{};                ///< which replica is at each rung
-  std::vector<std::vector<double>> weights;  ///< of each rung, one a model
-  bool balancing = false;                    ///< weights are learnt whenever a scan adapts
+  std::vector<State> states;        ///< at each rung
+  std::vector<double> rejection{};  ///< Σ (1 - α) of each pair of neighbours
+  std::vector<long> tried{};        ///< swaps tried by each pair
+  std::vector<int> direction{};  ///< of each replica: +1 if it last was at β = 0, -1 if at β = 1
+  std::vector<int> replica{};    ///< index of the replica at each rung
+  std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
+  bool balancing = false;                    ///< weights are learned in scans that adapt
   long scans = 0;
   long round_trips = 0;
 
-  /// Replicas without a state yet, weights of zero.
+  /// Replicas without states and with weights of zero.
   Ladder(std::vector<double> inverse_temperatures, int models);
 
   [[nodiscard]] int rungs() const { return static_cast<int>(betas.size()); }
-  /// Forgets what was counted of pairs and replicas.
+  /// Resets the counters of swaps and round trips.
   void reset_swaps();
   void reset_round_trips();
 };
@@ -36,21 +36,21 @@ struct Ladder {
 ///
 ///   π_i(m, z) ∝ e^{w_i(m)} · prior(m, z) · likelihood^{β_i}.
 ///
-/// The lowest draws model and parameters afresh from the prior (w_0 = 0). Neighbours swap on
-/// alternating even and odd pairs, the deterministic scheme of Syed et al. (2022, section 2), in
-/// which round trips do not slow down as the ladder grows.
+/// The replica at β = 0 draws model and parameters independently from the prior (w_0 = 0).
+/// Neighbours swap on alternating even and odd pairs. This deterministic scheme (Syed et al. 2022,
+/// section 2) keeps the round-trip rate as the ladder grows.
 ///
-/// The weights w_i(m) keep every model in sight at every temperature: a model whose tempered
-/// evidence dips on the way would otherwise be lost on a joint path, however probable it is at its
-/// end. They are learnt by stochastic approximation while adapting (Liang, Liu & Carroll 2007, JASA
-/// 102:305: w(m) falls by γ_t where the replica is in m, with γ_t = t₀ / max(t₀, t)) and fixed
-/// after.
+/// The weights w_i(m) let the chain visit every model at every temperature. Without them, a model
+/// whose tempered evidence is low at intermediate temperatures would be lost, however probable it
+/// is at β = 1. They are learned by stochastic approximation while adapting and fixed afterwards
+/// (Liang, Liu & Carroll 2007, JASA 102:305): w(m) decreases by γ_t when the replica is in m, γ_t =
+/// t₀ / max(t₀, t).
 class TemperedChain {
  public:
-  /// Makes the kernels of one rung.
+  /// Creates the kernels of one rung.
   using KernelFactory = std::function<std::unique_ptr<KernelMixture>()>;
 
-  /// Goes on from `ladder`; one that has no states yet needs start().
+  /// Continues from `ladder`. A ladder without states needs start().
   TemperedChain(Target& target, Ladder ladder, KernelFactory kernels, std::uint64_t seed,
                 int chain);
   TemperedChain(Target& target, std::vector<double> betas, KernelFactory kernels,
@@ -58,33 +58,33 @@ class TemperedChain {
       : TemperedChain(target, Ladder(std::move(betas), target.space().size()), std::move(kernels),
                       seed, chain) {}
 
-  /// Starts every replica from the prior. Throws LikelihoodError where no draw of 100 000
-  /// has a finite likelihood.
+  /// Starts every replica from the prior. Throws LikelihoodError if none of 100 000 draws has a
+  /// finite likelihood.
   void start();
-  /// What happened in one kernel step at β = 1.
+  /// Called with the outcome of each kernel step at β = 1.
   using Observer = std::function<void(int kernel, const Kernel::Outcome& outcome, int from_model)>;
 
-  /// Learns weights from now on, whenever a scan adapts.
+  /// Enables the learning of weights in all later scans that adapt.
   void balance_models() { ladder_.balancing = true; }
   /// w of the coldest rung.
   [[nodiscard]] const std::vector<double>& cold_weights() const { return ladder_.weights.back(); }
-  /// Puts the replica at β = 1 there.
+  /// Sets the state of the replica at β = 1.
   void set_cold(const State& state) { ladder_.states.back() = state; }
 
-  /// `steps` kernel steps in every rung, then one round of swaps. `leave`, if any, is asked before
-  /// every step; where it says yes the scan ends there: false, and the ladder is good for nothing.
+  /// `steps` kernel steps in every rung, then one round of swaps. `leave`, if any, is called before
+  /// every step; if it returns true, the scan stops and returns false, and the ladder is invalid.
   bool scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe = nullptr,
             const std::function<bool()>& leave = nullptr);
 
-  /// Moves the ladder so that neighbours reject swaps equally often (ibid., algorithm 4), with
-  /// `rungs` rungs, from the rejections since the last call. Replicas keep their rung or its
-  /// nearest.
+  /// Moves the inverse temperatures so that neighbours reject swaps equally often (ibid., algorithm
+  /// 4), with `rungs` rungs, from the rejections since the last call. Replicas keep their rung or
+  /// move to the nearest one.
   void adapt_ladder(int rungs);
-  /// Σ of the neighbours' rejection rates since the last adaptation: the communication barrier Λ.
+  /// The communication barrier Λ: sum of the neighbours' rejection rates since the last adaptation.
   [[nodiscard]] double barrier() const;
 
   [[nodiscard]] const Ladder& ladder() const { return ladder_; }
-  /// What each rung's kernels have learnt, and its return (KernelMixture).
+  /// Adaptation state of each rung's kernels, to save and restore (KernelMixture).
   [[nodiscard]] std::vector<std::vector<double>> learnt() const;
   void restore(const std::vector<std::vector<double>>& learnt);
   [[nodiscard]] const std::vector<double>& betas() const { return ladder_.betas; }
@@ -93,7 +93,7 @@ class TemperedChain {
     return ladder_.states[static_cast<std::size_t>(rung)];
   }
   [[nodiscard]] const State& cold() const { return ladder_.states.back(); }
-  /// Trips of a replica from β = 0 to β = 1 and back, completed since the last reset.
+  /// Completed round trips of replicas from β = 0 to β = 1 and back since the last reset.
   [[nodiscard]] long round_trips() const { return ladder_.round_trips; }
   void reset_round_trips() { ladder_.reset_round_trips(); }
 
@@ -103,21 +103,20 @@ class TemperedChain {
   KernelFactory factory_;
   std::uint64_t seed_;
   int chain_;
-  std::vector<std::unique_ptr<KernelMixture>> kernels_;  ///< one a rung
+  std::vector<std::unique_ptr<KernelMixture>> kernels_;  ///< one set a rung
 };
 
-/// A first ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in equal ratios.
+/// The initial ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in geometric progression.
 [[nodiscard]] std::vector<double> geometric_ladder(int rungs);
 
-/// A state drawn from the prior whose likelihood is finite. Throws LikelihoodError after 100 000
-/// tries.
+/// A draw from the prior with a finite likelihood. Throws LikelihoodError after 100 000 tries.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
-/// Throws LikelihoodError, naming the model, for a model with prior weight whose likelihood is
-/// finite at none of 100 000 draws from its prior (5000 where the problem can be shortened: all
-/// but the first 200 by its first 50 samples, before the whole). Stops at the first finite one.
-/// `goes_on`, if any, is asked before every try, told the share of all that has been tried at most;
-/// where it says no, the models that are left are not spoken of.
+/// Checks that every model with prior weight has a finite likelihood at one draw from its prior at
+/// least. Throws LikelihoodError, naming the model, after 100 000 draws without one (5000 if the
+/// problem can be shortened; all but the first 200 are then tested on its first 50 samples first).
+/// `goes_on`, if any, is called before every try with the completed share of the largest possible
+/// number of tries; if it returns false, the remaining models are not checked.
 void check_models(Target& target, std::uint64_t seed,
                   const std::function<bool(double tried)>& goes_on = {});
 

@@ -8,7 +8,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// Of models that are neither certain nor impossible as far as the draws say.
+// Applies to models that are neither certain nor impossible according to the draws.
 template <class Passes>
 bool every_open_model(const Posterior& posterior, const Passes& passes) {
   for (int m = 0; m < posterior.space->size(); ++m) {

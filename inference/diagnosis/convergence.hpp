@@ -1,4 +1,4 @@
-// When a run may stop, and what convergence asks for: the one place where its limits stand.
+// Convergence criteria and stopping rule: all limits are defined here.
 #pragma once
 
 #include <cstddef>
@@ -7,53 +7,54 @@
 
 namespace wheeltap::inference {
 
-/// Limits on R-hat and effective sample sizes are those of Vehtari et al. (2021, Bayesian
-/// Analysis 16:667); the
-/// others are ours, with the false alarms that follow from them beside verdict.hpp's rules.
+/// The limits of R-hat and effective sample size are those of Vehtari et al. (2021, Bayesian
+/// Analysis 16:667). The others are Wheeltap's; verdict.hpp states the false-alarm rate of each.
 struct ConvergenceLimits {
-  double rhat = 1.01;             ///< below it
-  double ess = 400.0;             ///< above it, of all chains together
-  double ess_within = 20.0;       ///< the same of parameters of the least probable model judged
-  double rhat_apart = 1.05;       ///< from here on chains are in different places, or modes unlike
-  double known = 0.001;           ///< an error of a probability that nobody cares about
-  double worth_knowing = 0.004;   ///< an error of a probability that is good enough to stop
-  double expected_visits = 10.0;  ///< effective ones, from which none is no chance: e⁻¹⁰
-  double sigmas = 4.5;            ///< of a difference that is no chance: 7e-6
-  double chance = 1e-6;           ///< of a scatter between chains that is called disagreement
-  double slack_probability = 0.005;  ///< a difference that is none, whatever its error
+  double rhat = 1.01;        ///< upper limit
+  double ess = 400.0;        ///< lower limit, all chains together
+  double ess_within = 20.0;  ///< the same for the parameters of the least probable model judged
+  /// Above it, chains are in different places or modes have different shares.
+  double rhat_apart = 1.05;
+  double known = 0.001;          ///< error of a probability that is negligible
+  double worth_knowing = 0.004;  ///< error of a probability that is small enough to stop
+  double expected_visits = 10.0;  ///< effective visits expected; none would have probability e⁻¹⁰
+  double sigmas = 4.5;            ///< of a significant difference: false-alarm rate 7e-6
+  double chance = 1e-6;           ///< false-alarm rate of disagreement between chains
+  double slack_probability = 0.005;  ///< difference of probabilities that is never significant
   double slack_nats = 0.5;
   double probable_model = 0.05;
-  double judged_model = 0.01;     ///< probability from which a model's parameters are judged
-  double searched_model = 0.001;  ///< from which a glance at a model does not do
-  double judged_mode = 0.01;      ///< share of the rarer side from which chains must agree on it
-  /// Ratio of the densities of posterior and mixture from which a draw is beyond the mixture; the
-  /// share of such draws that is judged; and how many effective visits there they must be, so that
-  /// the share is known to a tenth.
+  double judged_model = 0.01;     ///< probability above which a model's parameters are judged
+  double searched_model = 0.001;  ///< probability above which a model needs a full search
+  double judged_mode = 0.01;      ///< share of the rarer side above which chains must agree on it
+  /// Ratio of posterior density to mixture density above which a draw is outside the mixture; the
+  /// share of such draws above which they are judged; and the effective visits required there,
+  /// which give that share to a relative error of 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
-  /// By so much of the probability must more of annealing's draws than of the chains' be there to
-  /// be judged, and so many of its draws count as one independent one.
+  /// Difference between the SMC draws' share outside the mixture and the chains' above which it is
+  /// judged, in probability; and the number of SMC draws that count as one independent draw.
   double annealed_share = 0.02, annealed_draws_an_effective = 2.0;
-  std::size_t fewest_draws = 100;  ///< of a chain within a model, for R-hat to be judged
+  std::size_t fewest_draws = 100;  ///< a chain within a model, to judge R-hat
   std::size_t fewest_for_ess = 400;
-  long round_trips = 10;  ///< of a ladder that the draws are made with
+  long round_trips = 10;  ///< of the ladder used for the draws
 };
 inline constexpr ConvergenceLimits kLimits{};
 
-/// Good enough to stop: nothing that the verdict misses, and the share of every model among the
-/// draws known to 0.004, to 0.001 where models are drawn `balanced`.
+/// Whether the run may stop: no violated rule, and the error of every model's share of the draws is
+/// at most 0.004 (0.001 if the draws are `balanced` between models).
 [[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
 
-/// By how much more of annealing's draws of a model than of the chains' lie beyond its mixture;
-/// 0 where they are fewer, unknown, or the chains were there often enough to know better.
+/// By how much the share of SMC draws outside the model's mixture exceeds that of the chains'
+/// draws. 0 if it does not, if it is unknown, or if the chains were there often enough to know the
+/// share better.
 [[nodiscard]] double annealed_excess(const ModelFindings& found);
 
-/// Whether that exceeds `share`, and is no chance: of a count k that is Poisson's, 2√k is normal
-/// with variance 1 (Anscombe 1948, Biometrika 35:246).
+/// Whether that excess is above `share` and significant: for a Poisson count k, 2√k is nearly
+/// normal with variance 1 (Anscombe 1948, Biometrika 35:246).
 [[nodiscard]] bool lacks_annealed(const ModelFindings& found,
                                   double share = kLimits.annealed_share);
 
-/// Whether longer chains would do: an R-hat far from 1, of the log posterior or of a model, says
-/// that they are in different places.
+/// Whether longer chains would suffice: false if R-hat of the log posterior or of a model is so
+/// large that the chains are in different places.
 [[nodiscard]] bool chains_agree(const Posterior& posterior);
 
 }  // namespace wheeltap::inference

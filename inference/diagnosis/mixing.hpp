@@ -1,4 +1,4 @@
-// How well the chains mixed, by quantities that mean the same in every model.
+// How well the chains mix, judged by quantities with the same meaning in every model.
 #pragma once
 
 #include <functional>
@@ -12,30 +12,30 @@
 
 namespace wheeltap::inference {
 
-/// A quantity that means the same in every model, by which convergence is judged too. Counts and
-/// models are watched anyway.
+/// A quantity with the same meaning in every model, whose convergence is judged too. Counts and
+/// model indicators are always judged.
 struct Watched {
   std::string name;
-  std::function<ChainsOf()> draws;  ///< asked for when it is judged, one after another
+  std::function<ChainsOf()> draws;  ///< called when it is judged; one quantity at a time
 };
 
 struct Mixing {
-  /// Of the log posterior, counts of each kind (or indicators of models from 0.1 % to 99.9 %), and
-  /// what is watched, in this order.
+  /// R-hat of the log posterior, of the count of each kind (or of the indicators of models with 0.1
+  /// % to 99.9 %), and of the watched quantities, in this order.
   std::vector<std::pair<std::string, double>> rhats;
-  double rhat_max = std::numeric_limits<double>::quiet_NaN();  ///< of those judged
-  std::string rhat_worst;                                      ///< the quantity that has it
+  double rhat_max = std::numeric_limits<double>::quiet_NaN();  ///< of the quantities judged
+  std::string rhat_worst;                                      ///< its quantity
   double ess_log_posterior = 0.0;                              ///< the smaller of bulk and tail
-  /// The smallest over counts or indicators; that of the log posterior where these hardly change.
+  /// The smallest over counts or indicators; that of the log posterior if these hardly change.
   double ess_model = 0.0;
-  bool too_few = false;  ///< `ess_model` is of a quantity that is judged, and not above the limit
+  bool too_few = false;  ///< `ess_model` belongs to a judged quantity and is not above the limit
 
-  /// Effective draws of a chain, by both.
+  /// Effective draws per chain, by the smaller of the two.
   [[nodiscard]] double effective(std::size_t chains) const;
 };
 
-/// A count or an indicator whose probabilities are known to 0.001 is not judged, however few its
-/// excursions.
+/// A count or an indicator whose probabilities are known to 0.001 is not judged, however rare its
+/// transitions.
 [[nodiscard]] Mixing mixing(const Posterior& posterior, const ModelShares& shares,
                             const std::vector<Watched>& watched);
 

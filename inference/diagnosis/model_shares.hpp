@@ -1,6 +1,8 @@
-// How a run's draws are shared among the models.
+// Shares of a run's draws by model.
 //
-//   P_m ≈ w_m s_m / Σ_k w_k s_k,   s_m the share of the draws in m, w_m what a draw of m counts.
+//   P_m ≈ w_m s_m / Σ_k w_k s_k,
+//
+// with s_m the share of the draws in model m and w_m the weight of such a draw.
 #pragma once
 
 #include <vector>
@@ -11,13 +13,13 @@ namespace wheeltap::inference {
 
 struct ModelShares {
   std::vector<std::vector<long>> counts;  ///< draws, chains × models
-  std::vector<double> visits;             ///< s, one a model
+  std::vector<double> visits;             ///< s, one per model
   std::vector<double> weight;             ///< w, scaled to be 1 on average over the draws
-  std::vector<double> share;              ///< of the weight: P by draws
-  std::vector<double> error;              ///< Monte Carlo standard error of it
+  std::vector<double> share;              ///< weighted share: P by draws
+  std::vector<double> error;              ///< Monte Carlo standard error of `share`
 };
 
-/// The error is the delta method's, that of the mean of w (indicator - P) / Σ w s.
+/// The error is that of the mean of w (indicator - P) / Σ w s (delta method).
 [[nodiscard]] ModelShares model_shares(const Posterior& posterior);
 
 /// value(draw) of every draw, chains kept apart.

@@ -1,5 +1,5 @@
-// What a run returns: draws of (model, parameters) from the posterior, what is known of each model
-// beside them, and the questions they answer:
+// Result of a run: posterior draws of (model, parameters), findings about each model, and the
+// probabilities and Bayes factors that follow:
 //
 //   P(m | data) ∝ P(m) Z_m,   B_ab = Z_a / Z_b = [P(a | data) / P(b | data)] / [P(a) / P(b)].
 #pragma once
@@ -32,52 +32,52 @@ struct MoveStatistics {
 struct FoundMode {
   std::vector<double> x;       ///< physical parameters
   double log_posterior = 0.0;  ///< in standard normal coordinates
-  long climbs = 0;             ///< that ended there
+  long climbs = 0;             ///< number of climbs that ended there
   double share = 0.0;          ///< of its model's probability, by importance sampling
-  std::vector<double> drawn;   ///< its share of each chain's draws of the model; NaN where none
+  std::vector<double> drawn;   ///< its share of each chain's draws of the model; NaN if none
 };
 
-/// What is known of one model beside the draws: searches and evidence.
+/// Findings about one model besides the draws: searches and evidence.
 struct ModelFindings {
-  long climbs = 0;       ///< to modes, each from a draw of the prior
-  double spacing = 0.0;  ///< of the points that these evaluated (ModeSearch::spacing)
-  bool glanced = false;  ///< one of many models, of which this alone is known
-  /// One of very many nested models, never looked at: all that were looked at of those one step
-  /// from it are below Occam's window (stages/occams_window.hpp).
+  long climbs = 0;       ///< to modes, each started from a draw of the prior
+  double spacing = 0.0;  ///< distance between the points that they evaluated (ModeSearch::spacing)
+  bool glanced = false;  ///< one of many models, searched by climbs alone
+  /// One of very many nested models, not evaluated: all evaluated models one step from it are
+  /// outside Occam's window (exploration/occams_window.hpp).
   bool passed_over = false;
-  std::vector<FoundMode> modes;  ///< separate ones that matter, the weightiest first
-  Evidence annealed =
-      kNoEvidence;  ///< by sequential Monte Carlo or the ladder, from the prior; NaN: not run
-  Evidence sampled = kNoEvidence;  ///< by importance sampling from the final mixture
+  /// Separate modes above the threshold, the largest probability mass first.
+  std::vector<FoundMode> modes;
+  Evidence annealed = kNoEvidence;  ///< by SMC or the ladder, starting from the prior; NaN: not run
+  Evidence sampled = kNoEvidence;   ///< by importance sampling from the final mixture
   Evidence bridged =
       kNoEvidence;  ///< by bridge sampling between its draws and that mixture; NaN: too few draws
-  /// Share of its draws at which that mixture has less than a thousandth of the posterior's
-  /// density, and the effective sample size of it: there the steps of a walk alone lead. NaN as
-  /// `bridged`.
+  /// Share of the model's draws where the mixture has less than a thousandth of the posterior
+  /// density, and its effective sample size. Only local moves reach these draws. NaN as `bridged`.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
-  /// The same share of the draws of annealing, without those that walk home; NaN: none were looked
-  /// at.
+  /// The same share of the SMC draws, without those from which chains return to the mixture; NaN:
+  /// not examined.
   double annealed_beyond = std::numeric_limits<double>::quiet_NaN();
-  long annealed_draws = 0;  ///< how many there are
+  long annealed_draws = 0;  ///< number of SMC draws
 };
 
-/// Likelihood calls, by what they were spent on; of a stand-in where there is one.
+/// Likelihood calls by purpose; calls of the approximate likelihood if the problem has one.
 struct Calls {
-  long explore = 0;   ///< from the prior to where the posterior is; of these:
-  long search = 0;    ///<   climbs to modes, most of them on the first samples of a record
-  long anneal = 0;    ///<   each model by sequential Monte Carlo
-  long weigh = 0;     ///<   importance sampling from what both found
-  long tune = 0;      ///< fitting the proposals, and a ladder where the draws need one
+  long explore = 0;   ///< finding the posterior from the prior, the sum of the next three
+  long search = 0;    ///< climbs to modes, most of them on the first samples of a record
+  long anneal = 0;    ///< SMC of each model
+  long weigh = 0;     ///< importance sampling from the results of both
+  long tune = 0;      ///< fitting the proposals, and a ladder if the draws need one
   long sample = 0;    ///< the draws
   long evidence = 0;  ///< of the mixtures that the draws are compared with
 };
 
-/// What the engine chose to do, beyond what its options say.
+/// Decisions of the engine that the options do not state.
 enum class Choice {
-  restarted_tempered,  ///< the chains disagreed: once more, with parallel tempering throughout
-  started_on_first_samples,  ///< near modes found on a long record's start, followed as it grew
-  drawn_by_searches,         ///< stopped before its chains had drawn: draws of what searches found
+  restarted_tempered,  ///< the chains disagreed: restarted with parallel tempering throughout
+  /// Started near modes of a record's first samples, followed as the record grew.
+  started_on_first_samples,
+  drawn_by_searches,  ///< stopped before its chains had drawn: draws come from the searches
 };
 
 /// How the draws of a run were made.
@@ -85,23 +85,22 @@ struct RunRecord {
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
   std::vector<std::vector<long>> jumps_accepted;
-  int draws = 0;   ///< kept a chain
-  int warmup = 0;  ///< iterations a chain at β = 1 before the first draw
+  int draws = 0;   ///< a chain
+  int warmup = 0;  ///< iterations per chain at β = 1 before the first draw
   int thin = 1;
   long warmup_evaluations = 0;
   Calls calls{};
-  long likelihood_evaluations = 0;  ///< all of them, warm-up included
-  /// Of the likelihood proper where the problem has a stand-in, warm-up included; those above are
-  /// then the stand-in's.
+  long likelihood_evaluations = 0;  ///< in all, warm-up included
+  /// Calls of the full likelihood if the problem has an approximate one, warm-up included;
+  /// `likelihood_evaluations` then counts the approximate one.
   long full_evaluations = 0;
   double wall_seconds = 0.0;
   bool stopped_early = false;
   bool quick = false;           ///< Options::quick
-  bool tempered_draws = false;  ///< the draws were made with parallel tempering
-  long ladder_round_trips =
-      0;                 ///< between β = 0 and β = 1 and back, while drawing, over all chains
+  bool tempered_draws = false;  ///< drawn with parallel tempering
+  long ladder_round_trips = 0;  ///< from β = 0 to β = 1 and back while drawing, over all chains
   double barrier = 0.0;  ///< Λ of the ladder (Syed et al. 2022), the largest of any chain; 0: none
-  long impossible = 0;   ///< likelihoods that were NaN or +∞ and counted as -∞
+  long impossible = 0;   ///< likelihood values of NaN or +∞, counted as -∞
   std::vector<Choice> choices;
 };
 
@@ -126,27 +125,28 @@ struct Posterior : RunRecord {
   /// Chain and place of the draw with the largest likelihood, the first of several.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_draw() const;
 
-  // The questions. Each of the first four judges the whole run (verdict.hpp), which sorts all its
-  // draws: who asks often keeps `judge(posterior)` and asks that. Models are asked for by index or
-  // by name; std::invalid_argument is thrown for one that is not there.
+  // Queries. Each of the first four judges the whole run (verdict.hpp) and sorts all draws. For
+  // repeated queries, call `judge(posterior)` once and use its result. A model is given by index or
+  // name; an unknown one throws std::invalid_argument.
 
-  /// P(model | data): the share of its draws, or, where those cannot say, what its evidence implies
-  /// (ModelStanding). Where nothing is known: 0, its error NaN.
+  /// P(model | data): the share of its draws, or the probability implied by its evidence if the
+  /// draws are not reliable (ModelStanding). 0 with an error of NaN if nothing is known.
   [[nodiscard]] Estimate probability(int model) const;
   [[nodiscard]] Estimate probability(std::string_view model) const;
-  /// ln B_ab; both NaN where nothing is known of a or b.
+  /// ln B_ab; value and error are NaN if nothing is known of a or b.
   [[nodiscard]] Estimate log_bayes_factor(int a, int b) const;
   [[nodiscard]] Estimate log_bayes_factor(std::string_view a, std::string_view b) const;
-  /// Whether the run may be relied on, and where not, why not: empty exactly where it may.
+  /// Whether the run converged, and the reasons if it did not; the list is empty exactly if it
+  /// converged.
   [[nodiscard]] bool converged() const;
   [[nodiscard]] std::vector<Reason> why_not() const;
 
-  /// A parameter within a model, e.g. draws_of("k", "own springs") or draws_of("location[2]",
-  /// "2 damages"): every draw of that model, a vector a chain, of as many as each has. Throws
-  /// std::invalid_argument, listing the names, where the model has no such parameter.
+  /// All draws of a parameter within a model, one vector per chain (of different lengths), e.g.
+  /// draws_of("k", "own springs") or draws_of("location[2]", "2 damages"). Throws
+  /// std::invalid_argument, listing the names, if the model has no such parameter.
   [[nodiscard]] ChainsOf draws_of(std::string_view parameter, int model) const;
   [[nodiscard]] ChainsOf draws_of(std::string_view parameter, std::string_view model) const;
-  /// 1 where a draw is of the model, 0 where it is not: all draws of all chains.
+  /// 1 for a draw of the model, else 0: all draws of all chains.
   [[nodiscard]] ChainsOf indicator(int model) const;
 };
 

@@ -1,5 +1,5 @@
-// Why a run may not be relied on: a type for each rule of the verdict (verdict.hpp), with the
-// numbers that broke it and the limit that they broke. Words are made of them by who shows them.
+// Reasons why a run has not converged: one type for each rule of the verdict (verdict.hpp), with
+// the values and the limit. The caller writes the text for its reader.
 #pragma once
 
 #include <string>
@@ -11,72 +11,74 @@ namespace wheeltap::inference {
 
 class ModelSpace;
 
-/// A model that its evidence makes probable, and that no chain drew.
+/// A model that is probable by its evidence has no draws.
 struct ModelNotEntered {
   int model = 0;
-  long proposed = 0;       ///< jumps into it, after warm-up
-  Estimate by_evidence{};  ///< its probability
+  long proposed = 0;       ///< jumps into it after warm-up
+  Estimate by_evidence{};  ///< probability by evidence
 };
-/// One that some chains drew often and others never.
+/// A model that some chains drew often and others never.
 struct ModelNotInEveryChain {
   int model = 0;
   int visited = 0, chains = 0;
-  Estimate by_evidence{};  ///< its probability; NaN where its evidence is not known
+  Estimate by_evidence{};  ///< probability by evidence; NaN if unknown
 };
-/// One of which there are neither draws nor evidence.
+/// A model with neither draws nor evidence.
 struct ModelUnknown {
   int model = 0;
-  long proposed = 0;  ///< jumps into it, after warm-up
+  long proposed = 0;  ///< jumps into it after warm-up
 };
-/// A mode that a search found, and that chains should have drawn.
+/// A mode found by a search that some chain should have drawn and did not.
 struct ModeNotInEveryChain {
   int model = 0;
   double share = 0.0;  ///< of its model's probability
   int visited = 0, chains = 0;
 };
-/// The chains give a mode unlike shares of their draws of its model.
+/// The chains disagree on a mode's share of its model's draws.
 struct ModeSharesDisagree {
   int model = 0;
   double lowest = 0.0, highest = 0.0;
   double rhat = 0.0, limit = 0.0;
 };
-/// ln Z by annealing from the prior is above that of the draws: a mode may be missing from them.
+/// ln Z by SMC from the prior is above that of the draws: these may miss a mode.
 struct AnnealingFindsMore {
   int model = 0;
   Estimate annealed{}, drawn{};  ///< ln Z
 };
-/// A model's share of the draws is not what the evidences imply.
+/// A model's share of the draws differs from the probability implied by the evidence.
 struct EvidenceDisagrees {
   int model = 0;
-  Estimate by_draws{}, by_evidence{};  ///< its probability
+  Estimate by_draws{}, by_evidence{};  ///< probability of the model
 };
-/// Many draws of a model lie where its mixture hardly is, in few visits: what a walk alone finds of
-/// the posterior it may find half of.
+/// Many draws of a model lie outside its fitted mixture, in few effective visits. Only local moves
+/// reach them, so the chains may have missed part of this region.
 struct DrawsBeyondMixture {
   int model = 0;
-  double share = 0.0;                ///< of its draws
-  double visits = 0.0, limit = 0.0;  ///< effective ones; must exceed it
+  double share = 0.0;                ///< share of the model's draws
+  double visits = 0.0, limit = 0.0;  ///< effective visits; must exceed `limit`
 };
-/// Annealing's draws of a model are where neither its mixture is nor the chains were as often, and
-/// chains that are started there stay.
+/// More SMC draws than chain draws of a model lie outside its mixture, and chains started there
+/// stay there.
 struct AnnealingDrawsBeyond {
   int model = 0;
-  double annealed = 0.0, drawn = 0.0;  ///< share of its draws there, by either
+  /// Share of the draws outside the mixture, by SMC and by the chains.
+  double annealed = 0.0, drawn = 0.0;
 };
-/// R-hat of something that means the same in every model.
+/// R-hat of a quantity with the same meaning in every model is too large.
 struct ChainsDisagree {
-  std::string quantity;  ///< "log posterior", "number of damages", "P(line)", or one that was given
+  std::string quantity;  ///< "log posterior", "number of damages", "P(line)", or a watched quantity
   double rhat = 0.0, limit = 0.0;  ///< must be below it
 };
-/// Too few effective draws of something that means the same in every model.
+/// Too few effective draws of a quantity with the same meaning in every model.
 struct TooFewEffectiveDraws {
   std::string quantity;           ///< "log posterior", "count", "model"
   double ess = 0.0, limit = 0.0;  ///< must exceed it
 };
-/// R-hat of a parameter within a model.
+/// R-hat of a parameter within a model is too large.
 struct ParameterDisagrees {
   int model = 0;
-  std::string parameter;  ///< of components of a kind, "sum of …": which is which is a label
+  /// "sum of …" for components of a kind, since their order is only a label.
+  std::string parameter;
   double rhat = 0.0, limit = 0.0;
 };
 /// Too few effective draws of a parameter within a model.
@@ -85,12 +87,12 @@ struct ParameterMovesSlowly {
   std::string parameter;
   double ess = 0.0, limit = 0.0;
 };
-/// Of replicas of the ladder that the draws were made with.
+/// Too few round trips of replicas on the ladder used for the draws.
 struct TooFewRoundTrips {
   long completed = 0, limit = 0;
 };
 struct StoppedEarly {};
-/// Asked for as such (Options::quick): the chains are too short to be judged.
+/// A quick run (Options::quick): its chains are too short to be judged.
 struct QuickLook {};
 
 using Reason =

@@ -60,12 +60,12 @@ class Weigher {
     }
   }
 
-  // What annealing drew and the draws have not: so much more of the model there may be, and of its
-  // evidence.
+  // Excess of the SMC draws outside the mixture over those of the chains: the model's probability
+  // and evidence may be larger by this share.
   [[nodiscard]] double unseen(std::size_t m) const {
     return m < posterior_.found.size() ? annealed_excess(posterior_.found[m]) : 0.0;
   }
-  // The same of a model's share of the draws, by all of them.
+  // The same as a share of all draws.
   [[nodiscard]] double unseen_share(std::size_t m) const {
     double sum = 0.0;
     for (std::size_t k = 0; k < models_; ++k)
@@ -101,8 +101,8 @@ class Weigher {
     }
   }
 
-  // Probabilities by the evidences. A visited model of unknown evidence gets what its draws imply
-  // beside the known ones.
+  // Probabilities by the evidences. A visited model of unknown evidence gets the probability of its
+  // draws relative to the known models.
   void imply() {
     evidences_ = out_.evidence;
     double known_share = 0.0, known_mass = 0.0, top = -kInfinity;
@@ -127,11 +127,11 @@ class Weigher {
                        .standard_error = drawn ? shares_.error[m] / shares_.share[m] : 0.0};
     }
     out_.implied = implied_probabilities(space_, evidences_);
-    // In draws: of models weighted to be drawn more often than they are probable, more.
+    // In numbers of draws: more for models weighted up.
     for (std::size_t k = 0; k < models_; ++k) drawn_ += out_.implied.mean[k] / shares_.weight[k];
   }
 
-  // Whether a model that some chain lacks should have been in every chain.
+  // Whether a model that some chain did not visit should have been visited by every chain.
   [[nodiscard]] bool missed(std::size_t m) const {
     const auto visited = static_cast<std::size_t>(out_.models[m].visited);
     if (visited == chains_) return false;
@@ -139,7 +139,7 @@ class Weigher {
     if (visited == 0) return expected * mixing_.effective(chains_) > kLimits.expected_visits;
     const double looks = mixing_.ess_log_posterior / static_cast<double>(chains_);
     if (!(expected * looks > kLimits.expected_visits)) return false;
-    // Visits in few long stays are fewer: as the chains that have them show.
+    // A few long visits are fewer effective ones, as the chains with visits show.
     double own = 0.0;
     for (std::size_t c = 0; c < chains_; ++c) {
       if (shares_.counts[c][m] == 0) continue;
@@ -152,7 +152,7 @@ class Weigher {
     return expected * std::min(looks, own) > kLimits.expected_visits;
   }
 
-  // What one more or less effective visit of any model would change.
+  // Change due to one effective visit more or less of any model.
   [[nodiscard]] double least_error(std::size_t m) const {
     const double one = 1.0 / (mixing_.ess_model + 2.0);
     if (posterior_.log_weight.empty()) return one;
@@ -207,7 +207,7 @@ class Weigher {
   std::size_t models_ = 0, chains_ = 0;
   bool prior_only_ = false;
   bool comparable_ = false;          ///< some model has both draws and evidence
-  std::vector<Evidence> evidences_;  ///< those of the models without one filled in
+  std::vector<Evidence> evidences_;  ///< filled in for models without evidence
   double drawn_ = 0.0;
 };
 
@@ -226,7 +226,7 @@ Estimate log_bayes_factor(const Posterior& posterior, int a, int b) {
   const ModelStanding &one = all.models[i], &other = all.models[j];
   if (a == b) return {.value = 0.0, .mcse = 0.0};
   if (one.basis == Basis::evidence || other.basis == Basis::evidence) {
-    // Evidences keep what probabilities lose below the smallest number.
+    // Evidences keep the ratio if the probabilities underflow.
     return {.value = one.log_evidence - other.log_evidence,
             .mcse = std::hypot(one.log_evidence_se, other.log_evidence_se)};
   }

@@ -12,9 +12,10 @@
 namespace wheeltap::inference {
 namespace {
 
-// Chance of chains that sample the same scattering by more than this: `between` over `within` are
-// the variance of the sequences' means and the mean variance within them, each sequence worth
-// `effective` independent draws. Their ratio is then χ² of one less than their number.
+// Probability that chains of the same distribution scatter more: `between` over `within` are the
+// variance of the sequences' means and the mean variance within them, with each sequence equivalent
+// to `effective` independent draws. Their ratio is then χ² with one degree of freedom less than the
+// number of sequences.
 double chance(double between_to_within, double effective, std::size_t sequences) {
   const auto freedom = static_cast<double>(sequences - 1);
   const double chi2 = freedom * between_to_within * effective;
@@ -108,7 +109,7 @@ class Judge {
     for (std::size_t m = 0; m < std::min(models_, posterior_.found.size()); ++m) {
       const auto& modes = posterior_.found[m].modes;
       if (modes.size() < 2 || standing(m).visited == 0) continue;
-      // Effective draws of this model in each chain; never more than it has.
+      // Effective draws of this model in each chain, at most its draws.
       std::vector<double> effective;
       for (std::size_t c = 0; c < chains_; ++c) {
         const auto n = static_cast<double>(shares_.counts[c][m]);
@@ -167,7 +168,7 @@ class Judge {
       const Evidence& drawn = standings_.evidence[m];
       const double excess = annealed.log_evidence - drawn.log_evidence;
       const double error = std::hypot(annealed.standard_error, drawn.standard_error);
-      // Of a model that is negligible either way nobody asks.
+      // The evidence of a model that is negligible in both estimates does not matter.
       const bool matters =
           implied(m).value * std::exp(std::min(excess, 700.0)) > kLimits.slack_probability;
       if (!matters || !(excess > kLimits.sigmas * error + kLimits.slack_nats)) continue;
@@ -231,7 +232,8 @@ class Judge {
 
   // ---- parameters ----------------------------------------------------------------------------
 
-  // value(draw) of the draws of a model, chains thinned to one length; none where a chain has few.
+  // value(draw) of the draws of a model, chains thinned to one length; empty if a chain has too
+  // few.
   template <class Value>
   [[nodiscard]] ChainsOf within(std::size_t m, const Value& value) const {
     std::size_t n = std::numeric_limits<std::size_t>::max();
@@ -254,7 +256,7 @@ class Judge {
     return chains;
   }
 
-  // The first parameter of each model that is not known well.
+  // Reports the first insufficiently known parameter of each model.
   void judge_parameters() {
     for (std::size_t at = 0; at < models_; ++at) {
       if (standing(at).probability < kLimits.judged_model || standing(at).visited == 0) continue;
@@ -293,7 +295,7 @@ class Judge {
         std::clamp(2.0 * kLimits.ess * standing(m).probability, kLimits.ess_within, kLimits.ess);
     const double ess = ess_bulk(draws);
     if (!(r < kLimits.rhat)) {
-      double effective = 0.0;  // of a half chain, chains judged one by one
+      double effective = 0.0;  // of a half chain, for single chains
       for (const auto& chain : draws) effective += ess_bulk({chain});
       const std::size_t halves = 2 * draws.size();
       effective /= static_cast<double>(halves);
@@ -305,7 +307,7 @@ class Judge {
         return;
       }
     }
-    // Of few draws in few stays the estimate itself is too noisy to judge by.
+    // With few draws in few visits, the estimate itself is too noisy.
     const bool enough = standing(m).probability > kLimits.probable_model ||
                         draws[0].size() >= kLimits.fewest_for_ess;
     if (enough && !(ess > needed)) {
@@ -316,7 +318,7 @@ class Judge {
 
   // ---- resolution ----------------------------------------------------------------------------
 
-  // (1 - p)^n = 0.01 where p is what a mode must hold to be missed by n climbs once in a hundred.
+  // (1 - p)^n = 0.01, with p the share of a basin that n climbs miss with probability 0.01.
   void resolve() {
     double resolution = 0.0;
     for (std::size_t m = 0; m < models_; ++m) {
@@ -342,7 +344,7 @@ class Judge {
   ModelShares shares_;
   Mixing mixing_;
   Standings standings_;
-  double effective_;  ///< draws a chain
+  double effective_;  ///< effective draws per chain
   Verdict out_;
 };
 

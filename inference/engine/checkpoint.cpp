@@ -12,8 +12,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// Members are listed once, in CheckpointFields, for both directions: what is written of a T is read
-// into it.
+// CheckpointFields lists the members once, for writing and reading.
 template <class Archive, class T>
 using In = std::conditional_t<Archive::kReads, T, const T>;
 
@@ -155,10 +154,10 @@ struct CheckpointFields {
       "round", p.round, "tuned", p.tuned, "sample", p.sample, "goal", p.goal, "refits", p.refits,
       "first_part", p.first_part, "part_chains", p.part_chains);
   }
-  // Mixtures are immutable: they go through what they are made of.
+  // Mixtures are immutable; they are stored by their components.
   struct Mixture {
     double degrees_of_freedom = 0.0;
-    std::vector<NormalMixture::Component> components;  // none: there is no mixture
+    std::vector<NormalMixture::Component> components;  // empty: no mixture
   };
   template <class A>
   static void of(A& a, In<A, Mixture>& m) {
@@ -232,10 +231,10 @@ Checkpoint::Column empty_column(std::size_t type) {
 }
 
 void expect(bool holds, const char* what) {
-  if (!holds) throw CheckpointError(std::string("it is of a problem with other ") + what);
+  if (!holds) throw CheckpointError(std::string("it belongs to a problem with other ") + what);
 }
 
-// That nothing the run will look up is out of its place.
+// Checks that all indices used by the run are in range.
 void check(const RunState& state, const ModelSpace& space, int chains) {
   const auto models = static_cast<std::size_t>(space.size());
   const auto fits = [&](const State& at) {
@@ -290,7 +289,7 @@ Chain draws_in(const Checkpoint& part, std::size_t n) {
   if (n == 0 || chain.size() != n || chain.log_prior.size() != n ||
       chain.log_likelihood.size() != n || chain.move.size() != n || chain.accepted.size() != n ||
       chain.theta.size() % n != 0 || chain.prediction.size() % n != 0)
-    throw CheckpointError("a part of its draws has not " + std::to_string(n));
+    throw CheckpointError("a part of its draws does not have " + std::to_string(n) + " draws");
   return chain;
 }
 
@@ -337,7 +336,7 @@ RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int cha
   Reader reader(checkpoint);
   try {
     CheckpointFields::of(reader, state);
-  } catch (const std::invalid_argument& impossible) {  // a mixture that is none
+  } catch (const std::invalid_argument& impossible) {  // the stored mixture is invalid
     throw CheckpointError(impossible.what());
   }
   reader.end();

@@ -1,4 +1,4 @@
-// A run between two iterations as columns of numbers under names: what a file can hold.
+// State of a run between two iterations, as named columns of numbers that a file can store.
 #pragma once
 
 #include <cstdint>
@@ -14,13 +14,13 @@
 
 namespace wheeltap::inference {
 
-/// The columns of a RunState. A member of a structure is a column of its name,
-/// "chains.lesson.steps", with one number a structure, in order; a list adds its length to "….size"
-/// and its entries to the column of its name ("….each" where they are lists themselves), a matrix
-/// its shape to "….rows" and "….columns". So there are as many columns as there are members,
-/// however many chains, models or draws.
+/// The columns of a RunState. A member of a structure is a column of its name, e.g.
+/// "chains.adaptation.steps", with one number per structure, in order. A list adds its length to
+/// "….size" and its entries to the column of its name ("….each" if they are lists themselves). A
+/// matrix adds its shape to "….rows" and "….columns". The number of columns therefore does not
+/// depend on the number of chains, models or draws.
 struct Checkpoint {
-  /// Changes whenever a member does.
+  /// Increased whenever a member changes.
   static constexpr int kFormat = 7;
 
   using Column =
@@ -29,31 +29,31 @@ struct Checkpoint {
   std::map<std::string, Column> columns;
 };
 
-/// Columns that are no run of the problem that they are to be one of.
+/// Thrown if the columns do not describe a run of the given problem.
 class CheckpointError : public std::runtime_error {
  public:
   using std::runtime_error::runtime_error;
 };
 
-/// Without the first so many draws of each chain; empty: of none.
+/// Without the first `without[c]` draws of each chain c; empty: with all draws.
 [[nodiscard]] Checkpoint checkpoint_of(const RunState& state,
                                        std::vector<std::size_t> without = {});
 
-/// Draws first, …, last - 1 of a chain alone.
+/// Only the draws first, …, last - 1 of a chain.
 [[nodiscard]] Checkpoint draws_of(const Chain& chain, std::size_t first, std::size_t last);
-/// Such draws. Throws CheckpointError where there are not `n`.
+/// Reads these draws. Throws CheckpointError if there are not `n`.
 [[nodiscard]] Chain draws_in(const Checkpoint& part, std::size_t n);
-/// The numbers of the parts that a run's checkpoint stands on: the first, and how many.
+/// The parts that a run's checkpoint needs: the number of the first part, and how many.
 [[nodiscard]] std::pair<long, long> parts_of(const Checkpoint& checkpoint);
 
-/// The run, to the last bit. What follows from the rest is left out of the columns and made again:
-/// the space, the conditional proposals, what the last weighing found. Throws CheckpointError where
-/// a column is missing, too short, too long or unknown, or speaks of another number of chains,
+/// Restores the run, bit for bit. The columns omit what follows from the rest: the model space, the
+/// conditional proposals and the results of the last evidence computation. Throws CheckpointError
+/// if a column is missing, too short, too long or unknown, or belongs to another number of chains,
 /// models or parameters.
 [[nodiscard]] RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains);
 
-/// A chain and its draws for another rank of the same run, and back, to the last bit. No format for
-/// files.
+/// A chain and its draws, packed for another rank of the same run and unpacked bit for bit. Not a
+/// file format.
 [[nodiscard]] std::string packed_state(const ChainState& chain, const Chain& draws);
 void unpack(std::string_view bytes, ChainState& chain, Chain& draws);
 

@@ -1,4 +1,4 @@
-// A structure's members as columns of numbers, and back.
+// Conversion of a structure's members to columns of numbers and back.
 #pragma once
 
 #include <algorithm>
@@ -46,7 +46,7 @@ inline constexpr bool kIsList = kIsVector<T> || std::same_as<T, std::string>;
 template <class T>
 concept Number = std::is_arithmetic_v<T>;
 
-// Names of members, one within the other.
+// Nested member names.
 class Names {
  public:
   std::string operator()(const char* suffix = nullptr) const {
@@ -65,15 +65,15 @@ class Names {
   std::string name_;
 };
 
-/// The columns of what it is called with; `Fields::of(archive, value)` lists the members of a
-/// structure, once for both directions.
+/// Writes the columns of the values that it is called with. `Fields::of(archive, value)` lists the
+/// members of a structure, for writing and reading.
 template <class Fields>
 class Writer {
  public:
   static constexpr bool kReads = false;
   explicit Writer(Checkpoint& to) : to_(to) {}
-  /// Of the chains that it meets, draws first, …, last - 1; where `first` has fewer numbers than
-  /// there are chains, all from the first on.
+  /// Writes draws first, …, last - 1 of each chain; if `first` has fewer entries than there are
+  /// chains, all draws from the first on.
   Writer(Checkpoint& to, std::vector<std::size_t> first,
          std::size_t last = std::numeric_limits<std::size_t>::max())
       : to_(to), first_(std::move(first)), last_(last) {}
@@ -84,14 +84,14 @@ class Writer {
     names_.within(member, [&] { put(value); });
     if constexpr (sizeof...(more) > 0) (*this)(more...);
   }
-  /// Another chain begins, of so many draws.
+  /// Begins another chain with this number of draws.
   void chain(std::size_t draws) {
     const std::size_t c = chains_++;
     draws_ = {.all = draws,
               .first = c < first_.size() ? std::min(first_[c], draws) : 0,
               .last = std::min(last_, draws)};
   }
-  /// A list of that chain, with as many numbers for each draw.
+  /// A list of that chain with an equal number of values for each draw.
   template <class N>
   void by_draw(const char* member, const DrawList<N>& values) {
     const std::size_t each = draws_.all > 0 ? values.size() / draws_.all : 0;
@@ -136,7 +136,7 @@ class Writer {
         column<long>("size").push_back(static_cast<std::int64_t>(value.size()));
         for (const auto& entry : value) {
           if constexpr (kIsList<typename T::value_type>) {
-            (*this)("each", entry);  // its length is another column than that of `value`
+            (*this)("each", entry);  // its length is in another column than that of `value`
           } else {
             put(entry);
           }
@@ -151,13 +151,13 @@ class Writer {
   Names names_;
   std::vector<std::size_t> first_;
   std::size_t last_ = std::numeric_limits<std::size_t>::max();
-  std::size_t chains_ = 0;  // met
+  std::size_t chains_ = 0;  // written so far
   struct {
     std::size_t all, first, last;
   } draws_{};
 };
 
-/// And back. Throws CheckpointError where a column is missing, too short or of another type.
+/// Reads the columns. Throws CheckpointError if a column is missing, too short or of another type.
 template <class Fields>
 class Reader {
  public:
@@ -174,7 +174,7 @@ class Reader {
   void by_draw(const char* member, DrawList<N>& values) {
     (*this)(member, values);
   }
-  // Every number must have been read.
+  // Throws CheckpointError unless every number was read.
   void end() const {
     for (const auto& [name, column] : from_.columns) {
       const std::size_t size =

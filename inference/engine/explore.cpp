@@ -21,24 +21,24 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
-constexpr long kLongRecord = 20000;  // samples: exploring from the prior costs more than it finds
-constexpr int kManyModels = 3000;    // climbed in
-constexpr long kClimbsInMany = 2;    // in each of those
-// Models of a nested list of a record: climbs that start from one another's modes find more, for
-// a tenth of the calls, than annealing each from its prior.
+constexpr long kLongRecord = 20000;  // samples; exploration from the prior is too expensive above
+constexpr int kManyModels = 3000;    // searched by climbs
+constexpr long kClimbsInMany = 2;    // in each of these models
+// Number of models of a nested list, on a record, above which climbs replace SMC: climbs from the
+// modes of nested models find more at a tenth of the likelihood calls.
 constexpr int kManyNested = 8;
-constexpr int kSearchedModels = 60;  // of those: no more than these are searched in full
+constexpr int kSearchedModels = 60;  // upper limit of the fully searched models among those
 constexpr int kSearchRounds = 4;
-constexpr std::size_t kNestedStarts = 3;  // models within another whose modes it is searched from
+constexpr std::size_t kNestedStarts = 3;  // nested models whose modes serve as starting points
 constexpr std::size_t kReachedModels =
-    12;                            // of many: those explored by themselves when they are reached
+    12;                            // of many: models searched separately if tempering visits them
 constexpr double kReached = 0.01;  // share of the visits
-constexpr long kSearchBudget = 300000;  // likelihood calls for climbs, all models together
-constexpr long kRecordBudget = 50000;   // where a record grows: modes are then followed besides
-constexpr long kLeastBudget = 3000;     // a model's
-constexpr double kBriefAnnealing = 50000.0;  // likelihood calls, a model, about
-constexpr double kHopelessModel = 50.0;      // ln: models this far below the best are not annealed
-constexpr double kLive = 30.0;               // ln: chains start in models this far below the best
+constexpr long kSearchBudget = 300000;       // likelihood calls for climbs, all models together
+constexpr long kRecordBudget = 50000;        // if a record grows: its modes are also followed
+constexpr long kLeastBudget = 3000;          // per model
+constexpr double kBriefAnnealing = 50000.0;  // likelihood calls per model, approximately
+constexpr double kNegligibleModel = 50.0;    // ln: no SMC for models this far below the best
+constexpr double kLive = 30.0;  // ln: chains start in models up to this far below the best
 
 std::vector<int> every_model(const RunContext& run) {
   std::vector<int> all(run.models());
@@ -46,7 +46,7 @@ std::vector<int> every_model(const RunContext& run) {
   return all;
 }
 
-// Of many models, those that matter as far as tempering can tell.
+// Of many models, those with a probability above the limit according to tempering.
 std::vector<int> reached(const RunContext& run, const RunState& state) {
   std::vector<int> list = every_model(run);
   if (run.space().size() <= kFewModels) return list;
@@ -69,15 +69,16 @@ void count(RunContext& run, RunState& state, const ModelExploration& found,
   run.monitor.evaluated(more);
 }
 
-// Of a nested list: an improbable model whose mode was missed is begun from its relations' modes,
-// and needs not all the climbs that one deserves which may hold the probability.
+// Search effort for a model of a nested list. An improbable model whose mode was missed can be
+// reached from the modes of related models, so that it needs fewer climbs than a model that may
+// hold the probability.
 double effort_for(const RunState& state, int m) {
   constexpr double kLeast = 0.2;
   const double p = state.probability[static_cast<std::size_t>(m)];
   return std::clamp(p / kLimits.probable_model, kLeast, 1.0);
 }
 
-// The models that explore_each explores next.
+// Sets the models that explore_each explores next.
 void search_next(RunState& state, std::vector<int> models) {
   state.at.explore = Position::Explore::search;
   state.at.models = std::move(models);
@@ -85,9 +86,10 @@ void search_next(RunState& state, std::vector<int> models) {
   state.at.best = -kInfinity;
 }
 
-// Each model of the list by itself: all are surveyed before any is annealed, since a hopeless one
-// of a record, whose likelihoods are dear, needs no more than a survey. Models of a nested list
-// have each the budget that one has alone, and start from the modes of those within them as well.
+// Explores each model of the list separately. All models are surveyed before SMC runs for any,
+// since an improbable model of a record, with an expensive likelihood, needs no more than a survey.
+// Models of a nested list have the full budget each, and also start from the modes of models nested
+// in them.
 void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = false) {
   const Problem& problem = run.problem;
   Position& at = state.at;
@@ -117,7 +119,7 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
         .stop = [&] { return run.monitor.stopped(); }};
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
     if (nested) how.starts = nested_starts(problem.space, m, state.explorations, kNestedStarts);
-    // What a first glance found is not to be found again by chance.
+    // Includes the modes of the earlier climbs, which this search need not find again.
     for (const Mode& mode : state.explorations[static_cast<std::size_t>(m)].modes)
       how.starts.push_back(mode.z);
     return how;
@@ -128,7 +130,7 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   };
   const double parts = static_cast<double>(std::max<long>(1, with_parameters));
   const double later = planned_tuning(run) + planned_draws(run) + planned_evidence(run);
-  // body(m) of the models that are left, from one safe point to the next; false: stopped.
+  // Calls body(m) for the remaining models, with safe points in between; false: stopped.
   const auto each_left = [&](auto&& body) {
     for (; at.model < static_cast<int>(list.size()); ++at.model) {
       run.safe_points.pass(state);
@@ -147,13 +149,14 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   const auto anneal_one = [&](int m) {
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
     if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0) return;
-    const bool hopeless = problem.shortened && log_mass(m) < at.best - kHopelessModel;
-    if (hopeless && found.settled()) {
+    const bool negligible = problem.shortened && log_mass(m) < at.best - kNegligibleModel;
+    if (negligible && found.settled()) {
       run.monitor.advance(1.0);
       return;
     }
     const ExplorationCalls before = found.calls;
-    anneal_model(problem, m, options(m), hopeless ? Annealing::brief : Annealing::as_needed, found);
+    anneal_model(problem, m, options(m), negligible ? Annealing::brief : Annealing::as_needed,
+                 found);
     count(run, state, found, before);
     at.best = std::max(at.best, log_mass(m));
   };
@@ -169,9 +172,10 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   each_left(anneal_one);
 }
 
-// One of many models: climbs alone; of a nested list (`lattice`) from the best mode of the models
-// within it, from that of the likeliest one step around it, and from what an earlier glance found.
-void glance(RunContext& run, RunState& state, int m, const ModelLattice* lattice) {
+// Searches one of many models by climbs only. In a nested list (`lattice`), these start from the
+// best mode of the models within it, from that of the most probable model one step around it, and
+// from its own earlier modes.
+void climb_only(RunContext& run, RunState& state, int m, const ModelLattice* lattice) {
   const Problem& problem = run.problem;
   const bool nested = lattice != nullptr;
   ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
@@ -184,7 +188,7 @@ void glance(RunContext& run, RunState& state, int m, const ModelLattice* lattice
       .climbs_only = true,
       .threads = run.options.threads,
       .stop = [&] { return run.monitor.stopped(); }};
-  // The least of a nested list is where the others begin.
+  // The smallest model of a nested list provides the first starts of the others.
   if (nested && how.starts.empty() && run.options.searches == 0) how.climbs = 0;
   if (nested) {
     std::vector<double> around = start_from_around(problem.space, *lattice, m, state.explorations);
@@ -196,7 +200,7 @@ void glance(RunContext& run, RunState& state, int m, const ModelLattice* lattice
   count(run, state, found, {});
 }
 
-// ln π at the highest mode of each model: evidences also change where an integral is known better.
+// ln π at the highest mode of each model. Evidences would also change with a better integral.
 std::vector<double> heights(const RunState& state) {
   std::vector<double> out;
   for (const ModelExploration& found : state.explorations) {
@@ -206,14 +210,14 @@ std::vector<double> heights(const RunState& state) {
   return out;
 }
 
-// Glances at what the window opens on, until it opens on nothing more. They go into at.models, so
-// that a run which is taken up again goes on where it was. False: stopped.
-bool glance_in_window(RunContext& run, RunState& state, const ModelLattice& lattice) {
+// Searches the models in Occam's window by climbs until it admits no more. Stores them in
+// at.models, so that a resumed run continues. False: stopped.
+bool climb_in_window(RunContext& run, RunState& state, const ModelLattice& lattice) {
   Position& at = state.at;
   for (;;) {
     for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
       run.safe_points.pass(state);
-      glance(run, state, at.models[static_cast<std::size_t>(at.model)], &lattice);
+      climb_only(run, state, at.models[static_cast<std::size_t>(at.model)], &lattice);
       if (!run.monitor.advance(1.0)) return false;
     }
     const std::vector<int> next = next_in_window(run.space(), lattice, state.explorations);
@@ -222,10 +226,9 @@ bool glance_in_window(RunContext& run, RunState& state, const ModelLattice& latt
   }
 }
 
-// A better mode of a model may be one of those around it as well, which had a glance before it was
-// known.
-void glance_again(RunContext& run, RunState& state, const ModelLattice& lattice,
-                  const std::vector<double>& before) {
+// Repeats the climbs in models around a model with a better mode, which may help them, too.
+void repeat_climbs(RunContext& run, RunState& state, const ModelLattice& lattice,
+                   const std::vector<double>& before) {
   constexpr double kBetter = 3.0;  // ln
   const ModelSpace& space = run.space();
   const std::vector<double> now = heights(state);
@@ -238,20 +241,20 @@ void glance_again(RunContext& run, RunState& state, const ModelLattice& lattice,
     if (!state.explorations[static_cast<std::size_t>(m)].glanced ||
         std::ranges::none_of(better, [&](int b) { return is_within(space[b], space[m]); }))
       continue;
-    glance(run, state, m, &lattice);
+    climb_only(run, state, m, &lattice);
     if (run.monitor.stopped()) return;
   }
   for (;;) {
     const std::vector<int> next = next_in_window(space, lattice, state.explorations);
     if (next.empty()) return;
     for (const int m : next) {
-      glance(run, state, m, &lattice);
+      climb_only(run, state, m, &lattice);
       if (run.monitor.stopped()) return;
     }
   }
 }
 
-// Models that had a glance and hold more than `least`, the most probable first.
+// Models searched by climbs only with a probability above `least`, the most probable first.
 std::vector<int> probable(const RunContext& run, const RunState& state, double least) {
   const auto probability = [&](int m) { return state.probability[static_cast<std::size_t>(m)]; };
   std::vector<int> list = every_model(run);
@@ -262,8 +265,8 @@ std::vector<int> probable(const RunContext& run, const RunState& state, double l
   return list;
 }
 
-// A glance at each of very many models, the smaller first, or, of a nested list, at those in
-// Occam's window; and a look at those that this makes probable.
+// Searches very many models by climbs, in order of size, or, for a nested list, those in Occam's
+// window. Then fully searches the probable ones.
 void explore_many(RunContext& run, RunState& state) {
   using Part = Position::Explore;
   const Problem& problem = run.problem;
@@ -272,23 +275,23 @@ void explore_many(RunContext& run, RunState& state) {
   const bool nested = lattice.has_value();
   Position& at = state.at;
   if (at.explore == Part::begin) {
-    at.explore = Part::glance;
+    at.explore = Part::climb;
     at.models = nested ? next_in_window(problem.space, *lattice, state.explorations)
                        : by_dimension(problem.space);
   }
-  if (at.explore == Part::glance) {
+  if (at.explore == Part::climb) {
     run.monitor.begin("searching", static_cast<double>(run.models()),
                       planned_searches(problem, run.options) + planned_tuning(run) +
                           planned_draws(run) + planned_evidence(run));
     run.monitor.advance(at.model);
     if (nested) {
-      if (!glance_in_window(run, state, *lattice)) return;
+      if (!climb_in_window(run, state, *lattice)) return;
     } else {
       for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
         run.safe_points.pass(state);
         const int m = at.models[static_cast<std::size_t>(at.model)];
         if (!std::isfinite(problem.space[m].log_prior)) continue;
-        glance(run, state, m, nullptr);
+        climb_only(run, state, m, nullptr);
         if (!run.monitor.advance(1.0)) return;
       }
     }
@@ -304,9 +307,8 @@ void explore_many(RunContext& run, RunState& state) {
     }
     return explore_each(run, state, false);
   }
-  // What holds the probability is searched as a single model would be, the smaller first: their
-  // modes are starts of the larger. A look may show more than the glance did, and then others hold
-  // it.
+  // Searches the probable models fully, in order of size, since their modes are starts of larger
+  // models. A full search may change the probabilities, so that other models become probable.
   for (; at.look < kSearchRounds; ++at.look) {
     if (at.explore == Part::look) {
       std::vector<int> list = probable(run, state, kLimits.searched_model);
@@ -320,15 +322,15 @@ void explore_many(RunContext& run, RunState& state) {
     }
     explore_each(run, state, false, true);
     if (run.monitor.stopped()) return;
-    glance_again(run, state, *lattice, at.before);
+    repeat_climbs(run, state, *lattice, at.before);
     if (run.monitor.stopped()) return;
     estimate_probabilities(run, state);
     at.explore = Part::look;
   }
-  for (ModelExploration& found : state.explorations) found.passed_over = !found.looked_at();
+  for (ModelExploration& found : state.explorations) found.passed_over = !found.is_explored();
 }
 
-// Where a long record makes exploring from the prior cost more than it finds.
+// For long records, on which exploration from the prior is too expensive.
 void explore_growing(RunContext& run, RunState& state) {
   const std::vector<Laplace> modes = climb_with_record(run.problem, run.options, run.monitor);
   bool any = false;
@@ -363,11 +365,13 @@ void explore_growing(RunContext& run, RunState& state) {
     }
   }
   if (!any && run.monitor.stopped()) return;
-  if (!any) throw LikelihoodError("no model has a mode that a search on growing records finds");
+  if (!any)
+    throw LikelihoodError(
+        "the search on growing records found no mode in any model: check the priors and the noise");
   state.posterior.choices.push_back(Choice::started_on_first_samples);
 }
 
-// Chains start in different models where several are possible, at draws of the populations.
+// Starts the chains at draws of the populations, in different models if several are possible.
 void start_chains(RunContext& run, RunState& state) {
   std::vector<int> live;
   double best = -kInfinity;

@@ -1,15 +1,15 @@
-// The first stage: where the posterior is, model by model, and how probable each model may be.
+// First stage of a run: locates the posterior of each model and estimates the model probabilities.
 #pragma once
 
 #include "inference/engine/run_context.hpp"
 
 namespace wheeltap::inference {
 
-/// Each model of a short list by itself (model_exploration.hpp); sets of components by parallel
-/// tempering first, from the prior; a long record as it grows (starting_points.hpp). Leaves what
-/// was found, every chain at a start of its own, and first proposals.
+/// Explores each model of a short list separately (model_exploration.hpp), sets of components by
+/// parallel tempering from the prior first, and a long record as it grows (starting_points.hpp).
+/// Stores the findings, a starting point for every chain, and first proposals.
 void explore(RunContext& run, RunState& state);
-/// What has been spent so far was spent on exploring.
+/// Books all likelihood calls so far under exploration.
 void count_exploring(RunState& state);
 
 }  // namespace wheeltap::inference

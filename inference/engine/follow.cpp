@@ -14,12 +14,13 @@ namespace {
 
 constexpr int kWalks = 64;
 constexpr int kSteps = 1000;
-constexpr int kApart = 10;  // steps between two looks
+constexpr int kApart = 10;  // steps between two checks
 
-constexpr double kLowest = 0.01;  // share of the chains' draws that are less probable
+constexpr double kLowest = 0.01;  // share of the chains' draws with a lower density
 
-// Where a mixture is not: ln (π / q) above `ratio`, and ln π not below that of nearly all draws.
-// (In many dimensions annealing may be left with the offspring of a few draws of the tails.)
+// Region outside a mixture: ln (π / q) above `ratio`, and ln π at least that of nearly all draws.
+// The second condition excludes SMC samples that, in many dimensions, descend from a few draws in
+// the tails.
 struct Beyond {
   const NormalMixture& mixture;
   double ratio, log_posterior;
@@ -47,14 +48,14 @@ Beyond beyond_mixture(const RunState& state, int model) {
           .log_posterior = lowest};
 }
 
-// The states of a walk that are looked at.
+// The checked states of a chain.
 struct Walk {
-  std::vector<double> z;  // of those beyond the mixture
+  std::vector<double> z;  // of the states outside the mixture
   long beyond = 0, looks = 0;
   long evaluations = 0;
 };
 
-// From z, with the kernels that tuning has: most of their steps are small ones.
+// Runs a chain from z with the kernels of tuning, most of whose steps are small.
 Walk walk(const RunContext& run, const RunState& state, int model, const Beyond& is_beyond,
           int number, const Eigen::VectorXd& from) {
   const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
@@ -72,7 +73,7 @@ Walk walk(const RunContext& run, const RunState& state, int model, const Beyond&
     Kernel::Outcome outcome;
     kernels->step(at, {target, random, 1.0, false}, outcome);
     if (i % kApart != 0) continue;
-    // The first half of the way home is not counted.
+    // The first half is burn-in, in which the chain may return to the mixture.
     const bool late = i >= kSteps / 2;
     out.looks += late ? 1 : 0;
     if (at.model != model) continue;

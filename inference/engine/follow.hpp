@@ -1,4 +1,4 @@
-// What annealing saw and the draws may not have: followed by the chains' own steps.
+// Tests whether posterior regions that SMC found and the draws lack belong to the posterior.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,17 @@
 
 namespace wheeltap::inference {
 
-/// So much of the probability (lacks_annealed), less than the verdict asks for, makes walks, and
-/// fits to what they met.
+/// Excess share (lacks_annealed) above which chains are started there and proposals are fitted to
+/// their states. Lower than the verdict's limit.
 inline constexpr double kWorthFollowing = 0.01;
 
-/// Annealing reaches the posterior from everywhere at once, and so draws parts of it, as the ends
-/// of a ridge that turns, which neither the fitted mixtures nor, by their small steps, the chains
-/// come to. Where more of its draws of a model than of the chains' lie beyond the mixture, chains
-/// are started at them: what is only annealing's own error walks home in a thousand steps, what is
-/// the posterior's stays. Fills in ModelFindings::annealed_beyond, of models that matter, after
-/// weigh(); returns where such walks were beyond their model's mixture, dimension × n, one a model.
+/// SMC approaches the posterior from the whole prior. It can sample regions, such as the ends of a
+/// curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If more of a
+/// model's SMC draws than chain draws lie outside the mixture, this function starts chains at the
+/// SMC draws. Chains that return to the mixture within a thousand steps show an error of SMC;
+/// chains that stay show a part of the posterior. Sets ModelFindings::annealed_beyond of models
+/// above the probability threshold; call it after weigh(). Returns the states of these chains
+/// outside their model's mixture, dimension × n, one matrix per model.
 [[nodiscard]] std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

@@ -9,9 +9,9 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kTrustedDraws = 50.0;  // effective ones of an importance sample
-constexpr long kLadderVisits = 50;      // of each chain, of a model that others are compared with
-constexpr double kLeastLog = -700.0;    // ln of a probability that is none
+constexpr double kTrustedDraws = 50.0;  // effective draws of an importance sample
+constexpr long kLadderVisits = 50;      // per chain, of a model that others are compared with
+constexpr double kLeastLog = -700.0;    // ln of a negligible probability
 
 double visits_of(const ChainState& chain, std::size_t model) {
   return static_cast<double>(chain.by_rung.back().visits(static_cast<int>(model)));
@@ -25,8 +25,8 @@ void normalise(RunState& state) {
   for (double& p : state.probability) p /= sum;
 }
 
-// ln Z of each model along the ladder, beside that of a model which importance sampling knows well:
-// chains have each their own weights and visits, and their scatter is the standard error.
+// ln Z of each model along the ladder, relative to a model that importance sampling knows well.
+// Each chain has its own weights and visits; their scatter gives the standard error.
 void anneal_by_ladder(const RunContext& run, RunState& state) {
   const std::size_t models = run.models();
   std::vector<ModelExploration>& explorations = state.explorations;
@@ -55,7 +55,7 @@ void anneal_by_ladder(const RunContext& run, RunState& state) {
       squares += difference * difference;
     }
     const double mean = sum / chains;
-    if (!std::isfinite(mean)) continue;  // some chain was never there
+    if (!std::isfinite(mean)) continue;  // some chain did not visit it
     const double variance = std::max(0.0, squares / chains - mean * mean) / (chains - 1.0);
     Evidence& annealed = explorations[m].annealed;
     annealed.log_evidence = explorations[anchor].sampled.log_evidence + mean;
@@ -76,7 +76,7 @@ void estimate_probabilities(const RunContext& run, RunState& state) {
       by_evidence[m] = run.space()[static_cast<int>(m)].log_prior + evidence;
   }
   if (laddered) {
-    // Visits over what the learnt weights made of them.
+    // Visits corrected for the learned weights.
     for (std::size_t m = 0; m < models; ++m) {
       double sum = -kInfinity;
       for (const ChainState& chain : state.chains) {
@@ -87,7 +87,7 @@ void estimate_probabilities(const RunContext& run, RunState& state) {
       by_ladder[m] = sum;
     }
   }
-  // Where importance sampling has failed, the ladder knows better than Laplace.
+  // If importance sampling failed, the ladder is more reliable than Laplace's method.
   double shift = 0.0, known = 0.0;
   const auto sampled_well = [&](std::size_t m) {
     return state.explorations[m].effective_draws > kTrustedDraws && std::isfinite(by_evidence[m]);

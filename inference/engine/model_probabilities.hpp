@@ -1,22 +1,21 @@
-// How probable each model is, as far as a run knows before its draws: from evidence, from ladders,
-// and from the visits of a round of tuning.
+// Estimates of the model probabilities before the draws: from evidence, from tempering ladders, and
+// from the visits of a tuning round.
 #pragma once
 
 #include "inference/engine/run_context.hpp"
 
 namespace wheeltap::inference {
 
-/// RunState::log_probability and `probability`, as well as the explorations know them: P(m) Z_m, or
-/// the visits over what the learnt weights of the ladders made of them. The two are brought to one
-/// scale by the models that both know well. Where there are ladders, models get an annealed
-/// evidence from them, too.
+/// Sets RunState::log_probability and `probability` from the explorations: P(m) Z_m, or the visits
+/// corrected for the learned weights of the ladders. Models for which both are well known give the
+/// common scale. With ladders, it also estimates each model's evidence by tempering.
 void estimate_probabilities(const RunContext& run, RunState& state);
 
-/// The prior's, where the likelihood is switched off.
+/// Sets the prior model probabilities, for a run without likelihood.
 void take_prior_probabilities(const RunContext& run, RunState& state);
 
-/// From the last round's visits, of the models that had enough of them, or should have had; the
-/// others keep their place beside those.
+/// Updates the probabilities from the last round's visits, for models with enough visits, expected
+/// or observed. The other models keep their ratios to these.
 void learn_probabilities(RunState& state, const PilotSamples& last_round);
 
 }  // namespace wheeltap::inference

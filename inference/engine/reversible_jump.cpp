@@ -18,12 +18,14 @@ namespace wheeltap::inference {
 
 namespace {
 
-// Those that are kept apart come before those of the checkpoint.
-void take_up_draws(const Options::Checkpoints& from, const std::filesystem::path& folder,
-                   RunState& state) {
+// Prepends the draws that were saved separately to those of the checkpoint.
+void prepend_saved_draws(const Options::Checkpoints& from, const std::filesystem::path& folder,
+                         RunState& state) {
   const Position& at = state.at;
   if (at.part_chains.empty()) return;
-  if (!from.saved_draws) throw CheckpointError("its draws are kept apart");
+  if (!from.saved_draws)
+    throw CheckpointError(
+        "its draws are in separate parts, and Options::Checkpoints::saved_draws is not set");
   std::vector<Chain> chains(state.posterior.chains.size());
   for (Chain& chain : chains) chain.keep_in(folder);
   long number = at.first_part;
@@ -34,7 +36,7 @@ void take_up_draws(const Options::Checkpoints& from, const std::filesystem::path
     chains[c].append(state.posterior.chains[c]);
     if (chains[c].theta.size() !=
         chains[c].size() * static_cast<std::size_t>(state.posterior.dimension))
-      throw CheckpointError("a part of its draws is of a problem with other parameters");
+      throw CheckpointError("a part of its draws belongs to a problem with other parameters");
     state.posterior.chains[c] = std::move(chains[c]);
   }
 }
@@ -59,21 +61,21 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
       throw std::invalid_argument("move '" + move.name + "': most = " + base::number(move.most) +
                                   " must be finite and at least 1");
     }
-    if (!move.make) throw std::invalid_argument("move '" + move.name + "': nothing makes it");
+    if (!move.make) throw std::invalid_argument("move '" + move.name + "': `make` is not set");
   }
-  const Options chosen = options.quick ? as_a_look(options) : options;
+  const Options chosen = options.quick ? quick_options(options) : options;
   RunContext run(problem, chosen);
   RunState state;
   if (options.checkpoints.from) {
     state = state_of(*options.checkpoints.from, problem.space, options.chains);
-    take_up_draws(options.checkpoints, options.draws_folder, state);
+    prepend_saved_draws(options.checkpoints, options.draws_folder, state);
     for (const Chain& chain : state.posterior.chains)
       if (static_cast<long>(chain.size()) > state.at.goal)
-        throw CheckpointError("it has more draws than its run was to have");
+        throw CheckpointError("it has more draws than the options ask for");
     resume(run, state);
   } else {
     state = begin(run);
-    if (run.monitor.stopped()) return finish(run, state);  // as if nothing had begun
+    if (run.monitor.stopped()) return finish(run, state);  // as if the run had not started
     run.safe_points.pass(state);
   }
   for (Chain& chain : state.posterior.chains) chain.keep_in(options.draws_folder);

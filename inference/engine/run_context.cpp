@@ -21,15 +21,15 @@ double planned_evidence(const RunContext& run) {
   return run.options.prior_only || run.space().size() > kFewModels
              ? 0.0
              : static_cast<double>(run.space().size()) *
-                   (run.options.quick ? kLookDraws : kEvidenceDraws);
+                   (run.options.quick ? kQuickDraws : kEvidenceDraws);
 }
 
 RunState begin(RunContext& run) {
   RunState state;
   {
     Target target(run.problem, run.options.prior_only);
-    // Where all that the priors propose is impossible, a slow likelihood takes long to say so. By
-    // ranks every one tries for itself, and none may leave alone.
+    // If no prior draw has a finite likelihood, a slow likelihood takes long to show it; report
+    // progress meanwhile. With ranks, each one checks alone and none may stop alone.
     const auto began = std::chrono::steady_clock::now();
     double before = 0.0;
     run.monitor.begin("starting", 1.0);
@@ -79,8 +79,8 @@ void resume(RunContext& run, const RunState& state) {
     fresh.evaluate(now);
     if (now.log_likelihood == was.log_likelihood && now.x == was.x) return;
     throw CheckpointError(
-        "the likelihood is another one than when this was saved: a file that the case names has "
-        "changed, or the processor has other vector instructions");
+        "the likelihood differs from that of the saved run: a file that the case refers to has "
+        "changed, or the processor has a different vector instruction set");
   };
   for (const ChainState& chain : state.chains) {
     check(chain.state);

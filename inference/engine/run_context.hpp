@@ -1,4 +1,4 @@
-// What a run works with and does not carry: the problem, the options, and one target a chain.
+// Objects that a run uses and checkpoints do not store: problem, options, and one target per chain.
 #pragma once
 
 #include <algorithm>
@@ -18,27 +18,29 @@
 
 namespace wheeltap::inference {
 
-inline constexpr int kFewModels = 40;       ///< so many are explored and weighed each by itself
-inline constexpr int kTuningSteps = 32000;  ///< a chain
+/// Up to this number, each model is explored and weighed separately.
+inline constexpr int kFewModels = 40;
+inline constexpr int kTuningSteps = 32000;  ///< per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
-/// Steps of tuning and iterations a draw are half as many where the data are a long record and the
-/// number of draws is the engine's to choose: what they buy, draws closer to independent ones,
-/// costs a hundred times what a formula's do, and such a run goes on drawing wherever they are too
-/// few.
-[[nodiscard]] inline bool is_dear(const Problem& problem, const Options& options) {
+/// Whether the likelihood is expensive: the data are a long record, and the engine chooses the
+/// number of draws. Tuning steps and thinning are then halved. They make the draws less correlated,
+/// at a cost of about a hundred times that of a formula, and the run continues anyway until the
+/// draws suffice.
+[[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return problem.samples > 0 && options.draws == 0;
 }
 [[nodiscard]] inline int default_thin(const Problem& problem, const Options& options) {
-  return is_dear(problem, options) ? kDefaultThin / 2 : kDefaultThin;
+  return is_expensive(problem, options) ? kDefaultThin / 2 : kDefaultThin;
 }
 [[nodiscard]] inline int tuning_steps(const Problem& problem, const Options& options) {
-  return is_dear(problem, options) ? kTuningSteps / 2 : kTuningSteps;
+  return is_expensive(problem, options) ? kTuningSteps / 2 : kTuningSteps;
 }
 inline constexpr int kEvidenceDraws = 4000;  ///< of each model's mixture
-inline constexpr int kLookDraws = 500;       ///< the same, for a quick look
+inline constexpr int kQuickDraws = 500;      ///< the same in a quick run
 
-/// `problem` and `options` must outlive it. It serves the run state of begin() or resume() only.
+/// `problem` and `options` must outlive the context. It serves only the run state of begin() or
+/// resume().
 struct RunContext {
   RunContext(const Problem& of, const Options& with)
       : problem(of), options(with), monitor(with, of.space.size()), safe_points(with) {}
@@ -48,14 +50,14 @@ struct RunContext {
   ProgressMonitor monitor;
   SafePoints safe_points;
   Atlases atlases{};
-  std::vector<std::unique_ptr<Target>> targets{};  ///< one a chain
+  std::vector<std::unique_ptr<Target>> targets{};  ///< one per chain
 
   [[nodiscard]] const ModelSpace& space() const { return problem.space; }
   [[nodiscard]] std::size_t models() const { return static_cast<std::size_t>(space().size()); }
 
-  /// job(c, chain, target) for every chain, on a few threads and ranks; then each chain knows what
-  /// its target has counted. A job may change its chain, its target and its draws
-  /// (RunState::posterior.chains[c]), and nothing else.
+  /// Runs job(c, chain, target) for every chain on several threads and ranks, then stores the
+  /// target's counters in its chain. A job may change only its chain, its target and its draws
+  /// (RunState::posterior.chains[c]).
   template <typename Job>
   void each_chain(RunState& state, Job&& job) {
     each_chain_until(state, [&](int c, ChainState& chain, Target& target) {
@@ -64,7 +66,7 @@ struct RunContext {
     });
   }
 
-  /// The same by every rank for itself, where it is no work.
+  /// The same on every rank separately, for cheap jobs.
   template <typename Job>
   void each_chain_here(RunState& state, Job&& job) {
     for (std::size_t c = 0; c < targets.size(); ++c) {
@@ -73,25 +75,25 @@ struct RunContext {
     }
   }
 
-  /// The same of a job that returns whether it has come to its end, and leaves its work between two
-  /// iterations when it is told to (leave): it is called again until it has, in every chain, or the
-  /// run is stopped. What it has done so far must stand in the state.
+  /// The same for a job that can stop between two iterations when leave() returns true. The job
+  /// returns whether it is complete. It is called again until it is complete in every chain, or the
+  /// run is stopped. The state must contain all its progress.
   template <typename Job>
-  void bring_each_chain_to_its_end(RunState& state, Job&& job) {
+  void complete_each_chain(RunState& state, Job&& job) {
     for (bool all = false; !all;) {
       all = each_chain_until(state, job);
       if (monitor.stopped()) return safe_points.stop(state);
       if (!all) safe_points.pass(state);
     }
   }
-  /// Asked within such a job.
+  /// Whether a job should return now.
   [[nodiscard]] bool leave() const {
     return monitor.stopped() ||
-           (base::ranks() ? base::ranks()->told_to_pause() : safe_points.due());
+           (base::ranks() ? base::ranks()->pause_requested() : safe_points.due());
   }
 
  private:
-  // Whether all jobs say that they have come to their end.
+  // Whether all jobs are complete.
   template <typename Job>
   bool each_chain_until(RunState& state, Job&& job) {
     std::vector<char> ended(targets.size(), 0);
@@ -121,24 +123,24 @@ struct RunContext {
   }
 };
 
-/// Likelihood calls that the stages to come will take, as far as that can be planned: what a
-/// caller is told of the time left.
+/// Planned likelihood calls of the later stages, for the estimate of the remaining time.
 [[nodiscard]] double planned_tuning(const RunContext& run);
 [[nodiscard]] double planned_draws(const RunContext& run);
 [[nodiscard]] double planned_evidence(const RunContext& run);
 
-/// A run before its first stage. Throws LikelihoodError where a model is impossible (check_models).
+/// The state of a run before its first stage. Throws LikelihoodError if a model is impossible
+/// (check_models).
 [[nodiscard]] RunState begin(RunContext& run);
 
-/// Makes a new context ready to go on with a run that another one has brought so far. Throws
-/// CheckpointError where the likelihood of where the chains are is not what it was to the last bit:
-/// the data or the processor are others.
+/// Prepares a new context to continue a run from `state`. Throws CheckpointError if the likelihood
+/// at the chains' states differs in any bit: the data or the processor has changed.
 void resume(RunContext& run, const RunState& state);
 
-/// Of the likelihood, or of its stand-in, by all chains and what serves all of them.
+/// Calls of the likelihood, or of its approximation if the problem has one, by all chains and by
+/// shared work.
 [[nodiscard]] long likelihood_evaluations(const RunState& state);
 
-/// What the run amounts to. The state's own posterior is handed over.
+/// The results of the run. Moves the posterior out of `state`.
 [[nodiscard]] Posterior finish(const RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

@@ -8,20 +8,20 @@
 namespace wheeltap::inference {
 namespace {
 
-// Counted on the shipped cases and on the toys of the tests (docs/scale.md).
+// Counted on the shipped cases and on the test problems (docs/scale.md).
 constexpr double kCallsAClimb = 40.0, kCallsAClimbAndDimension = 12.0;
 constexpr double kWeighingRounds = 3.0;
-constexpr double kStagesADimension = 2.0, kStages = 4.0;  // of annealing
-constexpr double kCallsAParticle = 12.0;                  // in one of them
+constexpr double kStagesADimension = 2.0, kStages = 4.0;  // of SMC
+constexpr double kCallsAParticle = 12.0;                  // per stage
 constexpr double kScans = 800.0, kQuickScans = 60.0, kRungs = 10.0, kStepsOfAScan = 3.0;
 constexpr double kSettlingSteps = 500.0;
-constexpr double kShortRecords = 0.25;  // of a call on the whole record, while exploring
-constexpr double kSearchedSets = 12.0;  // models of sets that are searched, at the most
+constexpr double kShortRecords = 0.25;  // of a call on the whole record, during exploration
+constexpr double kSearchedSets = 12.0;  // upper limit of the component-set models that are searched
 
 struct Sizes {
-  double models = 0.0;      // with parameters and a prior probability
-  double dimensions = 0.0;  // of all of these
-  double in_draws = 0.0;    // of a round of weighing, all models
+  double models = 0.0;      // number with parameters and a prior probability
+  double dimensions = 0.0;  // sum over these
+  double in_draws = 0.0;    // in one round of importance sampling, all models
 };
 
 Sizes sizes_of(const ModelSpace& space) {
@@ -42,7 +42,7 @@ double brevity(const Options& options) {
 
 }  // namespace
 
-Options as_a_look(Options options) {
+Options quick_options(Options options) {
   constexpr int kClimbs = 16, kWarmup = 600, kDraws = 300;
   if (options.searches == 0) options.searches = kClimbs;
   if (options.warmup == 0) options.warmup = kWarmup;
@@ -68,7 +68,7 @@ double planned_searches(const Problem& problem, const Options& options) {
 }
 
 RunPlan plan_of(const Problem& problem, const Options& asked) {
-  const Options options = asked.quick ? as_a_look(asked) : asked;
+  const Options options = asked.quick ? quick_options(asked) : asked;
   const double chains = options.chains;
   const bool sets = !problem.space.kinds().empty();
   RunPlan plan;
@@ -98,7 +98,7 @@ RunPlan plan_of(const Problem& problem, const Options& asked) {
   const double draws = options.draws > 0 ? options.draws : kDefaultDraws;
   plan.sample = chains * draws * (options.thin > 0 ? options.thin : default_thin(problem, options));
   if (!options.prior_only && problem.space.size() <= kFewModels)
-    plan.evidence = problem.space.size() * (options.quick ? kLookDraws : kEvidenceDraws);
+    plan.evidence = problem.space.size() * (options.quick ? kQuickDraws : kEvidenceDraws);
   return plan;
 }
 

@@ -1,4 +1,4 @@
-// What a run will take in likelihood calls, as far as that can be planned before it begins.
+// Planned likelihood calls of a run, known before it begins.
 #pragma once
 
 #include "inference/model/target.hpp"
@@ -7,27 +7,27 @@
 namespace wheeltap::inference {
 
 /// Likelihood calls of each stage, all chains together. A run that has not converged after its
-/// draws goes on and takes more.
+/// planned draws continues and needs more.
 struct RunPlan {
-  double explore = 0.0;  ///< climbs, annealing or tempering, and weighing what they found
-  double tune = 0.0;     ///< settling included
+  double explore = 0.0;  ///< climbs, SMC or tempering, and importance sampling
+  double tune = 0.0;     ///< includes the burn-in before the draws
   double sample = 0.0;
   double evidence = 0.0;
-  /// Calls on the whole record that the calls of `explore` amount to: where data are a record, most
-  /// of these are on its first samples. Else the same number.
+  /// `explore` converted to calls on the whole record. On a record, most exploration calls use only
+  /// its first samples; otherwise both numbers are equal.
   double explore_on_all_data = 0.0;
 
   [[nodiscard]] double calls() const { return explore + tune + sample + evidence; }
 };
 
-/// What Options::quick stands for: some 16 climbs a model, a thousand draws from the normals about
-/// their modes, 4 x 300 draws.
-[[nodiscard]] Options as_a_look(Options options);
+/// The options of a quick run (Options::quick): about 16 climbs per model, a thousand draws from
+/// the normals about their modes, 4 x 300 draws.
+[[nodiscard]] Options quick_options(Options options);
 
 [[nodiscard]] RunPlan plan_of(const Problem& problem, const Options& options);
 
-/// The first part of it, for the monitor of a run on its way: what follows tempering over sets of
-/// components.
+/// Planned calls of the mode searches after tempering over sets of components, for the progress
+/// monitor.
 [[nodiscard]] double planned_searches(const Problem& problem, const Options& options);
 
 }  // namespace wheeltap::inference

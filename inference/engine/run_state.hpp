@@ -1,4 +1,4 @@
-// A run between two rounds, as a value: what a checkpoint writes and what ranks exchange.
+// State of a run between two rounds, as a value: checkpoints store it and ranks exchange it.
 #pragma once
 
 #include <limits>
@@ -16,94 +16,98 @@
 
 namespace wheeltap::inference {
 
-/// A chain on its way through a stage whose kernels learn.
-struct Lesson {
-  int steps = 0;  ///< of this round: of tuning, or scans of a ladder
-  // Tempering alone:
+/// Progress of a chain in a stage whose kernels adapt.
+struct AdaptationState {
+  int steps = 0;  ///< of this tuning round, or scans of a ladder
+  // Tempering only:
   bool begun = false;
   bool ended = false;
-  int round_scans = 0;  ///< of this round in all
-  int scans = 0;        ///< of the rounds before
+  int round_scans = 0;  ///< total of this round
+  int scans = 0;        ///< of the earlier rounds
   double barrier = 0.0;
-  std::vector<std::vector<double>> learnt{};  ///< KernelMixture::learnt: of each rung, or one
+  /// KernelMixture::learnt: one list per rung, or one list.
+  std::vector<std::vector<double>> learnt{};
 };
 
-/// One chain. Its target and kernels are made of this and of the run's state for each round
-/// (run_context.hpp): what a kernel has learnt in the midst of a round stands in `lesson`.
+/// State of one chain. Its target and kernels are rebuilt from this and from the run's state in
+/// each round (run_context.hpp); `adaptation` holds what a kernel has learned within a round.
 struct ChainState {
-  State state;                     ///< where it is
-  long iteration = 0;              ///< steps that draws were made with: the key of the next one
-  Target::Memory target{};         ///< what its target has counted
-  std::optional<Ladder> ladder{};  ///< where it has been tempered
-  std::vector<PilotSamples> by_rung{};  ///< met in the last round, at each temperature
+  State state;                     ///< the current state
+  long iteration = 0;              ///< steps of sampling so far: key of the next random numbers
+  Target::Memory target{};         ///< counters of its target
+  std::optional<Ladder> ladder{};  ///< if it was tempered
+  std::vector<PilotSamples> by_rung{};  ///< states of the last round at each temperature
   std::vector<int> models{};            ///< visited in the last round of tuning
   std::vector<KernelRecord> records{};  ///< of each kernel, in the last round of tuning
   std::optional<KeptDraws> kept{};      ///< a part of its draws, in standard normal coordinates
   std::vector<std::vector<long>> at_mode{};  ///< draws nearest to each mode of each model
-  std::vector<MoveStatistics> moves{};       ///< after warm-up
-  std::vector<std::vector<long>> proposed{}, accepted{};  ///< jumps, models × models
-  Lesson lesson{};
+  std::vector<MoveStatistics> moves{};       ///< counted after warm-up
+  /// Jumps between models, models × models, after warm-up.
+  std::vector<std::vector<long>> proposed{}, accepted{};
+  AdaptationState adaptation{};
 };
 
-/// Where a run is: what it does next. A stage's own work between two of these is done again from
-/// the first of them, to the same end.
+/// Position in the run: what it does next. After a restart, work between two positions is repeated
+/// from the first of them with the same result.
 struct Position {
   enum class Stage { explore, tune, sample };
-  enum class Explore { begin, glance, look, search, anneal };
+  enum class Explore { begin, climb, look, search, anneal };
   enum class Sample { begin, ladder, prepare, settle, draw };
 
   Stage stage = Stage::explore;
-  bool tempering = false;  ///< chains are on their way through temper()
+  bool tempering = false;  ///< the chains are inside temper()
 
   Explore explore = Explore::begin;
-  std::vector<int> models{};                               ///< that are searched, or glanced at
-  int model = 0;                                           ///< of these: the next one
-  double best = -std::numeric_limits<double>::infinity();  ///< ln P Z of the models searched so far
-  int look = 0;                                            ///< at many models: round
-  int looks_left = 0;                                      ///< models
-  std::vector<double> before{};  ///< ln π at the highest mode of each model before this look
+  std::vector<int> models{};  ///< that are searched, or climbed in only
+  int model = 0;              ///< index of the next one in `models`
+  /// Ln P Z of the best model searched so far.
+  double best = -std::numeric_limits<double>::infinity();
+  int look = 0;                  ///< round of climbs in many models
+  int looks_left = 0;            ///< models left in this round
+  std::vector<double> before{};  ///< ln π at the highest mode of each model before this round
 
   int round = 0;  ///< of tuning
-  int tuned = 0;  ///< steps of the rounds before
+  int tuned = 0;  ///< steps of the earlier rounds
   Sample sample = Sample::begin;
-  int goal = 0;    ///< draws a chain at the end of this round
-  int refits = 0;  ///< of the proposals, to draws
+  int goal = 0;    ///< draws per chain at the end of this round
+  int refits = 0;  ///< fits of the proposals to draws
 
-  // Of the parts of the draws that are kept apart (Options::Checkpoints::save_draws):
+  // Parts of the draws that are saved separately (Options::Checkpoints::save_draws):
   long first_part = 0;                ///< number of the first
-  std::vector<int> part_chains = {};  ///< the chain that each is of
+  std::vector<int> part_chains = {};  ///< chain of each part
 };
 
-/// The modes of a model whose shares the draws are counted for.
-struct WeightyModes {
+/// Modes of a model whose shares of the draws are counted.
+struct CountedModes {
   std::vector<Mode> modes;
   std::vector<Eigen::MatrixXd> precisions;
   std::vector<double> shares;
 };
 
-/// All of a run. Copies are independent: what they share is constant (Pilot's mixtures, Posterior's
-/// space). A stage that is given a copy, with the same problem, options and seed, makes the same
-/// draws bit for bit.
+/// Complete state of a run. Copies are independent; shared members (Pilot's mixtures, Posterior's
+/// space) are constant. A stage produces the same draws, bit for bit, from a copy with the same
+/// problem, options and seed.
 struct RunState {
   Position at;
   std::vector<ChainState> chains;
 
-  // What exploring found, one a model.
+  // Results of exploration, one per model.
   std::vector<ModelExploration> explorations;
-  std::vector<double> log_probability;  ///< up to a constant, as far as is known
+  std::vector<double> log_probability;  ///< up to a constant, where known
   std::vector<double> probability;      ///< the same, normalised
   std::vector<PilotSamples> by_rung;    ///< of all chains' ladders, the coldest last
 
-  // What tuning learnt.
+  // Results of tuning.
   Pilot pilot;
-  std::vector<double> tuning_bias;    ///< ln, of each model, of the last round
-  std::vector<double> sampling_bias;  ///< the same of the draws: zeros, or what balances them
+  std::vector<double> tuning_bias;  ///< ln weight of each model in the last tuning round
+  /// The same for the draws: zeros, or the weights that balance the models.
+  std::vector<double> sampling_bias;
 
-  // What the draws have come to.
-  std::vector<WeightyModes> weighty_modes;
+  // Results of sampling.
+  std::vector<CountedModes> weighty_modes;
   std::vector<std::vector<double>> at_mixture;  ///< ln π - ln q at draws of each model's mixture
   Posterior posterior;
-  long shared_evaluations = 0;  ///< of the likelihood, by no chain in particular
+  long shared_evaluations = 0;  ///< likelihood calls that belong to no chain
 };
 
 }  // namespace wheeltap::inference

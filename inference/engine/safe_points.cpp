@@ -36,7 +36,7 @@ void SafePoints::clock(RunState& state) {
   clocked_ = now;
 }
 
-// Chains are drawn a few at a time: a part is of one.
+// A part belongs to one chain, since only a few chains draw at a time.
 std::vector<std::size_t> SafePoints::hand_over_draws(RunState& state) const {
   if (!options_.save_draws) return {};
   const auto part = static_cast<std::size_t>(options_.part);

@@ -1,4 +1,4 @@
-// When a run's state is handed to its caller.
+// Safe points: when a run's state is passed to the caller for saving.
 #pragma once
 
 #include <chrono>
@@ -12,33 +12,34 @@
 
 namespace wheeltap::inference {
 
-/// A run passes safe points: between two iterations of all chains, and between two models that are
-/// explored. There its state is all that it is. Saving is left out while it would take more than
-/// kShare of the time.
+/// Safe points lie between two iterations of all chains and between two explored models. At a safe
+/// point, RunState is complete. Saving is skipped while it would take more than kShare of the run
+/// time.
 class SafePoints {
  public:
   explicit SafePoints(const Options& options) : options_(options.checkpoints) {}
 
-  /// Chains are to leave their work at the next iteration. Any thread may ask.
+  /// Whether the chains should pause at the next iteration, to save. Safe to call from any thread.
   [[nodiscard]] bool due() const { return options_.save && Clock::now() >= next_; }
-  /// The state is at a safe point: saves it if that is due. Else remembers it, at most once a
-  /// second, for a run that is stopped before the next.
+  /// To be called at a safe point. Saves the state if that is due; else stores a copy, at most once
+  /// per second, in case the run is stopped before the next safe point.
   void pass(RunState& state);
-  /// The state is at a safe point, and the run is being stopped.
+  /// To be called at a safe point if the run is being stopped: saves the state.
   void stop(RunState& state);
-  /// The run has been stopped wherever it was: saves the last point it passed, unless that or a
-  /// later one is saved already.
+  /// To be called if the run was stopped elsewhere: saves the last safe point, unless that or a
+  /// later one is saved.
   void stopped();
-  /// Adds the time since it was last asked to the run's own.
+  /// Adds the time since the last call to the run time of the state.
   void clock(RunState& state);
 
  private:
   using Clock = std::chrono::steady_clock;
   static constexpr double kShare = 0.03;
 
-  /// Parts of the draws that are whole and not kept yet. Returns how many of each chain are kept.
+  /// Saves complete parts of the draws that are not saved yet. Returns the number of saved draws of
+  /// each chain.
   [[nodiscard]] std::vector<std::size_t> hand_over_draws(RunState& state) const;
-  /// The state but for those.
+  /// The state without these draws.
   [[nodiscard]] Checkpoint rest_of(RunState& state) const;
   void save(const Checkpoint& checkpoint);
 
@@ -46,7 +47,7 @@ class SafePoints {
   Clock::time_point clocked_ = Clock::now();
   Clock::time_point next_ = clocked_ + seconds(options_.every_seconds);
   Clock::time_point remembered_{};
-  std::optional<Checkpoint> last_;  ///< passed and not saved
+  std::optional<Checkpoint> last_;  ///< passed and not yet saved
 
   [[nodiscard]] static Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));

@@ -13,11 +13,11 @@
 namespace wheeltap::inference {
 namespace {
 
-// Who stopped a run waits: after so long, a chain repeats the draws that it has. Without any it
-// goes on, but not much longer.
+// The user waits after stopping a run. After kPatience, a chain repeats the draws that it has;
+// without any, it continues until kMostPatience.
 constexpr std::chrono::milliseconds kPatience{400}, kMostPatience{2000};
 
-// Of each model, what is nearest to its posterior, dimension × n.
+// The best available approximation of each model's posterior, dimension × n.
 std::vector<Eigen::MatrixXd> populations(const RunContext& run, const RunState& state) {
   std::vector<Eigen::MatrixXd> out;
   for (int m = 0; m < run.space().size(); ++m) {

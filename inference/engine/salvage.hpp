@@ -1,13 +1,14 @@
-// What a run that was stopped before its draws has to show.
+// Draws for a run that was stopped before it had any.
 #pragma once
 
 #include "inference/engine/run_context.hpp"
 
 namespace wheeltap::inference {
 
-/// Of a run that was stopped with fewer than kSalvaged draws a chain: so many draws of what it had
-/// found, models as probable as their evidences and ladders make them so far, parameters from their
-/// populations (the normals about their modes at the least). Nothing where nothing was found.
+/// For a run stopped with fewer than kSalvaged draws per chain: creates that number of draws from
+/// the findings so far. Models get the probabilities estimated from evidence and ladders,
+/// parameters come from their populations (at least the normals about their modes). Does nothing if
+/// nothing was found.
 void salvage(RunContext& run, RunState& state);
 
 inline constexpr int kSalvaged = 100;

@@ -13,28 +13,29 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kSettling = 500;     // iterations
-constexpr int kLadderScans = 620;  // where the proposals have been fitted before
+constexpr int kSettling = 500;     // burn-in iterations
+constexpr int kLadderScans = 620;  // if proposals were fitted before
 constexpr int kMaxDraws = 200000;
-// Where more of a model's draws than this lie where its mixture is not, it is fitted to them and
-// they are made again: more often where the run has not converged without it.
+// Share of a model's draws outside its mixture above which the mixture is fitted to the draws and
+// the draws are repeated. Lower than the verdict's limit, since refitting often makes a run
+// converge.
 constexpr double kWorthRefitting = 0.003;
 constexpr int kMostRefits = 4;
-constexpr int kScansTogether = 256;          // draws between two calls of the monitor
-constexpr std::size_t kAtHand = 1 << 16;     // draws between two times that they are let go
-constexpr std::size_t kMaxPredictions = 64;  // longer ones are not recorded draw by draw
+constexpr int kScansTogether = 256;          // draws between two progress reports
+constexpr std::size_t kAtHand = 1 << 16;     // draws between two calls of let_go
+constexpr std::size_t kMaxPredictions = 64;  // longer predictions are not recorded
 
 std::unique_ptr<KernelMixture> kernels_of(const RunContext& run, const RunState& state) {
   return sampling_kernels(run.problem, run.options, run.atlases, state.pilot);
 }
 
-// The modes that matter, where a model has several.
+// The modes whose shares are counted, for models with several.
 void choose_modes(RunState& state) {
   constexpr double kLeast = 1e-3;  // of a model's probability
   state.weighty_modes.assign(state.explorations.size(), {});
   for (std::size_t m = 0; m < state.explorations.size(); ++m) {
     const ModelExploration& found = state.explorations[m];
-    WeightyModes& of = state.weighty_modes[m];
+    CountedModes& of = state.weighty_modes[m];
     for (std::size_t k = 0; k < found.modes.size(); ++k) {
       if (k > 0 && found.shares[k] < kLeast) continue;
       of.modes.push_back(found.modes[k]);
@@ -44,7 +45,7 @@ void choose_modes(RunState& state) {
   }
 }
 
-// One chain through a round of draws: with the fixed kernel at β = 1, or on its ladder.
+// Runs one chain through a round of draws: with the fixed kernel at β = 1, or on its ladder.
 class Sampler {
  public:
   Sampler(const RunContext& run, const RunState& state, int c, ChainState& chain, Target& target)
@@ -62,7 +63,7 @@ class Sampler {
     if (tempered_) chain_.ladder = tempered_->ladder();
   }
 
-  // A stopped run makes no use of the rest.
+  // If the run was stopped, it skips the remaining iterations.
   void settle(int iterations) {
     for (int i = 0; i < iterations && !run_.monitor.stopped(); ++i) {
       if (tempered_) {
@@ -76,7 +77,7 @@ class Sampler {
     }
   }
 
-  // `thin` iterations and the draw that they lead to.
+  // Makes `thin` iterations and records the resulting draw.
   void draw(Chain& out) {
     int move = -1;
     bool accepted = false;
@@ -117,7 +118,7 @@ class Sampler {
   std::unique_ptr<TemperedChain> tempered_;
 };
 
-// What the chains have counted so far.
+// Collects the counters of all chains.
 void collect(RunState& state) {
   Posterior& posterior = state.posterior;
   posterior.moves.clear();
@@ -146,18 +147,18 @@ void collect(RunState& state) {
       any.model.empty() ? 0 : static_cast<int>(any.prediction.size() / any.size());
 }
 
-// Room for draws like `at`.
+// Reserves memory for draws like `at`.
 void reserve(Chain& chain, int goal, std::size_t dimension, const State& at) {
-  constexpr int kMost = 4'000'000;  // who asks for more may mean to stop before
+  constexpr int kMost = 4'000'000;  // upper limit: a larger goal may not be reached
   const std::size_t predictions = at.prediction.size();
   chain.reserve(static_cast<std::size_t>(std::min(goal, kMost)), dimension,
                 predictions <= kMaxPredictions ? predictions : 0);
 }
 
-// Up to the goal.
+// Draws until the goal is reached.
 void draw_on(RunContext& run, RunState& state) {
   const int goal = state.at.goal;
-  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
+  run.complete_each_chain(state, [&](int c, ChainState& chain, Target& target) {
     Sampler sampler(run, state, c, chain, target);
     Chain& out = state.posterior.chains[static_cast<std::size_t>(c)];
     reserve(out, goal, static_cast<std::size_t>(state.posterior.dimension), chain.state);
@@ -178,7 +179,7 @@ void draw_on(RunContext& run, RunState& state) {
     }
     return static_cast<int>(out.size()) == goal;
   });
-  // A run that was stopped keeps what every chain has.
+  // After an early stop, truncates all chains to the shortest.
   std::vector<Chain>& chains = state.posterior.chains;
   std::size_t common = chains.front().size();
   for (const Chain& chain : chains) common = std::min(common, chain.size());
@@ -213,7 +214,7 @@ void set_up_ladder(RunContext& run, RunState& state) {
       state, [&](ChainState&, Target& target) { target.set_model_bias(state.sampling_bias); });
 }
 
-// What has been drawn so far was warm-up.
+// Turns all draws so far into warm-up.
 void forget_draws(RunState& state) {
   Posterior& posterior = state.posterior;
   posterior.warmup += posterior.draws * posterior.thin;
@@ -223,16 +224,15 @@ void forget_draws(RunState& state) {
   state.at.part_chains.clear();
 }
 
-// All likelihoods so far were for tuning.
+// Books all likelihood calls so far under tuning.
 void count_as_tuning(RunState& state) {
   Calls& calls = state.posterior.calls;
   state.posterior.warmup_evaluations = likelihood_evaluations(state);
   calls.tune = state.posterior.warmup_evaluations - calls.explore - calls.evidence;
 }
 
-// The largest share of a model's draws that lie where its mixture is not, of the models that
-// matter.
-double beyond_mixtures(const Posterior& posterior) {
+// The largest share of draws outside the mixture, over the models above the probability limit.
+double share_outside_mixtures(const Posterior& posterior) {
   double most = 0.0;
   for (std::size_t m = 0; m < posterior.found.size(); ++m) {
     const double share = posterior.found[m].beyond_mixture;
@@ -242,8 +242,8 @@ double beyond_mixtures(const Posterior& posterior) {
   return most;
 }
 
-// Draws beyond the mixtures become theirs, and so does what walks from annealing's draws met: the
-// mixtures are fitted to them, and they to warm-up.
+// Fits the mixtures to the draws outside them and to the states of chains started at SMC draws. The
+// draws so far become warm-up.
 void refit_to_draws(RunContext& run, RunState& state, const std::vector<Eigen::MatrixXd>& met) {
   for (ChainState& chain : state.chains) {
     chain.by_rung.assign(1, PilotSamples(run.space()));
@@ -276,14 +276,14 @@ void refit_to_draws(RunContext& run, RunState& state, const std::vector<Eigen::M
   state.at.goal = kDefaultDraws;
 }
 
-// Chains that disagree have not met the same modes: what they drew becomes warm-up, and a ladder is
-// in use from here on.
+// Starts again with a ladder after the chains disagreed, since each had visited other modes. The
+// draws so far become warm-up.
 void restart_tempered(const RunContext& run, RunState& state) {
   Posterior& posterior = state.posterior;
   posterior.tempered_draws = true;
   posterior.choices.push_back(Choice::restarted_tempered);
   forget_draws(state);
-  if (run.options.thin == 0) posterior.thin = 1;  // a scan is a step of every rung already
+  if (run.options.thin == 0) posterior.thin = 1;  // a scan already steps every rung
   state.at.sample = Position::Sample::ladder;
   state.at.goal = kDefaultDraws;
 }
@@ -296,7 +296,7 @@ void prepare_draws(RunContext& run, RunState& state) {
   for (ChainState& chain : state.chains) {
     chain.kept.emplace(run.space());
     chain.at_mode.clear();
-    for (const WeightyModes& of : state.weighty_modes) chain.at_mode.emplace_back(of.modes.size());
+    for (const CountedModes& of : state.weighty_modes) chain.at_mode.emplace_back(of.modes.size());
     if (state.posterior.tempered_draws) {
       chain.ladder->weights.back() = state.sampling_bias;
       chain.ladder->states.back() = chain.state;
@@ -321,7 +321,7 @@ void record(const RunContext& run, const RunState& state, const Target& target, 
   out.move.push_back(static_cast<std::int16_t>(move));
   out.accepted.push_back(accepted ? 1 : 0);
   const auto m = static_cast<std::size_t>(at.model);
-  const WeightyModes& of = state.weighty_modes[m];
+  const CountedModes& of = state.weighty_modes[m];
   if (const int k = nearest_mode(of.modes, of.precisions, at.z); k >= 0) {
     ++chain.at_mode[m][static_cast<std::size_t>(k)];
   }
@@ -381,7 +381,7 @@ void sample(RunContext& run, RunState& state) {
     const bool enough = may_stop(posterior, options.balance);
     if (options.moves.independence && !posterior.tempered_draws && !options.prior_only &&
         state.at.refits < (enough ? 1 : kMostRefits) &&
-        (beyond_mixtures(posterior) > kWorthRefitting ||
+        (share_outside_mixtures(posterior) > kWorthRefitting ||
          std::ranges::any_of(posterior.found, [](const ModelFindings& found) {
            return lacks_annealed(found, kWorthFollowing);
          }))) {

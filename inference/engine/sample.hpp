@@ -1,29 +1,26 @@
-// The last stage: draws, from a kernel that is fixed.
+// Last stage of a run: draws with a fixed kernel.
 #pragma once
 
 #include "inference/engine/run_context.hpp"
 
 namespace wheeltap::inference {
 
-/// Lets the chains settle, draws, and weighs the models; where the number of draws is the engine's
-/// to choose, twice as many again until the run may stop (convergence.hpp), and on a ladder where
-/// the chains do not agree without one.
+/// Runs burn-in at the posterior, draws, and computes the evidence of each model. If the engine
+/// chooses the number of draws, it doubles them until the run may stop (convergence.hpp), and adds
+/// a tempering ladder if the chains disagree without one.
 void sample(RunContext& run, RunState& state);
 
-// Its rounds, each of which a run can be left after and taken up again:
+// Its rounds. A run can be interrupted after each of them and resumed.
 
-/// Once, after tuning: nothing has been drawn.
+/// Called once after tuning: initialises the draws.
 void prepare_draws(RunContext& run, RunState& state);
-/// Iterations at the posterior itself: the chains come from a distribution over models that was
-/// biased while tuning, and must forget it before they count.
+/// Burn-in with the weights of the draws: tuning used biased model weights, which the chains must
+/// forget before draws count.
 void settle(RunContext& run, RunState& state);
-/// Adds where a chain is to its draws, and to what is kept and counted of them.
+/// Adds the chain's state to its draws, stored states and counters.
 void record(const RunContext& run, const RunState& state, const Target& target, int move,
             bool accepted, ChainState& chain, Chain& out);
-/// Adds where a chain is to its draws, and to what is kept and counted of them.
-void record(const RunContext& run, const RunState& state, const Target& target, int move,
-            bool accepted, ChainState& chain, Chain& out);
-/// `n` draws more by every chain; fewer where the run is stopped.
+/// Makes `n` more draws in every chain; fewer if the run is stopped.
 void draw(RunContext& run, RunState& state, int n);
 
 }  // namespace wheeltap::inference

@@ -13,11 +13,10 @@ constexpr int kExplorationRungs = 10;
 constexpr int kStageMaxRungs = 30;
 constexpr int kFewestScans = 620;
 constexpr int kStageFirstScans = 20;
-// A scan that takes longer may be left in its middle: from what was kept before it, it is done
-// again.
+// A scan that takes longer may be interrupted; it is then repeated from the saved state before it.
 constexpr std::chrono::milliseconds kLongScan{100};
 
-// All that a scan changes.
+// Everything that a scan changes.
 struct BeforeScan {
   Ladder ladder;
   std::vector<std::vector<double>> learnt;
@@ -28,7 +27,7 @@ struct BeforeScan {
 
 void temper(RunContext& run, RunState& state, const TemperOptions& how) {
   const Options& options = run.options;
-  const bool chosen = options.warmup == 0 && !how.fitted;  // how long, by the engine
+  const bool chosen = options.warmup == 0 && !how.fitted;  // the engine chooses the length
   const int scans = options.warmup > 0
                         ? std::max(60, options.warmup / (2 * kExplorationRungs * kStepsAScan))
                         : how.scans;
@@ -39,13 +38,13 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
   run.monitor.begin(how.fitted ? "setting up the ladder" : "exploring",
                     static_cast<double>(scans) * options.chains, later);
   for (const ChainState& chain : state.chains)
-    if (state.at.tempering) run.monitor.advance(chain.lesson.scans + chain.lesson.steps);
+    if (state.at.tempering) run.monitor.advance(chain.adaptation.scans + chain.adaptation.steps);
   if (!state.at.tempering) {
-    for (ChainState& chain : state.chains) chain.lesson = {};
+    for (ChainState& chain : state.chains) chain.adaptation = {};
     state.at.tempering = true;
   }
-  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
-    Lesson& at = chain.lesson;
+  run.complete_each_chain(state, [&](int c, ChainState& chain, Target& target) {
+    AdaptationState& at = chain.adaptation;
     if (at.ended) return true;
     const int rungs = options.moves.tempering ? kExplorationRungs : 1;
     TemperedChain tempered(
@@ -67,8 +66,8 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
       at.begun = true;
       at.round_scans = kStageFirstScans;
     }
-    std::optional<BeforeScan> before_scan;  // where scans are long
-    bool left = false;                      // in the middle of a scan
+    std::optional<BeforeScan> before_scan;  // for long scans
+    bool left = false;                      // interrupted within a scan
     while (!at.ended && !run.monitor.stopped()) {
       const int n = std::min(at.round_scans, scans - at.scans);
       if (at.steps == 0)
@@ -98,11 +97,11 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
       at.steps = 0;
       at.round_scans *= 2;
       at.barrier = tempered.barrier();
-      // A round trip takes some 2 + 2 Λ scans (Syed et al. 2022, section 3.5): a hundred of them
-      // will do.
+      // A round trip takes about 2 + 2 Λ scans (Syed et al. 2022, section 3.5); a hundred of them
+      // suffice.
       at.ended = at.scans >= scans || (chosen && at.scans >= kFewestScans &&
                                        at.scans >= 100.0 * (2.0 + 2.0 * at.barrier));
-      // Two neighbours a unit of the barrier (ibid., section 4.3), while there is time left.
+      // Two rungs per unit of the barrier (ibid., section 4.3), while scans remain.
       if (tempered.rungs() > 1 && !at.ended) {
         tempered.adapt_ladder(
             std::clamp(static_cast<int>(std::ceil(2.0 * at.barrier)) + 2, 6, kStageMaxRungs));
@@ -121,12 +120,13 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
     target.set_model_bias(std::vector<double>(run.models(), 0.0));
     return true;
   });
-  state.posterior.warmup += state.chains.front().lesson.scans * kStepsAScan;
+  state.posterior.warmup += state.chains.front().adaptation.scans * kStepsAScan;
   double& barrier = state.posterior.barrier = 0.0;
-  for (const ChainState& chain : state.chains) barrier = std::max(barrier, chain.lesson.barrier);
+  for (const ChainState& chain : state.chains)
+    barrier = std::max(barrier, chain.adaptation.barrier);
   if (run.monitor.stopped()) return;
   state.at.tempering = false;
-  for (ChainState& chain : state.chains) chain.lesson = {};
+  for (ChainState& chain : state.chains) chain.adaptation = {};
 }
 
 void pool_ladders(const RunContext& run, RunState& state) {

@@ -1,4 +1,4 @@
-// Parallel tempering over all models, every chain on a ladder of its own.
+// Parallel tempering over all models, one ladder per chain.
 #pragma once
 
 #include "inference/engine/run_context.hpp"
@@ -7,21 +7,21 @@ namespace wheeltap::inference {
 
 inline constexpr int kStepsAScan = 3;  ///< in each rung, before a round of swaps
 
-/// Of up to so many models the weights are learnt.
+/// Number of models up to which weights are learned.
 inline constexpr int kBalancedModels = 64;
 
 struct TemperOptions {
-  int scans = 0;          ///< at most, where the run's warm-up is not given
-  bool balanced = false;  ///< weights keep every model in sight at every temperature
-  bool fitted = false;    ///< with the pilot's proposals, from where the chains are
+  int scans = 0;          ///< upper limit, if the run's warm-up is not given
+  bool balanced = false;  ///< learn weights so that chains visit every model at every temperature
+  bool fitted = false;    ///< use the fitted proposals, and start from the chains' states
 };
 
-/// From the prior, or, once proposals have been fitted, to set up a ladder to draw with: leaves
-/// each chain's ladder, the samples that it met, and where it is at β = 1.
+/// Tempers from the prior or, with fitted proposals, sets up a ladder for the draws. Stores each
+/// chain's ladder, its samples and its state at β = 1.
 void temper(RunContext& run, RunState& state, const TemperOptions& how);
 
-/// Every chain's samples together. Ladders differ between chains: rungs are paired from the cold
-/// end.
+/// Pools the samples of all chains. Ladders may differ between chains: rungs are matched from the
+/// cold end.
 void pool_ladders(const RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

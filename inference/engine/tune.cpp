@@ -11,25 +11,26 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kBetweenLooks = 4;                          // steps between two looks at the clock
-constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each refit
+constexpr int kBetweenLooks = 4;                          // steps between two clock readings
+constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each fit
 static_assert(kTuning[0] + kTuning[1] + kTuning[2] == kTuningSteps);
-// The last round of tuning is one of this length more where its effective draws of the model index
-// were fewer than kEnoughModelDraws: the run is to have some 15 000 of them (a probability of ½
-// known to 0.004), and mixtures fitted to few are slow to give them.
+// Length of an additional last round if the effective draws of the model index were fewer than
+// kEnoughModelDraws. A run should have about 15 000 of them (a probability of ½ known to 0.004),
+// and mixtures fitted to few samples give them slowly.
 constexpr int kLongTuning = 80000;
 constexpr double kEnoughModelDraws = 4000.0;
-constexpr Eigen::Index kFirstPopulation = 1000;  // draws of an exploration that a fit takes in
-constexpr Eigen::Index kLastPopulation = 4000;   // the last one
-constexpr int kManyPeaks = 80;  // components of the mixtures of posteriors with many modes
-// Of a long record's fits, components before the last one and how far the expectation is maximised:
-// fits as close as other problems have took a quarter of such a run.
+// Population draws of an exploration in the first fit.
+constexpr Eigen::Index kFirstPopulation = 1000;
+constexpr Eigen::Index kLastPopulation = 4000;  // the same in the last fit
+constexpr int kManyPeaks = 80;                  // mixture components for posteriors with many modes
+// For a long record: components of the mixtures before the last fit, and the tolerance of the fits.
+// Fits as close as in other problems took a quarter of such a run.
 constexpr int kFewPeaks = 7;
 constexpr double kRoughly = 1e-5;
-// Models below this probability are visited less than the others while tuning: none of their visits
-// is to be expected among the draws.
+// Models below this probability get fewer visits than the others in tuning, since no draw is
+// expected in them.
 constexpr double kLeastTuned = 1e-4;
-constexpr double kNoLeast = 1e-12;  // of models that are to be drawn evenly
+constexpr double kNoLeast = 1e-12;  // of models with balanced draws
 
 Eigen::MatrixXd thinned(const Eigen::MatrixXd& columns, Eigen::Index most) {
   if (columns.cols() <= most) return columns;
@@ -38,7 +39,7 @@ Eigen::MatrixXd thinned(const Eigen::MatrixXd& columns, Eigen::Index most) {
   return out;
 }
 
-// What each kernel brought in the last round of tuning, over all chains.
+// Efficiency of each kernel in the last round of tuning, over all chains.
 std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
   std::vector<KernelRecord> sums(state.chains.front().records.size());
   for (const ChainState& chain : state.chains)
@@ -47,11 +48,11 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
       *sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true), sums);
 }
 
-// A round of so many steps, or what is left of it; then the fit, and the next round is due.
+// Runs a round of this length, or the rest of it, then the fit; the next round is then due.
 void tune_once(RunContext& run, RunState& state, int steps) {
   state.tuning_bias = equal_visits_bias(state.probability, kLeastTuned);
-  run.bring_each_chain_to_its_end(state, [&](int c, ChainState& chain, Target& target) {
-    int& i = chain.lesson.steps;
+  run.complete_each_chain(state, [&](int c, ChainState& chain, Target& target) {
+    int& i = chain.adaptation.steps;
     if (i > 0 && i == steps) return true;
     target.set_model_bias(state.tuning_bias);
     const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
@@ -60,7 +61,7 @@ void tune_once(RunContext& run, RunState& state, int steps) {
       chain.models.clear();
       chain.records.assign(static_cast<std::size_t>(kernels->size()), {});
     } else {
-      kernels->restore(chain.lesson.learnt.at(0));
+      kernels->restore(chain.adaptation.learnt.at(0));
     }
     long before = target.evaluations();
     while (i < steps) {
@@ -82,20 +83,19 @@ void tune_once(RunContext& run, RunState& state, int steps) {
       }
       if (i % kBetweenLooks == 0 && run.leave()) break;
     }
-    chain.lesson.learnt.assign(1, kernels->learnt());
+    chain.adaptation.learnt.assign(1, kernels->learnt());
     return i == steps;
   });
   if (run.monitor.stopped()) return;
   state.at.tuned += steps;
   fit_proposals(run, state, ++state.at.round);
-  for (ChainState& chain : state.chains) chain.lesson = {};
+  for (ChainState& chain : state.chains) chain.adaptation = {};
   run.safe_points.pass(state);
 }
 
-// Effective draws of the least certain model's indicator in the last round of tuning; infinite
-// where one model has all the probability. Tuning visits models more evenly than the draws will
-// (`evenly`: as they will): how often it went to and fro between what holds all and what holds
-// nothing does not matter to these.
+// Effective draws of the least certain model's indicator in the last round of tuning; infinite if
+// one model has all the probability. Unless the draws will be as even as tuning (`evenly`), models
+// that are nearly certain or negligible among the draws do not count.
 double tuned_model_draws(const RunState& state, bool evenly) {
   constexpr double kMatters = 1e-3;
   double least = kInfinity;
@@ -124,9 +124,9 @@ void fit_proposals(RunContext& run, RunState& state, int round) {
       for (const ChainState& chain : state.chains) pooled.back().append(chain.by_rung.back());
   }
   if (round > 0) learn_probabilities(state, pooled.back());
-  // The last fit is the one that is used; the first two only have to lead there.
+  // Only the last fit is used for the draws; the first two prepare it.
   const bool last = round >= static_cast<int>(kTuning.size());
-  const bool dear = is_dear(run.problem, run.options);
+  const bool dear = is_expensive(run.problem, run.options);
   PilotOptions how{.seed = run.options.seed,
                    .round = round,
                    .threads = run.options.threads,
@@ -167,7 +167,7 @@ void tune(RunContext& run, RunState& state) {
   const auto begin_monitor = [&](const char* stage, int steps) {
     run.monitor.begin(stage, static_cast<double>(steps) * options.chains, later);
     for (const ChainState& chain : state.chains)
-      run.monitor.advance(static_cast<double>(chain.lesson.steps));
+      run.monitor.advance(static_cast<double>(chain.adaptation.steps));
   };
   if (at.round < kRounds) {
     begin_monitor("tuning", tuning_steps(run.problem, run.options));
@@ -185,14 +185,14 @@ void tune(RunContext& run, RunState& state) {
     const int longest =
         options.draws > 0 ? std::min(kLongTuning / thin, options.draws) * thin : kLongTuning;
     const bool begun = std::ranges::any_of(
-        state.chains, [](const ChainState& chain) { return chain.lesson.steps > 0; });
+        state.chains, [](const ChainState& chain) { return chain.adaptation.steps > 0; });
     if (begun || (longest > kTuning.back() &&
                   tuned_model_draws(state, options.balance) < kEnoughModelDraws)) {
       begin_monitor("tuning on", longest);
       tune_once(run, state, longest);
     }
   }
-  // The draws' own bias: none, or, where models are to be drawn evenly, what makes them even.
+  // Model weights of the draws: none, or those that balance the models.
   state.sampling_bias = options.balance ? equal_visits_bias(state.probability, kNoLeast)
                                         : std::vector<double>(run.models(), 0.0);
   if (options.balance) {

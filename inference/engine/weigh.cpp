@@ -13,7 +13,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kWorthWeighing = 1e-4;  // of a model that had a glance
+constexpr double kWorthWeighing = 1e-4;  // probability of a model searched by climbs only
 
 Evidence by_importance(const std::vector<double>& log_ratios) {
   Evidence evidence = kNoEvidence;
@@ -31,9 +31,9 @@ Evidence by_importance(const std::vector<double>& log_ratios) {
   return evidence;
 }
 
-// ln (π / q) at a model's draws, as many of each chain.
+// ln (π / q) at a model's draws, an equal number of each chain.
 ChainsOf log_ratios_at_draws(const RunState& state, int model) {
-  constexpr std::size_t kLeast = 100;  // draws of a chain
+  constexpr std::size_t kLeast = 100;  // draws per chain
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const ChainState& chain : state.chains) {
     const std::size_t n = chain.kept->of(model).size();
@@ -54,7 +54,7 @@ ChainsOf log_ratios_at_draws(const RunState& state, int model) {
   return at_draws;
 }
 
-// Between the draws and the mixture: ln Z, and how much of the draws lies beyond the mixture.
+// Bridge sampling between draws and mixture: ln Z, and the share of draws outside the mixture.
 void find_by_bridge(const RunState& state, int model, const std::vector<double>& at_mixture,
                     ModelFindings& found) {
   const ChainsOf at_draws = log_ratios_at_draws(state, model);
@@ -75,7 +75,7 @@ void find_by_bridge(const RunState& state, int model, const std::vector<double>&
 
 void describe_modes(const RunContext& run, const RunState& state, int model, ModelFindings& found) {
   const auto at = static_cast<std::size_t>(model);
-  const WeightyModes& of = state.weighty_modes[at];
+  const CountedModes& of = state.weighty_modes[at];
   Target target(run.problem, true);
   for (std::size_t k = 0; k < of.modes.size(); ++k) {
     State there;
@@ -117,11 +117,11 @@ void weigh(RunContext& run, RunState& state) {
       found.bridged = explored.sampled;
       continue;
     }
-    // A model that was never evaluated has no mixture of its own to weigh it by: draws about the
-    // prior's middle would give it an evidence far too low, with a small error.
+    // A model that was not evaluated has no fitted mixture. Draws about the middle of its prior
+    // would give a far too low evidence with a small error.
     if (explored.passed_over && log_ratios_at_draws(state, m).empty()) continue;
     found.sampled = explored.sampled;
-    // Of many models most had a glance only, and are as improbable as that says.
+    // Most of many models were searched by climbs only; they stay as improbable as that showed.
     const bool matters =
         (explored.population.cols() > 0 || run.space().size() <= kFewModels) &&
         !(explored.glanced && !explored.modes.empty() && state.probability[at] < kWorthWeighing);
@@ -131,7 +131,7 @@ void weigh(RunContext& run, RunState& state) {
       long calls = 0;
       at_mixture =
           log_importance_ratios(run.problem, m, *state.pilot.fit->density[at],
-                                run.options.quick ? kLookDraws : kEvidenceDraws, run.options.seed,
+                                run.options.quick ? kQuickDraws : kEvidenceDraws, run.options.seed,
                                 run.options.threads, calls, [&] { return run.monitor.stopped(); });
       state.shared_evaluations += calls;
       state.posterior.calls.evidence += calls;
@@ -141,7 +141,7 @@ void weigh(RunContext& run, RunState& state) {
         continue;
       }
     }
-    // The exploration's own sample may be the better one.
+    // The exploration's sample may be better.
     const Evidence sampled = by_importance(at_mixture);
     if (!std::isfinite(explored.sampled.standard_error) ||
         sampled.standard_error < explored.sampled.standard_error)

@@ -1,14 +1,13 @@
-// What the draws, the searches and the fitted mixtures say of each model: its evidence, and how its
-// draws are shared among its modes.
+// Evidence of each model, and shares of its modes, from draws, searches and fitted mixtures.
 #pragma once
 
 #include "inference/engine/run_context.hpp"
 
 namespace wheeltap::inference {
 
-/// Fills in Posterior::found, of every model that was explored: ln Z as it was found before the
-/// draws, by importance sampling from the model's mixture, and by bridge sampling between that and
-/// its draws. Nothing where the likelihood is switched off.
+/// Sets Posterior::found for every explored model: ln Z from before the draws, by importance
+/// sampling from the model's mixture, and by bridge sampling between the mixture and the model's
+/// draws. Does nothing for a run without likelihood.
 void weigh(RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

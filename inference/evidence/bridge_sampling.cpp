@@ -81,13 +81,13 @@ Evidence bridge_sampling(const Problem& problem, int model, const ModelSamples& 
   const Eigen::Index draws = chains == 0 ? 0 : samples.z.front().rows();
   if (draws < 20)
     throw std::invalid_argument("bridge sampling: " + std::to_string(draws) +
-                                " draws a chain, must be >= 20");
+                                " draws per chain, must be >= 20");
   if (options.proposal_draws < 0)
     throw std::invalid_argument("bridge sampling: proposal_draws = " +
                                 std::to_string(options.proposal_draws) + ", must be >= 0");
   const Eigen::Index fit_draws = draws / 2, used = draws - fit_draws, d = samples.z.front().cols();
 
-  // No more than a mixture can use; thinned evenly.
+  // At most as many draws as a mixture can use, equally spaced.
   const auto all = fit_draws * static_cast<Eigen::Index>(chains);
   const Eigen::Index stride = std::max<Eigen::Index>(1, all / 5000);
   Eigen::MatrixXd training((all + stride - 1) / stride, d);
@@ -96,7 +96,7 @@ Evidence bridge_sampling(const Problem& problem, int model, const ModelSamples& 
   base::Random random(options.seed, 0, static_cast<std::uint64_t>(model), base::Purpose::fit);
   const NormalMixture proposal = NormalMixture::fit(training, options.fit, random);
 
-  // ln l at the posterior draws, chains kept apart for their autocorrelation.
+  // ln l at the posterior draws, one vector per chain for the autocorrelation.
   ChainsOf at_posterior(chains);
   for (std::size_t c = 0; c < chains; ++c)
     for (Eigen::Index i = fit_draws; i < draws; ++i) {
@@ -133,11 +133,10 @@ Evidence bridge_sampling(const Problem& problem, int model, const BridgeOptions&
 
 Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& first,
                          const BridgeOptions& options) {
-  if (first.z.size() == 0) return first.evidence;  // exact without parameters, or NaN
+  if (first.z.size() == 0) return first.evidence;  // exact if there are no parameters, or NaN
   base::Random random(options.seed, 1, static_cast<std::uint64_t>(model), base::Purpose::fit);
   const NormalMixture pilot = NormalMixture::fit(first.z, options.fit, random);
-  // Longer chains while anything is left to complain of: each starts afresh, so that none is picked
-  // for its answer.
+  // Longer chains while a warning remains. Each attempt starts anew, so that no result is selected.
   Evidence evidence;
   long spent = 0;
   for (int draws = 5000; draws <= kMostDraws; draws *= 4) {

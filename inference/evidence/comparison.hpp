@@ -1,4 +1,4 @@
-// From evidences to model probabilities, and whether a jump sampler agrees with them.
+// Model probabilities from evidences, and their comparison with sampled probabilities.
 #pragma once
 
 #include <string>
@@ -8,27 +8,25 @@
 
 namespace wheeltap::inference {
 
-/// P(m | data) = P(m) Z_m / Σ P(n) Z_n, and the standard errors of P and of ln P that those of the
-/// evidences bring about (delta method: ∂P_m/∂ln Z_n = P_m (δ_mn - P_n)). NaN where one is not
-/// known.
+/// P(m | data) = P(m) Z_m / Σ P(n) Z_n, and the standard errors of P and of ln P that follow from
+/// those of the evidences (delta method: ∂P_m/∂ln Z_n = P_m (δ_mn - P_n)). NaN if one is unknown.
 struct ImpliedProbabilities {
   std::vector<double> mean;
   std::vector<double> standard_error;
 };
 
-/// One evidence a model of the space. Throws std::invalid_argument for another number of them.
+/// Takes one evidence per model of the space. Throws std::invalid_argument for any other number.
 [[nodiscard]] ImpliedProbabilities implied_probabilities(const ModelSpace& space,
                                                          const std::vector<Evidence>& evidences);
 
-/// A model whose sampled probability and the implied one are too far apart.
+/// A model whose sampled probability and implied probability differ significantly.
 struct Disagreement {
   int model;
   double sampled, sampled_error, implied, implied_error;
 };
 
-/// The models for which they differ by more than `sigmas` of their combined standard error (and by
-/// more than `least`, below which nobody cares). None where an error is not known (Laplace's):
-/// there is nothing to judge by.
+/// The models for which they differ by more than `sigmas` combined standard errors and by more than
+/// `least`. Empty if an error is unknown (as for Laplace's method).
 [[nodiscard]] std::vector<Disagreement> disagreements(const std::vector<double>& sampled,
                                                       const std::vector<double>& sampled_error,
                                                       const ImpliedProbabilities& implied,

@@ -15,7 +15,8 @@ std::vector<double> log_importance_ratios(const Problem& problem, int model,
                                           const NormalMixture& proposal, int n, std::uint64_t seed,
                                           int threads, long& evaluations,
                                           const std::function<bool()>& stop) {
-  constexpr int kBlock = 1000;  // draws a job: the stream belongs to the block, not to the thread
+  // Draws per job: the random stream belongs to the block, not to the thread.
+  constexpr int kBlock = 1000;
   const int blocks = (n + kBlock - 1) / kBlock;
   std::vector<double> ratios(static_cast<std::size_t>(n));
   std::vector<long> counted(static_cast<std::size_t>(blocks), 0);
@@ -81,7 +82,7 @@ double pareto_shape(std::span<const double> log_weights) {
     sum += w;
   }
   const double k = shape(mean / sum);
-  return (m * k + 10.0 * 0.5) / (m + 10.0);  // drawn a little towards ½, as their appendix has it
+  return (m * k + 10.0 * 0.5) / (m + 10.0);  // shrunk towards ½, as in their appendix
 }
 
 ImportanceSampling importance_sampling(const Problem& problem, int model,

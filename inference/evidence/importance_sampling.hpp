@@ -23,15 +23,15 @@ struct ImportanceSampling {
   double pareto_k = 0.0;         ///< see pareto_shape
 };
 
-/// Z = E_q[π/q] with draws from the proposal q, e.g. a mixture fitted to a pilot with a defensive
-/// component; the standard error is sd(w) / (mean(w) √n). Warns where the Pareto shape exceeds 0.7,
-/// or the effective draws are fewer than 100: the error is then not to be trusted.
+/// Z = E_q[π/q] with draws from the proposal q, e.g. a mixture fitted to a pilot, with a defensive
+/// component. The standard error is sd(w) / (mean(w) √n). Warns that the error is unreliable if the
+/// Pareto shape exceeds 0.7 or there are fewer than 100 effective draws.
 [[nodiscard]] ImportanceSampling importance_sampling(const Problem& problem, int model,
                                                      const NormalMixture& proposal,
                                                      const ImportanceOptions& options);
 
-/// ln π(z) - ln q(z) of n draws from q. Adds to `evaluations`. `stop`, if any, is asked before each
-/// of them, by any thread: once it is true, the ratios are worthless.
+/// ln π(z) - ln q(z) of n draws from q. Adds to `evaluations`. Any thread may call `stop`, if
+/// given, before a draw; once it returns true, the ratios are invalid.
 [[nodiscard]] std::vector<double> log_importance_ratios(const Problem& problem, int model,
                                                         const NormalMixture& proposal, int n,
                                                         std::uint64_t seed, int threads,
@@ -40,7 +40,7 @@ struct ImportanceSampling {
 
 /// Shape k̂ of the generalised Pareto distribution fitted to the largest 3√n weights (Zhang &
 /// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): the weights have 1/k
-/// finite moments. -∞ where there are fewer than 5 to fit.
+/// finite moments. -∞ for fewer than 5 weights in the fit.
 [[nodiscard]] double pareto_shape(std::span<const double> log_weights);
 
 }  // namespace wheeltap::inference

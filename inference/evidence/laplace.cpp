@@ -35,7 +35,7 @@ Eigen::VectorXd steps(const Function& f, const Eigen::VectorXd& z, double value,
       down[i] -= step;
       const double fall = value - 0.5 * (f(up) + f(down));
       if (fall > 2.0 * drop) {
-        // As a parabola would have it, and never so far that a cliff decides.
+        // From the parabola, with a lower limit so that a cliff does not decide.
         step *= std::max(0.1, std::sqrt(drop / fall));
       } else if (fall < 0.5 * drop && step < 1.0) {
         step = std::min(1.0, step * (fall > 0.0 ? std::min(4.0, std::sqrt(drop / fall)) : 4.0));
@@ -76,14 +76,14 @@ Derivatives derivatives(const Function& f, const Eigen::VectorXd& z, double valu
   return result;
 }
 
-// Newton's method with halved steps; each pass takes shorter differences than the last.
+// Newton's method with step halving; each pass uses shorter differences than the last.
 void polish(const Function& f, Eigen::VectorXd& z, double& value) {
   double drop = 0.05;
   for (int iteration = 0; iteration < 20; ++iteration, drop = std::max(1e-4, 0.5 * drop)) {
     const Derivatives at = derivatives(f, z, value, steps(f, z, value, drop));
     if (!at.gradient.allFinite() || !at.hessian.allFinite()) return;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(-at.hessian);
-    // Uphill along every direction, however the surface curves there.
+    // Ascends along every direction, whatever the sign of the curvature.
     const Eigen::VectorXd curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6);
     const Eigen::VectorXd step =
         eigen.eigenvectors() *
@@ -103,7 +103,7 @@ void polish(const Function& f, Eigen::VectorXd& z, double& value) {
   }
 }
 
-// Newton steps from `best` on.
+// Newton steps from `best`.
 void climb_to_mode(const Objective& objective, const std::string& name, Optimum& best) {
   if (best.value == -kInfinity)
     throw LikelihoodError("model '" + name + "': no point of the search has a finite likelihood");
@@ -119,7 +119,7 @@ void climb_to_mode(const Objective& objective, const std::string& name, Optimum&
   best.z.assign(z.begin(), z.end());
 }
 
-// Differential evolution from several seeds, the best polished.
+// Differential evolution from several seeds; refines the best.
 Optimum search(const Objective& objective, int dimension, const ModeOptions& options,
                const std::string& name, const std::vector<std::vector<double>>& start = {}) {
   if (options.restarts < 1)
@@ -144,8 +144,8 @@ Optimum search(const Objective& objective, int dimension, const ModeOptions& opt
   return best;
 }
 
-// A few draws about the mode with the tails of t₅ tell whether the posterior resembles the normal
-// that Laplace puts in its place.
+// Importance sampling from t₅ about the mode checks whether the posterior resembles Laplace's
+// normal.
 void check_shape(const Problem& problem, int model, std::uint64_t seed, const Eigen::VectorXd& z,
                  Laplace& result) {
   constexpr int kDraws = 1000;
@@ -173,7 +173,7 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
   const int d = posterior.dimension();
   ModeOptions once = options;
   once.restarts = 1;
-  once.generations = 60;  // the next search begins wider than what this one leaves
+  once.generations = 60;  // the next search starts wider than this result
   once.tolerance = 1.0;
   const auto log_posterior = [&](std::span<const double> z) {
     return posterior(z).log_posterior();
@@ -183,7 +183,7 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
   const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d);
   const Eigen::MatrixXd h = -derivatives(f, z, mode.value, steps(f, z, mode.value, 0.5)).hessian;
   evaluations += posterior.evaluations();
-  // Nothing is known of its width: a population of one, which the next search completes.
+  // Width unknown: a population of one, which the next search completes.
   if (!h.allFinite()) return {mode.z};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
   // No direction is wider than the prior.
@@ -201,9 +201,9 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
   return population;
 }
 
-// Whether a record has grown by so little that the population still holds its best: the samples
-// that came on cost about what those before did. A chaotic response forgets its parameters all at
-// once.
+// Whether the population still contains the best points after the record grew: the added samples
+// have about the same average log likelihood as the earlier ones. A chaotic response suddenly loses
+// its dependence on the parameters.
 bool holds(const Problem& problem, int model, const std::vector<std::vector<double>>& population,
            double per_sample, double before, long& evaluations) {
   ModelPosterior posterior(problem, model);

@@ -11,17 +11,17 @@ namespace wheeltap::inference {
 
 struct ModeOptions {
   std::uint64_t seed = 1;
-  int restarts = 3;  ///< of differential evolution; the best is polished
+  int restarts = 3;  ///< of differential evolution; Newton steps refine the best
   int generations = 300;
-  double tolerance = 1e-3;      ///< in ln π, of differential evolution; the polish goes further
-  std::vector<double> start{};  ///< z to climb from by Newton steps alone; empty: search
-  bool check = true;            ///< Laplace only: warn of a posterior that does not look normal
+  double tolerance = 1e-3;  ///< in ln π, of differential evolution; the Newton steps go further
+  std::vector<double> start{};  ///< z where Newton steps start, without a search; empty: search
+  bool check = true;            ///< Laplace only: warn if the posterior is not normal
 };
 
-/// Mode of ln π(z), by self-adaptive differential evolution and Newton steps on finite differences;
-/// where the problem can be shortened, on its first 50 samples, then on twice as many about the
-/// mode of those, and so on to the whole record. Throws LikelihoodError where no point of the
-/// search has a finite likelihood.
+/// Mode of ln π(z), by self-adaptive differential evolution and Newton steps with finite
+/// differences. If the problem can be shortened, the search uses its first 50 samples, then doubles
+/// the record about the mode until it is complete. Throws LikelihoodError if no point of the search
+/// has a finite likelihood.
 [[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
                                            const ModeOptions& options);
 
@@ -29,14 +29,14 @@ struct Laplace {
   Evidence evidence;  ///< standard error NaN
   std::vector<double> z;
   std::vector<double> x;       ///< the mode in physical parameters
-  Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, of z
+  Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, in z
 };
 
 /// ln Z ≈ ln π(z*) + (d/2) ln 2π - ½ ln|H|, H = -∇² ln π at the mode z*, in standard normal
-/// coordinates, so that the prior's bounds are no edges. H is by central differences over steps
-/// that lower ln π by about 0.05. It knows one mode only. It warns where H is not positive
-/// definite, and where importance sampling about the mode (1000 draws) finds something else than a
-/// normal: a likelihood that is constant within an element, for one, has the curvature of its
+/// coordinates, in which the prior has no bounds. H comes from central differences with steps that
+/// lower ln π by about 0.05. The method covers one mode only. It warns if H is not positive
+/// definite, or if importance sampling about the mode (1000 draws) shows that the posterior is not
+/// normal. For example, a likelihood that is constant within an element has the curvature of its
 /// prior.
 [[nodiscard]] Laplace laplace(const Problem& problem, int model, const ModeOptions& options);
 

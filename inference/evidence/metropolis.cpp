@@ -34,7 +34,7 @@ class Walker {
     start();
   }
 
-  // Every second step of a piloted walk is a draw from the pilot.
+  // With a pilot, every second step is a draw from it.
   bool step(int iteration, bool adapt) {
     return pilot_ != nullptr && iteration % 2 == 1 ? renew() : walk(adapt ? iteration : -1);
   }
@@ -45,10 +45,10 @@ class Walker {
   [[nodiscard]] const ModelPosterior::Value& value() const { return value_; }
 
  private:
-  static constexpr double kSmallestLogRate = -7.0;  // what adaptation takes for zero: 1e-3
+  static constexpr double kSmallestLogRate = -7.0;  // lower limit of log α in adaptation: α = 1e-3
 
   void start() {
-    // The best of the first, or the first possible one of many.
+    // Starts at the best of the first draws, or at the first possible one of many.
     constexpr int kGood = 50, kTries = 2000, kMostTries = 100'000;
     Eigen::VectorXd z(d_);
     int good = 0;
@@ -61,7 +61,7 @@ class Walker {
       const ModelPosterior::Value value = posterior_(view(z));
       if (value.log_posterior() == -std::numeric_limits<double>::infinity()) continue;
       if (good++ == 0 || value.log_posterior() > value_.log_posterior()) accept(z, value);
-      if (pilot_ != nullptr) break;  // a draw of the pilot is as good as any
+      if (pilot_ != nullptr) break;  // pilot draws need no selection
     }
     if (good == 0)
       throw LikelihoodError(
@@ -80,8 +80,8 @@ class Walker {
   bool walk(int iteration) {
     Eigen::VectorXd u(d_);
     for (double& v : u) v = random_.normal();
-    // A piloted walk steps by the covariance of one of the pilot's components, whichever it is in:
-    // a mixture of symmetric steps is symmetric.
+    // With a pilot, the step has the covariance of a random component of the pilot, independent of
+    // the state: a mixture of symmetric steps is symmetric.
     const Eigen::MatrixXd& factor =
         pilot_ != nullptr ? (*pilot_)[pilot_->sample_component(random_)].factor : factor_;
     const Eigen::VectorXd to = z_ + std::exp(log_scale_) * (factor * u);

@@ -1,5 +1,5 @@
-// Metropolis-Hastings on one model alone: the benchmark of every jump sampler, and the draws that
-// bridge sampling needs.
+// Metropolis-Hastings within one model: a reference for reversible-jump results, and the draws for
+// bridge sampling.
 #pragma once
 
 #include <cstdint>
@@ -14,34 +14,34 @@ namespace wheeltap::inference {
 struct MetropolisOptions {
   std::uint64_t seed = 1;
   int chains = 4;
-  int warmup = 3000;  ///< iterations, during which alone the proposal adapts
-  int draws = 5000;   ///< kept a chain, one an iteration
+  int warmup = 3000;  ///< iterations, in which the proposal adapts
+  int draws = 5000;   ///< per chain, one per iteration
   int threads = 0;    ///< 0: as many as the machine has. Never changes a result.
 };
 
 /// Draws from the posterior of one model, chains kept apart.
 struct ModelSamples {
-  std::vector<Eigen::MatrixXd> z;                  ///< one a chain, draws × dimension
+  std::vector<Eigen::MatrixXd> z;                  ///< one per chain, draws × dimension
   std::vector<Eigen::MatrixXd> x;                  ///< the same in physical parameters
   std::vector<std::vector<double>> log_posterior;  ///< ln p₀ + ln factor + ln likelihood
   std::vector<std::vector<double>> log_likelihood;
   double acceptance = 0.0;  ///< after warm-up
-  double rhat = 1.0;        ///< the largest over parameters and log posterior
+  double rhat = 1.0;        ///< the largest, over parameters and log posterior
   long likelihood_evaluations = 0;
   std::vector<EvidenceWarning> warnings;
 };
 
 /// Random-walk Metropolis whose covariance adapts during warm-up (robust adaptive Metropolis,
-/// Vihola 2012, Statistics and Computing 22:997), each chain from the best of a few prior draws. It
-/// stays in the mode it finds; R-hat tells.
+/// Vihola 2012, Statistics and Computing 22:997). Each chain starts from the best of a few prior
+/// draws. A chain stays in the mode that it finds; R-hat shows whether the chains differ.
 ///
-/// Throws LikelihoodError where no prior draw has a finite likelihood, std::invalid_argument for
+/// Throws LikelihoodError if no prior draw has a finite likelihood, std::invalid_argument for
 /// options out of range.
 [[nodiscard]] ModelSamples metropolis(const Problem& problem, int model,
                                       const MetropolisOptions& options);
 
-/// The same, half of whose proposals are drawn from `pilot` afresh: it passes between all the modes
-/// that the pilot knows. Chains start from the pilot.
+/// The same with half of the proposals drawn independently from `pilot`, so that chains move
+/// between all modes of the pilot. Chains start from the pilot.
 [[nodiscard]] ModelSamples metropolis(const Problem& problem, int model, const NormalMixture& pilot,
                                       const MetropolisOptions& options);
 

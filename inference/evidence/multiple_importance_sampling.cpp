@@ -11,8 +11,8 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kBlock = 250;            // draws a job
-constexpr std::size_t kTogether = 32;  // likelihoods at a time: a few vectors full
+constexpr int kBlock = 250;            // draws per job
+constexpr std::size_t kTogether = 32;  // likelihoods per batch: a few vectors full
 
 void accumulate(double& sum, double term) {
   sum = log_sum_exp(sum, term);
@@ -58,7 +58,7 @@ void MultipleImportanceSampler::add(const NormalMixture& proposal, int n) {
                counted[static_cast<std::size_t>(block)]);
       }));
   for (const long c : counted) evaluations_ += c;
-  // The mixture of all proposals, at old draws and new.
+  // The density of the mixture of all proposals, at old and new draws.
   log_proposals_.resize(total, -kInfinity);
   for (std::size_t i = 0; i < before; ++i)
     accumulate(log_proposals_[i], std::log(n) + proposal.log_density({z_.data() + i * d, d}));

@@ -31,8 +31,8 @@ struct Weights {
   double log_mean, cov;
 };
 
-// Mean, in logs, and coefficient of variation of exp(step · gain). A step of 0 tells the possible
-// from the impossible.
+// ln mean and coefficient of variation of exp(step · gain). A step of 0 gives weight 1 to possible
+// samples and 0 to impossible ones.
 Weights weights(const std::vector<Particle>& particles, double step) {
   double top = -kInfinity;
   for (const Particle& p : particles) top = std::max(top, p.log_gain);
@@ -57,7 +57,7 @@ class Replicate {
         index_(static_cast<std::uint64_t>(index)),
         to_(open(growing ? kStageSamples : problem.samples)) {}
 
-  // ln Z; NaN where the run was stopped, or is stuck.
+  // ln Z; NaN if the run was stopped or did not reach β = 1.
   double run() {
     double log_evidence = draw_prior();
     log_evidence += anneal();
@@ -75,17 +75,18 @@ class Replicate {
   }
   [[nodiscard]] bool sluggish() const { return sluggish_; }
   [[nodiscard]] bool cut() const { return cut_; }
-  // Says at which exponent the stages ran out; empty where they did not.
+  // Exponent at the maximum number of stages; NaN if β = 1 was reached.
   [[nodiscard]] double stalled_at() const { return stalled_at_; }
 
  private:
   static constexpr int kMostStages = 1000, kMostSweeps = 30;
-  static constexpr std::size_t kLeastPossible = 20, kMostDraws = 100'000;  // of the prior
+  // Of the draws from the prior.
+  static constexpr std::size_t kLeastPossible = 20, kMostDraws = 100'000;
   static constexpr long kLeastGrowth = 10;
-  static constexpr std::size_t kBatch = 32;  // likelihoods at a time: a few vectors full
+  static constexpr std::size_t kBatch = 32;  // likelihoods per batch: a few vectors full
 
   [[nodiscard]] base::Random stream(std::uint64_t stage) const {
-    // Kept apart from the other users of this purpose by the high bit.
+    // The high bit separates these streams from other users of this purpose.
     return {options_.seed, index_ | (std::uint64_t{1} << 63U),
             stage << 32U | static_cast<std::uint64_t>(model_), base::Purpose::evidence};
   }
@@ -96,7 +97,7 @@ class Replicate {
         : kept(std::move(own)), posterior(problem, model), length(problem.samples) {}
     [[nodiscard]] long samples() const { return length; }
 
-    std::shared_ptr<const Problem> kept;  // null: the caller's
+    std::shared_ptr<const Problem> kept;  // null: the caller's problem
     ModelPosterior posterior;
     long length;
   };
@@ -116,11 +117,11 @@ class Replicate {
            evaluations() >= options_.most_evaluations / options_.replicates;
   }
 
-  // Possible particles, as many of `samples` draws from the prior as there are, and the log of the
-  // share of possible draws. Where fewer than kLeastPossible of the first ones are possible, draws
-  // go on until r = kLeastPossible are, N in all. Then the estimate of the share is (r - 1)/(N -
-  // 1), else that of all N draws: both are the unbiased one of this stopping rule (Girshick,
-  // Mosteller & Savage 1946, Annals of Mathematical Statistics 17:13, theorem 5).
+  // Draws the initial samples from the prior; returns the log of the share of possible draws. If
+  // fewer than kLeastPossible of the first `samples` draws are possible, drawing continues until r
+  // = kLeastPossible are, N in all. The estimate of the share is then (r - 1)/(N - 1), otherwise
+  // the share of all N draws. Both are unbiased for this stopping rule (Girshick, Mosteller &
+  // Savage 1946, Annals of Mathematical Statistics 17:13, theorem 5).
   double draw_prior() {
     base::Random random = stream(0);
     const auto first = static_cast<std::size_t>(options_.samples);
@@ -151,8 +152,9 @@ class Replicate {
                     (static_cast<double>(drawn) - known));
   }
 
-  // From the posterior of the record so far, to twice as many samples, or fewer where those say
-  // much: a response that forgets its parameters makes the posterior ragged all at once.
+  // Goes from the posterior of the current record to that of twice as many samples, or fewer if
+  // these are very informative: the posterior becomes irregular when the response loses its
+  // dependence on the parameters.
   void lengthen() {
     if (from_) before_ += from_->posterior.evaluations();
     from_ = std::move(to_);
@@ -167,7 +169,8 @@ class Replicate {
     }
   }
 
-  // From β = 0, `from_` or the prior, to β = 1, `to_`: the log of the ratio of their evidences.
+  // Goes from β = 0 (`from_` or the prior) to β = 1 (`to_`); returns the log of the ratio of their
+  // evidences.
   double anneal() {
     bool possible = particles_.size() == static_cast<std::size_t>(options_.samples) &&
                     std::ranges::all_of(particles_, &Particle::possible);
@@ -190,7 +193,7 @@ class Replicate {
     return log_ratio;
   }
 
-  // The share of the path that is behind: of the samples, where they come in parts.
+  // Reports the completed share of the path: of the samples, if these enter in parts.
   void report(double beta) {
     if (!options_.progress) return;
     const double whole = std::max(1.0, static_cast<double>(problem_.samples));
@@ -217,7 +220,7 @@ class Replicate {
     }
   }
 
-  // log_base is of what the samples come from, log_gain is what they are to gain.
+  // log_base belongs to the initial distribution, log_gain to the tempered factor.
   void evaluate(std::span<const double> zs, std::span<ModelPosterior::Value> out) {
     to_->posterior.evaluate(zs, out);
     if (!from_) return;
@@ -231,7 +234,7 @@ class Replicate {
     }
   }
 
-  // The step whose weights have the wanted coefficient of variation, by bisection.
+  // The step whose weights have the required coefficient of variation, by bisection.
   [[nodiscard]] double next_step(double rest) const {
     if (weights(particles_, rest).cov <= options_.weight_cov) return rest;
     double low = 0.0, high = rest;
@@ -242,7 +245,7 @@ class Replicate {
     return high;
   }
 
-  // Systematic: one uniform number, evenly spaced pointers.
+  // Systematic resampling: one uniform number, equally spaced pointers.
   void resample(double step, base::Random& random) {
     double top = -kInfinity;
     for (const Particle& p : particles_) top = std::max(top, p.log_gain);
@@ -262,8 +265,8 @@ class Replicate {
     particles_ = std::move(next);
   }
 
-  // Each half of the samples moves by a mixture fitted to the other half: a proposal that knows the
-  // very samples it moves favours leaving them, and that biases ln Z.
+  // A mixture fitted to one half of the samples moves the other half. A proposal fitted to the
+  // samples that it moves favours keeping them, which biases ln Z.
   void move(double beta, base::Random& random) {
     const auto middle = static_cast<std::ptrdiff_t>(particles_.size() / 2);
     const std::span<Particle> first(particles_.begin(), particles_.begin() + middle);
@@ -291,7 +294,7 @@ class Replicate {
     const auto n = static_cast<double>(particles.size());
     std::vector<double> normal(static_cast<std::size_t>(d));
     std::vector<double> proposals(kBatch * static_cast<std::size_t>(d));
-    std::vector<double> levels(kBatch);  // what log_base + beta log_gain must exceed
+    std::vector<double> levels(kBatch);  // lower limits of log_base + beta log_gain
     std::vector<ModelPosterior::Value> values(kBatch);
     double moved = 0.0;
     const double least = (from_ ? 0.5 : 1.0) * options_.acceptances * n;
@@ -347,7 +350,7 @@ class Replicate {
   std::uint64_t index_;
   std::unique_ptr<Record> from_;  // null: the prior
   std::unique_ptr<Record> to_;
-  long before_ = 0;  // evaluations of records that are closed
+  long before_ = 0;  // evaluations of earlier records
   std::vector<ModelPosterior::Value> shorter_;
   std::vector<Particle> particles_;
   double log_scale_ = 0.0;
@@ -356,11 +359,12 @@ class Replicate {
   double reported_ = 0.0;
   bool stopped_ = false;
   bool cut_ = false;
-  double stalled_at_ = std::numeric_limits<double>::quiet_NaN();  // an exponent; NaN: nowhere
+  // Exponent where the run stalled; NaN: it did not.
+  double stalled_at_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-// Whether the data had better come in parts: a model that cannot explain them may fit the first
-// samples best far from where it fits them all, and then the samples are left behind.
+// Whether the data should enter in parts. If a model cannot explain them, its best fit to the first
+// samples may be far from its best fit to all, and the samples would not follow.
 bool better_growing(const Problem& problem, int model, const TmcmcOptions& options,
                     long& evaluations) {
   constexpr int kPilots = 2;  // of each kind

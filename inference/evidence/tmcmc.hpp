@@ -1,4 +1,4 @@
-// Transitional Markov chain Monte Carlo: the evidence of one model by tempering from its prior.
+// Transitional Markov chain Monte Carlo (TMCMC): evidence of one model by tempering from its prior.
 #pragma once
 
 #include <cstdint>
@@ -11,35 +11,36 @@
 
 namespace wheeltap::inference {
 
-/// How the data come in, where the problem can be shortened.
+/// Order in which data enter, for problems that can be shortened.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
   std::uint64_t seed = 1;
-  int replicates = 8;        ///< independent runs, whose scatter is the standard error; >= 4
-  int samples = 500;         ///< a replicate
-  double weight_cov = 0.5;   ///< coefficient of variation of the weights that sets each step of β
-  double acceptances = 6.0;  ///< moves accepted a sample and stage, on average, before going on
-                             ///< (half of that as a record grows: there are many stages)
+  int replicates = 8;       ///< independent runs; their scatter gives the standard error; >= 4
+  int samples = 500;        ///< per replicate
+  double weight_cov = 0.5;  ///< coefficient of variation of the weights, which sets each step of β
+  /// Accepted moves per sample and stage, on average, before the next stage. Halved for a growing
+  /// record, which has many stages.
+  double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
-  /// Likelihood calls after which a run ends where it is (`Tmcmc::cut`); 0: as many as it takes.
+  /// Likelihood calls after which a run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
   int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
-  /// Called, from one thread at a time, with the share of the whole that was done since the call
-  /// before. Returning false ends the run: ln Z is then NaN.
+  /// Called from one thread at a time with the share of the work done since the last call.
+  /// Returning false ends the run; ln Z is then NaN.
   std::function<bool(double share)> progress = nullptr;
-  /// Asked between two likelihoods, by any thread; true ends the run likewise.
+  /// Called between two likelihoods by any thread; returning true also ends the run.
   std::function<bool()> stop = nullptr;
 };
 
 struct Tmcmc {
   Evidence evidence;
-  /// Posterior draws of all replicates together, draws × dimension; no draws where ln Z is NaN.
+  /// Posterior draws of all replicates, draws × dimension; empty if ln Z is NaN.
   Eigen::MatrixXd z;
-  std::vector<double> log_posterior;  ///< ln π at each of these
-  int stages = 0;                     ///< the most of any replicate
-  /// The calls were spent on the way: ln Z is NaN, z are draws of the tempered posteriors that were
-  /// reached, log_posterior is empty.
+  std::vector<double> log_posterior;  ///< ln π at each draw
+  int stages = 0;                     ///< the largest number of any replicate
+  /// The run reached most_evaluations: ln Z is NaN, z are draws of the tempered posteriors reached,
+  /// and log_posterior is empty.
   bool cut = false;
 };
 
@@ -47,32 +48,37 @@ struct Tmcmc {
 ///
 ///   π_j(z) ∝ p₀(z) [factor · likelihood]^{β_j},   0 = β_0 < … < β_m = 1,
 ///
-/// by weighting with the power of the step, resampling, and Metropolis moves, and
-/// Z = ∏_j mean of the weights of step j.
+/// by weighting with the power of the step, resampling, and Metropolis moves. Z = ∏_j mean of the
+/// weights of step j.
 ///
-/// Where the problem can be shortened, the data may come in parts (Chopin 2002, Biometrika 89:539):
-/// from the prior to the posterior of the first 50 samples, from there to that of up to twice as
-/// many, and so on; β is then the exponent of what the new samples say. A long record's posterior
-/// lies at the end of a ridge that narrows by and by with the record, but all at once with the
-/// exponent. A few small runs of either kind decide, and are not used otherwise.
+/// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
+/// 89:539): from the prior to the posterior of the first 50 samples, from there to that of up to
+/// twice as many, and so on. β is then the exponent of the likelihood of the new samples. The
+/// posterior of a long record lies at the end of a ridge, which narrows gradually with the record
+/// but suddenly with the exponent. Small pilot runs of both kinds decide which one to use.
 ///
-/// Beyond the papers: β by bisection on the weights' coefficient of variation, half of which is
-/// enough where a posterior bends from step to step (1, as in the paper, lost two nats on a chain
-/// with a stop); systematic resampling; prior draws of likelihood zero are a step of their own,
-/// whose weight is the share of possible draws (where those are rare, draws go on until 20 are
-/// possible, or 100 000 were drawn a replicate, and the share's estimate stays unbiased);
-/// half of the moves are drawn from a normal mixture and half are steps with the covariance of one
-/// of its components, at a scale adapted from sweep to sweep, so that separate modes stay balanced;
-/// the mixture that moves one half of the samples is fitted to the other half; sweeps until each
-/// sample has moved several times; everything in log space.
+/// Differences from these papers:
 ///
-/// ln Z is the log of the replicates' mean Z. Its standard error is from their scatter, times
-/// √((R-1)/(R-3)) for knowing the scatter from R replicates only (the sd of Student's t).
+/// - Bisection on the coefficient of variation of the weights sets β. The target is 0.5; the
+///   paper's 1 lost two nats on a chain with a stop, where the posterior bends from step to step.
+/// - Resampling is systematic.
+/// - The first step removes prior draws of likelihood zero; its weight is the share of possible
+///   draws. If these are rare, draws continue until 20 are possible or a replicate has 100 000
+///   draws, and the estimate of the share stays unbiased.
+/// - Half of the moves are drawn from a normal mixture. The other half are steps with the
+///   covariance of one of its components, with a scale adapted from sweep to sweep. This keeps
+///   separate modes balanced.
+/// - The mixture that moves one half of the samples is fitted to the other half.
+/// - Sweeps continue until each sample has moved several times.
+/// - All weights are computed in log space.
 ///
-/// Where a replicate does not reach β = 1 within 1000 stages, ln Z and its standard error are NaN
-/// and a warning says so.
+/// ln Z is the log of the replicates' mean Z. Its standard error is their scatter times
+/// √((R-1)/(R-3)), the sd of Student's t, since the scatter is known from R replicates only.
 ///
-/// Throws LikelihoodError where no prior draw has a finite likelihood; std::invalid_argument for
+/// If a replicate does not reach β = 1 within 1000 stages, ln Z and its standard error are NaN and
+/// the result carries a warning.
+///
+/// Throws LikelihoodError if no prior draw has a finite likelihood; std::invalid_argument for
 /// options out of range.
 [[nodiscard]] Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options);
 

@@ -19,25 +19,27 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kExplorations = 4;             // of sequential Monte Carlo
-constexpr int kClimbsFromDraws = 8;          // from its draws
-constexpr std::size_t kClimbsOnTheWay = 24;  // from those of an annealing that was cut short
+constexpr int kExplorations = 4;             // of SMC
+constexpr int kClimbsFromDraws = 8;          // from SMC draws
+constexpr std::size_t kClimbsOnTheWay = 24;  // from the draws of an SMC run that was cut short
 constexpr std::size_t kLaplace = 40;         // modes whose normals enter the mixture
-constexpr double kDefensive = 0.05;          // the prior's weight in it
-constexpr double kWider = 1.5;               // of the variances of modes' normals in a proposal
-constexpr double kGoodShare = 0.5;           // of the draws effective: no further round is needed
+constexpr double kDefensive = 0.05;          // weight of the prior in the mixture
+constexpr double kWider = 1.5;  // factor on the variances of the modes' normals in a proposal
+// Effective share of the draws above which no further round is needed.
+constexpr double kGoodShare = 0.5;
 constexpr Eigen::Index kPopulation = 4000;
-constexpr Eigen::Index kFitted = 2000;            // draws that a proposal is fitted to
-constexpr std::array<int, 2> kComponents{8, 20};  // of it, at first and where that does not do
-// Of the annealing's draws: where more of them lie beyond all proposals, these have missed some of
-// the posterior, as along a ridge that turns, and go on with more components.
+constexpr Eigen::Index kFitted = 2000;  // draws in the fit of a proposal
+// Of the fit, in the first attempt and in the second.
+constexpr std::array<int, 2> kComponents{8, 20};
+// Share of the SMC draws outside all proposals above which the proposals have missed a part of the
+// posterior, such as a curved ridge; the next round then uses more components.
 constexpr double kLacking = 0.003;
 constexpr int kOfRidges = 80;
 constexpr int kMoreRounds = 4;
-constexpr double kOneMode = 0.99;     // share of a mode that holds everything
-constexpr int kBriefParticles = 200;  // where it does
+constexpr double kOneMode = 0.99;     // share of a single dominant mode
+constexpr int kBriefParticles = 200;  // SMC samples per replicate if one mode dominates
 constexpr long kBriefCalls = 20'000;
-constexpr double kFar = 8.0;  // of the scatter of a χ² about its mean: a draw of no known mode
+constexpr double kFar = 8.0;  // standard deviations of χ² above its mean: a draw of no known mode
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
@@ -57,7 +59,7 @@ Matrix cholesky(const Matrix& covariance) {
   return Eigen::LLT<Matrix>(covariance).matrixL();
 }
 
-// Weights of the modes by their Laplace masses, none below a tenth of an equal share.
+// Weights of the modes by their Laplace masses, each at least a tenth of an equal share.
 std::vector<double> mode_weights(const std::vector<Mode>& modes, std::size_t n) {
   std::vector<double> weights;
   double sum = 0.0;
@@ -80,7 +82,7 @@ void add_modes(const std::vector<Mode>& modes, double share, Components& compone
   }
 }
 
-// `most` components; more draws than kFitted teach a first proposal no more.
+// At most `most` components; a first proposal does not improve beyond kFitted draws.
 void add_fit(const Matrix& draws, int most, double share, base::Random& random,
              Components& components) {
   if (draws.rows() < 4 * (draws.cols() + 1)) return;
@@ -95,8 +97,8 @@ void add_fit(const Matrix& draws, int most, double share, base::Random& random,
   }
 }
 
-// What there is where importance sampling fails: the draws of the annealing, and of the normals
-// about modes that have none of them.
+// Fallback if importance sampling fails: the SMC draws, and draws of the normals about modes
+// without SMC draws.
 Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, base::Random& random,
                        double about_modes = 1000.0) {
   const auto precisions = precisions_of(modes);
@@ -124,8 +126,8 @@ Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, base
   return out;
 }
 
-// Each mode's share of the probability: of the importance sample where that can be trusted, and
-// where more than a few draws of it speak for the mode; else as Laplace has it.
+// Each mode's share of the probability: from the importance sample if that is reliable and the mode
+// has more than a few of its draws, else Laplace's.
 std::vector<double> shares(const ModelExploration& found, const MultipleImportanceSampler& sampler,
                            bool trusted) {
   constexpr double kFew = 5.0;  // effective draws
@@ -189,7 +191,7 @@ bool ModelExploration::settled() const {
 
 namespace {
 
-// Tells the caller what was done, and hears whether to go on.
+// Reports progress to the caller and stores whether to continue.
 class Reporter {
  public:
   explicit Reporter(const ExplorationOptions& options) : options_(options) {}
@@ -218,7 +220,7 @@ class OtherDraws {
     evaluations_ = posterior.evaluations();
   }
   [[nodiscard]] long evaluations() const { return evaluations_; }
-  /// Those that lie beyond the mixture of a sample's proposals, as the verdict has it.
+  /// The draws outside the mixture of a sample's proposals, as in the verdict.
   [[nodiscard]] Matrix beyond(const MultipleImportanceSampler& sampler) const {
     const double level = sampler.evidence().log_evidence + std::log(kLimits.beyond_mixture);
     std::vector<Eigen::Index> rows;
@@ -235,8 +237,8 @@ class OtherDraws {
   long evaluations_ = 0;
 };
 
-// Importance sampling from all that was found: evidence, shares and the population.
-// False where it was stopped: `found` is then as it was.
+// Importance sampling from all findings: evidence, shares and population. Returns false if stopped;
+// `found` is then unchanged.
 bool weigh_model(const Problem& problem, int model, const ExplorationOptions& options,
                  const Matrix& draws, ModelExploration& found) {
   const Eigen::Index d = problem.space[model].dimension;
@@ -263,7 +265,7 @@ bool weigh_model(const Problem& problem, int model, const ExplorationOptions& op
     const int most = lacks() ? kOfRidges : kComponents[round < 2 ? 0 : 1];
     if (round > 0 && sampler.efficiency() > kGoodShare && !lacks()) break;
     if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
-      // Too few to fit to: more of the same.
+      // Too few draws to fit: repeats the same proposal.
       add_modes(found.modes, 0.5, components);
       add_fit(draws, most, 0.5, random, components);
       continue;
@@ -289,7 +291,7 @@ bool weigh_model(const Problem& problem, int model, const ExplorationOptions& op
   return true;
 }
 
-// What there is where nothing was weighed: Laplace's evidence, taken to be good to a nat, and draws
+// Results without importance sampling: Laplace's evidence, assumed to be good to a nat, and draws
 // of the normals about the modes.
 void take_laplace(int model, const ExplorationOptions& options, ModelExploration& found) {
   if (found.modes.empty() || !found.shares.empty()) return;
@@ -305,7 +307,7 @@ void take_laplace(int model, const ExplorationOptions& options, ModelExploration
   found.population = draws_and_modes(Matrix(0, d), found.modes, random, 100.0).transpose();
 }
 
-// Draws to climb from, evenly spaced in their list.
+// Starting points of climbs, evenly spaced in the list of draws.
 std::vector<std::vector<double>> some_of(const Matrix& draws) {
   std::vector<std::vector<double>> starts;
   for (Eigen::Index k = 0; draws.rows() > 0 && k < kClimbsFromDraws; ++k)
@@ -313,8 +315,8 @@ std::vector<std::vector<double>> some_of(const Matrix& draws) {
   return starts;
 }
 
-// Each as far as can be from those before it, in standard deviations of the draws: a small group
-// apart from the others has one.
+// Each draw is the one farthest from those before it, in standard deviations of the draws, so that
+// a small separate group is represented.
 std::vector<std::vector<double>> far_apart(Matrix draws) {
   std::vector<std::vector<double>> starts;
   if (draws.rows() == 0) return starts;
@@ -332,7 +334,7 @@ std::vector<std::vector<double>> far_apart(Matrix draws) {
   return starts;
 }
 
-// Those that the normals about the known modes would hardly make.
+// Draws that the normals about the known modes would hardly produce.
 Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
   const auto precisions = precisions_of(modes);
   const auto d = static_cast<double>(draws.cols());
@@ -348,7 +350,7 @@ Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
   return draws(rows, Eigen::indexing::all);
 }
 
-// Climbs from `starts`; true where they lead to a mode that was not known.
+// Climbs from `starts`; true if they lead to a new mode.
 bool climb_from(const Problem& problem, int model, const ExplorationOptions& options,
                 std::vector<std::vector<double>> starts, ModelExploration& found) {
   ModeSearch known{.modes = found.modes, .climbs = found.climbs, .likelihood_evaluations = 0};
@@ -365,7 +367,7 @@ bool climb_from(const Problem& problem, int model, const ExplorationOptions& opt
   return more;
 }
 
-// Climbs from the prior, and from what is known.
+// Climbs from the prior, and from the given starts.
 void search_from_prior(const Problem& problem, int model, const ExplorationOptions& options,
                        Reporter& report, ModelExploration& out) {
   std::vector<std::vector<double>> starts = options.starts;
@@ -388,10 +390,10 @@ void search_from_prior(const Problem& problem, int model, const ExplorationOptio
 
 struct Annealed {
   Matrix draws;
-  bool cut = false;  // they are of the tempered posteriors on the way
+  bool cut = false;  // draws come from tempered posteriors
 };
 
-// Sequential Monte Carlo from the prior; no draws where it fails.
+// Sequential Monte Carlo from the prior; no draws if it fails.
 Annealed anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
                 Reporter& report, ModelExploration& found) {
   const int particles = brief ? std::min(kBriefParticles, options.particles) : options.particles;
@@ -401,7 +403,8 @@ Annealed anneal(const Problem& problem, int model, const ExplorationOptions& opt
                            {.seed = options.seed,
                             .replicates = kExplorations,
                             .samples = std::max(particles / kExplorations, 50),
-                            .weight_cov = 1.0,  // for a start; an evidence on request asks for less
+                            // Sufficient for a start; a requested evidence uses less.
+                            .weight_cov = 1.0,
                             .acceptances = brief ? 1.0 : 4.0,
                             .path = brief ? TmcmcPath::growing : TmcmcPath::better,
                             .most_evaluations = brief ? kBriefCalls : 0,
@@ -419,13 +422,13 @@ Annealed anneal(const Problem& problem, int model, const ExplorationOptions& opt
       found.annealed_log_posterior = std::move(annealed.log_posterior);
     }
     return {.draws = std::move(annealed.z), .cut = annealed.cut};
-  } catch (const LikelihoodError&) {  // the climbs may do
+  } catch (const LikelihoodError&) {  // the climbs may suffice
     return {.draws = Matrix(0, problem.space[model].dimension)};
   }
 }
 
-// Whether annealing found no more than the mixture knows, by the verdict's own rule. One that was
-// cut short found what climbs from its draws lead to.
+// Whether SMC found no more than the mixture has, by the verdict's rule. An SMC run that was cut
+// short counts by the results of climbs from its draws.
 bool confirmed(const Annealed& annealed, bool another, const ModelExploration& found) {
   if (annealed.cut) return !another;
   if (!std::isfinite(found.annealed.log_evidence)) return false;
@@ -468,7 +471,7 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
   if (problem.space[model].dimension == 0) return;
   Reporter report(options);
   Matrix draws = options.draws;
-  // Where likelihoods are cheap annealing is paid for in full: it may see what no climb did.
+  // If likelihoods are cheap, SMC runs in full, since it may find what no climb did.
   const bool settled = problem.shortened && found.settled();
   if (settled || how == Annealing::brief) {
     const Annealed brief = anneal(problem, model, options, true, report, found);

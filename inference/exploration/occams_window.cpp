@@ -9,9 +9,9 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kWindow = 12.0;  // ln: of the likeliest model's probability
-constexpr double kHigher = 10.0;  // ln: a mode above the likeliest model's
-constexpr int kAllUpTo = 2;       // steps from the least
+constexpr double kWindow = 12.0;  // ln: below the most probable model
+constexpr double kHigher = 10.0;  // ln: a mode above that of the most probable model
+constexpr int kAllUpTo = 2;       // steps from the smallest model
 
 double log_mass(const ModelSpace& space, int m, const ModelExploration& found) {
   return space[m].log_prior + found.log_evidence();
@@ -31,7 +31,7 @@ ModelLattice::ModelLattice(const ModelSpace& space)
   std::ranges::stable_sort(order, {}, [&](int m) { return space[m].parameters.size(); });
   for (const int m : order) {
     Place& place = places_[static_cast<std::size_t>(m)];
-    // The larger first: what is within a model that was taken is not one step from this one.
+    // The larger models first: a model within an accepted one is not one step from m.
     for (auto other = order.rbegin(); other != order.rend(); ++other) {
       const int s = *other;
       if (space[s].parameters.size() >= space[m].parameters.size() ||
@@ -51,11 +51,11 @@ std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lat
                                 const std::vector<ModelExploration>& explorations) {
   const auto models = static_cast<std::size_t>(space.size());
   std::vector<bool> open(models), asked(models, false);
-  double most = -kInfinity, top = -kInfinity;  // the likeliest's mass and height
+  double most = -kInfinity, top = -kInfinity;  // mass and height of the most probable model
   for (std::size_t at = 0; at < models; ++at) {
     const int m = static_cast<int>(at);
     const ModelExploration& found = explorations[at];
-    open[at] = std::isfinite(space[m].log_prior) && !found.looked_at();
+    open[at] = std::isfinite(space[m].log_prior) && !found.is_explored();
     asked[at] = lattice.level(m) <= kAllUpTo;
     if (open[at] || !(log_mass(space, m, found) > most)) continue;
     most = log_mass(space, m, found);
@@ -67,7 +67,7 @@ std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lat
   for (std::size_t at = 0; at < models; ++at) {
     const int m = static_cast<int>(at);
     const ModelExploration& found = explorations[at];
-    if (!found.looked_at()) continue;
+    if (!found.is_explored()) continue;
     const bool likely = log_mass(space, m, found) > most - kWindow;
     if (likely) ask(lattice.around(m));
     if (likely || height(found) > top + kHigher) ask(lattice.within(m));

@@ -1,4 +1,4 @@
-// Which of very many nested models to look at: Occam's window.
+// Occam's window: which of very many nested models to explore.
 #pragma once
 
 #include <vector>
@@ -8,16 +8,16 @@
 
 namespace wheeltap::inference {
 
-/// The models of a nested list by what they have: a model is one step within another where its
-/// parameters are some of the other's and no third model lies between the two.
+/// The models of a nested list ordered by inclusion. A model is one step within another if its
+/// parameters are a subset of the other's and no third model lies between the two.
 class ModelLattice {
  public:
   explicit ModelLattice(const ModelSpace& space);
 
-  /// The models one step within m, and those that it is one step within.
+  /// The models one step within m, and the models that m is one step within.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
-  /// Steps from a model that none is within, at least.
+  /// Smallest number of steps from a model with none within it.
   [[nodiscard]] int level(int m) const { return at(m).level; }
 
  private:
@@ -29,21 +29,21 @@ class ModelLattice {
   std::vector<Place> places_;
 };
 
-/// Models of a nested list that are to be looked at next, the smaller first; none when that is
-/// done. Of n terms there are 2^n sets, and nearly all of them lack what the data ask for, or have
-/// what they do not. So models are looked at
+/// The models of a nested list to explore next, in order of size; empty at the end. Of the 2^n
+/// subsets of n terms, nearly all lack a term that the data require or contain a superfluous one.
+/// Explored are therefore
 ///
-/// - up to two steps from the least: terms that show only together are pairs;
-/// - one step, more or less, from each whose probability is within e^-12 (6e-6) of the likeliest's
-///   (Madigan & Raftery 1994, JASA 89:1535, section 3, to both sides);
-/// - at last the largest, for what all others may have missed: its likelihood's height is above
-///   theirs. While one is higher than the likeliest model by 10 nats, the models one step within it
-///   are looked at, too.
+/// - all models up to two steps from the smallest, since some terms matter only in pairs;
+/// - the models one step above or below each model whose probability is within e^-12 (6e-6) of the
+///   most probable one's (Madigan & Raftery 1994, JASA 89:1535, section 3, in both directions);
+/// - finally the largest model, whose maximum of the likelihood is at least that of all others;
+/// - the models one step within each explored model whose maximum exceeds that of the most probable
+///   model by 10 nats.
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,
                                               const std::vector<ModelExploration>& explorations);
 
-/// The mode of the likeliest model one step around m, without what m lacks; empty where none of
-/// these has been looked at.
+/// The mode of the most probable explored model one step around m, without the parameters that m
+/// lacks; empty if none of these was explored.
 [[nodiscard]] std::vector<double> start_from_around(
     const ModelSpace& space, const ModelLattice& lattice, int m,
     const std::vector<ModelExploration>& explorations);

@@ -13,10 +13,10 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr int kReplicates = 4;        // of TMCMC
-constexpr long kStartSamples = 5000;  // samples of a long record that a search begins with
-constexpr int kParticles = 100;       // a replicate, of its posterior
+constexpr long kStartSamples = 5000;  // samples of a long record at the beginning of a search
+constexpr int kParticles = 100;       // per replicate, for the posterior of these
 
-/// One mode of one model, or none: other models will do.
+/// One mode of one model, or none: other models may have one.
 template <typename Search>
 Laplace find_mode(ProgressMonitor& monitor, Search&& search) {
   Laplace none;
@@ -60,7 +60,7 @@ std::vector<Laplace> climb_with_record(const Problem& problem, const Options& op
     }
     for (long n = kStartSamples; n < problem.samples; n *= 4) {
       if (monitor.stopped() || mode_options.start.empty())
-        throw LikelihoodError("no place to climb from");
+        throw LikelihoodError("no draw has a finite likelihood to climb from");
       const Optimum mode = maximum_a_posteriori(*problem.shortened(n), m, mode_options);
       mode_options.start = mode.z;
       evaluations += mode.evaluations;

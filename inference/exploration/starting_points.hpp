@@ -1,5 +1,5 @@
-// Where chains start on long records, whose posteriors are thousands of times narrower than their
-// priors: exploring from the prior costs more there than it finds.
+// Starting points on long records. Their posteriors are thousands of times narrower than the
+// priors, so that exploration from the prior is too expensive.
 #pragma once
 
 #include <vector>
@@ -10,10 +10,10 @@
 
 namespace wheeltap::inference {
 
-/// Samples of each model's posterior given the first few thousand samples of the record, and Newton
-/// steps from the best of them as the record grows to its whole length: a mode a model, with the
-/// likelihoods that it took; the evidence is NaN where none was found. `problem` must have
-/// `shortened`.
+/// Samples each model's posterior given the first few thousand samples of the record. Newton steps
+/// then follow the best sample as the record grows to its full length. Returns one mode per model
+/// with its likelihood calls; the evidence is NaN if no mode was found. Requires
+/// `problem.shortened`.
 [[nodiscard]] std::vector<Laplace> climb_with_record(const Problem& problem, const Options& options,
                                                      ProgressMonitor& monitor);
 

@@ -23,15 +23,15 @@ using packed::routines;
 
 struct Cluster {
   double weight = 0.0;
-  double members = 0.0;  // distinct samples, by responsibility
+  double members = 0.0;  // number of distinct samples, by responsibility
   Eigen::VectorXd mean;
   Eigen::MatrixXd covariance;
 };
 
 class Fitter {
   static constexpr Eigen::Index kOnTheWay = 3000;
-  // Of more components a tenth is merged between two maximisations: their number need not be known
-  // to one.
+  // Above this number, a tenth of the components is merged between two maximisations: the number
+  // need not be exact.
   static constexpr std::size_t kOneByOne = 40;
 
  public:
@@ -42,7 +42,7 @@ class Fitter {
     mean_ = z_.transpose() * weight_ / weight_.sum();
     const RowMatrix centred = z_.rowwise() - mean_.transpose();
     covariance_ = centred.transpose() * weight_.asDiagonal() * centred / weight_.sum();
-    // Keeps a parameter that did not move at all from having no width.
+    // Gives a constant parameter a positive width.
     floor_ = 1e-12 * covariance_.diagonal().array() + 1e-20;
   }
 
@@ -54,12 +54,12 @@ class Fitter {
       return components({one});
     }
     int most = std::max(1, static_cast<int>(distinct / (2.0 * parameters_of_one())));
-    // Twice as many centres as components, since k-means++ may well put two into one mode.
+    // Twice as many centres as components, since k-means++ may put two into one mode.
     most = std::min(most, 2 * options_.max_components);
     std::vector<Cluster> clusters = initial(most), best;
     double best_score = kInfinity;
-    // The number of components is chosen on a part of the samples, as if they were all: the way
-    // through all numbers costs more than the fit itself.
+    // A subset of the samples selects the number of components, weighted as if they were all: the
+    // search over all numbers costs more than the fit itself.
     const Eigen::Index part = std::max<Eigen::Index>(kOnTheWay, 200 * (d_ + 1));
     const bool thinned = z_.rows() > 2 * part;
     if (thinned) thin(part);
@@ -120,8 +120,8 @@ class Fitter {
     }
   }
 
-  // The rows are sorted: every so many of them is a stratified part. Weights add up to those of
-  // all.
+  // The rows are sorted, so that equally spaced rows form a stratified subset. The weights keep
+  // their sum.
   void thin(Eigen::Index n) {
     thinned_z_.resize(n, d_);
     thinned_weight_.resize(n);
@@ -189,8 +189,8 @@ class Fitter {
     return clusters;
   }
 
-  // Drops clusters with too few distinct samples to have a covariance; theirs go to the others at
-  // the next iteration.
+  // Drops clusters with too few distinct samples for a covariance; their samples go to the others
+  // in the next iteration.
   void drop_starved(std::vector<Cluster>& clusters) const {
     const double least = 2.0 * static_cast<double>(d_ + 1);
     std::vector<Cluster> kept;
@@ -206,9 +206,9 @@ class Fitter {
     clusters = std::move(kept);
   }
 
-  // A covariance estimated from N points fits those points too well: for a *new* point the expected
+  // A covariance estimated from N points fits these points too well: for a *new* point the expected
   // quadratic form is d N / (N - d - 2), up to terms of order 1/N. Widening by that factor commutes
-  // with any linear map, unlike shrinkage to a diagonal, and so spares narrow ridges.
+  // with any linear map, unlike shrinkage to a diagonal, and so preserves narrow ridges.
   void widen(std::vector<Cluster>& clusters) const {
     for (Cluster& c : clusters)
       c.covariance *=
@@ -233,7 +233,7 @@ class Fitter {
     return result;
   }
 
-  // Returns Σ w ln q of the last but one parameters.
+  // Returns Σ w ln q for the parameters of the last iteration but one.
   double expectation_maximisation(std::vector<Cluster>& clusters, int iterations, double tolerance,
                                   const RowMatrix& z, const Eigen::VectorXd& weight) const {
     const auto d = static_cast<std::size_t>(d_);
@@ -251,7 +251,7 @@ class Fitter {
       std::vector<double> moments(groups * (stride + kLanes), 0.0);
       const double log_likelihood =
           routines().em_pass(packed.data(), means.data(), groups, stride, samples, moments.data());
-      // Against the mean gain a sample, which is what the criterion weighs.
+      // Relative to the mean gain per sample, as in the criterion.
       if (iteration >= iterations ||
           std::fabs(log_likelihood - previous) < tolerance * static_cast<double>(samples.n))
         return log_likelihood;

@@ -1,4 +1,4 @@
-// Normal mixtures packed for vector instructions, and what is done with them sample by sample.
+// Normal mixtures packed for vector instructions, and their evaluation.
 //
 //   ln w_k N(z; μ_k, L_k L_kᵀ) = c_k - ½ |A_k z - b_k|²,   A = L⁻¹,   b = L⁻¹ μ.
 #pragma once
@@ -11,12 +11,12 @@
 
 namespace wheeltap::inference::packed {
 
-/// Packs components; ν = ∞ for normal ones, else c is that of Student's t.
+/// Packs components; ν = ∞: normal, otherwise c is that of Student's t.
 [[nodiscard]] std::vector<double> pack(const std::vector<NormalMixture::Component>& components,
                                        double nu);
 
 [[nodiscard]] const Routines& routines();
-/// Those that this processor can run, the narrowest first.
+/// The routines that this processor can run, the narrowest vectors first.
 [[nodiscard]] std::vector<const Routines*> runnable_routines(base::Instructions instructions);
 
 /// ln |L|

@@ -1,6 +1,6 @@
-// The loops over normal mixtures packed for vector instructions (packed_mixture.hpp). Their
-// implementations are compiled for registers of several widths, so nothing here may bring library
-// code with it: plain pointers and numbers (see base/simd.hpp).
+// Loops over normal mixtures packed for vector instructions (packed_mixture.hpp). They are compiled
+// for several register widths, so this header uses only plain pointers and numbers: library
+// templates could be instantiated with the wrong instruction set (see base/simd.hpp).
 #pragma once
 
 #include <cstddef>
@@ -10,10 +10,10 @@ namespace wheeltap::inference::packed {
 inline constexpr std::size_t kLanes = 8;
 inline constexpr std::size_t kMaxComponents = 512;
 
-/// Components lie side by side in groups of eight, so that one instruction serves several. A group
-/// of a packed mixture holds, eight numbers each,
+/// Components lie side by side in groups of eight, so that one instruction processes several. A
+/// group of a packed mixture holds, eight numbers each,
 ///   c;  b_1, A_11;  b_2, A_21, A_22;  …
-/// and component k's log density is c_k - ½ |A_k z - b_k|². Numbers a group:
+/// and component k's log density is c_k - ½ |A_k z - b_k|². Numbers per group:
 [[nodiscard]] constexpr std::size_t group_stride(std::size_t d) {
   return kLanes * (1 + d + d * (d + 1) / 2);
 }
@@ -27,7 +27,8 @@ struct Samples {
   const double* weight;  ///< n
 };
 
-/// Compiled for several instruction sets, which give the same bits; chosen once, at run time.
+/// Functions compiled for several instruction sets with bitwise equal results; selected once at run
+/// time.
 struct Routines {
   /// ln Σ_k exp(c_k - ½ |A_k z - b_k|²)
   double (*log_density)(const double* packed, std::size_t groups, std::size_t stride,
@@ -37,8 +38,8 @@ struct Routines {
                           const double* z, std::size_t d, double* values);
   /// One pass of EM over the samples. A group of `moments` holds, eight numbers each,
   ///   Σ w r;  Σ r;  Σ w r e_1, Σ w r e_1 e_1;  Σ w r e_2, Σ w r e_2 e_1, Σ w r e_2 e_2;  …
-  /// with responsibilities r and deviations e = z - μ from the *current* means, which keeps the
-  /// moments of a narrow component free of cancellation. Returns Σ w ln q.
+  /// with responsibilities r and deviations e = z - μ from the *current* means, which avoids
+  /// cancellation in the moments of a narrow component. Returns Σ w ln q.
   double (*em_pass)(const double* packed, const double* means, std::size_t groups,
                     std::size_t stride, const Samples& samples, double* moments);
 };

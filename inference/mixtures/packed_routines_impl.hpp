@@ -1,9 +1,10 @@
-// The routines of packed_routines.hpp for registers of WHEELTAP_PACKED_WIDTH doubles; each file
+// The routines of packed_routines.hpp for registers of WHEELTAP_PACKED_WIDTH doubles. Each file
 // that includes this is compiled for one instruction set. No operation depends on the width and
-// none is contracted to a fused multiply-add, so that all give the same bits and a chain does not
-// depend on where it ran.
+// none is contracted to a fused multiply-add. The results are therefore equal bit for bit, and a
+// chain does not depend on the processor.
 
-#include <math.h>  // <cmath> has templates, whose instances could be shared
+// <cmath> has templates, whose instances could be shared between instruction sets.
+#include <math.h>
 
 #include <cstring>
 
@@ -16,12 +17,12 @@ constexpr std::size_t kWidth = WHEELTAP_PACKED_WIDTH;
 constexpr std::size_t kParts = kLanes / kWidth;
 constexpr double kNever = -__builtin_inf();
 
-// As wide as the processor's registers: of wider vectors GCC makes pieces that wait in memory for
-// each other, which took half of the time.
+// As wide as the processor's registers. GCC splits wider vectors into parts that depend on each
+// other through memory, which took half of the run time.
 using Part [[gnu::vector_size(kWidth * sizeof(double))]] = double;
 using PartBits [[gnu::vector_size(kWidth * sizeof(double))]] = long long;
 
-// The eight numbers of a group's lanes.
+// Eight numbers, one for each component of a group.
 struct Lanes {
   Part part[kParts];
 };
@@ -95,9 +96,9 @@ inline Lanes quadratic_form(const double* group, const double* z, std::size_t d)
 }
 
 // e^x for x <= 0, to 1e-15 relative; 0 below -700. x = n ln 2 + r with |r| <= ½ ln 2, and the
-// Taylor series in r, whose first dropped term is 2e-16.
+// Taylor series in r, whose first neglected term is 2e-16.
 inline Part exponential(Part x) {
-  // Adding it rounds to an integer, which the low bits then hold.
+  // Adding kMagic rounds to an integer and stores it in the low bits.
   constexpr double kMagic = 0x1.8p52;
   constexpr double kInverseFactorials[] = {
       1.0 / 39916800.0, 1.0 / 3628800.0, 1.0 / 362880.0, 1.0 / 40320.0, 1.0 / 5040.0, 1.0 / 720.0,
@@ -118,7 +119,7 @@ inline Part exponential(Part x) {
   return tiny ? Part{} : sum;
 }
 
-// values_k = c_k - ½ |A_k z - b_k|²; returns the largest.
+// Computes values_k = c_k - ½ |A_k z - b_k|² and returns the largest.
 inline double log_components(const double* packed, std::size_t groups, std::size_t stride,
                              const double* z, std::size_t d, double* values) {
   Lanes top = all(kNever);
@@ -132,7 +133,7 @@ inline double log_components(const double* packed, std::size_t groups, std::size
   return largest(top);
 }
 
-// values_k becomes exp(values_k - top); returns their sum.
+// Replaces values_k by exp(values_k - top) and returns their sum.
 inline double exponentials(std::size_t groups, double top, double* values) {
   Lanes sum = all(0.0);
   for (std::size_t g = 0; g < groups; ++g) {

@@ -8,25 +8,26 @@ std::string describe(const EvidenceWarning& warning) {
     case Kind::failed:
       return "failed: " + warning.error;
     case Kind::stalled:
-      return "TMCMC is still at exponent " + value + " after the most stages that it may take";
+      return "TMCMC reached only exponent " + value + " within the allowed number of stages";
     case Kind::replicates_scatter:
-      return "TMCMC replicates scatter by more than half a nat (" + value + "); use more samples";
+      return "TMCMC replicates differ by more than half a nat (" + value + "); use more samples";
     case Kind::samples_hardly_move:
       return "TMCMC samples hardly moved in some stage; use more samples";
     case Kind::bridge_unsettled:
-      return "bridge sampling did not settle; the proposal and the posterior hardly overlap";
+      return "bridge sampling did not converge; the proposal and the posterior hardly overlap";
     case Kind::few_bridge_draws:
-      return "fewer than 100 effective posterior draws in the bridge (" + value + "); draw more";
+      return "fewer than 100 effective posterior draws in bridge sampling (" + value +
+             "); draw more";
     case Kind::chains_disagree:
       return "chains disagree (R-hat " + value +
-             "): draw more, or start from a pilot that knows every mode";
+             "): draw more, or use a pilot that covers every mode";
     case Kind::heavy_tail:
-      return "importance weights have too heavy a tail (Pareto shape " + value +
+      return "the tail of the importance weights is too heavy (Pareto shape " + value +
              " > 0.7); the proposal misses part of the posterior";
     case Kind::few_effective_draws:
       return "importance sampling has only " + value + " effective draws";
     case Kind::not_normal:
-      return "the posterior about its mode does not look normal; importance sampling there changes "
+      return "the posterior about its mode is not normal; importance sampling there changes "
              "Laplace's log evidence by " +
              value;
     case Kind::no_maximum:

@@ -1,4 +1,4 @@
-// What speaks against an evidence, as its method found it. Words are made of it by who shows it.
+// Warnings about an evidence estimate, as data. The caller writes the text for its reader.
 #pragma once
 
 #include <concepts>
@@ -10,17 +10,17 @@ namespace wheeltap::inference {
 
 struct EvidenceWarning {
   enum class Kind {
-    failed,               ///< no evidence: `error` says why
-    stalled,              ///< TMCMC gave up on its way from the prior; `value`: its exponent
-    replicates_scatter,   ///< TMCMC's, `value` nats
-    samples_hardly_move,  ///< TMCMC's, in some stage
+    failed,               ///< no evidence; `error` gives the reason
+    stalled,              ///< TMCMC stopped before β = 1; `value`: its exponent
+    replicates_scatter,   ///< the replicates of TMCMC differ, by `value` nats
+    samples_hardly_move,  ///< of TMCMC, in some stage
     bridge_unsettled,     ///< the proposal and the posterior hardly overlap
-    few_bridge_draws,     ///< effective ones of the posterior, `value`
+    few_bridge_draws,     ///< `value`: effective posterior draws in bridge sampling
     chains_disagree,      ///< `value`: R-hat
     heavy_tail,           ///< of importance weights; `value`: their Pareto shape
-    few_effective_draws,  ///< of importance sampling, `value`
-    not_normal,           ///< about the mode; `value`: what sampling there adds to Laplace's ln Z
-    no_maximum,           ///< minus the Hessian at the mode is not positive definite
+    few_effective_draws,  ///< `value`: effective draws of importance sampling
+    not_normal,  ///< about the mode; `value`: ln Z by importance sampling there minus Laplace's
+    no_maximum,  ///< minus the Hessian at the mode is not positive definite
   };
   Kind kind;
   double value = std::numeric_limits<double>::quiet_NaN();
@@ -29,14 +29,14 @@ struct EvidenceWarning {
   bool operator==(const EvidenceWarning&) const = default;
 };
 
-/// For ranks (base/parcel.hpp), both ways.
+/// Packs and unpacks a warning for other ranks (base/parcel.hpp).
 template <class Parcel, class Warning>
 requires std::same_as<std::remove_const_t<Warning>, EvidenceWarning>
 void carry(Parcel& parcel, Warning& warning) {
   parcel(warning.kind, warning.value, warning.error);
 }
 
-/// One short phrase, which does not name the model.
+/// A short phrase without the model's name.
 [[nodiscard]] std::string describe(const EvidenceWarning& warning);
 
 }  // namespace wheeltap::inference

@@ -38,7 +38,8 @@ ModelPosterior::Value ModelPosterior::above(double level, double beta, std::span
   for (const double v : z) square += v * v;
   if (!std::isfinite(square) || !target_.is_sorted(state_)) return kImpossible;
   const double base = constant_ - 0.5 * square;
-  // A factor of the prior is tempered here and not by the target: then nothing is cut short.
+  // Tempers the prior factor, which the target does not. With a factor, no early rejection is
+  // possible.
   target_.screen_above(
       target_.problem().log_prior_factor ? kNever : level - base + target_.log_prior(state_), beta,
       state_);
@@ -50,7 +51,7 @@ ModelPosterior::Value ModelPosterior::above(double level, double beta, std::span
 
 void ModelPosterior::evaluate(std::span<const double> zs, std::span<Value> out, double level) {
   constexpr double kNever = -std::numeric_limits<double>::infinity();
-  constexpr double kRounding = 1e-6;  // far above that of a log likelihood
+  constexpr double kRounding = 1e-6;  // far above the rounding error of a log likelihood
   const auto base_of = [&](const State& state) {
     double base = constant_;
     for (const double v : state.z) base -= 0.5 * v * v;
@@ -67,7 +68,7 @@ void ModelPosterior::evaluate(std::span<const double> zs, std::span<Value> out, 
     states_.push_back(state_);
     places.push_back(i);
   }
-  // As in above(): with a factor of the prior nothing is cut short.
+  // As in above(): no early rejection with a prior factor.
   std::vector<double> floors;
   if (level > kNever && !target_.problem().log_prior_factor)
     for (const State& state : states_) floors.push_back(level - base_of(state) - kRounding);
@@ -94,7 +95,7 @@ bool ModelPosterior::gradient(std::span<const double> z, std::span<double> out) 
   target_.evaluate(state_);
   std::vector<double> ordered(z.size());
   if (!target_.gradient(state_, ordered)) return false;
-  // Back to where each component came from.
+  // Restores the caller's order of the components.
   std::ranges::copy(ordered, out.begin());
   const Model& model = target_.space()[state_.model];
   for (std::size_t j = 0; j < model.counts.size(); ++j) {

@@ -11,27 +11,26 @@
 
 namespace wheeltap::inference {
 
-/// What every method of this folder returns of one model:
+/// Evidence of one model:
 ///
 ///   ln Z = ln ∫ p(data | model, x) p(x | model) dx.
 struct Evidence {
   double log_evidence = 0.0;
-  /// Of ln Z; 0 where it is exact, NaN where the method (Laplace) cannot tell, or where it failed:
-  /// then ln Z is NaN, too, and a warning says why.
+  /// Standard error of ln Z. 0 if exact; NaN if the method does not give one (Laplace) or failed.
+  /// On failure ln Z is NaN, too, and a warning gives the reason.
   double standard_error = 0.0;
   long likelihood_evaluations = 0;
   std::vector<EvidenceWarning> warnings{};
 };
 
-/// Of a method that was not run or could not tell.
+/// Evidence of a method that was not run or failed.
 inline const Evidence kNoEvidence{.log_evidence = std::numeric_limits<double>::quiet_NaN(),
                                   .standard_error = std::numeric_limits<double>::quiet_NaN()};
 
 /// ln π(z) = ln p₀(z) + ln factor + ln likelihood in standard normal coordinates, for one thread,
 /// where
 ///
-///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)  on the components in order (by their first coordinate), 0 off
-///   it,
+///   p₀(z) = ∏_kinds k! · ∏ φ(z_i)   for components in order (by their first coordinate), else 0,
 ///
 /// is the prior of the unordered set, and integrates to 1.
 class ModelPosterior {
@@ -41,29 +40,28 @@ class ModelPosterior {
     double log_base = 0.0;   ///< ln p₀ alone
     double log_likelihood = 0.0;
     [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
-    /// What p₀ lacks of the posterior: ln factor + ln likelihood; -∞ out of order.
+    /// ln factor + ln likelihood: the posterior relative to p₀. -∞ if the components are not in
+    /// order.
     double log_gain = 0.0;
   };
 
   /// Throws std::invalid_argument for a model outside the space. `problem` must outlive this.
   ModelPosterior(const Problem& problem, int model);
 
-  /// Everything is -∞ where z is out of order or not finite. Throws LikelihoodError as Target
-  /// does.
+  /// All values are -∞ if z is not in order or not finite. Throws LikelihoodError as Target does.
   Value operator()(std::span<const double> z);
-  /// The same where only values with log_base + beta · log_gain of at least `level` matter: others
-  /// may be impossible.
+  /// The same if only values with log_base + beta · log_gain >= `level` matter; others may be -∞.
   Value above(double level, double beta, std::span<const double> z);
-  /// Several z, one after the other: one value each. Where only those whose log_posterior() is at
-  /// least `level` matter, the others may be impossible.
+  /// Evaluates several z, stored one after the other. If only those with log_posterior() >= `level`
+  /// matter, the others may be -∞.
   void evaluate(std::span<const double> zs, std::span<Value> out,
                 double level = -std::numeric_limits<double>::infinity());
-  /// The physical parameters of the last single z in order.
+  /// The physical parameters of the last ordered z that was evaluated alone.
   [[nodiscard]] std::span<const double> x() const { return state_.x; }
 
-  /// Puts exchangeable components in order.
+  /// Sorts exchangeable components.
   void order(std::span<double> z);
-  /// ∂ ln π/∂z at z, whose components may be in any order; false where there is none
+  /// ∂ ln π/∂z at z, whose components may be in any order; false if it is not available
   /// (Target::gradient). Evaluates z.
   bool gradient(std::span<const double> z, std::span<double> out);
 
@@ -71,7 +69,7 @@ class ModelPosterior {
   bool gauss_newton(std::span<const double> z, std::span<const double> dz,
                     std::span<double> gradient, std::span<double> information);
 
-  /// From p₀.
+  /// Draws from p₀.
   void draw_prior(base::Random& random, std::span<double> z);
 
   [[nodiscard]] int dimension() const { return static_cast<int>(state_.z.size()); }
@@ -85,9 +83,9 @@ class ModelPosterior {
  private:
   Target target_;
   State state_;
-  std::vector<State> states_;  ///< of several
+  std::vector<State> states_;  ///< for the evaluation of several z
   double constant_ = 0.0;
-  bool has_sets_ = false;  ///< of more than one component
+  bool has_sets_ = false;  ///< some kind has more than one component
 };
 
 }  // namespace wheeltap::inference

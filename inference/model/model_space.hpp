@@ -1,4 +1,4 @@
-// Which models compete, what parameters each has, and what is believed of them before the data.
+// The competing models, their parameters and their priors.
 #pragma once
 
 #include <span>
@@ -16,20 +16,20 @@ struct Parameter {
 };
 
 /// A kind of exchangeable component, e.g. a damage with a location and a reduction. A state holds a
-/// *set* of components, written in order of their first parameter. The prior density of an ordered
-/// set of k is
+/// *set* of components, sorted by their first parameter. The prior density of an ordered set of k
+/// is
 ///
 ///   P(k) · k! · ∏ p(component),
 ///
-/// since k! labelled vectors are the same set. A birth inserts a component where the order puts it
-/// and a death removes one of the k + 1 uniformly, so its 1/(k+1) cancels (k+1)!/k!.
+/// since k! labelled vectors are the same set. A birth inserts a component at its place in the
+/// order, and a death removes one of the k + 1 uniformly, so that its 1/(k+1) cancels (k+1)!/k!.
 struct ComponentKind {
   std::string name;                   ///< singular, as in "1 damage"
   std::string plural;                 ///< as in "2 damages"
   std::vector<Parameter> parameters;  ///< of one component
 };
 
-/// One competing model. Its parameter vector is laid out as
+/// A competing model. The layout of its parameter vector is
 ///   [ its own parameters | components of kind 0 | components of kind 1 | … ].
 struct Model {
   std::string name;
@@ -37,14 +37,14 @@ struct Model {
   std::vector<int> parameters;  ///< indices into ModelSpace::parameters()
   std::vector<int> counts;      ///< number of components of each kind
   int dimension = 0;
-  std::vector<int> offsets;  ///< where each kind's components begin
+  std::vector<int> offsets;  ///< index of each kind's first component parameter
 };
 
-/// Where one component's parameters lie within a model's parameter vector: [first, first + width).
+/// Range of one component's parameters within a model's parameter vector: [first, first + width).
 struct ComponentRange {
   std::size_t first = 0, width = 0;
 
-  /// Of a vector that is laid out as in Model.
+  /// The component's part of a vector laid out as in Model.
   template <class T>
   [[nodiscard]] std::span<T> of(std::span<T> x) const {
     return x.subspan(first, width);
@@ -66,20 +66,20 @@ class ModelSpace {
   struct ListedModel {
     std::string name;
     double weight;                        ///< prior weight, >= 0, normalised by the space
-    std::vector<std::string> parameters;  ///< names; the same name is the same parameter
+    std::vector<std::string> parameters;  ///< names; models with the same name share the parameter
   };
   struct Counts {
-    std::vector<int> counts;  ///< one a kind
+    std::vector<int> counts;  ///< one per kind
     double weight;
   };
 
   /// Any models over a shared table of parameters. Throws std::invalid_argument for a name that is
-  /// not in the table, a parameter no model uses, duplicate names, or weights that are negative or
-  /// all zero.
+  /// not in the table, a parameter that no model uses, duplicate names, or weights that are
+  /// negative or all zero.
   [[nodiscard]] static ModelSpace of_models(std::vector<Parameter> parameters,
                                             const std::vector<ListedModel>& models);
-  /// Component sets: each entry of `counts` is a model, all of them with the `common` parameters.
-  /// Names read "2 damages" or "1 damage, 1 support".
+  /// Models of component sets: one model per entry of `counts`, all with the `common` parameters.
+  /// Names have the form "2 damages" or "1 damage, 1 support".
   [[nodiscard]] static ModelSpace of_components(std::vector<Parameter> common,
                                                 std::vector<ComponentKind> kinds,
                                                 const std::vector<Counts>& counts);
@@ -93,12 +93,12 @@ class ModelSpace {
   [[nodiscard]] const std::vector<ComponentKind>& kinds() const { return kinds_; }
   [[nodiscard]] int max_dimension() const { return max_dimension_; }
 
-  /// The number of parameters of one component.
+  /// Number of parameters of one component.
   [[nodiscard]] std::size_t width(int kind) const {
     return kinds_[static_cast<std::size_t>(kind)].parameters.size();
   }
-  /// Where component c of `kind` lies in the parameter vector of model m. c may be the count of
-  /// them: where one more would go.
+  /// Range of component c of `kind` in the parameter vector of model m. c may equal the number of
+  /// components, for the range of an additional one.
   [[nodiscard]] ComponentRange component(int m, int kind, int c) const {
     const std::size_t each = width(kind);
     const int begin = (*this)[m].offsets[static_cast<std::size_t>(kind)];
@@ -107,9 +107,10 @@ class ModelSpace {
 
   /// Prior of parameter i of model m (own parameters first, then the components').
   [[nodiscard]] const Prior& prior(int m, int i) const;
-  /// "k", "location[2]" …: the name of parameter i of model m.
+  /// Name of parameter i of model m: "k", "location[2]" …
   [[nodiscard]] std::string parameter_name(int m, int i) const;
-  /// The model of this name. Throws std::invalid_argument, listing the names, where there is none.
+  /// Index of the model with this name. Throws std::invalid_argument, listing the names, if there
+  /// is none.
   [[nodiscard]] int find(std::string_view name) const;
   /// The model with these counts, or -1.
   [[nodiscard]] int find(std::span<const int> counts) const;

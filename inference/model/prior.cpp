@@ -20,8 +20,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// Double arithmetic is enough, and a quantile that underflows is an end of the support, not an
-// error.
+// double is sufficient. A quantile that underflows is a bound of the support, not an error.
 namespace bmp = boost::math::policies;
 using Policy =
     bmp::policy<bmp::promote_double<false>, bmp::domain_error<bmp::ignore_error>,
@@ -63,18 +62,18 @@ void require_interval(const char* family, double lower, double upper) {
   if (!std::isfinite(upper - lower)) refuse(family, "upper", upper, "within range of lower");
 }
 
-// z from the lower and upper tail probabilities: whichever is small is the one that is exact.
+// z from the lower and upper tail probabilities: the smaller one is accurate.
 double from_tails(double p, double q) {
   return p < q ? normal_quantile(p) : -normal_quantile(q);
 }
 
-// lower + width · Φ(z), measured from the nearer end.
+// lower + width · Φ(z), computed from the nearer bound.
 double interpolate(double lower, double upper, double z) {
   const double width = upper - lower;
   return z < 0.0 ? lower + width * normal_cdf(z) : upper - width * normal_cdf(-z);
 }
 
-// ln(a/b), also where the quotient of the two overflows, as it does above a denormal b.
+// ln(a/b), even if the quotient overflows, as for a denormal b.
 double log_quotient(double a, double b) {
   const double quotient = a / b;
   return std::isfinite(quotient) ? std::log(quotient) : std::log(a) - std::log(b);
@@ -92,7 +91,7 @@ struct UnitQuantile {
   double t, rest;  // rest = 1 - t
 };
 
-// Measured from the nearer end of [0, 1], so that neither loses its small distances.
+// Computed from the nearer end of [0, 1], so that small distances stay accurate at both.
 UnitQuantile beta_quantile(const Beta& f, double z) {
   double rest = 0.0;
   const double t = z < 0.0 ? boost::math::ibeta_inv(f.a, f.b, normal_cdf(z), &rest, Policy{})
@@ -100,8 +99,8 @@ UnitQuantile beta_quantile(const Beta& f, double z) {
   return {t, rest};
 }
 
-/// N(0, 1) cut to [a, b], reflected so that a + b <= 0: the tail probabilities are then all of the
-/// accurate, lower kind.
+/// N(0, 1) truncated to [a, b], reflected so that a + b <= 0: all tail probabilities are then
+/// accurate lower ones.
 struct StandardTruncated {
   double a, b;
   bool reflected;
@@ -115,8 +114,8 @@ struct StandardTruncated {
     }
   }
 
-  // Over so short or so remote a range the density is exponential, e^{-m t}: the relative error is
-  // (b-a)²/8 for a short one, and 1/b² for a remote one, where differences of ln Φ cancel.
+  // On so short or so remote an interval the density is exponential, e^{-m t}. The relative error
+  // is (b-a)²/8 for a short interval, and 1/b² for a remote one, where differences of ln Φ cancel.
   [[nodiscard]] bool exponential() const { return b - a < 1e-5 || b < -1e4; }
   [[nodiscard]] double rate() const { return b - a < 1e-5 ? -0.5 * (a + b) : -b; }  // >= 0
 
@@ -130,7 +129,7 @@ struct StandardTruncated {
     return -0.5 * b * b - kLogSqrt2Pi + std::log(-std::expm1(-m * w) / m);
   }
 
-  // ln of the mass below u relative to the whole, from ln p and ln q of the two tails.
+  // Quantile from ln p and ln q, the tail probabilities relative to the whole mass.
   [[nodiscard]] double quantile(double p, double q) const {
     if (!exponential()) {
       const double log_a = log_normal_cdf(a), log_b = log_normal_cdf(b);
@@ -166,7 +165,8 @@ double student_upper_tail(double nu, double t) {
   return 0.5 * boost::math::ibetac(0.5, 0.5 * nu, u * u * y, Policy{});
 }
 
-// t > 0 of Φ(-z), z > 0. Near the centre 1 - 2Φ(-z) = erf(z/√2) is what is exact.
+// t > 0 with upper tail probability Φ(-z), z > 0. Near the centre, 1 - 2Φ(-z) = erf(z/√2) is
+// accurate.
 double student_quantile(double nu, double z) {
   double rest = 0.0;
   const double y =
@@ -176,12 +176,12 @@ double student_quantile(double nu, double z) {
   return std::sqrt(nu) * std::sqrt(rest) / std::sqrt(y);
 }
 
-// ln(1 + u²), also where u² overflows.
+// ln(1 + u²), even if u² overflows.
 double log1p_square(double u) {
   return std::fabs(u) < 1e8 ? std::log1p(u * u) : 2.0 * std::log(std::fabs(u));
 }
 
-// The doubles in their order, as whole numbers: neighbours differ by one.
+// Order-preserving map of doubles to integers: neighbours differ by one.
 std::int64_t rank(double x) {
   const auto bits = std::bit_cast<std::int64_t>(x);
   return bits < 0 ? std::numeric_limits<std::int64_t>::min() - bits : bits;
@@ -195,9 +195,9 @@ struct Moments {
   double mean, sd;
 };
 
-constexpr double kFine = 0.004;  // a density of one's own may have kinks
+constexpr double kFine = 0.004;  // a user-defined density may have kinks
 
-// ∫ x(z) φ(z) dz by the trapezoid rule, which converges exponentially for so smooth an integrand.
+// ∫ x(z) φ(z) dz by the trapezoidal rule, which converges exponentially for a smooth integrand.
 Moments moments_by_quadrature(const Prior& prior, double step = 0.1) {
   const int half = static_cast<int>(std::lround(8.0 / step));
   const double centre = prior.from_standard_normal(0.0);
@@ -216,7 +216,7 @@ Moments moments_by_quadrature(const Prior& prior, double step = 0.1) {
 
 }  // namespace
 
-// Bisection over the doubles between the ends, so that it ends at the nearest one wherever that is.
+// Bisection over the doubles between the bounds: ends at the nearest double.
 double Distribution::quantile(Tails t) const {
   if (t.below == 0.0) return lower();
   if (t.above == 0.0) return upper();
@@ -272,14 +272,14 @@ Prior::Prior(Family family) : family_(std::move(family)) {
             constexpr const char* kName = "truncated_normal";
             require_finite(kName, "mean", f.mean);
             require_positive(kName, "sd", f.sd);
-            // One open end, or both, still leaves a proper density.
+            // The density remains proper with one or two infinite bounds.
             if (std::isnan(f.lower) || f.lower == kInfinity)
               refuse(kName, "lower", f.lower, "a number below upper");
             if (std::isnan(f.upper) || f.upper == -kInfinity)
               refuse(kName, "upper", f.upper, "a number above lower");
             if (!(f.lower < f.upper))
               refuse(kName, "lower", f.lower, ("< upper = " + base::number(f.upper)).c_str());
-            // Beyond, its squares overflow and the density has no number.
+            // Farther away, the squares overflow.
             const double remote = std::max({f.lower - f.mean, f.mean - f.upper, 0.0}) / f.sd;
             if (!(remote <= 1e100))
               refuse(kName, "sd", f.sd,
@@ -300,7 +300,7 @@ Prior::Prior(Family family) : family_(std::move(family)) {
           },
           [](const OwnPrior& f) {
             if (f.distribution == nullptr)
-              throw std::invalid_argument("own prior: no distribution is given");
+              throw std::invalid_argument("user-defined prior: the distribution is null");
             const double from = f.distribution->lower(), to = f.distribution->upper();
             if (!(from < to))
               refuse(f.distribution->describe().c_str(), "lower", from,
@@ -413,7 +413,7 @@ double Prior::from_standard_normal(double z) const {
 double Prior::slope(double z) const {
   const double log_phi = -0.5 * z * z - kLogSqrt2Pi;
   const double x = from_standard_normal(z);
-  // In logs: φ and p are both small in the tails. A density of 0 or ∞ is met at an end only.
+  // In logs, since φ and p are both small in the tails. The density is 0 or ∞ only at a bound.
   const auto by_density = [&](double log_p) {
     const double slope = std::exp(log_phi - log_p);
     return std::isfinite(log_p) && std::isfinite(slope) ? slope : 0.0;
@@ -424,7 +424,7 @@ double Prior::slope(double z) const {
           [&](const LogUniform& f) { return x * log_span(f) * std::exp(log_phi); },
           [](const Normal& f) { return f.sd; }, [&](const LogNormal& f) { return f.sigma * x; },
           [&](const Beta& f) {
-            // 1 - t would lose a t near 1.
+            // 1 - t would lose accuracy for t near 1.
             const auto [t, rest] = beta_quantile(f, z);
             return t > 0.0 && rest > 0.0 ? by_density(log_normaliser_ + (f.a - 1.0) * std::log(t) +
                                                       (f.b - 1.0) * std::log(rest))
@@ -462,7 +462,7 @@ double Prior::to_standard_normal(double x) const {
           [x](const Beta& f) {
             const double width = f.upper - f.lower;
             const double t = (x - f.lower) / width, rest = (f.upper - x) / width;
-            // I_t(a, b) = 1 - I_{1-t}(b, a): the argument that is exact is the small one.
+            // I_t(a, b) = 1 - I_{1-t}(b, a): the smaller argument is accurate.
             if (t < 0.5)
               return from_tails(boost::math::ibeta(f.a, f.b, t, Policy{}),
                                 boost::math::ibetac(f.a, f.b, t, Policy{}));

@@ -34,7 +34,7 @@ struct Gamma {
 struct Beta {
   double a, b, lower = 0.0, upper = 1.0;
 };
-/// N(mean, sd²) cut to [lower, upper], either of which may be infinite.
+/// N(mean, sd²) truncated to [lower, upper], either of which may be infinite.
 struct TruncatedNormal {
   double mean, sd, lower, upper;
 };
@@ -43,55 +43,55 @@ struct TruncatedNormal {
 struct InverseGamma {
   double shape, scale;
 };
-/// (x - location)/scale is Student's t of `nu` degrees of freedom, which need not be whole.
-/// Cauchy's for nu = 1. The mean does not exist for nu <= 1 (the location is given in its place);
-/// the standard deviation is infinite for nu <= 2.
+/// (x - location)/scale has Student's t distribution with `nu` degrees of freedom, not necessarily
+/// an integer. nu = 1 is Cauchy's. The mean does not exist for nu <= 1 (mean() returns the
+/// location); the standard deviation is infinite for nu <= 2.
 struct StudentT {
   double nu, location, scale;
 };
 
-/// A prior of your own: a continuous density on an interval, positive inside. `check_prior` of
-/// self_tests.hpp tries whether its functions belong together. It is shared between threads and
-/// says the same at every call.
+/// Base class of user-defined priors: a continuous density on an interval, positive inside.
+/// `check_prior` of self_tests.hpp tests the consistency of its functions. Threads share one
+/// object, so its functions must be pure.
 class Distribution {
  public:
   virtual ~Distribution() = default;
 
   /// ln p(x), normalised, for lower() < x < upper().
   [[nodiscard]] virtual double log_density(double x) const = 0;
-  /// F(x) and 1 - F(x), each with a small *relative* error: where one is near 1 the other is not
-  /// 1 less it.
+  /// F(x) and 1 - F(x), each with a small *relative* error: 1 minus the value near 1 would lose
+  /// accuracy.
   struct Tails {
     double below, above;
   };
   [[nodiscard]] virtual Tails tails(double x) const = 0;
-  /// x of F(x) = t.below. The default searches `tails` for it, which costs some sixty calls.
+  /// x with F(x) = t.below. The default finds the root of `tails`, in about sixty calls.
   [[nodiscard]] virtual double quantile(Tails t) const;
-  /// The ends of the support, possibly ±∞.
+  /// Bounds of the support, possibly ±∞.
   [[nodiscard]] virtual double lower() const = 0;
   [[nodiscard]] virtual double upper() const = 0;
-  /// As findings and files name it, with its numbers.
+  /// Name with numbers, for findings and files.
   [[nodiscard]] virtual std::string describe() const = 0;
 };
 struct OwnPrior {
   std::shared_ptr<const Distribution> distribution;
 };
 
-/// One prior. All inference runs in the *standard normal coordinate* z of each parameter,
+/// One prior. All inference uses the *standard normal coordinate* z of each parameter,
 ///
 ///   z = Φ⁻¹(F(x)),   x = F⁻¹(Φ(z)),
 ///
-/// F being the prior's distribution function, so that a priori z ~ N(0, 1) whatever the family, the
-/// unit or the bounds (the isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu
-/// 1986). Proposals then need no bounds, birth from the prior is a standard normal draw, and a
-/// problem posed in millimetres is the same problem.
+/// with F the prior's distribution function, so that a priori z ~ N(0, 1) for every family, unit
+/// and bound (isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu 1986).
+/// Proposals then need no bounds, birth from the prior is a standard normal draw, and results do
+/// not depend on units.
 class Prior {
  public:
   using Family = std::variant<Uniform, LogUniform, Normal, LogNormal, HalfNormal, Gamma, Beta,
                               TruncatedNormal, InverseGamma, StudentT, OwnPrior>;
 
-  /// Throws std::invalid_argument, naming family, value and bound, where the density would be
-  /// improper (inverted or infinite bounds, scale <= 0, NaN), or no distribution is given.
+  /// Throws std::invalid_argument, naming family, value and bound, if the density is improper
+  /// (inverted or infinite bounds, scale <= 0, NaN), or the distribution is null.
   Prior(Family family);  // NOLINT(google-explicit-constructor): a family *is* a prior
   template <class F>
   requires(std::constructible_from<Family, F> && !std::same_as<F, Family> &&
@@ -102,12 +102,12 @@ class Prior {
   [[nodiscard]] double log_density(double x) const;
   /// x = F⁻¹(Φ(z)), accurate in both tails, always inside the closed support.
   [[nodiscard]] double from_standard_normal(double z) const;
-  /// z = Φ⁻¹(F(x)); ±∞ at or outside the ends of the support.
+  /// z = Φ⁻¹(F(x)); ±∞ at or outside the bounds of the support.
   [[nodiscard]] double to_standard_normal(double x) const;
-  /// dx/dz = φ(z) / p(x(z)), in the unit of x and never negative; 0 where x(z) has reached an end
-  /// of the support in floating point.
+  /// dx/dz = φ(z) / p(x(z)), in the unit of x, >= 0; 0 if x(z) equals a bound of the support in
+  /// floating point.
   [[nodiscard]] double slope(double z) const;
-  [[nodiscard]] double lower() const;  ///< ends of the support, possibly ±∞
+  [[nodiscard]] double lower() const;  ///< bounds of the support, possibly ±∞
   [[nodiscard]] double upper() const;
   [[nodiscard]] double mean() const;
   [[nodiscard]] double sd() const;

@@ -1,4 +1,4 @@
-// Shares that sum to one, as independent parameters.
+// Shares that sum to one, expressed by independent parameters.
 #pragma once
 
 #include <span>
@@ -9,26 +9,26 @@
 
 namespace wheeltap::inference {
 
-/// n shares of a whole, w_i >= 0, Σ w_i = 1, with Dirichlet's density p(w) ∝ ∏ w_i^(α_i - 1),
-/// by the sticks that are broken off what is left (Sethuraman 1994, section 2):
+/// n shares of a whole, w_i >= 0, Σ w_i = 1, with Dirichlet density p(w) ∝ ∏ w_i^(α_i - 1), by
+/// stick breaking (Sethuraman 1994, section 2):
 ///
 ///   w_i = v_i ∏_{j<i} (1 - v_j),   v_i ~ Beta(α_i, Σ_{j>i} α_j) independent,   i < n;
 ///
-/// the last share is the rest. A model has the n - 1 sticks as its parameters, and its likelihood
-/// asks for the shares.
+/// the last share is the remainder. A model has the n - 1 sticks v_i as parameters; its likelihood
+/// calls shares().
 class Simplex {
  public:
-  /// The sticks are named "`name`[1]" to "`name`[n-1]". Throws std::invalid_argument where an α is
-  /// not positive and finite, or there are fewer than two.
+  /// Names the sticks "`name`[1]" to "`name`[n-1]". Throws std::invalid_argument if an α is not
+  /// positive and finite, or there are fewer than two.
   Simplex(std::string name, std::vector<double> alpha);
 
-  /// For ModelSpace::of_models.
+  /// Parameters for ModelSpace::of_models.
   [[nodiscard]] const std::vector<Parameter>& sticks() const { return sticks_; }
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] int size() const { return static_cast<int>(sticks_.size()) + 1; }
 
-  /// The shares of `sticks`, n - 1 values between 0 and 1. Throws std::invalid_argument where there
-  /// are more or fewer.
+  /// The shares of `sticks`, n - 1 values between 0 and 1. Throws std::invalid_argument for another
+  /// number of values.
   [[nodiscard]] std::vector<double> shares(std::span<const double> sticks) const;
 
  private:

@@ -15,8 +15,9 @@ namespace {
                               "] = " + base::number(value) + ", must be " + bound);
 }
 
-// u in [0, 1] with first u + ½ (last - first) u² = mass: the root that stays small with the mass.
-// The densities at both ends of a cell are in units of mass a cell, so that nothing underflows.
+// u in [0, 1] with first u + ½ (last - first) u² = mass, in the form that is accurate for small
+// mass. The densities at both ends of a cell are relative to the mass of the cell, so that nothing
+// underflows.
 double share_of_cell(double first, double last, double mass) {
   const double root = std::sqrt(std::fmax(0.0, first * first + 2.0 * (last - first) * mass));
   return mass > 0.0 ? std::fmin(1.0, 2.0 * mass / (first + root)) : 0.0;
@@ -29,23 +30,24 @@ TabulatedPrior::TabulatedPrior(std::vector<double> x, std::vector<double> densit
   if (x_.size() < 2 || x_.size() != p_.size())
     throw std::invalid_argument("table prior: " + std::to_string(x_.size()) + " values of x and " +
                                 std::to_string(p_.size()) +
-                                " of the density; there must be as many, 2 at least");
+                                " of density; give equal numbers, at least 2");
   const std::size_t last = x_.size() - 1;
   for (std::size_t i = 0; i <= last; ++i) {
     if (!std::isfinite(x_[i])) refuse_table("x", i, x_[i], "finite");
-    if (i > 0 && !(x_[i] > x_[i - 1])) refuse_table("x", i, x_[i], "more than the one before it");
+    if (i > 0 && !(x_[i] > x_[i - 1]))
+      refuse_table("x", i, x_[i], "greater than the previous value");
     if (i > 0 && !std::isfinite(x_[i] - x_[i - 1]))
-      refuse_table("x", i, x_[i], "within range of the one before it");
+      refuse_table("x", i, x_[i], "within the range of double from the previous value");
     if (!(p_[i] >= 0.0 && std::isfinite(p_[i])))
       refuse_table("density", i, p_[i], ">= 0 and finite");
     if (p_[i] == 0.0 && ((i > 0 && i < last) || last == 1))
-      refuse_table("density", i, p_[i],
-                   "> 0 (it may be 0 at one of the ends, where there are more)");
+      refuse_table("density", i, p_[i], "> 0 (only the first or last value may be 0)");
   }
-  // Scaled before it is summed: a table in 1e300 is a table.
+  // Scaled before summation, so that densities of 1e300 do not overflow.
   const double top = *std::ranges::max_element(p_);
   const double extent = x_[last] - x_[0];
-  if (!std::isfinite(extent)) refuse_table("x", last, x_[last], "within range of the first");
+  if (!std::isfinite(extent))
+    refuse_table("x", last, x_[last], "within the range of double from the first value");
   double mass = 0.0;
   for (double& p : p_) p /= top;
   for (std::size_t i = 0; i < last; ++i)
@@ -92,7 +94,7 @@ double TabulatedPrior::quantile(Tails t) const {
     const double width = x_[i + 1] - x_[i];
     return x_[i] + width * share_of_cell(p_[i] * width, p_[i + 1] * width, t.below - below_[i]);
   }
-  // Decreasing: the last whose mass above exceeds the one asked for.
+  // `above_` decreases: the last entry above t.above.
   const auto left = std::ranges::partition_point(above_, [&](double a) { return a > t.above; });
   const std::size_t i =
       static_cast<std::size_t>(std::max<std::ptrdiff_t>(left - above_.begin(), 1)) - 1;

@@ -1,4 +1,4 @@
-// A prior that is drawn rather than named: a density through given points.
+// A prior whose density is given by a table of points.
 #pragma once
 
 #include <vector>
@@ -7,13 +7,14 @@
 
 namespace wheeltap::inference {
 
-/// p(x) ∝ the straight lines through (x_i, density_i), from the first x to the last; an expert's
-/// sketch, or the histogram of an earlier study.
+/// p(x) ∝ piecewise linear interpolation of (x_i, density_i), from the first x to the last; e.g.
+/// from expert elicitation or the histogram of an earlier study.
 class TabulatedPrior : public Distribution {
  public:
-  /// `x` increases strictly; `density` is in any unit, since it is divided by its integral. It may
-  /// be 0 at an end alone: a gap within would be two priors. Throws std::invalid_argument, naming
-  /// the place, where either is not so, or the two are not of one length, 2 at least.
+  /// `x` increases strictly; `density` has any unit, since it is normalised. Density may be 0 only
+  /// at the ends, since an interior zero would split the prior. Throws std::invalid_argument,
+  /// naming the entry, if one of these conditions fails, the lengths differ, or there are fewer
+  /// than 2 points.
   TabulatedPrior(std::vector<double> x, std::vector<double> density);
 
   [[nodiscard]] double log_density(double x) const override;
@@ -25,7 +26,8 @@ class TabulatedPrior : public Distribution {
   [[nodiscard]] std::string describe() const override;
 
  private:
-  /// The mass from the left end of cell i to s beyond it, and from s before its right end.
+  /// Mass from the left end of cell i to a distance s from it, and from a distance s before its
+  /// right end to that end.
   [[nodiscard]] double from_left(std::size_t i, double s) const;
   [[nodiscard]] double from_right(std::size_t i, double s) const;
 

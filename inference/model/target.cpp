@@ -12,16 +12,16 @@ namespace wheeltap::inference {
 
 namespace {
 
-constexpr long kAtOnce = 20;     // values that must not all be NaN or +∞
-constexpr long kEnough = 1000;   // values from which on their share counts
-constexpr double kShare = 1e-2;  // of NaN and +∞
+constexpr long kAtOnce = 20;     // values, not all of which may be NaN or +∞
+constexpr long kEnough = 1000;   // smallest number of values for the share to count
+constexpr double kShare = 1e-2;  // largest share of NaN and +∞
 
 std::unique_ptr<Likelihood> make(const LikelihoodFactory& factory, const char* name) {
   std::unique_ptr<Likelihood> made = factory ? factory() : nullptr;
   if (!made)
     throw std::invalid_argument(std::string("the problem's ") + name +
-                                (factory ? " factory made nothing" : " factory is missing") +
-                                "; a run of the prior alone is asked for by prior_only");
+                                (factory ? " factory returned null" : " factory is missing") +
+                                "; set prior_only for a run without likelihood");
   return made;
 }
 
@@ -204,8 +204,8 @@ bool Target::gauss_newton(State& state, std::span<const double> dz, std::span<do
       entry = entry / (dz[i] * dz[j]) + (i == j ? 1.0 : 0.0);
       if (!std::isfinite(entry)) return false;
     }
-    // The map x(z) bends as well: -∂ ln p/∂x x''(z), where that is a hill. It is what holds a
-    // parameter off the end of its prior.
+    // The map x(z) contributes -∂ ln p/∂x x''(z) to the Hessian; used only where it is concave. It
+    // keeps a parameter away from the bound of its prior.
     constexpr double kApart = 1e-3;
     const Prior& prior = space().prior(state.model, static_cast<int>(i));
     const double slope = prior.slope(state.z[i]);

@@ -123,50 +123,52 @@ struct Reflection {
 
 class Move;
 
-/// A move of the user's own, e.g. a Transformation that knows the structure of the problem. Made
-/// anew for each chain and temperature at the start of every round of the engine.
+/// A user-defined move, e.g. a Transformation for the structure of the problem. Created for each
+/// chain and temperature at the start of every round of the engine.
 struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
-  /// How many times its share of the steps it may earn by changing models more often, for its calls
-  /// and its work, than the engine's own moves do.
+  /// Largest factor by which the engine may increase its share of the steps, if it changes models
+  /// more often than the engine's moves at equal cost.
   double most = 1.0;
 };
 
-/// Everything the engine asks of its user.
+/// Input of the engine.
 struct Problem {
   ModelSpace space;
   LikelihoodFactory likelihood;
   LogPriorFactor log_prior_factor = nullptr;  ///< optional
   std::vector<Reflection> reflections{};      ///< optional: symmetries worth proposing
   std::vector<NamedMove> moves{};             ///< optional: added to the engine's own
-  /// Optional: a cheap stand-in for `likelihood`, finite wherever that is. Proposals must pass it
-  /// first (delayed acceptance, Christen & Fox 2005); the posterior remains that of `likelihood`.
+  /// Optional: a cheap approximation of `likelihood`, finite wherever that is. Proposals must pass
+  /// it first (delayed acceptance, Christen & Fox 2005); the posterior remains that of
+  /// `likelihood`.
   LikelihoodFactory screen = nullptr;
-  /// Optional, for long records: the number of samples, and the problem posed by the first few of
-  /// them alone. Modes are then searched for on growing records, each about the mode of the one
-  /// before: a whole record can have more local modes than a search can visit.
+  /// Optional, for long records: the number of samples, and the same problem with only the first of
+  /// them. The engine then searches modes on growing records, each from the mode of the shorter
+  /// one: a whole record can have more local modes than a search can visit.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
 };
 
-/// One state of the chain: a model and its parameters in standard normal coordinates, with what the
-/// target says of it.
+/// State of a chain: a model and its parameters in standard normal coordinates, with the values of
+/// the target there.
 struct State {
   int model = 0;
   std::vector<double> z;  ///< standard normal coordinates, laid out as in Model
   std::vector<double> x;  ///< the physical parameters of z
   double log_likelihood = -std::numeric_limits<double>::infinity();
-  double log_screen = -std::numeric_limits<double>::infinity();  ///< of the stand-in, or the same
+  /// Of the approximation, or log_likelihood.
+  double log_screen = -std::numeric_limits<double>::infinity();
   double log_prior_factor = 0.0;
   std::vector<double> prediction;
   std::vector<double> residuals;
   double noise_scale = 1.0;
-  bool screened = false;   ///< x, log_screen and residuals are those of z
+  bool screened = false;   ///< x, log_screen and residuals belong to z
   bool evaluated = false;  ///< log_likelihood and prediction, too
 };
 
-/// Thrown where a model's likelihood is never finite under its prior, or NaN or +∞ too often: names
+/// Thrown if a model's likelihood is never finite under its prior, or NaN or +∞ too often. Names
 /// the model and the parameter values.
 class LikelihoodError : public std::runtime_error {
  public:
@@ -177,22 +179,22 @@ class LikelihoodError : public std::runtime_error {
 ///
 ///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
 ///
-/// A likelihood of NaN or +∞ is taken for -∞ and counted. The likelihood and its stand-in may each
-/// give at most one in 100 of them; LikelihoodError is thrown where more of at least 1000 values
-/// were, or all of the first 20.
+/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if these make up
+/// more than 1 in 100 of at least 1000 values of the likelihood or of its approximation, or all of
+/// the first 20.
 class Target {
  public:
-  /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument where a factory of the
-  /// problem is missing or makes nothing.
+  /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument if a factory of the
+  /// problem is missing or returns null.
   Target(const Problem& problem, bool prior_only);
 
-  /// What one likelihood returned so far.
+  /// Counts of values of one likelihood.
   struct Tally {
     long values = 0;
     long impossible = 0;  ///< NaN or +∞
   };
-  /// All that a target carries from one call to the next, as a value: a target of the same problem
-  /// that is given it goes on bit for bit where the other one was.
+  /// All state between two calls, as a value: a target of the same problem with this memory
+  /// continues bit for bit.
   struct Memory {
     std::vector<double> bias;       ///< of each model, see set_model_bias
     std::vector<double> log_model;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
@@ -209,39 +211,39 @@ class Target {
            memory_.proper.impossible, memory_.stand_in.values, memory_.stand_in.impossible);
   }
 
-  /// Fills in everything of `state` that follows from model and z. An infinite z is impossible: -∞.
-  /// The residuals are those of the stand-in where the problem has one.
+  /// Computes everything of `state` that follows from model and z. An infinite z is impossible: -∞.
+  /// The residuals are those of the approximation if the problem has one.
   void evaluate(State& state);
 
-  /// Several states of one model, without predictions and residuals. Where `floors` are given, one
-  /// a state, a log likelihood below them may come out as -∞.
+  /// Several states of one model, without predictions and residuals. If `floors` are given, one per
+  /// state, a log likelihood below its floor may be -∞.
   void evaluate(std::span<State> states, std::span<const double> floors = {});
 
-  /// Fills in what a move may look at: everything but the likelihood proper and its prediction
-  /// where the problem has a stand-in, everything where it has none.
+  /// Computes what moves may use: all except the full likelihood and its prediction if the problem
+  /// has an approximation, otherwise everything.
   void screen(State& state);
-  /// The same where only states with beta · log_screen + log_prior of at least `level` matter:
-  /// those below may have a log_screen of -∞.
+  /// The same if only states with beta · log_screen + log_prior >= `level` matter: log_screen of
+  /// the others may be -∞.
   void screen_above(double level, double beta, State& state);
-  /// The rest, of a screened state.
+  /// Computes the rest of a screened state.
   void complete(State& state);
   [[nodiscard]] bool has_screen() const { return screen_ != nullptr; }
 
-  /// Everything but the likelihood, with respect to dz. Needs an evaluated state.
+  /// Log density of everything but the likelihood, with respect to dz. Needs an evaluated state.
   [[nodiscard]] double log_prior(const State& state) const;
-  /// The same with respect to dx, for the record.
+  /// The same with respect to dx, for output.
   [[nodiscard]] double log_prior_physical(const State& state) const;
 
   /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -
-  /// z_i. False, whatever `dz` then holds, where the state is impossible, the likelihood has no
-  /// gradient or none that is finite, or the problem has a stand-in or a prior factor: then
-  /// differences are the caller's. One that is offered counts as an evaluation.
+  /// z_i. Returns false, with `dz` undefined, if the state is impossible, the likelihood has no
+  /// finite gradient, or the problem has an approximation or a prior factor; the caller then uses
+  /// differences. A gradient counts as one evaluation.
   bool gradient(const State& state, std::span<double> dz);
 
-  /// ∂ ln π/∂z_i and a positive definite stand-in for -∂² ln π/∂z_i ∂z_j (row by row) by
-  /// Likelihood::gauss_newton with differences over dz, one step a coordinate. False, whatever is
-  /// then written, where z is impossible, the problem has components, a stand-in or a prior factor,
-  /// or the likelihood offers none. Fills in x and no value.
+  /// ∂ ln π/∂z_i and a positive definite approximation of -∂² ln π/∂z_i ∂z_j (row by row) by
+  /// Likelihood::gauss_newton with differences over dz, one step per coordinate. Returns false,
+  /// with undefined output, if z is impossible, the problem has components, an approximation or a
+  /// prior factor, or the likelihood offers none. Sets x but no value.
   bool gauss_newton(State& state, std::span<const double> dz, std::span<double> gradient,
                     std::span<double> information);
 
@@ -250,28 +252,28 @@ class Target {
   /// Draws the parameters of one model from the prior, not evaluated.
   void draw_prior(int model, base::Random& random, State& state) const;
 
-  /// Sorts the components of each kind by their first parameter. True where the order was right
+  /// Sorts the components of each kind by their first parameter. Returns true if they were sorted
   /// already.
   bool sort_components(State& state) const;
   [[nodiscard]] bool is_sorted(const State& state) const;
 
-  /// Adds a constant to each model's log prior, in place of the one before: warm-up may visit
-  /// models otherwise than the posterior does. log_prior_physical leaves it out.
+  /// Replaces the constants added to each model's log prior, by which warm-up visits models with
+  /// other probabilities. log_prior_physical omits them.
   void set_model_bias(const std::vector<double>& bias);
 
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] const ModelSpace& space() const { return problem_->space; }
-  /// Of the likelihood, or of its stand-in where there is one.
+  /// Calls of the likelihood, or of its approximation if there is one.
   [[nodiscard]] long evaluations() const { return memory_.evaluations; }
-  /// Of the likelihood proper where there is a stand-in; 0 where there is none.
+  /// Calls of the full likelihood if there is an approximation; otherwise 0.
   [[nodiscard]] long full_evaluations() const { return memory_.full_evaluations; }
-  /// Values of NaN or +∞ so far, of the likelihood and its stand-in together.
+  /// Values of NaN or +∞ so far, of the likelihood and its approximation together.
   [[nodiscard]] long impossible() const {
     return memory_.proper.impossible + memory_.stand_in.impossible;
   }
 
  private:
-  /// x and the prior's factor; false where the prior makes the state impossible.
+  /// Computes x and the prior factor; false if the prior makes the state impossible.
   bool locate(State& state) const;
   /// Fills in `evaluation_`; returns the checked log likelihood.
   double call(Likelihood& likelihood, Tally& tally, const State& state, double floor);

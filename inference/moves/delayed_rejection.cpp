@@ -38,7 +38,7 @@ Kernel::Outcome DelayedRejection::step(State& state, const Step& step) {
     outcome.accepted = true;
     return outcome;
   }
-  if (step.adapting) return outcome;  // S has just changed: the second stage needs it as it was
+  if (step.adapting) return outcome;  // the second stage would need S before this adaptation
   const Eigen::VectorXd u_first = u;
   propose(kShrink, second_);
   if (second_.log_likelihood == kImpossible) return outcome;

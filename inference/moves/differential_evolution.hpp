@@ -9,15 +9,15 @@
 
 namespace wheeltap::inference {
 
-/// States of each model kept from warm-up, one a column; frozen before sampling, so that the kernel
-/// is the same at every draw.
+/// States of each model from warm-up, one per column; fixed before sampling, so that the kernel
+/// does not change between draws.
 using Archive = std::vector<Eigen::MatrixXd>;
 
-/// z' = z + γ (a - b) + e on one block of coordinates, a and b being two archived states of the
-/// same model (ter Braak & Vrugt 2008, with the archive frozen). The pair (b, a) is as likely, so
-/// the ratio is 1. γ is 2.38/√(2d), or 1 one time in ten to jump between modes. So that the chain
-/// is irreducible, e ~ N(0, s²) with s_i = 10⁻⁴ |c_i - d_i| + 10⁻¹² of another two states c and d:
-/// narrow where the posterior is, and where its modes are, since c and d are often of the same one.
+/// z' = z + γ (a - b) + e on one block of coordinates, with a and b two archived states of the same
+/// model (ter Braak & Vrugt 2008, with a fixed archive). The pair (b, a) has the same probability,
+/// so the ratio is 1. γ is 2.38/√(2d), or 1 with probability 0.1 to jump between modes. For
+/// irreducibility, e ~ N(0, s²) with s_i = 10⁻⁴ |c_i - d_i| + 10⁻¹² of two other states c and d. e
+/// is small if the posterior or its modes are narrow, since c and d often belong to the same mode.
 class DifferentialEvolution : public Move {
  public:
   explicit DifferentialEvolution(std::shared_ptr<const Archive> archive)

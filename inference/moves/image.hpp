@@ -1,4 +1,4 @@
-// Images under the symmetries of a structure: the moves that symmetric structures need.
+// Moves to symmetric images of a state, for symmetric structures.
 #pragma once
 
 #include <functional>
@@ -7,8 +7,8 @@
 
 namespace wheeltap::inference {
 
-/// A map of parameters under which the likelihood is (nearly) unchanged: of one parameter each of
-/// some kinds' components, x → image(x) with |d image/dx| = 1. NaN where x has no image.
+/// A map of parameters under which the likelihood is (nearly) invariant. It acts on one parameter
+/// of each component of some kinds, x → image(x) with |d image/dx| = 1. NaN if x has no image.
 struct Symmetry {
   struct Part {
     int kind = 0;       ///< index into ModelSpace::kinds()
@@ -18,15 +18,14 @@ struct Symmetry {
   std::vector<Part> parts;
 };
 
-/// Chooses one of the symmetries uniformly and applies it to every component that has a part in it
-/// (`whole`: the image of the state), or to one component chosen uniformly. With each symmetry its
-/// inverse must be among them, so that there is a way back of the same probability; with respect to
-/// dz then
+/// Chooses one of the symmetries uniformly and applies it to every component concerned (`whole`:
+/// the image of the state), or to one component chosen uniformly. The list must contain the inverse
+/// of each symmetry, so that the reverse move has the same probability. With respect to dz then
 ///
 ///   ln ratio = Σ ln |dz'/dz| = Σ [ ln p(x') - ln φ(z') - ln p(x) + ln φ(z) ]
 ///
-/// over the moved coordinates, from |dz/dx| = p(x) / φ(z). An image outside the prior's support is
-/// no proposal.
+/// over the moved coordinates, from |dz/dx| = p(x) / φ(z). No proposal is made if the image is
+/// outside the prior's support.
 class Image : public Move {
  public:
   Image(std::vector<Symmetry> symmetries, bool whole)

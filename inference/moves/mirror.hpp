@@ -1,12 +1,12 @@
-// Reflections: the move that structures need which are their own mirror images.
+// Reflections, for mirror-symmetric structures.
 #pragma once
 
 #include "inference/moves/image.hpp"
 
 namespace wheeltap::inference {
 
-/// The image under one symmetry, which reflects a parameter of some kinds' components in a centre:
-/// x → 2 c - x, its own inverse.
+/// The image under one symmetry, which reflects a parameter of some kinds' components: x → 2 c - x
+/// about the centre c, its own inverse.
 class Mirror : public Image {
  public:
   Mirror(const std::vector<Reflection>& reflections, bool whole)

@@ -35,7 +35,7 @@ std::optional<double> MixtureJump::propose(const State& from, const Step& step, 
     fit_->density[target]->sample(step.random, to.z);
     if (!step.target.is_sorted(to)) return std::nullopt;
   } else if (to.model == from.model) {
-    return std::nullopt;  // no parameters: nothing to renew
+    return std::nullopt;  // no parameters: nothing to propose
   }
   return log_ratio + fit_->log_density(from.model, from.z) - fit_->log_density(to.model, to.z);
 }

@@ -1,4 +1,4 @@
-// Independence proposals from normal mixtures fitted to pilots.
+// Independence proposals from normal mixtures fitted to pilot samples.
 #pragma once
 
 #include <memory>
@@ -10,7 +10,7 @@
 
 namespace wheeltap::inference {
 
-/// What the pilots taught: for each model a normalised density q_m(z) near its posterior, and a
+/// Fits to the pilot samples: for each model a normalised density q_m(z) near its posterior, and a
 /// rough probability ω_m > 0.
 struct PilotFit {
   std::vector<std::unique_ptr<NormalMixture>> density;  ///< null for a model without parameters
@@ -23,18 +23,18 @@ struct PilotFit {
   }
 };
 
-/// Draws m' ≠ m with probability ω_m' / (1 - ω_m), and adds the choice's part of the ratio,
-/// ln [ω_m / (1 - ω_m')] - ln [ω_m' / (1 - ω_m)], to `log_ratio`. -1 where there is no other model.
+/// Draws m' ≠ m with probability ω_m' / (1 - ω_m), and adds this choice's part of the ratio, ln
+/// [ω_m / (1 - ω_m')] - ln [ω_m' / (1 - ω_m)], to `log_ratio`. Returns -1 if there is no other
+/// model.
 [[nodiscard]] int propose_model(const PilotFit& fit, int from, base::Random& random,
                                 double& log_ratio);
 
-/// Proposes a model m' and its parameters from q_m' afresh (the independence form of AutoMix:
-/// Hastie 2005, ch. 3; Green 2003). `between` takes m' ≠ m with probability ω_m' / (1 - ω_m), else
-/// m' = m:
+/// Proposes a model m' and draws its parameters from q_m' (the independence form of AutoMix: Hastie
+/// 2005, ch. 3; Green 2003). With `between`, m' ≠ m has probability ω_m' / (1 - ω_m), else m' = m:
 ///
 ///   ln ratio = ln [ω_m / (1 - ω_m')] + ln q_m(z) - ln [ω_m' / (1 - ω_m)] - ln q_m'(z').
 ///
-/// q_m' is a density over all vectors; one that does not come out in order is no proposal.
+/// q_m' is a density over all vectors; a draw whose components are not in order is no proposal.
 class MixtureJump : public Move {
  public:
   MixtureJump(std::shared_ptr<const PilotFit> fit, bool between)

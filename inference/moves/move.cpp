@@ -11,11 +11,11 @@ namespace wheeltap::inference {
 
 namespace {
 
-constexpr double kSmallestLogAlpha = -7.0;  ///< what adaptation takes for zero: 1e-3
+constexpr double kSmallestLogAlpha = -7.0;  ///< lower limit of log α in adaptation: α = 1e-3
 
 double log_ratio(const Target& target, double beta, const State& from, const State& to,
                  double State::*log_likelihood) {
-  // A state without finite likelihood is impossible at every temperature, beta = 0 included.
+  // A state without a finite likelihood is impossible at every temperature, even at beta = 0.
   if (to.*log_likelihood == -kInfinity) return -kInfinity;
   if (from.*log_likelihood == -kInfinity) return kInfinity;
   return beta * (to.*log_likelihood - from.*log_likelihood)  // likelihood ratio
@@ -39,7 +39,7 @@ Kernel::Outcome MetropolisHastings::step(State& state, const Step& step) {
   if (!log_hastings) return {};
   const double log_u = std::log(step.random.uniform());
   if (!proposal_.screened) {
-    // Below this level the proposal is rejected, whatever its likelihood.
+    // Below this level the proposal is rejected for any likelihood.
     const double level = (step.adapting ? std::min(log_u, kSmallestLogAlpha) : log_u) -
                          *log_hastings + step.beta * state.log_screen +
                          step.target.log_prior(state);
@@ -116,7 +116,7 @@ void KernelMixture::restore(std::span<const double> learnt) {
   const std::size_t wanted = this->learnt().size();
   if (learnt.size() != wanted) {
     throw std::invalid_argument("kernels: " + std::to_string(learnt.size()) +
-                                " numbers learnt, must be " + std::to_string(wanted));
+                                " saved numbers, must be " + std::to_string(wanted));
   }
   for (const auto& kernel : kernels_) kernel->restore(learnt);
 }

@@ -1,4 +1,4 @@
-// Moves of a Markov chain: reversible pairs, and the one place where they are accepted or rejected.
+// Moves of a Markov chain: reversible pairs of proposals, and their acceptance.
 #pragma once
 
 #include <memory>
@@ -12,8 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// What a kernel may use while it makes one step at inverse temperature `beta`: it leaves
-/// prior × likelihood^beta invariant. `adapting` is true in warm-up only.
+/// Context of one kernel step at inverse temperature `beta`, which leaves prior × likelihood^beta
+/// invariant. `adapting` is true in warm-up only.
 struct Step {
   Target& target;
   base::Random& random;
@@ -25,19 +25,20 @@ struct Step {
 class Kernel {
  public:
   struct Outcome {
-    bool proposed = false;  ///< false where the kernel does not apply to the state
+    bool proposed = false;  ///< false if the kernel does not apply to the state
     bool accepted = false;
-    int to_model = 0;  ///< what was proposed
+    int to_model = 0;  ///< the proposed model
   };
-  /// `work` of a step beside the likelihood, in likelihood calls (see kOperationsACall).
+  /// `work` is the cost of a step besides the likelihood, in likelihood calls (see
+  /// kOperationsACall).
   explicit Kernel(std::string name, double work = 0.0) : name_(std::move(name)), work_(work) {}
   virtual ~Kernel() = default;
   Kernel(const Kernel&) = delete;
   Kernel& operator=(const Kernel&) = delete;
 
   virtual Outcome step(State& state, const Step& step) = 0;
-  /// Appends what steps have taught it, and takes it back from the front of `numbers`: a kernel
-  /// made anew and given them goes on bit for bit.
+  /// `save` appends the adaptation state to `numbers`; `restore` removes it from their front. A new
+  /// kernel with the restored state continues bit for bit.
   virtual void save(std::vector<double>& /*numbers*/) const {}
   virtual void restore(std::span<const double>& /*numbers*/) {}
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -48,11 +49,11 @@ class Kernel {
   double work_;
 };
 
-/// So many multiplications are counted as one likelihood call: some microseconds, what a cheap
-/// likelihood takes. Work is counted and never timed, so that every machine makes the same draws.
+/// Multiplications counted as one likelihood call: some microseconds, the time of a cheap
+/// likelihood. Work is counted and not timed, so that every machine makes the same draws.
 inline constexpr double kOperationsACall = 1e4;
 
-/// What a kernel did while its worth was learnt.
+/// Statistics of a kernel while its efficiency is estimated.
 struct KernelRecord {
   long proposed = 0, accepted = 0;
   long jumps_proposed = 0, jumps_accepted = 0;  ///< between models
@@ -73,23 +74,23 @@ struct KernelRecord {
   }
 };
 
-/// A move is a pair: forward and reverse share one expression, so that they cannot drift apart. It
-/// knows the proposal only; prior and likelihood are the sampler's.
+/// A move is a reversible pair: one expression gives the forward and the reverse density. It knows
+/// the proposal only; the sampler adds prior and likelihood.
 class Move {
  public:
   virtual ~Move() = default;
 
-  /// Writes a proposal into `to` (which arrives as a copy of `from`) and returns
+  /// Writes a proposal into `to` (initially a copy of `from`) and returns
   ///
   ///   ln [ q(to → from) / q(from → to) · |J| ]     with respect to dz,
   ///
-  /// or nothing where no proposal is possible: the chain then repeats its state. A move whose
-  /// reverse density depends on the likelihood's residuals screens `to` itself.
+  /// or nothing if no proposal is possible; the chain then repeats its state. A move whose reverse
+  /// density depends on the likelihood's residuals must screen `to` itself.
   virtual std::optional<double> propose(const State& from, const Step& step, State& to) = 0;
 
   /// Called after each of its proposals during warm-up.
   virtual void adapt(double /*acceptance_probability*/, const State& /*reached*/) {}
-  /// What `adapt` has learnt; see Kernel::save.
+  /// Saves the state of `adapt`; see Kernel::save.
   virtual void save(std::vector<double>& /*numbers*/) const {}
   virtual void restore(std::span<const double>& /*numbers*/) {}
 };
@@ -98,14 +99,14 @@ class Move {
 ///
 ///   min{1, likelihood ratio^beta · prior ratio · proposal ratio · |J|}       (Green 1995, eq. 7).
 ///
-/// Where the problem has a stand-in ℓ* for the log likelihood ℓ, delayed acceptance (Christen & Fox
-/// 2005, Markov chain Monte Carlo using an approximation, section 2): the ratio above with ℓ*
-/// decides whether ℓ is computed at all, and the proposal is then accepted with probability
+/// If the problem has an approximation ℓ* of the log likelihood ℓ, acceptance is delayed (Christen
+/// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). The ratio above with ℓ*
+/// decides whether ℓ is computed, and the proposal is then accepted with probability
 ///
 ///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
 ///
-/// The first stage is a kernel that leaves prior × exp(beta ℓ*) invariant, so its own ratio is that
-/// density's, and the second stage corrects it, whatever the move and the models.
+/// The first stage leaves prior × exp(beta ℓ*) invariant, and the second corrects it to the
+/// posterior, for every move and model.
 class MetropolisHastings : public Kernel {
  public:
   MetropolisHastings(std::string name, std::unique_ptr<Move> move, double work = 0.0)
@@ -119,27 +120,28 @@ class MetropolisHastings : public Kernel {
   State proposal_;
 };
 
-/// ln of the ratio of tempered target densities, to over from; -∞ where `to` is impossible, +∞
-/// where only `from` is.
+/// ln of the ratio of tempered target densities, `to` over `from`; -∞ if `to` is impossible, +∞ if
+/// only `from` is.
 [[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
-/// The same with the stand-in's log likelihood.
+/// The same with the approximate log likelihood.
 [[nodiscard]] double log_screen_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 
 /// A fixed mixture of kernels: each step picks one with probability proportional to its weight,
-/// whatever the state. A kernel that does not apply leaves the state alone.
+/// independent of the state. A kernel that does not apply leaves the state unchanged.
 class KernelMixture {
  public:
-  /// `most`: how many times its weight it may come to have (kernel_efficiencies).
+  /// `most` is the largest factor on its weight (kernel_efficiencies).
   void add(double weight, std::unique_ptr<Kernel> kernel, double most = 1.0);
-  /// Multiplies the weights, one factor > 0 a kernel.
+  /// Multiplies the weights by one factor > 0 per kernel.
   void reweigh(const std::vector<double>& factors);
-  /// Makes one step; returns the index of the kernel used, -1 where there is none.
+  /// Makes one step; returns the index of the kernel, -1 if there is none.
   int step(State& state, const Step& step, Kernel::Outcome& outcome);
-  /// What its kernels have learnt, one after the other.
+  /// Adaptation states of all kernels, one after the other.
   [[nodiscard]] std::vector<double> learnt() const;
-  /// Takes it back. Throws std::invalid_argument where that is not what these kernels learn.
+  /// Restores them. Throws std::invalid_argument if `learnt` does not have the length that these
+  /// kernels expect.
   void restore(std::span<const double> learnt);
   [[nodiscard]] int size() const { return static_cast<int>(kernels_.size()); }
   [[nodiscard]] const Kernel& operator[](int i) const {
@@ -152,11 +154,11 @@ class KernelMixture {
   std::vector<double> cumulative_, most_;
 };
 
-/// What each kernel is worth beside the best other one of its sort, from 0.1 to its `most`: the
-/// moves it had accepted, between models where it proposes such, per unit of counted work, a
-/// likelihood call a proposal included. Kernels that cost nothing beside their call and may not
-/// grow keep their weight, 1, whatever they bring: some are there for what the others miss. So does
-/// one of which there is too little to go by.
+/// Efficiency of each kernel relative to the best other kernel of its type, from 0.1 to its `most`:
+/// accepted moves (between models, for kernels that propose such) per unit of counted work, with
+/// one likelihood call per proposal. Kernels without additional cost whose `most` is 1 keep the
+/// weight 1, since some reach states that the others do not. So do kernels with too few proposals
+/// to judge.
 [[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                                       const std::vector<KernelRecord>& records);
 

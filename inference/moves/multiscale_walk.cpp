@@ -5,7 +5,7 @@
 namespace wheeltap::inference {
 
 std::optional<double> MultiscaleWalk::propose(const State& from, const Step& step, State& to) {
-  constexpr double kShortest = 1e-3, kLongest = 3.0;  // in terms of S
+  constexpr double kShortest = 1e-3, kLongest = 3.0;  // relative to S
   const std::vector<RandomWalk::Block>& blocks = scales_[static_cast<std::size_t>(from.model)];
   if (blocks.empty()) return std::nullopt;
   const RandomWalk::Block& all = blocks.back();

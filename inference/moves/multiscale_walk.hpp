@@ -1,19 +1,19 @@
-// Symmetric steps of all lengths, for posteriors whose width changes from place to place.
+// Symmetric steps of all lengths, for posteriors whose width varies with position.
 #pragma once
 
 #include "inference/moves/random_walk.hpp"
 
 namespace wheeltap::inference {
 
-/// z' = z + f S u: along one coordinate, chosen uniformly, or along all of them, a step each second
-/// time, with u ~ N(0, 1) or N(0, I) and S the model's scales as warm-up has left them (of one
-/// coordinate its standard deviation). ln f is uniform between ln 10⁻³ and ln 3, chosen without
-/// regard to the state: symmetric, so the ratio is 1. A random walk with one scale is right in the
-/// mouth of a funnel (Neal 2003, Annals of Statistics 31:705, section 8) or in its neck; one of all
-/// scales moves in both, at the price of the steps that are too long or too short.
+/// z' = z + f S u, for one coordinate, chosen uniformly, or all of them, each with probability ½,
+/// and u ~ N(0, 1) or N(0, I). S are the model's scales after warm-up (for one coordinate its
+/// standard deviation). ln f is uniform between ln 10⁻³ and ln 3, independent of the state:
+/// symmetric, so the ratio is 1. A random walk with one scale suits either the mouth of a funnel
+/// (Neal 2003, Annals of Statistics 31:705, section 8) or its neck. A walk with all scales moves in
+/// both, at the cost of steps that are too long or too short.
 class MultiscaleWalk : public Move {
  public:
-  /// Uses the last block of each model: all its coordinates.
+  /// Uses the last block of each model, which holds all coordinates.
   explicit MultiscaleWalk(RandomWalk::Scales scales) : scales_(std::move(scales)) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 

@@ -42,7 +42,7 @@ std::optional<double> RandomWalk::propose(const State& from, const Step& step, S
     for (Eigen::Index k = 0; k <= i; ++k) sum += block_->factor(i, k) * u_[k];
     to.z[static_cast<std::size_t>(block_->first + i)] += factor_ * sum;
   }
-  // Each place in the order has a scale of its own, so a step that changes the order would not be
+  // Each position in the order has its own scale, so a step that changes the order would not be
   // symmetric.
   if (!step.target.is_sorted(to)) {
     if (step.adapting) adapt(0.0, from);

@@ -9,18 +9,17 @@
 
 namespace wheeltap::inference {
 
-/// z' = z + f S u with u ~ N(0, I) on a block of the coordinates: the model's own parameters, one
-/// of its components, or all of them, chosen uniformly. Symmetric, so the ratio is 1. The factor f
-/// is 1 in most steps and 0.1 or 4 in the others, chosen independently of the state: narrow and
-/// wide modes are both served.
+/// z' = z + f S u with u ~ N(0, I) on a block of the coordinates, chosen uniformly: the model's own
+/// parameters, one of its components, or all of them. Symmetric, so the ratio is 1. The factor f is
+/// 1 in most steps and 0.1 or 4 in the others, independent of the state, for narrow and wide modes.
 ///
-/// S (lower triangular, one a block and model) is learnt in warm-up by robust adaptive Metropolis
+/// S (lower triangular, one per block and model) adapts in warm-up by robust adaptive Metropolis
 /// (Vihola 2012, algorithm RAM), towards an acceptance of 0.44 in one dimension and 0.234 in many:
 ///
 ///   S Sᵀ ← S (I + η_n (α - α*) u uᵀ / |u|²) Sᵀ,     η_n = min(1, d n^(-2/3)).
 class RandomWalk : public Move {
  public:
-  /// The blocks' scales, for every model; what warm-up learns.
+  /// Scales of the blocks of every model, adapted in warm-up.
   struct Block {
     int first = 0;  ///< coordinates [first, first + S.rows())
     Eigen::MatrixXd factor;
@@ -28,13 +27,13 @@ class RandomWalk : public Move {
   };
   using Scales = std::vector<std::vector<Block>>;  ///< [model][block]
 
-  /// One step of RAM, after a proposal S u that had this acceptance probability.
+  /// One step of RAM after a proposal S u with this acceptance probability.
   static void learn(Block& block, const Eigen::VectorXd& u, double acceptance_probability);
 
-  /// Blocks of every model, with S = the identity; the last block of each is all its coordinates.
+  /// Blocks of every model, with S = I; the last block of each holds all coordinates.
   [[nodiscard]] static Scales initial_scales(const ModelSpace& space);
 
-  /// S and the number of steps it was learnt in, block after block: as Kernel::save.
+  /// Saves S and its number of adaptation steps, block after block; see Kernel::save.
   static void save(const Scales& scales, std::vector<double>& numbers);
   static void restore(Scales& scales, std::span<const double>& numbers);
 

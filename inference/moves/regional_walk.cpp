@@ -13,7 +13,8 @@ double squared_norm(std::span<const double> u) {
   return sum;
 }
 
-// Standardised by every component, and ln r_k but for a constant, which is returned.
+// Writes (z - μ_k) standardised by every component, and ln r_k up to a constant; returns that
+// constant.
 double responsibilities(const NormalMixture& mixture, std::span<const double> z,
                         std::vector<double>& standardised, std::vector<double>& log_r) {
   const std::size_t d = z.size();
@@ -50,7 +51,7 @@ std::optional<double> RegionalWalk::propose(const State& from, const Step& step,
   }
   const double scale =
       std::pow(kShortest, step.random.uniform()) * 2.38 / std::sqrt(static_cast<double>(d));
-  // In the component's coordinates, where it is a step of N(0, scale²).
+  // In the component's coordinates the step is N(0, scale²).
   std::vector<double>& u = to_;
   u.resize(d);
   for (std::size_t i = 0; i < d; ++i) u[i] = from_[k * d + i] + scale * step.random.normal();

@@ -1,4 +1,4 @@
-// Steps with the shape of the part of the posterior that the state is in.
+// Random walk with the covariance of the mixture component nearest to the state.
 #pragma once
 
 #include <memory>
@@ -14,11 +14,11 @@ namespace wheeltap::inference {
 ///
 ///   ln ratio = ln Σ_k r_k(z') A_k - ln Σ_k r_k(z) A_k,
 ///   A_k = exp(-½ d |L_k⁻¹ (z' - z)|² / (2.38 f)²) / |L_k|,
-///   r_k(z) ∝ w_k / |L_k| · (1 + |L_k⁻¹ (z - μ_k)|²)^{-(d+1)/2}:
+///   r_k(z) ∝ w_k / |L_k| · (1 + |L_k⁻¹ (z - μ_k)|²)^{-(d+1)/2}.
 ///
-/// Cauchy's tails, so that beyond the mixture's end its nearest component shows the way. On a thin
-/// curved ridge no single scale fits; steps that turn with it creep along and on beyond what the
-/// mixture covers, until that is fitted anew.
+/// The responsibilities have Cauchy tails, so that the nearest component is chosen outside the
+/// mixture. No single scale fits a thin curved ridge. These steps follow its curvature and continue
+/// beyond the mixture until the next fit covers that region.
 class RegionalWalk : public Move {
  public:
   explicit RegionalWalk(std::shared_ptr<const PilotFit> fit) : fit_(std::move(fit)) {}

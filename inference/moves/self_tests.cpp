@@ -18,21 +18,21 @@ std::string at(double z, double x) {
   return "at z = " + base::number(z) + ", x = " + base::significant(x, 6) + ": ";
 }
 
-// What rounding x, or its distance from 0, to a double can move z by.
+// Change of z due to the rounding of x, or of its distance from 0, to a double.
 double resolution(const Prior& prior, double x) {
   const double step = 4e-16 * (std::fabs(x) + 1e-300);
   return prior.to_standard_normal(x + step) - prior.to_standard_normal(x - step);
 }
 
-// p(x(z)) dx/dz / φ(z), dx/dz by differences of fourth order; nothing where x does not resolve
+// p(x(z)) dx/dz / φ(z), with dx/dz by fourth-order differences; nothing where x does not resolve
 // them.
 struct Ratio {
-  double value, error;  // by rounding
+  double value, error;  // due to rounding
 };
 std::optional<Ratio> density_over_slope(const Prior& prior, double z, double x) {
   constexpr double kStep = 5e-3, kSmallest = 5e-6, kMost = 0.04;
   const auto beside = [&](double d) { return prior.from_standard_normal(z + d); };
-  // Short steps where x runs over magnitudes, which no polynomial follows.
+  // Short steps where x spans orders of magnitude, which no polynomial approximates.
   const double spread = beside(2 * kStep) - beside(-2 * kStep);
   const double step = std::clamp(kStep * kMost * std::fabs(x) / spread, kSmallest, kStep);
   const double slope =
@@ -44,8 +44,8 @@ std::optional<Ratio> density_over_slope(const Prior& prior, double z, double x) 
                4.0 * rounding / slope};
 }
 
-// A function of model and z between -1 and 1: a wave over one or two coordinates, with an amplitude
-// for each model.
+// A function of model and z between -1 and 1: a wave over one or two coordinates, with one
+// amplitude per model.
 struct Wave {
   std::vector<double> amplitudes;
   std::array<std::size_t, 2> coordinates;
@@ -82,14 +82,14 @@ struct Balance {
     sum += weight * d;
     squares += weight * weight * d * d;
   }
-  // Of a mean of zero; few terms say nothing.
+  // p-value of a zero mean; 1 for too few terms.
   [[nodiscard]] double p_value() const {
     if (terms < 30 || !(squares > 0.0)) return 1.0;
     return 2.0 * normal_cdf(-std::fabs(sum) / std::sqrt(squares));
   }
 };
 
-// exp(factor + β log likelihood), the largest being 1; false where all are 0.
+// Computes exp(factor + β log likelihood), scaled to a largest value of 1; false if all are 0.
 bool weigh_tests(const std::vector<State>& states, double beta, std::vector<double>& weights) {
   double top = -kInfinity;
   for (std::size_t n = 0; n < states.size(); ++n) {
@@ -116,13 +116,13 @@ std::string in_words(const MoveCheck& check, double false_alarm) {
   const auto counts = [](long accepted, long proposed) {
     return std::to_string(accepted) + " of " + std::to_string(proposed) + " proposals accepted";
   };
-  if (check.proposed == 0) return "nothing was proposed from any draw of the prior";
+  if (check.proposed == 0) return "the move proposed nothing from any draw of the prior";
   std::string text = counts(check.accepted, check.proposed);
   if (check.jumps_proposed > 0)
     text += ", between models " + counts(check.jumps_accepted, check.jumps_proposed);
-  if (check.accepted == 0) return text + ": nothing can be said of its balance";
-  text += check.passed ? "; no fault seen" : "; it does NOT balance";
-  return text + " (p = " + base::significant(check.p_value, 2) + ", a fault is one below " +
+  if (check.accepted == 0) return text + ": detailed balance could not be tested";
+  text += check.passed ? "; no fault found" : "; detailed balance is VIOLATED";
+  return text + " (p = " + base::significant(check.p_value, 2) + ", limit " +
          base::significant(false_alarm, 2) + "), likelihood to the powers 0 and " +
          base::significant(check.beta, 2);
 }
@@ -132,7 +132,7 @@ std::string in_words(const MoveCheck& check, double false_alarm) {
 PriorCheck check_prior(const Prior& prior) {
   constexpr double kStep = 1.0 / 64.0;
   constexpr int kHalf = 6 * 64;
-  constexpr int kKink = 3;  // places in a row that a kink of the density puts off
+  constexpr int kKink = 3;  // consecutive positions that a kink of the density affects
   PriorCheck check;
   double previous = -kInfinity, smallest = kInfinity, largest = 0.0, weight = 0.0;
   int in_a_row = 0, most = 0;
@@ -142,7 +142,7 @@ PriorCheck check_prior(const Prior& prior) {
     const double x = prior.from_standard_normal(z);
     const auto fault = [&](const std::string& what) { check.faults.push_back(at(z, x) + what); };
     if (std::isnan(x) || x < prior.lower() || x > prior.upper())
-      fault("the quantile is not within the support, [" + base::number(prior.lower()) + ", " +
+      fault("the quantile lies outside the support, [" + base::number(prior.lower()) + ", " +
             base::number(prior.upper()) + "]");
     else if (x < previous)
       fault("the quantile decreases");
@@ -151,9 +151,9 @@ PriorCheck check_prior(const Prior& prior) {
     if (!check.passed()) return check;
     previous = x;
     const double back = prior.to_standard_normal(x), grain = resolution(prior, x);
-    if (!std::isfinite(grain)) continue;  // at an end of the support
+    if (!std::isfinite(grain)) continue;  // at a bound of the support
     if (!(std::fabs(back - z) <= 1e-7 + 4.0 * grain)) {
-      fault("the distribution function leads back to z = " + base::significant(back, 6));
+      fault("the distribution function of this x gives z = " + base::significant(back, 6));
       return check;
     }
     const std::optional<Ratio> ratio = density_over_slope(prior, z, x);
@@ -197,8 +197,9 @@ MoveCheck check_move(const Problem& problem, const std::function<std::unique_ptr
   }
   std::vector<double> weights(states.size());
   if (!weigh_tests(states, 0.0, weights))
-    throw std::invalid_argument("check_move: prior factor and likelihood are nowhere finite in " +
-                                std::to_string(options.draws) + " draws of the prior");
+    throw std::invalid_argument(
+        "check_move: prior factor and likelihood are not finite at any of " +
+        std::to_string(options.draws) + " draws of the prior");
   MoveCheck check;
   check.beta = 1.0;
   const auto carried = [&] { return weigh_tests(states, check.beta, weights), effective(weights); };
@@ -221,7 +222,7 @@ MoveCheck check_move(const Problem& problem, const std::function<std::unique_ptr
       const auto log_hastings = move->propose(states[n], {target, random, beta, false}, next);
       if (!log_hastings) continue;
       if (!next.evaluated) target.evaluate(next);
-      // What is expected of accepting or not, in place of either: rare ones would weigh too much.
+      // The expectation over accepting or not, since rare acceptances would get too much weight.
       const double log_alpha = log_target_ratio(target, beta, states[n], next) + *log_hastings;
       const double alpha = std::isnan(log_alpha) ? 0.0 : std::exp(std::min(0.0, log_alpha));
       const bool accepted = random.uniform() < alpha, jump = next.model != states[n].model;

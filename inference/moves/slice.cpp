@@ -5,7 +5,7 @@
 namespace wheeltap::inference {
 
 Kernel::Outcome Slice::step(State& state, const Step& step) {
-  constexpr int kMostSteps = 30;  // of the stepping out, shared between the two ends
+  constexpr int kMostSteps = 30;  // of stepping out, for both ends together
   if (state.z.empty()) return {};
   base::Random& random = step.random;
   // One coordinate, or all of them in a random direction.
@@ -19,7 +19,7 @@ Kernel::Outcome Slice::step(State& state, const Step& step) {
   const auto log_ratio_at = [&](double t) {
     trial_ = state;
     for (std::size_t i = 0; i < direction_.size(); ++i) trial_.z[i] += t * direction_[i];
-    // The slice is taken in the ordered cone, where the target lives.
+    // The target has support only on vectors in order.
     if (!step.target.is_sorted(trial_)) return -std::numeric_limits<double>::infinity();
     step.target.evaluate(trial_);
     return log_target_ratio(step.target, step.beta, state, trial_);

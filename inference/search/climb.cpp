@@ -12,13 +12,13 @@ namespace {
 
 constexpr double kBound = 8.3;        // |z|
 constexpr double kDifference = 0.05;  // of a width, for derivatives
-constexpr double kArrived = 0.01;     // ln: what a further step would gain
+constexpr double kArrived = 0.01;     // ln: expected gain of a further step at convergence
 constexpr int kMostSteps = 100;
 constexpr int kMostDampedSteps = 40;
 constexpr double kLeastDamping = 1e-6;
-constexpr double kStrongerDamping = 10.0;                    // times, from trial to trial
-constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};  // of a long step, looked at
-constexpr double kCreeping = 1.0;  // ln: the gain of a step that is not worth another method
+constexpr double kStrongerDamping = 10.0;                    // factor between trials
+constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};  // check points on a long step
+constexpr double kCreeping = 1.0;  // ln: gain below which another method is not worth its cost
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
@@ -33,13 +33,13 @@ class Climber {
     end.possible = true;
     if (!known.empty() && arrives(end, known)) return end;
     if (!ascend_by_residuals(end)) ascend(end);
-    end.possible = !f_.stopped();  // where it stands then is no mode
+    end.possible = !f_.stopped();  // a stopped climb has not reached a mode
     return end;
   }
 
  private:
-  // Newton steps with the curvature of the nearest known mode, while they do what its quadratic
-  // says.
+  // Newton steps with the curvature of the nearest known mode, as long as its quadratic model
+  // predicts the gains.
   bool arrives(ClimbEnd& end, const std::vector<KnownMode>& known) {
     int nearest = 0;
     double least = kInfinity;
@@ -81,8 +81,8 @@ class Climber {
     return false;
   }
 
-  // Whether a long step has leapt over something: points on its way that lie above the cubic
-  // through values and slopes of its two ends. The climb then starts from the highest of them.
+  // Whether a long step has passed over something: points on the way that lie above the cubic
+  // through values and slopes of its two ends. The climb then continues from the highest of them.
   bool overlooked(const Vector& from, double f0, const Vector& gradient, const Vector& to,
                   double f1, const KnownMode& mode, ClimbEnd& end) {
     const Vector step = to - from;
@@ -109,9 +109,10 @@ class Climber {
   //
   //   (I + λ diag I) s = g,
   //
-  // the least damping λ whose gain is what the quadratic says, within limits as in ascend(): a step
-  // that leaves the region where it holds may leave the basin. False where that is not offered or
-  // does not arrive; then `end` is how far it came.
+  // and the smallest damping λ whose gain agrees with the quadratic model, within limits as in
+  // ascend(), since a step beyond the region where the model holds may leave the basin. False if
+  // the likelihood offers no such model or the method does not converge; `end` is then the last
+  // point.
   bool ascend_by_residuals(ClimbEnd& end) {
     Vector g(d_), width = Vector::Ones(d_);
     Matrix information(d_, d_);
@@ -121,7 +122,7 @@ class Climber {
         if (!f_.gauss_newton(end.z, kDifference * width, g, information)) return false;
         const Vector before = width;
         adapt(width, information.diagonal());
-        // From near a mode differences over a draw of the prior point nowhere.
+        // Near a mode, differences that suit a draw of the prior give a wrong direction.
         if (iteration > 0 || !fine_ || (width.array() > 0.5 * before.array()).all()) break;
       }
       const Eigen::LLT<Matrix> llt(information);
@@ -139,9 +140,9 @@ class Climber {
     return false;
   }
 
-  // Moves `end` by the first of steps with more and more damping, from `damping` on, that gains
-  // what it should, and says how much; 0 where none does. The likeliest one is tried by itself, the
-  // others together.
+  // Tries steps with increasing damping, from `damping` on, and moves `end` by the first one whose
+  // gain agrees with the model. Returns that gain; 0 if there is none. Evaluates the most likely
+  // step alone, the others together.
   double damped_step(ClimbEnd& end, const Vector& g, const Matrix& information, double& damping) {
     const double reach = 2.0 * std::sqrt(static_cast<double>(d_));
     const Vector diagonal = information.diagonal();
@@ -162,7 +163,8 @@ class Climber {
         dampings[k] = next;
         next = next > 0.0 ? kStrongerDamping * next : kLeastDamping;
       }
-      const Vector values = f_.values(to, end.value);  // what gains nothing is not looked at
+      // Steps without a gain are not evaluated further.
+      const Vector values = f_.values(to, end.value);
       for (Eigen::Index k = 0; k < n; ++k) {
         const double gain = values[k] - end.value;
         if (!(gain > 0.1 * expected[k] && gain > 0.0 && gain <= 10.0 * linear[k])) continue;
@@ -181,7 +183,7 @@ class Climber {
     Vector gradient, curvature;  // minus the second derivatives
   };
 
-  // Central differences over steps of a few per cent of the widths so far.
+  // Central differences with steps of a few per cent of the current widths.
   Slopes slopes(const Vector& z, double value, const Vector& width) {
     Slopes s{Vector(d_), Vector(d_)};
     Matrix to = z.replicate(1, 2 * d_);
@@ -195,7 +197,7 @@ class Climber {
       if (above && below) {
         s.gradient[i] = (up - down) / (2.0 * h);
         s.curvature[i] = (2.0 * value - up - down) / (h * h);
-      } else {  // beside a cliff: away from it, and no further than it is
+      } else {  // beside a cliff: one-sided, away from it
         s.gradient[i] = above ? (up - value) / h : below ? (value - down) / h : 0.0;
         s.curvature[i] = 1.0 / (h * h);
       }
@@ -220,7 +222,7 @@ class Climber {
     }
     Matrix b = width.array().square().matrix().asDiagonal();
     double reach =
-        2.0 * std::sqrt(static_cast<double>(d_));  // as far as one prior draw is from another
+        2.0 * std::sqrt(static_cast<double>(d_));  // typical distance between two prior draws
     bool diagonal = true;                          // b is the diagonal of second differences
     for (int iteration = 0; iteration < kMostSteps && !f_.stopped(); ++iteration) {
       Vector step = b * at.gradient;
@@ -248,7 +250,7 @@ class Climber {
           moved = true;
           break;
         }
-        // Where the parabola through value, slope and this point has its top.
+        // Maximum of the parabola through value, slope and this point.
         double next = 0.25 * t;
         if (std::isfinite(gain) && linear > gain)
           next = std::clamp(0.5 * t * linear / (linear - gain), 0.02 * t, 0.5 * t);
@@ -356,7 +358,7 @@ KnownMode measure(Surface& f, const ClimbEnd& end) {
   const Eigen::Index d = end.z.size();
   KnownMode mode{.z = end.z, .value = end.value, .covariance = {}, .precision = {}};
   Vector h = Vector::Constant(d, 0.3), up(d), down(d);
-  std::vector<Eigen::Index> open(static_cast<std::size_t>(d));  // steps that are not settled
+  std::vector<Eigen::Index> open(static_cast<std::size_t>(d));  // steps that have not converged
   for (Eigen::Index i = 0; i < d; ++i) {
     open[static_cast<std::size_t>(i)] = i;
     if (end.inverse_hessian.rows() == d && end.inverse_hessian(i, i) > 0.0)

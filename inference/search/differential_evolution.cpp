@@ -11,7 +11,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// How the strategies and crossover rates fared lately.
+// Recent success of the strategies and crossover rates.
 struct Learning {
   static constexpr int kPeriod = 25;  // generations
 
@@ -23,7 +23,7 @@ struct Learning {
 
   void learn() {
     const auto rate = [&](std::size_t s) { return (succeeded[s] + 1.0) / (tried[s] + 2.0); };
-    // Never quite gives up on either.
+    // Never drops a strategy completely.
     second_strategy = std::clamp(rate(1) / (rate(0) + rate(1)), 0.05, 0.95);
     if (crossover_count > 0.0) crossover_mean = crossover_sum / crossover_count;
     tried = succeeded = {};

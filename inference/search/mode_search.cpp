@@ -17,22 +17,23 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kSlices = 8;  // of a batch, each with a likelihood of its own
+constexpr int kSlices = 8;  // of a batch, each with its own likelihood object
 constexpr long kFirstBatch = 8, kMostBatch = 256;
-constexpr long kFirstOfRecord = 2;    // few climb its length before a mode is known
+constexpr long kFirstOfRecord = 2;    // few climbs use the full growth before a mode is known
 constexpr long kScreened = 256;       // draws of the prior on a whole record
-constexpr int kScreenedClimbs = 4;    // from the likeliest of them
-constexpr double kValley = 2.0;       // ln: between two modes
-constexpr double kNegligible = 25.0;  // ln: below the weightiest mode
+constexpr int kScreenedClimbs = 4;    // from the likeliest of these
+constexpr double kValley = 2.0;       // ln: depth between two modes
+constexpr double kNegligible = 25.0;  // ln: below the mode with the largest mass
 constexpr std::size_t kMostModes = 60;
 constexpr long kSearchSamples = 50;  // of a growing record
-constexpr double kDrawsAMode = 4.0;  // to go on from, as a record grows
-constexpr double kFollowed = 30.0;   // modes, as a record grows
+constexpr double kDrawsAMode = 4.0;  // starts per mode as a record grows
+constexpr double kFollowed = 30.0;   // modes followed as a record grows
 constexpr double kFewestFollowed = 6.0;
-constexpr std::size_t kThreads = 3;  // modes that are followed in small steps where they were lost
-constexpr long kFirstGrowth = 4, kLeastGrowth = 128;  // steps: a record by these
-constexpr std::size_t kSummits = 3;                   // modes whose tops are looked at
-constexpr double kSummitShare = 0.01;                 // of the budget that this may take
+constexpr std::size_t kThreads = 3;  // lost modes that are followed in small steps
+// A record grows by these numbers of time steps.
+constexpr long kFirstGrowth = 4, kLeastGrowth = 128;
+constexpr std::size_t kSummits = 3;    // modes whose maxima are checked for spikes
+constexpr double kSummitShare = 0.01;  // of the budget, for this check
 constexpr std::uint64_t kScreenStream = std::uint64_t{1} << 62U;
 
 using Vector = Eigen::VectorXd;
@@ -45,7 +46,7 @@ double laplace_mass(const KnownMode& mode) {
          factor.diagonal().array().log().sum();
 }
 
-// No valley between the two.
+// Whether there is no valley between the two.
 bool joined(Surface& f, const Vector& a, double value_a, const Vector& b, double value_b) {
   for (const double t : {0.5, 0.25, 0.75})
     if (f(a + t * (b - a)) < std::min(value_a, value_b) - kValley) return false;
@@ -65,7 +66,7 @@ class Search {
 
   [[nodiscard]] Eigen::Index dimension() const { return surfaces_.front()->dimension(); }
 
-  // From the prior.
+  // Climbs from draws of the prior.
   void run() {
     const long most = options_.climbs > 0 ? options_.climbs : kMostClimbs;
     long begun = 0;
@@ -97,9 +98,9 @@ class Search {
         options_.fine));
   }
 
-  // Modes that stand on top of those found, each far narrower: no valley is between the two, and
-  // both are kept, since each may hold its share.
-  void look_at_summits() {
+  // Looks for much narrower modes at the maxima of the known ones. There is no valley between the
+  // two; both are kept, since each may have probability mass.
+  void search_summits() {
     const long each = summit_calls(dimension());
     const double affordable = kSummitShare * static_cast<double>(options_.budget);
     const auto most = std::min<std::size_t>(
@@ -121,8 +122,8 @@ class Search {
     }
   }
 
-  // From the likeliest of many draws of the prior: where a model cannot explain the data, its mode
-  // on a short record may be far from that on the whole.
+  // Climbs from the likeliest of many draws of the prior. If a model cannot explain the data, its
+  // mode on a short record may be far from that on the whole record.
   void run_likeliest() {
     Surface& surface = *surfaces_.front();
     Matrix draws(surface.dimension(), kScreened);
@@ -147,8 +148,8 @@ class Search {
     run(starts);
   }
 
-  // From the modes of a shorter record, and, when they are known, from draws of the normals about
-  // them.
+  // Climbs from the modes of a shorter record, then from draws of the normals about the resulting
+  // modes.
   void follow(const std::vector<Mode>& modes, std::uint64_t level) {
     merge(climb(static_cast<long>(modes.size()), [&](long i, Surface&, Vector& z) {
       z = Eigen::Map<const Vector>(modes[static_cast<std::size_t>(i)].z.data(), z.size());
@@ -166,7 +167,7 @@ class Search {
     }));
   }
 
-  // Modes that another search has found.
+  // Adds the modes of another search.
   void take(const std::vector<Mode>& modes) {
     for (const Mode& m : modes) {
       known_.push_back(
@@ -207,7 +208,7 @@ class Search {
   }
 
  private:
-  // Each start on its own, with the modes known before.
+  // Climbs from each start, using the modes known before.
   template <typename Start>
   std::vector<ClimbEnd> climb(long n, Start&& start, bool fine = false) {
     std::vector<ClimbEnd> ends(static_cast<std::size_t>(n));
@@ -232,7 +233,7 @@ class Search {
     return ends;
   }
 
-  // In the order of the starts, whichever thread climbed from them.
+  // In the order of the starts, independent of the threads.
   void merge(const std::vector<ClimbEnd>& ends) {
     Surface& f = *surfaces_.front();
     for (const ClimbEnd& end : ends) {
@@ -251,7 +252,7 @@ class Search {
         if (end.value > known_[k].value + 0.5) known_[k] = measure(f, ordered(f, end));
         continue;
       }
-      // A mode far below the best matters only if it is wide: not by more than the prior is.
+      // A mode far below the best matters only if it is wide, and no mode is wider than the prior.
       double best = -kInfinity;
       for (const KnownMode& k : known_) best = std::max(best, k.value);
       const double slack = kNegligible + 12.0 * static_cast<double>(end.z.size());
@@ -259,7 +260,7 @@ class Search {
       known_.push_back(measure(f, ordered(f, end)));
       hits_.push_back(1);
     }
-    // The lowest go where there are too many: not before, since ends name them by their index.
+    // Deletes the lowest if there are too many. Not earlier, since ends refer to modes by index.
     while (known_.size() > kMostModes) {
       const auto least = std::ranges::min_element(known_, {}, &KnownMode::value) - known_.begin();
       known_.erase(known_.begin() + least);
@@ -301,8 +302,8 @@ class Search {
   double way_ = 0.0;
 };
 
-// Whether a record has grown by samples that this mode says little of: far less than of those
-// before, by Gaussian residuals and nats that no mode is worth.
+// Whether the mode of a shorter record was lost: it predicts the added samples far worse than the
+// earlier ones, judged by Gaussian residuals and a margin in nats.
 bool lost(const ModeSearch& before, long n, const ModeSearch& after, long grown) {
   if (after.modes.empty()) return true;
   const double was = before.modes.front().log_posterior;
@@ -311,9 +312,9 @@ bool lost(const ModeSearch& before, long n, const ModeSearch& after, long grown)
   return after.modes.front().log_posterior < was + was * more / all - kNegligible - chance;
 }
 
-// Follows the best modes of n samples to more in steps as small as they need. Where a motion all
-// but leaves its well, or strikes, what n samples say of the parameters does not foretell n more,
-// and the mode of twice the record is not to be seen from that of the record.
+// Follows the best modes of n samples to a longer record in as small steps as necessary. If the
+// motion nearly leaves its well, or strikes a stop, n samples do not predict the next n, and the
+// mode of twice the record cannot be found from that of the record.
 std::vector<std::vector<double>> followed_closely(const Problem& problem, int model,
                                                   ModeSearchOptions options, ModeSearch found,
                                                   long n, long to, long& evaluations) {
@@ -339,7 +340,7 @@ std::vector<std::vector<double>> followed_closely(const Problem& problem, int mo
     } else if (step > n / kLeastGrowth && step > 1) {
       step /= 2;
     } else {
-      return {};  // the model, it seems, does not explain them
+      return {};  // the model probably does not explain the record
     }
   }
   return places(found);
@@ -353,7 +354,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     Search search(problem, model, options);
     search.run(options.starts);
     search.run();
-    if (options.climbs == 0 || options.climbs >= kFewestClimbs) search.look_at_summits();
+    if (options.climbs == 0 || options.climbs >= kFewestClimbs) search.search_summits();
     ModeSearch found = search.result();
     found.climbs -= std::min(found.climbs, static_cast<long>(options.starts.size()));
     return found;
@@ -391,8 +392,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     evaluations += found.likelihood_evaluations;
     if ((options.progress && !options.progress(1.0)) || (options.stop && options.stop())) break;
   }
-  // Few climbs from the prior may all begin at impossible places: what else was given must not be
-  // lost with them.
+  // All of the few climbs from the prior may begin at impossible points; use the other starts then.
   if (found.modes.empty() && !options.starts.empty()) {
     Search whole(problem, model, options);
     whole.run(options.starts);

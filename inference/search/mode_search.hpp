@@ -1,4 +1,4 @@
-// Modes of one model's posterior, each climbed to from many draws of its prior.
+// Search for the modes of one model's posterior by climbs from draws of its prior.
 #pragma once
 
 #include <cstdint>
@@ -10,39 +10,38 @@
 
 namespace wheeltap::inference {
 
-/// A maximum of ln π(z) (model_posterior.hpp) and the normal about it.
+/// A maximum of ln π(z) (model_posterior.hpp) and its normal approximation.
 struct Mode {
   std::vector<double> z;
   double log_posterior = 0.0;
   Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, made positive definite
   double log_mass = 0.0;       ///< Laplace: ln π + (d/2) ln 2π + ½ ln|covariance|
-  long climbs = 0;             ///< that ended here
+  long climbs = 0;             ///< number of climbs that ended there
 };
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;       ///< 0: as many as `budget` pays for, between kFewestClimbs and kMostClimbs
-  long budget = 100000;  ///< likelihood calls; what has been begun is finished
-  /// In (0, 1]: how much of what is done as a record grows is done, of climbs from the prior, modes
-  /// followed, and draws about each.
+  long climbs = 0;       ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
+  long budget = 100000;  ///< likelihood calls; climbs in progress are finished
+  /// In (0, 1]: factor on the work for a growing record: climbs from the prior, modes followed, and
+  /// draws about each.
   double effort = 1.0;
-  /// Also climbed from, e.g. draws of another method; not counted.
+  /// Additional starting points, e.g. draws of another method; not counted.
   std::vector<std::vector<double>> starts{};
-  bool fine = false;  ///< these are near modes: the first differences there are fine (climb.hpp)
+  bool fine = false;  ///< `starts` are near modes: use small first differences (climb.hpp)
   int threads = 0;    ///< 0: as many as the machine has. Never changes a result.
   /// Called from one thread with the share done so far; returning false ends the search.
   std::function<bool(double share)> progress = nullptr;
-  /// Asked between two likelihoods by any thread; true ends the search. Climbs on their way then
-  /// count for nothing.
+  /// Called between two likelihoods by any thread; returning true ends the search. Climbs in
+  /// progress are then discarded.
   std::function<bool()> stop = nullptr;
 };
 
 struct ModeSearch {
-  std::vector<Mode> modes;  ///< the weightiest first; those e^-25 below it and less are left out
-  long climbs = 0;          ///< begun at a possible point and ended
-  /// How far apart the points are at which these climbs evaluated ln π, in standard deviations of
-  /// the prior, on average over their paths; 0: not known. A narrower mode may lie between two of
-  /// them.
+  std::vector<Mode> modes;  ///< the largest probability mass first, down to e^-25 of it
+  long climbs = 0;          ///< completed climbs from possible points
+  /// Mean distance between the points at which these climbs evaluated ln π, in standard deviations
+  /// of the prior; 0: not known. A narrower mode may lie between two points.
   double spacing = 0.0;
   long likelihood_evaluations = 0;
 };
@@ -54,44 +53,44 @@ inline constexpr long kMostClimbs = 10000;
 ///
 ///   z ← z + t B g,   g = ∇ ln π,   B ≈ (-∇² ln π)⁻¹
 ///
-/// by BFGS (Nocedal & Wright 2006, section 6.1) with differences, or the likelihood's own gradient
-/// where it serves, from the diagonal of second differences, t halved until the gain is what the
-/// quadratic model says to within a factor of ten: a step that leaves the region where the model
-/// holds may leave the basin. A likelihood that offers Gauss & Newton's quadratic is climbed by
-/// Levenberg & Marquardt's method instead (Moré 1978), its steps held to the same, and by BFGS from
-/// where that does not arrive. Where modes are known, one or two Newton
-/// steps with the nearest one's curvature are tried first; if they end there, and three points on
-/// the way show nothing that they leapt over, that start is spent for a few calls. So thousands of
-/// starts are paid for where the posterior is nearly normal.
+/// by BFGS (Nocedal & Wright 2006, section 6.1), starting with the diagonal of second differences.
+/// The gradient comes from differences, or from the likelihood if it offers one. t is halved until
+/// the gain agrees with the quadratic model within a factor of ten, since a step beyond the region
+/// where the model holds may leave the basin. If the likelihood offers a Gauss-Newton
+/// approximation, the climb uses Levenberg & Marquardt's method (Moré 1978) with the same rule for
+/// its steps, and BFGS where that does not converge. If modes are known, one or two Newton steps
+/// with the curvature of the nearest are tried first. If they end there, and three points on the
+/// way show no other mode, this climb is complete after a few calls. Thousands of climbs are thus
+/// affordable if the posterior is nearly normal.
 ///
-/// Components are exchangeable: the climb is over labelled vectors, on which ln π is symmetric, and
-/// its end is put in order. Two ends are one mode where the straight line between them has no
+/// Components are exchangeable: the climb uses labelled vectors, in which ln π is symmetric, and
+/// sorts its result. Two end points are the same mode if the straight line between them has no
 /// valley deeper than two nats.
 ///
-/// Where the problem can be shortened, climbs are made on its first 50 samples, and modes are
-/// followed as the record doubles, each from itself and from draws of the normal about it; the best
-/// in smaller steps where twice the record has no such mode: ln π falls by far more than the new
-/// samples' share of it. On the whole record the likeliest of a few hundred draws of the prior are
-/// climbed from besides.
+/// If the problem can be shortened, climbs use its first 50 samples. The modes are followed as the
+/// record doubles, each from itself and from draws of the normal about it. If the doubled record
+/// has no such mode, because ln π falls by far more than the share of the new samples, the best
+/// modes are followed in smaller increments. Additional climbs on the whole record start from the
+/// likeliest of a few hundred draws of the prior.
 ///
-/// A mode whose basin holds a share p of the prior is missed by n climbs with probability (1-p)^n,
-/// the basin being all points from which these climbs, with steps of finite length, arrive. From
-/// the basin of steepest ascent, a path without steps, a climb arrives at a mode of width w with a
-/// probability of about min(1, w / spacing), since it evaluates ln π only every `spacing`.
+/// All n climbs miss a mode whose basin holds a share p of the prior with probability (1-p)^n. The
+/// basin consists of all points from which these climbs, with steps of finite length, reach the
+/// mode. From a point in the basin of steepest ascent, a climb reaches a mode of width w with a
+/// probability of about min(1, w / spacing), since it evaluates ln π only at points this far apart.
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
 
-/// Climbs from `options.starts` besides, on the whole record. Modes that `found` has are not
-/// climbed to again; its `climbs` stay: chosen starts say nothing of the prior.
+/// Adds climbs from `options.starts` on the whole record. It does not climb again to modes in
+/// `found`, and does not change `found.climbs`, since chosen starts are not draws of the prior.
 void extend_search(const Problem& problem, int model, const ModeSearchOptions& options,
                    ModeSearch& found);
 
-/// The largest share of the prior that a basin can hold and still be missed by all of n climbs with
-/// a probability of 1 in 100: 1 - 0.01^(1/n).
+/// The largest share of the prior that a basin can hold while all n climbs miss it with probability
+/// 1 in 100: 1 - 0.01^(1/n).
 [[nodiscard]] double search_resolution(long climbs);
 
-/// The same of modes so wide, in standard deviations of the prior, and of the basins of steepest
-/// ascent: larger in proportion where they are narrower than the climbs' `spacing`, and 1 at most.
+/// The same for modes of this width, in standard deviations of the prior, and basins of steepest
+/// ascent: larger in inverse proportion to widths below the climbs' `spacing`, at most 1.
 [[nodiscard]] double search_resolution(double of_wide_modes, double spacing, double width);
 
 }  // namespace wheeltap::inference

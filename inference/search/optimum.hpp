@@ -1,4 +1,4 @@
-// What the optimisers share.
+// Types shared by the optimisers.
 #pragma once
 
 #include <functional>
@@ -7,14 +7,14 @@
 
 namespace wheeltap::inference {
 
-/// To be maximised. -∞ marks the impossible; NaN counts as -∞.
+/// To be maximised. -∞ marks an impossible point; NaN counts as -∞.
 using Objective = std::function<double(std::span<const double>)>;
 
 struct Optimum {
   std::vector<double> z;
   double value = 0.0;
   long evaluations = 0;
-  bool converged = false;  ///< the method's own criterion was met within its budget
+  bool converged = false;  ///< the method's criterion was met within its budget
 };
 
 }  // namespace wheeltap::inference

@@ -7,8 +7,8 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr double kStep = 3e-5;      // of a standard deviation, for first differences
-constexpr double kSettled = 1e-10;  // standard deviations: a step that changes nothing
-constexpr double kNear = 3.0;       // standard deviations: a maximum farther away is another's
+constexpr double kSettled = 1e-10;  // standard deviations: the step at convergence
+constexpr double kNear = 3.0;  // standard deviations: a farther maximum belongs to another mode
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
@@ -18,9 +18,9 @@ class Summit {
   Summit(Surface& f, const KnownMode& mode)
       : f_(f), mode_(mode), d_(mode.z.size()), level_(mode.value + kAboveSummit) {}
 
-  // The maximum of ln π + ½ |z|² · of_prior, near which minus the Hessian is the inverse of
-  // `covariance`; a secant (BFGS) corrects that from step to step.
-  std::optional<Vector> look(double of_prior, Matrix covariance) {
+  // The maximum of ln π + ½ |z|² · of_prior. Near it, minus the Hessian is the inverse of
+  // `covariance`; a secant update (BFGS) corrects this in each step.
+  std::optional<Vector> maximise(double of_prior, Matrix covariance) {
     Vector z = mode_.z, g(d_), before_g, step;
     for (int iteration = 0; iteration < kSummitSteps && !f_.stopped(); ++iteration) {
       if (!gradient(z, g)) return found_;
@@ -43,7 +43,7 @@ class Summit {
     if (value > level_) found_ = z, level_ = value;
   }
 
-  // False where it found what it looks for, or nothing is possible there.
+  // False if a point above the mode was found, or no finite value exists there.
   bool gradient(const Vector& z, Vector& g) {
     if (f_.gradient(z, g)) return g.allFinite();
     const Vector h = kStep * mode_.covariance.diagonal().cwiseSqrt();
@@ -75,14 +75,14 @@ class Summit {
 
 std::optional<Vector> above_summit(Surface& f, const KnownMode& mode) {
   Summit summit(f, mode);
-  if (auto found = summit.look(0.0, mode.covariance)) return found;
-  // Of the likelihood alone minus the Hessian is less by that of the prior's logarithm, which is 1.
+  if (auto found = summit.maximise(0.0, mode.covariance)) return found;
+  // Minus the Hessian of the likelihood alone is smaller by the prior's, which is 1.
   const Eigen::Index d = mode.z.size();
   const Matrix precision = mode.precision - Matrix::Identity(d, d);
   const Eigen::LLT<Matrix> llt(precision);
   constexpr double kFlat = 0.1;
   if (llt.info() != Eigen::Success || !(llt.matrixLLT().diagonal().minCoeff() > kFlat)) return {};
-  return summit.look(1.0, llt.solve(Matrix::Identity(d, d)));
+  return summit.maximise(1.0, llt.solve(Matrix::Identity(d, d)));
 }
 
 }  // namespace wheeltap::inference

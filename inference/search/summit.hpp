@@ -1,4 +1,4 @@
-// The very top of a mode, where a much narrower one may stand.
+// Search for a much narrower mode at the maximum of a known mode.
 #pragma once
 
 #include <optional>
@@ -8,15 +8,15 @@
 
 namespace wheeltap::inference {
 
-/// A point above a mode that is no part of it: where ln π exceeds the mode's top by more than
-/// `kAboveSummit`. A climb ends a tenth of a standard deviation from the top, and misses a spike
-/// there that is narrower than that. From the mode on, Newton's method with differences over 3e-5
-/// standard deviations finds the maximum of
+/// Finds a point near a mode where ln π exceeds the mode's maximum by more than `kAboveSummit`. A
+/// climb ends a tenth of a standard deviation from the maximum, so that it misses a narrower spike
+/// there. From the mode, Newton's method with differences over 3e-5 standard deviations finds the
+/// maximum of
 ///
 ///   ln π(z),   and   ln π(z) + |z|²/2  (the likelihood's, if it has one near the mode),
 ///
-/// to about 1e-9 standard deviations, which a spike at either place must be narrower than to be
-/// missed. A spike elsewhere is not looked for. At most `summit_calls(d)` likelihood calls.
+/// to about 1e-9 standard deviations. Only narrower spikes are missed at these two places; other
+/// places are not searched. Uses at most `summit_calls(d)` likelihood calls.
 [[nodiscard]] std::optional<Eigen::VectorXd> above_summit(Surface& f, const KnownMode& mode);
 
 inline constexpr double kAboveSummit = 2.0;  ///< nats

@@ -53,7 +53,7 @@ struct Entry {
   std::uint32_t index;
 };
 
-// Ascending, by least-significant-digit radix sort: a few times quicker than comparing.
+// Ascending, by least-significant-digit radix sort: a few times faster than by comparison.
 std::vector<Entry> sorted(std::span<const double> values) {
   constexpr int kBits = 11;
   constexpr std::uint64_t kMask = (1U << kBits) - 1;
@@ -67,7 +67,7 @@ std::vector<Entry> sorted(std::span<const double> values) {
   counts.fill(std::vector<std::uint32_t>(kMask + 1, 0));
   constexpr std::uint64_t kSign = std::uint64_t{1} << 63U;
   for (std::size_t i = 0; i < n; ++i) {
-    // IEEE doubles order like integers once negative ones are flipped; + 0.0 makes -0 and 0 equal.
+    // IEEE doubles sort like integers after negative ones are flipped; + 0.0 makes -0 and 0 equal.
     const auto bits = std::bit_cast<std::uint64_t>(values[i] + 0.0);
     const std::uint64_t key = (bits & kSign) != 0 ? ~bits : bits | kSign;
     from[i] = {key, static_cast<std::uint32_t>(i)};
@@ -75,7 +75,7 @@ std::vector<Entry> sorted(std::span<const double> values) {
   }
   for (std::size_t d = 0; d < 6; ++d) {
     auto& count = counts[d];
-    if (std::ranges::find(count, n) != count.end()) continue;  // this digit is the same everywhere
+    if (std::ranges::find(count, n) != count.end()) continue;  // all values have the same digit
     std::uint32_t offset = 0;
     for (auto& c : count) offset += std::exchange(c, offset);
     for (const Keyed& k : from) to[count[(k.key >> (kBits * d)) & kMask]++] = k;
@@ -95,7 +95,7 @@ double quantile(const std::vector<Entry>& ascending, double p) {
   return a == b ? a : a + fraction * (b - a);
 }
 
-// |x - median|, ascending: the two sides of the median are monotone already and need only merging.
+// |x - median|, ascending: both sides of the median are already monotone and only need merging.
 std::vector<Entry> folded(const std::vector<Entry>& ascending) {
   const double median = quantile(ascending, 0.5);
   std::vector<Entry> result;
@@ -127,7 +127,7 @@ Split normal_scores(const Split& like, const std::vector<Entry>& ascending) {
   return scores;
 }
 
-// Relative to the first value, so that the mean of a constant is that constant.
+// Relative to the first value, so that the mean of a constant is exact.
 double mean_of(std::span<const double> x) {
   double sum = 0.0;
   for (const double v : x) sum += v - x.front();
@@ -168,8 +168,8 @@ bool constant(const Split& s) {
   return std::ranges::all_of(s.values, [&](double x) { return x == s.values.front(); });
 }
 
-/// Autocovariances averaged over the sequences, lag by lag: short lags directly, the rest by FFT if
-/// they are ever asked for.
+/// Autocovariances averaged over the sequences, lag by lag: short lags directly, the others by FFT
+/// when required.
 class Autocovariance {
  public:
   Autocovariance(const Split& s, const std::vector<double>& means)
@@ -209,8 +209,8 @@ class Autocovariance {
       known_[t] /= static_cast<double>(length_) * static_cast<double>(sequences_);
   }
 
-  // Wiener-Khinchin. Two real sequences ride in one complex transform: |Z(f)|² + |Z(-f)|² is twice
-  // the sum of their power spectra, and the sum is all that is wanted.
+  // Wiener-Khinchin. One complex transform processes two real sequences: |Z(f)|² + |Z(-f)|² is
+  // twice the sum of their power spectra.
   void compute_all() {
     const std::size_t size = std::bit_ceil(2 * length_);
     Eigen::FFT<double> fft;
@@ -233,8 +233,8 @@ class Autocovariance {
   std::vector<double> known_;
 };
 
-// N / (1 + 2 Σ ρ_t): the sum of correlations is cut by Geyer's initial positive sequence of pairs
-// (ρ_2j + ρ_2j+1 > 0) and made monotone (Vehtari et al. 2021, section 3.2).
+// N / (1 + 2 Σ ρ_t): the sum of correlations is truncated by Geyer's initial positive sequence of
+// pairs (ρ_2j + ρ_2j+1 > 0) and made monotone (Vehtari et al. 2021, section 3.2).
 double basic_ess(const Split& s) {
   const auto n = static_cast<double>(s.length);
   const double draws = n * static_cast<double>(s.sequences);
@@ -247,7 +247,7 @@ double basic_ess(const Split& s) {
     return 1.0 - (v.within - autocovariance(t) * n / (n - 1.0)) / total;
   };
   double sum = 0.0;        // over the pairs
-  double last_even = 0.0;  // where the positive sequence ends: improves antithetic chains
+  double last_even = 0.0;  // at the end of the positive sequence: improves antithetic chains
   double previous = kInfinity;
   for (std::size_t t = 0; t + 1 < s.length; t += 2) {
     const double even = t == 0 ? 1.0 : correlation(t);
@@ -282,7 +282,7 @@ double mcse(const Split& s, double ess) {
 }
 
 // The stationary vector of a stochastic matrix by state reduction (Grassmann, Taksar & Heyman
-// 1985): no subtraction, hence no cancellation however slow the chain.
+// 1985): without subtraction, hence without cancellation even for slow chains.
 Eigen::VectorXd stationary_vector(Eigen::MatrixXd p) {
   const Eigen::Index n = p.rows();
   for (Eigen::Index k = n - 1; k > 0; --k) {
@@ -381,7 +381,7 @@ ModelProbabilities stationary_model_probabilities(const std::vector<std::vector<
     Eigen::MatrixXd p(count, count);
     for (Eigen::Index i = 0; i < count; ++i) {
       for (Eigen::Index j = 0; j < count; ++j)
-        // The floor keeps an underflowed variate from making the matrix reducible.
+        // The lower limit keeps the matrix irreducible if a variate underflows.
         p(i, j) = std::max(
             1e-290,
             random.gamma(epsilon + result.transitions(visited[static_cast<std::size_t>(i)],
@@ -394,7 +394,7 @@ ModelProbabilities stationary_model_probabilities(const std::vector<std::vector<
   }
   const Eigen::ArrayXd mean = sum / posterior_draws;
   const Eigen::ArrayXd variance = (squares / posterior_draws - mean.square()).max(0.0);
-  // A Dirichlet of mass S has Σ var = Σ m (1 - m) / (S + 1).
+  // A Dirichlet distribution of mass S has Σ var = Σ m (1 - m) / (S + 1).
   const double spread = (mean * (1.0 - mean)).sum();
   result.effective_draws =
       count == 1 ? kInfinity

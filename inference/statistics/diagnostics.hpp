@@ -1,5 +1,5 @@
-// Has it converged, and how exact is it? Rank-normalised split R-hat, effective sample sizes, Monte
-// Carlo standard errors, and the uncertainty of model probabilities.
+// Convergence diagnostics: rank-normalised split R-hat, effective sample sizes, Monte Carlo
+// standard errors, and the uncertainty of model probabilities.
 #pragma once
 
 #include <cstdint>
@@ -8,44 +8,44 @@
 
 namespace wheeltap::inference {
 
-/// Draws of one quantity: `chains[c][i]`, every chain of the same length. All functions below
-/// return NaN for fewer than 4 draws a chain or where a draw is NaN, and throw
-/// std::invalid_argument where the lengths differ or there is no chain.
+/// Draws of one quantity: `chains[c][i]`, all chains of the same length. The functions below return
+/// NaN for fewer than 4 draws per chain or a draw of NaN, and throw std::invalid_argument if the
+/// lengths differ or there is no chain.
 using ChainsOf = std::vector<std::vector<double>>;
 
 /// Rank-normalised split R-hat: the larger of the bulk and the folded one (Vehtari et al. 2021,
-/// section 4.1). 1 for a constant that agrees in every chain, +∞ where the chains are constant at
-/// different values.
+/// section 4.1). 1 for a constant equal in all chains, +∞ for chains constant at different values.
 [[nodiscard]] double rhat(const ChainsOf& draws);
 /// Effective sample size of the rank-normalised split draws (ibid., sections 3.2 and 4.3), by
 /// Geyer's initial monotone sequence. At most N log10 N for antithetic chains; N for a constant.
 [[nodiscard]] double ess_bulk(const ChainsOf& draws);
 /// The smaller of the effective sample sizes of the 5 % and 95 % quantiles (ibid., section 4.3).
 [[nodiscard]] double ess_tail(const ChainsOf& draws);
-/// Effective sample size of the mean: split, not rank-normalised (right for indicators).
+/// Effective sample size of the mean: split, not rank-normalised (valid for indicators).
 [[nodiscard]] double ess_mean(const ChainsOf& draws);
 /// Monte Carlo standard error of the mean, sd / √ess_mean; 0 for a constant.
 [[nodiscard]] double mcse_mean(const ChainsOf& draws);
-/// Mean over the draws of all chains, which may be of any lengths; NaN where there are none.
+/// Mean over the draws of all chains, whose lengths may differ; NaN without draws.
 [[nodiscard]] double mean(const ChainsOf& draws);
 
-/// All of the above in one pass over the data (one sort serves them all).
+/// All of the above in one pass over the data, with one sort.
 struct Convergence {
   double rhat, ess_bulk, ess_tail, ess_mean, mcse_mean;
 };
 [[nodiscard]] Convergence convergence(const ChainsOf& draws);
 
 /// Posterior of the stationary distribution of the model indicator (Heck et al. 2019, Statistics
-/// and Computing 29:631): the rows of the transition matrix of the visited models get independent
+/// and Computing 29:631). The rows of the transition matrix of the visited models get independent
 /// Dirichlet(ε, …, ε) priors, ε = 1 / (number of visited models), and each posterior draw of the
-/// matrix has a stationary vector. It takes the indicator for a Markov chain, which it nearly is.
+/// matrix has a stationary vector. Assumes that the indicator is a Markov chain, which is nearly
+/// true.
 struct ModelProbabilities {
-  std::vector<double> mean;     ///< one a model; 0 for a model never visited
+  std::vector<double> mean;     ///< one per model; 0 for a model never visited
   std::vector<double> sd;       ///< 0 for a model never visited
   Eigen::MatrixXd transitions;  ///< counts, models × models
-  /// Size of the independent sample that would leave as much uncertainty: the mass of the Dirichlet
-  /// with the same mean and total variance, less the prior's. Infinite where one model alone was
-  /// visited.
+  /// Size of the independent sample with the same uncertainty: the mass of the Dirichlet
+  /// distribution with the same mean and total variance, minus the prior's. Infinite if only one
+  /// model was visited.
   double effective_draws = 0.0;
 };
 /// Throws std::invalid_argument for an index outside [0, models) or fewer than 1 posterior draw.
@@ -54,7 +54,7 @@ struct ModelProbabilities {
     int posterior_draws = 1000);
 
 /// Completed round trips of an indicator (lowest → highest → lowest, or the reverse), over all
-/// chains; 0 where lowest = highest.
+/// chains; 0 if lowest = highest.
 [[nodiscard]] long round_trips(const std::vector<std::vector<int>>& chains, int lowest,
                                int highest);
 

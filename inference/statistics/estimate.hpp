@@ -1,4 +1,4 @@
-// A number that was computed from draws, and how well it is known.
+// A value computed from draws, with its Monte Carlo error.
 #pragma once
 
 #include <limits>

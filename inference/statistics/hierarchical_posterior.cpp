@@ -14,7 +14,7 @@ namespace {
 constexpr int kNodes = 600;                  // of τ
 constexpr double kNegligibleWeight = 1e-10;  // weight of a node
 
-/// Σ w, Σ w y / Σ w and Σ w (y - that)², w = 1 / (s² + τ²), over the groups that say something.
+/// Σ w, y̅ = Σ w y / Σ w and Σ w (y - y̅)², w = 1 / (s² + τ²), over the groups with information.
 struct Pooled {
   double weight = 0.0, mean = 0.0, squares = 0.0, log_weights = 0.0;
   int groups = 0;
@@ -52,7 +52,7 @@ double LineMixture::quantile(double p) const {
     low = std::min(low, c.mean + z * c.sd);
     high = std::max(high, c.mean + z * c.sd);
   }
-  // Between the components' own quantiles.
+  // Starts between the components' own quantiles.
   for (int halving = 0; halving < 60 && high > low; ++halving) {
     const double middle = 0.5 * (low + high);
     (cdf(middle) < p ? low : high) = middle;
@@ -61,7 +61,7 @@ double LineMixture::quantile(double p) const {
 }
 
 double LineMixture::expectation(const std::function<double(double)>& f) const {
-  // The trapezoidal rule is exact on a normal but for e^{-2π²/h²} (Trefethen & Weideman 2014).
+  // The error of the trapezoidal rule for a normal is e^{-2π²/h²} (Trefethen & Weideman 2014).
   constexpr double kStep = 0.5;
   constexpr int kReach = 14;
   double sum = 0.0;
@@ -95,7 +95,7 @@ HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> grou
   }
   if (informed < 2)
     throw std::invalid_argument("hierarchical posterior: " + std::to_string(informed) +
-                                " groups say something, must be at least 2");
+                                " groups with a finite sd, must be at least 2");
   const double lambda = std::sqrt(informed / precision);
   const double v0 = options.centre_sd * options.centre_sd, m0 = options.centre_mean;
   const double range = std::log1p(options.largest_scatter / lambda);

@@ -95,8 +95,8 @@ double tail(double r) {
           1.0);
 }
 
-// Mills' ratio Φ(-t)/φ(t) for t >= 30 by its asymptotic series, 1 - s + 3s² - 15s³ …, s = t⁻²;
-// eight terms leave 15!! · 30⁻¹⁶ · 17 < 1e-16.
+// Mills' ratio Φ(-t)/φ(t) for t >= 30 by its asymptotic series, 1 - s + 3s² - 15s³ …, s = t⁻². The
+// error of eight terms is 15!! · 30⁻¹⁶ · 17 < 1e-16.
 double mills(double t) {
   const double s = 1.0 / (t * t);
   double sum = 1.0;
@@ -137,7 +137,8 @@ double normal_quantile_of_log(double lp) {
   if (lp == -kInfinity) return -kInfinity;
   if (lp > -1.0) return -normal_quantile(-std::expm1(lp));
   if (lp > -700.0) return normal_quantile(std::exp(lp));
-  // Newton on ln Φ(-t) = lp, whose slope is -1/mills(t); quadratic from a start good to t⁻².
+  // Newton's method on ln Φ(-t) = lp, whose slope is -1/mills(t); converges quadratically from a
+  // start accurate to t⁻².
   double t = std::sqrt(-2.0 * lp);
   t = std::sqrt(-2.0 * (lp + kLogSqrt2Pi + std::log(t)));
   for (int i = 0; i < 3; ++i) t += (log_normal_cdf(-t) - lp) * mills(t);

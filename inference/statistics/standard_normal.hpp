@@ -7,20 +7,20 @@ namespace wheeltap::inference {
 inline constexpr double kLogSqrt2Pi = 0.91893853320467274178;
 
 /// Φ(z), with full relative accuracy in the lower tail (it underflows to 0 below z = -38.5). For
-/// the upper tail ask for the complement, Φ(-z) = 1 - Φ(z).
+/// the upper tail, use Φ(-z) = 1 - Φ(z).
 [[nodiscard]] double normal_cdf(double z);
 
-/// Φ⁻¹(p) for p in [0, 1]; ±∞ at the ends, NaN outside. Relative error about 1e-16 (Wichura 1988,
-/// Applied Statistics 37:477, algorithm AS 241). For p near 1 ask for -Φ⁻¹(1 - p).
+/// Φ⁻¹(p) for p in [0, 1]; ±∞ at the bounds, NaN outside. Relative error about 1e-16 (Wichura 1988,
+/// Applied Statistics 37:477, algorithm AS 241). For p near 1, use -Φ⁻¹(1 - p).
 [[nodiscard]] double normal_quantile(double p);
 
-/// Φ⁻¹(½ + q) for |q| <= ½: keeps the relative accuracy of a small q.
+/// Φ⁻¹(½ + q) for |q| <= ½, accurate for small q.
 [[nodiscard]] double normal_quantile_from_centre(double q);
 
-/// ln Φ(z) for any z, also where Φ itself underflows.
+/// ln Φ(z) for any z, even if Φ underflows.
 [[nodiscard]] double log_normal_cdf(double z);
 
-/// Φ⁻¹(e^lp) for lp <= 0, also where e^lp underflows; NaN for lp > 0.
+/// Φ⁻¹(e^lp) for lp <= 0, even if e^lp underflows; NaN for lp > 0.
 [[nodiscard]] double normal_quantile_of_log(double lp);
 
 /// ln(e^a + e^b) and ln(e^a - e^b), a >= b, without overflow.

@@ -51,7 +51,7 @@ std::string packed(All all) {
   return std::move(parcel).bytes();
 }
 
-TEST(Parcel, WhatIsTakenOutIsWhatWasPutIn) {
+TEST(Parcel, RestoresPackedValues) {
   All there = some(), here;
   const std::string bytes = packed(there);
   Unpacker parcel(bytes);
@@ -66,11 +66,11 @@ TEST(Parcel, WhatIsTakenOutIsWhatWasPutIn) {
   EXPECT_EQ(here.lists, there.lists);
   EXPECT_EQ(here.matrix, there.matrix);
   EXPECT_EQ(here.vector, there.vector);
-  EXPECT_EQ(here.part, (std::vector<double>{0, 2, 3, 0}));  // a span: its own numbers alone
+  EXPECT_EQ(here.part, (std::vector<double>{0, 2, 3, 0}));  // a span: only its own numbers
   EXPECT_EQ(packed(here).size(), bytes.size());
 }
 
-TEST(Parcel, OneThatIsCutOffIsRefused) {
+TEST(Parcel, RejectsTruncatedBytes) {
   const std::string bytes = packed(some());
   for (std::size_t n = 0; n < bytes.size(); ++n) {
     All here;

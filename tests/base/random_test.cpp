@@ -45,8 +45,8 @@ TEST(Random, UniformAndNormalHaveTheirDistributions) {
   EXPECT_LT(kolmogorov_smirnov(index), kCritical);
 }
 
-// Tails, where a sampler made of pieces goes wrong first: counts beyond each threshold are Poisson.
-TEST(Random, NormalTailsHoldTheirShare) {
+// Tails, where a piecewise sampler would fail first: counts beyond each threshold are Poisson.
+TEST(Random, NormalTailsHaveTheirProbabilities) {
   Random random(2, 0, 0, Purpose::test);
   constexpr int kMany = 4000000;
   const std::vector<double> thresholds = {1.0, 2.0, 3.0, 3.5, 3.7, 4.0, 4.5};
@@ -81,7 +81,7 @@ TEST(Random, GammaHasItsMoments) {
   }
 }
 
-TEST(Random, IndependentOfOneAnother) {
+TEST(Random, DrawsAreIndependent) {
   // Pairs in sequence, and the two members of a Box-Muller pair's squares: correlations are N(0,
   // 1/n).
   Random random(4, 0, 0, Purpose::test);

@@ -1,6 +1,6 @@
-// How loops behave where there are several ranks, by a stand-in for them: two, of which this
-// process is the first and does the even units; the other's outcomes come as bytes. What really
-// shares out is tested by mpirun (ctest -L mpi).
+// Loops with several ranks, with a fake implementation: two ranks, of which this process is the
+// first and computes the even units; the outcomes of the other come as bytes. Tests under mpirun
+// (ctest -L mpi) cover the real distribution.
 #include "base/ranks.hpp"
 
 #include <gtest/gtest.h>
@@ -35,8 +35,8 @@ class TwoRanks : public Ranks {
   [[nodiscard]] bool meet(double) override { return true; }
   [[noreturn]] void abort(int) override { std::abort(); }
   [[nodiscard]] bool stop_agreed() const override { return agreed; }
-  [[nodiscard]] bool told_to_stop() const override { return told; }
-  [[nodiscard]] bool told_to_pause() const override { return false; }
+  [[nodiscard]] bool stop_requested() const override { return told; }
+  [[nodiscard]] bool pause_requested() const override { return false; }
 
   int shared = 0;
   bool agreed = false, told = false;
@@ -49,18 +49,18 @@ class SeveralRanks : public testing::Test {
   TwoRanks two;
 };
 
-TEST_F(SeveralRanks, UnitsWithACarriageAreSharedOut) {
+TEST_F(SeveralRanks, ShareUnitsWithACarriage) {
   std::vector<double> x(5, -1.0);
   const auto job = [&](int i) { x[static_cast<std::size_t>(i)] = i; };
   parallel_for(5, 2, job,
                carriage([&](int i, auto& parcel) { parcel(x[static_cast<std::size_t>(i)]); }));
   EXPECT_EQ(x, (std::vector<double>{0, 10, 2, 30, 4}));
-  parallel_for(5, 2, job);  // without one, every rank does all
+  parallel_for(5, 2, job);  // without a carriage, every rank computes all units
   EXPECT_EQ(x, (std::vector<double>{0, 1, 2, 3, 4}));
   EXPECT_EQ(two.shared, 1);
 }
 
-TEST_F(SeveralRanks, ALoopWithinAUnitStaysOnItsRank) {
+TEST_F(SeveralRanks, KeepALoopWithinAUnitOnItsRank) {
   const Carriage none{.pack = [](int) { return std::string(); },
                       .unpack = [](int, std::string_view) {}};
   std::atomic<int> calls = 0;
@@ -69,7 +69,7 @@ TEST_F(SeveralRanks, ALoopWithinAUnitStaysOnItsRank) {
         3, 2, [&](int) { ++calls; }, none);
   };
   parallel_for(
-      2, 1, [&](int) { inner(); }, none);  // the even one is ours
+      2, 1, [&](int) { inner(); }, none);  // this rank computes the even unit
   EXPECT_EQ(calls, 3);
   parallel_for(2, 1, [&](int) { inner(); });
   EXPECT_EQ(calls, 9);
@@ -78,8 +78,8 @@ TEST_F(SeveralRanks, ALoopWithinAUnitStaysOnItsRank) {
   EXPECT_EQ(two.shared, 2);
 }
 
-// Ranks whose signals arrive at different times must leave their loops at the same one.
-TEST_F(SeveralRanks, OutsideOfUnitsAWishToStopWaitsForAllToAgree) {
+// Ranks that receive signals at different times must leave their loops at the same iteration.
+TEST_F(SeveralRanks, StopOutsideOfUnitsOnlyByCommonDecision) {
   EXPECT_FALSE(is_to_stop(true));
   const Carriage none{.pack = [](int) { return std::string(); },
                       .unpack = [](int, std::string_view) {}};
@@ -94,7 +94,7 @@ TEST_F(SeveralRanks, OutsideOfUnitsAWishToStopWaitsForAllToAgree) {
       none);
   EXPECT_TRUE(mine);
   EXPECT_TRUE(theirs);
-  parallel_for(1, 1, [&](int) { local = is_to_stop(true); });  // all ranks do this one
+  parallel_for(1, 1, [&](int) { local = is_to_stop(true); });  // all ranks compute this one
   EXPECT_FALSE(local);
   EXPECT_FALSE(is_to_stop(true));
   two.on_wish_to_stop([] { return true; });
@@ -103,7 +103,7 @@ TEST_F(SeveralRanks, OutsideOfUnitsAWishToStopWaitsForAllToAgree) {
   EXPECT_TRUE(is_to_stop(false));
 }
 
-TEST_F(SeveralRanks, AThreadIsUnmarkedAfterAUnitThatThrows) {
+TEST_F(SeveralRanks, UnmarkAThreadAfterAUnitThatThrows) {
   const Carriage none{.pack = [](int) { return std::string(); },
                       .unpack = [](int, std::string_view) {}};
   EXPECT_THROW(parallel_for(

@@ -16,7 +16,7 @@ struct Loops {
   int width;
 };
 
-TEST(Simd, OffersWhatTheProcessorHasNarrowestFirst) {
+TEST(Simd, OffersAvailableInstructionsNarrowestFirst) {
   const Loops two{2}, four{4}, eight{8};
   const Compiled<Loops> compiled{.baseline = &two, .avx2 = &four, .avx512 = &eight};
   int last = 0;
@@ -30,8 +30,8 @@ TEST(Simd, OffersWhatTheProcessorHasNarrowestFirst) {
                                                                            : &two);
 }
 
-// What tests override the choice with.
-TEST(Simd, OffersOnlyWhatIsAskedFor) {
+// Tests override the choice with this variable.
+TEST(Simd, OffersOnlyTheRequestedInstructions) {
   const Loops two{2}, four{4};
   const Compiled<Loops> compiled{.baseline = &two, .avx2 = &four};
   ASSERT_EQ(runnable(compiled, Instructions::baseline).size(), 1U);
@@ -56,7 +56,7 @@ TEST(Lanes, AgreesWithTheStandardLibrary) {
   }
 }
 
-TEST(Lanes, AbsIsThatOfEveryLane) {
+TEST(Lanes, AbsWorksInEveryLane) {
   using Pair __attribute__((vector_size(16))) = double;
   const Pair x = lanes::abs(Pair{-2.5, 3.0}), y = lanes::abs(Pair{-HUGE_VAL, std::nan("")});
   EXPECT_EQ(x[0], 2.5);

@@ -1,5 +1,5 @@
-// A program of somebody else's, compiled for this machine's processor, that frees what the library
-// allocated: crashed in free() where the two disagreed about Eigen's alignment.
+// An external program, compiled for this machine's processor, that frees memory allocated by the
+// library. Regression: it crashed in free() when both disagreed on Eigen's alignment.
 #include <cstdio>
 
 #include "fem/beam/modal_analysis.hpp"

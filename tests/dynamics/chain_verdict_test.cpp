@@ -1,5 +1,5 @@
-// Three masses with one spring and damper for all, or each link its own: the probabilities of
-// ../shared/validation/chain. The record is read as its case file says.
+// Three masses with one spring and damper for all links, or one for each: the probabilities of
+// ../shared/validation/chain. The record is read as in its case file.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ using namespace wheeltap::dynamics;
 using namespace wheeltap::signals;
 using nlohmann::json;
 
-// ln N(record; simulated, noise²), a model its own simulator. Coefficients are parameters of the
+// ln N(record; simulated, noise²), with one simulator per model. Coefficients are parameters of the
 // model in the order of its names.
 class Records : public inference::Likelihood {
  public:
@@ -103,7 +103,7 @@ Case read_case(const std::filesystem::path& folder) {
   return out;
 }
 
-TEST(ChainVerdict, SharedOrOwnSpringsAreFound) {
+TEST(ChainVerdict, FindsSharedOrSeparateSprings) {
   const auto folder = std::filesystem::path(WHEELTAP_SHARED_DIR) / "validation" / "chain";
   if (!std::filesystem::exists(folder)) GTEST_SKIP() << folder << " is not there";
   const Case chain = read_case(folder);

@@ -1,4 +1,4 @@
-// Chains and excitations that several tests use.
+// Chains and excitations shared by several tests.
 #pragma once
 
 #include <random>

@@ -1,5 +1,5 @@
-// What the drive puts into a chain is there again as motion, stretched springs and heat, whatever
-// its laws: W = ΔE + D at every sample.
+// Energy balance for every law: the work of the excitation equals the change of kinetic and elastic
+// energy plus dissipation, W = ΔE + D at every sample.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -14,8 +14,8 @@ namespace {
 
 using namespace wheeltap::dynamics;
 
-/// Energy stored in a law, and the power that it turns into heat with its rate of change, written
-/// anew from the definitions in dynamics/laws/.
+/// Energy stored in a law, dissipated power and its rate of change, implemented independently from
+/// the definitions in dynamics/laws/.
 struct Account {
   double stored = 0.0, heat = 0.0, heat_rate = 0.0;
 };
@@ -27,7 +27,7 @@ struct BalanceCase {
 
 constexpr double kMass = 1.0, kStiffness = 60.0, kDamping = 0.3;
 
-/// `tension` is the law's own, by the equation of motion: what hysteresis remembers.
+/// `tension` is the law's tension by the equation of motion, which gives the state of hysteresis.
 Account account(const Law& law, double e, double v, double a, double tension) {
   const std::string name(law_infos()[static_cast<std::size_t>(law.kind)].name);
   const auto c = [&](std::size_t i) { return law.coefficients[i].value; };
@@ -58,18 +58,18 @@ Account account(const Law& law, double e, double v, double a, double tension) {
   return {};
 }
 
-/// ∫ over a step by the ends and their slopes: h/2 (f₀ + f₁) + h²/12 (f₀' - f₁').
+/// ∫ over a step from the values and slopes at its ends: h/2 (f₀ + f₁) + h²/12 (f₀' - f₁').
 double step_integral(double h, double f0, double f1, double slope0, double slope1) {
   return 0.5 * h * (f0 + f1) + h * h / 12.0 * (slope0 - slope1);
 }
 
 class EnergyOf : public testing::TestWithParam<BalanceCase> {};
 
-// The integrals of power are taken from samples h apart, of smooth powers to h⁴. Where the power
-// has a kink, as friction has at ė = 0 and hysteresis where it turns, a step errs by up to h²/12
-// times the jump of its slope, 2 F |ë|: with F = 2 N, |ë| < 40 m/s² and h = 1/2560 s that is 2e-6
-// J, of either sign, and there are fewer than 40 turns. The work done is 5 J and more.
-TEST_P(EnergyOf, WorkIsMotionStretchAndHeat) {
+// The integrals of power use samples h apart, with error h⁴ for smooth powers. Where the power has
+// a kink (friction at ė = 0, hysteresis at reversals), the error of a step is up to h²/12 times the
+// jump of its slope, 2 F |ë|: with F = 2 N, |ë| < 40 m/s² and h = 1/2560 s that is 2e-6 J, of
+// either sign, for fewer than 40 reversals. The work done is at least 5 J.
+TEST_P(EnergyOf, WorkEqualsEnergyPlusDissipation) {
   const Law& law = GetParam().law;
   const int refined = 128, coarse = 120;
   const double rate = 20.0 * refined;
@@ -118,7 +118,7 @@ TEST_P(EnergyOf, WorkIsMotionStretchAndHeat) {
     EXPECT_GE(now.heat, -1e-12);
   }
   EXPECT_GT(put_in, 5.0);
-  EXPECT_GT(lost_by_law + stored, 0.02 * put_in);  // the law had its share
+  EXPECT_GT(lost_by_law + stored, 0.02 * put_in);  // the law has a significant share
 }
 
 const std::vector<BalanceCase>& cases() {
@@ -139,7 +139,7 @@ const std::vector<BalanceCase>& cases() {
 INSTANTIATE_TEST_SUITE_P(Laws, EnergyOf, testing::ValuesIn(cases()),
                          [](const auto& test) { return test.param.name; });
 
-TEST(EnergyBalance, IsTriedForEveryLaw) {
+TEST(EnergyBalance, CoversEveryLaw) {
   for (int kind = 0; kind < LawList::kSize; ++kind)
     EXPECT_TRUE(std::ranges::any_of(cases(), [&](const BalanceCase& c) {
       return c.law.kind == kind;

@@ -1,5 +1,5 @@
-// Exact dry friction against closed solutions, and against an integrator written anew: regimes by
-// trying all of them, matrix exponentials between events, halving for their times.
+// Exact dry friction against closed-form solutions, and against an independent integrator: it tries
+// all regimes, and uses matrix exponentials between events and bisection for their times.
 #include <gtest/gtest.h>
 
 #include <Eigen/LU>
@@ -53,10 +53,10 @@ struct FreeDecay {
   }
 };
 
-// Issue 14, "It is done when" 5: extremes shrink by 2F/k a half period, then stuck where
-// |kx| <= F; to 1e-8, finely and coarsely sampled (ω h from 0.05 to 3.5), by series; by Runge-Kutta
-// as well as its own steps allow.
-TEST(Friction, FreeDecayOfAMassOnASpring) {
+// Issue 14, "It is done when" 5: extremes decrease by 2F/k per half period, then stick where |kx|
+// <= F; to 1e-8, finely and coarsely sampled (ω h from 0.05 to 3.5), by series; by Runge-Kutta
+// within its own accuracy.
+TEST(Friction, MatchesTheFreeDecayOfAMassOnASpring) {
   const FreeDecay closed{.mass = 2.0, .stiffness = 50.0, .force = 4.0, .x0 = 1.02};
   for (const double rate : {100.0, 31.0, 10.0, 7.3, 1.43})
     for (const auto& [options, tolerance] :
@@ -82,8 +82,8 @@ TEST(Friction, FreeDecayOfAMassOnASpring) {
     }
 }
 
-// Released where the spring is weaker than the friction it stays for ever, to the last bit.
-TEST(Friction, StartsInStickWhereItCan) {
+// Released where the spring force is below the friction force, the mass stays at rest exactly.
+TEST(Friction, StartsInStickIfPossible) {
   for (const double x0 : {0.079, -0.0799999}) {
     const Chain chain{.masses = {2.0}, .links = {{.stiffness = 50.0, .laws = {dry(4.0)}}}};
     const Response response = Simulator(chain, no_force(20.0, 50), motion_of(1),
@@ -96,8 +96,8 @@ TEST(Friction, StartsInStickWhereItCan) {
 }
 
 // Issue 14, "It is done when" 5: stuck to the belt until kx = F, then amplitude v/ω about F/k. Once
-// a period block and belt are equally fast again, at the edge of sticking.
-TEST(Friction, BlockOnABelt) {
+// per period, block and belt have equal speeds, at the limit of sticking.
+TEST(Friction, MatchesABlockOnABelt) {
   const double k = 30.0, m = 1.2, force = 6.0, v = 0.4, omega = std::sqrt(k / m);
   const Chain chain{
       .masses = {m, 1e13},
@@ -117,8 +117,8 @@ TEST(Friction, BlockOnABelt) {
   }
 }
 
-// A block on a moving base: it holds until m |ÿ_b| reaches F, slips, and holds again. The base's
-// acceleration rises to twice that and falls to nothing.
+// A block on a moving base: it sticks until m |ÿ_b| reaches F, slips, and sticks again. The base's
+// acceleration increases to twice that value and decreases to zero.
 TEST(Friction, BreaksAwayUnderBaseMotion) {
   const double m = 3.0, force = 1.5, rate = 40.0;
   const int peak = 40;  // samples
@@ -139,11 +139,11 @@ TEST(Friction, BreaksAwayUnderBaseMotion) {
         const double t = static_cast<double>(n) / rate;
         double z = 0.0;
         if (t > begins && t <= top) z = -slope * std::pow(t - begins, 3) / 6.0;
-        // From the peak on ÿ_b - F/m = slope (D - u), until the base stands still: -F/m.
+        // From the peak on, ÿ_b - F/m = slope (D - u), until the base is at rest: -F/m.
         const auto falling = [&](double u) {
           return slope * (-d * d * d / 6.0 - d * d * u / 2.0 - d * u * u / 2.0 + u * u * u / 6.0);
         };
-        const double rests = 2.0 * d;  // the base's acceleration has fallen to 0
+        const double rests = 2.0 * d;  // the base's acceleration is 0 again
         if (t > top) z = falling(std::min(t - top, rests));
         if (t > top + rests) {
           const double speed = slope * (-d * d / 2.0 - d * rests + rests * rests / 2.0);
@@ -156,8 +156,8 @@ TEST(Friction, BreaksAwayUnderBaseMotion) {
     }
 }
 
-// A direct reversal: the force that turns the mass round is too large to hold.
-TEST(Friction, TurnsRoundWithoutSticking) {
+// A direct reversal: the force at the turning point exceeds the friction force.
+TEST(Friction, ReversesWithoutSticking) {
   const double m = 1.0, force = 2.0, drive = 5.0, v0 = 3.0, rate = 13.0;
   const Simulator simulator({.masses = {m}, .links = {{.laws = {dry(force)}}}},
                             {.sample_rate_hz = rate,
@@ -174,14 +174,14 @@ TEST(Friction, TurnsRoundWithoutSticking) {
 }
 
 /// Two masses in series with friction F1 in the lower link and F2 in the upper, springs, dampers,
-/// a force on each mass, linear over a step.
+/// and a force on each mass that is linear over a step.
 class Reference {
  public:
   using State = Eigen::Vector4d;  // y1, y2, v1, v2
 
   double m1 = 1.0, m2 = 0.7, k1 = 60.0, k2 = 40.0, c1 = 0.3, c2 = 0.2, force[2] = {6.0, 3.0};
 
-  /// One step of length h in which the forces on the masses go from f0 to f0 + slope h.
+  /// One step of length h in which the forces on the masses change from f0 to f0 + slope h.
   void advance(State& x, Eigen::Vector2d f0, const Eigen::Vector2d& slope, double h) {
     double done = 0.0;
     while (done < h) {
@@ -195,7 +195,7 @@ class Reference {
           (keeps(after(x, f, slope, middle), f + middle * slope) ? low : high) = middle;
         }
         part = high;
-        // Those whose condition is broken are at rest now.
+        // Links whose condition is violated are at rest now.
         x = after(x, f, slope, part);
         for (int l = 0; l < 2; ++l)
           if (regime_[l] != 0 && regime_[l] * rate(x, l) <= 0.0) at_rest_[l] = true;
@@ -254,7 +254,7 @@ class Reference {
             broken += trial[l] * rate(x, l) > 0.0 ? 0.0 : 1e3;
           else if (trial[l] == 0)
             broken += std::max(0.0, std::abs(s(2 + l)) - force[l]);
-          else  // slightly worse than sticking where both will do
+          else  // slightly less preferred than sticking if both are possible
             broken += std::max(0.0, -trial[l] * growth[l]) + 1e-13;
         }
         if (broken < best) {
@@ -263,7 +263,7 @@ class Reference {
           chosen[1] = j;
         }
       }
-    // At the edge the tension is about to exceed F: it slips to that side.
+    // At the limit, the tension is about to exceed F: the link slips to that side.
     const Eigen::Vector4d s = solve(chosen, x, f);
     for (int l = 0; l < 2; ++l) {
       regime_[l] = chosen[l];
@@ -303,8 +303,8 @@ class Reference {
   }
 };
 
-// Two links that stick and slip, alone and together, against the reference above.
-TEST(Friction, TwoLinksAgainstARegimeByRegimeReference) {
+// Two links that stick and slip, separately and together, against the reference above.
+TEST(Friction, TwoLinksMatchAnIndependentReference) {
   Reference reference;
   const double rate = 20.0;
   const int samples = 200;
@@ -344,8 +344,8 @@ TEST(Friction, TwoLinksAgainstARegimeByRegimeReference) {
   EXPECT_GT(reference.sticking, 10);
 }
 
-// Regularised friction errs by its creep v t in stick and by the time v / ë in which it turns
-// round: by the first power of v.
+// The error of regularised friction is its creep v t in stick and the time v / ë of a reversal:
+// first order in v.
 TEST(Friction, IsTheLimitOfRegularisedFriction) {
   std::vector<double> force(160);
   for (std::size_t n = 0; n < force.size(); ++n)
@@ -369,7 +369,7 @@ TEST(Friction, IsTheLimitOfRegularisedFriction) {
   EXPECT_NEAR(std::log(middle / fine) / std::log(4.0), 1.0, 0.1);
 }
 
-// In parallel, and from b to a: it is one friction of the sum of the forces.
+// In parallel, and from b to a: equivalent to one friction element with the sum of the forces.
 TEST(Friction, ParallelLinksActAsOne) {
   const auto run = [](std::vector<Link> links) {
     return Simulator(
@@ -386,8 +386,9 @@ TEST(Friction, ParallelLinksActAsOne) {
   EXPECT_LT((one - two).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-// Three links that stick in a ring: what each carries is not determined, how the masses move is.
-TEST(Friction, ARingOfStickingLinksHolds) {
+// Three sticking links in a closed loop: the force in each is not determined, but the motion of the
+// masses is.
+TEST(Friction, AClosedLoopOfStickingLinksSticks) {
   Chain chain{.masses = {1.0, 2.0}};
   chain.links = {{.a = 0, .b = 1, .laws = {dry(4.0)}},
                  {.a = 1, .b = 2, .laws = {dry(4.0)}},
@@ -404,8 +405,8 @@ TEST(Friction, ARingOfStickingLinksHolds) {
   EXPECT_GT(run(60.0).values.cwiseAbs().maxCoeff(), 0.01);
 }
 
-// Beside every other law: those that series take, and those that only Runge-Kutta does.
-TEST(Friction, GoesWithEveryOtherLaw) {
+// Together with every other law, for series and for Runge-Kutta.
+TEST(Friction, CombinesWithEveryOtherLaw) {
   const std::vector<double> force = noise(150, 9, 30.0);
   const auto run = [&](const std::vector<Law>& laws, SimulatorOptions options) {
     const Chain chain{.masses = {1.0, 0.7},
@@ -437,8 +438,8 @@ TEST(Friction, GoesWithEveryOtherLaw) {
   }
 }
 
-// A creep speed that is a parameter is regularised friction, also where it happens to be 0.
-TEST(Friction, OnlyAKnownCreepSpeedOfZeroIsExact) {
+// A creep speed that is a parameter gives regularised friction, even if its value is 0.
+TEST(Friction, IsExactOnlyForAConstantCreepSpeedOfZero) {
   EXPECT_TRUE(is_dry(make_law<laws::Coulomb>({1.0})));
   EXPECT_TRUE(is_dry(make_law<laws::Coulomb>({Coefficient::of_parameter(0), 0.0})));
   EXPECT_FALSE(is_dry(make_law<laws::Coulomb>({1.0, 1e-3})));
@@ -453,8 +454,8 @@ TEST(Friction, OnlyAKnownCreepSpeedOfZeroIsExact) {
   EXPECT_EQ(simulator.simulate(none).outcome, Outcome::impossible);
 }
 
-// More links than the lanes have room for are refused, with what to do.
-TEST(Friction, ManyLinksAreRefused) {
+// More links with exact friction than supported: the message says what to do.
+TEST(Friction, RejectsTooManyLinks) {
   Chain chain = uniform_chain(9);
   for (Link& link : chain.links) link.laws = {dry(1.0)};
   EXPECT_THROW(Simulator(chain, no_force(20.0, 10), displacements(1)), std::invalid_argument);

@@ -1,4 +1,4 @@
-// Each integrator against closed solutions and the others.
+// Each integrator against closed-form solutions and the other integrators.
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
@@ -71,14 +71,14 @@ TEST(RungeKutta, ConvergesAtFourthOrderOnDuffing) {
     const Response response = released(spring, 2.0, 25.0, 500, {.substeps = substeps}).simulate({});
     return std::abs(frequency(response, 25.0) - omega);
   };
-  // Over 20 s the amplitude, lost at the fifth order, has not yet changed the frequency.
+  // Over 20 s, the amplitude error of fifth order does not yet change the frequency.
   const double e1 = error(2), e2 = error(4), e4 = error(8);
   EXPECT_NEAR(std::log2(e1 / e2), 4.0, 0.3);
   EXPECT_NEAR(std::log2(e2 / e4), 4.0, 0.2);
 }
 
-// The scheme as the textbook has it, one number at a time.
-TEST(RungeKutta, IsTheTextbookScheme) {
+// The textbook scheme for scalars.
+TEST(RungeKutta, MatchesTheTextbookScheme) {
   const double m = 5.0, k = 50.0, c = 0.1, k3 = 1000.0, h = 0.01;
   const std::vector<double> force = noise(400, 61, 20.0);
   using State = Eigen::Matrix<double, 6, 1>;
@@ -125,7 +125,7 @@ TEST(RungeKutta, BilinearFrequency) {
 
 // Released at 1 against a stop at -gap, sampled finely and coarsely (ω h = 0.1 to 4): the closed
 // solution, arcs of cosines of frequency 1 and ω_c = √(1 + k). At a gap of 0 this is the bilinear
-// oscillator; near 1 the stop is only grazed, between two samples.
+// oscillator; near 1 it only grazes the stop, between two samples.
 TEST(Piecewise, FreeVibrationAgainstAStop) {
   const double k = 3.0, wc = 2.0;
   for (const double gap : {0.0, 0.5, 0.9, 0.99, 0.999, 0.99999, 1.0, 1.5})
@@ -163,8 +163,8 @@ TEST(Piecewise, BilinearFrequency) {
   }
 }
 
-// The rig of Tiboaca 2016, section 6.3, driven hard: Runge-Kutta steps come closer the finer they
-// are, at every sample.
+// The rig of Tiboaca 2016, section 6.3, at a high amplitude: Runge-Kutta converges to the piecewise
+// solution with decreasing steps, at every sample.
 TEST(Piecewise, AgreesWithRungeKutta) {
   Chain chain{.masses = {6.6450, 6.7713},
               .links = {{.a = 0, .b = 1, .stiffness = 465e3, .damping = 61.1},
@@ -193,14 +193,14 @@ TEST(Piecewise, AgreesWithRungeKutta) {
   const double coarse = error(run(Integrator::runge_kutta, 32));
   const double fine = error(run(Integrator::runge_kutta, 512));
   EXPECT_LT(fine, 1e-6);
-  EXPECT_GT(coarse / fine, 0.25 * 16.0 * 16.0);  // second order, since steps straddle the stop
-  // It must have touched, else this shows nothing.
+  EXPECT_GT(coarse / fine, 0.25 * 16.0 * 16.0);  // second order, since steps cross the stop
+  // The mass must touch the stop, otherwise the test proves nothing.
   chain.links[1].laws.clear();
   EXPECT_GT(error(run(Integrator::exact, 0)), 0.05);
 }
 
-// A likelihood is only as smooth as the response: second differences in the gap fall with the
-// square of their step. Steps that straddle the stop make a response that is not.
+// A likelihood is as smooth as the response: second differences in the gap decrease with the square
+// of their step. Steps across the stop make the response rugged.
 TEST(Piecewise, IsSmoothInTheGap) {
   const Coefficient gap = Coefficient::of_parameter(0);
   const Chain chain{.masses = {1.0},
@@ -224,7 +224,7 @@ TEST(Piecewise, IsSmoothInTheGap) {
 }
 
 // Twenty periods of the Duffing oscillator against its period by the arithmetic-geometric mean;
-// Runge-Kutta's own choice of steps is a hundred times worse.
+// Runge-Kutta with automatic steps is a hundred times less accurate.
 TEST(Series, DuffingFreeVibration) {
   const double amplitude = 2.0;
   double a = 1.0,
@@ -236,14 +236,15 @@ TEST(Series, DuffingFreeVibration) {
     options.extension = {amplitude};
     const Eigen::MatrixXd y =
         released(spring, amplitude, 64.0 / period, 1281, options).simulate({}).values;
-    return std::abs(y(1280, 0) - amplitude) + std::abs(y(1280 - 16, 0));  // a quarter before: 0
+    // A quarter period before: 0.
+    return std::abs(y(1280, 0) - amplitude) + std::abs(y(1280 - 16, 0));
   };
   EXPECT_LT(error({.prefer_series = true}), 1e-8);
   EXPECT_GT(error({}), 1e-6);
 }
 
 // Quadratic, cubic, bilinear and contact springs on one chain: against Runge-Kutta with steps so
-// fine that even those that straddle a stop are good.
+// fine that those across a stop are accurate.
 TEST(Series, AgreesWithRungeKutta) {
   Chain chain{.masses = {1.0, 2.0, 1.5}};
   for (int i = 0; i < 3; ++i)
@@ -267,7 +268,7 @@ TEST(Series, AgreesWithRungeKutta) {
   EXPECT_GT(coarse / fine, 64.0);
   EXPECT_LT(error(run({.step_limit = 0.05})), 1e-7);
   chain.links[1].laws.clear();
-  EXPECT_GT(error(run({})), 0.05);  // it has touched
+  EXPECT_GT(error(run({})), 0.05);  // the gap closes
 }
 
 /// Mode by mode, each with the closed solution of q̈ + 2ζω q̇ + ω² q = p₀ + p′ t over a step.
@@ -348,6 +349,6 @@ TEST(Exact, IsTheLimitOfRungeKutta) {
   EXPECT_LT(error(256), 1e-10);
 }
 
-// Between samples the force is linear, so interpolating it to twice the rate changes nothing.
+// Between samples the force is linear, so interpolation to twice the rate changes nothing.
 
 }  // namespace

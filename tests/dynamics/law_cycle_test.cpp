@@ -8,7 +8,7 @@
 namespace wheeltap::dynamics {
 namespace {
 
-/// The energy that a cycle takes, ∮ T de by the trapezoidal rule.
+/// The energy dissipated in a cycle, ∮ T de by the trapezoidal rule.
 double dissipated(const std::vector<CyclePoint>& points) {
   double energy = 0.0;
   for (std::size_t i = 1; i < points.size(); ++i) {
@@ -18,8 +18,8 @@ double dissipated(const std::vector<CyclePoint>& points) {
   return energy;
 }
 
-// Dry friction takes 4 F A a cycle; a spring, one-sided or not, takes none.
-TEST(LawCycle, FrictionTakesItsEnergyAndSpringsTakeNone) {
+// Dry friction dissipates 4 F A per cycle; a spring, one-sided or not, dissipates nothing.
+TEST(LawCycle, FrictionDissipatesAndSpringsDoNot) {
   const Cycle cycle{.amplitude = 0.01, .period = 0.5, .points = 2001};
   EXPECT_NEAR(dissipated(law_cycle(make_law<laws::Coulomb>({3.0}), cycle)), 4 * 3.0 * 0.01, 2e-4);
   for (const Side side : {Side::opening, Side::closing}) {
@@ -29,7 +29,7 @@ TEST(LawCycle, FrictionTakesItsEnergyAndSpringsTakeNone) {
 }
 
 // ∮ c₂ ė² |ė| dt = 8/3 c₂ A³ ω².
-TEST(LawCycle, DragTakesWhatItsIntegralSays) {
+TEST(LawCycle, DragDissipatesItsClosedFormEnergy) {
   const Cycle cycle{.amplitude = 0.01, .period = 0.5, .points = 2001};
   const double omega = 2.0 * M_PI / cycle.period,
                expected = 8.0 / 3.0 * 60.0 * 1e-6 * omega * omega;
@@ -50,14 +50,14 @@ TEST(LawCycle, ClosingMirrorsOpening) {
   EXPECT_EQ(extremes(Side::closing).second, 0.0);
 }
 
-// Far beyond its yield a Bouc-Wen law is at its plateau k e_y; where it has settled it turns back
-// with the stiffness before yield where beta = gamma.
+// Far beyond yield, a Bouc-Wen law is at its plateau k e_y; in the steady cycle with beta = gamma,
+// it unloads with the stiffness before yield.
 TEST(LawCycle, HysteresisReachesItsPlateauAndUnloadsElastically) {
   const Cycle cycle{.amplitude = 0.02, .points = 4001};
   const auto points = law_cycle(make_law<laws::BoucWen>({2000.0, 0.002}), cycle);
   const auto top = std::ranges::max_element(points, {}, &CyclePoint::tension);
   EXPECT_NEAR(top->tension, 4.0, 1e-3);
-  const auto later = top + 200;  // on the way back
+  const auto later = top + 200;  // during unloading
   EXPECT_NEAR((later->tension - top->tension) / (later->extension - top->extension), 2000.0, 10.0);
 }
 

@@ -13,7 +13,7 @@ namespace {
 
 using namespace wheeltap::dynamics;
 
-/// The tension as the integrator has it: from the acceleration of a unit mass at its first sample.
+/// The tension in the integrator: from the acceleration of a unit mass at its first sample.
 double tension(const Law& law, double e, double rate) {
   const Chain chain{.masses = {1.0}, .links = {{.laws = {law}}}};
   const Excitation still{.sample_rate_hz = 1.0, .forces = {{.mass = 1, .signal = {{0.0}}}}};
@@ -22,7 +22,7 @@ double tension(const Law& law, double e, double rate) {
   return -simulator.simulate({}).values(0, 0);
 }
 
-TEST(Laws, FollowTheContract) {
+TEST(Laws, MatchTheirFormulas) {
   for (double e : {-0.7, -0.2, 0.0, 0.1, 0.9})
     for (double rate : {-1.3, 0.0, 0.4}) {
       EXPECT_DOUBLE_EQ(tension(make_law<laws::Quadratic>({3.0}), e, rate), 3.0 * e * e);
@@ -59,7 +59,7 @@ TEST(Laws, ForceIsContinuousAtTheStop) {
 // Small loops are elastic with stiffness k; large ones saturate at ±k e_y (β + γ = 1).
 TEST(Laws, BoucWenStartsElasticAndYields) {
   const double k = 100.0, yield = 0.01, rate = 1000.0;
-  // A link pulled at constant speed: a heavy mass.
+  // A link extended at constant speed by a heavy mass.
   const auto pulled = [&](double speed, double exponent) {
     const double mass = 1e9;
     const Chain chain{.masses = {mass},
@@ -82,8 +82,8 @@ TEST(Laws, BoucWenStartsElasticAndYields) {
     EXPECT_NEAR(pull(n), k * yield * (1.0 - std::exp(-0.02 * n / rate / yield)), 1e-8);
 }
 
-// Its corners, where the motion turns back and where ζ changes sign, are located: the scheme keeps
-// its order, which is two with steps across them.
+// The integrator locates its corners, where the motion reverses and where ζ changes sign; steps
+// across them would reduce the order to two.
 TEST(Laws, BoucWenIsIntegratedToFourthOrder) {
   std::vector<double> force;
   for (int n = 0; n < 300; ++n)
@@ -107,7 +107,7 @@ TEST(Laws, BoucWenIsIntegratedToFourthOrder) {
   EXPECT_GT(std::log2(coarse / fine) / 2.0, 3.0) << coarse << ' ' << fine;
 }
 
-TEST(Laws, HaveTheirOwnNamesAndDefaults) {
+TEST(Laws, HaveUniqueNamesAndDefaults) {
   std::set<std::string_view> names;
   for (const LawInfo& info : law_infos()) {
     EXPECT_TRUE(names.insert(info.name).second) << info.name;
@@ -128,9 +128,9 @@ TEST(Laws, HaveTheirOwnNamesAndDefaults) {
   EXPECT_THROW((void)make_law("friction", std::vector<Coefficient>{1.0}), std::invalid_argument);
 }
 
-// Every coefficient says its unit and bounds; a constant beyond them is refused, also beside
-// unknown ones, and an unknown one is impossible there.
-TEST(Laws, CoefficientsAreHeldToTheBoundsOfTheLaw) {
+// Every coefficient has a unit and bounds. A constant outside them is rejected, also beside unknown
+// ones, and an unknown coefficient is impossible there.
+TEST(Laws, EnforceTheBoundsOfCoefficients) {
   for (const LawInfo& info : law_infos())
     for (int i = 0; i < info.size(); ++i) {
       const LawCoefficient& c = info.coefficients[static_cast<std::size_t>(i)];
@@ -156,12 +156,12 @@ TEST(Laws, CoefficientsAreHeldToTheBoundsOfTheLaw) {
   EXPECT_THROW(validate(chain(make_law<laws::Coulomb>({-1.0}))), std::invalid_argument);
 }
 
-TEST(Laws, WhatIsImpossibleIsNamed) {
+TEST(Laws, NameAnInfeasibleCoefficient) {
   const auto named = [](const Law& law, double mass, double x) {
     const Chain chain{.masses = {mass}, .links = {{.laws = {law}}}};
     const std::string why = impossibility(chain, {&x, 1});
     const Excitation still{.sample_rate_hz = 1.0, .forces = {{.mass = 1, .signal = {{0.0, 0.0}}}}};
-    if (mass > 0.0) {  // else the simulator is not made
+    if (mass > 0.0) {  // otherwise the constructor throws
       const Simulator simulator(chain, still, {{.mass = 1}});
       EXPECT_EQ(simulator.simulate({&x, 1}).outcome == Outcome::impossible, !why.empty()) << why;
     }
@@ -186,8 +186,8 @@ TEST(Laws, WhatIsImpossibleIsNamed) {
             std::string::npos);
 }
 
-// The step choice relies on them: |∂T/∂e|, |∂T/∂ė| and |∂ζ̇/∂ζ| by differences are within the
-// slopes.
+// The step choice uses these bounds: |∂T/∂e|, |∂T/∂ė| and |∂ζ̇/∂ζ| by differences do not exceed
+// them.
 TEST(Laws, SlopesBoundTheDerivatives) {
   const auto check = []<class L>(L, std::initializer_list<double> coefficients) {
     double c[kMaxLawCoefficients] = {};

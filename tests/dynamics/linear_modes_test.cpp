@@ -8,7 +8,7 @@
 namespace wheeltap::dynamics {
 namespace {
 
-TEST(LinearModes, OfOneMassAreItsFrequencyAndDampingRatio) {
+TEST(LinearModes, MatchTheFrequencyAndDampingRatioOfOneMass) {
   Chain chain{.masses = {0.5}, .links = {{.a = 0, .b = 1, .stiffness = 50.0, .damping = 0.1}}};
   const auto modes = linear_modes(chain, {});
   ASSERT_EQ(modes.size(), 1U);
@@ -23,7 +23,7 @@ TEST(LinearModes, OfOneMassAreItsFrequencyAndDampingRatio) {
 
 // A fixed-free chain of n equal masses: ω_j = 2 √(k/m) sin((2j - 1) π / (4n + 2)); with C = (c/k)
 // K, ζ_j = c ω_j / 2k.
-TEST(LinearModes, OfAnEqualChainAreThoseInClosedForm) {
+TEST(LinearModes, MatchTheClosedFormForAnEqualChain) {
   for (const double unit : {1.0, 1e9}) {
     Chain chain;
     const int n = 5;
@@ -43,7 +43,7 @@ TEST(LinearModes, OfAnEqualChainAreThoseInClosedForm) {
   }
 }
 
-TEST(LinearModes, LeaveOutTheRigidMotion) {
+TEST(LinearModes, OmitTheRigidMotion) {
   const Chain free{
       .masses = {1.0, 1.0, 1.0},
       .links = {{.a = 1, .b = 2, .stiffness = 10.0}, {.a = 2, .b = 3, .stiffness = 10.0}}};

@@ -8,7 +8,7 @@ namespace {
 
 using namespace wheeltap::dynamics;
 
-/// The tension as the integrator has it: from the acceleration of a unit mass let go at e.
+/// The tension in the integrator: from the acceleration of a unit mass released at e.
 double integrated(const Link& link, std::span<const double> theta, double e, double rate = 0.0) {
   const Excitation still{.sample_rate_hz = 1.0, .forces = {{.mass = 1, .signal = {{0.0}}}}};
   const Simulator simulator({.masses = {1.0}, .links = {link}}, still,
@@ -32,9 +32,8 @@ std::vector<Link> links_with_laws() {
        .laws = {make_law<laws::Coulomb>({2.0, 1e-3}), make_law<laws::QuadraticDamping>({2.0})}}};
 }
 
-// Friction regularised over a creep speed counts nothing at rest; exact friction holds, and is left
-// out as documented.
-TEST(LinkTension, IsTheIntegratorsForALinkAtRest) {
+// Regularised friction is zero at rest; exact friction is omitted, as documented.
+TEST(LinkTension, MatchesTheIntegratorForALinkAtRest) {
   for (const Link& link : links_with_laws()) {
     for (const double e : {-0.7, -0.1, 0.0, 0.1, 0.9}) {
       const double want = integrated(link, theta, e);
@@ -43,7 +42,7 @@ TEST(LinkTension, IsTheIntegratorsForALinkAtRest) {
   }
 }
 
-TEST(LinkTension, IsTheIntegratorsForALinkThatMoves) {
+TEST(LinkTension, MatchesTheIntegratorForAMovingLink) {
   for (const Link& link : links_with_laws()) {
     for (const double e : {-0.7, 0.0, 0.9}) {
       for (const double rate : {-0.4, 1.3}) {

@@ -1,5 +1,5 @@
-// The measured Duffing oscillator of ../shared/data/silverbox, simulated on a segment that its
-// parameters were not fitted to.
+// The measured Duffing oscillator of ../shared/data/silverbox, simulated on a segment that was not
+// used for the fit of its parameters.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -54,7 +54,8 @@ TEST(Silverbox, BandLimitedExcitationExplainsWhatLinearInterpolationCannot) {
   RecordProperty("nrmse_linear", std::to_string(linear));
   EXPECT_LT(banded, 0.01);
   EXPECT_GT(linear, 2.0 * banded);
-  // The spectrum foretells it: this much of the input's amplitude is lost between the samples.
+  // Predicted from the spectrum: the loss of the input's amplitude by interpolation between
+  // samples.
   const Spectrum spectrum = welch(record.columns[1].values, 610.35, {.segment = 4096});
   EXPECT_GT(linear_interpolation_loss(spectrum, 610.35), 0.05);
 }

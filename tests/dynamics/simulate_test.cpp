@@ -42,7 +42,7 @@ TEST(Simulator, StrideOnAnInterpolatedForceIsASubstep) {
   }
 }
 
-// Moving the base by ÿ_b is pushing every mass by -m ÿ_b, relative to the base.
+// A base acceleration ÿ_b is equivalent to a force -m ÿ_b on every mass, relative to the base.
 TEST(Simulator, BaseAccelerationIsAnInertiaForce) {
   Chain chain = uniform_chain(3);
   chain.masses = {5.0, 3.0, 4.0};
@@ -67,8 +67,8 @@ TEST(Simulator, BaseAccelerationIsAnInertiaForce) {
   }
 }
 
-// A base moved by X sin Ωt: the steady amplitude of an undamped... damped mass is |H| X with
-// H = (k + iΩc) / (k - mΩ² + iΩc), displacement and acceleration as excitation alike.
+// A base moved by X sin Ωt: the steady amplitude of a damped mass is |H| X with H = (k + iΩc) / (k
+// - mΩ² + iΩc), for displacement and acceleration as excitation.
 TEST(Simulator, BaseDisplacementGivesTheTransmissibility) {
   const double rate = 64.0, omega = 3.0, amplitude = 0.02, m = 5.0, k = 50.0, c = 4.0;
   const std::size_t samples = 64 * 120;
@@ -99,8 +99,8 @@ TEST(Simulator, BaseDisplacementGivesTheTransmissibility) {
       worst[2] =
           std::max(worst[2], std::abs(response.values(row, 2) + omega * omega * rotor.imag()));
     }
-    // θ = Ω/rate = 0.047: the hold of the acceleration errs by θ²/12 = 1.8e-4, the spline by θ⁴/720
-    // in all but its own second derivative at the samples.
+    // θ = Ω/rate = 0.047: the error of the acceleration's hold is θ²/12 = 1.8e-4, that of the
+    // spline θ⁴/720 except for its second derivative at the samples.
     const double scale = amplitude * std::abs(h),
                  tolerance = base.acceleration.samples.empty() ? 4e-7 : 3e-4;
     EXPECT_LT(worst[0], tolerance * scale);
@@ -109,7 +109,7 @@ TEST(Simulator, BaseDisplacementGivesTheTransmissibility) {
   }
 }
 
-/// A chain with every law in it and every coefficient a parameter.
+/// A chain with every law and every coefficient a parameter.
 struct Everything {
   Chain chain;
   std::vector<double> theta;
@@ -140,7 +140,7 @@ struct Everything {
   }
 };
 
-TEST(Lanes, EveryWidthAndCompanyGivesTheSameBits) {
+TEST(Lanes, EveryWidthAndGroupingGivesTheSameBits) {
   enum class Kind { everything, cubic, stops, springs, linear, dry, dry_everything };
   for (Kind kind : {Kind::everything, Kind::cubic, Kind::stops, Kind::springs, Kind::linear,
                     Kind::dry, Kind::dry_everything})
@@ -191,7 +191,8 @@ TEST(Lanes, EveryWidthAndCompanyGivesTheSameBits) {
           EXPECT_EQ(together, reference) << static_cast<int>(instructions);
           for (double sum : together) EXPECT_TRUE(std::isfinite(sum));
         } catch (const std::invalid_argument&) {
-          EXPECT_NE(instructions, Instructions::automatic);  // this processor lacks the set
+          // This processor lacks the instructions.
+          EXPECT_NE(instructions, Instructions::automatic);
         }
       }
     }
@@ -208,7 +209,7 @@ TEST(Misfit, IsTheSumOfSquaredResidualsOfTheStoredResponse) {
   const std::vector<Signal> observed{
       {noise(200, 43), Coefficient::of_parameter(scale), Coefficient::of_parameter(scale + 1)},
       {noise(200, 47)}};
-  // The same scale and offset as parameters of the force, and worked into its samples.
+  // The same scale and offset as parameters of the force, and applied to its samples.
   const Misfit misfit(Simulator(everything.chain,
                                 {.sample_rate_hz = 50.0,
                                  .forces = {{.mass = 1,
@@ -238,7 +239,7 @@ TEST(Misfit, IsTheSumOfSquaredResidualsOfTheStoredResponse) {
   }
 }
 
-TEST(Misfit, GivesUpWhereTheSumsExceedTheLimit) {
+TEST(Misfit, StopsIfTheSumsExceedTheLimit) {
   const std::vector<double> force = noise(5000, 41, 20.0);
   const Excitation drive{.sample_rate_hz = 50.0, .forces = {{.mass = 1, .signal = {force}}}};
   const std::vector<std::vector<Law>> kinds{
@@ -257,9 +258,9 @@ TEST(Misfit, GivesUpWhereTheSumsExceedTheLimit) {
   }
 }
 
-// Each of several vectors by its own limit, whatever its company: with fixed steps and with steps
-// of each lane's own.
-TEST(Misfit, GivesUpEachVectorByItsOwnLimit) {
+// Each of several vectors by its own limit, independent of the others: with fixed and with adaptive
+// steps.
+TEST(Misfit, StopsEachVectorAtItsOwnLimit) {
   const std::vector<double> force = noise(3000, 41, 20.0);
   const Excitation drive{.sample_rate_hz = 50.0, .forces = {{.mass = 1, .signal = {force}}}};
   const Coefficient unknown = Coefficient::of_parameter(0);
@@ -281,7 +282,7 @@ TEST(Misfit, GivesUpEachVectorByItsOwnLimit) {
   }
 }
 
-TEST(Simulator, ATrajectoryThatBlowsUpFails) {
+TEST(Simulator, FailsIfTheTrajectoryDiverges) {
   const Coefficient k3 = Coefficient::of_parameter(0);
   const Chain chain{.masses = {1.0},
                     .links = {{.stiffness = 1.0, .laws = {make_law<laws::Cubic>({k3})}}}};
@@ -317,8 +318,8 @@ TEST(Simulator, ATrajectoryThatBlowsUpFails) {
   EXPECT_EQ(impossible.substeps({&mass, 1}), -1);
 }
 
-// Energy of an undamped chain with springs of every kind, left alone.
-TEST(Simulator, EnergyOfAConservativeChainIsKept) {
+// Energy of an undamped chain in free vibration, with springs of every kind.
+TEST(Simulator, ConservesTheEnergyOfAConservativeChain) {
   const double k = 40.0, k2 = 20.0, k3 = 300.0, kb = 60.0, kl = 500.0, gap = 0.03;
   Chain chain{.masses = {1.0, 2.0, 1.5}};
   for (int i = 0; i < 3; ++i) chain.links.push_back({.a = i, .b = i + 1, .stiffness = k});
@@ -353,14 +354,14 @@ TEST(Simulator, EnergyOfAConservativeChainIsKept) {
   };
   EXPECT_LT(drift(true, false, 8), 1e-7);
   EXPECT_GT(drift(true, false, 2) / drift(true, false, 8),
-            0.5 * std::pow(4.0, 5));       // the fifth order's loss
-  EXPECT_LT(drift(false, true, 0), 1e-8);  // in pieces from switch to switch
-  EXPECT_LT(drift(true, true, 0), 1e-7);   // with the smooth springs as well
+            0.5 * std::pow(4.0, 5));       // numerical dissipation of fifth order
+  EXPECT_LT(drift(false, true, 0), 1e-8);  // in pieces between switches
+  EXPECT_LT(drift(true, true, 0), 1e-7);   // also with smooth springs
   EXPECT_LT(drift(true, true, 32),
-            1e-4);  // where a step straddles a stop its error is of third order
+            1e-4);  // a step across a stop has an error of third order
 }
 
-// Free decay: mechanical energy, with what hysteresis stores (k e_y² ζ²/2), never grows.
+// Free decay: mechanical energy, including that stored by hysteresis (k e_y² ζ²/2), never grows.
 TEST(Simulator, DampingLawsDissipate) {
   const double k = 50.0, kh = 80.0, yield = 0.02;
   const std::vector<std::vector<Law>> cases{{make_law<laws::QuadraticDamping>({0.8})},
@@ -404,7 +405,7 @@ TEST(Simulator, ChoosesStepsFromTheStiffestBranch) {
   const Integrator runge_kutta = Integrator::runge_kutta;
   EXPECT_EQ(steps(-1.0, {.integrator = runge_kutta}), 2);   // ω h = 0.2
   EXPECT_EQ(steps(60.0, {.integrator = runge_kutta}), 3);   // 0.6
-  EXPECT_EQ(steps(192.0, {.integrator = runge_kutta}), 6);  // ω h = 1.0 asks for 5
+  EXPECT_EQ(steps(192.0, {.integrator = runge_kutta}), 6);  // ω h = 1.0 needs 5
   EXPECT_EQ(steps(192.0, {.integrator = runge_kutta, .step_limit = 0.5}), 2);
   EXPECT_EQ(steps(192.0, {.substeps = 7}), 7);
   EXPECT_EQ(steps(1e12, {.integrator = runge_kutta}), -1);
@@ -417,7 +418,7 @@ TEST(Simulator, ChoosesStepsFromTheStiffestBranch) {
   EXPECT_EQ(steps(0.6, {}), 3);  // creep rate F/(v m) = 30 /s
 }
 
-TEST(Simulator, RefusesMisuse) {
+TEST(Simulator, RejectsInvalidInput) {
   const Chain chain = uniform_chain(2);
   const Excitation drive{.sample_rate_hz = 10.0,
                          .forces = {{.mass = 1, .signal = {std::vector<double>(10)}}}};

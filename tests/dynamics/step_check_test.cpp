@@ -1,4 +1,4 @@
-// Every law against an adaptive reference, with the steps that the program chooses.
+// Every law against an adaptive reference, with automatic steps.
 #include "dynamics/step_check.hpp"
 
 #include <gtest/gtest.h>
@@ -31,7 +31,7 @@ Chain two_masses(const Law& law) {
   return chain;
 }
 
-/// Written anew from the definitions in dynamics/laws/, one number at a time.
+/// An independent implementation of the definitions in dynamics/laws/, for scalars.
 double tension(const Law& law, double e, double v, double zeta, double& zeta_rate) {
   const std::string name(law_infos()[static_cast<std::size_t>(law.kind)].name);
   const auto c = [&](std::size_t i) { return law.coefficients[i].value; };
@@ -44,7 +44,7 @@ double tension(const Law& law, double e, double v, double zeta, double& zeta_rat
   if (name == "contact") return side * c(0) * std::max(0.0, side * e - c(1));
   if (name == "quadratic_damping") return c(0) * v * std::abs(v);
   if (name == "coulomb")
-    return  // exact friction has friction_test.cpp
+    return  // see friction_test.cpp for exact friction
         c(0) * std::tanh(v / c(1));
   if (name == "bouc_wen") {
     const double sign = v * zeta > 0.0 ? 1.0 : -1.0;
@@ -56,7 +56,7 @@ double tension(const Law& law, double e, double v, double zeta, double& zeta_rat
 }
 
 /// Dormand and Prince's pair of orders 5 and 4 with error control at 1e-12, from sample to sample.
-/// At a switch its steps shrink until what is lost there is within that.
+/// At a switch, its steps decrease until the error is within that.
 Eigen::MatrixXd reference(const Chain& chain, const std::vector<double>& force) {
   namespace odeint = boost::numeric::odeint;
   using State = std::array<double, 5>;
@@ -108,7 +108,7 @@ TEST_P(AgainstAnAdaptiveReference, StepsChosenByTheProgramSuffice) {
     EXPECT_LT((checked.response.values.col(s) - truth.col(s)).norm(),
               c.tolerance * truth.col(s).norm())
         << "sensor " << s << ", change " << checked.change;
-  // The law must have acted, else this shows nothing.
+  // The law must have an effect, otherwise the test proves nothing.
   Chain without = chain;
   without.links[1].laws.clear();
   const auto idle =
@@ -135,7 +135,7 @@ INSTANTIATE_TEST_SUITE_P(
     [](const auto& test) { return test.param.name; });
 
 // Every law of the list has a case above.
-TEST(StepCheck, TriesEveryLaw) {
+TEST(StepCheck, CoversEveryLaw) {
   EXPECT_EQ(LawList::kSize, 8);
 }
 
@@ -148,7 +148,7 @@ Simulator driven(const Law& law, double amplitude, SimulatorOptions options = {}
                    {{.mass = 1}}, {}, std::move(options));
 }
 
-TEST(StepCheck, TellsStepsTooLongFromDivergence) {
+TEST(StepCheck, DistinguishesTooLongStepsFromDivergence) {
   const auto outcome = [](const Simulator& simulator) {
     return checked_response(simulator, {}).response.outcome;
   };
@@ -156,14 +156,15 @@ TEST(StepCheck, TellsStepsTooLongFromDivergence) {
   EXPECT_EQ(outcome(driven(make_law<laws::BoucWen>({500.0, 1e-8}), 10.0)), Outcome::steps_too_long);
   EXPECT_EQ(outcome(driven(make_law<laws::Contact>({1.0, Coefficient(0.1)}), 1.0)),
             Outcome::complete);
-  // A hardening spring blows up with one step a sample, not with more: not the chain diverges.
+  // A hardening spring diverges with one step per sample, but not with more: the steps are too
+  // long.
   const Law hard = make_law<laws::Cubic>({1e5});
   EXPECT_TRUE(driven(hard, 500.0, {.substeps = 1}).simulate({}).failed);
   EXPECT_EQ(outcome(driven(hard, 500.0, {.substeps = 1})), Outcome::steps_too_long);
   EXPECT_EQ(outcome(driven(hard, 500.0)), Outcome::complete);
 }
 
-TEST(StepCheck, KeepsTheStepsThatAreGivenAndTellsWhatTheyLose) {
+TEST(StepCheck, KeepsGivenStepsAndReportsTheirError) {
   const CheckedResponse given =
       checked_response(driven(make_law<laws::Cubic>({500.0}), 20.0, {.substeps = 4}), {});
   ASSERT_FALSE(given.response.failed);

@@ -1,5 +1,5 @@
-// Steps must follow the fastest rate of a chain, whatever its laws, and a run whose steps do not
-// must not pass for a response.
+// Steps must follow the fastest rate of a chain for all laws, and a run with too long steps must
+// fail.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,17 +34,17 @@ double difference(const Response& a, const Response& b) {
       .maxCoeff();
 }
 
-// 97 of these 100 samples were not numbers, and the run had not failed: the watch asked whether
-// 0 · y is 0, which a compiler may take for granted.
-TEST(Watch, SeesANaNOfBoucWenWithStepsTooLong) {
+// Regression: 97 of these 100 samples were NaN, and the run had not failed. The check was whether 0
+// · y is 0, which a compiler may assume.
+TEST(Watch, DetectsNaNOfBoucWenWithTooLongSteps) {
   const Law law = make_law<laws::BoucWen>({500.0, 1e-4, 10.0});
   const Response response = one_mass(law, 10.0, {.substeps = 8}).simulate({});
   EXPECT_TRUE(response.failed);
   EXPECT_EQ(response.values.size(), 0);
 }
 
-// The same for every integrator, and for a state that is not a number from the start.
-TEST(Watch, SeesANaNInEveryIntegrator) {
+// The same for every integrator, and for a state that is NaN from the start.
+TEST(Watch, DetectsNaNInEveryIntegrator) {
   const std::vector<std::vector<Law>> kinds{{},
                                             {make_law<laws::Bilinear>({30.0})},
                                             {make_law<laws::Cubic>({10.0})},
@@ -61,7 +61,7 @@ TEST(Watch, SeesANaNInEveryIntegrator) {
           start.displacement.assign(static_cast<std::size_t>(masses), 0.0);
           start.velocity = start.displacement;
           (velocity ? start.velocity : start.displacement)[0] = Coefficient::of_parameter(0);
-          // One sample: nothing has been looked at on the way.
+          // One sample: there is no check within the run.
           for (std::size_t samples : {1U, 2U, 100U}) {
             const Simulator simulator(
                 chain,
@@ -76,8 +76,9 @@ TEST(Watch, SeesANaNInEveryIntegrator) {
         }
 }
 
-// Of five laws' kinds none knew what its own state needs: 30 to 40 % of the response was wrong.
-TEST(StepChoice, CoversBoucWenHoweverSmallItsYield) {
+// Regression: for five laws, the step choice ignored the rate of the internal state; 30 to 40 % of
+// the response was wrong.
+TEST(StepChoice, CoversBoucWenWithASmallYieldExtension) {
   for (double yield : {1e-1, 1e-2, 1e-3})
     for (double exponent : {1.0, 10.0}) {
       const Law law = make_law<laws::BoucWen>({500.0, yield, exponent});
@@ -88,9 +89,9 @@ TEST(StepChoice, CoversBoucWenHoweverSmallItsYield) {
     }
 }
 
-// A drag only takes energy away. With steps that do not know it, it blew up and was cut from the
-// prior.
-TEST(StepChoice, PassiveDragDoesNotBlowUp) {
+// Drag only dissipates energy. Regression: with steps that ignored it, the trajectory diverged and
+// was removed from the prior.
+TEST(StepChoice, PassiveDragDoesNotDiverge) {
   for (double drag : {1.0, 30.0, 100.0, 1e3, 1e4}) {
     const Law law = make_law<laws::QuadraticDamping>({drag});
     const Response chosen = one_mass(law, 100.0).simulate({});
@@ -99,7 +100,7 @@ TEST(StepChoice, PassiveDragDoesNotBlowUp) {
     ASSERT_FALSE(fine.failed) << drag;
     EXPECT_LT(difference(chosen, fine), 1e-3) << drag;
   }
-  // A Misfit, through which priors are cut, sees the same.
+  // A Misfit, through which priors are truncated, fails in the same cases.
   const Misfit misfit(
       one_mass(make_law<laws::QuadraticDamping>({Coefficient::of_parameter(0)}), 100.0),
       {{noise(100, 3)}, {noise(100, 4)}});
@@ -109,14 +110,14 @@ TEST(StepChoice, PassiveDragDoesNotBlowUp) {
   for (double sum : sums) EXPECT_TRUE(std::isfinite(sum));
 }
 
-TEST(StepChoice, TellsStepsTooLongFromDivergence) {
+TEST(StepChoice, DistinguishesTooLongStepsFromDivergence) {
   const auto outcome = [](const Simulator& simulator) { return simulator.simulate({}).outcome; };
   EXPECT_EQ(outcome(one_mass(make_law<laws::Cubic>({1.0}), 10.0)), Outcome::complete);
-  // A well that ends: the mass leaves it, with any steps.
+  // A well of finite depth: the mass leaves it for any step length.
   EXPECT_EQ(outcome(one_mass(make_law<laws::Cubic>({-500.0}), 100.0)), Outcome::diverged);
-  // Drag that drives.
+  // Negative drag.
   EXPECT_EQ(outcome(one_mass(make_law<laws::QuadraticDamping>({-50.0}), 100.0)), Outcome::diverged);
-  // 4096 steps a sample are too few, or the given ones are.
+  // 4096 steps per sample are too few, or the given number is.
   EXPECT_EQ(outcome(one_mass(make_law<laws::BoucWen>({500.0, 1e-8}), 10.0)),
             Outcome::steps_too_long);
   EXPECT_EQ(outcome(one_mass(make_law<laws::Coulomb>({1e9, 1e-6}), 10.0)), Outcome::steps_too_long);
@@ -129,17 +130,18 @@ TEST(StepChoice, TellsStepsTooLongFromDivergence) {
             Outcome::impossible);
 }
 
-// Where damping chose the steps, refined ones were as long as before, and a check of them blind.
-TEST(StepChoice, RefinedStepsAreShorterWhereDampingChoseThem) {
+// Regression: if damping chose the steps, refined steps were equally long, and a step check found
+// no change.
+TEST(StepChoice, RefinedStepsAreShorterIfDampingChoseThem) {
   const Simulator simulator = one_mass(make_law<laws::Coulomb>({2.0, 0.01}), 10.0);
   const int coarse = simulator.substeps({});
   EXPECT_GE(coarse, 8);
   EXPECT_GE(simulator.refined(4).substeps({}), 4 * coarse / 2);
 }
 
-// Where one step a sample was chosen and would do at half the limit, "half as long" was as long,
-// and a check of the steps found nothing.
-TEST(StepChoice, RefinedStepsAreShorterWhereOneASampleWasChosen) {
+// Regression: if one step per sample sufficed at half the limit, refined steps were equally long,
+// and a step check found no change.
+TEST(StepChoice, RefinedStepsAreShorterIfOnePerSampleWasChosen) {
   const Chain chain{.masses = {1.0}, .links = {{.laws = {make_law<laws::Coulomb>({1e-3, 1.0})}}}};
   const Simulator simulator(
       chain, {.sample_rate_hz = 100.0, .forces = {{.mass = 1, .signal = {noise(50, 1)}}}},
@@ -149,8 +151,8 @@ TEST(StepChoice, RefinedStepsAreShorterWhereOneASampleWasChosen) {
   EXPECT_EQ(simulator.refined(2).refined(4).substeps({}), 8);
 }
 
-// Rates were summed in an array of 65 rows.
-TEST(StepChoice, StiffestRatesOfManyMasses) {
+// Regression: rates were summed in an array of 65 rows.
+TEST(StepChoice, HandlesManyMasses) {
   Chain chain = uniform_chain(300);
   chain.masses.back() = 0.05;
   const Rates rates = stiffest_rates(chain, {});
@@ -158,7 +160,7 @@ TEST(StepChoice, StiffestRatesOfManyMasses) {
   EXPECT_NEAR(rates.damping, 0.2 / 0.05, 1e-12);
 }
 
-TEST(StepChoice, PacesAreTheRatesAUnitOfSpeed) {
+TEST(StepChoice, PacesAreRatesPerUnitOfSpeed) {
   Chain chain = uniform_chain(2);
   chain.masses = {2.0, 4.0};
   chain.links[0].laws = {make_law<laws::QuadraticDamping>({3.0}), make_law<laws::Cubic>({9.0})};
@@ -172,8 +174,8 @@ TEST(StepChoice, PacesAreTheRatesAUnitOfSpeed) {
   EXPECT_FALSE(is_paced(uniform_chain(2)));
 }
 
-// β > γ: where a fully yielded link turns back it is stiffer than at rest, by 2 β / (β + γ).
-TEST(StepChoice, KnowsThatBoucWenTurnsBackStiffer) {
+// β > γ: a fully yielded link is stiffer at a reversal than at rest, by 2 β / (β + γ).
+TEST(StepChoice, IncludesTheUnloadingStiffnessOfBoucWen) {
   const Chain chain{.masses = {1.0},
                     .links = {{.laws = {make_law<laws::BoucWen>({50.0, 0.01, 1.0, 0.9, 0.1})}}}};
   EXPECT_NEAR(stiffest_rates(chain, {}).frequency, std::sqrt(90.0), 1e-12);

@@ -1,5 +1,5 @@
-// A law that the program does not have, written as a contributor would write it: this file, and its
-// two lines in the list (CMakeLists.txt puts them there).
+// A law that is not part of the program, written as a contributor would: this file, and two lines
+// in the list (added by CMakeLists.txt).
 #pragma once
 
 #include <cmath>

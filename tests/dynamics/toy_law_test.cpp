@@ -1,6 +1,6 @@
-// A law is one file and its lines in dynamics/laws/list.hpp: then it has a name, defaults, bounds,
-// a step choice and every integrator that can take it. This program is the room compiled with the
-// list and toy_law.hpp.
+// A law needs one file and its lines in dynamics/laws/list.hpp to get a name, defaults, bounds, a
+// step choice and all suitable integrators. This program is dynamics/ compiled with the list and
+// toy_law.hpp.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,14 +25,14 @@ Simulator released_from(double displacement, const Law& law) {
       {.displacement = {displacement}, .velocity = {0.0}});
 }
 
-TEST(ToyLaw, IsThereByItsNameWithItsDefaults) {
+TEST(ToyLaw, IsAvailableByNameWithDefaults) {
   const auto infos = law_infos();
   EXPECT_EQ(std::ranges::count(infos, "toy", &LawInfo::name), 1);
   EXPECT_EQ(static_cast<int>(infos.size()), LawList::kSize);
   EXPECT_EQ(make_law("toy", std::vector<Coefficient>{8.0}).coefficients[1].value, 0.5);
 }
 
-TEST(ToyLaw, IsHeldToItsBounds) {
+TEST(ToyLaw, EnforcesItsBounds) {
   const auto chain = [](Coefficient reach) {
     return Chain{.masses = {1.0}, .links = {{.laws = {make_law<laws::Toy>({8.0, reach})}}}};
   };
@@ -45,8 +45,8 @@ TEST(ToyLaw, IsHeldToItsBounds) {
   EXPECT_EQ(released_from(0.1, law).simulate(outside).outcome, Outcome::impossible);
 }
 
-// Energy: m ẏ²/2 + k s² (|y|/s - ln(1 + |y|/s)) is kept.
-TEST(ToyLaw, IsIntegratedWithStepsOfItsOwnChoice) {
+// Conservation of energy: m ẏ²/2 + k s² (|y|/s - ln(1 + |y|/s)).
+TEST(ToyLaw, IsIntegratedWithAutomaticSteps) {
   const Simulator simulator = released_from(1.5, make_law<laws::Toy>({8.0, 0.4}));
   EXPECT_GT(simulator.substeps({}), 0);
   const CheckedResponse checked = checked_response(simulator, {});

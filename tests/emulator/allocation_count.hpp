@@ -1,4 +1,4 @@
-// Counts heap allocations, for tests that a hot path makes none.
+// Counts heap allocations, for tests of code that must not allocate.
 #pragma once
 
 namespace wheeltap::test {

@@ -10,8 +10,8 @@ namespace {
 constexpr std::size_t kResponses = 3;
 using Point = std::vector<double>;
 
-/// An effect of each component (location, size), of each pair, and if asked of each triple, in the
-/// additive quantity, shifted to stay on the side where that quantity exists.
+/// An effect of each component (location, size), of each pair, and optionally of each triple, in
+/// the additive quantity, shifted to the range where that quantity exists.
 double effects(const Point& x, std::size_t r, bool triples) {
   const std::size_t k = x.size() / 2;
   const auto one = [&](std::size_t i) {
@@ -77,13 +77,13 @@ double largest_error(Additive additive, std::size_t k, bool triples) {
   return worst;
 }
 
-TEST(Anova, ExactWhereNothingBeyondPairsActs) {
+TEST(Anova, IsExactWithoutThirdOrderEffects) {
   for (Additive additive :
        {Additive::response, Additive::logarithm, Additive::square, Additive::inverse_square})
     for (std::size_t k = 1; k <= 6; ++k) EXPECT_LT(largest_error(additive, k, false), 1e-12) << k;
 }
 
-TEST(Anova, NoComponentsGiveTheBaseline) {
+TEST(Anova, GivesTheBaselineWithoutComponents) {
   for (Additive additive :
        {Additive::response, Additive::logarithm, Additive::square, Additive::inverse_square}) {
     const AnovaEmulator f = emulator_of(model(additive), additive);
@@ -94,7 +94,7 @@ TEST(Anova, NoComponentsGiveTheBaseline) {
   }
 }
 
-TEST(Anova, TheRemainderIsTheThirdOrderTerm) {
+TEST(Anova, RemainderIsTheThirdOrderTerm) {
   EXPECT_LT(largest_error(Additive::response, 2, true), 1e-12);
   const Predictor truth = model(Additive::response, true);
   const AnovaEmulator f = emulator_of(truth, Additive::response);
@@ -110,7 +110,7 @@ TEST(Anova, TheRemainderIsTheThirdOrderTerm) {
   }
 }
 
-TEST(Anova, TheOrderOfComponentsDoesNotMatter) {
+TEST(Anova, DoesNotDependOnTheOrderOfComponents) {
   const AnovaEmulator f = emulator_of(model(Additive::square, true), Additive::square);
   std::vector<double> a(kResponses), b(kResponses);
   f.evaluate(Point{0.5, 0.9, 1.5, 0.7, 2.5, 0.8}, a);
@@ -118,7 +118,7 @@ TEST(Anova, TheOrderOfComponentsDoesNotMatter) {
   for (std::size_t r = 0; r < kResponses; ++r) EXPECT_NEAR(a[r], b[r], 1e-14);
 }
 
-TEST(Anova, WhatCannotBeComesOutNaN) {
+TEST(Anova, GivesNaNForAnImpossibleSum) {
   const Predictor halves = [](std::span<const double>, std::span<double> y) { y[0] = 0.5; };
   const AnovaEmulator f({1.0}, 1, halves, halves, Additive::square);
   double y = 0;
@@ -133,7 +133,7 @@ TEST(Anova, WhatCannotBeComesOutNaN) {
   EXPECT_TRUE(std::isnan(y));
 }
 
-TEST(Anova, Misuse) {
+TEST(Anova, RejectsInvalidInput) {
   const Predictor truth = model(Additive::response);
   EXPECT_THROW(AnovaEmulator({}, 2, truth, truth), std::invalid_argument);
   EXPECT_THROW(AnovaEmulator({1.0}, 0, truth, truth), std::invalid_argument);

@@ -94,7 +94,7 @@ TEST_P(CubicDimension, LinearRuleIsTheMultilinearInterpolant) {
 
 INSTANTIATE_TEST_SUITE_P(CubicInterpolant, CubicDimension, testing::Values(1, 2, 3, 4));
 
-/// Largest fall along lines that should rise.
+/// Largest decrease along lines that should increase.
 double largest_fall(AxisRule rule) {
   const auto factors = uneven(2);
   const CubicInterpolant f = fit(factors, steps, {rule, rule});
@@ -132,13 +132,13 @@ double order(AxisRule rule) {
   return std::log2(worst(16) / worst(32));
 }
 
-TEST(CubicInterpolant, OrdersOfConvergence) {
+TEST(CubicInterpolant, HasItsOrdersOfConvergence) {
   EXPECT_NEAR(order(AxisRule::linear), 2.0, 0.1);
   EXPECT_NEAR(order(AxisRule::cubic), 3.0, 0.1);
   EXPECT_NEAR(order(AxisRule::monotone_cubic), 3.0, 0.1);
 }
 
-TEST(CubicInterpolant, TwoLevelsAreAStraightLine) {
+TEST(CubicInterpolant, IsLinearForTwoLevels) {
   RowMatrix values(2, 1);
   values << 1, 3;
   const CubicInterpolant f({{"x", "", {0, 1}}}, values, {AxisRule::monotone_cubic});
@@ -157,7 +157,7 @@ TEST(CubicInterpolant, DoesNotAllocate) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-TEST(CubicInterpolant, Misuse) {
+TEST(CubicInterpolant, RejectsInvalidInput) {
   const auto factors = uneven(2);
   const CubicInterpolant f = fit(factors, steps, {AxisRule::linear, AxisRule::cubic});
   std::vector<double> y(kResponses);

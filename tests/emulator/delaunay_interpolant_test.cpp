@@ -74,7 +74,7 @@ TEST_P(DelaunayDimension, StaysBetweenTheRunsAndIsContinuous) {
   std::srand(2);
   const RowMatrix values = RowMatrix::Random(design.runs(), 1);
   const DelaunayInterpolant f(factors, design.points, values);
-  // Along a line through the box: no jump larger than the steepest simplex could make.
+  // Along a line through the box, no jump exceeds the steepest simplex's slope.
   double last = 0, y = 0;
   std::vector<double> x(GetParam());
   for (int i = 0; i <= 20000; ++i) {
@@ -99,7 +99,7 @@ TEST(DelaunayInterpolant, ErrorFallsAsTheSquareOfTheDistanceBetweenRuns) {
     const auto wave = [](double a, double b) { return std::sin(4 * a) * std::cos(3 * b); };
     for (Index i = 0; i < y.rows(); ++i) y(i, 0) = wave(design.points(i, 0), design.points(i, 1));
     const DelaunayInterpolant f(square, design.points, y);
-    // Away from the box's sides, where corners alone span long thin triangles.
+    // Away from the sides of the box, where long thin triangles connect the corners.
     const Design fresh = random_design({{"a", "", {0.15, 0.85}}, {"b", "", {0.15, 0.85}}}, 2000, 6);
     double sum = 0, value = 0;
     for (Index i = 0; i < fresh.runs(); ++i) {
@@ -112,7 +112,7 @@ TEST(DelaunayInterpolant, ErrorFallsAsTheSquareOfTheDistanceBetweenRuns) {
   EXPECT_NEAR(std::log(rmse(64) / rmse(1024)) / std::log(4.0), 2.0, 0.35);
 }
 
-TEST(DelaunayInterpolant, OutsideTheHullIsAnErrorNamingThePoint) {
+TEST(DelaunayInterpolant, NamesAPointOutsideTheHull) {
   const std::vector<Factor> factors = {{"location", "m", {0, 1}}, {"reduction", "", {0, 1}}};
   RowMatrix triangle(3, 2), values(3, 1);
   triangle << 0, 0, 1, 0, 0, 1;
@@ -148,7 +148,7 @@ TEST(DelaunayInterpolant, LookupsDoNotAllocate) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-TEST(DelaunayInterpolant, WhatCannotBeTriangulatedIsRefused) {
+TEST(DelaunayInterpolant, RejectsRunsThatCannotBeTriangulated) {
   const std::vector<Factor> factors = {{"a", "", {0, 1}}, {"b", "", {0, 1}}};
   const auto refused = [&](const RowMatrix& points) {
     try {

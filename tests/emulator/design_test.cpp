@@ -46,7 +46,7 @@ TEST(Design, TheSourcesTablesHave40And1600Runs) {
   EXPECT_EQ(full_factorial({site, level, other_site, other_level}).runs(), 1600);
 }
 
-TEST(Design, BadFactorsAreNamed) {
+TEST(Design, NamesInvalidFactors) {
   const double nan = std::nan("");
   EXPECT_NE(message({}).find("at least one factor"), std::string::npos);
   for (const Factor& bad :
@@ -76,7 +76,7 @@ TEST(Design, ScalesInvertAndIncrease) {
   EXPECT_THROW((void)scale_named("cubic"), std::invalid_argument);
 }
 
-TEST(Design, InsideAndOutside) {
+TEST(Design, ChecksPointsAgainstTheBox) {
   const Factors box = {{"r", "", {0, 0.5}}, {"x", "m", {1, 2}}};
   EXPECT_TRUE(contains(box, std::vector{0.0, 2.0}));
   EXPECT_FALSE(contains(box, std::vector{0.6, 1.5}));
@@ -104,7 +104,8 @@ TEST(Design, LatinHypercubeUsesEachStratumOnceAndSpreads) {
     }
     EXPECT_TRUE(std::all_of(used.begin(), used.end(), [](bool b) { return b; }));
   }
-  // Twenty purely random designs of this size: the best of their closest pairs is still below ours.
+  // Among twenty random designs of this size, the largest minimum distance is still below that of
+  // the Latin hypercube.
   const Factors cube = {{"a", "", {0, 1}}, {"b", "", {0, 1}}, {"c", "", {0, 1}}};
   double best_random = 0;
   for (std::uint64_t seed = 0; seed < 20; ++seed)
@@ -117,8 +118,8 @@ TEST(Design, LatinHypercubeUsesEachStratumOnceAndSpreads) {
 TEST(Design, SobolFillsEveryBinaryBoxEqually) {
   const Factors square = {{"a", "", {0, 1}}, {"b", "", {0, 1}}};
   const Design design = sobol(square, 256, 3);
-  // A (0, m, 2)-net in base 2 keeps its balance under a digital shift: 256 points put one in each
-  // of the 16 × 16 boxes, once the sequence's missing origin is accounted for.
+  // A (0, m, 2)-net in base 2 keeps its balance under a digital shift: 256 points have one in each
+  // of the 16 × 16 boxes, if the sequence's missing origin is included.
   std::vector<int> count(256);
   for (Eigen::Index i = 0; i < 256; ++i)
     ++count[static_cast<std::size_t>(design.points(i, 0) * 16) * 16 +
@@ -129,7 +130,7 @@ TEST(Design, SobolFillsEveryBinaryBoxEqually) {
   EXPECT_NE(design.points, sobol(square, 256, 4).points);
 }
 
-TEST(Design, CornersAreAddedOnce) {
+TEST(Design, AddsCornersOnce) {
   const Factors box = {{"a", "", {0, 1, 3}}, {"b", "", {-1, 1}}};
   Design design = latin_hypercube(box, 5, 1);
   EXPECT_EQ(with_corners(design).runs(), 9);
@@ -140,7 +141,7 @@ TEST(Design, CornersAreAddedOnce) {
   EXPECT_EQ(with_corners(more).points, more.points);
 }
 
-TEST(Design, EmptyScatteredDesignsAreRefused) {
+TEST(Design, RejectsEmptyScatteredDesigns) {
   const Factors box = {{"a", "", {0, 1}}};
   EXPECT_THROW((void)random_design(box, 0, 1), std::invalid_argument);
   EXPECT_THROW((void)latin_hypercube(box, 0, 1), std::invalid_argument);

@@ -37,7 +37,7 @@ TEST(Experiment, ResultsDoNotDependOnThreads) {
 }
 
 TEST(Experiment, NoModelServesTwoThreadsAtOnce) {
-  // A model that notices when two threads are in it at once.
+  // A model that detects simultaneous calls from two threads.
   std::atomic<int> made{0};
   std::atomic<bool> shared{false};
   const ModelFactory factory = [&] {
@@ -66,7 +66,7 @@ TEST(Experiment, ProgressCountsEveryRunOnce) {
   EXPECT_EQ(*seen.rbegin(), 400);
 }
 
-TEST(Experiment, TheFirstFailingRunIsNamedOnceWhateverTheThreads) {
+TEST(Experiment, NamesTheFirstFailedRunForAnyNumberOfThreads) {
   const ModelFactory factory = [] {
     return [](std::span<const double> x, std::span<double> y) {
       if (x[0] >= 7) throw std::domain_error("the beam broke");
@@ -83,7 +83,7 @@ TEST(Experiment, TheFirstFailingRunIsNamedOnceWhateverTheThreads) {
     }
 }
 
-TEST(Experiment, AnswersThatAreNotFiniteAreFailures) {
+TEST(Experiment, FailsIfAResponseIsNotFinite) {
   const ModelFactory factory = [] {
     return [](std::span<const double> x, std::span<double> y) {
       y[0] = 1;
@@ -99,12 +99,12 @@ TEST(Experiment, AnswersThatAreNotFiniteAreFailures) {
   }
 }
 
-TEST(Experiment, AFactoryThatThrowsIsReported) {
+TEST(Experiment, ReportsAFactoryThatThrows) {
   const ModelFactory factory = []() -> Model { throw std::logic_error("no beam"); };
   EXPECT_THROW((void)run_experiment(grid(), 1, factory, {.threads = 2}), std::logic_error);
 }
 
-TEST(Experiment, Misuse) {
+TEST(Experiment, RejectsInvalidInput) {
   EXPECT_THROW((void)run_experiment(grid(), 0, smooth()), std::invalid_argument);
   EXPECT_THROW((void)run_experiment(grid(), 2, smooth(), {.threads = 0}), std::invalid_argument);
   EXPECT_THROW((void)run_experiment({}, 2, smooth()), std::invalid_argument);

@@ -28,7 +28,7 @@ double k(Kernel kernel, double squared) {
   return (1 + r + r * r / 3) * std::exp(-r);
 }
 
-/// R, written down from its definition.
+/// R by its definition.
 MatrixXd correlation_matrix(const RowMatrix& u, const Correlation& c) {
   MatrixXd r(u.rows(), u.rows());
   for (Index i = 0; i < u.rows(); ++i)
@@ -53,7 +53,7 @@ RowMatrix smooth_values(const RowMatrix& points, Index responses) {
 
 class GaussianProcessKernel : public testing::TestWithParam<Kernel> {};
 
-TEST_P(GaussianProcessKernel, LikelihoodIsItsDefinition) {
+TEST_P(GaussianProcessKernel, LikelihoodMatchesItsDefinition) {
   const RowMatrix u = random_design(cube(2), 15, 1).points;
   const RowMatrix y = smooth_values(u, 2);
   const Correlation c{GetParam(), Eigen::Vector2d(0.3, 0.7), 1e-3};
@@ -155,7 +155,7 @@ TEST_P(GaussianProcessKernel, LeaveOneOutMatchesBruteForce) {
   }
 }
 
-TEST_P(GaussianProcessKernel, AThousandClusteredPointsStayPositiveDefinite) {
+TEST_P(GaussianProcessKernel, StaysPositiveDefiniteForAThousandClusteredPoints) {
   const Index n = 1000;
   const RowMatrix centres = latin_hypercube(cube(2), 10, 7).points;
   RowMatrix points(n, 2);
@@ -164,7 +164,7 @@ TEST_P(GaussianProcessKernel, AThousandClusteredPointsStayPositiveDefinite) {
     for (Index j = 0; j < 2; ++j)
       points(i, j) = std::clamp(
           centres(i % 10, j) + 1e-7 * static_cast<double>(generator() >> 11) * 0x1p-53, 0.0, 1.0);
-  points.row(999) = points.row(9);  // and one of them twice
+  points.row(999) = points.row(9);  // with one duplicate
   const RowMatrix y = smooth_values(points, 1);
   const GaussianProcess f(cube(2), points, y, {.kernel = GetParam(), .most_fitted_runs = 150});
   EXPECT_LE(f.parameters()(0, 2), 1e-8) << "a nugget no larger than rounding needs";
@@ -179,7 +179,7 @@ TEST_P(GaussianProcessKernel, AThousandClusteredPointsStayPositiveDefinite) {
   EXPECT_TRUE((loo.variance.array() > 0).all());
 }
 
-TEST_P(GaussianProcessKernel, VarianceIsHonestForFunctionsOfItsOwnKind) {
+TEST_P(GaussianProcessKernel, VarianceIsCalibratedForDrawsOfTheProcess) {
   // 400 functions drawn from the process with known lengths, each known at 40 points.
   const Index n = 41, functions = 400;
   const RowMatrix points = latin_hypercube(cube(2), n, 9).points;
@@ -217,7 +217,7 @@ TEST(GaussianProcess, AFactorWithoutEffectGetsALongLength) {
   EXPECT_GT(p(0, 2), 5 * p(0, 0));
 }
 
-TEST(GaussianProcess, FindsTheNoiseOfTheRuns) {
+TEST(GaussianProcess, EstimatesTheNoiseOfTheRuns) {
   const Design design = latin_hypercube(cube(2), 300, 12);
   RowMatrix y = smooth_values(design.points, 1);
   std::mt19937_64 generator(13);
@@ -227,7 +227,7 @@ TEST(GaussianProcess, FindsTheNoiseOfTheRuns) {
   const LeaveOneOut loo = f.leave_one_out();
   const auto z = ((y - loo.mean).array() / loo.variance.array().sqrt()).eval();
   EXPECT_NEAR(z.square().mean(), 1.0, 5 * std::sqrt(2.0 / 300));
-  // A left-out run's variance is hardly more than its noise.
+  // The variance of a left-out run is little more than its noise.
   EXPECT_NEAR(std::sqrt(loo.variance.mean()), 0.05, 5 * 0.05 / std::sqrt(2.0 * 300) + 0.003);
   double mean = 0, variance = 0;
   const std::vector x{0.5, 0.5};
@@ -236,9 +236,9 @@ TEST(GaussianProcess, FindsTheNoiseOfTheRuns) {
   EXPECT_LT(variance, 0.05 * 0.05 / 4) << "the noise averages out";
 }
 
-TEST(GaussianProcess, ScalesAreRespected) {
-  // Linear in the compliance: in that scale a straight line, which Kriging gets to rounding of its
-  // long lengths; in the reduction a hyperbola.
+TEST(GaussianProcess, UsesTheScalesOfFactors) {
+  // Linear in the compliance: a straight line in that scale, which Kriging reproduces to rounding;
+  // a hyperbola in the reduction.
   std::vector<Factor> plain = {{"r", "", {0, 0.9}}};
   std::vector<Factor> scaled = plain;
   scaled[0].scale = Scale::compliance;
@@ -290,7 +290,7 @@ TEST(GaussianProcess, AConstantResponseStaysConstant) {
   }
 }
 
-TEST(GaussianProcess, Misuse) {
+TEST(GaussianProcess, RejectsInvalidInput) {
   const Design design = latin_hypercube(cube(2), 20, 16);
   const RowMatrix y = smooth_values(design.points, 2);
   const GaussianProcess f(design.factors, design.points, y);

@@ -31,14 +31,14 @@ RefinementOptions options(double tolerance, const InterpolantType& type = kMulti
   return {.tolerance = {tolerance, tolerance}, .interpolant = &type};
 }
 
-TEST(GridRefinement, ReachesTheToleranceWithLevelsWhereTheyAreNeeded) {
+TEST(GridRefinement, ReachesTheToleranceWithFewLevels) {
   const RefinedGrid grid = refine_grid(coarse(), 2, peaked(), options(0.01));
   EXPECT_TRUE(grid.reached);
   for (const HoldoutError& e : grid.holdout) EXPECT_LE(e.max_error, 0.01);
   EXPECT_GT(grid.factors[0].levels.size(), 10u);
   EXPECT_LT(grid.factors[1].levels.size(), 6u);
   EXPECT_EQ(grid.values.rows(), full_factorial(grid.factors).runs());
-  // Fresh points, not those that the refinement looked at.
+  // New points, not those of the refinement.
   const MultilinearInterpolant f(grid.factors, grid.values);
   const auto fresh =
       validate(coarse(), 2, peaked(),
@@ -55,25 +55,24 @@ TEST(GridRefinement, CubicNeedsFewerLevels) {
   EXPECT_LT(cubic.values.rows(), linear.values.rows());
 }
 
-TEST(GridRefinement, NoPointIsRunTwice) {
+TEST(GridRefinement, RunsNoPointTwice) {
   std::atomic<int> calls = 0;
   const RefinedGrid grid = refine_grid(coarse(), 2, peaked(&calls), options(0.01));
   EXPECT_EQ(calls, grid.model_runs);
 }
 
-TEST(GridRefinement, LevelsAreTakenFromCandidates) {
+TEST(GridRefinement, UsesLevelsFromCandidates) {
   RefinementOptions o = options(0.01);
   o.candidates = {{}, {}};
   for (int i = 0; i <= 40; ++i) o.candidates[0].push_back(i / 40.0);
   const RefinedGrid grid = refine_grid(coarse(), 2, peaked(), o);
   const std::set<double> allowed(o.candidates[0].begin(), o.candidates[0].end());
   for (double level : grid.factors[0].levels) EXPECT_TRUE(allowed.contains(level));
-  // Only candidates are asked for, so with each of them a level there is no error left on that
-  // axis.
+  // Only candidates are evaluated, so with a level at each of them no error remains on that axis.
   EXPECT_TRUE(grid.reached);
 }
 
-TEST(GridRefinement, SaysWhenItCannot) {
+TEST(GridRefinement, ReportsAMissedTolerance) {
   RefinementOptions few = options(1e-6);
   few.most_runs = 50;
   const RefinedGrid grid = refine_grid(coarse(), 2, peaked(), few);
@@ -89,7 +88,7 @@ TEST(GridRefinement, DoesNotDependOnThreads) {
   EXPECT_EQ(a.values, b.values);
 }
 
-TEST(GridRefinement, Misuse) {
+TEST(GridRefinement, RejectsInvalidOptions) {
   EXPECT_THROW((void)refine_grid(coarse(), 3, peaked(), options(0.01)), std::invalid_argument);
   EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), options(0)), std::invalid_argument);
   EXPECT_THROW((void)refine_grid(coarse(), 2, peaked(), options(0.01, kGaussianProcess)),

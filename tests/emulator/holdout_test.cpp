@@ -55,7 +55,7 @@ TEST(Holdout, KnownQ2OfANoisyPredictor) {
   EXPECT_LE(e.max_error, 0.1);
 }
 
-TEST(Holdout, DoesNotDependOnThreadsButOnTheSeed) {
+TEST(Holdout, DependsOnTheSeedAndNotOnThreads) {
   const std::vector<Factor> line = {{"x", "", {0, 1}}};
   const ModelFactory model = [] {
     return [](std::span<const double> x, std::span<double> y) { y[0] = x[0] * x[0]; };
@@ -83,7 +83,7 @@ TEST(StandardisedResiduals, KnownValues) {
                std::invalid_argument);
 }
 
-TEST(Holdout, Misuse) {
+TEST(Holdout, RejectsInvalidInput) {
   EXPECT_THROW((void)holdout_error(RowMatrix::Zero(3, 2), RowMatrix::Zero(3, 1)),
                std::invalid_argument);
   EXPECT_THROW((void)holdout_error(RowMatrix::Zero(1, 2), RowMatrix::Zero(1, 2)),

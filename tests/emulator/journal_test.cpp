@@ -48,7 +48,7 @@ class JournalTest : public testing::Test {
   const std::filesystem::path path = directory / "runs.journal";
 };
 
-TEST_F(JournalTest, RemembersWhatWasAppended) {
+TEST_F(JournalTest, KeepsAppendedRuns) {
   {
     Journal journal(path, "beam", 2);
     EXPECT_TRUE(journal.entries().empty());
@@ -62,8 +62,8 @@ TEST_F(JournalTest, RemembersWhatWasAppended) {
   EXPECT_EQ(again.entries()[1].run, 0);
 }
 
-// A run that began anew removed the journal of one under way.
-TEST_F(JournalTest, OneRunWritesItAtATime) {
+// Regression: a run that started anew removed the journal of a running one.
+TEST_F(JournalTest, IsWrittenByOneProcessAtATime) {
   Journal first(path, "beam", 2);
   first.append(0, std::vector{1.0, 2.0});
   EXPECT_EQ(open_error("beam", 2), Kind::unwritable);
@@ -72,7 +72,7 @@ TEST_F(JournalTest, OneRunWritesItAtATime) {
   EXPECT_EQ(beside.entries().size(), 1u);
 }
 
-TEST_F(JournalTest, OfAnotherExperimentOrNoJournalAtAll) {
+TEST_F(JournalTest, RejectsOtherExperimentsAndOtherFiles) {
   { Journal(path, "beam", 2).append(0, std::vector{1.0, 2.0}); }
   EXPECT_EQ(open_error("plate", 2), Kind::mismatch);
   EXPECT_EQ(open_error("beam", 3), Kind::mismatch);
@@ -84,7 +84,7 @@ TEST_F(JournalTest, OfAnotherExperimentOrNoJournalAtAll) {
   EXPECT_EQ(open_error("beam", 2), Kind::unwritable);
 }
 
-TEST_F(JournalTest, CutAnywhereItKeepsTheWholeRecords) {
+TEST_F(JournalTest, KeepsCompleteRecordsAfterTruncation) {
   std::atomic<int> calls = 0;
   const RowMatrix whole = run_experiment(grid(), 2, counting(calls), {.journal = path});
   ASSERT_EQ(calls, 20);
@@ -101,7 +101,7 @@ TEST_F(JournalTest, CutAnywhereItKeepsTheWholeRecords) {
   }
 }
 
-TEST_F(JournalTest, ADamagedRecordIsRunAgain) {
+TEST_F(JournalTest, RepeatsARunWithADamagedRecord) {
   std::atomic<int> calls = 0;
   const RowMatrix whole = run_experiment(grid(), 2, counting(calls), {.journal = path});
   std::string bytes = bytes_of(path);
@@ -112,7 +112,7 @@ TEST_F(JournalTest, ADamagedRecordIsRunAgain) {
   EXPECT_EQ(calls, 1);
 }
 
-TEST_F(JournalTest, AKilledProcessResumesWithoutRepeatingRuns) {
+TEST_F(JournalTest, ResumesAfterAKillWithoutRepeatingRuns) {
   const pid_t child = ::fork();
   if (child == 0) {
     std::atomic<int> calls = 0;
@@ -137,7 +137,7 @@ TEST_F(JournalTest, AKilledProcessResumesWithoutRepeatingRuns) {
   EXPECT_EQ(resumed, run_experiment(grid(), 2, counting(calls)));
 }
 
-TEST_F(JournalTest, AnotherDesignOrIdentityIsRefused) {
+TEST_F(JournalTest, RejectsAnotherDesignOrIdentity) {
   std::atomic<int> calls = 0;
   (void)run_experiment(grid(), 2, counting(calls), {.journal = path, .identity = "beam"});
   EXPECT_THROW(
@@ -151,7 +151,7 @@ TEST_F(JournalTest, AnotherDesignOrIdentityIsRefused) {
   EXPECT_EQ(calls, 20);
 }
 
-TEST_F(JournalTest, FinishedRunsSurviveAFailingOne) {
+TEST_F(JournalTest, KeepsFinishedRunsAfterAFailure) {
   const ModelFactory failing = [] {
     return [](std::span<const double> x, std::span<double> y) {
       if (x[0] > 3) throw std::runtime_error("no convergence");
@@ -165,8 +165,8 @@ TEST_F(JournalTest, FinishedRunsSurviveAFailingOne) {
   EXPECT_EQ(calls, 4);
 }
 
-// `table` without --resume removed whatever had the journal's name.
-TEST(Journal, RemovesJournalsOnly) {
+// Regression: `table` without --resume removed any file with the journal's name.
+TEST(Journal, RemovesOnlyJournals) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "runs";
   Journal::remove(path);  // there is none

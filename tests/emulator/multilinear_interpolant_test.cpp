@@ -91,7 +91,7 @@ TEST(MultilinearInterpolant, ErrorFallsAsTheSquareOfTheSpacing) {
   EXPECT_NEAR(std::log2(worst(8) / worst(16)), 2.0, 0.1);
 }
 
-TEST(MultilinearInterpolant, OutsideTheBoxIsAnErrorNamingTheFactor) {
+TEST(MultilinearInterpolant, NamesTheFactorOutsideTheBox) {
   const MultilinearInterpolant f = table(uneven(2));
   std::vector<double> y(kOutputs);
   for (double outside : {-0.3000001, 0.6000001, std::nan(""), HUGE_VAL}) {
@@ -111,7 +111,7 @@ TEST(MultilinearInterpolant, OutsideTheBoxIsAnErrorNamingTheFactor) {
   EXPECT_THROW(f.evaluate(std::vector{0.0, 0.0}, y), std::invalid_argument);
 }
 
-TEST(MultilinearInterpolant, BadTablesAreRefused) {
+TEST(MultilinearInterpolant, RejectsInvalidTables) {
   const std::vector<Factor> line = {{"x", "", {0, 1, 2}}};
   EXPECT_THROW(MultilinearInterpolant(line, RowMatrix::Zero(2, 1)), std::invalid_argument);
   EXPECT_THROW(MultilinearInterpolant(line, RowMatrix(3, 0)), std::invalid_argument);

@@ -68,8 +68,8 @@ TEST_F(RunsCsv, ErrorsNameLineAndColumn) {
   EXPECT_NE(error(std::string(kHeader) + row).find("never varies"), std::string::npos);
 }
 
-// One grammar for all delimited text: what records may be, runs may be.
-TEST_F(RunsCsv, SeparatorsAndUnitsAsInRecords) {
+// Runs accept the same delimited text as records.
+TEST_F(RunsCsv, AcceptsTheSeparatorsAndUnitsOfRecords) {
   const std::string header = "reduction;location[1] (m);f1 (Hz)\r\n";
   const Table t = parse_runs_csv("\xEF\xBB\xBF" + header + "+0.1;0.25;13.8\r\n0.3;0.75;13.1\r\n",
                                  "runs.csv", kFactors, "frequency");

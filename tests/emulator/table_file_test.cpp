@@ -10,7 +10,7 @@
 
 #include "tests/emulator/temporary_directory.hpp"
 
-// NetCDF and HDF5 keep some memory when they fail to open a damaged file; it is not ours.
+// NetCDF and HDF5 leak memory when they fail to open a damaged file.
 extern "C" const char* __lsan_default_suppressions() {
   return "leak:libnetcdf\nleak:libhdf5\n";
 }
@@ -28,7 +28,7 @@ class TableFileTest : public testing::Test {
   }
   [[nodiscard]] std::string bytes() const { return test::bytes_of(path()); }
   void put(const std::string& content) const { test::put_bytes(path(), content); }
-  /// The kind of error that reading the file ends with; nullopt when it reads well.
+  /// The kind of error when reading the file; nullopt on success.
   [[nodiscard]] std::optional<Kind> read_error(const std::string& fingerprint = {}) const {
     try {
       (void)read_table_file(path(), {.expected_fingerprint = fingerprint});
@@ -68,7 +68,7 @@ TableFile example() {
   return file;
 }
 
-// HDF5 crashes on some, which a child of the reader's own bears.
+// HDF5 crashes on some of them, in the reader's child process.
 TEST_F(TableFileTest, NoDamageEndsTheProgram) {
   write_table_file(path(), example());
   const std::string whole = bytes();
@@ -138,7 +138,7 @@ TEST_F(TableFileTest, ScatteredRunsParametersAndAttributes) {
   EXPECT_EQ(r.parameters.at("nugget"), t.parameters.at("nugget"));
 }
 
-TEST_F(TableFileTest, AnIncompleteTableIsOnlyReadOnRequest) {
+TEST_F(TableFileTest, ReadsAnIncompleteTableOnlyOnRequest) {
   TableFile file = example();
   file.tables["count_2"].values.row(7).setConstant(std::nan(""));
   write_table_file(path(), file);
@@ -167,7 +167,7 @@ TEST_F(TableFileTest, AnyNetcdfReaderSeesNamedDimensionsAndUnits) {
   nc_close(file);
 }
 
-TEST_F(TableFileTest, ATableOfAnotherCaseIsRefused) {
+TEST_F(TableFileTest, RejectsATableOfAnotherCase) {
   write_table_file(path(), example());
   EXPECT_EQ(read_error(), std::nullopt);
   EXPECT_EQ(read_error(io::fingerprint("another beam")), Kind::mismatch);
@@ -194,7 +194,7 @@ TEST_F(TableFileTest, MissingAndForeignFiles) {
   EXPECT_EQ(read_error(), Kind::foreign);
 }
 
-TEST_F(TableFileTest, OtherFormatVersionsAreNamed) {
+TEST_F(TableFileTest, NamesOtherFormatVersions) {
   for (int version : {kTableFormatVersion - 1, kTableFormatVersion + 1}) {
     write_table_file(path(), example());
     int file;
@@ -237,7 +237,7 @@ TEST_F(TableFileTest, ADamagedByteNeverChangesWhatIsRead) {
   EXPECT_GT(noticed, 50);
 }
 
-TEST_F(TableFileTest, AFileThatContradictsItselfIsCorrupt) {
+TEST_F(TableFileTest, AnInconsistentFileIsCorrupt) {
   write_table_file(path(), example());
   int file, group, variable;
   ASSERT_EQ(nc_open(path().c_str(), NC_WRITE, &file), NC_NOERR);
@@ -272,7 +272,7 @@ TEST_F(TableFileTest, AFailedWriteLeavesTheOldFile) {
   EXPECT_EQ(directory.files(), 1);
 }
 
-TEST_F(TableFileTest, ContradictingTablesAreRefused) {
+TEST_F(TableFileTest, RejectsInconsistentTables) {
   TableFile wrong_rows = example();
   wrong_rows.tables["count_1"].values = RowMatrix::Zero(11, 20);
   EXPECT_THROW(write_table_file(path(), wrong_rows), std::invalid_argument);

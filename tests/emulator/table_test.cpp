@@ -67,14 +67,14 @@ TEST(Table, HalvesMergeIntoTheWhole) {
   }
 }
 
-TEST(Table, AMissingPartStaysMissing) {
+TEST(Table, KeepsAMissingPartMissing) {
   const Table whole = grid_table();
   const TableFile merged =
       merge(std::vector{file(part_of(whole, 0, 3)), file(part_of(whole, 2, 3))});
   EXPECT_EQ(merged.tables.at("count_1").missing_runs(), 3);
 }
 
-TEST(Table, ScatteredRunsAreJoined) {
+TEST(Table, ConcatenatesScatteredRuns) {
   Table whole = grid_table();
   whole.points = latin_hypercube(whole.factors, 10, 4).points;
   whole.values = run_experiment(whole.design(), 2, sums());
@@ -82,14 +82,14 @@ TEST(Table, ScatteredRunsAreJoined) {
   Table first = whole, second = whole;
   first.points = whole.points.topRows(6);
   first.values = whole.values.topRows(6);
-  second.points = whole.points.bottomRows(6);  // two points are in both
+  second.points = whole.points.bottomRows(6);  // two points occur in both
   second.values = whole.values.bottomRows(6);
   const Table merged = merge(std::vector{file(first), file(second)}).tables.at("count_1");
   EXPECT_EQ(merged.points, whole.points);
   EXPECT_EQ(merged.values, whole.values);
 }
 
-TEST(Table, OnlyWhatAllPartsAgreeOnIsKept) {
+TEST(Table, KeepsOnlyCommonAttributes) {
   TableFile a = file(grid_table()), b = a;
   a.attributes["command"] = "part 1";
   b.attributes["command"] = "part 2";
@@ -104,7 +104,7 @@ TEST(Table, OnlyWhatAllPartsAgreeOnIsKept) {
   EXPECT_TRUE(merged.tables.at("count_1").parameters.empty());
 }
 
-TEST(Table, PartsThatDoNotBelongTogetherAreRefused) {
+TEST(Table, RejectsPartsOfDifferentTables) {
   const TableFile a = file(grid_table());
   EXPECT_NE(merge_error({}), "");
   TableFile other_case = a;

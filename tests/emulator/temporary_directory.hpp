@@ -1,4 +1,4 @@
-// A directory of a test's own, removed at the end.
+// A directory for one test, removed at the end.
 #pragma once
 
 #include <gtest/gtest.h>

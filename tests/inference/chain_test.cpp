@@ -8,7 +8,7 @@ namespace {
 
 using testing::ElementsAre;
 
-TEST(Chain, ADrawIsAViewOfItsModelsParameters) {
+TEST(Chain, DrawIsAViewOfItsModelsParameters) {
   const auto space = ModelSpace::of_components(
       {{"sd", Normal{0.0, 1.0}}},
       {{"damage", "damages", {{"location", Uniform{0.0, 1.0}}, {"reduction", Uniform{0.0, 1.0}}}},
@@ -33,7 +33,7 @@ TEST(Chain, ADrawIsAViewOfItsModelsParameters) {
   EXPECT_EQ(some.log_likelihood, -20.0);
 }
 
-TEST(Chain, IsCutToItsFirstDraws) {
+TEST(Chain, TruncatesToItsFirstDraws) {
   Chain chain;
   chain.model = {0, 1, 1};
   chain.theta = {1.0, kNaN, 2.0, 3.0, 4.0, 5.0};

@@ -1,5 +1,5 @@
-// A run that is left at any safe point and taken up from its columns is the run that was never
-// left.
+// A run that is interrupted at any safe point and resumed from its columns equals the uninterrupted
+// run.
 #include "inference/engine/checkpoint.hpp"
 
 #include <gmock/gmock.h>
@@ -27,7 +27,7 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-// y(t) = 1 + t + something small, by a level and any of `terms` powers of t: 2^terms nested models.
+// y(t) = 1 + t + a small term, by a constant and any of `terms` powers of t: 2^terms nested models.
 Problem powers(int terms, long samples, bool shortens) {
   class Powers : public Likelihood {
    public:
@@ -93,13 +93,13 @@ struct Case {
   Options options;
 };
 
-// WHEELTAP_LONG_TESTS=1: from every safe point of every run. Else from a part of them, spread
-// evenly.
+// WHEELTAP_LONG_TESTS=1: from every safe point of every run. Otherwise from an evenly spaced
+// subset.
 bool is_long() {
   return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
 }
 
-// Every way that a run can take through its stages.
+// Every possible path of a run through its stages.
 std::vector<Case> cases() {
   const Options brief{
       .seed = 3, .chains = 2, .threads = 2, .warmup = 80, .draws = 16, .thin = 2, .searches = 2};
@@ -122,7 +122,7 @@ std::vector<Case> cases() {
   return all;
 }
 
-// Bits, so that NaN is NaN.
+// Compared by bits, so that NaN equals NaN.
 template <class Sequence>
 void expect_bits(const Sequence& a, const Sequence& b, const char* what) {
   using T = typename Sequence::value_type;
@@ -211,7 +211,7 @@ void expect_same(const Posterior& a, const Posterior& b) {
   }
 }
 
-// Every checkpoint of a run, and what the run came to.
+// All checkpoints of a run, and its result.
 struct Whole {
   std::vector<std::shared_ptr<const Checkpoint>> checkpoints;
   Posterior posterior;
@@ -225,9 +225,9 @@ Whole run_whole(const Problem& problem, Options options) {
   return whole;
 }
 
-// The same, with draws kept apart: every part that was ever handed over, by its number.
+// The same with draws in parts: every part that was saved, by its number.
 struct InParts {
-  int part = 0;  // draws of a chain
+  int part = 0;  // draws per chain
   std::map<long, Checkpoint> parts;
   Whole whole;
 
@@ -243,7 +243,7 @@ InParts run_in_parts(const Problem& problem, Options options, int part = 3) {
   int offered = 0;
   options.checkpoints.part = part;
   options.checkpoints.save_draws = [&](const Checkpoint& draws, long number) {
-    if (++offered % 3 == 0) return false;  // as on a disk that is full for a while
+    if (++offered % 3 == 0) return false;  // as on a disk that is temporarily full
     EXPECT_TRUE(out.parts.emplace(number, draws).second) << "part " << number << " comes twice";
     return true;
   };
@@ -267,7 +267,7 @@ int stage(const Checkpoint& checkpoint) {
 
 class CheckpointOf : public testing::TestWithParam<Case> {};
 
-TEST_P(CheckpointOf, EverySafePointLeadsToTheSamePosterior) {
+TEST_P(CheckpointOf, EverySafePointGivesTheSamePosterior) {
   const Problem problem = GetParam().problem();
   const Options options = GetParam().options;
   const Posterior straight = reversible_jump(problem, options);
@@ -282,7 +282,7 @@ TEST_P(CheckpointOf, EverySafePointLeadsToTheSamePosterior) {
   const std::size_t every = is_long() ? 1 : 1 + whole.checkpoints.size() / kPart;
   for (std::size_t i = 0; i < whole.checkpoints.size(); i += every) {
     SCOPED_TRACE(i);
-    const Problem again = GetParam().problem();  // nothing is left of the one before
+    const Problem again = GetParam().problem();  // nothing of the earlier one remains
     Options other = options;
     other.threads = 1 + static_cast<int>(i % 2);
     expect_same(straight, resumed(again, other, whole.checkpoints[i]));
@@ -290,7 +290,7 @@ TEST_P(CheckpointOf, EverySafePointLeadsToTheSamePosterior) {
   }
 }
 
-TEST_P(CheckpointOf, DrawsKeptApartLeadToTheSamePosterior) {
+TEST_P(CheckpointOf, DrawsInPartsGiveTheSamePosterior) {
   const Problem problem = GetParam().problem();
   const InParts run = run_in_parts(problem, GetParam().options);
   const Options options = run.reading(GetParam().options);
@@ -302,7 +302,7 @@ TEST_P(CheckpointOf, DrawsKeptApartLeadToTheSamePosterior) {
     const auto& checkpoint = run.whole.checkpoints[i];
     const auto [first_part, parts] = parts_of(*checkpoint);
     most = std::max(most, parts);
-    // What is left of each chain is less than a part, or two where one was refused.
+    // The remainder of each chain is shorter than a part, or than two if saving failed.
     for (const std::int64_t tail :
          std::get<std::vector<std::int64_t>>(checkpoint->columns.at("posterior.chains.model.size")))
       EXPECT_LT(tail, 3 * run.part);
@@ -314,7 +314,7 @@ TEST_P(CheckpointOf, DrawsKeptApartLeadToTheSamePosterior) {
   EXPECT_GT(most, 2);
 }
 
-TEST_P(CheckpointOf, ColumnsAreTheState) {
+TEST_P(CheckpointOf, ColumnsRestoreTheState) {
   const Problem problem = GetParam().problem();
   const Whole whole = run_whole(problem, GetParam().options);
   for (const auto& checkpoint : whole.checkpoints) {
@@ -332,13 +332,13 @@ TEST_P(CheckpointOf, ColumnsAreTheState) {
   }
 }
 
-// Stopped again and again, each time after a little more: the sum is one run.
-TEST_P(CheckpointOf, ARunOfManySessionsIsOneRun) {
+// Stopped repeatedly, each time after a little more work: the sessions together equal one run.
+TEST_P(CheckpointOf, ManySessionsEqualOneRun) {
   const Problem problem = GetParam().problem();
   Options options = GetParam().options;
   const Posterior straight = reversible_jump(problem, options);
   int sessions = 0, calls = 0;
-  options.checkpoints.every_seconds = 1e9;  // when it is stopped, and only then
+  options.checkpoints.every_seconds = 1e9;  // only when it is stopped
   std::shared_ptr<const Checkpoint> last;
   options.checkpoints.save = [&](const Checkpoint& checkpoint) {
     last = std::make_shared<const Checkpoint>(checkpoint);
@@ -360,13 +360,13 @@ TEST_P(CheckpointOf, ARunOfManySessionsIsOneRun) {
 INSTANTIATE_TEST_SUITE_P(Runs, CheckpointOf, testing::ValuesIn(cases()),
                          [](const auto& at) { return std::string(at.param.name); });
 
-// The control: each of these left as it was at the beginning, and it is another run.
-TEST(Checkpoint, AMemberLeftOutMakesAnotherRun) {
+// The control: with any of these members reset to its initial value, the run differs.
+TEST(Checkpoint, AMissingMemberChangesTheRun) {
   const Problem problem = toy::bumps();
   const Options options{
       .seed = 3, .chains = 2, .threads = 1, .warmup = 240, .draws = 40, .thin = 2};
   const Whole whole = run_whole(problem, options);
-  // The first checkpoint for which this holds, but with one column of zeros.
+  // The first checkpoint that satisfies this, with one column of zeros.
   const auto without = [&](const char* column, auto&& where) {
     for (const auto& checkpoint : whole.checkpoints) {
       if (!where(*checkpoint)) continue;
@@ -385,24 +385,24 @@ TEST(Checkpoint, AMemberLeftOutMakesAnotherRun) {
   };
   const auto tempering = [](const Checkpoint& c) {
     return first<std::uint8_t>(c, "at.tempering") == 1 &&
-           first<std::int32_t>(c, "chains.lesson.steps") > 5;
+           first<std::int32_t>(c, "chains.adaptation.steps") > 5;
   };
   const auto tuning = [](const Checkpoint& c) {
-    return stage(c) == 1 && first<std::int32_t>(c, "chains.lesson.steps") > 5 &&
+    return stage(c) == 1 && first<std::int32_t>(c, "chains.adaptation.steps") > 5 &&
            first<std::int32_t>(c, "at.tuned") > 0;
   };
   const auto drawing = [](const Checkpoint& c) {
     return stage(c) == 2 && first<std::int64_t>(c, "chains.iteration") > 20;
   };
   EXPECT_TRUE(differs(without("chains.ladder.scans", tempering)));
-  EXPECT_TRUE(differs(without("chains.lesson.learnt.each", tempering)));
-  EXPECT_TRUE(differs(without("chains.lesson.learnt.each", tuning)));
+  EXPECT_TRUE(differs(without("chains.adaptation.learnt.each", tempering)));
+  EXPECT_TRUE(differs(without("chains.adaptation.learnt.each", tuning)));
   EXPECT_TRUE(differs(without("at.tuned", tuning)));
   EXPECT_TRUE(differs(without("chains.iteration", drawing)));
   EXPECT_TRUE(differs(without("pilot.efficiencies", drawing)));
 }
 
-TEST(Checkpoint, OneThatIsNoneOfTheProblemIsRefused) {
+TEST(Checkpoint, RejectsACheckpointOfAnotherProblem) {
   const Problem problem = toy::bumps();
   const Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 40};
   const Whole whole = run_whole(problem, options);
@@ -429,23 +429,23 @@ TEST(Checkpoint, OneThatIsNoneOfTheProblemIsRefused) {
         static_cast<void>(state_of(good, toy::bump_space({1, 1}), 2));
       },
       ThrowsMessage<CheckpointError>(HasSubstr("other models")));
-  // Other data: the same parameters have another likelihood.
+  // Other data: the same parameters have a different likelihood.
   EXPECT_THAT(
       [&] {
         static_cast<void>(resumed(toy::bump_problem({1, 0, 0, 0, 0, 0}, {1, 1, 1, 1}), options,
                                   whole.checkpoints.back()));
       },
-      ThrowsMessage<CheckpointError>(HasSubstr("likelihood is another one")));
+      ThrowsMessage<CheckpointError>(HasSubstr("likelihood differs from that")));
 }
 
-TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
+TEST(Checkpoint, RejectsPartsOfOtherDraws) {
   const Problem problem = toy::bumps();
   const Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 40};
   const InParts run = run_in_parts(problem, options);
   const auto& last = run.whole.checkpoints.back();
   ASSERT_GT(parts_of(*last).second, 0);
   EXPECT_THAT([&] { static_cast<void>(resumed(problem, options, last)); },
-              ThrowsMessage<CheckpointError>(HasSubstr("kept apart")));
+              ThrowsMessage<CheckpointError>(HasSubstr("separate parts")));
   const auto refused = [&](const Checkpoint& part, const char* why) {
     Options other = run.reading(options);
     other.checkpoints.saved_draws = [&](long) { return part; };
@@ -453,13 +453,13 @@ TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
                 ThrowsMessage<CheckpointError>(HasSubstr(why)));
   };
   const Checkpoint& good = run.parts.begin()->second;
-  refused(draws_of(run.whole.posterior.chains[0], 0, run.part - 1), "has not 3");
+  refused(draws_of(run.whole.posterior.chains[0], 0, run.part - 1), "does not have 3 draws");
   Checkpoint shorter = good, more = good;
   std::get<std::vector<double>>(shorter.columns.at("theta")).pop_back();
   refused(shorter, "lacks a part of \"theta\"");
   more.columns["moon"] = std::vector<double>{1.0};
   refused(more, "\"moon\"");
-  auto again = std::make_shared<Checkpoint>(*last);  // with parts that it has itself
+  auto again = std::make_shared<Checkpoint>(*last);  // with parts of its own
   const auto& chains = std::get<std::vector<std::int32_t>>(last->columns.at("at.part_chains"));
   for (int i = 0; i < 20; ++i)
     std::get<std::vector<std::int32_t>>(again->columns.at("at.part_chains")).push_back(chains[0]);
@@ -470,9 +470,9 @@ TEST(Checkpoint, PartsOfDrawsThatAreNotItsOwnAreRefused) {
               ThrowsMessage<CheckpointError>(HasSubstr("more draws")));
 }
 
-// Where a run turns to tempering, or fits its proposals to its draws, these become warm-up: parts
-// of them that are on the disk count no more, and the next ones have other numbers.
-TEST(Checkpoint, DrawsKeptApartAreForgottenWithTheOthers) {
+// When a run starts tempering, or fits its proposals to its draws, these draws become warm-up:
+// their parts on disk are obsolete, and later parts have other numbers.
+TEST(Checkpoint, PartsBecomeObsoleteWhenDrawsBecomeWarmup) {
   const auto& all = hard_problems();
   const auto at = std::ranges::find(all, "bananas, 2-d, 1e-3 wide", &HardProblem::name);
   ASSERT_NE(at, all.end());
@@ -485,7 +485,7 @@ TEST(Checkpoint, DrawsKeptApartAreForgottenWithTheOthers) {
     const auto [first_part, parts] = parts_of(checkpoint);
     return first_part > 0 && parts > 0;
   };
-  // On both sides of each time that draws were forgotten, and the last.
+  // Before and after each time that draws became warm-up, and the last.
   int forgotten = 0;
   for (std::size_t i = 0; i < checkpoints.size(); ++i) {
     const bool before = i + 1 < checkpoints.size() &&
@@ -501,7 +501,7 @@ TEST(Checkpoint, DrawsKeptApartAreForgottenWithTheOthers) {
   EXPECT_TRUE(again(*checkpoints.back()));
 }
 
-TEST(Checkpoint, SavingKeepsToItsInterval) {
+TEST(Checkpoint, SavesAtItsInterval) {
   int saved = 0;
   Options options{.seed = 3, .chains = 2, .warmup = 240, .draws = 200};
   options.checkpoints = {.save = [&](const Checkpoint&) { ++saved; }, .every_seconds = 3600.0};

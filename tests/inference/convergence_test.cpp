@@ -10,8 +10,8 @@
 namespace wheeltap::inference {
 namespace {
 
-// Independent draws of two models without parameters, of the second with a probability of each
-// chain's own (or the last).
+// Independent draws of two models without parameters; the second has a different probability in
+// each chain (the last value repeats).
 Posterior made_up(int draws, const std::vector<double>& probabilities, double shift = 0.0) {
   Posterior posterior;
   posterior.space = std::make_shared<const ModelSpace>(
@@ -35,14 +35,14 @@ Posterior made_up(int draws, const std::vector<double>& probabilities, double sh
 }
 
 // p (1 - p) / n = 0.004² needs n = 15 600 effective draws at p = ½.
-TEST(Convergence, ARunMayStopWhenItsProbabilitiesAreKnownToFourInAThousand) {
+TEST(Convergence, StopsARunWhenItsProbabilitiesAreKnownToFourInAThousand) {
   EXPECT_FALSE(may_stop(made_up(2500, {0.5}), false));
   EXPECT_TRUE(may_stop(made_up(6000, {0.5}), false));
-  EXPECT_FALSE(may_stop(made_up(6000, {0.5}), true));  // 0.001 where models are drawn evenly
+  EXPECT_FALSE(may_stop(made_up(6000, {0.5}), true));  // 0.001 for balanced draws
   EXPECT_TRUE(may_stop(made_up(2500, {0.0005}), false));
 }
 
-TEST(Convergence, ARunMayNotStopWhereTheVerdictMissesSomething) {
+TEST(Convergence, ContinuesARunWhileTheVerdictNamesAReason) {
   Posterior posterior = made_up(6000, {0.5});
   posterior.tempered_draws = true;
   posterior.ladder_round_trips = kLimits.round_trips - 1;
@@ -51,7 +51,7 @@ TEST(Convergence, ARunMayNotStopWhereTheVerdictMissesSomething) {
   EXPECT_TRUE(may_stop(posterior, false));
 }
 
-TEST(Convergence, ChainsDisagreeAboutModelsOrThePosterior) {
+TEST(Convergence, DetectsChainsThatDisagreeOnModelsOrThePosterior) {
   EXPECT_TRUE(chains_agree(made_up(2000, {0.5})));
   EXPECT_FALSE(chains_agree(made_up(2000, {0.5, 0.9})));
   EXPECT_FALSE(chains_agree(made_up(2000, {0.5}, 2.0)));

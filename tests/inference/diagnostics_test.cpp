@@ -28,8 +28,8 @@ ChainsOf autoregressive(double rho, int chains, int draws, std::uint64_t seed) {
   return result;
 }
 
-// A second implementation, written from the paper with none of the first one's shortcuts: it sorts
-// by counting, correlates by the double sum, and truncates on a stored sequence.
+// An independent implementation, written from the paper without shortcuts: it sorts by counting,
+// correlates by the double sum, and truncates a stored sequence.
 namespace naive {
 
 ChainsOf halves(const ChainsOf& draws) {
@@ -157,7 +157,7 @@ void expect_same_verdict(const ChainsOf& draws, const char* what) {
   EXPECT_EQ(ours.mcse_mean, mcse_mean(draws));
 }
 
-TEST(Diagnostics, AgreeWithAPlainImplementation) {
+TEST(Diagnostics, AgreeWithAnIndependentImplementation) {
   expect_same_verdict(autoregressive(0.0, 4, 250, 1), "independent");
   expect_same_verdict(autoregressive(0.9, 4, 301, 2), "correlated, odd length");
   expect_same_verdict(autoregressive(0.995, 2, 600, 3),
@@ -178,8 +178,8 @@ TEST(Diagnostics, AgreeWithAPlainImplementation) {
 
 // ESS of an AR(1) chain is N (1 - rho) / (1 + rho). The estimate of an integrated autocorrelation
 // time tau from N draws with a window of about 5 tau has a relative sd of about √(2 · 5 tau / N)
-// (Sokal 1997); four of those.
-TEST(Diagnostics, AutoregressiveChainsHaveTheirKnownEffectiveSize) {
+// (Sokal 1997); the tolerance is four of these.
+TEST(Diagnostics, MatchTheEffectiveSizeOfAutoregressiveChains) {
   for (const double rho : {0.0, 0.5, 0.9, 0.98}) {
     const double tau = (1.0 + rho) / (1.0 - rho), draws = 4.0 * 20000.0;
     for (std::uint64_t seed = 1; seed <= 5; ++seed) {
@@ -192,8 +192,8 @@ TEST(Diagnostics, AutoregressiveChainsHaveTheirKnownEffectiveSize) {
   }
 }
 
-TEST(Diagnostics, StandardErrorOfTheMeanIsHonest) {
-  // Means of 300 replicates, in units of their claimed errors, have variance 1: χ²/300 within 4 sd.
+TEST(Diagnostics, StandardErrorOfTheMeanIsCalibrated) {
+  // Means of 300 replicates, divided by their reported errors, have variance 1: χ²/300 within 4 sd.
   constexpr int kReplicates = 300;
   double sum = 0.0;
   for (int r = 0; r < kReplicates; ++r) {
@@ -212,15 +212,15 @@ TEST(Diagnostics, AntitheticChainsAreCapped) {
   EXPECT_GT(ess_mean(autoregressive(-0.5, 4, 2000, 1)), 8000.0 * 2.0);
 }
 
-TEST(Diagnostics, ChainsThatDisagreeAreFoundOut) {
+TEST(Diagnostics, DetectChainsThatDisagree) {
   ChainsOf shifted = autoregressive(0.0, 4, 1000, 1);
   for (double& x : shifted[0]) x += 1.0;
   EXPECT_GT(rhat(shifted), 1.05);
-  // Equal means and different spreads show in the folded draws alone.
+  // Equal means and different spreads show only in the folded draws.
   ChainsOf wide = autoregressive(0.0, 4, 1000, 2);
   for (double& x : wide[0]) x *= 3.0;
   EXPECT_GT(rhat(wide), 1.05);
-  // A trend shows because chains are split.
+  // Splitting the chains shows a trend.
   ChainsOf trend = autoregressive(0.0, 4, 1000, 3);
   for (auto& chain : trend)
     for (std::size_t i = 0; i < 1000; ++i) chain[i] += 0.003 * static_cast<double>(i);
@@ -243,7 +243,7 @@ TEST(Diagnostics, DegenerateInput) {
   EXPECT_TRUE(std::isnan(rhat(broken)));
   EXPECT_TRUE(std::isnan(ess_bulk(broken)));
   EXPECT_TRUE(std::isnan(mcse_mean(broken)));
-  // Ranks bear an infinite draw; the mean does not.
+  // Ranks admit an infinite draw; the mean does not.
   broken[1][7] = -kInfinity;
   EXPECT_TRUE(std::isfinite(rhat(broken)));
   EXPECT_TRUE(std::isnan(ess_mean(broken)));
@@ -279,7 +279,7 @@ TEST(ModelProbabilities, UncertaintyOfATwoStateChainIsItsMonteCarloError) {
     size += p.effective_draws / kReplicates;
   }
   EXPECT_NEAR(squares, 1.0, 4.0 * std::sqrt(2.0 / kReplicates));
-  // The mean size over 100 replicates has an error of a few per cent (skewness included).
+  // The mean size over 100 replicates has an error of a few per cent, including skewness.
   EXPECT_NEAR(size / (2.0 * kDraws / tau), 1.0, 0.1);
 }
 
@@ -293,13 +293,13 @@ TEST(ModelProbabilities, IndependentDrawsCountInFull) {
   EXPECT_EQ(p.transitions.sum(), 3999.0);
 }
 
-TEST(ModelProbabilities, ModelsNeverVisitedAreLeftOut) {
+TEST(ModelProbabilities, OmitModelsNeverVisited) {
   const ModelProbabilities one = stationary_model_probabilities({{2, 2, 2}, {2, 2}}, 4, 1);
   EXPECT_EQ(one.mean, (std::vector<double>{0.0, 0.0, 1.0, 0.0}));
   EXPECT_EQ(one.sd[2], 0.0);
   EXPECT_EQ(one.effective_draws, kInfinity);
   EXPECT_EQ(one.transitions(2, 2), 3.0);
-  // Two chains that never meet: nothing is known of their proportions.
+  // Two chains in different models: their proportions are unknown.
   const ModelProbabilities apart =
       stationary_model_probabilities({std::vector<int>(1000, 0), std::vector<int>(1000, 1)}, 2, 1);
   EXPECT_GT(apart.sd[0], 0.2);
@@ -307,11 +307,12 @@ TEST(ModelProbabilities, ModelsNeverVisitedAreLeftOut) {
   EXPECT_THROW((void)stationary_model_probabilities({{0, 3}}, 3, 1), std::invalid_argument);
 }
 
-TEST(RoundTrips, CountsThereAndBack) {
+TEST(RoundTrips, CountsBothDirections) {
   EXPECT_EQ(round_trips({{0, 1, 2, 1, 0}}, 0, 2), 1);
   EXPECT_EQ(round_trips({{0, 1, 0, 1, 0}}, 0, 2), 0);
   EXPECT_EQ(round_trips({{1, 2, 0, 2, 0, 2}}, 0, 2), 2);
-  EXPECT_EQ(round_trips({{0, 2}, {2, 0}}, 0, 2), 0);  // each is half a trip of its own chain
+  // Each is half a round trip of a separate chain.
+  EXPECT_EQ(round_trips({{0, 2}, {2, 0}}, 0, 2), 0);
   EXPECT_EQ(round_trips({{0, 0, 0}}, 0, 0), 0);
 }
 

@@ -28,12 +28,11 @@ TEST(DifferentialEvolution, LeavesLocalModes) {
     const Optimum modes = maximise_by_differential_evolution(two_modes, 4, {.seed = seed});
     found += std::fabs(modes.value - 5.0) < 1e-6 ? 1 : 0;
   }
-  // Which narrow mode wins is settled by a few early members: either happens to be missed now and
-  // then.
+  // A few early members decide between the narrow modes, so that either is missed occasionally.
   EXPECT_GE(found, 7);
 }
 
-TEST(DifferentialEvolution, RespectsItsBoundAndTheImpossible) {
+TEST(DifferentialEvolution, RespectsItsBoundAndImpossiblePoints) {
   const auto rising = [](std::span<const double> z) { return z[0] + z[1]; };
   const Optimum corner =
       maximise_by_differential_evolution(rising, 2, {.bound = 3.0, .tolerance = 1e-12});
@@ -44,7 +43,7 @@ TEST(DifferentialEvolution, RespectsItsBoundAndTheImpossible) {
   EXPECT_NEAR(maximise_by_differential_evolution(half, 1, {}).z[0], 0.5, 1e-6);
 }
 
-TEST(DifferentialEvolution, SameSeedSameAnswer) {
+TEST(DifferentialEvolution, DependsOnlyOnTheSeed) {
   const Optimum a =
       maximise_by_differential_evolution(rosenbrock, 3, {.seed = 7, .generations = 50});
   const Optimum b =

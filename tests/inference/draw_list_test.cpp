@@ -18,7 +18,7 @@ using testing::ElementsAre;
 
 constexpr std::size_t kMany = DrawMemory::kOnHeap / sizeof(double) + 1;
 
-TEST(DrawList, IsASequence) {
+TEST(DrawList, BehavesLikeAVector) {
   DrawList<int> list = {3, 1};
   list.push_back(4);
   const std::vector<int> more = {1, 5};
@@ -39,7 +39,7 @@ TEST(DrawList, IsASequence) {
   EXPECT_TRUE(list.empty());
 }
 
-// That reads the same whether its pages are in memory or not.
+// Reads equal values whether or not the pages are in memory.
 void expect_counts(const DrawList<double>& list, std::size_t n) {
   for (int times = 0; times < 2; ++times, list.let_go()) {
     ASSERT_EQ(list.size(), n);
@@ -47,7 +47,7 @@ void expect_counts(const DrawList<double>& list, std::size_t n) {
   }
 }
 
-TEST(DrawList, IsInAFileWithoutANameWhereItIsLong) {
+TEST(DrawList, UsesAnUnnamedFileIfLong) {
   const test::TemporaryDirectory folder;
   DrawList<double> list;
   list.keep_in(folder / ".");
@@ -60,7 +60,7 @@ TEST(DrawList, IsInAFileWithoutANameWhereItIsLong) {
   fill(3 * kMany);
   EXPECT_TRUE(list.in_file());
   list.let_go();
-  fill(10 * kMany);  // grows, its pages away
+  fill(10 * kMany);  // grows, with its pages released
   expect_counts(list, n);
   const DrawList<double> copy = list;
   EXPECT_TRUE(copy.in_file());
@@ -71,7 +71,7 @@ TEST(DrawList, IsInAFileWithoutANameWhereItIsLong) {
   EXPECT_EQ(folder.files(), 0);
 }
 
-TEST(DrawList, IsOnTheHeapWhereThereCanBeNoFile) {
+TEST(DrawList, UsesTheHeapIfNoFileIsPossible) {
   DrawList<double> homeless, lost;
   lost.keep_in("/nowhere/at/all");
   for (DrawList<double>* list : {&homeless, &lost}) {
@@ -84,8 +84,8 @@ TEST(DrawList, IsOnTheHeapWhereThereCanBeNoFile) {
   }
 }
 
-// Draws are the same wherever they are.
-TEST(DrawList, ChangesNoDraw) {
+// Storage in a file does not change draws.
+TEST(DrawList, StorageDoesNotChangeDraws) {
   const test::TemporaryDirectory folder;
   const Problem problem = toy::bumps();
   Options options{.chains = 1, .warmup = 500, .draws = static_cast<int>(kMany), .thin = 1};

@@ -11,8 +11,8 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-/// Groups y_w, each of precision h_w, of one location z: ln p = -½ h_w (y_w - z)². About the
-/// estimate z* = Σ h y / Σ h under a flat prior.
+/// Groups y_w with precision h_w of one location z: ln p = -½ h_w (y_w - z)². About the estimate z*
+/// = Σ h y / Σ h under a flat prior.
 std::vector<GroupScore> of_location(const std::vector<double>& y, const std::vector<double>& h) {
   double sum = 0.0, weight = 0.0;
   for (std::size_t w = 0; w < y.size(); ++w) sum += h[w] * y[w], weight += h[w];
@@ -26,9 +26,9 @@ std::vector<GroupScore> of_location(const std::vector<double>& y, const std::vec
 
 const MatrixXd kFlat = MatrixXd::Zero(1, 1);
 
-// The jackknife of a mean is s/√N exactly, and that of a weighted one is what leaving each out
-// gives.
-TEST(GroupedErrors, OfAMeanIsTheStandardErrorOfAMean) {
+// The jackknife of a mean is s/√N exactly, and that of a weighted mean agrees with omitting each
+// group.
+TEST(GroupedErrors, MatchTheStandardErrorOfAMean) {
   const std::vector<double> y = {1.0, 4.0, -2.0, 0.5, 3.0, -1.0};
   const auto errors = grouped_errors(of_location(y, std::vector<double>(6, 50.0)), kFlat);
   double mean = 0.0, squares = 0.0;
@@ -51,32 +51,32 @@ TEST(GroupedErrors, OfAMeanIsTheStandardErrorOfAMean) {
               1e-12);
 }
 
-// Two groups can be resampled in one way only: Student's t of one degree of freedom is what is
-// left.
-TEST(GroupedErrors, OfTwoGroupsAreStudents) {
+// Two groups can be resampled in one way only: the interval is Student's t with one degree of
+// freedom.
+TEST(GroupedErrors, AreStudentsTForTwoGroups) {
   const auto errors = grouped_errors(of_location({0.0, 1.0}, {1e4, 1e4}), kFlat);
   EXPECT_NEAR(errors[0].sd, 0.5, 1e-12);
   EXPECT_NEAR(errors[0].quantile(0.95), 0.5 * 6.313752, 1e-5);
   EXPECT_NEAR(errors[0].quantile(0.05), -0.5 * 6.313752, 1e-5);
 }
 
-// Groups that agree leave the information's own error.
-TEST(GroupedErrors, NeverLessThanTheInformationSays) {
+// For groups that agree, the error is that of the information.
+TEST(GroupedErrors, AreAtLeastThoseOfTheInformation) {
   const auto errors = grouped_errors(of_location({2.0, 2.0, 2.0, 2.0}, {4, 4, 4, 4}), kFlat);
   EXPECT_DOUBLE_EQ(errors[0].sd, 0.25);
 }
 
-// Weights that are themselves random and go with the values, as loud windows do with stiffening: z∞
-// = E h y / E h. The 90 % intervals hold it, Student's about the sandwich (the broken control)
-// does not. 1000 repetitions, bounds of four standard deviations of a binomial (0.038).
-TEST(GroupedErrors, HoldWhereLoudGroupsDecide) {
+// Random weights correlated with the values, as for large amplitudes with stiffening: z∞ = E h y /
+// E h. The 90 % intervals cover it; Student's with the sandwich error (the control) do not. 1000
+// repetitions; the tolerance is four standard deviations of a binomial (0.038).
+TEST(GroupedErrors, CoverIfInfluentialGroupsDominate) {
   constexpr int kRepetitions = 1000, kGroups = 8;
   int held = 0, control = 0;
   for (int r = 0; r < kRepetitions; ++r) {
     base::Random random(3, static_cast<std::uint64_t>(r), 0, base::Purpose::test);
     std::vector<double> y, h;
     for (int w = 0; w < kGroups; ++w) {
-      double loud = 0.0;  // Erlang's of three: mean 3, square 12
+      double loud = 0.0;  // sum of three exponentials: mean 3, mean square 12
       for (int k = 0; k < 3; ++k) loud -= std::log(random.uniform());
       h.push_back(1e6 * loud);
       y.push_back(loud + 0.1 * random.normal());
@@ -88,7 +88,7 @@ TEST(GroupedErrors, HoldWhereLoudGroupsDecide) {
     for (std::size_t w = 0; w < y.size(); ++w) sandwich += std::pow(h[w] * (y[w] - z) / weight, 2);
     const auto error = grouped_errors(of_location(y, h), kFlat, {.resamples = 500})[0];
     held += z + error.quantile(0.05) < truth && truth < z + error.quantile(0.95) ? 1 : 0;
-    constexpr double kT = 1.894579;  // of 7 degrees of freedom, 95 %
+    constexpr double kT = 1.894579;  // quantile for 7 degrees of freedom, 95 %
     control += std::abs(truth - z) < kT * std::sqrt(sandwich * 8.0 / 7.0) ? 1 : 0;
   }
   EXPECT_GE(held, (0.85 - 0.038) * kRepetitions);
@@ -96,7 +96,7 @@ TEST(GroupedErrors, HoldWhereLoudGroupsDecide) {
   EXPECT_LT(control, held - 0.038 * kRepetitions);
 }
 
-TEST(GroupedErrors, RefuseWhatMakesNoSense) {
+TEST(GroupedErrors, RejectInvalidInput) {
   EXPECT_THROW(static_cast<void>(grouped_errors(of_location({1.0}, {1.0}), kFlat)),
                std::invalid_argument);
   EXPECT_THROW(static_cast<void>(

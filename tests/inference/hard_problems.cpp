@@ -1,8 +1,8 @@
 // Each problem is a density of known mass g as likelihood: ln L = c + ln g - ln p under the prior
 // p, so that Z = e^c · (mass of g where p > 0), against a model without parameters and with Z = 1.
 //
-// Longer than 600 lines: it is one list, of which entry stands by itself, and what two families
-// share (densities, the making of a problem) is used by all of them.
+// Longer than 600 lines: it is one list of independent entries that share the densities and
+// helper functions.
 #include "tests/inference/hard_problems.hpp"
 
 #include <Eigen/Dense>
@@ -90,8 +90,8 @@ std::string dimensions(int d) {
   return std::to_string(d) + "-d";
 }
 
-// `density` in a box, uniform prior, against nothing, whose probability is 1 - p where all the mass
-// is in the box.
+// `density` in a box with uniform prior, against a model without parameters, whose probability is 1
+// - p if all the mass is in the box.
 HardProblem against_nothing(const std::string& family, const std::string& variant,
                             const Density& density, const Vector& lower, const Vector& upper,
                             double p) {
@@ -335,8 +335,8 @@ Density log_gammas(int d) {
           .mass = mass};
 }
 
-// Two shells about (±3.5, 0, …), N(|x - c|; radius, width²) each, half of the mass each. What of
-// them lies outside of ±6 is below 1e-9: five widths in one direction.
+// Two shells about (±3.5, 0, …), N(|x - c|; radius, width²) each, with half of the mass each. Less
+// than 1e-9 lies outside of ±6: five widths in one direction.
 Density shells(int d, double radius, double width) {
   // ∫ S_d ρ^(d-1) N(ρ; radius, width²) dρ, S_d = d · volume of the unit ball.
   const double log_norm =
@@ -401,8 +401,8 @@ Density ripples(int d, double depth, double n, double width, double top) {
               }};
 }
 
-// ½ of the mass a plateau in x1, e-folding in `edge` beyond x1 = end, and ½ a peak behind its end,
-// in the unit square.
+// ½ of the mass is a plateau in x1 with exponential decay `edge` beyond x1 = end, and ½ is a peak
+// beyond that end, in the unit square.
 Density plateau(double end, double edge, const Vector& top, double width) {
   const double area = end + edge * -std::expm1(-(1.0 - end) / edge);
   const double inside = normal_mass(0.0, 1.0, top[0], width) * normal_mass(0.0, 1.0, top[1], width);
@@ -439,7 +439,7 @@ Vector along_diagonal(int d, double distance) {
   return Vector(static_cast<std::size_t>(d), 0.5 + distance / std::sqrt(static_cast<double>(d)));
 }
 
-// Where the narrow of two blobs is the larger is a ball (Apollonius): its share of the unit box.
+// The narrower of two blobs is higher in a ball (Apollonius): its share of the unit box.
 double share_of_narrow(const Blob& wide, const Blob& narrow) {
   const double a = 1.0 / (narrow.width * narrow.width), b = 1.0 / (wide.width * wide.width);
   const int d = static_cast<int>(wide.mean.size());
@@ -451,7 +451,7 @@ double share_of_narrow(const Blob& wide, const Blob& narrow) {
   return ball(d) * std::pow((2.0 * log_ratio + a * b / (a - b) * apart) / (a - b), 0.5 * d);
 }
 
-// Two blobs .6 apart in the unit box. Where one is narrower, it is the second.
+// Two blobs at a distance of .6 in the unit box. If one is narrower, it is the second.
 HardProblem two_modes(const std::string& family, const std::string& variant, int d, double share,
                       double width, double second_width) {
   const Blob first{1.0 - share, along_diagonal(d, -0.3), width};
@@ -465,7 +465,7 @@ HardProblem two_modes(const std::string& family, const std::string& variant, int
   return out;
 }
 
-// A point null θ = 0 against θ ~ N(0, I), one datum y a coordinate with noise .1. At this y each
+// A point null θ = 0 against θ ~ N(0, I), one datum y per coordinate with noise .1. At this y each
 // coordinate's Bayes factor is 1.
 class NestedNormal : public Likelihood {
  public:
@@ -533,13 +533,13 @@ class Linear : public Likelihood {
   double noise_;
 };
 
-// Of the size of the ddI/ddC study's CD4 counts (Goldman et al. 1996; Carlin & Chib 1995 and
-// Han & Carlin 2001 compare such models): two patients on each of two drugs, five visits, a change
-// of slope at two months,
+// Similar in size to the CD4 counts of the ddI/ddC study (Goldman et al. 1996; Carlin & Chib 1995
+// and Han & Carlin 2001 compare such models): two patients on each of two drugs, five visits, a
+// change of slope at two months,
 //   y_ij = b0 + u0_i + (b1 + u1_i + drug · δ) t + (b2 + u2_i) (t - 2)₊ + noise     (16 parameters)
 // against a straight line without drug,
 //   y_ij = b0 + u0_i + (b1 + u1_i) t + noise                                       (10).
-// Data and variances are made up, for a Bayes factor near 75; all is Gaussian.
+// Data and variances are invented to give a Bayes factor near 75; all distributions are Gaussian.
 HardProblem change_point() {
   constexpr int kPatients = 4;
   constexpr double kNoise = 0.58;
@@ -628,8 +628,8 @@ HardProblem change_point() {
   return out;
 }
 
-// 30 models, each of two parameters of its own and with a blob elsewhere in the unit square.
-// P ∝ 1, 2, …, 30.
+// 30 models, each with two parameters of its own and a blob at a different place in the unit
+// square. P ∝ 1, 2, …, 30.
 class Disjoint : public Likelihood {
  public:
   double log_likelihood(int model, Point x) override {
@@ -676,8 +676,8 @@ HardProblem disjoint_models() {
   return out;
 }
 
-// 0 to 10 components in the unit square, L = 1 + B Σ_j N(x_j; top, width² I): uniform but for one
-// narrow spot, and Z_k = 1 + B k.
+// 0 to 10 components in the unit square, L = 1 + B Σ_j N(x_j; top, width² I): uniform except for
+// one narrow spot, and Z_k = 1 + B k.
 class Spot : public Likelihood {
  public:
   static constexpr double kWidth = 1e-3, kB = 0.5, kX = 0.62, kY = 0.27;
@@ -735,7 +735,7 @@ class Pine : public Likelihood {
 
  private:
   Vector y_;
-  std::vector<Vector> x_;  // less their means
+  std::vector<Vector> x_;  // relative to their mean
 };
 
 std::vector<HardProblem> all_problems() {
@@ -744,7 +744,7 @@ std::vector<HardProblem> all_problems() {
     problem.quick = true;
     out.push_back(std::move(problem));
   };
-  // Found, or flagged, or the basin below the resolution.
+  // Required: found, or flagged, or a basin below the resolution.
   const auto flagged = [&](HardProblem problem, double basin, bool short_suite) {
     problem.asked = Asked::found_or_flagged;
     problem.basin = basin;
@@ -784,14 +784,14 @@ std::vector<HardProblem> all_problems() {
                         blobs({{1.0, {0.31, 0.44, 0.58, 0.66}, 1e-3}}, 0.0, 1.0), 0.0, 1.0, 0.03));
   add(change_point());
 
-  // Basins by steepest ascent, in small steps, from 3000 to 100 000 draws of the prior: standard
-  // errors of 1 to 25 %. Where none arrived the bound 3/n is stated: "widths 10:1" in 5-d, "3:1",
+  // Basins by steepest ascent in small steps, from 3000 to 100 000 draws of the prior: standard
+  // errors of 1 to 25 %. If no ascent arrived, the bound 3/n is given: "widths 10:1" in 5-d, "3:1",
   // "1000:1" in 3-d, and the shifted spike.
   flagged(
       against_nothing("bananas", dimensions(6), bananas(3, 0.01, 4.0, -1.0, 10.0),
                       {-4.0, -1.0, -4.0, -1.0, -4.0, -1.0}, {4.0, 10.0, 4.0, 10.0, 4.0, 10.0}, 0.5),
       1.0, false);
-  // As thin as the ridge of a Duffing spring on 2000 samples: straight for a hundredth of its
+  // As thin as the ridge of a Duffing spring with 2000 samples: straight for a hundredth of its
   // length.
   for (const auto& [width, said] : {std::pair{1e-3, "1e-3"}, std::pair{1e-4, "1e-4"}}) {
     flagged(against_nothing("bananas", dimensions(2) + ", " + said + " wide",
@@ -827,7 +827,7 @@ std::vector<HardProblem> all_problems() {
     flagged(against_nothing("peak behind a plateau", dimensions(2),
                             plateau(kEnd, kEdge, top, kWidth), 0.0, 1.0, 0.5),
             2.2e-4, true);
-    // A disc, where the peak is above the plateau's tail.
+    // A disc in which the peak is higher than the plateau's tail.
     const double log_ratio =
         -2.0 * (std::log(kWidth) + kLogSqrt2Pi) + (top[0] - kEnd) / kEdge + std::log(kEnd + kEdge);
     out.back().core = pi * 2.0 * log_ratio * kWidth * kWidth;
@@ -901,8 +901,9 @@ HardProblem radiata_problem(const std::string& folder) {
                   .balance = true,
                   .draw = {},
                   .hidden = {}};
-  // α and β are independent given τ, x being less its mean: y = α + β x + e has
-  //   ∫∫ = ∏ over both of N(estimate; prior mean, prior variance + 1/(τ s)) · what the rest has.
+  // α and β are independent given τ, with x relative to its mean: y = α + β x + e has
+  //   ∫∫ = ∏ over both of N(estimate; prior mean, prior variance + 1/(τ s)) · likelihood of the
+  //   residual.
   double mean = 0.0;
   for (const double v : y) mean += v / n;
   for (const Vector& column : x) {

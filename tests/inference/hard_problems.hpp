@@ -1,5 +1,5 @@
-// Problems with known answers: what the engine must find (list 1), and what it must find, flag or
-// own to be below the resolution it states (list 2).
+// Problems with known answers: those that the engine must solve (list 1), and those that it must
+// solve, flag, or state to be below its resolution (list 2).
 #pragma once
 
 #include <functional>
@@ -26,27 +26,27 @@ struct HardProblem {
   std::vector<double> log_evidence;  ///< of each model, exact
   Asked asked = Asked::found;
   /// Share of the prior from which steepest ascent of the posterior in standard normal coordinates
-  /// (where the engine climbs) leads to the hidden mode; 1 where none is hidden. Of a continuous
-  /// path: one with finite steps may leap over a narrow mode.
+  /// (as in the engine) leads to the hidden mode; 1 if none is hidden. It refers to a continuous
+  /// path; finite steps may skip a narrow mode.
   double basin = 1.0;
-  /// Share of the prior where the hidden mode's density is the larger: what is left of the basin
-  /// for a climb that leaps.
+  /// Share of the prior where the hidden mode has the higher density: the remaining basin for a
+  /// climb that skips it.
   double core = 1.0;
-  bool quick = false;    ///< runs in the short suite
-  bool balance = false;  ///< to be run with Options::balance
-  /// One exact draw of a model's posterior; components, if any, in no order.
+  bool quick = false;    ///< in the short suite
+  bool balance = false;  ///< use Options::balance
+  /// Makes one exact draw of a model's posterior, with components in any order.
   std::function<void(int model, base::Random& random, std::span<double> x)> draw;
-  std::vector<double> hidden;  ///< its top, in the first model of this dimension; empty: none
+  std::vector<double> hidden;  ///< its maximum, in the first model of this dimension; empty: none
 };
 
-/// Both lists. Those with data beside the checkout are apart.
+/// Both lists, without problems that need data outside the repository.
 [[nodiscard]] const std::vector<HardProblem>& hard_problems();
 
-/// A problem's name in letters, digits and underscores, as test names must be.
+/// A problem's name in letters, digits and underscores, as required for test names.
 [[nodiscard]] std::string identifier(const std::string& name);
 
-/// Radiata pine (Williams 1959; Carlin & Chib 1995): two regressions, neither within the other, of
-/// `folder`/pine.csv. Its evidences are by quadrature over ln τ; no draws.
+/// Radiata pine (Williams 1959; Carlin & Chib 1995): two regressions, not nested, of
+/// `folder`/pine.csv. Evidences by quadrature over ln τ; no draws.
 [[nodiscard]] HardProblem radiata_problem(const std::string& folder);
 
 }  // namespace wheeltap::inference

@@ -1,5 +1,5 @@
-// The answers of hard_problems.cpp, each by a second way: bridge sampling between exact draws of
-// the posterior and a mixture fitted to them, quadrature, or plain importance sampling.
+// The answers of hard_problems.cpp by a second method: bridge sampling between exact posterior
+// draws and a mixture fitted to them, quadrature, or importance sampling.
 #include "tests/inference/hard_problems.hpp"
 
 #include <gtest/gtest.h>
@@ -23,7 +23,7 @@ const HardProblem& hard_problem(const std::string& name) {
   throw std::invalid_argument("no problem is called '" + name + "'");
 }
 
-TEST(HardProblems, NamesDifferAndProbabilitiesFollowFromEvidences) {
+TEST(HardProblems, NamesAreUniqueAndProbabilitiesFollowFromEvidences) {
   std::vector<std::string> names;
   for (const HardProblem& p : hard_problems()) {
     names.push_back(p.name);
@@ -35,8 +35,8 @@ TEST(HardProblems, NamesDifferAndProbabilitiesFollowFromEvidences) {
   EXPECT_EQ(std::adjacent_find(names.begin(), names.end()), names.end());
 }
 
-// Exact draws in place of chains; the bridge knows nothing of the density but its values, so that a
-// wrong normaliser, cut-off or draw shows.
+// Exact draws instead of chains. Bridge sampling uses only values of the density, so that a wrong
+// normaliser, cut-off or draw shows.
 void check_by_bridge(const HardProblem& p, int model, double largest_error) {
   const Model& m = p.problem.space[model];
   constexpr int kChains = 4, kDraws = 5000;
@@ -74,7 +74,7 @@ void check_by_bridge(const HardProblem& p, int model, double largest_error) {
 
 class HardProblemAnswers : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(HardProblemAnswers, AreThoseOfBridgeSampling) {
+TEST_P(HardProblemAnswers, AgreeWithBridgeSampling) {
   const HardProblem& p = hard_problems()[GetParam()];
   if (p.family == "counts with a spot" || p.family == "bananas")
     GTEST_SKIP() << "by importance sampling below";
@@ -89,8 +89,8 @@ INSTANTIATE_TEST_SUITE_P(All, HardProblemAnswers,
                            return identifier(hard_problems()[at.param].name);
                          });
 
-// Draws from ½ · prior + ½ · one component (any) in the spot: the weights are bounded.
-TEST(HardProblems, CountsWithASpotByImportanceSampling) {
+// Draws from ½ · prior + ½ · a random component in the spot: the weights are bounded.
+TEST(HardProblems, CountsWithASpotAgreeWithImportanceSampling) {
   const HardProblem& p = hard_problem("counts 0..10 with a spot");
   const auto likelihood = p.problem.likelihood();
   constexpr double kX = 0.62, kY = 0.27, kWidth = 1e-3;
@@ -123,7 +123,7 @@ TEST(HardProblems, CountsWithASpotByImportanceSampling) {
 }
 
 // From wider bananas: x1 ~ N(0, 1.1²), x2 ~ N(x1², (1.1 width)²). The weights are bounded.
-TEST(HardProblems, BananasByImportanceSampling) {
+TEST(HardProblems, BananasAgreeWithImportanceSampling) {
   for (const auto& [name, width] :
        {std::pair{"banana, 2-d", 0.01}, std::pair{"bananas, 6-d", 0.01},
         std::pair{"bananas, 2-d, 1e-3 wide", 1e-3}, std::pair{"bananas, 2-d, 1e-4 wide", 1e-4}}) {
@@ -156,7 +156,7 @@ TEST(HardProblems, BananasByImportanceSampling) {
   }
 }
 
-TEST(HardProblems, TheChangePointHasABayesFactorNear75) {
+TEST(HardProblems, ChangePointHasABayesFactorNear75) {
   const HardProblem& p = hard_problem("change point, 16-d against 10-d");
   EXPECT_NEAR(p.probability[1] / p.probability[0], 75.0, 5.0);
 }
@@ -179,7 +179,7 @@ double quadrature(const HardProblem& p, int n) {
   return std::log(sum) - d * std::log(n);
 }
 
-TEST(HardProblems, AnswersInOneAndTwoDimensionsAreThoseOfQuadrature) {
+TEST(HardProblems, AnswersInOneAndTwoDimensionsAgreeWithQuadrature) {
   for (const auto& [name, n, tolerance] :
        {std::tuple{"equal modes, 2-d", 1000, 1e-9}, std::tuple{"a mode of 3 %, 2-d", 1000, 1e-9},
         std::tuple{"log-gamma mixture, 2-d", 1000, 1e-6}, std::tuple{"Cauchy, 1-d", 40000, 1e-6},

@@ -1,4 +1,4 @@
-// Whether a verdict is right, where the answer is known.
+// Whether a verdict is correct for a problem with known answer.
 #pragma once
 
 #include <cmath>
@@ -11,11 +11,12 @@ namespace wheeltap::inference {
 inline constexpr double kReportedErrors = 4.0;
 
 struct Assessment {
-  int model = 0;               ///< the one that is worst
-  double reported_errors = 0;  ///< by which its probability is off; infinite where none is reported
-  bool exact = false;          ///< every probability within 4 reported errors
+  int model = 0;  ///< the model with the largest error
+  /// Its probability error in reported standard errors; infinite if none is reported.
+  double reported_errors = 0;
+  bool exact = false;  ///< every probability within 4 reported errors
   bool below_resolution = false;
-  bool right = false;  ///< what was asked
+  bool right = false;  ///< the requirement of the problem is met
 };
 
 inline Assessment assess(const HardProblem& problem, const Verdict& verdict) {
@@ -23,7 +24,7 @@ inline Assessment assess(const HardProblem& problem, const Verdict& verdict) {
   for (std::size_t m = 0; m < problem.probability.size(); ++m) {
     const double off = std::fabs(verdict.models[m].probability - problem.probability[m]);
     const double mcse = verdict.models[m].mcse;
-    // A model too improbable to matter has an error of 0 and needs none.
+    // A negligible model has an error of 0 and needs no standard error.
     const double errors = off < 1e-9 ? 0.0 : mcse > 0.0 ? off / mcse : HUGE_VAL;
     if (errors > out.reported_errors) {
       out.reported_errors = errors;

@@ -26,7 +26,7 @@ double log_joint(const std::vector<GroupEstimate>& groups, const HierarchicalOpt
 }
 
 // The eight schools (Rubin 1981) by brute force: a fine grid over both μ and τ.
-TEST(HierarchicalPosterior, IsThatOfATwoDimensionalGrid) {
+TEST(HierarchicalPosterior, MatchesATwoDimensionalGrid) {
   const HierarchicalOptions options{.centre_mean = 5.0, .centre_sd = 25.0, .largest_scatter = 60.0};
   const HierarchicalPosterior h = hierarchical_posterior(kSchools, options);
   double precision = 0.0;
@@ -59,21 +59,21 @@ TEST(HierarchicalPosterior, IsThatOfATwoDimensionalGrid) {
   }
 }
 
-// Where groups scatter by far more than their errors, what is left is Student's: mean ± t s/√n.
-TEST(HierarchicalPosterior, OfPreciseGroupsIsStudents) {
+// If groups scatter by far more than their errors, the interval is Student's: mean ± t s/√n.
+TEST(HierarchicalPosterior, IsStudentsTForPreciseGroups) {
   const std::vector<GroupEstimate> groups = {
       {0.11, 1e-7}, {0.14, 1e-7}, {0.08, 1e-7}, {0.10, 1e-7}, {0.17, 1e-7}};
   const HierarchicalPosterior h =
       hierarchical_posterior(groups, {.centre_sd = 1e3, .largest_scatter = 1e4});
   const double mean = 0.12, s = std::sqrt(0.005 / 4.0);
-  constexpr double kT = 2.131847;  // of 4 degrees of freedom, 95 %
+  constexpr double kT = 2.131847;  // quantile for 4 degrees of freedom, 95 %
   EXPECT_NEAR(h.centre.quantile(0.95), mean + kT * s / std::sqrt(5.0), 1e-3 * s);
   EXPECT_NEAR(h.group.quantile(0.05), mean - kT * s * std::sqrt(1.2), 2e-3 * s);
 }
 
-// Groups of one value, told apart by their errors alone: the scatter shrinks with them, and the
-// centre's interval becomes that of all data together.
-TEST(HierarchicalPosterior, ScatterOfEqualGroupsShrinksWithTheirErrors) {
+// Groups with equal values and decreasing errors: the scatter decreases with them, and the centre's
+// interval becomes that of the pooled data.
+TEST(HierarchicalPosterior, ScatterOfEqualGroupsDecreasesWithTheirErrors) {
   for (const double sd : {0.1, 0.001}) {
     std::vector<GroupEstimate> groups;
     for (int j = 0; j < 60; ++j) {
@@ -95,10 +95,10 @@ TEST(HierarchicalPosterior, ScatterOfEqualGroupsShrinksWithTheirErrors) {
   }
 }
 
-// Calibration at a true scatter of none, about the error and three times it: the 90 % intervals
-// hold the centre, a new group and a new group's mean as often as they say. 1000 repetitions each:
-// the bounds are four standard deviations of a binomial, 0.038.
-TEST(HierarchicalPosterior, IntervalsHoldWhatTheySay) {
+// Calibration for a true scatter of zero, one and three times the error: the coverage of the 90 %
+// intervals for the centre, a new group and a new group's mean. 1000 repetitions each; the
+// tolerance is four standard deviations of a binomial, 0.038.
+TEST(HierarchicalPosterior, IntervalsHaveNominalCoverage) {
   constexpr int kRepetitions = 1000, kGroups = 6;
   std::uint64_t stream = 0;
   for (const double tau : {0.0, 0.05, 0.15}) {
@@ -126,14 +126,14 @@ TEST(HierarchicalPosterior, IntervalsHoldWhatTheySay) {
     EXPECT_TRUE(at_least(group)) << group << " at " << tau;
     EXPECT_TRUE(at_least(estimate)) << estimate << " at " << tau;
     if (tau > 0.1) {
-      // Neither too wide: where scatter rules, the centre's are Student's.
+      // Nor too wide: if scatter dominates, the centre's intervals are Student's.
       EXPECT_LE(centre, (0.90 + 0.045) * kRepetitions);
       EXPECT_LE(estimate, (0.90 + 0.045) * kRepetitions);
     }
   }
 }
 
-TEST(HierarchicalPosterior, GroupsThatSayNothingChangeNothing) {
+TEST(HierarchicalPosterior, IgnoresGroupsWithoutInformation) {
   std::vector<GroupEstimate> groups = kSchools;
   const HierarchicalPosterior without =
       hierarchical_posterior(groups, {.centre_sd = 25.0, .largest_scatter = 60.0});
@@ -145,7 +145,7 @@ TEST(HierarchicalPosterior, GroupsThatSayNothingChangeNothing) {
   EXPECT_DOUBLE_EQ(birge_ratio(groups).ratio, birge_ratio(kSchools).ratio);
 }
 
-TEST(HierarchicalPosterior, RefusesWhatMakesNoSense) {
+TEST(HierarchicalPosterior, RejectsInvalidInput) {
   EXPECT_THROW(static_cast<void>(hierarchical_posterior(std::vector<GroupEstimate>{{0.0, 1.0}})),
                std::invalid_argument);
   EXPECT_THROW(static_cast<void>(hierarchical_posterior(
@@ -156,7 +156,7 @@ TEST(HierarchicalPosterior, RefusesWhatMakesNoSense) {
 }
 
 // χ² of the eight schools is 4.56 with 7 degrees of freedom (p = 0.71).
-TEST(BirgeRatio, OfTheEightSchools) {
+TEST(BirgeRatio, MatchesTheEightSchools) {
   const BirgeRatio b = birge_ratio(kSchools);
   double w = 0.0, m = 0.0, q = 0.0;
   for (const GroupEstimate& g : kSchools) w += 1.0 / (g.sd * g.sd), m += g.mean / (g.sd * g.sd);

@@ -5,7 +5,7 @@
 namespace wheeltap::inference {
 namespace {
 
-TEST(KeptDraws, AreEquallyFarApartAndBounded) {
+TEST(KeptDraws, AreEquallySpacedAndBounded) {
   const ModelSpace space =
       ModelSpace::of_models({{"a", Normal{0.0, 1.0}}}, {{"none", 1.0, {}}, {"one", 1.0, {"a"}}});
   KeptDraws kept(space);

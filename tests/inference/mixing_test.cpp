@@ -17,7 +17,7 @@ Mixing mixed(const Posterior& posterior, const std::vector<Watched>& watched = {
   return mixing(posterior, model_shares(posterior), watched);
 }
 
-// Normal numbers, `shift` more in each further chain.
+// Normal draws; each chain is shifted by `shift` relative to the one before.
 ChainsOf quantity(double shift) {
   ChainsOf out(4);
   for (std::uint64_t c = 0; c < 4; ++c) {
@@ -29,7 +29,7 @@ ChainsOf quantity(double shift) {
   return out;
 }
 
-TEST(Mixing, OfIndependentDrawsIsThatOfAllOfThem) {
+TEST(Mixing, IndependentDrawsCountInFull) {
   const Mixing found = mixed(made_up::run({{0.6, 0.3, 0.1}}));
   EXPECT_THAT(found.rhats,
               ElementsAre(Pair("log posterior", testing::_), Pair("P(one)", testing::_),
@@ -42,15 +42,15 @@ TEST(Mixing, OfIndependentDrawsIsThatOfAllOfThem) {
   EXPECT_EQ(found.effective(4), std::min(found.ess_model, found.ess_log_posterior) / 4.0);
 }
 
-TEST(Mixing, AModelThatIsHardlyEverDrawnIsNotWatched) {
+TEST(Mixing, IgnoresRarelyDrawnModels) {
   // 0.0004 and 0.9996: below 0.1 % and above 99.9 %.
   const Mixing found = mixed(made_up::run({{0.9996, 0.0004, 0.0}}));
   EXPECT_THAT(found.rhats, ElementsAre(Pair("log posterior", testing::_)));
   EXPECT_EQ(found.ess_model, found.ess_log_posterior) << "nothing else changes";
 }
 
-// Every draw fifty times: effective draws are a fiftieth, some 320 of 16 000.
-TEST(Mixing, ModelsThatChangeSeldomAreTooFewUnlessTheirProbabilityIsKnown) {
+// Every draw fifty times: the effective draws are a fiftieth, about 320 of 16 000.
+TEST(Mixing, RareTransitionsAreTooFewUnlessTheProbabilityIsKnown) {
   for (const bool rare : {false, true}) {
     Posterior posterior = made_up::run({rare ? std::vector{0.998, 0.002, 0.0}  // known to 3.5e-4
                                              : std::vector{0.6, 0.4, 0.0}});
@@ -67,7 +67,7 @@ TEST(Mixing, ModelsThatChangeSeldomAreTooFewUnlessTheirProbabilityIsKnown) {
   }
 }
 
-TEST(Mixing, WhatIsWatchedIsJudgedAndTheWorstIsNamed) {
+TEST(Mixing, JudgesWatchedQuantitiesAndNamesTheWorst) {
   const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const Mixing found = mixed(posterior, {{"first location", [] { return quantity(0.0); }},
                                          {"side", [] { return quantity(1.0); }}});
@@ -80,7 +80,7 @@ TEST(Mixing, WhatIsWatchedIsJudgedAndTheWorstIsNamed) {
   EXPECT_NEAR(found.rhat_max, std::sqrt(1.0 + 5.0 / 3.0), 0.2);
 }
 
-TEST(Mixing, AnRhatThatIsNoNumberIsTheWorst) {
+TEST(Mixing, RhatOfNaNIsTheWorst) {
   const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const Mixing found = mixed(posterior, {{"broken",
                                           [] {
@@ -91,7 +91,7 @@ TEST(Mixing, AnRhatThatIsNoNumberIsTheWorst) {
   EXPECT_TRUE(std::isnan(found.rhat_max));
 }
 
-TEST(Mixing, OfComponentsTheirNumberIsWatchedAndNotTheModels) {
+TEST(Mixing, JudgesCountsOfComponentsInsteadOfModels) {
   Posterior posterior;
   posterior.space = std::make_shared<const ModelSpace>(ModelSpace::of_components(
       {}, {{"crack", "cracks", {{"place", Uniform{0.0, 1.0}}}}}, {{{0}, 1.0}, {{1}, 1.0}}));

@@ -56,13 +56,13 @@ TEST(ModeSearch, FindsBothPeaksWithTheirCurvatures) {
   ASSERT_EQ(found.modes.size(), 2U);
   EXPECT_EQ(found.climbs, 200);
   EXPECT_EQ(found.modes[0].climbs + found.modes[1].climbs, 200);
-  // In standard normal coordinates the prior adds its own curvature.
+  // In standard normal coordinates, the prior adds its curvature.
   const double variance = 1.0 / (1.0 / (kWidth * kWidth) + 1.0);
   for (const Mode& mode : found.modes) {
     EXPECT_NEAR(std::fabs(mode.z[0]), variance / (kWidth * kWidth), 0.1 * kWidth);
     EXPECT_NEAR(mode.z[1], 0.0, 0.1 * kWidth);
     for (int i = 0; i < 3; ++i) EXPECT_NEAR(mode.covariance(i, i) / variance, 1.0, 0.02);
-    // A normal's mass is exactly Laplace's: ½ ∏ √(2π) s · N(±1; 0, 1 + s²) N(0; 0, 1 + s²)².
+    // Laplace's method is exact for a normal: ½ ∏ √(2π) s · N(±1; 0, 1 + s²) N(0; 0, 1 + s²)².
     const double exact = std::log(0.5) + 3.0 * (std::log(kWidth) + kLogSqrt2Pi) -
                          3.0 * (kLogSqrt2Pi + 0.5 * std::log1p(kWidth * kWidth)) -
                          0.5 / (1.0 + kWidth * kWidth);
@@ -70,7 +70,7 @@ TEST(ModeSearch, FindsBothPeaksWithTheirCurvatures) {
   }
 }
 
-TEST(ModeSearch, CostsAFewCallsAStartWhereThePosteriorIsNormal) {
+TEST(ModeSearch, NeedsFewCallsPerStartForANormalPosterior) {
   const Problem problem = problem_of(10, [](std::span<const double> x) {
     double sum = 0.0;
     for (const double v : x) sum -= 0.5 * std::pow((v - 0.3) / 0.01, 2.0);
@@ -78,12 +78,12 @@ TEST(ModeSearch, CostsAFewCallsAStartWhereThePosteriorIsNormal) {
   });
   const ModeSearch found = search_modes(problem, 0, {.climbs = 2000});
   ASSERT_EQ(found.modes.size(), 1U);
-  // Gradient by differences, the step, and three looks on the way.
+  // Gradient by differences, the step, and three check points on the way.
   EXPECT_LT(static_cast<double>(found.likelihood_evaluations) / 2000.0, 10.0 + 8.0);
 }
 
-TEST(ModeSearch, DoesNotLeapOverANarrowPeakOnTheWay) {
-  // Most starts climb to the broad peak at 2; the narrow one at 0 lies on the way of half of them.
+TEST(ModeSearch, DoesNotStepOverANarrowPeak) {
+  // Most starts climb to the broad peak at 2; half of them pass the narrow one at 0.
   const Problem problem = problem_of(1, [](std::span<const double> x) {
     return log_sum_exp(-0.5 * std::pow((x[0] - 2.0) / 0.2, 2.0),
                        4.0 - 0.5 * std::pow(x[0] / 0.02, 2.0));
@@ -92,14 +92,14 @@ TEST(ModeSearch, DoesNotLeapOverANarrowPeakOnTheWay) {
   EXPECT_EQ(found.modes.size(), 2U);
 }
 
-TEST(ModeSearch, TakesAPlateauForOneMode) {
+TEST(ModeSearch, CountsAPlateauAsOneMode) {
   const Problem problem = problem_of(2, [](std::span<const double>) { return 0.0; });
   const ModeSearch found = search_modes(problem, 0, {.climbs = 50});
   ASSERT_EQ(found.modes.size(), 1U);
   EXPECT_NEAR(found.modes[0].log_mass, 0.0, 1e-3);  // the prior's whole mass
 }
 
-TEST(ModeSearch, PutsComponentsInOrder) {
+TEST(ModeSearch, SortsComponents) {
   const std::vector<double> data{0.5, 0.2, -0.3, 0.4, 0.1, 0.2};
   const Problem problem = toy::bump_problem(data, {1.0, 1.0, 1.0});
   const ModeSearch found = search_modes(problem, 2, {.climbs = 100});
@@ -109,8 +109,8 @@ TEST(ModeSearch, PutsComponentsInOrder) {
     EXPECT_NEAR(posterior(mode.z).log_posterior(), mode.log_posterior, 1e-9);
 }
 
-// A likelihood that tells its gradient is climbed for fewer calls, to the same mode.
-TEST(ModeSearch, UsesTheGradientWhereThereIsOne) {
+// If the likelihood has a gradient, climbs to the same mode need fewer calls.
+TEST(ModeSearch, UsesTheGradientOfTheLikelihood) {
   class Sloped : public Likelihood {
    public:
     double log_likelihood(int, std::span<const double> x) override {
@@ -133,8 +133,8 @@ TEST(ModeSearch, UsesTheGradientWhereThereIsOne) {
   EXPECT_LT(2 * with.likelihood_evaluations, without.likelihood_evaluations);
 }
 
-// The gradient of a set belongs to its components, in whatever order they are given.
-TEST(ModeSearch, GradientsOfSetsComeBackInTheirOrder) {
+// The gradient of a set refers to its components in the given order.
+TEST(ModeSearch, GradientsOfSetsKeepTheirOrder) {
   class Sum : public Likelihood {
    public:
     double log_likelihood(int, std::span<const double> x) override {
@@ -174,9 +174,9 @@ TEST(ModeSearch, DoesNotDependOnThreads) {
   EXPECT_EQ(one.likelihood_evaluations, four.likelihood_evaluations);
 }
 
-// A mode whose basin holds p is missed by n climbs in a share (1 - p)^n of the searches.
-TEST(ModeSearch, MissesAsOftenAsItsResolutionSays) {
-  // A step up into x > 2.326: a hundredth of the prior, and nothing leads there from outside.
+// Searches with n climbs miss a mode whose basin holds p in a share (1 - p)^n.
+TEST(ModeSearch, MissRateMatchesItsResolution) {
+  // A step at x > 2.326: a hundredth of the prior, and no gradient outside points to it.
   const Problem problem = problem_of(1, [](std::span<const double> x) {
     return x[0] > 2.3263478740408408 ? 10.0 - 50.0 * std::pow(x[0] - 3.0, 2.0)
                                      : -50.0 * std::pow(x[0], 2.0);
@@ -196,15 +196,15 @@ TEST(ModeSearch, MissesAsOftenAsItsResolutionSays) {
   EXPECT_NEAR(static_cast<double>(missed) / kSearches, expected, 4.9 * error);
 }
 
-TEST(ModeSearch, ResolutionIsWhatOneSearchInAHundredMisses) {
+TEST(ModeSearch, ResolutionIsMissedByOneSearchInAHundred) {
   for (const long n : {1L, 30L, 10000L})
     EXPECT_NEAR(std::pow(1.0 - search_resolution(n), static_cast<double>(n)), 0.01, 1e-12);
   EXPECT_EQ(search_resolution(0), 1.0);
 }
 
-// Of a record of 400 samples whose likelihood is impossible but near its mode: both climbs from the
-// prior begin where nothing is possible, and the given start is all there is.
-TEST(ModeSearch, StartsCountWhereNoDrawOfThePriorIsPossible) {
+// A record of 400 samples whose likelihood is possible only near its mode: both climbs from the
+// prior begin at impossible points, and only the given start succeeds.
+TEST(ModeSearch, UsesGivenStartsIfNoDrawOfThePriorIsPossible) {
   const auto island = [](std::span<const double> x) {
     const double e = (x[0] - 6.0) / 0.1;
     return std::abs(e) < 20.0 ? -0.5 * e * e : -std::numeric_limits<double>::infinity();
@@ -220,8 +220,8 @@ TEST(ModeSearch, StartsCountWhereNoDrawOfThePriorIsPossible) {
   EXPECT_NEAR(found.modes[0].z[0], 6.0 * 100.0 / 101.0, 1e-3);
 }
 
-// sin(x e^{0.06 t}), t < n: twice the record says e^{0.06 n} times as much of x, which the mode of
-// n samples does not foretell. `jump` is added to the phase from sample 100 on.
+// sin(x e^{0.06 t}), t < n: twice the record has e^{0.06 n} times the information on x, so that the
+// mode of n samples does not predict it. `jump` is added to the phase from sample 100 on.
 Problem growing_ever_faster(long n, double jump) {
   const auto signal = [](double x, long t) {
     return std::sin(x * std::exp(0.06 * static_cast<double>(t)));
@@ -244,16 +244,16 @@ Problem growing_ever_faster(long n, double jump) {
   return problem;
 }
 
-TEST(ModeSearch, FollowsAModeThatTwiceTheRecordHides) {
+TEST(ModeSearch, FollowsAModeThatTwiceTheRecordDoesNotShow) {
   const Problem problem = growing_ever_faster(200, 0.0);
   const ModeSearch found = search_modes(problem, 0, {.climbs = 200});
   ASSERT_FALSE(found.modes.empty());
-  // The record says x to within 0.05 e^{-0.06 200} or so.
+  // The record determines x to about 0.05 e^{-0.06 200}.
   EXPECT_NEAR(found.modes[0].z[0], 0.7, 1e-6);
 }
 
-// Where the model explains nothing of what comes, that is seen after a few climbs.
-TEST(ModeSearch, SpendsLittleOnModesThatAreNotThere) {
+// If the model does not explain the later samples, the search ends after a few climbs.
+TEST(ModeSearch, SpendsFewCallsIfTheModelDoesNotFit) {
   const auto spent = [](double jump) {
     return search_modes(growing_ever_faster(120, jump), 0, {.climbs = 200}).likelihood_evaluations;
   };

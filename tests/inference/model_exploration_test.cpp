@@ -18,7 +18,7 @@ const HardProblem& problem_named(const std::string& name) {
 
 class Explored : public testing::TestWithParam<std::string> {};
 
-TEST_P(Explored, EvidenceIsRightAndEveryModeIsInThePopulation) {
+TEST_P(Explored, HasTheExactEvidenceAndEveryModeInItsPopulation) {
   const HardProblem& hard = problem_named(GetParam());
   const int model = hard.problem.space.size() - 1;
   const ModelExploration found = explore_model(hard.problem, model, {.budget = 30000});
@@ -35,7 +35,7 @@ INSTANTIATE_TEST_SUITE_P(ModelExploration, Explored,
                                          "a mode of 3 %, 2-d", "spike, 3-d",
                                          "exponential edges, 3-d", "improbable peak, 4-d"));
 
-TEST(ModelExploration, GivesModesTheirShares) {
+TEST(ModelExploration, ComputesTheSharesOfModes) {
   const HardProblem& hard = problem_named("a mode of 3 %, 2-d");
   const ModelExploration found =
       explore_model(hard.problem, hard.problem.space.size() - 1, {.budget = 30000});
@@ -43,9 +43,9 @@ TEST(ModelExploration, GivesModesTheirShares) {
   EXPECT_NEAR(std::min(found.shares[0], found.shares[1]), 0.03, 0.01);
 }
 
-// The climbs have settled the matter; of a record, whose likelihoods are dear, annealing only looks
-// for what they may have missed.
-TEST(ModelExploration, IsCheapWhereOneModeOfARecordHoldsEverything) {
+// The climbs settle this model; on a record, with an expensive likelihood, SMC only checks for
+// missed probability mass.
+TEST(ModelExploration, IsCheapForARecordWithOneMode) {
   const HardProblem& hard = problem_named("nested normal, 5-d");
   Problem record = hard.problem;
   record.samples = 100;
@@ -58,14 +58,14 @@ TEST(ModelExploration, IsCheapWhereOneModeOfARecordHoldsEverything) {
   EXPECT_GT(in_full.calls.anneal, 2 * found.calls.anneal) << "it is no record";
 }
 
-TEST(ModelExploration, IsNotSettledByTwoModes) {
+TEST(ModelExploration, TwoModesDoNotSettleAModel) {
   const HardProblem& hard = problem_named("equal modes, 2-d");
   EXPECT_FALSE(survey_model(hard.problem, 1, {.climbs = 100}).settled());
 }
 
-// Two climbs that end in one of two equal modes settle nothing for good: draws of the annealing lie
-// far from it, and a climb from them finds the other.
-TEST(ModelExploration, ABriefAnnealingFindsAModeThatTheClimbsMissed) {
+// Two climbs that end in one of two equal modes do not settle the model: SMC draws lie far from it,
+// and a climb from them finds the other mode.
+TEST(ModelExploration, BriefSmcFindsAModeThatTheClimbsMissed) {
   const HardProblem& hard = problem_named("equal modes, 2-d");
   ExplorationOptions options{.climbs = 2};
   for (options.seed = 1; options.seed < 20; ++options.seed) {
@@ -79,7 +79,7 @@ TEST(ModelExploration, ABriefAnnealingFindsAModeThatTheClimbsMissed) {
 }
 
 // Two equal modes, each a millionth of the prior wide in six dimensions, the second with the
-// smaller basin: a record's annealing is cut short long before it is there.
+// smaller basin: SMC on a record is cut short long before it reaches them.
 Problem two_needles() {
   class Needles : public Likelihood {
    public:
@@ -105,7 +105,7 @@ Problem two_needles() {
           .shortened = [](long) { return std::make_shared<const Problem>(two_needles()); }};
 }
 
-TEST(ModelExploration, AnAnnealingThatIsCutShortFindsAModeThatTheClimbsMissed) {
+TEST(ModelExploration, SmcCutShortFindsAModeThatTheClimbsMissed) {
   const Problem problem = two_needles();
   ExplorationOptions options{.climbs = 2};
   for (options.seed = 1; options.seed < 20; ++options.seed) {
@@ -121,14 +121,14 @@ TEST(ModelExploration, AnAnnealingThatIsCutShortFindsAModeThatTheClimbsMissed) {
   EXPECT_EQ(found.annealed_draws.cols(), 0) << "these are no draws of the posterior";
 }
 
-TEST(ModelExploration, OfAModelWithoutParametersIsExact) {
+TEST(ModelExploration, IsExactForAModelWithoutParameters) {
   const HardProblem& hard = problem_named("nested normal, 2-d");
   const ModelExploration found = explore_model(hard.problem, 0, {});
   EXPECT_NEAR(found.sampled.log_evidence, hard.log_evidence[0], 1e-12);
   EXPECT_EQ(found.sampled.standard_error, 0.0);
 }
 
-TEST(ModelExploration, AGlanceHasLaplacesEvidence) {
+TEST(ModelExploration, ClimbsAloneGiveLaplacesEvidence) {
   const HardProblem& hard = problem_named("nested normal, 5-d");
   const ModelExploration found =
       explore_model(hard.problem, 1, {.climbs = 2, .anneal = false, .climbs_only = true});

@@ -12,7 +12,7 @@ namespace {
 using testing::ElementsAre;
 using testing::Pointwise;
 
-// Draws of these models, a list a chain.
+// Draws of these models, one list per chain.
 Posterior drawn(const std::vector<std::vector<int>>& chains) {
   Posterior posterior;
   posterior.space = std::make_shared<const ModelSpace>(made_up::three());
@@ -36,8 +36,8 @@ TEST(ModelShares, AreCountedChainByChain) {
   EXPECT_EQ(shares.error[2], 0.0) << "of a model without draws";
 }
 
-// w = (1, 2, 8) and draws 5 : 3 : 0 give P = (5, 6, 0) / 11, whatever is added to all ln w.
-TEST(ModelShares, AreWeightedByWhatADrawOfEachModelCounts) {
+// w = (1, 2, 8) and draws 5 : 3 : 0 give P = (5, 6, 0) / 11, for any constant added to all ln w.
+TEST(ModelShares, AreWeightedByTheWeightsOfTheModels) {
   for (const double added : {0.0, -800.0, 700.0}) {
     Posterior posterior = drawn({{0, 0, 1, 0}, {1, 1, 0, 0}});
     posterior.log_weight = {added, added + std::log(2.0), added + std::log(8.0)};
@@ -51,24 +51,23 @@ TEST(ModelShares, AreWeightedByWhatADrawOfEachModelCounts) {
   }
 }
 
-// Of n independent draws of a model with share s, of weight w where the others have 1, P = w s /
-// (w s + 1 - s) and, by the delta method, its standard error is w √(s (1 - s) / n) / (w s + 1 -
-// s)².
-TEST(ModelShares, ErrorsAreThoseOfIndependentDraws) {
+// With n independent draws and a model of share s whose draws have weight w instead of 1, P = w s /
+// (w s + 1 - s). By the delta method, its standard error is w √(s (1 - s) / n) / (w s + 1 - s)².
+TEST(ModelShares, ErrorsMatchIndependentDraws) {
   for (const double w : {1.0, 0.05, 30.0}) {
     Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
     posterior.log_weight = {0.0, std::log(w), 0.0};
     const ModelShares shares = model_shares(posterior);
     const double n = 4.0 * made_up::kDraws, s = shares.visits[1], norm = w * s + 1.0 - s;
     EXPECT_NEAR(shares.share[1], w * s / norm, 1e-12) << "weight " << w;
-    // The effective number of 16 000 independent draws is found to some 10 %.
+    // The estimate of the effective number of 16 000 independent draws has an error of about 10 %.
     EXPECT_NEAR(shares.error[1] / (w * std::sqrt(s * (1.0 - s) / n) / (norm * norm)), 1.0, 0.15)
         << "weight " << w;
     EXPECT_NEAR(shares.error[0] / shares.error[1], 1.0, 0.05) << "of two models, the same";
   }
 }
 
-TEST(ModelShares, OfNoDrawsAreNone) {
+TEST(ModelShares, AreEmptyWithoutDraws) {
   const ModelShares shares = model_shares(drawn({{}, {}}));
   EXPECT_THAT(shares.share, ElementsAre(0.0, 0.0, 0.0));
   EXPECT_THAT(shares.error, ElementsAre(0.0, 0.0, 0.0));

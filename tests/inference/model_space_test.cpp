@@ -44,7 +44,7 @@ TEST(ModelSpace, NeighboursDifferByOneComponent) {
   EXPECT_EQ(space.neighbour(0, 1, +1), -1);
 }
 
-TEST(ModelSpace, SurvivesBeingCopied) {
+TEST(ModelSpace, CanBeCopied) {
   auto original = std::make_unique<ModelSpace>(damages_and_supports());
   const ModelSpace copy = *original;
   original.reset();
@@ -61,7 +61,7 @@ std::string message_of(Call&& call) {
   return "";
 }
 
-TEST(ModelSpace, NamesWhatIsWrong) {
+TEST(ModelSpace, ErrorsNameTheFault) {
   const std::vector<Parameter> table{{"k", Uniform{0, 1}}, {"k3", Uniform{0, 1}}};
   const auto make = [&](std::vector<ModelSpace::ListedModel> models) {
     return message_of([&] { (void)ModelSpace::of_models(table, models); });

@@ -1,8 +1,8 @@
 // Every kernel leaves prior × likelihood^β invariant: the exact test of Gandy & Scott (2020,
-// section 2). Parameters from the prior and data given them are a draw of the joint distribution,
-// and remain one when the parameters are moved by a kernel that leaves their posterior invariant,
-// however few steps and whether or not it mixes. Each test has a control: the same move with a
-// fault, which must be found out.
+// section 2). Parameters from the prior and data simulated from them are a draw of the joint
+// distribution. They remain one after any number of steps of a kernel that leaves the posterior
+// invariant, whether or not it mixes. Each test has a control: the same move with a fault, which
+// the test must detect.
 #include "inference/moves/move.hpp"
 
 #include <gtest/gtest.h>
@@ -30,10 +30,10 @@
 namespace wheeltap::inference {
 namespace {
 
-// A correct kernel fails with this probability: six functionals, two models of test.
+// Probability that a correct kernel fails: six functionals, two test models.
 constexpr double kFalseAlarm = 1e-6;
 constexpr int kReplicates = 6000;
-constexpr int kSteps = 7;  // odd: two reflections are none
+constexpr int kSteps = 7;  // odd, since two reflections cancel
 
 using MoveFactory = std::function<std::unique_ptr<Move>()>;
 using KernelFactory = std::function<std::unique_ptr<Kernel>()>;
@@ -43,9 +43,9 @@ KernelFactory accepted_or_rejected(const MoveFactory& make) {
 }
 
 // A move whose ratio is replaced by 1.
-class ForgetsRatio : public Move {
+class OmitsRatio : public Move {
  public:
-  explicit ForgetsRatio(std::unique_ptr<Move> move) : move_(std::move(move)) {}
+  explicit OmitsRatio(std::unique_ptr<Move> move) : move_(std::move(move)) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
     if (!move_->propose(from, step, to)) return std::nullopt;
     return 0.0;
@@ -93,7 +93,7 @@ Sample joint_draws(const std::vector<double>& weights, const KernelFactory& make
   for (int n = 0; n < kReplicates; ++n) {
     base::Random random(7, static_cast<std::uint64_t>(stream), static_cast<std::uint64_t>(n),
                         base::Purpose::test);
-    // Tempered by β, a Gaussian likelihood is one with its noise divided by √β.
+    // A Gaussian likelihood tempered by β is one with its noise divided by √β.
     const Problem blind = toy::bump_problem(std::vector<double>(toy::kSensors, 0.0), weights);
     Target prior(blind, true);
     State state;
@@ -146,7 +146,7 @@ std::shared_ptr<const EffectAtlas> toy_atlas() {
   return atlas;
 }
 
-// Mixtures and archives need not fit anything to leave the target invariant.
+// Mixtures and archives leave the target invariant even if they fit badly.
 std::shared_ptr<const PilotFit> rough_fit(const ModelSpace& space) {
   auto fit = std::make_shared<PilotFit>();
   for (int m = 0; m < space.size(); ++m) {
@@ -192,19 +192,19 @@ MoveFactory informed() {
 TEST(Invariance, BirthAndDeathFromThePrior) {
   EXPECT_GT(invariance_p_value(birth_from_prior()), kFalseAlarm);
   EXPECT_GT(invariance_p_value(birth_from_prior(), {1, 2, 2, 1}, 0.3), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(birth_from_prior())), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(birth_from_prior())), kFalseAlarm);
 }
 
 TEST(Invariance, InformedBirthAndDeath) {
   ASSERT_NE(toy_atlas(), nullptr);
   EXPECT_GT(invariance_p_value(informed<BirthDeath>()), kFalseAlarm);
   EXPECT_GT(invariance_p_value(informed<BirthDeath>(), {1, 2, 2, 1}, 0.3), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(informed<BirthDeath>())), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(informed<BirthDeath>())), kFalseAlarm);
 }
 
 TEST(Invariance, Relocation) {
   EXPECT_GT(invariance_p_value(informed<Relocation>()), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(informed<Relocation>())), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(informed<Relocation>())), kFalseAlarm);
 }
 
 TEST(Invariance, RandomWalk) {
@@ -230,7 +230,7 @@ TEST(Invariance, RegionalWalk) {
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
   EXPECT_GT(invariance_p_value(make, {1, 2, 2, 1}, 0.3), kFalseAlarm);
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
-  // A forgotten ratio shows in long chains only: regional_walk_test.cpp.
+  // Only long chains show a missing ratio: regional_walk_test.cpp.
 }
 
 TEST(Invariance, MirrorOfAll) {
@@ -249,7 +249,7 @@ TEST(Invariance, MirrorOfOne) {
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
 }
 
-// A turn by a third and its inverse: neither is its own.
+// A rotation by a third and its inverse, which are different maps.
 std::vector<Symmetry> thirds(double backwards) {
   std::vector<Symmetry> out;
   for (const double turn : {1.0 / 3.0, backwards})
@@ -257,10 +257,10 @@ std::vector<Symmetry> thirds(double backwards) {
   return out;
 }
 
-// At a temperature that accepts turns at all.
+// A temperature at which rotations are accepted.
 constexpr double kWarm = 1e-3;
 
-TEST(Invariance, ImagesUnderATurn) {
+TEST(Invariance, ImagesUnderARotation) {
   for (const bool whole : {true, false}) {
     const MoveFactory make = [whole] { return std::make_unique<Image>(thirds(2.0 / 3.0), whole); };
     EXPECT_GT(invariance_p_value(make, {1, 2, 2, 1}, kWarm), kFalseAlarm) << whole;
@@ -269,8 +269,8 @@ TEST(Invariance, ImagesUnderATurn) {
   }
 }
 
-// Without the inverse there is no way back.
-TEST(Invariance, ATurnAloneIsNone) {
+// Without the inverse rotation there is no reverse move.
+TEST(Invariance, DetectsARotationWithoutItsInverse) {
   const MoveFactory make = [] { return std::make_unique<Image>(thirds(1.0 / 3.0), true); };
   EXPECT_LT(invariance_p_value(make, {1, 2, 2, 1}, kWarm), kFalseAlarm);
 }
@@ -282,7 +282,7 @@ TEST(Invariance, DifferentialEvolution) {
   EXPECT_LT(invariance_p_value(broken<AlwaysAccepted>(make)), kFalseAlarm);
 }
 
-// Two modes 1e-8 wide, 2 apart, holding one and three quarters.
+// Two modes of width 1e-8 at a distance of 2, with weights of one and three quarters.
 TEST(DifferentialEvolution, MovesWithinAndBetweenVeryNarrowModes) {
   constexpr double kWidth = 1e-8;
   class Needles : public Likelihood {
@@ -350,7 +350,7 @@ TEST(Invariance, MixtureJumpBetweenModels) {
   const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
   const MoveFactory make = [fit] { return std::make_unique<MixtureJump>(fit, true); };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make)), kFalseAlarm);
 }
 
 TEST(Invariance, MixtureRenewalWithinAModel) {
@@ -364,18 +364,18 @@ TEST(Invariance, MixtureTransport) {
   const auto fit = rough_fit(toy::bump_space({1, 2, 2, 1}));
   const MoveFactory make = [fit] { return std::make_unique<MixtureTransport>(fit); };
   EXPECT_GT(invariance_p_value(make), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make)), kFalseAlarm);
 }
 
 TEST(Invariance, SplitAndMerge) {
   for (const auto keeps : {SplitMerge::Keeps::sum, SplitMerge::Keeps::product_of_complements}) {
     const MoveFactory make = [keeps] { return std::make_unique<SplitMerge>(0, 0.15, keeps); };
     EXPECT_GT(invariance_p_value(make), kFalseAlarm);
-    EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+    EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make)), kFalseAlarm);
   }
 }
 
-// Births from the mixture of the larger model, deaths by that of the smaller one.
+// Births use the mixture of the larger model, deaths that of the smaller one.
 TEST(Invariance, PilotBirthAndDeath) {
   static const ModelSpace space = toy::bump_space({1, 2, 2, 1});
   const auto fit = rough_fit(space);
@@ -390,7 +390,7 @@ TEST(Invariance, PilotBirthAndDeath) {
   for (const MoveFactory& make : {from_pilot, from_prior}) {
     EXPECT_GT(invariance_p_value(make), kFalseAlarm);
     EXPECT_GT(invariance_p_value(make, {1, 2, 2, 1}, 0.3), kFalseAlarm);
-    EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make)), kFalseAlarm);
+    EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make)), kFalseAlarm);
   }
 }
 
@@ -447,10 +447,10 @@ TEST(Invariance, Transformation) {
   EXPECT_GT(invariance_p_value(make(false)), kFalseAlarm);
   EXPECT_GT(invariance_p_value(make(false), {1, 2, 2, 1}, 0.3), kFalseAlarm);
   EXPECT_LT(invariance_p_value(make(true)), kFalseAlarm);
-  EXPECT_LT(invariance_p_value(broken<ForgetsRatio>(make(false))), kFalseAlarm);
+  EXPECT_LT(invariance_p_value(broken<OmitsRatio>(make(false))), kFalseAlarm);
 }
 
-// Delayed acceptance, with moves that look at residuals and moves that do not, hot and cold.
+// Delayed acceptance, with and without moves that use residuals, hot and cold.
 TEST(Invariance, DelayedAcceptance) {
   const std::vector<double> weights = {1, 2, 2, 1};
   const auto p_value = [&](const KernelFactory& make, double beta) {
@@ -464,7 +464,7 @@ TEST(Invariance, DelayedAcceptance) {
     EXPECT_GT(p_value(accepted_or_rejected(informed<Relocation>()), beta), kFalseAlarm);
     EXPECT_GT(p_value(accepted_or_rejected(walk), beta), kFalseAlarm);
   }
-  // The control believes the stand-in.
+  // The control uses only the approximate likelihood.
   class ScreenOnly : public Kernel {
    public:
     explicit ScreenOnly(std::unique_ptr<Move> move)
@@ -489,7 +489,7 @@ TEST(Invariance, DelayedAcceptance) {
   EXPECT_LT(p_value(control(walk), 1.0), kFalseAlarm);
 }
 
-TEST(DelayedAcceptance, ComputesTheLikelihoodOfProposalsThatPassTheScreenOnly) {
+TEST(DelayedAcceptance, EvaluatesTheLikelihoodOnlyAfterTheFirstStage) {
   const std::vector<double> data = {0.4, 0.3, -0.1, 0.2, 0.5, 0.0};
   const Problem problem = toy::screened_bump_problem(data, {1, 2, 2, 1});
   Target target(problem, false);
@@ -522,7 +522,7 @@ TEST(DelayedAcceptance, ComputesTheLikelihoodOfProposalsThatPassTheScreenOnly) {
 
 TEST(Invariance, Slice) {
   EXPECT_GT(kernel_p_value([] { return std::make_unique<Slice>(1.0); }), kFalseAlarm);
-  // The control counts half of the log likelihood.
+  // The control uses half of the log likelihood.
   class HalfLikelihood : public Slice {
    public:
     using Slice::Slice;
@@ -537,11 +537,11 @@ TEST(Invariance, DelayedRejection) {
   const auto scales = RandomWalk::initial_scales(toy::bump_space({1, 2, 2, 1}));
   EXPECT_GT(kernel_p_value([&] { return std::make_unique<DelayedRejection>(scales); }),
             kFalseAlarm);
-  // The control forgets the first stage, as if the second try were a fresh step of its own: it
-  // accepts too little of what lies beyond a rejected point.
-  class Forgets : public Kernel {
+  // The control omits the first stage from the ratio of the second: it accepts too few points
+  // beyond a rejected one.
+  class OmitsFirstStage : public Kernel {
    public:
-    explicit Forgets(RandomWalk::Scales scales)
+    explicit OmitsFirstStage(RandomWalk::Scales scales)
         : Kernel("forgets"), walk_(scales), scales_(std::move(scales)) {}
     Outcome step(State& state, const Step& s) override {
       State to = state;
@@ -560,11 +560,11 @@ TEST(Invariance, DelayedRejection) {
     RandomWalk walk_;
     RandomWalk::Scales scales_;
   };
-  EXPECT_LT(kernel_p_value([&] { return std::make_unique<Forgets>(scales); }), kFalseAlarm);
+  EXPECT_LT(kernel_p_value([&] { return std::make_unique<OmitsFirstStage>(scales); }), kFalseAlarm);
 }
 
-// Dear kernels are worth what they have accepted for their work; cheap ones keep their weight.
-TEST(KernelEfficiencies, CountWorkAndNotTime) {
+// Kernels with additional cost are rated by accepted moves per work; cheap ones keep their weight.
+TEST(KernelEfficiencies, DependOnWorkAndNotOnTime) {
   class Idle : public Kernel {
    public:
     Idle(const char* name, double work) : Kernel(name, work) {}
@@ -585,7 +585,7 @@ TEST(KernelEfficiencies, CountWorkAndNotTime) {
       kernels, {jumps(1000, 100), jumps(1000, 200), jumps(1000, 4), jumps(1000, 4), jumps(10, 0),
                 jumps(1000, 400), jumps(1000, 300)});
   EXPECT_EQ(efficiency[0], 1.0);
-  EXPECT_DOUBLE_EQ(efficiency[1], 0.25);  // .05 a unit, beside .2
+  EXPECT_DOUBLE_EQ(efficiency[1], 0.25);  // .05 per unit of work, against .2
   EXPECT_DOUBLE_EQ(efficiency[2], 0.1);
   EXPECT_EQ(efficiency[3], 1.0);
   EXPECT_EQ(efficiency[4], 1.0);

@@ -29,7 +29,7 @@ Problem funnel_target() {
           }};
 }
 
-// P(v < -3), of chains that start in the mouth.
+// P(v < -3), from chains that start in the mouth.
 struct Share {
   double value, error;
 };
@@ -37,7 +37,7 @@ template <typename Walk>
 Share in_the_neck() {
   const Problem problem = funnel_target();
   RandomWalk::Scales scales = RandomWalk::initial_scales(problem.space);
-  // The posterior's standard deviations: of v its prior's, of x e^(9/4) = 9.5.
+  // The posterior's standard deviations: the prior's for v, e^(9/4) = 9.5 for x.
   Eigen::MatrixXd& factor = scales[0].back().factor;
   factor.diagonal().setConstant(9.49 / 20.0);
   factor(0, 0) = 1.0;
@@ -60,12 +60,12 @@ Share in_the_neck() {
   return {mean(in_neck), mcse_mean(in_neck)};
 }
 
-TEST(MultiscaleWalk, IsInTheNeckOfAFunnelAsOftenAsInItsMouth) {
+TEST(MultiscaleWalk, VisitsTheNeckOfAFunnelInProportion) {
   const double exact = 0.5 * std::erfc(1.0 / std::sqrt(2.0));  // of v ~ N(0, 3²)
   const Share all = in_the_neck<MultiscaleWalk>();
   EXPECT_NEAR(all.value, exact, 4.0 * all.error);
   EXPECT_LT(all.error, 0.2 * exact);
-  // One scale, or a tenth and four times it, hardly gets there.
+  // A walk with one scale, or a tenth and four times it, hardly reaches the neck.
   const Share few = in_the_neck<RandomWalk>();
   EXPECT_LT(few.value, 0.3 * exact);
 }

@@ -52,7 +52,7 @@ NeedleProblem needle_problem(const Needle& needle) {
   }
   const double inside = normal_cdf((1.0 - needle.slab) / kSlab) - normal_cdf(-needle.slab / kSlab);
   const double mass = 0.5 + 0.5 * std::pow(inside, d);
-  // Where ½ needle > ½ slab: a ball of this radius, the slab being flat across it.
+  // Where ½ needle > ½ slab: a ball of this radius, in which the slab is nearly constant.
   const double apart = std::pow((needle.place - needle.slab) / kSlab, 2) * d;
   const double radius = needle.width * std::sqrt(2.0 * d * std::log(kSlab / needle.width) + apart);
   const double z = Prior(Uniform{0.0, 1.0}).to_standard_normal(needle.place);  // x = F(z)
@@ -79,8 +79,8 @@ NeedleProblem needle_problem(const Needle& needle) {
 const std::vector<NeedleProblem>& needle_problems() {
   static const std::vector<NeedleProblem> all = [] {
     std::vector<NeedleProblem> out;
-    // In one dimension the basin is all that lies beyond the needle as seen from the broad mode; in
-    // more, the flow lines of the broad mode that meet the needle's disc or ball.
+    // In one dimension the basin is everything on the far side of the needle from the broad mode;
+    // otherwise, the flow lines of the broad mode that reach the needle's disc or ball.
     for (const Needle& needle : {
              Needle{"1-d, 1e-9, one centre", 1, 0.5, 0.5, 1e-9, 1.0},
              Needle{"1-d, 1e-10, one centre", 1, 0.5, 0.5, 1e-10, 1.0},

@@ -1,5 +1,5 @@
 // A needle inside a broad mode: a spike so narrow that a climb steps over it, although steepest
-// ascent, a path without steps, leads to it from a large share of the prior.
+// ascent, a continuous path, leads to it from a large share of the prior.
 #pragma once
 
 #include <vector>
@@ -10,15 +10,15 @@ namespace wheeltap::inference {
 
 struct NeedleProblem {
   HardProblem hard;
-  /// Diameter of the region where the needle is the higher of the two, in standard deviations of
-  /// the prior: what a climb may step over.
+  /// Diameter of the region where the needle is higher, in standard deviations of the prior: a
+  /// climb may step over it.
   double width = 0.0;
-  /// Needle and broad mode have one centre: the climbs' own goal.
+  /// Needle and broad mode have the same centre, where the climbs end.
   bool concentric = false;
 };
 
 /// Model 1 is half a normal of width .1 and half a needle, in a box of one to three dimensions;
-/// model 0 has no parameters and as much evidence.
+/// model 0 has no parameters and equal evidence.
 [[nodiscard]] const std::vector<NeedleProblem>& needle_problems();
 
 }  // namespace wheeltap::inference

@@ -1,7 +1,7 @@
-// Needles inside broad modes: found where the climbs go, and else below the width that a run
-// states for what it may have missed.
+// Needles inside broad modes: the climbs find them, or they are narrower than the width that the
+// run states as its resolution.
 //
-// Short: searches alone, and one run. WHEELTAP_LONG_TESTS=1: runs of all, five seeds.
+// Short: searches only, and one run. WHEELTAP_LONG_TESTS=1: runs of all, five seeds.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -26,7 +26,7 @@ bool has_the_needle(const ModeSearch& found, const NeedleProblem& problem) {
 
 class Needles : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(Needles, AreFoundByTheSearchOrNarrowerThanItResolves) {
+TEST_P(Needles, SearchFindsThemOrTheyAreBelowItsResolution) {
   const NeedleProblem& problem = needle_problems()[GetParam()];
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     const ModeSearch found =
@@ -43,8 +43,8 @@ TEST_P(Needles, AreFoundByTheSearchOrNarrowerThanItResolves) {
   }
 }
 
-// Whoever reads the limit of wide modes alone is told too little by a factor of hundreds.
-TEST(Needle, NeedsTheWidthForItsLimit) {
+// The resolution for wide modes alone would be too small by a factor of hundreds.
+TEST(Needle, ResolutionDependsOnTheWidth) {
   EXPECT_NEAR(search_resolution(5e-4, 0.2, 0.2), 5e-4, 1e-12);
   EXPECT_NEAR(search_resolution(5e-4, 0.2, 1.0), 5e-4, 1e-12);
   EXPECT_NEAR(search_resolution(5e-4, 0.2, 2e-3), 5e-2, 1e-12);
@@ -64,7 +64,7 @@ void check_run(const NeedleProblem& problem, std::uint64_t seed) {
   EXPECT_TRUE(a.exact || !verdict.converged || hard.basin < limit) << hard.name << ", " << seed;
 }
 
-TEST_P(Needles, AreFoundOrFlaggedOrBelowTheStatedLimit) {
+TEST_P(Needles, RunFindsOrFlagsThemOrTheyAreBelowItsResolution) {
   const bool long_tests = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
   const NeedleProblem& problem = needle_problems()[GetParam()];
   if (!long_tests && problem.hard.name != "1-d, 1e-9, one centre at .43")

@@ -83,7 +83,7 @@ TEST(NormalMixture, LogDensityMatchesTheDefinition) {
         const Eigen::MatrixXd samples = draw(q, 20, random);
         for (int i = 0; i < samples.rows(); ++i) {
           const Eigen::VectorXd z = samples.row(i);
-          // Conditioning of the random factors, to the power of what is solved with them.
+          // Condition number of the random factors, to the power of the number of solves.
           EXPECT_NEAR(q.log_density(view(z)), plain_log_density(q, z), 1e-9 * d)
               << d << " dimensions, " << components << " components, nu " << nu;
           std::vector<double> parts(static_cast<std::size_t>(components));
@@ -116,9 +116,9 @@ TEST(NormalMixture, IntegratesToOne) {
   EXPECT_NEAR(sum, 1.0, 1e-8);
 }
 
-// If draws come from q and q's density is right, E_q[p/q] = 1 for any density p inside q. The error
-// is taken from the draws; 4 of it, and it must be small to mean anything.
-TEST(NormalMixture, SamplesHaveItsDensity) {
+// If draws come from q and its density is correct, E_q[p/q] = 1 for any density p inside q. The
+// tolerance is 4 standard errors from the draws, which must be small.
+TEST(NormalMixture, SamplesFollowItsDensity) {
   for (const double nu : {kInfinity, 4.0})
     for (const int d : {1, 3, 6}) {
       const NormalMixture q = random_mixture(d, 6, 5, 1.0, nu);
@@ -142,7 +142,7 @@ TEST(NormalMixture, SamplesHaveItsDensity) {
     }
 }
 
-TEST(NormalMixture, FarAwayItIsSmallAndNeverNaN) {
+TEST(NormalMixture, DensityIsSmallAndNeverNaNFarAway) {
   const NormalMixture q = random_mixture(2, 3, 7);
   const std::vector<double> far = {1e3, -1e3}, absurd = {1e200, 0.0}, infinite = {kInfinity, 0.0},
                             broken = {std::nan(""), 0.0};
@@ -153,7 +153,7 @@ TEST(NormalMixture, FarAwayItIsSmallAndNeverNaN) {
   EXPECT_EQ(q.log_density(broken), -kInfinity);
 }
 
-TEST(NormalMixture, AffineCoordinatesOfAComponent) {
+TEST(NormalMixture, StandardisesByEachComponent) {
   const NormalMixture q = random_mixture(3, 2, 8);
   const std::vector<double> z = {0.3, -1.2, 0.7};
   std::vector<double> u(3), back(3);
@@ -166,9 +166,9 @@ TEST(NormalMixture, AffineCoordinatesOfAComponent) {
   EXPECT_NEAR(parts[1], std::log(q[1].weight) + standard - q.log_determinant(1), 1e-12);
 }
 
-// A fit with the right number of components to n samples has a divergence of about parameters /
+// The divergence of a fit with the correct number of components to n samples is about parameters /
 // (2n).
-TEST(NormalMixtureFit, RecoversMixturesItCouldHaveComeFrom) {
+TEST(NormalMixtureFit, RecoversTheMixtureOfItsSamples) {
   constexpr int kSamples = 5000;
   for (const int d : {1, 2, 4, 6})
     for (const int components : {1, 4}) {
@@ -236,8 +236,8 @@ TEST(NormalMixtureFit, FollowsABanana) {
   EXPECT_LT(loss(NormalMixture::fit(samples, random)), 0.15);
 }
 
-TEST(NormalMixtureFit, UnitsDoNotMatter) {
-  // Powers of two scale exactly, so that the whole fit must come out the same.
+TEST(NormalMixtureFit, DoesNotDependOnUnits) {
+  // Scaling by powers of two is exact, so that the fits must be equal.
   const NormalMixture truth = random_mixture(3, 3, 13);
   base::Random random(14, 0, 0, base::Purpose::test);
   const Eigen::MatrixXd samples = draw(truth, 2000, random);
@@ -255,7 +255,7 @@ TEST(NormalMixtureFit, UnitsDoNotMatter) {
   }
 }
 
-TEST(NormalMixtureFit, NeitherOrderNorRepetitionOfSamplesMisleadsIt) {
+TEST(NormalMixtureFit, HandlesOrderedAndRepeatedSamples) {
   const NormalMixture truth = random_mixture(2, 2, 16);
   base::Random random(17, 0, 0, base::Purpose::test);
   const Eigen::MatrixXd samples = draw(truth, 1000, random);
@@ -264,7 +264,7 @@ TEST(NormalMixtureFit, NeitherOrderNorRepetitionOfSamplesMisleadsIt) {
   const NormalMixture b = NormalMixture::fit(samples.colwise().reverse(), second);
   const Eigen::VectorXd z = samples.row(3);
   EXPECT_EQ(a.log_density(view(z)), b.log_density(view(z)));
-  // A chain that stood still for 200 draws: a spike there would be a likelihood without bound.
+  // A chain that repeated its state 200 times: a spike there would have an unbounded likelihood.
   Eigen::MatrixXd sticky(1200, 2);
   sticky.topRows(1000) = samples;
   sticky.bottomRows(200).rowwise() = samples.row(3);
@@ -272,7 +272,7 @@ TEST(NormalMixtureFit, NeitherOrderNorRepetitionOfSamplesMisleadsIt) {
   EXPECT_LT(c.log_density(view(z)), a.log_density(view(z)) + std::log(100.0));
 }
 
-TEST(NormalMixtureFit, FewOrDegenerateSamplesStillGiveADensity) {
+TEST(NormalMixtureFit, GivesADensityForFewOrDegenerateSamples) {
   base::Random random(19, 0, 0, base::Purpose::test);
   Eigen::MatrixXd one(1, 3), same = Eigen::MatrixXd::Constant(50, 3, 0.25), flat(100, 3);
   one << 1.0, 2.0, 3.0;
@@ -286,7 +286,7 @@ TEST(NormalMixtureFit, FewOrDegenerateSamplesStillGiveADensity) {
   }
 }
 
-TEST(NormalMixtureFit, RefusesBadInput) {
+TEST(NormalMixtureFit, RejectsInvalidInput) {
   base::Random random(20, 0, 0, base::Purpose::test);
   Eigen::MatrixXd samples = Eigen::MatrixXd::Random(50, 2);
   NormalMixture::FitOptions options;

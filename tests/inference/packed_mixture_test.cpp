@@ -1,4 +1,4 @@
-// The packed routines against the formulas that their header states, in plain loops.
+// The packed routines against plain loops over the formulas in their header.
 #include "inference/mixtures/packed_mixture.hpp"
 
 #include <gtest/gtest.h>
@@ -66,8 +66,7 @@ void for_each_size(const Check& check) {
   }
 }
 
-// Fault: they contracted to fused multiply-add where the processor has it, and a chain's draws were
-// others on another processor.
+// Regression: with contraction to fused multiply-add, a chain's draws differed between processors.
 TEST(PackedMixture, EveryInstructionSetGivesTheSameBits) {
   const auto all = runnable_routines(base::Instructions::automatic);
   for_each_size([&](int d, const std::vector<Component>& parts, base::Random& random) {
@@ -97,7 +96,7 @@ TEST(PackedMixture, EveryInstructionSetGivesTheSameBits) {
   });
 }
 
-TEST(PackedMixture, LogDensityIsThatOfTheSum) {
+TEST(PackedMixture, LogDensityMatchesThePlainSum) {
   for_each_size([](int d, const std::vector<Component>& parts, base::Random& random) {
     const auto packed = pack(parts, kInfinity);
     for (int i = 0; i < 20; ++i) {
@@ -111,7 +110,7 @@ TEST(PackedMixture, LogDensityIsThatOfTheSum) {
   });
 }
 
-TEST(PackedMixture, FarFromEveryComponentNothingUnderflows) {
+TEST(PackedMixture, DoesNotUnderflowFarFromEveryComponent) {
   base::Random random(62, 0, 0, base::Purpose::test);
   const auto parts = components(2, 9, random);
   const auto packed = pack(parts, kInfinity);
@@ -122,7 +121,7 @@ TEST(PackedMixture, FarFromEveryComponentNothingUnderflows) {
   EXPECT_NEAR(log_density(packed, parts.size(), far) / top, 1.0, kRounding);
 }
 
-TEST(PackedMixture, StudentsNormaliserIsPackedWhereItIsAskedFor) {
+TEST(PackedMixture, PacksTheNormaliserOfStudentsTIfRequested) {
   // d = 1, one component, ν = 3: c = ln Γ(2) - ln Γ(3/2) - ½ ln (3 π) - ln σ.
   const Component c{.weight = 1.0,
                     .mean = Eigen::VectorXd::Constant(1, 0.3),
@@ -132,7 +131,7 @@ TEST(PackedMixture, StudentsNormaliserIsPackedWhereItIsAskedFor) {
   EXPECT_NEAR(pack({c}, 3.0)[0], expected, kRounding);
 }
 
-TEST(PackedMixture, QuadraticFormsAreOfEachComponent) {
+TEST(PackedMixture, QuadraticFormsMatchEachComponent) {
   for_each_size([](int d, const std::vector<Component>& parts, base::Random& random) {
     const auto packed = pack(parts, kInfinity);
     const Eigen::VectorXd z = place(d, random);
@@ -170,7 +169,7 @@ std::vector<double> plain_moments(const std::vector<Component>& parts, std::size
   return out;
 }
 
-TEST(PackedMixture, OnePassOfEmSumsTheMomentsOfEachComponent) {
+TEST(PackedMixture, EmPassSumsTheMomentsOfEachComponent) {
   for_each_size([](int dimension, const std::vector<Component>& parts, base::Random& random) {
     constexpr std::size_t kSamples = 50;
     const auto d = static_cast<std::size_t>(dimension);
@@ -200,8 +199,8 @@ TEST(PackedMixture, OnePassOfEmSumsTheMomentsOfEachComponent) {
       expected += weight[n] * std::log(all);
     }
     EXPECT_NEAR(log_likelihood / expected, 1.0, kRounding);
-    // Groups whose responsibilities of a sample are all below 1e-12 leave it out: 50 samples whose
-    // deviations multiply to 100 at most.
+    // Groups with responsibilities below 1e-12 omit the sample: 50 samples whose deviations
+    // multiply to 100 at most.
     constexpr double kLeftOut = 5e-9;
     for (std::size_t k = 0; k < parts.size(); ++k) {
       const auto plain = plain_moments(parts, k, z, weight);

@@ -24,7 +24,7 @@ State state_of(int model, std::vector<double> z) {
   return state;
 }
 
-TEST(PilotSamples, CountEveryVisitAndKeepAThinnedRecord) {
+TEST(PilotSamples, CountAllVisitsAndStoreThinnedStates) {
   const ModelSpace space = two_models();
   PilotSamples samples(space);
   constexpr int kVisits = 100000;
@@ -38,7 +38,7 @@ TEST(PilotSamples, CountEveryVisitAndKeepAThinnedRecord) {
   EXPECT_EQ(kept.rows(), 1);
   EXPECT_GE(kept.cols(), 4000);
   EXPECT_LT(kept.cols(), 8000);
-  // Equally far apart, over the whole run.
+  // Equally spaced over the whole run.
   const double stride = kept(0, 1) - kept(0, 0);
   for (Eigen::Index i = 1; i < kept.cols(); ++i) EXPECT_EQ(kept(0, i) - kept(0, i - 1), stride);
   EXPECT_EQ(kept(0, 0), 0.0);
@@ -46,7 +46,7 @@ TEST(PilotSamples, CountEveryVisitAndKeepAThinnedRecord) {
   EXPECT_EQ(samples.states(0).size(), 0);
 }
 
-TEST(PilotSamples, OfSeveralChainsAddUp) {
+TEST(PilotSamples, PoolSeveralChains) {
   const ModelSpace space = two_models();
   PilotSamples one(space), other(space);
   one.add(state_of(2, {1.0, 2.0}));
@@ -59,7 +59,7 @@ TEST(PilotSamples, OfSeveralChainsAddUp) {
   EXPECT_EQ(one.states(1)(0, 0), 5.0);
 }
 
-// N(2, 0.1²) in model 1; too few in model 2, which keeps its prior.
+// N(2, 0.1²) in model 1; too few samples in model 2, which keeps its prior.
 std::vector<PilotSamples> met(const ModelSpace& space) {
   PilotSamples samples(space);
   base::Random random(1, 0, 0, base::Purpose::test);
@@ -72,32 +72,32 @@ double log_normal_density(double z, double mean, double sd) {
   return -0.5 * std::pow((z - mean) / sd, 2.0) - std::log(sd) - 0.91893853320467274178;
 }
 
-TEST(FitPilot, FitsWhatWasMetAndThePriorWhereThatWasLittle) {
+TEST(FitPilot, FitsTheSamplesOrThePriorIfTheyAreFew) {
   const ModelSpace space = two_models();
   const Pilot pilot = fit_pilot(space, met(space), {});
   EXPECT_EQ(pilot.fit->density[0], nullptr);
-  // 3000 draws know a mean to 2 % of the sd and ln sd to 1.3 %: 0.1 in ln q within two sds.
+  // 3000 draws give a mean to 2 % of the sd and ln sd to 1.3 %: 0.1 in ln q within two sds.
   for (const double z : {1.8, 2.0, 2.2}) {
     EXPECT_NEAR(pilot.fit->log_density(1, std::vector{z}), log_normal_density(z, 2.0, 0.1), 0.2)
         << z;
   }
   EXPECT_NEAR(pilot.fit->log_density(2, std::vector{0.5, -1.0}),
               log_normal_density(0.5, 0, 1) + log_normal_density(-1.0, 0, 1), 1e-9);
-  // Models are weighted as they were visited, and none is never looked at again.
+  // Models are weighted by their visits, with a positive lower limit.
   EXPECT_GT(pilot.fit->weight[1], 0.95);
   EXPECT_GE(pilot.fit->weight[0], 0.003);
   EXPECT_NEAR(pilot.fit->weight[0] + pilot.fit->weight[1] + pilot.fit->weight[2], 1.0, 1e-12);
 }
 
-TEST(FitPilot, TakesTheProbabilitiesThatAreKnown) {
+TEST(FitPilot, UsesKnownProbabilities) {
   const ModelSpace space = two_models();
   const Pilot pilot = fit_pilot(space, met(space), {.probability = {0.2, 0.3, 0.5}});
   EXPECT_NEAR(pilot.fit->weight[0], 0.2, 1e-12);
   EXPECT_NEAR(pilot.fit->weight[2], 0.5, 1e-12);
 }
 
-// A mode that no chain met is in the proposal all the same.
-TEST(FitPilot, CoversAModeThatTheSearchesFound) {
+// The proposal covers a mode that no chain visited.
+TEST(FitPilot, CoversAModeOfTheSearches) {
   const ModelSpace space = two_models();
   const auto one = [](double mean) {
     return std::vector<NormalMixture::Component>{
@@ -110,7 +110,7 @@ TEST(FitPilot, CoversAModeThatTheSearchesFound) {
   EXPECT_GT(with.fit->log_density(1, top), log_normal_density(0.0, 0.0, 0.05) + std::log(0.04));
 }
 
-TEST(FitPilot, TakesWarmerSamplesOfAModelThatTheColdestLack) {
+TEST(FitPilot, UsesWarmerSamplesIfColdOnesAreMissing) {
   const ModelSpace space = two_models();
   PilotSamples warm(space), cold(space);
   base::Random random(2, 0, 0, base::Purpose::test);
@@ -120,7 +120,7 @@ TEST(FitPilot, TakesWarmerSamplesOfAModelThatTheColdestLack) {
   EXPECT_NEAR(pilot.fit->log_density(1, std::vector{-1.0}), log_normal_density(0.0, 0.0, 0.3), 0.4);
 }
 
-TEST(EqualVisitsBias, MakesModelsEquallyProbableDownToTheLeast) {
+TEST(EqualVisitsBias, MakesModelsEquallyProbableAboveTheLimit) {
   const std::vector<double> p{0.9, 0.1, 1e-3, 1e-9};
   const std::vector<double> bias = equal_visits_bias(p, 1e-3);
   for (std::size_t m = 0; m < 3; ++m) EXPECT_NEAR(p[m] * std::exp(bias[m]), 1.0, 1e-12);
@@ -133,7 +133,7 @@ std::set<std::string> names(const KernelMixture& kernels) {
   return out;
 }
 
-TEST(SamplingKernels, AreTheMovesThatAreAllowed) {
+TEST(SamplingKernels, AreTheAllowedMoves) {
   const Problem problem = toy::bump_problem(std::vector<double>(toy::kSensors, 1.0), {1, 1, 1});
   Options options;
   long calls = 0;

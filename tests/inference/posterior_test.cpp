@@ -1,5 +1,4 @@
-// What a run answers, on runs that were made up: independent draws, so that every answer and its
-// error are known.
+// Queries on made-up runs of independent draws, for which every result and its error are known.
 #include "inference/diagnosis/posterior.hpp"
 
 #include <gmock/gmock.h>
@@ -17,7 +16,7 @@ namespace {
 using testing::HasSubstr;
 using testing::ThrowsMessage;
 
-constexpr double kPosteriorSigmas = 4.9;  // a false alarm once in 10⁶ comparisons
+constexpr double kPosteriorSigmas = 4.9;  // false-alarm rate 10⁻⁶ per comparison
 constexpr int kPosteriorDraws = 4000;
 
 // Two models of different dimension: 70 : 30, prior weights 1 : 2.
@@ -52,7 +51,7 @@ Posterior made_up(double p = 0.3) {
   return posterior;
 }
 
-TEST(Posterior, AProbabilityComesWithItsError) {
+TEST(Posterior, ProbabilityHasItsError) {
   const Posterior posterior = made_up();
   const double error = std::sqrt(0.3 * 0.7 / (4.0 * kPosteriorDraws));
   const Estimate p = posterior.probability("cubic");
@@ -62,9 +61,9 @@ TEST(Posterior, AProbabilityComesWithItsError) {
   EXPECT_NEAR(posterior.probability("linear").value + p.value, 1.0, 1e-12);
 }
 
-// ln odds have the error 1/√(n p (1 - p)): shares that add up to one err together, which adding
-// their own errors in quadrature would miss by √2.
-TEST(Posterior, ABayesFactorComesWithItsError) {
+// ln odds have the error 1/√(n p (1 - p)): shares that sum to one have correlated errors; adding
+// them in quadrature would be wrong by √2.
+TEST(Posterior, BayesFactorHasItsError) {
   const Posterior posterior = made_up();
   const double exact = std::log(0.3 / 0.7) - std::log(2.0);
   const double error = 1.0 / std::sqrt(4.0 * kPosteriorDraws * 0.3 * 0.7);
@@ -77,7 +76,7 @@ TEST(Posterior, ABayesFactorComesWithItsError) {
   EXPECT_EQ(posterior.log_bayes_factor(1, 1).value, 0.0);
 }
 
-TEST(Posterior, TheBayesFactorOfAModelWithoutDrawsIsThatOfItsEvidence) {
+TEST(Posterior, BayesFactorOfAModelWithoutDrawsComesFromItsEvidence) {
   Posterior posterior = made_up(0.0);
   posterior.found[0].bridged = {.log_evidence = -20.0, .standard_error = 0.03};
   posterior.found[1].bridged = {.log_evidence = -900.0, .standard_error = 0.04};
@@ -88,7 +87,7 @@ TEST(Posterior, TheBayesFactorOfAModelWithoutDrawsIsThatOfItsEvidence) {
   EXPECT_TRUE(std::isnan(posterior.log_bayes_factor("cubic", "linear").value));
 }
 
-TEST(Posterior, AParametersDrawsAreThoseOfItsModel) {
+TEST(Posterior, ParameterDrawsBelongToTheirModel) {
   const Posterior posterior = made_up();
   const ChainsOf k = posterior.draws_of("k", "cubic");
   const ChainsOf c = posterior.draws_of("c", 0);
@@ -103,7 +102,7 @@ TEST(Posterior, AParametersDrawsAreThoseOfItsModel) {
               kPosteriorSigmas / std::sqrt(4.0 * kPosteriorDraws - static_cast<double>(n)));
 }
 
-TEST(Posterior, SaysWhetherItMayBeReliedOnAndWhyNot) {
+TEST(Posterior, ReportsConvergenceWithReasons) {
   Posterior posterior = made_up();
   EXPECT_TRUE(posterior.converged());
   EXPECT_TRUE(posterior.why_not().empty());
@@ -115,7 +114,7 @@ TEST(Posterior, SaysWhetherItMayBeReliedOnAndWhyNot) {
   EXPECT_EQ(describe(why[0], *posterior.space), "stopped early");
 }
 
-TEST(Posterior, RefusesWhatItDoesNotHave) {
+TEST(Posterior, RejectsUnknownModelsAndParameters) {
   const Posterior posterior = made_up();
   EXPECT_THAT([&] { (void)posterior.probability("quintic"); },
               ThrowsMessage<std::invalid_argument>(HasSubstr("'quintic' among 'linear', 'cubic'")));
@@ -135,7 +134,7 @@ Problem made_problem() {
           .likelihood = [] { return std::make_unique<Flat>(); }};
 }
 
-// A regression test: the posterior pointed into the problem, which a temporary takes with it.
+// Regression: the posterior referred to a problem that was a temporary.
 TEST(Posterior, OutlivesItsProblem) {
   const Options options{.chains = 2, .warmup = 200, .draws = 200};
   const Posterior of_temporary = reversible_jump(made_problem(), options);

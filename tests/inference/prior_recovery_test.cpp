@@ -1,5 +1,5 @@
-// The prior comes back when the likelihood is off, whatever the moves: a move that does not leave
-// it invariant cannot leave a posterior so.
+// A run without likelihood returns the prior for any set of moves: a move that does not leave the
+// prior invariant cannot leave a posterior invariant.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ struct MoveSet {
 
 class PriorRecovery : public testing::TestWithParam<MoveSet> {};
 
-// With the likelihood off, the counts follow their prior, and so do locations and heights. Ordered
+// Without likelihood, the counts follow their prior, and so do locations and heights. Ordered
 // locations: the smallest of k from F is distributed as 1 - (1 - F)^k.
 TEST_P(PriorRecovery, CountsLocationsAndHeights) {
   const std::vector<double> weights{3, 1, 4, 2};
@@ -69,9 +69,9 @@ INSTANTIATE_TEST_SUITE_P(MoveSets, PriorRecovery,
                                                   .reflection = false}}),
                          [](const auto& set) { return set.param.name; });
 
-// The control: one move that forgets its ratio, among all the right ones, and the prior does not
-// come back.
-TEST(PriorRecoveryControl, NoticesAForgottenRatio) {
+// The control: one move without its ratio among all correct ones; the result differs from the
+// prior.
+TEST(PriorRecoveryControl, DetectsAMissingRatio) {
   class Forgetful : public BirthDeath {
    public:
     using BirthDeath::BirthDeath;
@@ -91,7 +91,7 @@ TEST(PriorRecoveryControl, NoticesAForgottenRatio) {
   EXPECT_GT(std::abs(probability(posterior, 0) - 0.3), kSigmas * error);
 }
 
-// A flat likelihood with a Poisson prior returns that Poisson, k = 0 included.
+// A flat likelihood with a Poisson prior returns that Poisson distribution, including k = 0.
 TEST(ReversibleJump, FlatLikelihoodReturnsThePoissonPrior) {
   class Flat : public Likelihood {
    public:

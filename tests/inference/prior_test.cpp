@@ -15,7 +15,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// F = 1/(1 + e^-x): quantiles by the search that all have who give none.
+// F = 1/(1 + e^-x), with quantiles by the default search.
 class Logistic : public Distribution {
  public:
   [[nodiscard]] double log_density(double x) const override {
@@ -29,7 +29,7 @@ class Logistic : public Distribution {
   [[nodiscard]] std::string describe() const override { return "logistic"; }
 };
 
-// Straight up to 1, and down to a step.
+// Linear up to 1, and then decreasing to a step.
 OwnPrior table() {
   return {std::make_shared<TabulatedPrior>(std::vector<double>{0.0, 1.0, 1.5, 3.0},
                                            std::vector<double>{0.0, 4.0, 2.0, 1.0})};
@@ -86,16 +86,16 @@ TEST(StandardNormal, QuantileInvertsTheDistributionFunction) {
   EXPECT_TRUE(std::isnan(normal_quantile(kNaN)));
 }
 
-// The two branches of ln Φ meet: a gap at z = -30 would show as a wrong slope.
+// The two branches of ln Φ agree: a jump at z = -30 would show as a wrong slope.
 TEST(StandardNormal, LogDistributionFunctionIsSmoothAcrossItsBranches) {
   EXPECT_NEAR(log_normal_cdf(-30.0 + 1e-9) - log_normal_cdf(-30.0 - 1e-9), 2e-9 * 30.033, 5e-12);
   EXPECT_NEAR(log_normal_cdf(5.0 + 1e-9), log_normal_cdf(5.0 - 1e-9), 1e-14);
 }
 
 // The density, integrated over the image of z in (-8, 8), by the chain rule ∫ p(x(z)) x'(z) dz: one
-// only if the density is normalised *and* x(z) is its own quantile function. The sharper statement
-// p(x) dx = φ(z) dz is checked point by point.
-TEST(Prior, DensityAndTransformBelongTogether) {
+// only if the density is normalised *and* x(z) is its quantile function. The stronger condition
+// p(x) dx = φ(z) dz is checked at each point.
+TEST(Prior, DensityMatchesItsTransform) {
   for (const Prior& prior : every_family()) {
     for (double z = -5.0; z <= 5.0; z += 0.25) {
       constexpr double kStep = 1e-3;
@@ -113,7 +113,7 @@ TEST(Prior, DensityAndTransformBelongTogether) {
   }
 }
 
-TEST(Prior, RoundTripsInBothTails) {
+TEST(Prior, TransformInvertsInBothTails) {
   for (const Prior& prior : every_family()) {
     double previous = -kInfinity;
     for (double z = -8.0; z <= 8.0; z += 0.125) {
@@ -122,7 +122,7 @@ TEST(Prior, RoundTripsInBothTails) {
       EXPECT_GE(x, prior.lower());
       EXPECT_LE(x, prior.upper());
       previous = x;
-      // What rounding x, or its distance from an end, to a double can move z by.
+      // Change of z due to the rounding of x, or of its distance from a bound, to a double.
       const double up = prior.to_standard_normal(x + 4e-16 * (std::fabs(x) + 1e-300));
       const double down = prior.to_standard_normal(x - 4e-16 * (std::fabs(x) + 1e-300));
       if (std::isinf(up) || std::isinf(down)) continue;
@@ -171,7 +171,7 @@ TEST(Prior, ClosedFormValues) {
   }
   EXPECT_NEAR(half.mean(), cut.mean(), 1e-9);
   EXPECT_NEAR(half.sd(), cut.sd(), 1e-9);
-  // Inverse gamma of shape 1: F = e^{-s/x}. Its mean is infinite, and no NaN.
+  // Inverse gamma of shape 1: F = e^{-s/x}. Its mean is infinite, not NaN.
   const Prior inverse = InverseGamma{1.0, 3.0};
   EXPECT_NEAR(inverse.from_standard_normal(0.0), 3.0 / std::log(2.0), 1e-13);
   EXPECT_NEAR(inverse.log_density(2.0), std::log(3.0 / 4.0) - 1.5, 1e-14);
@@ -187,13 +187,13 @@ TEST(Prior, ClosedFormValues) {
   // ν → ∞ is normal.
   EXPECT_NEAR(Prior(StudentT{1e9, 0.0, 1.0}).log_density(1.0),
               Prior(Normal{0.0, 1.0}).log_density(1.0), 1e-8);
-  // Far out in both tails of Cauchy's: 1 / (π |x|).
+  // Far in both tails of Cauchy's distribution: 1 / (π |x|).
   EXPECT_NEAR(cauchy.to_standard_normal(2.0 - 3e12) / normal_quantile(1e-12 / M_PI), 1.0, 1e-12);
   EXPECT_NEAR(cauchy.to_standard_normal(2.0 + 3e12) / -normal_quantile(1e-12 / M_PI), 1.0, 1e-12);
 }
 
 // The areas of trapezia: 2, 1.5 and 2.25 of 5.75.
-TEST(Prior, OfATableIsTheLinesBetweenItsPoints) {
+TEST(Prior, TableIsLinearBetweenItsPoints) {
   const Prior prior = table();
   EXPECT_NEAR(prior.log_density(0.25), std::log(1.0 / 5.75), 1e-14);
   EXPECT_NEAR(prior.log_density(2.25), std::log(1.5 / 5.75), 1e-14);
@@ -206,7 +206,7 @@ TEST(Prior, OfATableIsTheLinesBetweenItsPoints) {
   EXPECT_EQ(prior.log_density(-0.1), -kInfinity);
   EXPECT_EQ(prior.log_density(3.1), -kInfinity);
   EXPECT_EQ(prior.describe(), "table of 4 on [0, 3]");
-  // A table in any unit is the same one, and so is a uniform density.
+  // The unit of the table does not matter, and neither does that of a uniform density.
   const Prior huge = OwnPrior{std::make_shared<TabulatedPrior>(
       std::vector<double>{0.0, 1.0, 1.5, 3.0}, std::vector<double>{0.0, 4e300, 2e300, 1e300})};
   EXPECT_NEAR(huge.log_density(1.2), prior.log_density(1.2), 1e-14);
@@ -220,8 +220,8 @@ TEST(Prior, OfATableIsTheLinesBetweenItsPoints) {
   }
 }
 
-// Fault: slopes of the density underflowed, and quantiles decreased.
-TEST(Prior, OfATableMaySpanAllNumbers) {
+// Regression: slopes of the density underflowed, and quantiles decreased.
+TEST(Prior, TableMaySpanAllMagnitudes) {
   const Prior prior = OwnPrior{std::make_shared<TabulatedPrior>(
       std::vector<double>{-1e307, 0.0, 1e307}, std::vector<double>{0.0, 1.0, 0.0})};
   for (const double z : {-3.0, -1.0, 0.0, 0.5, 3.0}) {
@@ -232,7 +232,7 @@ TEST(Prior, OfATableMaySpanAllNumbers) {
   }
 }
 
-TEST(Prior, OfATableRefusesWhatIsNone) {
+TEST(Prior, TableRejectsInvalidPoints) {
   const auto message = [](std::vector<double> x, std::vector<double> density) -> std::string {
     try {
       (void)TabulatedPrior(std::move(x), std::move(density));
@@ -242,7 +242,7 @@ TEST(Prior, OfATableRefusesWhatIsNone) {
     return {};
   };
   EXPECT_EQ(message({0, 1, 1}, {1, 1, 1}),
-            "table prior: x[2] = 1, must be more than the one before it");
+            "table prior: x[2] = 1, must be greater than the previous value");
   EXPECT_EQ(message({0, 1, 2}, {1, -1, 1}),
             "table prior: density[1] = -1, must be >= 0 and finite");
   EXPECT_NE(message({0, 1, 2}, {1, 0, 1}).find("density[1] = 0"), std::string::npos);
@@ -269,7 +269,7 @@ TEST(Prior, MomentsMatchQuadratureOverTheTransform) {
   }
 }
 
-TEST(Prior, OutsideItsSupportTheDensityIsZero) {
+TEST(Prior, DensityIsZeroOutsideTheSupport) {
   EXPECT_EQ(Prior(Uniform{0.0, 1.0}).log_density(1.0 + 1e-12), -kInfinity);
   EXPECT_EQ(Prior(HalfNormal{1.0}).log_density(-1e-12), -kInfinity);
   EXPECT_EQ(Prior(Gamma{2.0, 1.0}).log_density(-1.0), -kInfinity);
@@ -277,7 +277,7 @@ TEST(Prior, OutsideItsSupportTheDensityIsZero) {
   EXPECT_EQ(Prior(Normal{0.0, 1.0}).log_density(kNaN), -kInfinity);
 }
 
-TEST(Prior, RefusesWhatIsNotADensityAndSaysWhy) {
+TEST(Prior, RejectsImproperDensitiesWithTheReason) {
   const auto message = [](const Prior::Family& family) -> std::string {
     try {
       (void)Prior(family);
@@ -341,7 +341,7 @@ TEST(Prior, SlopeIsTheDerivativeOfTheTransform) {
       const double expected =
           (8.0 * (x(z + kStep) - x(z - kStep)) - (x(z + 2 * kStep) - x(z - 2 * kStep))) /
           (12.0 * kStep);
-      // What x itself is rounded by, over the step.
+      // Rounding error of x divided by the step.
       const double rounding = 4e-15 * std::fabs(x(z)) / kStep;
       EXPECT_NEAR(prior.slope(z), expected, 1e-6 * expected + rounding)
           << prior.describe() << " at " << z;
@@ -349,7 +349,7 @@ TEST(Prior, SlopeIsTheDerivativeOfTheTransform) {
   }
 }
 
-// Where φ and p are both below the smallest double, and where x has met its end.
+// φ and p are both below the smallest double, and x equals its bound.
 TEST(Prior, SlopeInTheTails) {
   EXPECT_NEAR(Prior(Normal{2.0, 0.5}).slope(-45.0), 0.5, 1e-12);
   EXPECT_NEAR(Prior(LogNormal{0.0, 1.0}).slope(-45.0) / std::exp(-45.0), 1.0, 1e-12);
@@ -366,8 +366,8 @@ TEST(Prior, SlopeInTheTails) {
   }
 }
 
-// Fault: upper / lower overflowed, and all that was made of it was NaN.
-TEST(Prior, OfLogUniformMayBeginAtTheSmallestNumbers) {
+// Regression: upper / lower overflowed, and all results were NaN.
+TEST(Prior, LogUniformMayBeginAtTheSmallestNumbers) {
   const double lower = 1e-320;
   const Prior prior = LogUniform{lower, 1.0};
   const double span = -std::log(lower);

@@ -7,7 +7,7 @@
 namespace wheeltap::inference {
 namespace {
 
-TEST(ProgressMonitor, TellsStageShareCallsAndProbabilities) {
+TEST(ProgressMonitor, ReportsStageShareCallsAndProbabilities) {
   Options::Progress last{};
   int calls = 0;
   Options options;
@@ -19,7 +19,7 @@ TEST(ProgressMonitor, TellsStageShareCallsAndProbabilities) {
   ProgressMonitor monitor(options, 2);
   monitor.begin("tuning", 200.0, 5000.0);
   monitor.evaluated(31);
-  EXPECT_TRUE(monitor.advance(50.0));  // the first of a stage comes at once
+  EXPECT_TRUE(monitor.advance(50.0));  // the monitor reports the start of a stage at once
   ASSERT_EQ(calls, 1);
   EXPECT_EQ(std::string(last.stage), "tuning");
   EXPECT_EQ(last.fraction, 0.25);
@@ -33,7 +33,7 @@ TEST(ProgressMonitor, TellsStageShareCallsAndProbabilities) {
   EXPECT_EQ(last.model_probabilities, (std::vector<double>{0.75, 0.25}));
 }
 
-TEST(ProgressMonitor, CarriesTheWishToStop) {
+TEST(ProgressMonitor, PassesOnTheRequestToStop) {
   Options options;
   options.progress = [](const Options::Progress&) { return false; };
   ProgressMonitor monitor(options, 1);
@@ -44,7 +44,7 @@ TEST(ProgressMonitor, CarriesTheWishToStop) {
   EXPECT_FALSE(monitor.advance(0.1));
 }
 
-TEST(ProgressMonitor, GoesOnWhereNobodyListens) {
+TEST(ProgressMonitor, ContinuesWithoutACallback) {
   const Options options;
   ProgressMonitor monitor(options, 1);
   monitor.begin("exploring", 1.0);

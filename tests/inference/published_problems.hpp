@@ -1,5 +1,5 @@
-// Problems whose posteriors and evidences are published or kept exactly: coal-mining disasters and
-// Hald's regressions. Their data lie beside the checkout.
+// Problems whose posteriors and evidences are published or known exactly: coal-mining disasters and
+// Hald's regressions. Their data are outside the repository.
 #pragma once
 
 #include <Eigen/Dense>
@@ -64,9 +64,8 @@ inline Problem coal_problem(const std::vector<double>& days, double length, int 
     counts.push_back({{k}, std::exp(k * std::log(3.0) - std::lgamma(k + 1.0))});
   }
   const Gamma height{1.0, 1.0 / 200.0};
-  // A birth leaves the height before the new change point alone. This user-made map leaves the one
-  // after it alone instead, at the start of the record: (h_0, …) and (s, h) ↔ h_0' = h, first
-  // change (s, h_0), …
+  // A birth keeps the height before the new change point. This user-defined map keeps the height
+  // after it, at the start of the record: (h_0, …) and (s, h) ↔ h_0' = h, first change (s, h_0), …
   std::vector<NamedMove> first_interval;
   const auto space = std::make_shared<ModelSpace>(ModelSpace::of_components(
       {{"height[0]", height}},
@@ -119,10 +118,9 @@ inline Problem coal_problem(const std::vector<double>& days, double length, int 
 }
 
 // Hald: y = α + X β + ε, p(α, σ²) ∝ 1/σ² common to all models, Zellner's prior β | σ² ~ N(0, g σ²
-// (XᵀX)⁻¹). With α integrated out, and then σ² too, the likelihood of β given the subset is a
-// multivariate t; the engine samples β in coordinates b = β / (√g σ̂) … here b is what a subset's β
-// is, scaled so that its prior is a standard normal, with ln σ² as one more parameter common to
-// all.
+// (XᵀX)⁻¹). After integration over α and σ², the likelihood of β given the subset is a multivariate
+// t. The engine samples b, which is β scaled to a standard normal prior; ln σ² is a parameter
+// common to all models.
 class Regression : public Likelihood {
  public:
   Regression(const Eigen::MatrixXd& x, const Eigen::VectorXd& y,
@@ -142,16 +140,15 @@ class Regression : public Likelihood {
       basis_.push_back(qr.householderQ() * Eigen::MatrixXd::Identity(x.rows(), part.cols()));
     }
   }
-  // ∫∫ N(y; α + √g σ Q b, σ²) dα dσ²/σ²: with a = Qᵀy and s = yᵀy the integral over σ > 0 of
-  // σ^-(n-1) exp(-½ |y/σ - √g Q b|²) 2 dσ/σ is done by quadrature over t = 1/σ.
+  // ∫∫ N(y; α + √g σ Q b, σ²) dα dσ²/σ²: with a = Qᵀy and s = yᵀy, quadrature over t = 1/σ gives
+  // the integral over σ > 0 of σ^-(n-1) exp(-½ |y/σ - √g Q b|²) 2 dσ/σ.
   double log_likelihood(int model, std::span<const double> b) override {
     const Eigen::MatrixXd& q = basis_[static_cast<std::size_t>(model)];
     const Eigen::Map<const Eigen::VectorXd> z(b.data(), static_cast<Eigen::Index>(b.size()));
     const double ss = y_.squaredNorm();
     const double cross = b.empty() ? 0.0 : std::sqrt(n_) * (q.transpose() * y_).dot(z);
     const double bb = b.empty() ? 0.0 : n_ * z.squaredNorm();
-    // ∫ t^(n-2) exp(-½ (s t² - 2 c t + g b²)) dt, t = 1/σ: a parabola around its top, Simpson's
-    // rule.
+    // ∫ t^(n-2) exp(-½ (s t² - 2 c t + g b²)) dt, t = 1/σ, by Simpson's rule about the maximum.
     const double m = n_ - 2.0;
     const double top = (cross + std::sqrt(cross * cross + 4.0 * ss * m)) / (2.0 * ss);
     const double width = 1.0 / std::sqrt(ss + m / (top * top));

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kThin = 1e-4;
 
-// A ridge that turns: a ~ N(0, 1), b ~ N(a²/2, kThin²), in coordinates a and b of their own.
+// A curved ridge: a ~ N(0, 1), b ~ N(a²/2, kThin²), in coordinates a and b.
 Problem ridge() {
   return {.space = ModelSpace::of_models({{"a", Normal{0.0, 1.0}}, {"b", Normal{0.0, 1.0}}},
                                          {{"ridge", 1.0, {"a", "b"}}}),
@@ -41,11 +41,11 @@ std::shared_ptr<const PilotFit> tangents() {
   return fit;
 }
 
-// Acceptance of 20 000 steps from the middle, and how far they led, root mean square.
-struct Journey {
+// Acceptance of 20 000 steps from the middle, and their root-mean-square distance.
+struct WalkResult {
   double acceptance, distance;
 };
-Journey journey(std::unique_ptr<Move> move) {
+WalkResult walk(std::unique_ptr<Move> move) {
   const Problem problem = ridge();
   Target target(problem, false);
   State state;
@@ -67,19 +67,19 @@ Journey journey(std::unique_ptr<Move> move) {
   return {static_cast<double>(accepted) / kSteps, std::sqrt(square)};
 }
 
-TEST(RegionalWalk, FollowsARidgeThatTurns) {
-  const Journey regional = journey(std::make_unique<RegionalWalk>(tangents()));
+TEST(RegionalWalk, FollowsACurvedRidge) {
+  const WalkResult regional = walk(std::make_unique<RegionalWalk>(tangents()));
   EXPECT_GT(regional.acceptance, 0.3);
   EXPECT_GT(regional.distance, 0.1);
-  // With the covariance of all of it, hardly a step is accepted.
+  // Almost no step with the covariance of the whole ridge is accepted.
   RandomWalk::Scales scales = RandomWalk::initial_scales(ridge().space);
   scales[0].back().factor << 1.0, 0.0, 0.0, std::sqrt(0.5);
-  const Journey random = journey(std::make_unique<RandomWalk>(scales));
+  const WalkResult random = walk(std::make_unique<RandomWalk>(scales));
   EXPECT_LT(random.acceptance, 0.01);
   EXPECT_LT(random.distance, 0.5 * regional.distance);
 }
 
-class ForgetsRatio : public RegionalWalk {
+class OmitsRatio : public RegionalWalk {
  public:
   using RegionalWalk::RegionalWalk;
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
@@ -88,8 +88,7 @@ class ForgetsRatio : public RegionalWalk {
   }
 };
 
-// Of N(0, 1), between whose middle and rest lies the border of two unlike components, the share
-// within ±0.2.
+// For N(0, 1), the share within ±0.2; the boundary between two different components lies there.
 template <typename Walk>
 double errors_in_the_middle() {
   const Problem problem = {
@@ -124,9 +123,9 @@ double errors_in_the_middle() {
   return std::fabs(mean(within) - std::erf(0.2 / std::sqrt(2.0))) / mcse_mean(within);
 }
 
-TEST(RegionalWalk, LeavesTheTargetAlone) {
+TEST(RegionalWalk, LeavesTheTargetInvariant) {
   EXPECT_LT(errors_in_the_middle<RegionalWalk>(), 4.5);
-  EXPECT_GT(errors_in_the_middle<ForgetsRatio>(), 9.0);
+  EXPECT_GT(errors_in_the_middle<OmitsRatio>(), 9.0);
 }
 
 }  // namespace

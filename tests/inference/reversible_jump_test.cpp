@@ -54,7 +54,7 @@ TEST(ReversibleJump, NestedNormalMeans) {
   expect_probability(posterior, 1, 2.360070 / 3.360070);
 }
 
-TEST(ReversibleJump, UnitsDoNotMatter) {
+TEST(ReversibleJump, DoesNotDependOnUnits) {
   const Problem metres = nested_means(1.0);
   const Problem millimetres = nested_means(1000.0);
   const Posterior a = reversible_jump(metres, small());
@@ -63,7 +63,7 @@ TEST(ReversibleJump, UnitsDoNotMatter) {
   EXPECT_NEAR(b.chains[0].theta[0] / 1000.0, a.chains[0].theta[0], 1e-12);
 }
 
-TEST(ReversibleJump, OrderOfModelsDoesNotMatter) {
+TEST(ReversibleJump, DoesNotDependOnTheOrderOfModels) {
   Problem problem = nested_means(1.0);
   const Posterior forward = reversible_jump(problem, small());
   class Swapped : public NormalMean {
@@ -82,7 +82,7 @@ TEST(ReversibleJump, OrderOfModelsDoesNotMatter) {
 }
 
 // Parameters exchange names and places, the likelihood reads them where they are.
-TEST(ReversibleJump, OrderOfParametersDoesNotMatter) {
+TEST(ReversibleJump, DoesNotDependOnTheOrderOfParameters) {
   class Plane : public Likelihood {
    public:
     explicit Plane(bool swapped) : swapped_(swapped) {}
@@ -114,8 +114,8 @@ TEST(ReversibleJump, OrderOfParametersDoesNotMatter) {
   EXPECT_LT(probability(plain, 1), 0.99);
 }
 
-// Numbers judged over all chains are the same whichever comes first.
-TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
+// Quantities judged over all chains do not depend on their order.
+TEST(ReversibleJump, DoesNotDependOnTheOrderOfChains) {
   const Problem problem = nested_means(1.0);
   ChainsOf chains = indicator(reversible_jump(problem, small()), 1);
   const double before[] = {rhat(chains), ess_mean(chains), mcse_mean(chains), mean(chains)};
@@ -125,7 +125,7 @@ TEST(ReversibleJump, OrderOfChainsDoesNotMatter) {
   for (int i = 0; i < 4; ++i) EXPECT_NEAR(before[i], after[i], 1e-9 * std::abs(before[i]));
 }
 
-TEST(ReversibleJump, SameSeedSameRunForAnyNumberOfThreads) {
+TEST(ReversibleJump, DependsOnTheSeedAndNotOnThreads) {
   const Problem problem = toy::bumps();
   Options options = small(5);
   options.threads = 1;
@@ -142,7 +142,7 @@ TEST(ReversibleJump, SameSeedSameRunForAnyNumberOfThreads) {
             one.chains[0].log_likelihood);
 }
 
-/// Says no more of values below the floor than that they are there.
+/// Returns -∞ for values below the floor.
 class EarlyRejecting final : public Likelihood {
  public:
   EarlyRejecting(std::unique_ptr<Likelihood> exact, long& early)
@@ -175,8 +175,8 @@ TEST(ReversibleJump, EarlyRejectionChangesNoDraw) {
   };
   Options options = small(5);
   options.threads = 1;
-  // Adaptation takes small acceptance probabilities for zero, so warm-up differs: compare draws of
-  // a kernel that does not adapt.
+  // Adaptation treats small acceptance probabilities as zero, so that warm-up differs: compare
+  // draws of a kernel that does not adapt.
   options.moves.random_walk = false;
   const Posterior one = reversible_jump(exact, options);
   const Posterior two = reversible_jump(rejecting, options);
@@ -203,7 +203,7 @@ TEST(ReversibleJump, MoveSetsAgree) {
   }
 }
 
-// Tempering leaves P(k) and the parameters alone, whether it stops after warm-up or goes on.
+// Tempering does not change P(k) or the parameters, whether it stops after warm-up or continues.
 TEST(ReversibleJump, TemperingChangesNoProbability) {
   const Problem problem = toy::bumps();
   Options options{.seed = 4, .warmup = 3000, .draws = 20000};
@@ -222,7 +222,7 @@ TEST(ReversibleJump, TemperingChangesNoProbability) {
   for (int k = 0; k < 4; ++k) expect_probability(prior, k, 0.25);
 }
 
-TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
+TEST(ReversibleJump, RecordedDensitiesEqualRecomputedOnes) {
   const Problem problem = toy::bumps();
   const Posterior posterior = reversible_jump(problem, small());
   const auto likelihood = problem.likelihood();
@@ -239,7 +239,7 @@ TEST(ReversibleJump, RecordedDensitiesAreTheRecomputedOnes) {
   }
 }
 
-TEST(ReversibleJump, ReportsALikelihoodThatIsNotANumber) {
+TEST(ReversibleJump, ReportsALikelihoodOfNaN) {
   class Bad : public Likelihood {
    public:
     double log_likelihood(int model, std::span<const double> x) override {
@@ -268,8 +268,8 @@ TEST(ReversibleJump, ReportsALikelihoodThatIsNeverFinite) {
   EXPECT_THROW((void)reversible_jump(problem, small()), LikelihoodError);
 }
 
-// One model of two, so that the other cannot hide it.
-TEST(ReversibleJump, NamesTheModelAndThePriorThatMakeItImpossible) {
+// One of two models, so that the other must not hide it.
+TEST(ReversibleJump, NamesAnImpossibleModelAndItsPriors) {
   class Half : public Likelihood {
    public:
     double log_likelihood(int model, std::span<const double>) override {
@@ -287,7 +287,7 @@ TEST(ReversibleJump, NamesTheModelAndThePriorThatMakeItImpossible) {
   }
 }
 
-TEST(ReversibleJump, RefusesOptionsThatMakeNoSense) {
+TEST(ReversibleJump, RejectsInvalidOptions) {
   const Problem problem = nested_means(1.0);
   EXPECT_THROW((void)reversible_jump(problem, {.chains = 0}), std::invalid_argument);
   EXPECT_THROW((void)reversible_jump(problem, {.threads = -1}), std::invalid_argument);
@@ -305,13 +305,13 @@ TEST(ReversibleJump, RefusesOptionsThatMakeNoSense) {
   EXPECT_THROW((void)reversible_jump(unmade, small()), std::invalid_argument);
 }
 
-TEST(ReversibleJump, TheLeastWarmupAndDrawsStillRun) {
+TEST(ReversibleJump, RunsWithMinimalWarmupAndDraws) {
   const Problem problem = nested_means(1.0);
   const Posterior posterior = reversible_jump(problem, {.warmup = 1, .draws = 1});
   EXPECT_EQ(posterior.draws, 1);
 }
 
-TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
+TEST(ReversibleJump, StopsOnRequestAndKeepsItsDraws) {
   const Problem problem = toy::bumps();
   for (const char* stage : {"exploring", "tuning", "sampling"}) {
     Options options{.seed = 1, .warmup = 20000, .draws = 400000};
@@ -326,11 +326,10 @@ TEST(ReversibleJump, StopsWhenAskedAndKeepsWhatItHas) {
   }
 }
 
-// y = A x + e with noise 1e-4 of the parameters' and columns that nearly lie in a plane: a
-// posterior some 10^4 times narrower than its prior, on a ridge, where chains that temper from the
-// prior come to rest in different places. ln p(y) = ln N(y | 0, A Aᵀ + s² I) gives the odds
-// exactly.
-// A model without parameters, and one that is some 2000 times less probable.
+// y = A x + e with noise 1e-4 of the parameters' and columns nearly in a plane: a ridge about 10^4
+// times narrower than the prior, on which chains tempered from the prior stop in different places.
+// ln p(y) = ln N(y | 0, A Aᵀ + s² I) gives the exact odds. There is also a model without
+// parameters, and one about 2000 times less probable.
 Problem lopsided() {
   class Mean : public Likelihood {
    public:
@@ -373,15 +372,15 @@ double most_rare_draws() {
   return expected + 4.9 * std::sqrt(expected) + 1.0;
 }
 
-// While tuning, models are visited evenly; the first draws must not show it.
-TEST(ReversibleJump, SettlesAfterTheBiasOfTuningIsGone) {
+// Tuning visits the models evenly; the first draws must not be affected.
+TEST(ReversibleJump, BurnInRemovesTheBiasOfTuning) {
   const Problem problem = lopsided();
   const Posterior posterior = reversible_jump(problem, one_draw_each());
   EXPECT_LE(rare_draws(posterior), most_rare_draws());
 }
 
-// The control: the same run, its chains drawing without having settled.
-TEST(ReversibleJumpControl, NoticesThatChainsHaveNotSettled) {
+// The control: the same run without burn-in before the draws.
+TEST(ReversibleJumpControl, DetectsMissingBurnIn) {
   const Problem problem = lopsided();
   const Options options = one_draw_each();
   RunContext run(problem, options);
@@ -393,9 +392,9 @@ TEST(ReversibleJumpControl, NoticesThatChainsHaveNotSettled) {
   EXPECT_GT(rare_draws(state.posterior), 10.0 * most_rare_draws());
 }
 
-// With equal prior odds the rare model's probability is known to a tenth of itself; weighted to be
-// drawn evenly, to a hundredth.
-TEST(ReversibleJump, BalanceKnowsARareModelWell) {
+// With equal prior odds, the relative error of the rare model's probability is a tenth; with
+// balanced draws, a hundredth.
+TEST(ReversibleJump, BalancedDrawsReduceTheErrorOfARareModel) {
   const Problem problem = lopsided();
   const Posterior posterior = reversible_jump(problem, {.seed = 7, .balance = true});
   ASSERT_EQ(posterior.log_weight.size(), 2U);
@@ -407,8 +406,8 @@ TEST(ReversibleJump, BalanceKnowsARareModelWell) {
   EXPECT_LT(verdict.models[1].mcse, 0.01 * exact);
 }
 
-// Every run says what it looked for, and what each model's evidence is.
-TEST(ReversibleJump, TellsWhatItsSearchesFound) {
+// Every run reports its searches and the evidence of each model.
+TEST(ReversibleJump, ReportsTheFindingsOfItsSearches) {
   const Posterior posterior = reversible_jump(lopsided(), {.seed = 9, .searches = 77});
   ASSERT_EQ(posterior.found.size(), 2U);
   const ModelFindings& found = posterior.found[1];
@@ -416,12 +415,13 @@ TEST(ReversibleJump, TellsWhatItsSearchesFound) {
   ASSERT_EQ(found.modes.size(), 1U);
   EXPECT_NEAR(found.modes[0].x[0], 1.0 / 1.01, 0.01);
   const double exact = 0.5 * std::log(0.01 / 1.01) - 0.5 / 1.01;
-  for (const Evidence& evidence : {found.annealed, found.sampled})  // too few draws for a bridge
+  // Too few draws for bridge sampling.
+  for (const Evidence& evidence : {found.annealed, found.sampled})
     EXPECT_NEAR(evidence.log_evidence, exact, 4.9 * evidence.standard_error + 1e-6);
   EXPECT_EQ(posterior.found[0].sampled.log_evidence, 0.0);
 }
 
-TEST(ReversibleJump, FindsAPosteriorThatIsVeryMuchNarrowerThanItsPrior) {
+TEST(ReversibleJump, FindsAPosteriorMuchNarrowerThanItsPrior) {
   constexpr Eigen::Index kData = 12, kParameters = 7;
   static constexpr double kNoiseSd = 1e-4;
   Eigen::MatrixXd design(kData, kParameters);

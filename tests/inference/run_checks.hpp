@@ -1,4 +1,4 @@
-// Checks of whole runs against what is known exactly.
+// Checks of whole runs against exact results.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -13,7 +13,7 @@
 
 namespace wheeltap::inference {
 
-// Tolerances are this many Monte Carlo standard errors: a false alarm once in 10⁶ comparisons.
+// Tolerances in Monte Carlo standard errors: false-alarm rate 10⁻⁶ per comparison.
 inline constexpr double kSigmas = 4.9;
 
 inline ChainsOf indicator(const Posterior& posterior, int model) {
@@ -31,8 +31,8 @@ inline void expect_probability(const Posterior& posterior, int model, double exa
       << (*posterior.space)[model].name << ", standard error " << error;
 }
 
-// The functional f(x) of every draw of one model, thinned to its effective size, against F by
-// Kolmogorov-Smirnov.
+// Kolmogorov-Smirnov test of the functional f(x) of one model's draws, thinned to their effective
+// size, against F.
 template <typename F>
 double ks_of_draws(const Posterior& posterior, int model, int parameter, F&& cdf) {
   ChainsOf chains;

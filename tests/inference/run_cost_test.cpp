@@ -1,4 +1,4 @@
-// What a run spends where, what a look costs, and what is left of a run that is stopped.
+// Likelihood calls of the stages, cost of a quick run, and results of a stopped run.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -27,7 +27,7 @@ Problem nested_mean() {
           .likelihood = [] { return std::make_unique<NormalMean>(); }};
 }
 
-TEST(RunCost, CallsOfItsPhasesAddUp) {
+TEST(RunCost, CallsOfTheStagesAddUp) {
   const Problem problem = toy::bumps();
   const Posterior posterior = reversible_jump(problem, {.warmup = 2000, .draws = 500});
   const Calls& calls = posterior.calls;
@@ -39,7 +39,7 @@ TEST(RunCost, CallsOfItsPhasesAddUp) {
 }
 
 // A damped oscillation a e^(-bt) cos(wt), with or without damping, in 400 samples: a record that
-// can be shortened, one mode a model.
+// can be shortened, with one mode per model.
 Problem decay(long samples) {
   class Decay : public Likelihood {
    public:
@@ -68,9 +68,9 @@ Problem decay(long samples) {
           .shortened = [](long first) { return std::make_shared<const Problem>(decay(first)); }};
 }
 
-// Warm-up took 2.9 times as many calls as the draws. A record is drawn at two iterations a draw,
-// and tuned for half as long: not on and on for a model that holds nothing.
-TEST(RunCost, WarmUpCostsNoMoreThanTheDrawsWhereOneModeHoldsEverything) {
+// Regression: warm-up took 2.9 times as many calls as the draws. A record has two iterations per
+// draw and half the tuning, and tuning must not continue for a negligible model.
+TEST(RunCost, WarmUpCostsAtMostAsMuchAsTheDrawsForASingleMode) {
   const Posterior posterior = reversible_jump(decay(400), {});
   EXPECT_TRUE(posterior.converged());
   EXPECT_LE(posterior.warmup_evaluations, posterior.calls.sample);
@@ -78,7 +78,7 @@ TEST(RunCost, WarmUpCostsNoMoreThanTheDrawsWhereOneModeHoldsEverything) {
   EXPECT_LE(posterior.calls.tune, 4 * 17000);
 }
 
-// A line through data, and a constant.
+// A line through data, or a constant.
 Problem lines() {
   class Line : public Likelihood {
    public:
@@ -99,16 +99,16 @@ Problem lines() {
           .shortened = [](long) { return std::make_shared<const Problem>(lines()); }};
 }
 
-// The constant is hundreds of nats below the line: its climbs say so, and annealing is not paid
-// for where likelihoods are a record's.
-TEST(RunCost, AHopelessModelIsNotAnnealed) {
+// The constant is hundreds of nats below the line: climbs show this, and SMC is omitted for the
+// expensive likelihood of a record.
+TEST(RunCost, OmitsSmcForANegligibleModel) {
   const Posterior posterior = reversible_jump(lines(), {.warmup = 1000, .draws = 500});
   EXPECT_TRUE(std::isnan(posterior.found[0].annealed.log_evidence));
   EXPECT_TRUE(std::isfinite(posterior.found[0].sampled.log_evidence));
   EXPECT_TRUE(std::isfinite(posterior.found[1].annealed.log_evidence));
 }
 
-TEST(RunCost, AQuickLookIsCheapAndMarkedAsSuch) {
+TEST(RunCost, QuickRunIsCheapAndMarked) {
   const Problem problem = nested_mean();
   const Posterior full = reversible_jump(problem, {});
   const Posterior look = reversible_jump(problem, {.quick = true});
@@ -121,10 +121,10 @@ TEST(RunCost, AQuickLookIsCheapAndMarkedAsSuch) {
   EXPECT_NEAR(look.probability(1).value, 2.360070 / 3.360070, 0.1);
 }
 
-// Wherever a run is stopped, it has what it had found: draws of that at the least.
+// A run stopped at any time returns at least draws based on its findings.
 class Stopped : public testing::TestWithParam<std::pair<const char*, bool>> {};
 
-TEST_P(Stopped, LeavesDrawsOfWhatWasFound) {
+TEST_P(Stopped, HasDrawsOfTheFindings) {
   const auto [stage, components] = GetParam();
   const Problem problem = components ? toy::bumps() : lines();
   bool reached = false;
@@ -162,8 +162,8 @@ INSTANTIATE_TEST_SUITE_P(RunCost, Stopped,
                                   (at.param.second ? "_sets" : "_list");
                          });
 
-// Stopped during the first model's search: the modes so far of that model are all there is.
-TEST(RunCost, StoppedInItsFirstSearchHasThoseModes) {
+// Stopped during the first model's search: the result has the modes found so far.
+TEST(RunCost, StoppedInItsFirstSearchKeepsItsModes) {
   int calls = 0;
   Options options;
   options.progress = [&](const Options::Progress&) { return ++calls < 2; };

@@ -1,5 +1,5 @@
-// The self-tests for a user's own priors and moves: right ones pass, and each fault is found and
-// said.
+// Self-tests of user-defined priors and moves: correct ones pass, and each fault is found and
+// reported.
 #include "inference/moves/self_tests.hpp"
 
 #include <gtest/gtest.h>
@@ -15,7 +15,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// F = 1/(1 + e^-x), with whatever fault is asked for.
+// F = 1/(1 + e^-x), with optional faults.
 struct Faults {
   double mass = 1.0;       // of the density
   double stretch = 1.0;    // of the density's x
@@ -50,7 +50,7 @@ PriorCheck checked(Faults faults) {
   return check_prior(OwnPrior{std::make_shared<Logistic>(faults)});
 }
 
-TEST(CheckPrior, PassesWhatIsRight) {
+TEST(CheckPrior, PassesCorrectPriors) {
   const PriorCheck own = checked({});
   EXPECT_TRUE(own.passed()) << (own.passed() ? "" : own.faults.front());
   EXPECT_NEAR(own.mass, 1.0, 1e-6);
@@ -66,7 +66,7 @@ TEST(CheckPrior, PassesWhatIsRight) {
   }
 }
 
-TEST(CheckPrior, SaysWhatIsWrong) {
+TEST(CheckPrior, NamesEachFault) {
   const auto fault = [](Faults faults) {
     const PriorCheck check = checked(faults);
     return check.passed() ? std::string() : check.faults.front();
@@ -111,8 +111,8 @@ class Stretch : public Move {
   double jacobian_;
 };
 
-// A birth of the first parameter from N(½, 1) or its death. Models 0 and 1 have one way out; from 1
-// up to 2 there is another move.
+// A birth of the first parameter from N(½, 1), or its death. Models 0 and 1 have one such move;
+// another move leads from 1 to 2.
 class Appear : public Move {
  public:
   explicit Appear(double share) : share_(share) {}
@@ -135,11 +135,11 @@ class Appear : public Move {
   double share_;
 };
 
-// Of the engine's own sort of mistake: from 1 it goes up or down at even odds, from 0 always up,
-// and the ratio does not know it.
-class ForgetsTheEnds : public Move {
+// A typical error at the bounds: from 1 it goes up or down with equal probability, from 0 always
+// up, and the ratio omits this.
+class OmitsTheBounds : public Move {
  public:
-  explicit ForgetsTheEnds(bool knows) : knows_(knows) {}
+  explicit OmitsTheBounds(bool knows) : knows_(knows) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
     const auto log_q = [](double z) { return -0.5 * z * z - kLogSqrt2Pi; };
     const double half = knows_ ? std::log(2.0) : 0.0;
@@ -163,26 +163,26 @@ MoveCheck checked_move(A... arguments) {
   return check_move(problem(), [=] { return std::make_unique<M>(arguments...); });
 }
 
-TEST(CheckMove, PassesWhatBalances) {
+TEST(CheckMove, PassesReversibleMoves) {
   for (const MoveCheck& check : {checked_move<Stretch>(1.0), checked_move<Appear>(1.0),
-                                 checked_move<ForgetsTheEnds>(true)}) {
+                                 checked_move<OmitsTheBounds>(true)}) {
     EXPECT_TRUE(check.passed) << check.words;
     EXPECT_GT(check.accepted, 500) << check.words;
     EXPECT_GT(check.beta, 0.0);
-    EXPECT_NE(check.words.find("no fault seen"), std::string::npos) << check.words;
+    EXPECT_NE(check.words.find("no fault found"), std::string::npos) << check.words;
   }
 }
 
-TEST(CheckMove, FindsWhatDoesNot) {
+TEST(CheckMove, FindsIrreversibleMoves) {
   for (const MoveCheck& check :
        {checked_move<Stretch>(0.0), checked_move<Stretch>(2.0), checked_move<Appear>(0.0),
-        checked_move<Appear>(0.8), checked_move<ForgetsTheEnds>(false)}) {
+        checked_move<Appear>(0.8), checked_move<OmitsTheBounds>(false)}) {
     EXPECT_FALSE(check.passed) << check.words;
-    EXPECT_NE(check.words.find("does NOT balance"), std::string::npos) << check.words;
+    EXPECT_NE(check.words.find("detailed balance is VIOLATED"), std::string::npos) << check.words;
   }
 }
 
-// A reverse that does not lead back: always to the right.
+// A move without a reverse: always to the right.
 class Rightwards : public Move {
  public:
   std::optional<double> propose(const State& from, const Step& step, State& to) override {
@@ -203,20 +203,21 @@ class Never : public Move {
   bool proposes_;
 };
 
-TEST(CheckMove, FindsAWayOfNoReturn) {
+TEST(CheckMove, FindsAMissingReverseMove) {
   EXPECT_FALSE(checked_move<Rightwards>().passed);
 }
 
-TEST(CheckMove, SaysWhereNothingCanBeSaid) {
-  EXPECT_EQ(checked_move<Never>(false).words, "nothing was proposed from any draw of the prior");
-  EXPECT_NE(checked_move<Never>(true).words.find("nothing can be said"), std::string::npos);
+TEST(CheckMove, ReportsMovesThatItCannotTest) {
+  EXPECT_EQ(checked_move<Never>(false).words,
+            "the move proposed nothing from any draw of the prior");
+  EXPECT_NE(checked_move<Never>(true).words.find("could not be tested"), std::string::npos);
   EXPECT_THROW(
       (void)check_move(problem(), [] { return std::make_unique<Rightwards>(); }, {.draws = 10}),
       std::invalid_argument);
 }
 
-// A prior factor is part of the target: with it a move that was right is right.
-TEST(CheckMove, KnowsThePriorFactor) {
+// The prior factor is part of the target: with it, a correct move stays correct.
+TEST(CheckMove, IncludesThePriorFactor) {
   Problem with = problem();
   with.log_prior_factor = [](int model, std::span<const double> x) {
     return model == 0 ? 0.0 : std::log(2.0) - (x[0] > 0.0 ? 0.0 : kInfinity);

@@ -1,4 +1,4 @@
-// Dirichlet's density by sticks, against its moments and its own formula.
+// Dirichlet density by stick breaking, against its moments and its formula.
 #include "inference/model/simplex.hpp"
 
 #include <gtest/gtest.h>
@@ -24,7 +24,7 @@ TEST(Simplex, BreaksSharesOffBySticks) {
 }
 
 // ∏ p(v_i) |∂v/∂w| is Dirichlet's density: Γ(Σα) ∏ w_i^(α_i - 1)/Γ(α_i).
-TEST(Simplex, HasDirichletsDensity) {
+TEST(Simplex, HasTheDirichletDensity) {
   const Simplex simplex("w", kAlpha);
   for (const double a : {0.05, 0.3, 0.8}) {
     for (const double b : {0.1, 0.5, 0.95}) {
@@ -41,7 +41,7 @@ TEST(Simplex, HasDirichletsDensity) {
 }
 
 // E w_i = α_i/Σα, to 4.5 standard errors of 20 000 draws.
-TEST(Simplex, HasDirichletsMeans) {
+TEST(Simplex, HasTheDirichletMeans) {
   const Simplex simplex("w", kAlpha);
   base::Random random(3, 0, 0, base::Purpose::test);
   constexpr int kDraws = 20000;
@@ -59,7 +59,7 @@ TEST(Simplex, HasDirichletsMeans) {
   }
 }
 
-TEST(Simplex, RefusesWhatIsNone) {
+TEST(Simplex, RejectsInvalidInput) {
   EXPECT_THROW(Simplex("w", {1.0}), std::invalid_argument);
   EXPECT_THROW(Simplex("w", {1.0, 0.0}), std::invalid_argument);
   const Simplex simplex("w", kAlpha);

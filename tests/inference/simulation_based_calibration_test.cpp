@@ -1,9 +1,9 @@
 // Simulation-based calibration (Talts et al. 2018, algorithm 1): truths from the prior, data from
-// the truths, and the rank of each truth among its posterior draws must be uniform. Count,
-// parameters and log likelihood are ranked, ties broken at random.
+// the truths, and the rank of each truth among its posterior draws must be uniform. Ranked are
+// count, parameters and log likelihood, with ties broken at random.
 //
 // A correct engine fails one of the histograms below with probability 1e-4 (Bonferroni over
-// functionals). WHEELTAP_LONG_TESTS=1 runs 1000 replicates a problem, in 20 bins, instead of 50
+// functionals). WHEELTAP_LONG_TESTS=1 runs 1000 replicates per problem, in 20 bins, instead of 50
 // in 10.
 #include <gtest/gtest.h>
 
@@ -26,7 +26,7 @@ bool all() {
   return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
 }
 
-/// Not fewer than five expected in a bin: the p-value is chi-squared's.
+/// At least five expected per bin, for the chi-squared p-value.
 int replicates() {
   return all() ? 1000 : 50;
 }
@@ -126,7 +126,7 @@ TEST(SimulationBasedCalibration, DamageLikeProblem) {
 }
 
 TEST(SimulationBasedCalibration, NoticesAWrongPrior) {
-  // The control: truths with heights three times as large as the prior says.
+  // The control: truths with heights three times as large as in the prior.
   const auto tampered = run(
       bumps(), toy::kSensors,
       [](int model, std::span<const double> x, base::Random& random, std::span<double> y) {

@@ -23,7 +23,7 @@ double sum(const Standings& all) {
   return out;
 }
 
-TEST(Standing, ModelsThatEveryChainDrewStandByTheirDraws) {
+TEST(Standing, UsesDrawsForModelsThatEveryChainVisited) {
   const Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const ModelShares shares = model_shares(posterior);
   const Standings all = stand(posterior);
@@ -37,9 +37,9 @@ TEST(Standing, ModelsThatEveryChainDrewStandByTheirDraws) {
   EXPECT_NEAR(sum(all), 1.0, 1e-12);
 }
 
-// Two models drawn 2 : 1, and a third that no chain drew, of P = 0.25 by evidence: the others share
-// what it leaves.
-TEST(Standing, AModelThatNoChainDrewStandsByItsEvidence) {
+// Two models drawn 2 : 1, and a third without draws with P = 0.25 by evidence: the others share the
+// rest.
+TEST(Standing, UsesEvidenceForAModelWithoutDraws) {
   Posterior posterior = made_up::run({{2.0 / 3.0, 1.0 / 3.0, 0.0}});
   posterior.found[2].bridged = made_up::kUnknown;
   posterior.found[2].sampled = {.log_evidence = -50.0 + std::log(1.0 / 3.0), .standard_error = 0.1};
@@ -49,7 +49,7 @@ TEST(Standing, AModelThatNoChainDrewStandsByItsEvidence) {
   EXPECT_EQ(third.basis, Basis::evidence);
   EXPECT_EQ(third.visited, 0);
   EXPECT_NEAR(third.probability, 0.25, 1e-12);
-  // ∂P/∂ln Z = P (1 - P) of its own evidence, and less of the others', which are known to 0.01.
+  // ∂P/∂ln Z = P (1 - P) for its own evidence, and less for the others', which are known to 0.01.
   EXPECT_NEAR(third.mcse, 0.25 * 0.75 * 0.1, 2e-4);
   const ModelShares shares = model_shares(posterior);
   EXPECT_NEAR(all.models[0].probability, 0.75 * shares.share[0], 1e-12);
@@ -58,8 +58,8 @@ TEST(Standing, AModelThatNoChainDrewStandsByItsEvidence) {
   EXPECT_NEAR(sum(all), 1.0, 1e-12);
 }
 
-TEST(Standing, ModelsThatChainsDoNotNeedToHaveAreNotMissed) {
-  // P of some 1e-8 by evidence: of 4000 draws a chain none is expected.
+TEST(Standing, RareModelsNeedNotBeVisited) {
+  // P of about 1e-8 by evidence: no draw is expected in 4000 per chain.
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   posterior.found[2].bridged = {.log_evidence = -68.0, .standard_error = 0.1};
   const Standings all = stand(posterior);
@@ -68,8 +68,8 @@ TEST(Standing, ModelsThatChainsDoNotNeedToHaveAreNotMissed) {
   EXPECT_NEAR(all.models[2].probability / std::exp(-18.0), 1.0, 0.01);
 }
 
-// P = .6 beside .3 and .1: 3 % more of the first would make it 1.03 · .6 / (1 + .03 · .6).
-TEST(Standing, WhatAnnealingSawAndTheDrawsHaveNotIsInTheError) {
+// P = .6, .3 and .1: 3 % more of the first would give 1.03 · .6 / (1 + .03 · .6).
+TEST(Standing, ErrorIncludesTheExcessOfSmcDraws) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const Standings before = stand(posterior);
   ModelFindings& found = posterior.found[0];
@@ -86,15 +86,16 @@ TEST(Standing, WhatAnnealingSawAndTheDrawsHaveNotIsInTheError) {
   EXPECT_NEAR(more(1), 0.3 * 0.6 * 0.03, 1e-4);
   EXPECT_NEAR(after.models[0].log_evidence_se, std::hypot(before.models[0].log_evidence_se, 0.03),
               1e-12);
-  found.beyond_mixture_ess = 40000.0;  // 200 visits: the chains know
+  found.beyond_mixture_ess = 40000.0;  // 200 visits: the chains are reliable
   EXPECT_EQ(stand(posterior).models[0].mcse, before.models[0].mcse);
 }
 
-TEST(Standing, EvidenceIsThatOfTheBestMethodThatCouldSay) {
+TEST(Standing, UsesTheBestAvailableEvidence) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
-  posterior.found[0].sampled = {.log_evidence = -1.0, .standard_error = 0.1};  // beside a bridge
+  // There is also bridge sampling.
+  posterior.found[0].sampled = {.log_evidence = -1.0, .standard_error = 0.1};
   posterior.found[1].bridged = made_up::kUnknown;
-  posterior.found[1].sampled = {.log_evidence = -51.5, .standard_error = 2.0};  // too vague
+  posterior.found[1].sampled = {.log_evidence = -51.5, .standard_error = 2.0};  // too uncertain
   posterior.found[1].annealed = {.log_evidence = -51.0, .standard_error = 0.3};
   posterior.found[2].bridged = made_up::kUnknown;
   const Standings all = stand(posterior);
@@ -106,7 +107,7 @@ TEST(Standing, EvidenceIsThatOfTheBestMethodThatCouldSay) {
   EXPECT_NEAR(sum(all), 1.0, 1e-12);
 }
 
-TEST(Standing, WhereNothingIsKnownTheErrorIsNoNumber) {
+TEST(Standing, ErrorIsNaNIfNothingIsKnown) {
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   for (ModelFindings& found : posterior.found) found.bridged = made_up::kUnknown;
   const Standings all = stand(posterior);
@@ -116,7 +117,7 @@ TEST(Standing, WhereNothingIsKnownTheErrorIsNoNumber) {
 
 // Independent draws, shares 0.6 and 0.3: ln B is ln (s_a / s_b) - ln (prior odds), and its standard
 // error √((1/s_a + 1/s_b) / n).
-TEST(Standing, BayesFactorsOfModelsThatWereDrawnAreOfTheDraws) {
+TEST(Standing, BayesFactorsOfVisitedModelsComeFromDraws) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const ModelShares shares = model_shares(posterior);
   const Estimate found = log_bayes_factor(posterior, 0, 1);
@@ -130,8 +131,8 @@ TEST(Standing, BayesFactorsOfModelsThatWereDrawnAreOfTheDraws) {
   EXPECT_EQ(itself.mcse, 0.0);
 }
 
-// exp(-800) is no number: evidences keep what probabilities lose.
-TEST(Standing, BayesFactorsBeyondTheNumbersAreOfTheEvidences) {
+// exp(-800) underflows; the evidences keep the ratio.
+TEST(Standing, BayesFactorsThatUnderflowComeFromEvidences) {
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   posterior.found[2].bridged = {.log_evidence = -850.0, .standard_error = 0.4};
   const Estimate found = log_bayes_factor(posterior, 0, 2);

@@ -28,7 +28,7 @@ const std::vector<double>& record() {
   return samples;
 }
 
-// The second model is impossible where `broken`.
+// The second model is impossible if `broken`.
 Problem level(long samples, bool broken) {
   const double n = static_cast<double>(samples);
   double sum = 0.0, squares = 0.0;
@@ -60,7 +60,7 @@ std::vector<Laplace> climb(const Problem& problem, Options options = {}) {
   return climb_with_record(problem, options, monitor);
 }
 
-TEST(StartingPoints, AreTheModesGivenTheWholeRecord) {
+TEST(StartingPoints, AreTheModesForTheWholeRecord) {
   const auto modes = climb(level(kSamples, false));
   ASSERT_EQ(modes.size(), 2U);
   const double sum = std::accumulate(record().begin(), record().end(), 0.0);
@@ -68,24 +68,24 @@ TEST(StartingPoints, AreTheModesGivenTheWholeRecord) {
     const Laplace& mode = modes[scale == 1.0 ? 0 : 1];
     const double precision = scale * scale * kSamples + 1.0 / (kWidth * kWidth);
     ASSERT_EQ(mode.x.size(), 1U);
-    // Given 5000 samples alone it is about √(1/5000 - 1/30000) = 0.013 away: two standard
+    // From 5000 samples alone it would be about √(1/5000 - 1/30000) = 0.013 away: two standard
     // deviations of the whole record's posterior, 0.0058.
     EXPECT_NEAR(mode.x[0], scale * sum / precision, 1e-3 / std::sqrt(precision));
-    // In standard normal coordinates; differences of ln π of 1e5 lose some digits.
+    // In standard normal coordinates; differences of ln π of 1e5 lose accuracy.
     EXPECT_NEAR(mode.covariance(0, 0) * precision * kWidth * kWidth, 1.0, 1e-3);
     EXPECT_TRUE(std::isfinite(mode.evidence.log_evidence));
     EXPECT_GT(mode.evidence.likelihood_evaluations, 0);
   }
 }
 
-TEST(StartingPoints, OfAModelWithoutAPossiblePlaceThereIsNone) {
+TEST(StartingPoints, AreMissingForAnImpossibleModel) {
   const auto modes = climb(level(kSamples, true));
   ASSERT_EQ(modes.size(), 2U);
   EXPECT_TRUE(std::isfinite(modes[0].evidence.log_evidence));
   EXPECT_TRUE(std::isnan(modes[1].evidence.log_evidence));
 }
 
-TEST(StartingPoints, AreNoneWhereTheCallerStopsAtOnce) {
+TEST(StartingPoints, AreMissingIfTheCallerStopsAtOnce) {
   const auto modes =
       climb(level(kSamples, false), {.progress = [](const Options::Progress&) { return false; }});
   for (const Laplace& mode : modes) EXPECT_TRUE(std::isnan(mode.evidence.log_evidence));

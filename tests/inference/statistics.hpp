@@ -8,8 +8,7 @@
 
 namespace wheeltap::inference {
 
-/// The chance that two samples from one distribution differ by more than these do
-/// (Kolmogorov-Smirnov, asymptotic).
+/// p-value of the difference between two samples (Kolmogorov-Smirnov, asymptotic).
 inline double two_sample_p_value(std::vector<double> a, std::vector<double> b) {
   std::sort(a.begin(), a.end());
   std::sort(b.begin(), b.end());
@@ -30,7 +29,8 @@ inline double two_sample_p_value(std::vector<double> a, std::vector<double> b) {
   return std::clamp(p, 0.0, 1.0);
 }
 
-/// Chi-squared p-value of counts against expected ones; cells that expect fewer than 5 are pooled.
+/// Chi-squared p-value of counts against expected ones; cells with fewer than 5 expected are
+/// pooled.
 inline double counts_p_value(const std::vector<double>& observed,
                              const std::vector<double>& expected) {
   double statistic = 0.0, rest_observed = 0.0, rest_expected = 0.0;
@@ -52,7 +52,7 @@ inline double counts_p_value(const std::vector<double>& observed,
   return boost::math::cdf(boost::math::complement(boost::math::chi_squared(cells - 1), statistic));
 }
 
-/// Chi-squared p-value that two sets of counts come from one distribution.
+/// Chi-squared p-value for two sets of counts from one distribution.
 inline double same_counts_p_value(const std::vector<double>& a, const std::vector<double>& b) {
   double na = 0.0, nb = 0.0;
   for (std::size_t i = 0; i < a.size(); ++i) {

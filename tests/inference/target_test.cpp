@@ -22,13 +22,13 @@ State at(double z) {
   return state;
 }
 
-// A fault wherever |x| > 3, one draw of the prior in 370.
+// A fault for |x| > 3, one draw of the prior in 370.
 Problem faulty_at_the_edge(double fault) {
   return of_function(
       [fault](int, std::span<const double> x) { return std::fabs(x[0]) > 3.0 ? fault : -x[0]; });
 }
 
-TEST(Target, TakesARareNanOrInfinityForImpossibleAndCountsIt) {
+TEST(Target, CountsRareNanOrInfinityAsImpossible) {
   for (const double fault : {std::nan(""), kInfinity}) {
     const Problem problem = faulty_at_the_edge(fault);
     Target target(problem, false);
@@ -60,7 +60,7 @@ TEST(Target, TakesARareNanOrInfinityForImpossibleAndCountsIt) {
   }
 }
 
-TEST(Target, CountsFaultsOfTheStandInAndOfTheLikelihoodApart) {
+TEST(Target, CountsFaultsOfApproximationAndLikelihoodSeparately) {
   Problem problem = faulty_at_the_edge(std::nan(""));
   problem.screen = [] {
     return std::make_unique<FunctionLikelihood>(
@@ -80,7 +80,7 @@ TEST(Target, CountsFaultsOfTheStandInAndOfTheLikelihoodApart) {
   EXPECT_EQ(target.impossible(), 2);
 }
 
-// What a run says, after how many evaluations, where x cycles through the share that is at fault.
+// The run's message and the number of evaluations, if x cycles through `share` of faulty values.
 std::pair<std::string, long> failure(double share) {
   const Problem problem =
       of_function([](int, std::span<const double> x) { return x[0] < 0.0 ? std::nan("") : 0.0; });
@@ -100,7 +100,7 @@ std::pair<std::string, long> failure(double share) {
   return {};
 }
 
-TEST(Target, GivesUpWhereFaultsAreFrequent) {
+TEST(Target, ThrowsIfFaultsAreFrequent) {
   EXPECT_EQ(failure(0.005).second, 0);
   const auto [often, after] = failure(0.02);
   EXPECT_GE(after, 1000);
@@ -110,7 +110,7 @@ TEST(Target, GivesUpWhereFaultsAreFrequent) {
   EXPECT_EQ(failure(1.0).second, 20) << "a likelihood that never works is told at once";
 }
 
-TEST(Target, GivesUpOnAFaultyPriorFactorAtOnce) {
+TEST(Target, ThrowsAtOnceForAFaultyPriorFactor) {
   for (const double fault : {std::nan(""), kInfinity}) {
     Problem problem = of_function([](int, std::span<const double>) { return 0.0; });
     problem.log_prior_factor = [fault](int, std::span<const double>) { return fault; };
@@ -120,7 +120,7 @@ TEST(Target, GivesUpOnAFaultyPriorFactorAtOnce) {
   }
 }
 
-TEST(Target, RefusesAFactoryThatMakesNothing) {
+TEST(Target, RejectsAFactoryThatReturnsNull) {
   Problem problem = of_function([](int, std::span<const double>) { return 0.0; });
   problem.screen = [] { return std::unique_ptr<Likelihood>(); };
   EXPECT_THROW(Target(problem, false), std::invalid_argument);
@@ -131,7 +131,7 @@ TEST(Target, RefusesAFactoryThatMakesNothing) {
     const Target target(problem, false);
     FAIL() << "no error";
   } catch (const std::invalid_argument& error) {
-    EXPECT_NE(std::string(error.what()).find("the problem's likelihood factory made nothing"),
+    EXPECT_NE(std::string(error.what()).find("the problem's likelihood factory returned null"),
               std::string::npos)
         << error.what();
   }
@@ -141,7 +141,7 @@ TEST(Target, RefusesAFactoryThatMakesNothing) {
   EXPECT_NO_THROW(Target(problem, true));
 }
 
-// ln p = Σ_i -½ (g(x_i) - i)², g = ln(1 + x²): smooth, and not the same for any two parameters.
+// ln p = Σ_i -½ (g(x_i) - i)², g = ln(1 + x²): smooth, and different for each parameter.
 class Smooth : public Likelihood {
  public:
   explicit Smooth(bool offers) : offers_(offers) {}
@@ -206,7 +206,7 @@ TEST(Target, GradientEqualsCentralDifferencesForEveryPrior) {
   }
 }
 
-TEST(Target, GradientIsOfferedOnlyWhereItIsThatOfTheWholePosterior) {
+TEST(Target, OffersAGradientOnlyOfTheWholePosterior) {
   State state;
   state.z.assign(8, 0.3);
   std::vector<double> dz(8);

@@ -29,7 +29,7 @@ struct Shares {
   std::vector<double> cold_weights;
 };
 
-// The nested normal, whose larger model has next to no mass at middle β.
+// The nested normal, whose larger model has nearly no mass at intermediate β.
 Shares temper(bool balanced) {
   const HardProblem* hard = nullptr;
   for (const HardProblem& problem : hard_problems())
@@ -52,15 +52,15 @@ Shares temper(bool balanced) {
   return run;
 }
 
-TEST(Tempering, WeightsKeepAModelWhoseTemperedEvidenceDips) {
+TEST(Tempering, WeightsKeepAModelOfLowTemperedEvidence) {
   const Shares balanced = temper(true);
   for (const double share : balanced.share) {
     EXPECT_GT(share, 0.2);
     EXPECT_LT(share, 0.8);
   }
-  // At β = 1 the two are equally probable: so are their weights, but for the chain's noise.
+  // At β = 1 the two are equally probable, so their weights are equal up to noise.
   EXPECT_NEAR(balanced.cold_weights[0] - balanced.cold_weights[1], 0.0, 1.5);
-  // The control: without weights the larger model is gone from the middle of the ladder.
+  // The control: without weights, the larger model is lost in the middle of the ladder.
   const Shares plain = temper(false);
   EXPECT_LT(*std::ranges::min_element(plain.share), 0.05);
 }
@@ -77,7 +77,7 @@ TEST(Tempering, RoundTripsAreCountedFromTheReset) {
   EXPECT_EQ(chain.round_trips(), 0);
 }
 
-// Possible on 4e-4 of the prior: of 1000 draws none in two cases of three, of 100 000 none with a
+// Possible on 4e-4 of the prior: none of 1000 draws in two cases of three, none of 100 000 with a
 // probability of e^-40.
 Problem small_corner() {
   return one_model(
@@ -98,7 +98,7 @@ TEST(Tempering, FindsASmallFeasibleRegionInThePrior) {
   }
 }
 
-TEST(Tempering, AsksWhetherToGoOnBeforeEveryTry) {
+TEST(Tempering, ChecksForAStopBeforeEveryTry) {
   const Problem problem = never();
   Target target(problem, false);
   int asked = 0;
@@ -110,7 +110,7 @@ TEST(Tempering, AsksWhetherToGoOnBeforeEveryTry) {
   EXPECT_EQ(target.evaluations(), 10);
 }
 
-TEST(Tempering, RefusesAModelThatIsNowherePossible) {
+TEST(Tempering, RejectsAnImpossibleModel) {
   const Problem problem = never();
   Target target(problem, false);
   try {

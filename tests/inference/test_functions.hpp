@@ -18,8 +18,8 @@ inline double rosenbrock(std::span<const double> z) {
   return -sum;
 }
 
-/// A local mode at every point of the unit grid; the highest, 0, at (0.5, …), away from the start's
-/// centre.
+/// A local mode at every point of the unit grid; the highest, 0, at (0.5, …), away from the
+/// starting centre.
 inline double rastrigin(std::span<const double> z) {
   double sum = 0.0;
   for (const double x : z) {

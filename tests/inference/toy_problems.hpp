@@ -1,4 +1,4 @@
-// Small problems with everything that a damage problem has, at the cost of a few multiplications.
+// Small problems with the features of a damage problem, at the cost of a few multiplications.
 #pragma once
 
 #include <cmath>
@@ -13,8 +13,8 @@ namespace wheeltap::inference::toy {
 inline constexpr int kSensors = 6;
 inline constexpr double kNoise = 0.4;
 
-/// y_i = Σ_components a · sin((i + 1) π x), a bump at x seen by a few modes. Locations x and 1 - x
-/// look the same to odd modes only, so the posterior is multimodal without being symmetric.
+/// y_i = Σ_components a · sin((i + 1) π x), a bump at x observed by a few modes. Locations x and 1
+/// - x are equal for odd modes only, so that the posterior is multimodal without being symmetric.
 inline void predict(std::span<const double> components, std::span<double> y) {
   for (std::size_t i = 0; i < y.size(); ++i) {
     y[i] = 0.0;
@@ -27,7 +27,7 @@ inline void predict(std::span<const double> components, std::span<double> y) {
 
 class BumpLikelihood : public Likelihood {
  public:
-  /// `gain` multiplies the predictions: 1 but in a stand-in that is wrong on purpose.
+  /// `gain` multiplies the predictions: 1, except for an approximation that is wrong on purpose.
   explicit BumpLikelihood(std::vector<double> data, double gain = 1.0)
       : data_(std::move(data)), gain_(gain), y_(data_.size()), r_(y_) {}
 
@@ -51,7 +51,7 @@ class BumpLikelihood : public Likelihood {
   std::vector<double> y_, r_;
 };
 
-/// 0 to k_max bumps, x ~ Beta(2, 3) (not uniform, so that a forgotten Jacobian shows), a ~ Gamma(2,
+/// 0 to k_max bumps, x ~ Beta(2, 3) (not uniform, so that a missing Jacobian shows), a ~ Gamma(2,
 /// 0.5).
 inline ModelSpace bump_space(const std::vector<double>& weights) {
   std::vector<ModelSpace::Counts> counts;
@@ -67,7 +67,7 @@ inline Problem bump_problem(std::vector<double> data, const std::vector<double>&
           .reflections = {{.kind = 0, .parameter = 0, .center = 0.5}}};
 }
 
-/// At most 3 bumps over data of one, with two sensors off.
+/// At most 3 bumps for data of one, without two of the sensors.
 inline Problem bumps() {
   std::vector<double> data(kSensors);
   predict(std::vector<double>{0.3, 1.2}, data);
@@ -76,7 +76,8 @@ inline Problem bumps() {
   return bump_problem(data, {1, 1, 1, 1});
 }
 
-/// bump_problem, its proposals screened by a stand-in that takes every bump for a smaller one.
+/// bump_problem with proposals screened by an approximate likelihood that underestimates every
+/// bump.
 inline Problem screened_bump_problem(std::vector<double> data, const std::vector<double>& weights) {
   Problem problem = bump_problem(data, weights);
   problem.screen = [data] { return std::make_unique<BumpLikelihood>(data, 0.7); };

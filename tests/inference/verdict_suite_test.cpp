@@ -1,7 +1,7 @@
-// The verdict on problems with known answers: found, or flagged, or below the resolution it states.
+// The verdict on problems with known answers: found, flagged, or below the stated resolution.
 //
-// Short: the quick problems, one seed. WHEELTAP_LONG_TESTS=1: all of them, five seeds. A right run
-// misses 4 reported errors with probability 6e-5 a model.
+// Short: the quick problems, one seed. WHEELTAP_LONG_TESTS=1: all problems, five seeds. A correct
+// run exceeds 4 reported errors with probability 6e-5 per model.
 #include <gtest/gtest.h>
 
 #include <cctype>
@@ -50,7 +50,7 @@ void check(const HardProblem& problem) {
 
 class VerdictSuite : public testing::TestWithParam<std::size_t> {};
 
-TEST_P(VerdictSuite, IsRight) {
+TEST_P(VerdictSuite, IsCorrect) {
   const HardProblem& problem = hard_problems()[GetParam()];
   if (!problem.quick && !long_verdict_tests()) GTEST_SKIP() << "of the long suite";
   check(problem);

@@ -40,7 +40,7 @@ std::vector<Reason> complaints(const Posterior& posterior) {
   return verdict.not_established;
 }
 
-TEST(Verdict, AHealthyRunIsConverged) {
+TEST(Verdict, AcceptsAConvergedRun) {
   const Verdict verdict = judge(made_up::run({{0.6, 0.3, 0.1}}));
   EXPECT_THAT(verdict.not_established, IsEmpty());
   EXPECT_TRUE(verdict.converged);
@@ -55,7 +55,7 @@ TEST(Verdict, AHealthyRunIsConverged) {
   EXPECT_NEAR(verdict.models[1].log_evidence, -50.0 + std::log(0.3), 1e-12);
 }
 
-TEST(Verdict, AProbableModelThatNoChainEnteredIsNamedWithWhatItsEvidenceSays) {
+TEST(Verdict, NamesAProbableModelThatNoChainVisited) {
   Posterior posterior = made_up::run({{1.0, 0.0, 0.0}});
   posterior.found[0].bridged.log_evidence = -50.0;
   posterior.found[1].bridged = {.log_evidence = -50.0 + std::log(0.25 / 0.75),
@@ -71,17 +71,17 @@ TEST(Verdict, AProbableModelThatNoChainEnteredIsNamedWithWhatItsEvidenceSays) {
   EXPECT_EQ(verdict.models[1].basis, Basis::evidence);
   EXPECT_NEAR(verdict.models[1].probability, 0.25, 1e-9);
   EXPECT_NEAR(verdict.models[1].mcse, 0.25 * 0.75 * std::hypot(0.1, 0.01), 1e-9);
-  // Models that were visited share the rest.
+  // Visited models share the remaining probability.
   EXPECT_EQ(verdict.models[0].basis, Basis::draws);
   EXPECT_NEAR(verdict.models[0].probability, 0.75, 1e-9);
   EXPECT_NEAR(verdict.models[0].mcse, verdict.models[1].mcse, 1e-3);
-  // An improbable one need not be drawn, and its error may be as small as it is.
+  // An improbable model needs no draws, and its error may be small.
   EXPECT_EQ(verdict.models[2].basis, Basis::evidence);
   EXPECT_LT(verdict.models[2].probability, 1e-150);
   EXPECT_LT(verdict.models[2].mcse, 1e-150);
 }
 
-TEST(Verdict, AnImprobableModelMayBeMissing) {
+TEST(Verdict, AcceptsAMissingImprobableModel) {
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   posterior.found[2].bridged = {.log_evidence = -50.0 + std::log(1e-4), .standard_error = 0.1};
   EXPECT_THAT(complaints(posterior), IsEmpty());
@@ -89,13 +89,13 @@ TEST(Verdict, AnImprobableModelMayBeMissing) {
   EXPECT_THAT(complaints(posterior), ElementsAre(of_model<ModelNotEntered>(2)));
 }
 
-TEST(Verdict, EvidenceIsBridgedElseSampledElseAnnealed) {
+TEST(Verdict, PrefersBridgeSamplingThenImportanceSamplingThenSmc) {
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   auto& found = posterior.found[2];
   found.bridged = kUnknown;
   found.annealed = {.log_evidence = -59.0, .standard_error = 0.2};
   EXPECT_EQ(judge(posterior).models[2].log_evidence, -59.0);
-  found.sampled = {.log_evidence = -60.0, .standard_error = 2.0};  // says little
+  found.sampled = {.log_evidence = -60.0, .standard_error = 2.0};  // uncertain
   EXPECT_EQ(judge(posterior).models[2].log_evidence, -59.0);
   found.sampled.standard_error = 0.3;
   EXPECT_EQ(judge(posterior).models[2].log_evidence, -60.0);
@@ -103,7 +103,7 @@ TEST(Verdict, EvidenceIsBridgedElseSampledElseAnnealed) {
   EXPECT_EQ(judge(posterior).models[2].log_evidence, -61.0);
 }
 
-TEST(Verdict, AModelThatSomeChainsLackIsNamed) {
+TEST(Verdict, NamesAModelThatSomeChainsDidNotVisit) {
   const auto said = complaints(made_up::run({{0.7, 0.3, 0.0}, {0.6, 0.3, 0.1}}));
   EXPECT_THAT(said,
               Contains(VariantWith<ModelNotInEveryChain>(AllOf(
@@ -111,7 +111,7 @@ TEST(Verdict, AModelThatSomeChainsLackIsNamed) {
                   Field(&ModelNotInEveryChain::chains, 4)))));
 }
 
-TEST(Verdict, OfAModelWithoutDrawsAndEvidenceNothingIsKnown) {
+TEST(Verdict, NamesAModelWithoutDrawsAndEvidence) {
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
   posterior.found.clear();
   const Verdict verdict = judge(posterior);
@@ -121,7 +121,7 @@ TEST(Verdict, OfAModelWithoutDrawsAndEvidenceNothingIsKnown) {
   EXPECT_EQ(verdict.resolution, 1.0);
 }
 
-TEST(Verdict, AModelOfNoPriorWeightIsNotAskedFor) {
+TEST(Verdict, IgnoresAModelOfPriorWeightZero) {
   const auto space = ModelSpace::of_models(
       {{"a", Normal{0.0, 1.0}}}, {{"one", 1.0, {"a"}}, {"two", 1.0, {"a"}}, {"none", 0.0, {}}});
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
@@ -130,7 +130,7 @@ TEST(Verdict, AModelOfNoPriorWeightIsNotAskedFor) {
   EXPECT_THAT(complaints(posterior), IsEmpty());
 }
 
-TEST(Verdict, OfTheLikelihoodSwitchedOffTheEvidenceIsOne) {
+TEST(Verdict, EvidenceWithoutLikelihoodIsOne) {
   const auto space = ModelSpace::of_models(
       {{"a", Normal{0.0, 1.0}}}, {{"one", 0.7, {"a"}}, {"two", 0.3, {"a"}}, {"none", 1e-6, {}}});
   Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
@@ -148,7 +148,7 @@ TEST(Verdict, OfTheLikelihoodSwitchedOffTheEvidenceIsOne) {
   EXPECT_EQ(verdict.models[2].basis, Basis::evidence);
 }
 
-TEST(Verdict, VisitsAndEvidenceMustAgree) {
+TEST(Verdict, RequiresThatVisitsAndEvidenceAgree) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   posterior.found[1].bridged.log_evidence += 0.03;  // within the errors
   EXPECT_THAT(complaints(posterior), IsEmpty());
@@ -163,18 +163,18 @@ TEST(Verdict, VisitsAndEvidenceMustAgree) {
   }
 }
 
-TEST(Verdict, AnnealingThatFindsMoreThanTheDrawsIsHeeded) {
+TEST(Verdict, NamesAModelWhoseSmcEvidenceExceedsThatOfTheDraws) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   posterior.found[0].annealed = {.log_evidence = -50.0 + std::log(0.6) - 3.0,
                                  .standard_error = 0.1};
-  EXPECT_THAT(complaints(posterior), IsEmpty());  // its own fault
+  EXPECT_THAT(complaints(posterior), IsEmpty());  // an error of SMC itself
   posterior.found[0].annealed.log_evidence += 6.0;
   EXPECT_THAT(complaints(posterior), ElementsAre(of_model<AnnealingFindsMore>(0)));
 }
 
-// Found by the funnel in 10-d (verdict_suite): chains that agreed lacked half of its neck, which
-// no component of the mixture covered; 16 % of the draws were beyond it, in 20 effective visits.
-TEST(Verdict, DrawsWhereTheMixtureIsNotMustBeVisitedOften) {
+// Found with the funnel in 10-d (verdict_suite): chains that agreed lacked half of its neck, which
+// no mixture component covered; 16 % of the draws were outside the mixture, in 20 effective visits.
+TEST(Verdict, RequiresEnoughVisitsOutsideTheMixture) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const auto beyond = [&](double share, double ess) {
     posterior.found[0].beyond_mixture = share;
@@ -192,8 +192,9 @@ TEST(Verdict, DrawsWhereTheMixtureIsNotMustBeVisitedOften) {
   EXPECT_THAT(beyond(0.9, 200.0), IsEmpty()) << "nearly all, often";
 }
 
-// Found by bananas of width 1e-4: annealing had 6 % of its draws at their ends, the chains none.
-TEST(Verdict, WhatAnnealingDrewBeyondTheMixtureMustBeDrawn) {
+// Found with bananas of width 1e-4: 6 % of the SMC draws and none of the chains' were at their
+// ends.
+TEST(Verdict, RequiresDrawsWhereSmcHasThemOutsideTheMixture) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   const auto seen = [&](double annealed, long draws, double drawn, double ess) {
     ModelFindings& found = posterior.found[0];
@@ -216,7 +217,7 @@ TEST(Verdict, WhatAnnealingDrewBeyondTheMixtureMustBeDrawn) {
   EXPECT_THAT(complaints(posterior), IsEmpty());
 }
 
-TEST(Verdict, AModeThatWasFoundMustBeInEveryChain) {
+TEST(Verdict, RequiresFoundModesInEveryChain) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   auto& modes = posterior.found[0].modes;
   modes = {{.x = {0.0}, .share = 0.7, .drawn = {0.7, 0.71, 0.69, 0.7}},
@@ -235,7 +236,7 @@ TEST(Verdict, AModeThatWasFoundMustBeInEveryChain) {
   EXPECT_THAT(complaints(posterior), IsEmpty());
 }
 
-TEST(Verdict, ChainsMustAgreeAboutAMode) {
+TEST(Verdict, RequiresThatChainsAgreeOnAMode) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   auto& modes = posterior.found[0].modes;
   modes = {{.x = {0.0}, .share = 0.7, .drawn = {0.3, 0.7, 0.9, 0.8}},
@@ -243,7 +244,7 @@ TEST(Verdict, ChainsMustAgreeAboutAMode) {
   EXPECT_THAT(complaints(posterior), Contains(of_model<ModeSharesDisagree>(0)));
 }
 
-TEST(Verdict, ChainsMustAgreeAboutModelsPosteriorAndWhatIsWatched) {
+TEST(Verdict, RequiresThatChainsAgreeOnModelsPosteriorAndWatchedQuantities) {
   EXPECT_THAT(complaints(made_up::run({{0.6, 0.3, 0.1}, {0.2, 0.7, 0.1}})),
               Contains(testing::AnyOf(of_quantity<ChainsDisagree>("P(one)"),
                                       of_quantity<ChainsDisagree>("P(two)"))));
@@ -262,7 +263,7 @@ TEST(Verdict, ChainsMustAgreeAboutModelsPosteriorAndWhatIsWatched) {
   EXPECT_THAT(complaints(posterior), Contains(of_quantity<ChainsDisagree>("log posterior")));
 }
 
-TEST(Verdict, ShortChainsHaveNotConverged) {
+TEST(Verdict, RejectsShortChains) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   for (auto& chain : posterior.chains) {
     chain.model.resize(60);
@@ -272,16 +273,16 @@ TEST(Verdict, ShortChainsHaveNotConverged) {
   EXPECT_THAT(complaints(posterior), Contains(of_quantity<TooFewEffectiveDraws>("log posterior")));
 }
 
-TEST(Verdict, ParametersWithinAModelAreJudged) {
+TEST(Verdict, JudgesParametersWithinAModel) {
   Posterior posterior = made_up::run({{0.8, 0.15, 0.05}});
   for (std::size_t i = 0; i < static_cast<std::size_t>(kDraws); ++i) {
     auto& chain = posterior.chains[1];
-    if (chain.model[i] == 1) chain.theta[i] += 3.0;  // its log posterior tells nothing
+    if (chain.model[i] == 1) chain.theta[i] += 3.0;  // the log posterior does not show it
   }
   EXPECT_THAT(complaints(posterior), ElementsAre(of_model<ParameterDisagrees>(1)));
 }
 
-TEST(Verdict, ParametersThatMoveSlowlyAreJudged) {
+TEST(Verdict, JudgesParametersThatMoveSlowly) {
   Posterior posterior = made_up::run({{0.8, 0.15, 0.05}});
   for (auto& chain : posterior.chains) {
     double slow = 0.0;
@@ -293,8 +294,8 @@ TEST(Verdict, ParametersThatMoveSlowlyAreJudged) {
   EXPECT_THAT(complaints(posterior), ElementsAre(of_model<ParameterMovesSlowly>(0)));
 }
 
-TEST(Verdict, WhichComponentIsWhichIsALabel) {
-  // Two components at opposite ends, in an order that each chain chooses for itself.
+TEST(Verdict, IgnoresTheOrderOfComponents) {
+  // Two components at opposite ends, in a different order in each chain.
   const auto space = ModelSpace::of_components(
       {}, {{"damage", "damages", {{"location", Uniform{0.0, 1.0}}}}}, {{{2}, 1.0}});
   Posterior posterior = made_up::run({{1.0, 0.0, 0.0}});
@@ -314,7 +315,7 @@ TEST(Verdict, WhichComponentIsWhichIsALabel) {
   EXPECT_THAT(complaints(posterior), IsEmpty());
 }
 
-TEST(Verdict, TemperedDrawsNeedRoundTrips) {
+TEST(Verdict, RequiresRoundTripsOfTemperedDraws) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   posterior.tempered_draws = true;
   posterior.ladder_round_trips = 100;
@@ -325,15 +326,15 @@ TEST(Verdict, TemperedDrawsNeedRoundTrips) {
                   Field(&TooFewRoundTrips::completed, 3), Field(&TooFewRoundTrips::limit, 10)))));
 }
 
-TEST(Verdict, ARunThatWasStoppedSaysSo) {
+TEST(Verdict, NamesAnEarlyStop) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
   posterior.stopped_early = true;
   EXPECT_THAT(complaints(posterior), ElementsAre(VariantWith<StoppedEarly>(testing::_)));
 }
 
-TEST(Verdict, ResolutionIsWhatTheClimbsWouldMissOnceInAHundred) {
+TEST(Verdict, ResolutionIsMissedByTheClimbsOnceInAHundred) {
   Posterior posterior = made_up::run({{0.6, 0.3, 0.1}});
-  posterior.found[1].climbs = 50;  // the fewest; the model without parameters has no modes
+  posterior.found[1].climbs = 50;  // the smallest number; the model without parameters has no modes
   posterior.found[2].climbs = 0;
   const double p = judge(posterior).resolution;
   EXPECT_NEAR(std::pow(1.0 - p, 50.0), 0.01, 1e-9);
@@ -341,16 +342,16 @@ TEST(Verdict, ResolutionIsWhatTheClimbsWouldMissOnceInAHundred) {
   EXPECT_EQ(judge(posterior).resolution, 1.0);
 }
 
-// Fault: two climbs in each of sixteen subsets made the resolution 99 % beside "Converged", though
-// the models that held the probability had been searched.
-TEST(Verdict, ResolutionIsThatOfTheModelsThatHoldTheProbability) {
+// Regression: two climbs in each of sixteen subsets gave a resolution of 99 % together with
+// "Converged", although the probable models had been searched.
+TEST(Verdict, ResolutionIsThatOfTheProbableModels) {
   Posterior posterior = made_up::run({{0.9996, 0.0004, 0.0}});
   posterior.found[1].climbs = 2;
   posterior.found[1].glanced = true;
   Verdict verdict = judge(posterior);
   EXPECT_NEAR(std::pow(1.0 - verdict.resolution, 100.0), 0.01, 1e-9);
   EXPECT_EQ(verdict.glanced, 1);
-  // One that holds more than .1 % counts, however little was looked at it.
+  // A model above .1 % counts, however few its climbs.
   posterior = made_up::run({{0.95, 0.05, 0.0}});
   posterior.found[1].climbs = 2;
   posterior.found[1].glanced = true;
@@ -359,8 +360,8 @@ TEST(Verdict, ResolutionIsThatOfTheModelsThatHoldTheProbability) {
   EXPECT_EQ(verdict.glanced, 0);
 }
 
-TEST(Verdict, WeightedDrawsAreReweighted) {
-  // Drawn evenly, while the first two have odds of 1 : 4862.
+TEST(Verdict, ReweightsWeightedDraws) {
+  // Balanced draws; the first two models have odds of 1 : 4862.
   Posterior posterior = made_up::run({{0.5, 0.5, 0.0}});
   const double p = 1.0 / 4863.0;
   posterior.log_weight = {std::log(p), std::log(1.0 - p), 0.0};

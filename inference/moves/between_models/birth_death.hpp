@@ -1,4 +1,4 @@
-// Birth of a component and the death of one.
+// Birth and death of components.
 #pragma once
 
 #include <memory>
@@ -10,12 +10,12 @@
 
 namespace wheeltap::inference {
 
-/// From k components to k + 1 or k - 1, each proposed with probability ½; where the neighbour does
-/// not exist (k = 0, k_max) the chain repeats its state, so the two probabilities are equal at the
-/// ends too.
+/// From k components to k + 1 or k - 1, each proposed with probability ½. If the neighbour does not
+/// exist (k = 0, k_max), the chain repeats its state, so that the two probabilities are equal at
+/// the bounds, too.
 ///
-/// Birth draws c from q(· | set) and puts it in order; death removes component i of the k + 1 with
-/// probability p_i:
+/// Birth draws c from q(· | set) and inserts it in order; death removes component i of the k + 1
+/// with probability p_i:
 ///
 ///   ln ratio(birth) = ln p_c(set with c) - ln q(c | set without c)         |J| = 1.
 ///
@@ -23,7 +23,7 @@ namespace wheeltap::inference {
 ///
 ///   p_i = ε/(k+1) + (1 - ε) q_k(set without i) / Σ_j q_k(set without j):
 ///
-/// what goes is what the smaller model can do without.
+/// a death prefers the component whose removal leaves a probable state of the smaller model.
 class BirthDeath : public Move {
  public:
   BirthDeath(int kind, std::unique_ptr<ComponentProposal> proposal,
@@ -32,9 +32,10 @@ class BirthDeath : public Move {
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  static constexpr double kDefensive = 0.4;  ///< ε: a pilot of few samples may misjudge
+  /// ε, since a pilot with few samples may be inaccurate.
+  static constexpr double kDefensive = 0.4;
 
-  /// p_i of the larger set, into probability_.
+  /// Writes p_i of the larger set to probability_.
   void choose_deaths(const ModelSpace& space, int larger, const std::vector<double>& z);
 
   int kind_;
@@ -43,13 +44,13 @@ class BirthDeath : public Move {
   std::vector<double> component_, rest_, probability_;
 };
 
-/// One component, chosen uniformly, is taken out and put back elsewhere:
+/// Removes one component, chosen uniformly, and inserts it elsewhere:
 ///
 ///   ln ratio = ln q(c | set without c) - ln q(c' | set without c).
 ///
-/// The residual without c is read off the atlas (InformedProposal), from the state itself on the
-/// way there and from the proposed state on the way back, so that each density depends on its own
-/// state only.
+/// The residual without c follows from the atlas (InformedProposal): from the current state for the
+/// forward density and from the proposed state for the reverse, so that each density depends on its
+/// own state only.
 class Relocation : public Move {
  public:
   Relocation(int kind, std::unique_ptr<ComponentProposal> proposal)

@@ -1,4 +1,4 @@
-// Where to put a component: from its prior, or where the present residual says that one would help.
+// Proposals for a new component: from its prior, or where the current residual suggests one.
 #pragma once
 
 #include <memory>
@@ -12,21 +12,21 @@
 
 namespace wheeltap::inference {
 
-/// Proposes the standard normal coordinates of one component, given the state it would join.
+/// Proposes the standard normal coordinates of one component, given the state that it would join.
 class ComponentProposal {
  public:
   virtual ~ComponentProposal() = default;
 
-  /// Prepares the proposal for states like `context`: with `skip` >= 0, for the set without that
-  /// component of `kind`. `beta` tempers the residual's say.
+  /// Prepares the proposal for states like `context`; if `skip` >= 0, for the set without that
+  /// component of `kind`. `beta` tempers the influence of the residual.
   virtual void condition(const State& context, int kind, int skip, double beta) = 0;
   /// Draws from the conditioned proposal.
   virtual void draw(base::Random& random, std::span<double> z) = 0;
-  /// ln [ q(z) / ∏ φ(z_i) ] of the conditioned proposal: its density relative to the prior.
+  /// ln [ q(z) / ∏ φ(z_i) ] of the conditioned proposal, its density relative to the prior.
   [[nodiscard]] virtual double log_density_ratio(std::span<const double> z) const = 0;
 };
 
-/// The prior itself: the ratio is 1.
+/// Proposes from the prior: the ratio is 1.
 class PriorProposal : public ComponentProposal {
  public:
   void condition(const State&, int, int, double) override {}
@@ -36,19 +36,19 @@ class PriorProposal : public ComponentProposal {
   [[nodiscard]] double log_density_ratio(std::span<const double>) const override { return 0.0; }
 };
 
-/// What one component alone does to the residuals, on a grid of cells of equal prior probability:
-/// the *effect* of cell c is D_c = r(one component at the cell's centre) - r(none). Computed once,
-/// shared by all threads.
+/// Effect of one component alone on the residuals, on a grid of cells of equal prior probability:
+/// the *effect* of cell c is D_c = r(one component at the cell's centre) - r(none). Computed once
+/// and shared by all threads.
 struct EffectAtlas {
   std::vector<int> cells;  ///< number of cells along each parameter of the component
   int total = 0;
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
       effects;                  ///< total × residuals
   Eigen::VectorXf half_square;  ///< ½ |D_c|²
-  double noise_scale = 1.0;     ///< of the residuals that the effects were computed in
+  double noise_scale = 1.0;     ///< of the residuals for which the effects were computed
 
-  /// Of weighing all cells once, in likelihood calls: a multiplication for each residual of each
-  /// cell, and ten for its exponential.
+  /// Cost of weighting all cells once, in likelihood calls: one multiplication for each residual of
+  /// each cell, and ten for each exponential.
   [[nodiscard]] double work() const {
     return static_cast<double>(total) * (static_cast<double>(effects.cols()) + 10.0) /
            kOperationsACall;
@@ -57,8 +57,8 @@ struct EffectAtlas {
   [[nodiscard]] int cell(std::span<const double> z) const;
 };
 
-/// Computes the atlas of `kind`; null where the likelihood gives no residuals, or no model of the
-/// space has none and another exactly one of the kind with as many of the others.
+/// Computes the atlas of `kind`. Null if the likelihood gives no residuals, or if the space lacks a
+/// pair of models with no and with one component of the kind and equal counts of the others.
 [[nodiscard]] std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind);
 
 /// Informed birth. With residual r of the state, adding a component at cell c leaves about r + D_c,
@@ -67,8 +67,8 @@ struct EffectAtlas {
 ///   q(c) = ε / N + (1 - ε) softmax_c( -½ β |r + D_c|² ),     uniform within the cell in prior
 ///   probability.
 ///
-/// The ε keeps every place reachable. Where one component of the state is to be left out, its own
-/// effect is taken from the residual first.
+/// The term with ε makes every place reachable. If one component of the state is to be left out,
+/// its own effect is subtracted from the residual first.
 class InformedProposal : public ComponentProposal {
  public:
   InformedProposal(std::shared_ptr<const EffectAtlas> atlas, const ModelSpace& space, int kind);
@@ -85,7 +85,7 @@ class InformedProposal : public ComponentProposal {
   Eigen::VectorXf residual_;
   Eigen::ArrayXf weights_;  ///< softmax, not normalised
   float sum_ = 1.0F;
-  bool flat_ = true;  ///< no residual to go by: the prior
+  bool flat_ = true;  ///< no residual available: use the prior
 };
 
 }  // namespace wheeltap::inference

@@ -1,4 +1,4 @@
-// Where to put a component, learnt from the pilots.
+// Component proposals from the fitted mixtures of the pilots.
 #pragma once
 
 #include <memory>
@@ -10,18 +10,19 @@
 
 namespace wheeltap::inference {
 
-/// The pilot mixture of the model with one component more, Σ_l w_l N(z; μ_l, Σ_l), conditioned on
-/// the rest of the set: with z_I the coordinates that the set has and J those of component j,
+/// The pilot mixture of the model with one more component, Σ_l w_l N(z; μ_l, Σ_l), conditioned on
+/// the current set. With z_I the coordinates of the set and J those of component j,
 ///
-///   q(c) = ε φ(c) + (1 - ε) Σ_{j,l} p(j, l | z_I) N(c; μ_J + Σ_JI Σ_II⁻¹ (z_I - μ_I), Σ_JJ - Σ_JI
-///   Σ_II⁻¹ Σ_IJ), p(j, l | z_I) ∝ w_l N(z_I; μ_I, Σ_II).
+///   q(c) = ε φ(c) + (1 - ε) Σ_{j,l} p(j, l | z_I) N(c; μ_J + Σ_JI Σ_II⁻¹ (z_I - μ_I),
+///                                                      Σ_JJ - Σ_JI Σ_II⁻¹ Σ_IJ),
+///   p(j, l | z_I) ∝ w_l N(z_I; μ_I, Σ_II).
 ///
-/// Precomputed once a pilot; shared by all threads.
+/// Computed once per pilot and shared by all threads.
 class ConditionalMixtures {
  public:
   ConditionalMixtures(const ModelSpace& space, const PilotFit& fit, int kind);
 
-  /// Normal l of one model's mixture, conditioned on all but component j of the set.
+  /// Normal l of one model's mixture, conditioned on all components of the set except j.
   struct Conditional {
     double log_weight;  ///< ln w_l - ln |L_I|
     int first;          ///< coordinates [first, first + width) are component j's
@@ -51,7 +52,7 @@ class ConditionalProposal : public ComponentProposal {
 
  private:
   static constexpr double kDefensive = 0.1;    ///< ε
-  static constexpr double kNegligible = 1e-5;  ///< a smaller p(j, l | z_I) is dropped
+  static constexpr double kNegligible = 1e-5;  ///< terms with a smaller p(j, l | z_I) are dropped
 
   struct Term {
     double probability;
@@ -64,7 +65,7 @@ class ConditionalProposal : public ComponentProposal {
   Eigen::VectorXd rest_, scratch_;
   std::vector<double> logs_;
   std::vector<Term> terms_;
-  std::size_t used_ = 0;  ///< terms in use: their vectors keep their memory
+  std::size_t used_ = 0;  ///< number of terms in use; the vectors keep their memory
 };
 
 }  // namespace wheeltap::inference

@@ -7,7 +7,7 @@ namespace wheeltap::inference {
 
 namespace {
 
-// Turns ln w_l N_l(z) into ln p(l | z).
+// Replaces ln w_l N_l(z) by ln p(l | z).
 void normalise_logs(std::vector<double>& logs) {
   const double top = *std::max_element(logs.begin(), logs.end());
   double sum = 0.0;

@@ -1,4 +1,5 @@
-// Jumps between models through the pilots' mixtures, keeping the place within the mode.
+// Jumps between models through the pilot mixtures that keep the standardised position within a
+// component.
 #pragma once
 
 #include <memory>
@@ -9,8 +10,8 @@ namespace wheeltap::inference {
 
 /// AutoMix (Hastie 2005, section 3.3; Green 2003, section 6.2). The state of model m is allocated
 /// to component l of its mixture with probability p(l | z) and standardised, u = L_l⁻¹(z - μ_l). A
-/// model m' and a component l' are drawn, u is cut or filled up with standard normals to the new
-/// dimension, and z' = μ_l' + L_l' u':
+/// model m' and a component l' are drawn. u is truncated or extended with standard normals to the
+/// new dimension, and z' = μ_l' + L_l' u':
 ///
 ///   ln ratio = ln [ω_m / (1 - ω_m')] + ln w_l + ln p(l' | z')
 ///            - ln [ω_m' / (1 - ω_m)] - ln w_l' - ln p(l | z)

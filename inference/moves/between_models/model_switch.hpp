@@ -5,13 +5,13 @@
 
 namespace wheeltap::inference {
 
-/// Proposes another model of a list, chosen uniformly. Parameters that both have keep their values,
-/// those that only the new one has are drawn from their priors:
+/// Proposes another model of a list, chosen uniformly. Shared parameters keep their values;
+/// parameters of the new model only are drawn from their priors:
 ///
 ///   ln ratio = Σ_lost ln φ(z) - Σ_new ln φ(z')         |J| = 1.
 ///
-/// The source's nested map with the prior for its g; good at high temperature, where the prior is
-/// the right proposal, and between models that share most of their parameters.
+/// The nested map of the source with the prior for its g. Efficient at high temperature, where the
+/// prior is a good proposal, and between models that share most parameters.
 class ModelSwitch : public Move {
  public:
   std::optional<double> propose(const State& from, const Step& step, State& to) override;

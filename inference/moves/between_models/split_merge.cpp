@@ -19,8 +19,8 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
   const int chosen = step.random.index(split ? k : k - 1);
   const auto at = static_cast<std::ptrdiff_t>(space.component(from.model, kind_, chosen).first);
 
-  // One component and the two it splits into: one[i], first[i], second[i]; first in the quantity
-  // that adds up, later in physical units.
+  // One component and the two that it splits into: one[i], first[i], second[i]; initially in the
+  // additive quantity, later in physical units.
   const auto to_sum = [&](std::size_t i, double a) {
     return compounds_ && i > 0 ? -std::log1p(-a) : a;
   };
@@ -43,7 +43,7 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
       first[i] = to_sum(i, from.x[static_cast<std::size_t>(at) + i]);
       second[i] = to_sum(i, from.x[static_cast<std::size_t>(at) + width + i]);
       one[i] = i == 0 ? 0.5 * (first[i] + second[i]) : first[i] + second[i];
-      // No share of the sum is outside (0, 1) on the way there.
+      // A sum has no share outside (0, 1), so the reverse move could not produce this.
       if (i > 0 && !(first[i] * second[i] > 0.0)) return std::nullopt;
     }
     w = 0.5 * (second[0] - first[0]);
@@ -58,7 +58,7 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
     for (std::vector<double>* component : {&one, &first, &second}) {
       (*component)[i] = from_sum(i, (*component)[i]);
     }
-    // ln |dz/ds|, s being what adds up.
+    // ln |dz/ds|, s being the additive quantity.
     const auto log_dz_dx = [&](double x) {
       const double value = prior.to_standard_normal(x);
       return prior.log_density(x) + 0.5 * value * value + 0.91893853320467274178 +
@@ -79,7 +79,7 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
     if (!split) break;
   }
   to.z.insert(to.z.begin() + at, z.begin(), z.end());
-  if (!step.target.is_sorted(to)) return std::nullopt;  // not neighbours: no merge would undo it
+  if (!step.target.is_sorted(to)) return std::nullopt;  // not neighbours: no merge reverses this
   return split ? log_split : -log_split;
 }
 

@@ -1,4 +1,4 @@
-// One component becomes two neighbours, or two neighbours one.
+// Splits one component into two neighbours, or merges two neighbours into one.
 #pragma once
 
 #include "inference/moves/move.hpp"
@@ -11,16 +11,16 @@ namespace wheeltap::inference {
 ///   x₁ = x - w, x₂ = x + w,   w ~ half-normal(width);
 ///   a_i₁ = s_i a_i, a_i₂ = (1 - s_i) a_i,   s_i ~ U(0, 1),
 ///
-/// and merges back by x = (x₁ + x₂)/2, a_i = a_i₁ + a_i₂: what is shared keeps its sum. Where
-/// effects compound instead, 1 - a being what a component leaves, -ln(1 - a) takes the place of a.
-/// One of k components is chosen to split and one of k neighbouring pairs of k + 1 to merge, so
-/// these cancel:
+/// and merges back by x = (x₁ + x₂)/2, a_i = a_i₁ + a_i₂, so that sums are conserved. If effects
+/// compound instead, with 1 - a the remaining share of a component, -ln(1 - a) replaces a. One of k
+/// components is chosen to split and one of k neighbouring pairs of k + 1 to merge, so these
+/// probabilities cancel:
 ///
 ///   ln ratio(split) = - ln g(w) + ln |J| + Σ ln |dz'/dx'| - Σ ln |dz/dx|,     |J| = 2 ∏ |a_i|.
 class SplitMerge : public Move {
  public:
   enum class Keeps { sum, product_of_complements };
-  /// `width` [unit of the first parameter] of the half-normal g.
+  /// `width` [unit of the first parameter] is that of the half-normal g.
   SplitMerge(int kind, double width, Keeps keeps = Keeps::sum)
       : kind_(kind), width_(width), compounds_(keeps == Keeps::product_of_complements) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override;

@@ -35,8 +35,9 @@ Transformation::Transformation(const ModelSpace& space, Definition definition)
   const auto upper = static_cast<std::size_t>(space[definition_.upper].dimension) +
                      definition_.upper_auxiliaries.size();
   if (lower != upper) {
-    throw std::invalid_argument("a map from " + std::to_string(lower) + " to " +
-                                std::to_string(upper) + " variables has no Jacobian");
+    throw std::invalid_argument("the map between models has " + std::to_string(lower) +
+                                " inputs and " + std::to_string(upper) +
+                                " outputs; the numbers must be equal");
   }
   in_.resize(lower);
   out_.resize(lower);
@@ -61,15 +62,15 @@ std::optional<double> Transformation::propose(const State& from, const Step& ste
   for (std::size_t i = 0; i < in_.size(); ++i) {
     if (!(std::abs(back_[i] - in_[i]) <= 1e-8 * (1.0 + std::abs(in_[i])))) {
       throw std::logic_error("a jump between '" + space[definition_.lower].name + "' and '" +
-                             space[definition_.upper].name + "' does not return: variable " +
-                             std::to_string(i) + " left as " + std::to_string(in_[i]) +
-                             " and came back as " + std::to_string(back_[i]));
+                             space[definition_.upper].name + "' is not reversible: variable " +
+                             std::to_string(i) + " is " + std::to_string(in_[i]) + " before and " +
+                             std::to_string(back_[i]) + " after both maps");
     }
   }
   if (std::abs(log_jacobian + log_inverse) > 1e-8 * (1.0 + std::abs(log_jacobian))) {
-    throw std::logic_error("the log-Jacobians of a jump and its inverse, " +
+    throw std::logic_error("the log-Jacobians of a jump and its inverse are " +
                            std::to_string(log_jacobian) + " and " + std::to_string(log_inverse) +
-                           ", do not cancel");
+                           "; their sum must be 0");
   }
 
   to.model = up ? definition_.upper : definition_.lower;
@@ -94,8 +95,8 @@ Transformation::Definition Transformation::nested(const ModelSpace& space, int l
                                 "' must have exactly one parameter more than '" +
                                 space[lower].name + "'");
   }
-  // Where each parameter of the larger model comes from; the new one is the auxiliary, the last
-  // entry.
+  // Index of each parameter of the larger model in the input; the new parameter is the auxiliary,
+  // the last entry.
   std::vector<std::size_t> source;
   for (const int p : many) {
     source.push_back(static_cast<std::size_t>(std::find(few.begin(), few.end(), p) - few.begin()));

@@ -1,4 +1,4 @@
-// Jumps between two models by any diffeomorphism (Green 1995).
+// Jumps between two models by a diffeomorphism (Green 1995).
 #pragma once
 
 #include <functional>
@@ -9,14 +9,14 @@
 
 namespace wheeltap::inference {
 
-/// (x, u) in model `lower` ↔ (x', u') in model `upper`, in physical units, dimensions matching on
+/// (x, u) in model `lower` ↔ (x', u') in model `upper`, in physical units, with equal dimensions on
 /// both sides. u and u' are auxiliary variables with independent densities g_i and g'_i (either may
 /// be empty):
 ///
 ///   ln ratio(lower → upper) = Σ ln g'(u') - Σ ln g(u) + ln |∂(x', u')/∂(x, u)|
 ///                             + Σ ln |dz'/dx'| - Σ ln |dz/dx|.
 ///
-/// The same map serves both directions, so that they cannot drift apart.
+/// One expression serves both directions.
 class Transformation : public Move {
  public:
   /// Reads the concatenated (x, u), writes the concatenated (x', u') and returns ln |J|.
@@ -31,16 +31,16 @@ class Transformation : public Move {
     Map inverse;  ///< upper → lower; returns its own ln |J|, minus the forward one's
   };
 
-  /// Throws std::invalid_argument where the dimensions do not match.
+  /// Throws std::invalid_argument if the dimensions do not match.
   Transformation(const ModelSpace& space, Definition definition);
 
-  /// Throws std::logic_error where inverse(forward(·)) misses its start by more than 10⁻⁸ of its
-  /// size, or the two log-Jacobians do not cancel: the map is not what it claims to be.
+  /// Throws std::logic_error if inverse(forward(·)) differs from its argument by more than 10⁻⁸ of
+  /// its size, or the two log-Jacobians do not cancel: the user's map is inconsistent.
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
-  /// The source's nested map (thesis, section 4.2): shared parameters are kept, and the one
-  /// parameter that only the larger model has is μ + λ with λ ~ N(0, σ²); |J| = 1. Its width has to
-  /// be chosen by hand, which is why the engine does not use it by itself.
+  /// The source's nested map (thesis, section 4.2): shared parameters are kept, and the single
+  /// parameter of the larger model alone is μ + λ with λ ~ N(0, σ²); |J| = 1. The user has to
+  /// choose its width, which is why the engine does not use it by default.
   [[nodiscard]] static Definition nested(const ModelSpace& space, int lower, int upper, double mean,
                                          double sd);
 

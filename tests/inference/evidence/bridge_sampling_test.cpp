@@ -35,7 +35,7 @@ TEST(BridgeSampling, NestedMeans) {
   EXPECT_LT(e.standard_error, 0.01);
 }
 
-// Draws from a random walk alone are correlated, and the error must say so.
+// Draws from a random walk are correlated, and the error must include this.
 TEST(BridgeSampling, StandardErrorCovers) {
   const int seeds = asked_for_long_tests() ? 200 : 25;
   const Known known = linear_gaussian(3);
@@ -54,13 +54,13 @@ TEST(BridgeSampling, StandardErrorCovers) {
               std::sqrt(squares));
 }
 
-TEST(BridgeSampling, ThreadsDoNotMatter) {
+TEST(BridgeSampling, DoesNotDependOnThreads) {
   const Known known = two_narrow_modes(2);
   EXPECT_EQ(bridge_sampling(known.problem, 0, {.seed = 3, .threads = 1}).log_evidence,
             bridge_sampling(known.problem, 0, {.seed = 3, .threads = 3}).log_evidence);
 }
 
-TEST(BridgeSampling, WithoutAPilotHasNoEvidenceButAWarning) {
+TEST(BridgeSampling, WarnsWithoutEvidenceIfThePilotFails) {
   const Problem problem = endless();
   const Tmcmc pilot =
       tmcmc(problem, 0, {.seed = 1, .replicates = 4, .samples = 20, .acceptances = 0.1});
@@ -71,7 +71,7 @@ TEST(BridgeSampling, WithoutAPilotHasNoEvidenceButAWarning) {
   EXPECT_EQ(e.warnings[0].kind, EvidenceWarning::Kind::stalled);
 }
 
-TEST(BridgeSampling, Misuse) {
+TEST(BridgeSampling, RejectsInvalidOptions) {
   const Known known = linear_gaussian(1);
   const ModelSamples few = metropolis(known.problem, 0, {.warmup = 10, .draws = 10});
   EXPECT_THROW((void)bridge_sampling(known.problem, 0, few, {}), std::invalid_argument);

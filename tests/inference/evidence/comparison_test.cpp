@@ -28,7 +28,7 @@ TEST(ImpliedProbabilities, WeighEvidenceByPrior) {
   EXPECT_THROW((void)implied_probabilities(three(), {{0.0, 0.0}}), std::invalid_argument);
 }
 
-TEST(Disagreements, SpeakOnlyBeyondTheCombinedError) {
+TEST(Disagreements, AreReportedOnlyBeyondTheCombinedError) {
   const ImpliedProbabilities implied{{0.5, 0.3, 0.2}, {0.03, 0.03, 0.0}};
   EXPECT_TRUE(disagreements({0.55, 0.25, 0.2}, {0.01, 0.01, 0.01}, implied).empty());
   const auto two = disagreements({0.65, 0.15, 0.2}, {0.01, 0.01, 0.01}, implied);
@@ -37,8 +37,8 @@ TEST(Disagreements, SpeakOnlyBeyondTheCombinedError) {
   EXPECT_EQ(two[0].sampled, 0.65);
 }
 
-TEST(Disagreements, AreNotClaimedWhereAnErrorIsUnknown) {
-  // Laplace's evidences have no standard error: their difference is reported, not judged.
+TEST(Disagreements, AreNotReportedIfAnErrorIsUnknown) {
+  // Laplace's evidences have no standard error, so their difference is not judged.
   const double unknown = std::nan("");
   const ImpliedProbabilities implied =
       implied_probabilities(three(), {{0.0, unknown}, {0.5, unknown}, {1.0, unknown}});

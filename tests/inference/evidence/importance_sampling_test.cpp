@@ -47,7 +47,7 @@ TEST(ImportanceSampling, StandardErrorCovers) {
   EXPECT_GE(inside, 86);
 }
 
-TEST(ImportanceSampling, WarnsOfAProposalThatIsTooNarrow) {
+TEST(ImportanceSampling, WarnsOfATooNarrowProposal) {
   const Known known = linear_gaussian(3);
   const NormalMixture good = pilot(known.problem, 10.0);
   std::vector<NormalMixture::Component> narrow;
@@ -74,7 +74,7 @@ TEST(ParetoShape, RecoversTheTailIndex) {
   }
 }
 
-TEST(ImportanceSampling, Misuse) {
+TEST(ImportanceSampling, RejectsInvalidOptions) {
   const Known known = linear_gaussian(2);
   EXPECT_THROW((void)importance_sampling(known.problem, 0, NormalMixture::standard(3), {}),
                std::invalid_argument);

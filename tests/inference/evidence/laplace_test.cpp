@@ -12,7 +12,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// Exact for a normal posterior; the central differences of a quadratic are exact, too.
+// Exact for a normal posterior, as are central differences of a quadratic.
 TEST(Laplace, IsExactForALinearGaussianModel) {
   for (const int d : {1, 2, 4, 6}) {
     const Known known = linear_gaussian(d);
@@ -30,15 +30,16 @@ TEST(Laplace, IsExactForALinearGaussianModel) {
   EXPECT_EQ(none.evidence.standard_error, 0.0);
 }
 
-TEST(Laplace, KnowsOneModeOnly) {
-  // The higher mode holds ¾ of the evidence.
+TEST(Laplace, CoversOneModeOnly) {
+  // The higher mode has ¾ of the evidence.
   const Known known = two_narrow_modes(2);
   EXPECT_NEAR(laplace(known.problem, 0, {.restarts = 20}).evidence.log_evidence,
               known.log_evidence + std::log(0.75), 1e-4);
 }
 
-TEST(Laplace, SaysWhereTheHessianFails) {
-  // A likelihood that rises faster than the prior of z falls: no mode but the search's bound.
+TEST(Laplace, WarnsIfTheHessianIsNotDefinite) {
+  // A likelihood that increases faster than the prior of z decreases: the only maximum is at the
+  // search bound.
   const Problem flat = one_model({{"a", Normal{0.0, 1.0}}},
                                  [](int, std::span<const double> x) { return 0.6 * x[0] * x[0]; });
   const Laplace result = laplace(flat, 0, {});
@@ -48,8 +49,8 @@ TEST(Laplace, SaysWhereTheHessianFails) {
   EXPECT_THROW((void)laplace(never(), 0, {}), LikelihoodError);
 }
 
-TEST(Laplace, SaysWhereThePosteriorIsNotNormal) {
-  // Element-wise constant, as of a damage's location: flat to the differences, yet a narrow mode.
+TEST(Laplace, WarnsIfThePosteriorIsNotNormal) {
+  // Piecewise constant per element, as for a damage location: zero differences, but a narrow mode.
   const Problem steps = one_model({{"a", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
     const double element = std::floor(100.0 * x[0]) - 30.0;
     return -2.0 * element * element;
@@ -59,9 +60,9 @@ TEST(Laplace, SaysWhereThePosteriorIsNotNormal) {
   EXPECT_EQ(result.evidence.warnings[0].kind, EvidenceWarning::Kind::not_normal);
 }
 
-// Fault: a mode at the edge of the impossible has no curvature, and the next search began from the
-// first of no starting points.
-TEST(MaximumAPosteriori, IsFoundAtTheEdgeOfALongRecordsPossibleParameters) {
+// Regression: a mode at the boundary of the possible region has no curvature, and the next search
+// started from an empty list of points.
+TEST(MaximumAPosteriori, IsFoundAtTheBoundaryOfALongRecordsPossibleParameters) {
   Problem edge = one_model({{"a", Normal{0.0, 1.0}}}, [](int, std::span<const double> x) {
     return x[0] > 0.0 ? -std::numeric_limits<double>::infinity() : 10.0 * x[0];
   });

@@ -40,7 +40,7 @@ TEST(Metropolis, NestedMeansPosterior) {
   EXPECT_LT(samples.rhat, 1.02);
   EXPECT_NEAR(samples.acceptance, 0.44, 0.1);
   EXPECT_EQ(samples.likelihood_evaluations, 4 * (50 + 3000 + 5000));
-  // What is stored is what a fresh evaluation gives.
+  // Stored values equal those of a new evaluation.
   const Problem problem = nested_means();
   ModelPosterior posterior(problem, 1);
   for (Eigen::Index i = 0; i < 100; ++i) {
@@ -57,7 +57,7 @@ TEST(Metropolis, FindsTheScaleOfANarrowRidge) {
   EXPECT_NEAR(samples.acceptance, 0.234, 0.08);
 }
 
-TEST(Metropolis, OneModeAtATimeUnlessThePilotKnowsBoth) {
+TEST(Metropolis, StaysInOneModeUnlessThePilotCoversBoth) {
   const Known known = two_narrow_modes(2);
   const ModelSamples alone = metropolis(known.problem, 0, {.seed = 1, .chains = 8});
   EXPECT_GT(alone.rhat, 1.2);
@@ -84,7 +84,7 @@ TEST(Metropolis, ComponentsStayInOrder) {
     }
 }
 
-TEST(Metropolis, Misuse) {
+TEST(Metropolis, RejectsInvalidOptions) {
   EXPECT_THROW((void)metropolis(never(), 0, {}), LikelihoodError);
   EXPECT_THROW((void)metropolis(nested_means(), 0, {}), std::invalid_argument);
   EXPECT_THROW((void)metropolis(nested_means(), 1, {.draws = 0}), std::invalid_argument);

@@ -1,4 +1,4 @@
-// Models whose evidence is known in closed form or by quadrature in one dimension.
+// Models whose evidence is known in closed form or by one-dimensional quadrature.
 #pragma once
 
 #include <Eigen/Dense>
@@ -109,7 +109,7 @@ inline Known corner() {
 /// = 2.360070.
 inline Problem nested_means() {
   const auto f = [](int, std::span<const double> x) {
-    // The sufficient part: the scatter about the sample mean is common to both.
+    // The sufficient part: the scatter about the sample mean is common to both models.
     const double mu = x.empty() ? 0.0 : x[0], n = 20.0, mean = 0.5;
     return -0.5 * n * (mean - mu) * (mean - mu);
   };
@@ -118,15 +118,15 @@ inline Problem nested_means() {
           .likelihood = [f] { return std::make_unique<FunctionLikelihood>(f); }};
 }
 
-/// Nowhere possible.
+/// Impossible everywhere.
 inline Problem never() {
   return one_model({{"a", Uniform{0.0, 1.0}}}, [](int, std::span<const double>) {
     return -std::numeric_limits<double>::infinity();
   });
 }
 
-/// Each value is a million nats above the one before, wherever it is asked for: β creeps, and a
-/// thousand stages leave it far from 1.
+/// Each value is a million nats above the one before, at any point: β increases so slowly that it
+/// is far from 1 after a thousand stages.
 inline Problem endless() {
   class Drifting : public Likelihood {
    public:
@@ -140,8 +140,9 @@ inline Problem endless() {
   return problem;
 }
 
-/// The parameter r of the logistic map y → r y (1 - y), every tenth sample a step of it: what is
-/// known of r grows exponentially with the record, and all but a needle at the truth is rugged.
+/// The parameter r of the logistic map y → r y (1 - y), with one step per ten samples. Information
+/// on r grows exponentially with the record, and the posterior is rugged except for a needle at the
+/// truth.
 class LogisticMap final : public Likelihood {
  public:
   explicit LogisticMap(long samples) : samples_(samples) {}

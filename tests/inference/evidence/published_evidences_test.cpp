@@ -1,4 +1,4 @@
-// Evidences known exactly, by methods that share nothing but the likelihood.
+// Evidences known exactly, by methods that share only the likelihood.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -34,11 +34,10 @@ TEST(PublishedEvidences, CoalMiningDisasters) {
   }
 }
 
-// How often ± 1, 2, 3 stated standard errors hold the exact value, and how the real spread of ln Z
-// compares with the error stated, over seeds. The error is a Student t's with 7 degrees of freedom
-// scaled by √(7/5), so that it covers 0.731, 0.951, 0.991 where a normal's would 0.683, 0.954,
-// 0.997.
-TEST(PublishedEvidences, StandardErrorsAreHonest) {
+// Coverage of ± 1, 2, 3 reported standard errors, and the ratio of the actual scatter of ln Z over
+// seeds to the reported error. The error is that of Student's t with 7 degrees of freedom scaled by
+// √(7/5), with coverages of 0.731, 0.951, 0.991 instead of a normal's 0.683, 0.954, 0.997.
+TEST(PublishedEvidences, StandardErrorsAreCalibrated) {
   SKIP_WITHOUT_SHARED("coal");
   const auto exact =
       nlohmann::json::parse(std::ifstream(kShared / "validation" / "coal" / "exact.json"));
@@ -62,7 +61,7 @@ TEST(PublishedEvidences, StandardErrorsAreHonest) {
         "    k = %d: within 1, 2, 3 standard errors: %d, %d, %d of %d; bias %+.3f, real error / "
         "stated %.2f\n",
         k, within[0], within[1], within[2], seeds, sum, std::sqrt(squares) / stated);
-    // Fewer have a probability below 1e-4 each: binomials of 0.73, 0.95 and 0.99.
+    // Lower counts have a probability below 1e-4 each: binomials of 0.73, 0.95 and 0.99.
     EXPECT_GE(within[0], full ? 24 : 0);
     EXPECT_GE(within[1], full ? 40 : 2);
     EXPECT_GE(within[2], full ? 45 : 3);

@@ -16,7 +16,7 @@ bool long_tests() {
   return std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
 }
 
-// The standard error is a Student t's sd with 7 degrees of freedom; 6 of it are exceeded with
+// The standard error is a Student t's sd with 7 degrees of freedom; six of these are exceeded with
 // probability 2 · P(t₇ > 7.1) = 2e-4.
 constexpr double kErrors = 6.0;
 
@@ -39,7 +39,7 @@ TEST(Tmcmc, KeepsModesInProportion) {
   const Tmcmc result = tmcmc(known.problem, 0, {.seed = 2});
   double right = 0.0;
   for (Eigen::Index i = 0; i < result.z.rows(); ++i) right += result.z(i, 0) > 0.0 ? 1.0 : 0.0;
-  // 4000 samples less what resampling costs; a standard error of 2 % is seen between replicates.
+  // 4000 samples minus the loss by resampling; the replicates show a standard error of 2 %.
   EXPECT_NEAR(right / static_cast<double>(result.z.rows()), 0.75, 0.08);
 }
 
@@ -75,9 +75,9 @@ TEST(Tmcmc, StandardErrorCovers) {
   }
 }
 
-TEST(Tmcmc, SeesARecordGrow) {
+TEST(Tmcmc, FollowsAGrowingRecord) {
   Problem problem = logistic_map(400);
-  // Within 3e-4 of the truth is all the posterior, and its needles are some 1e-9 wide.
+  // The posterior is within 3e-4 of the truth, with needles about 1e-9 wide.
   constexpr double kReach = 3e-4, kStep = 1e-10;
   LogisticMap likelihood(400);
   double sum = 0.0;
@@ -97,8 +97,8 @@ TEST(Tmcmc, SeesARecordGrow) {
   EXPECT_GT(std::fabs(at_once.log_evidence - known), 3.0 * at_once.standard_error);
 }
 
-// Possible on 4e-4 of the prior, where a factor then weighs the places.
-TEST(Tmcmc, DrawsOnWhereLittleOfThePriorIsPossible) {
+// Possible on 4e-4 of the prior, where a factor then weights the positions.
+TEST(Tmcmc, ContinuesDrawingIfLittleOfThePriorIsPossible) {
   const Problem problem = one_model(
       {{"a", Uniform{0.0, 1.0}}, {"b", Uniform{0.0, 1.0}}}, [](int, std::span<const double> x) {
         return x[0] > 0.98 && x[1] > 0.98 ? 100.0 * (x[0] - 0.98)
@@ -115,13 +115,13 @@ TEST(Tmcmc, DrawsOnWhereLittleOfThePriorIsPossible) {
     mean += std::exp(e.log_evidence - exact) / seeds;
     squares += std::exp(2.0 * (e.log_evidence - exact)) / seeds;
   }
-  // Z itself is unbiased: within 4 of its own standard errors.
+  // Z itself is unbiased: within 4 of its standard errors.
   EXPECT_NEAR(mean, 1.0, 4.0 * std::sqrt((squares - mean * mean) / (seeds - 1)));
   std::printf("    mean of Z / exact Z: %.3f ± %.3f\n", mean,
               std::sqrt((squares - mean * mean) / (seeds - 1)));
 }
 
-TEST(Tmcmc, WithoutAnEndHasNoEvidenceButAWarning) {
+TEST(Tmcmc, WarnsWithoutEvidenceIfItDoesNotReachTheEnd) {
   const Tmcmc result =
       tmcmc(endless(), 0, {.seed = 1, .replicates = 4, .samples = 20, .acceptances = 0.1});
   EXPECT_TRUE(std::isnan(result.evidence.log_evidence));
@@ -136,8 +136,9 @@ TEST(Tmcmc, WithoutAnEndHasNoEvidenceButAWarning) {
   EXPECT_EQ(describe(warning).find("TMCMC is still at exponent "), 0U) << describe(warning);
 }
 
-// Where its calls are spent it has draws of what it had reached, and no evidence.
-TEST(Tmcmc, IsCutShortWhenItsCallsAreSpent) {
+// After its maximum number of calls, it returns draws of the tempered posterior reached, and no
+// evidence.
+TEST(Tmcmc, StopsAfterItsMaximumNumberOfCalls) {
   const Known known = linear_gaussian(2);
   const TmcmcOptions all{.seed = 1, .replicates = 4, .samples = 100};
   const Tmcmc whole = tmcmc(known.problem, 0, all);
@@ -161,7 +162,7 @@ TEST(Tmcmc, IsCutShortWhenItsCallsAreSpent) {
   EXPECT_FALSE(whole.cut);
 }
 
-TEST(Tmcmc, ThreadsDoNotMatterAndSeedsDo) {
+TEST(Tmcmc, DependsOnTheSeedAndNotOnThreads) {
   const Known known = linear_gaussian(2);
   const double one =
       tmcmc(known.problem, 0, {.seed = 3, .samples = 100, .threads = 1}).evidence.log_evidence;
@@ -171,7 +172,7 @@ TEST(Tmcmc, ThreadsDoNotMatterAndSeedsDo) {
   EXPECT_NE(tmcmc(known.problem, 0, {.seed = 4, .samples = 100}).evidence.log_evidence, one);
 }
 
-TEST(Tmcmc, Misuse) {
+TEST(Tmcmc, RejectsInvalidOptions) {
   const Known known = linear_gaussian(1);
   EXPECT_THROW((void)tmcmc(never(), 0, {}), LikelihoodError);
   EXPECT_THROW((void)tmcmc(known.problem, 0, {.replicates = 3}), std::invalid_argument);

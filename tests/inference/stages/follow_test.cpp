@@ -1,4 +1,5 @@
-// What annealing drew beyond a mixture: the posterior's part of it stays, its own error walks home.
+// SMC draws outside a mixture: chains started there stay if the region belongs to the posterior,
+// and return if it is an error of SMC.
 #include "inference/engine/follow.hpp"
 
 #include <gtest/gtest.h>
@@ -29,7 +30,7 @@ const HardProblem& named(std::string_view name) {
 
 enum class Steps { small, all };
 
-// A run with one normal as the mixture of its model, of which it has never drawn anything beyond.
+// A run with one normal as its model's mixture and no chain draws outside it.
 struct Followed {
   Followed(const HardProblem& of, const NormalMixture::Component& normal, Steps steps)
       : options{.seed = 5,
@@ -57,8 +58,8 @@ struct Followed {
     found().beyond_mixture = 0.0;
     found().beyond_mixture_ess = 1000.0;
   }
-  // Births from the prior, differences of draws and steps as long as all of the posterior would
-  // lead from one mode in two dimensions to another.
+  // Disables births from the prior, differences of draws and steps as long as the posterior, which
+  // would lead from one mode in two dimensions to the other.
   void keep_near(const NormalMixture::Component& normal) {
     for (RandomWalk::Block& block : state.pilot.scales[kModel])
       block.factor = normal.factor.topLeftCorner(block.factor.rows(), block.factor.cols());
@@ -83,10 +84,10 @@ NormalMixture::Component normal(const Eigen::VectorXd& mean, double sd) {
   return {1.0, mean, sd * Eigen::MatrixXd::Identity(d, d)};
 }
 
-// Two equal modes, a mixture of one of them.
-TEST(FollowAnnealed, WhatIsThePosteriorsStays) {
+// Two equal modes, and a mixture that covers one of them.
+TEST(FollowAnnealed, ChainsStayInAPartOfThePosterior) {
   const HardProblem& problem = named("equal modes, 2-d");
-  // From the draws: the mean of those on one side.
+  // Mean of the draws on one side.
   Followed probe(problem, normal(Eigen::VectorXd::Zero(2), 1.0), Steps::small);
   const Eigen::MatrixXd& drawn = probe.state.explorations[kModel].annealed_draws;
   ASSERT_GT(drawn.cols(), 0);
@@ -118,11 +119,11 @@ TEST(FollowAnnealed, WhatIsThePosteriorsStays) {
   EXPECT_FALSE(lacks_annealed(whole.found()));
 }
 
-// A Cauchy density of scale 1 in ± 1000, and draws at 30 to 330 of it as if annealing had left them
-// there: its own share beyond a normal of scale 1 (beyond 4.4) is 14 %.
-TEST(FollowAnnealed, WhatIsAnnealingsErrorWalksHome) {
+// A Cauchy density of scale 1 in ± 1000, and 30 to 330 false SMC draws of it. Its true share
+// outside a normal of scale 1 (beyond 4.4) is 14 %.
+TEST(FollowAnnealed, ChainsReturnFromAnErrorOfSmc) {
   const HardProblem& problem = named("Cauchy, 1-d");
-  const double unit = std::sqrt(2.0 * M_PI) / 2000.0;  // z of a uniform prior, near its middle
+  const double unit = std::sqrt(2.0 * M_PI) / 2000.0;  // z of a uniform prior near its middle
   Followed cauchy(problem, normal(Eigen::VectorXd::Zero(1), unit), Steps::all);
   ModelExploration& explored = cauchy.state.explorations[kModel];
   ModelPosterior posterior(problem.problem, kModel);

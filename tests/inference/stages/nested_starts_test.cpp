@@ -31,17 +31,17 @@ ModelExploration with_mode(std::vector<double> z, double log_mass) {
   return out;
 }
 
-TEST(NestedStarts, SmallerModelsComeFirst) {
+TEST(NestedStarts, OrderModelsByDimension) {
   EXPECT_THAT(by_dimension(subsets()), testing::ElementsAre(1, 2, 3, 4, 0));
 }
 
-TEST(NestedStarts, AListIsNestedWhereOneModelIsInAll) {
+TEST(NestedStarts, ListIsNestedIfOneModelIsInAll) {
   EXPECT_TRUE(is_nested(subsets()));
   EXPECT_FALSE(is_nested(ModelSpace::of_models({{"a", Normal{0.0, 1.0}}, {"b", Normal{0.0, 1.0}}},
                                                {{"a", 1.0, {"a"}}, {"b", 1.0, {"b"}}})));
 }
 
-TEST(NestedStarts, TakeTheBestModesOfTheLargestModelsWithin) {
+TEST(NestedStarts, UseTheBestModesOfTheLargestNestedModels) {
   const ModelSpace space = subsets();
   std::vector<ModelExploration> found(5);
   found[1] = with_mode({0.1}, 0.0);
@@ -59,7 +59,7 @@ TEST(NestedStarts, TakeTheBestModesOfTheLargestModelsWithin) {
 }
 
 // y = A sin(k t) + Σ terms: two climbs from the prior of k rarely end at its narrow peak, and
-// without it no term is worth anything.
+// without it no term improves the fit.
 class Tone : public Likelihood {
  public:
   explicit Tone(const ModelSpace& space) {
@@ -106,7 +106,7 @@ Problem tones() {
   return {.space = space, .likelihood = [space] { return std::make_unique<Tone>(space); }};
 }
 
-// Of 64 models the run visits the one that matters, whose inclusions are beyond doubt.
+// Of 64 models, the run visits the most probable one; its terms are certain.
 TEST(NestedStarts, FindTheSubsetWhoseMaskingParameterIsHardToFind) {
   Options options;
   options.warmup = 4000;

@@ -43,7 +43,7 @@ ModelSpace subsets(int terms) {
   return ModelSpace::of_models(std::move(parameters), std::move(models));
 }
 
-// y ~ N(X θ, 1), θ ~ N(0, 1): all of it is known in closed form.
+// y ~ N(X θ, 1), θ ~ N(0, 1): everything is known in closed form.
 struct Regression {
   Matrix x;
   Vector y;
@@ -71,9 +71,9 @@ struct Regression {
   }
 };
 
-constexpr double kClear = 4.0;  // a term that is not needed costs ln (4 √60) = 3.4 nats
+constexpr double kClear = 4.0;  // a superfluous term costs ln (4 √60) = 3.4 nats
 
-// Terms that look like one another, as those of a law do: `alike` of each column is shared.
+// Correlated terms, as those of a force law: `alike` is the shared part of each column.
 Regression regression(const ModelSpace& space, int truth, double alike, std::uint64_t seed) {
   base::Random random(seed, 0, 0, base::Purpose::test);
   constexpr Eigen::Index kRows = 60;
@@ -91,8 +91,8 @@ Regression regression(const ModelSpace& space, int truth, double alike, std::uin
 }
 
 struct Looked {
-  double missed = 0.0;  // exact probability of what was passed over
-  int models = 0;       // looked at
+  double missed = 0.0;  // exact probability of the models that were not evaluated
+  int models = 0;       // number of evaluated models
 };
 
 Looked look(const ModelSpace& space, const Regression& data) {
@@ -107,7 +107,7 @@ Looked look(const ModelSpace& space, const Regression& data) {
     const std::vector<int> next = next_in_window(space, lattice, found);
     if (next.empty()) break;
     for (const int m : next) {
-      EXPECT_FALSE(found[static_cast<std::size_t>(m)].looked_at()) << "twice";
+      EXPECT_FALSE(found[static_cast<std::size_t>(m)].is_explored()) << "twice";
       found[static_cast<std::size_t>(m)] = all[static_cast<std::size_t>(m)];
     }
   }
@@ -116,7 +116,7 @@ Looked look(const ModelSpace& space, const Regression& data) {
   for (std::size_t m = 0; m < all.size(); ++m) {
     const double p = std::exp(all[m].log_evidence() - top);
     sum += p;
-    if (found[m].looked_at()) {
+    if (found[m].is_explored()) {
       ++out.models;
     } else {
       out.missed += p;
@@ -126,7 +126,7 @@ Looked look(const ModelSpace& space, const Regression& data) {
   return out;
 }
 
-TEST(OccamsWindow, TheLatticeHasTermsOneByOne) {
+TEST(OccamsWindow, LatticeLinksModelsThatDifferByOneTerm) {
   const ModelSpace space = subsets(4);
   const ModelLattice lattice(space);
   EXPECT_THAT(lattice.within(0), testing::IsEmpty());
@@ -138,9 +138,9 @@ TEST(OccamsWindow, TheLatticeHasTermsOneByOne) {
   EXPECT_THAT(lattice.around(0b1111), testing::IsEmpty());
 }
 
-// 0 to 8 of 8 terms are true; the exact probability of all that is passed over stays below what a
-// model is searched for.
-TEST(OccamsWindow, WhatItPassesOverIsImprobable) {
+// 0 to 8 of 8 terms are true; the exact probability of all models not evaluated stays below the
+// search threshold.
+TEST(OccamsWindow, OmittedModelsAreImprobable) {
   const ModelSpace space = subsets(8);
   base::Random random(1, 0, 0, base::Purpose::test);
   int models = 0, problems = 0;
@@ -152,11 +152,11 @@ TEST(OccamsWindow, WhatItPassesOverIsImprobable) {
       models += looked.models;
     }
   }
-  // What it is for. Half of 256 are within four terms of the law, and no further than e^-12.
+  // Half of the 256 models are within four terms of the law, and within e^-12.
   EXPECT_LT(models, problems * space.size() / 2);
 }
 
-TEST(OccamsWindow, OfAStrongLawItLooksAtLittleMoreThanTheLawAndWhatHasIt) {
+TEST(OccamsWindow, ExploresFewModelsBesidesAStrongLawAndItsExtensions) {
   const ModelSpace space = subsets(8);
   Regression data = regression(space, 0b01001001, 0.5, 3);
   data.x *= 10.0;
@@ -166,25 +166,26 @@ TEST(OccamsWindow, OfAStrongLawItLooksAtLittleMoreThanTheLawAndWhatHasIt) {
   EXPECT_LT(looked.models, 110);
 }
 
-// Three terms that nothing shows unless all of them are there, as of columns that nearly cancel.
-// Terms cost so much (ln 7700 = 9 nats) that no pair is in the window.
-TEST(OccamsWindow, TermsThatShowOnlyTogetherAreFoundFromTheLargestModel) {
+// Three terms that matter only together, with columns that nearly cancel. A term costs ln 7700 = 9
+// nats, so that no pair is in the window.
+TEST(OccamsWindow, FindsTermsThatMatterOnlyTogetherFromTheLargestModel) {
   const ModelSpace space = subsets(8);
   Regression data = regression(space, 0, 0.0, 5);
   data.x.rightCols(data.x.cols() - 1) *= 250.0;
   constexpr int kThree = 0b001011;
-  const std::vector<int> three = space[kThree].parameters;  // and the level
+  const std::vector<int> three = space[kThree].parameters;  // and the constant
   const Vector small = data.x.col(three[3]) / 1000.0;
   data.x.col(three[3]) = small - data.x.col(three[1]) - data.x.col(three[2]);
   data.y += 1.3 * small;
   const double best = data.explored(space[0]).log_evidence();
-  EXPECT_GT(data.explored(space[kThree]).log_evidence(), best + 5.0);  // or it would be no test
+  // Otherwise the test proves nothing.
+  EXPECT_GT(data.explored(space[kThree]).log_evidence(), best + 5.0);
   const Looked looked = look(space, data);
   EXPECT_LT(looked.missed, 1e-3);
   EXPECT_LT(looked.models, 200);
 }
 
-TEST(OccamsWindow, ASmallerModelStartsFromTheLikeliestAroundIt) {
+TEST(OccamsWindow, StartsASmallerModelFromTheMostProbableOneAroundIt) {
   const ModelSpace space = subsets(2);
   const ModelLattice lattice(space);
   std::vector<ModelExploration> found(4);
@@ -194,7 +195,7 @@ TEST(OccamsWindow, ASmallerModelStartsFromTheLikeliestAroundIt) {
   EXPECT_EQ(start_from_around(space, lattice, 2, found), (std::vector<double>{0.1, 0.3}));
 }
 
-// The engine over the same: a record that can be cut short, so that its list counts as nested.
+// A run on the same data, as a record that can be shortened, so that its list counts as nested.
 Problem problem_of(const ModelSpace& space, const Regression& data, long samples) {
   class Rows : public Likelihood {
    public:
@@ -219,7 +220,7 @@ Problem problem_of(const ModelSpace& space, const Regression& data, long samples
   return problem;
 }
 
-TEST(OccamsWindow, ARunThatPassesOverModelsHasTheOthersProbabilities) {
+TEST(OccamsWindow, RunWithOmittedModelsHasTheExactProbabilities) {
   const ModelSpace space = subsets(6);
   const Regression data = regression(space, 0b001001, 0.7, 11);
   const Posterior posterior =
@@ -245,8 +246,8 @@ TEST(OccamsWindow, ARunThatPassesOverModelsHasTheOthersProbabilities) {
   }
 }
 
-// Fault: of few models each had an evidence, those that were never evaluated one that was far off.
-TEST(OccamsWindow, OfFewModelsThosePassedOverHaveNoEvidence) {
+// Regression: with few models, those not evaluated had an evidence that was far too low.
+TEST(OccamsWindow, OmittedModelsOfAShortListHaveNoEvidence) {
   const ModelSpace space = subsets(5);
   const Regression data = regression(space, 0b00101, 0.7, 11);
   const Posterior posterior =

@@ -1,5 +1,5 @@
-// A run between two rounds is a value: a copy goes on bit for bit, in another context, with another
-// copy of the problem, and what happens to the copy does not happen to the original.
+// The state of a run between two rounds is a value: a copy continues bit for bit in another context
+// with another copy of the problem, and does not affect the original.
 #include "inference/engine/run_state.hpp"
 
 #include <gtest/gtest.h>
@@ -65,7 +65,7 @@ void expect_same_posterior(const Posterior& a, const Posterior& b) {
 
 class RunStateOf : public testing::TestWithParam<bool> {};
 
-TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
+TEST_P(RunStateOf, InterruptionAfterEveryRoundDoesNotChangeTheRun) {
   const Options options{.seed = 3, .chains = 2, .warmup = 1000, .draws = 2 * kStateDraws};
   const Problem problem = toy::bumps();
   RunContext context(problem, options);
@@ -79,7 +79,7 @@ TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
     state = begin(run);
   }
   for (const Round round : rounds(GetParam())) {
-    const Problem again = toy::bumps();  // of the context before nothing is left
+    const Problem again = toy::bumps();  // nothing of the earlier context remains
     RunContext run(again, options);
     resume(run, state);
     round(run, state);
@@ -91,7 +91,7 @@ TEST_P(RunStateOf, ARunThatWasLeftAfterEveryRoundIsTheSameRun) {
   }());
 }
 
-TEST_P(RunStateOf, CopiesDoNotKnowOfEachOther) {
+TEST_P(RunStateOf, CopiesAreIndependent) {
   const Options options{.seed = 4, .chains = 2, .warmup = 1000, .draws = kStateDraws};
   const Problem problem = toy::bumps();
   RunContext run(problem, options);
