@@ -121,7 +121,7 @@ class RootSearch {
   std::vector<double> pairs_, product_, eta_;
   std::vector<Found> found_;  // of each root, and of one more
   std::vector<int> queue_;
-  int last_ = 0;  // the last root, which is evaluated but not returned
+  int last_ = 0;  // the root after the requested ones, evaluated once; -1: none
 };
 
 template <class Visit>

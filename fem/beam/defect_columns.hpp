@@ -71,14 +71,15 @@ class DefectColumns {
   void add_damages(const IntactModes& intact, const SecularKernel& kernel);
   void rotate_in(double* row);
 
-  std::vector<Element> elements_;  // ascending, so that the order of the damages does not change the result
+  std::vector<Element>
+      elements_;  // ascending, so that the order of the damages does not change the result
   std::vector<int> support_column_;
   std::vector<double> columns_;        // count × stride
   std::vector<double> inverse_gamma_;  // 1/lost, -1/k, or 0 for a rigid support
   std::vector<double> factor_;         // L, row-major, most_ entries per row
-  std::vector<double> springs_;        // per support column: its part orthogonal to L_s⁻¹ c
-  std::vector<double> row_;            // scratch
-  std::size_t most_ = 0;               // largest possible number of columns
+  std::vector<double> springs_;  // per support column: the entries of the springs, from 1/√k
+  std::vector<double> row_;      // scratch
+  std::size_t most_ = 0;         // largest possible number of columns
   int support_columns_ = 0, damage_columns_ = 0, held_ = 0, rigid_ = 0;
   double least_remaining_ = 1.0, added_stiffness_ = 0.0, stiffest_spring_ = 0.0;
 };

@@ -17,11 +17,12 @@ struct IntactModes {
   int rigid;                        // number of modes at λ = 0
   std::size_t stride;               // n, and at least two
   std::vector<double> eigenvalues;  // stride
-  int stiff;                        // first mode that bends the beam; earlier modes only move its springs
-  std::vector<double> scales;       // s_j: λ_j, or the value of mode `stiff` for rigid-body modes
-  std::vector<double> held_scales;  // s_j with added supports: the value of mode `stiff` also for soft modes
-  std::vector<double> compliances;  // 1 / held_scales
-  std::vector<double> frequencies;  // wanted
+  int stiff;  // first mode that bends the beam; earlier modes only move its springs
+  std::vector<double> scales;  // s_j: λ_j, or the value of mode `stiff` for rigid-body modes
+  std::vector<double>
+      held_scales;  // s_j with added supports: the value of mode `stiff` also for soft modes
+  std::vector<double> compliances;   // 1 / held_scales
+  std::vector<double> frequencies;   // wanted
   std::vector<double> element_rows;  // 2 elements × stride: b·φ_j, a·φ_j of each element
   std::vector<double> dof_rows;      // 2 nodes × stride: φ_j at each degree of freedom
   int self_stresses = 0;             // their number

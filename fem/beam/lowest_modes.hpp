@@ -15,7 +15,8 @@ inline constexpr double kProven = 1e-12;
 struct LowestModes {
   std::vector<DoubleDouble> eigenvalues;  ///< exactly 0 for rigid-body modes
   std::vector<WidePencil::Vector> modes;
-  bool proven = false;  ///< true if Sturm counts place every eigenvalue i at `eigenvalues[i]` ± kProven
+  bool proven =
+      false;  ///< true if Sturm counts place every eigenvalue i at `eigenvalues[i]` ± kProven
 };
 
 /// Refines approximate modes by Rayleigh quotient iteration in 106 bits. `start` holds as many

@@ -39,7 +39,8 @@ class ModeReadings {
   std::span<const Damage> damages_;
   const Reanalysis::Results* results_ = nullptr;
   bool wanted_ = false;
-  bool need_coordinates_ = false;  // of modes; true if results besides gradients of the defects are requested
+  bool need_coordinates_ =
+      false;  // of modes; true if results besides gradients of the defects are requested
   std::vector<double> column_strains_, coordinates_, element_strains_, point_rows_;
 };
 

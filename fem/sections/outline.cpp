@@ -35,7 +35,7 @@ double cross_product(const Point& a, const Point& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// Which side of a → b the point lies on, and 0 on the line to rounding.
+/// The side of a → b on which the point lies; 0 on the line, to rounding.
 int side(const Point& a, const Point& b, const Point& p) {
   const double left = (b.x() - a.x()) * (p.y() - a.y()), right = (b.y() - a.y()) * (p.x() - a.x());
   const double difference = left - right;
@@ -55,7 +55,7 @@ bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
          (ac == 0 && within_box(c, d, a)) || (bc == 0 && within_box(c, d, b));
 }
 
-/// Two segments that cross at a point inside both, further than `near` from every end.
+/// True if two segments cross at a point inside both, further than `near` from every end.
 bool cross_properly(const Point& a, const Point& b, const Point& c, const Point& d, double near) {
   const auto height = [](const Point& p, const Point& q, const Point& r) {
     return cross_product(q - p, r - p) / (q - p).norm();
@@ -97,7 +97,7 @@ void refuse_infinite(const Ring& ring, const std::string& name) {
     if (!ring[i].allFinite()) refuse_outline(corner(name, i), text(ring[i]) + ": must be finite");
 }
 
-/// The ring without corners that repeat the one before, to `near`.
+/// The ring without corners within `near` of the previous one.
 Ring cleaned(const Ring& given, const std::string& name, double near) {
   const auto same = [&](const Point& a, const Point& b) { return (a - b).norm() <= near; };
   Ring ring;
@@ -108,8 +108,8 @@ Ring cleaned(const Ring& given, const std::string& name, double near) {
   if (ring.size() < 3 && exact > 2)
     refuse_outline(
         name,
-        "is lost beside the size of the outline, of which its corners are within a billionth of "
-        "each other: it keeps fewer than 3 different corners, but a polygon has at least 3");
+        "has corners within a billionth of the outline's size of each other: it keeps fewer than 3 "
+        "different corners, but a polygon has at least 3");
   if (ring.size() < 3)
     refuse_outline(name,
                    std::to_string(ring.size()) + " different corners: a polygon has at least 3");
@@ -121,7 +121,7 @@ Ring cleaned(const Ring& given, const std::string& name, double near) {
   return ring;
 }
 
-/// Turns the ring the given way round.
+/// Orients the ring in the given direction.
 void orient(Ring& ring, const std::string& name, bool counter_clockwise) {
   double size = 0.0;
   for (const Point& p : ring) size = std::max(size, (p - ring[0]).norm());
@@ -168,8 +168,8 @@ bool inside(const Region& region, const Point& p) {
          std::ranges::none_of(region.holes, [&](const Ring& hole) { return contains(hole, p); });
 }
 
-/// Points `by` beside the region's edges, on its inside: one for each piece of an edge between
-/// corners of `other` that lie on it.
+/// Points at distance `by` inside the region's edges: one for each piece of an edge between corners
+/// of `other` that lie on it.
 std::vector<Point> just_inside(const Region& region, const Region& other, double near, double by) {
   std::vector<Point> points;
   const auto visit = [&](const Ring& ring) {

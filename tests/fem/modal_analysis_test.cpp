@@ -156,7 +156,7 @@ TEST(ModalAnalysis, DenseAndSparseAgree) {
     const Modes sparse = modal_analysis(beam, {}, {.modes = 25});
     const Modes dense = modal_analysis(beam, {}, {.modes = 25, .dense = true});
     EXPECT_EQ(sparse.solver, "spectra");
-    EXPECT_EQ(dense.solver, "dense (as asked)");
+    EXPECT_EQ(dense.solver, "dense (requested)");
     EXPECT_TRUE(dense.certified);
     for (int i = 0; i < 25; ++i)
       EXPECT_NEAR(sparse.frequencies_hz[i], dense.frequencies_hz[i],
