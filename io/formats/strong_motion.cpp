@@ -25,7 +25,7 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-/// Its words, one blank between two.
+/// The words of a line, separated by one blank.
 std::string collapsed(std::string_view text) {
   std::string out;
   for (const char c : text)
@@ -37,7 +37,7 @@ std::string collapsed(std::string_view text) {
   return out;
 }
 
-/// The numbers that stand in a line among words.
+/// The numbers among the words of a line.
 std::vector<double> numbers_in(std::string_view line) {
   std::vector<double> out;
   for (std::size_t at = 0; at < line.size();) {
@@ -46,7 +46,7 @@ std::vector<double> numbers_in(std::string_view line) {
     const std::size_t end = std::min(line.find_first_not_of("0123456789.eE+-", from), line.size());
     at = end;
     std::string_view word = line.substr(from, end - from);
-    while (!word.empty()) {  // "SEC." and "5E" are no part of a number
+    while (!word.empty()) {  // "SEC." and "5E" are not part of a number
       if (const auto value = parse_number(word)) {
         out.push_back(*value);
         break;
@@ -57,7 +57,7 @@ std::vector<double> numbers_in(std::string_view line) {
   return out;
 }
 
-/// "Chan 1: 180 Deg" of a line that names a channel; empty of any other.
+/// "Chan 1: 180 Deg" from a line that names a channel; empty for any other line.
 std::string channel_in(std::string_view line) {
   const std::size_t at = lower(line).find("chan ");
   if (at == std::string::npos) return {};
@@ -68,7 +68,7 @@ std::string channel_in(std::string_view line) {
   return collapsed(line.substr(at, std::min(line.find("  ", from), line.size()) - at));
 }
 
-/// As units are written elsewhere: "cm/s^2" of "cm/sec/sec".
+/// The unit in the usual notation: "cm/s^2" for "cm/sec/sec".
 std::string unit_of(std::string_view text) {
   const std::string word = collapsed(lower(text));
   static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
@@ -83,7 +83,7 @@ std::string unit_of(std::string_view text) {
   std::size_t most = 0;
   std::string unit;
   for (const auto& [written, meant] : kUnits) {
-    // Whole words only; the longest one that stands at the beginning.
+    // The longest of these whole words at the beginning.
     if (!word.starts_with(written) || written.size() <= most) continue;
     if (word.size() > written.size() &&
         std::string_view(" .,;()").find(word[written.size()]) == std::string_view::npos)
@@ -120,7 +120,7 @@ class Reader {
   [[noreturn]] void corrupt(const std::string& why) const {
     throw FileError(FileError::Kind::corrupt, name_, Place{.line = lines.number}, why);
   }
-  /// So many as fill `width` columns each, or between blanks where `width` is 0.
+  /// This many numbers in columns of `width`, or separated by blanks if `width` is 0.
   std::vector<double> numbers(double count, std::size_t width) {
     std::vector<double> out;
     const auto most = static_cast<std::size_t>(count);
@@ -208,10 +208,10 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
       {"points of accel data", "acceleration"},
       {"points of veloc data", "velocity"},
       {"points of displ data", "displacement"}};
-  constexpr std::size_t kWidth = 10;  // unless the header says another
+  constexpr std::size_t kWidth = 10;  // unless the header gives another
   Reader in(bytes, name);
   Columns out{.file = name.string()};
-  std::vector<std::string> channels;  // of each column but time
+  std::vector<std::string> channels;  // for each column except time
   std::string channel;
   double common_points = 0.0, common_step = 0.0;
   while (in.lines.next()) {

@@ -28,7 +28,7 @@ constexpr std::uint32_t kNoData = 0xFFFFFFFF, kAsBefore = 0, kFormatChanging = 0
 constexpr std::uint64_t kNotClosed = 0xFFFFFFFFFFFFFFFF;
 constexpr std::uint32_t kString = 0x20, kBoolean = 0x21, kTimeStamp = 0x44;
 
-/// Of a value in raw data; 0 of texts and what we do not know.
+/// Size of a value in raw data; 0 for texts and unknown types.
 std::size_t size_of(std::uint32_t type) {
   switch (type) {
     case 1:
@@ -57,11 +57,11 @@ std::size_t size_of(std::uint32_t type) {
 
 struct Layout {
   std::uint32_t type = 0;
-  std::uint64_t count = 0;  ///< values a chunk
-  std::uint64_t bytes = 0;  ///< a chunk
+  std::uint64_t count = 0;  ///< values per chunk
+  std::uint64_t bytes = 0;  ///< per chunk
 };
 
-/// Where values of a channel stand: in every one of `chunks` chunks, `count` of them.
+/// Position of a channel's values: `count` of them in each of `chunks` chunks.
 struct Piece {
   std::uint64_t first = 0, chunks = 0, chunk_step = 0, count = 0, step = 0;
   bool big_endian = false;
@@ -70,7 +70,7 @@ struct Piece {
 struct Channel {
   std::string path;
   std::optional<Layout> layout = {};
-  std::map<std::string, double> numbers = {};  ///< of its properties
+  std::map<std::string, double> numbers = {};  ///< its numeric properties
   std::map<std::string, std::string> texts = {};
   std::vector<Piece> pieces = {};
   std::uint64_t length = 0;
@@ -129,7 +129,7 @@ class Parser {
     return out;
   }
 
-  /// Seconds since 1904 in two parts, so that differences keep their digits.
+  /// Seconds since 1904 in two parts, so that differences keep their precision.
   [[nodiscard]] std::pair<std::int64_t, double> time(std::uint64_t at, bool big_endian) const {
     const std::uint64_t fraction = at + (big_endian ? 8 : 0), seconds = at + (big_endian ? 0 : 8);
     return {value<std::int64_t>(seconds, big_endian),
@@ -209,7 +209,7 @@ class Parser {
     const auto raw = value<std::uint64_t>(at_ + 20, big_endian_);
     at_ += kLeadIn;
     const std::uint64_t left = bytes_.size() - at_;
-    // A program that was ended while it wrote leaves this mark, and perhaps part of a chunk.
+    // A program that was killed while writing leaves this mark, and perhaps part of a chunk.
     const bool closed = next != kNotClosed;
     if (!closed) next = left;
     if (next > left)
@@ -324,7 +324,7 @@ class Parser {
     }
   }
 
-  /// Applies the scales that the properties state, the last one first asking those before it.
+  /// Applies the scales of the properties; the last one first requests those before it.
   void scale(const Channel& channel, std::vector<double>& x) const {
     const auto status = channel.texts.find("NI_Scaling_Status");
     const double count = channel.number("NI_Number_Of_Scales", 0.0);
@@ -369,7 +369,7 @@ class Parser {
   std::vector<std::size_t> active_;
 };
 
-/// A time that channels share.
+/// A time axis shared by channels.
 struct Clock {
   std::uint64_t length = 0;
   double first = 0.0, step = 0.0;

@@ -31,7 +31,7 @@ SparseMatrix assembled(long long rows, long long columns, const Triplets& entrie
   return matrix;
 }
 
-/// Lines of a text, from 1, and their words.
+/// The lines of a text, from 1, and their words.
 class Lines {
  public:
   Lines(std::string_view text, const std::filesystem::path& name) : text_(text), name_(name) {}
@@ -111,7 +111,7 @@ std::vector<double> converted(const void* data, std::size_t count) {
   return out;
 }
 
-/// The numbers of an array, as stored; nothing where they are none.
+/// The numbers of an array, as stored; nothing if they are not numbers.
 std::optional<std::vector<double>> numbers(const void* data, matio_types type, std::size_t count) {
   if (count == 0) return std::vector<double>();
   if (data == nullptr) return {};
@@ -128,7 +128,7 @@ std::optional<std::vector<double>> numbers(const void* data, matio_types type, s
   return {};
 }
 
-/// What is needed to read one variable and to complain about it.
+/// Context for reading one variable and for its error messages.
 class MatlabMatrix {
  public:
   MatlabMatrix(const std::filesystem::path& path, const matvar_t& variable, const std::string& name)
@@ -242,7 +242,7 @@ SparseMatrix read_here(const std::filesystem::path& path, const std::string& nam
                   "has no matrix \"" + name + "\"; there are: " + (names.empty() ? "none" : names));
 }
 
-/// A compressed matrix, for read_apart.
+/// A compressed matrix as bytes, for read_apart.
 struct Carried {
   Eigen::Index rows = 0, columns = 0;
   std::vector<int> starts, inner;

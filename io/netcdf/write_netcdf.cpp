@@ -9,13 +9,13 @@ namespace wheeltap::io {
 
 namespace {
 
-/// Where HDF5 cannot write it does not say why: the next piece of the file tells.
+/// HDF5 does not report why it cannot write; writing the next piece of the file gives the reason.
 void tell_why(AtomicFile& to) {
   constexpr std::size_t kPiece = 1 << 16;
   to.append(std::string(kPiece, '\0'));
 }
 
-/// False where no child can be started.
+/// Returns false if no child can be started.
 bool write_on_disk(AtomicFile& to, const FillNetcdf& fill) {
   bool written = false;
   to.lend([&](const std::filesystem::path& file) {

@@ -1,4 +1,4 @@
-// Writing universal files: the inverse of universal_file.cpp.
+// Writes universal files: the inverse of universal_file.cpp.
 #include <algorithm>
 #include <bit>
 #include <cstdio>
@@ -39,7 +39,8 @@ std::string d25(double x) {
   return text;
 }
 
-/// A line of text, of 80 characters. One that would read as a dataset's end is put in brackets.
+/// A line of text, of 80 characters. A line that would read as the end of a dataset is put in
+/// brackets.
 std::string text_line(const std::string& text) {
   std::string line = padded(text, 80);
   const std::size_t begin = line.find_first_not_of(" \t\r"), end = line.find_last_not_of(" \t\r");
@@ -90,7 +91,7 @@ std::string binary_values(const UniversalFunction& f) {
 
 std::string text_values(const UniversalFunction& f) {
   std::string out;
-  // As many values a line as the format has; points of uneven functions are never parted.
+  // As many values per line as the format allows; points of uneven functions are not split.
   const std::size_t ordinates = f.is_complex ? 2 : 1;
   std::size_t points_a_line = 0;
   if (f.is_double) {
@@ -155,7 +156,7 @@ void add(std::string& out, const UniversalShape& s) {
   out += kSeparator;
 }
 
-/// Eight nodes a line.
+/// Eight nodes per line.
 std::string in_rows(const std::vector<int>& nodes) {
   std::string out;
   for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -163,7 +164,7 @@ std::string in_rows(const std::vector<int>& nodes) {
   return out + (nodes.empty() ? "" : "\n");
 }
 
-/// Those of double precision as dataset 2411, the others as 15.
+/// Nodes of double precision as dataset 2411, the others as 15.
 void add(std::string& out, const std::vector<UniversalNode>& nodes) {
   for (const bool is_double : {false, true}) {
     if (std::ranges::count(nodes, is_double, &UniversalNode::is_double) == 0) continue;
