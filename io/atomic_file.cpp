@@ -103,7 +103,7 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
   if (fs::exists(there) && !fs::is_regular_file(there))
     fail(path_, fs::is_directory(there)
                     ? "is a directory"
-                    : "is no regular file: a pipe or a device cannot be replaced");
+                    : "is not a regular file: a pipe or a device cannot be replaced");
   sweep(path_);
   int error = EEXIST;
   for (int i = 0; i < kTries && error == EEXIST; ++i) {

@@ -17,7 +17,7 @@ namespace {
 
 const char* kind_of(mode_t mode) {
   if (S_ISDIR(mode)) return "is a directory";
-  if (S_ISFIFO(mode)) return "is a pipe, not a file: its content must be stored first";
+  if (S_ISFIFO(mode)) return "is a pipe, not a file: store its content in a file first";
   if (S_ISCHR(mode) || S_ISBLK(mode)) return "is a device, not a file";
   return "is not a file";
 }

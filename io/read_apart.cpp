@@ -188,16 +188,16 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
   if (!ended) return read();
   if (ended->signal == SIGXCPU)
     throw FileError(FileError::Kind::corrupt, path,
-                    "damaged, it seems: " + std::to_string(static_cast<int>(seconds)) +
-                        " s of processor time did not get to its end");
+                    "probably damaged: " + std::to_string(static_cast<int>(seconds)) +
+                        " s of processor time were not enough to read it");
   if (!ended->whole)
     throw FileError(FileError::Kind::corrupt, path,
-                    "damaged, it seems: the library that reads such files crashed on it");
+                    "probably damaged: the library that reads such files crashed");
   if (ended->outcome == Outcome::beyond_bound)
     throw FileError(FileError::Kind::corrupt, path,
-                    "damaged, it seems: " + std::to_string(std::llround(memory / 1048576.0)) +
-                        " MB of memory did not suffice to read it (if it is sound and merely "
-                        "compressed beyond measure, store it without)");
+                    "probably damaged: " + std::to_string(std::llround(memory / 1048576.0)) +
+                        " MB of memory were not enough to read it (if the file is valid and only "
+                        "strongly compressed, store it without compression)");
   return std::move(ended->bytes);
 }
 
@@ -209,7 +209,7 @@ bool write_apart(const std::filesystem::path& path, const std::function<void()>&
     });
     if (ended && !ended->whole)
       throw FileError(FileError::Kind::unwritable, path,
-                      "the library that writes such files crashed on it");
+                      "the library that writes such files crashed");
     return ended.has_value();
   } catch (const std::bad_alloc&) {
     throw FileError(FileError::Kind::unwritable, path,

@@ -57,7 +57,7 @@ std::vector<Pair> pairs_of(const std::string& bytes, const std::filesystem::path
     const auto number = parse_number(*code);
     if (!number || *number != std::floor(*number) || std::abs(*number) > 1e5) {
       if (pairs.empty())
-        throw FileError(FileError::Kind::foreign, name, "does not begin as a DXF does");
+        throw FileError(FileError::Kind::foreign, name, "does not begin like a DXF file");
       fail(name, line, "'" + code->substr(0, 40) + "': must be a group code, a whole number");
     }
     const auto value = next();
@@ -246,7 +246,7 @@ class Reader {
         if (gap > near) {
           std::string where = std::to_string(path.back().x) + ", " + std::to_string(path.back().y);
           fail(name_, chains_[start].line,
-               "the edges that begin here do not close: nothing goes on from (" + where + ")");
+               "the edges that begin here do not close: no edge continues from (" + where + ")");
         }
         used[best] = true;
         append(path, chains_[best].corners, turned);

@@ -68,7 +68,7 @@ class Header {
     std::string_view text = value("shape");
     const std::size_t end = text.find(')');
     if (!text.starts_with('(') || end == std::string_view::npos)
-      corrupt("is damaged: its shape is no list");
+      corrupt("is damaged: its shape is not a list");
     text = text.substr(1, end - 1);
     std::vector<std::size_t> out;
     while (true) {
@@ -219,7 +219,7 @@ NpyArray array_of(std::string bytes, const std::filesystem::path& file, const st
     throw FileError(FileError::Kind::corrupt, file, shown + why);
   };
   if (!std::string_view(bytes).starts_with(kMagic))
-    throw FileError(FileError::Kind::foreign, file, shown + "is no NumPy array (.npy)");
+    throw FileError(FileError::Kind::foreign, file, shown + "is not a NumPy array (.npy)");
   if (bytes.size() < 12) corrupt("is cut off within its header");
   const int version = static_cast<unsigned char>(bytes[6]);
   if (version < 1 || version > 3)

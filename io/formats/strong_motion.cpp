@@ -147,7 +147,7 @@ class Reader {
       line.remove_prefix(end);
       if (word.empty()) continue;
       const auto value = parse_number(word);
-      if (!value) corrupt("'" + printable(in_utf8(word)).substr(0, 40) + "' is no number");
+      if (!value) corrupt("'" + printable(in_utf8(word)).substr(0, 40) + "' is not a number");
       if (out.size() == most)
         corrupt("more numbers than the " + std::to_string(most) +
                 " announced: correct the number of points in the header");
@@ -173,14 +173,14 @@ Columns parse_peer(std::string bytes, const std::filesystem::path& name, const W
   while (!(points > 0.0)) {
     if (in.lines.number == kHeaderLines || !in.lines.next())
       throw FileError(FileError::Kind::corrupt, name,
-                      "no line of its header says the number of points and the time step, as "
+                      "no line of its header gives the number of points and the time step, as "
                       "\"NPTS= 3930, DT= .00500 SEC\"");
     const std::string line = lower(in.lines.line);
     if (line.find("npts") != std::string::npos && line.find("dt") != std::string::npos) {
       const std::vector<double> found = numbers_in(line);
       if (found.size() < 2 || !sound(found[0], found[1]))
         in.corrupt("'" + printable(in_utf8(collapsed(in.lines.line))) +
-                   "' says no number of points and time step: expected \"NPTS= 3930, DT= .00500 "
+                   "' gives no number of points and time step: expected \"NPTS= 3930, DT= .00500 "
                    "SEC\"");
       points = found[0];
       step = found[1];
@@ -226,7 +226,7 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
         spaced == std::string::npos ? std::vector<double>() : numbers_in(line.substr(spaced));
     if (before.empty() || after.empty() || !sound(before.back(), after[0]))
       in.corrupt(
-          "says no number of points and time step: expected \"N points of accel data equally "
+          "gives no number of points and time step: expected \"N points of accel data equally "
           "spaced at DT sec, in cm/sec2. (8f10.5)\"");
     std::size_t width = kWidth;
     const auto format = line.rfind('(');
@@ -253,9 +253,10 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
     out.columns.push_back(column(std::string(found->second), unit, std::move(values)));
   }
   if (out.columns.empty())
-    throw FileError(FileError::Kind::foreign, name,
-                    "holds no line \"N points of accel data equally spaced at DT sec\": it is no "
-                    "corrected record (volume 2) of CSMIP");
+    throw FileError(
+        FileError::Kind::foreign, name,
+        "holds no line \"N points of accel data equally spaced at DT sec\": it is not a "
+        "corrected record (volume 2) of CSMIP");
   if (std::ranges::count(channels, channels[0]) < std::ssize(channels))
     for (std::size_t c = 1; c < out.columns.size(); ++c) {
       const Column& of = out.columns[c];

@@ -108,7 +108,7 @@ class Parser {
 
   void parse() {
     if (!std::string_view(bytes_).starts_with("TDSm"))
-      throw FileError(FileError::Kind::foreign, name_, "does not begin as a TDMS file");
+      throw FileError(FileError::Kind::foreign, name_, "does not begin like a TDMS file");
     for (at_ = 0; at_ < bytes_.size();) segment();
   }
 
@@ -249,7 +249,8 @@ class Parser {
     if (kind == kNoData) return;
     if (kind == kFormatChanging || kind == kDigitalLine) refuse_daqmx();
     if (kind == kAsBefore) {
-      if (!channel.layout) corrupt("is damaged: a channel repeats a layout that it never had");
+      if (!channel.layout)
+        corrupt("is damaged: a channel refers to a previous layout that does not exist");
     } else {
       Layout layout{.type = take<std::uint32_t>()};
       if (take<std::uint32_t>() != 1) corrupt("is damaged: raw data of more than one dimension");
@@ -265,7 +266,7 @@ class Parser {
       else
         layout.bytes = layout.count * size;
       if (channel.layout && channel.layout->type != layout.type && channel.length > 0)
-        corrupt("channel " + channel.path + " changes its type: write it anew with one type");
+        corrupt("channel " + channel.path + " changes its type: write it again with one type");
       channel.layout = layout;
     }
     if (std::ranges::find(active_, index) == active_.end() && channel.layout->bytes > 0)
@@ -295,7 +296,7 @@ class Parser {
       chunk += layout.bytes;
       if (interleaved &&
           (layout.type == kString || layout.count != channels_[active_[0]].layout->count))
-        corrupt("is damaged: interleaved channels of unlike lengths");
+        corrupt("is damaged: interleaved channels of different lengths");
     }
     if (chunk == 0 || begin == end) return;
     std::uint64_t chunks = (end - begin) / chunk;
@@ -381,7 +382,7 @@ Columns parse_tdms(std::string bytes, const std::filesystem::path& name, const W
   Parser parser(bytes, name);
   parser.parse();
   Columns out{.file = name.string()};
-  if (parser.cut()) out.others.emplace_back("rows that were not written to their end (left out)");
+  if (parser.cut()) out.others.emplace_back("incomplete rows (left out)");
   std::vector<ArrayShape> arrays;
   std::vector<const Channel*> sources;  // null: time
   std::vector<Clock> clocks;

@@ -357,8 +357,9 @@ Columns parse_workbook(std::string bytes, const std::filesystem::path& name, con
                     "is a workbook of Excel 97 to 2003, or encrypted: save it as .xlsx without a "
                     "password, or as .csv");
   if (stated.separator)
-    throw FileError(FileError::Kind::mismatch, name,
-                    "is an Excel workbook: leave out separator, which is of delimited text");
+    throw FileError(
+        FileError::Kind::mismatch, name,
+        "is an Excel workbook: leave out separator, which applies to delimited text only");
   Workbook workbook(bytes, name);
   const std::vector<Sheet>& sheets = workbook.sheets();
   auto chosen = stated.sheet.empty() ? std::ranges::find(sheets, false, &Sheet::hidden)

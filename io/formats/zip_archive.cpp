@@ -68,7 +68,7 @@ std::uint64_t ZipArchive::number(std::uint64_t at, int bytes) const {
 
 void ZipArchive::read_directory() {
   if (!bytes_.starts_with(kLocal) && !bytes_.starts_with(kEnd))
-    throw FileError(FileError::Kind::foreign, name_, "is no ZIP archive");
+    throw FileError(FileError::Kind::foreign, name_, "is not a ZIP archive");
   const std::size_t from =
       bytes_.size() - std::min<std::size_t>(bytes_.size(), kEndSize + kLongestComment);
   const std::size_t end = bytes_.rfind(kEnd);
@@ -125,7 +125,7 @@ std::string ZipArchive::read(const ZipMember& member, std::uint64_t largest) con
   const std::string shown = "its member \"" + printable(in_utf8(member.name)) + "\" ";
   if (member.method == -1) corrupt(shown + "is encrypted: save it without a password");
   if (member.method != 0 && member.method != 8)
-    corrupt(shown + "is packed by method " + std::to_string(member.method) +
+    corrupt(shown + "is compressed by method " + std::to_string(member.method) +
             ": only stored and deflated members are read");
   if (member.size > largest)
     corrupt(shown + "has " + std::to_string(member.size) + " bytes: at most " +
@@ -149,7 +149,7 @@ std::string ZipArchive::read(const ZipMember& member, std::uint64_t largest) con
                      static_cast<uInt>(piece));
     done += piece;
   }
-  if (checksum != member.checksum) corrupt(shown + "is damaged: it does not fit its checksum");
+  if (checksum != member.checksum) corrupt(shown + "is damaged: it does not match its checksum");
 #endif
   return out;
 }

@@ -173,7 +173,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
                                                      Mat_Close);
   if (!file)
     throw FileError(FileError::Kind::missing, path,
-                    "cannot be read as a MATLAB file: there is none, or it is damaged");
+                    "cannot be read as a MATLAB file: it is missing, damaged or of another format");
   Columns table{.file = path.string()};
   std::error_code ignored;
   const double most =
@@ -205,7 +205,8 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
                             " numbers, more than a file of its size can hold");
       if (shape.size() == 0) return;
       if (Mat_VarReadDataAll(file.get(), &array) != 0 || !take(of, array, arrays))
-        throw FileError(FileError::Kind::corrupt, path, of + " cannot be read: it is damaged");
+        throw FileError(FileError::Kind::corrupt, path,
+                        of + " cannot be read: the file is damaged");
     });
   }
   // libmatio silently stops at the first unreadable variable.

@@ -164,7 +164,7 @@ class MatlabMatrix {
     if (s == nullptr) fail("cannot be read");
     const std::size_t rows = v_.dims[0], columns = v_.dims[1];
     if (static_cast<std::size_t>(s->njc) != columns + 1 || s->jc == nullptr || s->jc[0] != 0)
-      fail("is damaged: its column starts do not fit its size");
+      fail("is damaged: its column starts do not match its size");
     const auto stored = static_cast<std::size_t>(s->jc[columns]);
     const auto values = numbers(s->data, v_.data_type, static_cast<std::size_t>(s->ndata));
     if (!values) fail("does not hold numbers");
@@ -175,7 +175,7 @@ class MatlabMatrix {
     for (std::size_t j = 0; j < columns; ++j) {
       if (s->jc[j + 1] < s->jc[j]) fail("is damaged: its column starts descend");
       if (static_cast<std::size_t>(s->jc[j + 1]) > stored)
-        fail("is damaged: its column starts do not fit its size");
+        fail("is damaged: its column starts do not match its size");
       for (auto k = static_cast<std::size_t>(s->jc[j]); k < static_cast<std::size_t>(s->jc[j + 1]);
            ++k) {
         const auto row = static_cast<std::size_t>(s->ir[k]);
@@ -195,8 +195,8 @@ class MatlabMatrix {
             : std::nullopt;
     if (!values || v_.class_type == MAT_C_CHAR || v_.class_type == MAT_C_CELL ||
         v_.class_type == MAT_C_STRUCT)
-      fail("is no matrix of numbers");
-    if (values->size() != rows * columns) fail("is damaged: it does not hold what its size says");
+      fail("is not a numeric matrix");
+    if (values->size() != rows * columns) fail("is damaged: its content does not match its size");
     Triplets entries;
     for (std::size_t j = 0; j < columns; ++j)
       for (std::size_t i = 0; i < rows; ++i) add(entries, i, j, (*values)[j * rows + i]);
@@ -306,7 +306,8 @@ SparseMatrix parse_matrix_market(std::string_view text, const std::filesystem::p
   Lines lines(text, name);
   const auto banner = lines.first();
   if (banner.size() != 5 || lower(banner[0]) != "%%matrixmarket" || lower(banner[1]) != "matrix")
-    lines.fail("is no Matrix Market file: must begin \"%%MatrixMarket matrix\"", Kind::foreign);
+    lines.fail("is not a Matrix Market file: it must begin \"%%MatrixMarket matrix\"",
+               Kind::foreign);
   const std::string format = lower(banner[2]), field = lower(banner[3]),
                     symmetry = lower(banner[4]);
   if (format != "coordinate" && format != "array")
@@ -349,7 +350,7 @@ SparseMatrix parse_matrix_market(std::string_view text, const std::filesystem::p
       const long long row = whole(lines, words[0], "row", 1, rows) - 1;
       const long long column = whole(lines, words[1], "column", 1, columns) - 1;
       if (symmetric && row < column)
-        lines.fail("stands above the diagonal: a symmetric file holds what is on and below it");
+        lines.fail("lies above the diagonal: a symmetric file holds only entries on and below it");
       add(row, column, pattern ? 1.0 : real(lines, words[2]));
     }
   } else {

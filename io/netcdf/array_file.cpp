@@ -145,10 +145,11 @@ std::vector<double> values_of(const std::filesystem::path& path, const Found& of
   std::error_code none;
   const std::uintmax_t bytes = std::filesystem::file_size(path, none);
   if (!none && static_cast<double>(of.array.size()) * sizeof(double) > most_bytes(bytes))
-    throw FileError(FileError::Kind::corrupt, path,
-                    "\"" + of.array.name + "\" announces " + std::to_string(of.array.size()) +
-                        " numbers, more than are read of a file of its size (if it is sound and "
-                        "merely compressed beyond measure, store it without)");
+    throw FileError(
+        FileError::Kind::corrupt, path,
+        "\"" + of.array.name + "\" announces " + std::to_string(of.array.size()) +
+            " numbers, more than the limit for a file of its size (if the file is valid "
+            "and only strongly compressed, store it without compression)");
   std::vector<double> x(of.array.size());
   std::string compounds(of.part ? of.part->size * x.size() : 0, '\0');
   if (const int status = of.part ? nc_get_var(of.group, of.id, compounds.data())
@@ -183,8 +184,7 @@ void require_whole(const std::filesystem::path& path) {
   const std::optional<std::uintmax_t> must = netcdf_classic_size(bytes);
   if (!must)
     throw FileError(FileError::Kind::corrupt, path,
-                    "is truncated, damaged or was not closed by its writer: its header makes no "
-                    "sense");
+                    "is truncated, damaged or was not closed by its writer: its header is invalid");
   std::error_code none;
   const std::uintmax_t is = std::filesystem::file_size(path, none);
   if (!none && is < *must)

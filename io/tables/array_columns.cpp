@@ -110,7 +110,7 @@ std::string other_length(const ArrayShape& array, const ArrayLayout& layout) {
   const std::string shown = array.name + " (" + array.shape_in_words();
   const std::size_t length = length_of(array, layout);
   if (array.size() == 0) return shown + ", empty)";
-  if (length <= 1) return shown + ", one sample a channel)";
+  if (length <= 1) return shown + ", one sample per channel)";
   if (channels_of(array, length) > kMostChannels)
     return shown + ", more than " + std::to_string(kMostChannels) + " channels)";
   Columns own;

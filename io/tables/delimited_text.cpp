@@ -194,9 +194,10 @@ DelimitedText::DelimitedText(std::string bytes, std::filesystem::path name, Firs
                                  '\n')},
          "is not text: there is a NUL byte");
   if (!stated_.time_format.empty() && !parse_time_format(stated_.time_format))
-    fail({}, "\"time_format\": \"" + printable(stated_.time_format) +
-                 "\" is no form of time stamps: give \"day-first\", \"month-first\" or a pattern "
-                 "like \"%d.%m.%Y %H:%M:%S\"");
+    fail({},
+         "\"time_format\": \"" + printable(stated_.time_format) +
+             "\" is not a format of time stamps: give \"day-first\", \"month-first\" or a pattern "
+             "like \"%d.%m.%Y %H:%M:%S\"");
   scan();
   if (!starts_.empty()) find_layout(first_row);
   layout_.first_row = first_line_;
@@ -305,7 +306,7 @@ void DelimitedText::refuse_wrapped_series() const {
   if (!slist && !knet) return;
   fail({.line = layout_.above.front().number},
        std::string("one series in rows of several samples (") + (slist ? "SLIST" : "K-NET") +
-           "), which are no channels: write it with one sample a line" +
+           "), which are not channels: write it with one sample per line" +
            (slist ? " (TSPAIR)" : ", times its scale factor") + ", or as MATLAB or NumPy file");
 }
 
@@ -406,10 +407,10 @@ double DelimitedText::plain_number(const std::string& text, Place place, Column&
       reason += " (decimal commas are read with \"decimal\": \",\")";
     else if (shape_.decimal == ',' && parse_number(text))
       reason +=
-          " with a decimal comma, as the others have one (state \"decimal\": \".\" if all have "
+          " with a decimal comma, unlike the others (state \"decimal\": \".\" if all have "
           "points)";
     else if (column.cells == CellKind::number && read_stamp(text).stamp)
-      reason += ", as the cells above are";
+      reason += ", unlike the cells above";
     else
       reason +=
           ": leave the cell empty if it stands for a missing value, or do not read this column "
@@ -441,10 +442,10 @@ DayOrder DelimitedText::day_order(int column) const {
   if (!unclear) return DayOrder::unknown;
   Columns table{.file = name_.string(), .columns = headers_, .first_line = first_line_};
   const std::vector<std::string> found = cells(0);
-  fail(table.place(0, column),
-       "the date of " + shown(found[static_cast<std::size_t>(column)]) +
-           " may be in either order: state \"time_format\": \"day-first\" or \"time_format\": "
-           "\"month-first\"");
+  fail(table.place(0, column), "the date of " + shown(found[static_cast<std::size_t>(column)]) +
+                                   " is ambiguous, day or month first: state \"time_format\": "
+                                   "\"day-first\" or \"time_format\": "
+                                   "\"month-first\"");
 }
 
 /// Why a text has no rows, and what to do.
@@ -538,8 +539,8 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
           table.columns[c].values[row] = value;
         } else if (!stamps[c]->read(text, table.columns[c].values[row])) {
           fail(place,
-               shown(text) + " is no time stamp" +
-                   (stated_.time_format.empty() ? std::string(" like those above it")
+               shown(text) + " is not a time stamp" +
+                   (stated_.time_format.empty() ? std::string(" like those above")
                                                 : " of the form \"" + stated_.time_format + "\""));
         }
         continue;

@@ -172,7 +172,7 @@ class Finder {
     const auto first = std::ranges::find_if(
         head_, [&](const TextLine& l) { return !l.is_comment && split_line(l).is_row(); });
     throw UnclearLayout(first == head_.end() ? 0 : first->number,
-                        "commas within quotes are decimal marks or part thousands. State "
+                        "commas within quotes may be decimal marks or separate thousands. State "
                         "\"decimal\": \",\" for decimal commas, or \"decimal\": \".\" for "
                         "thousands");
   }
@@ -224,14 +224,15 @@ class Finder {
         count_columns();
         return;
       case Commas::unclear:
-        throw UnclearLayout(line,
-                            "a comma stands between whole numbers: they are two columns, or the "
-                            "digits of one number. State \"decimal\": \",\" for decimal commas, or "
-                            "\"separator\": \",\" for two columns");
+        throw UnclearLayout(
+            line,
+            "a comma between whole numbers may separate two columns or be a decimal "
+            "comma. State \"decimal\": \",\" for decimal commas, or "
+            "\"separator\": \",\" for two columns");
       case Commas::mixed:
         throw UnclearLayout(line,
-                            "commas are decimal marks and separate columns, too: the numbers "
-                            "cannot be told apart for certain. Export the file with semicolons or "
+                            "commas are decimal marks and column separators, so the numbers are "
+                            "ambiguous. Export the file with semicolons or "
                             "tabs between columns, or state \"separator\": \",\" if all commas "
                             "separate whole numbers");
     }

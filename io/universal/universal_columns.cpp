@@ -130,8 +130,9 @@ Columns universal_columns(const UniversalFile& file, const std::filesystem::path
   add(label, abscissa.unit, std::move(x));
   for (const UniversalFunction& f : file.functions) {
     if (!shares_abscissa(first, f))
-      throw FileError(FileError::Kind::corrupt, name, {.line = f.line},
-                      "this function's abscissa is not that of the first: a table needs one");
+      throw FileError(
+          FileError::Kind::corrupt, name, {.line = f.line},
+          "this function's abscissa differs from that of the first: a table needs a common one");
     const Measured over = measured(f.numerator, file.units);
     const Measured under = measured(f.denominator, file.units);
     std::string column = dof_in_words(f.response);

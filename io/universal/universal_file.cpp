@@ -148,7 +148,7 @@ void codes(Reader& in, UniversalShape& s) {
   s.is_complex = what[4] >= 5;
   s.values_a_node = what[5];
   if (s.values_a_node < 1 || s.values_a_node > 9)
-    in.fail(std::to_string(s.values_a_node) + " values a node: must be 1 to 9");
+    in.fail(std::to_string(s.values_a_node) + " values per node: must be 1 to 9");
 }
 
 /// Up to the end of the dataset.
@@ -171,7 +171,7 @@ UniversalShape shape(Reader& in) {
   for (std::string& id : s.ids) id = text_of(in.next("an ID line"));
   codes(in, s);
   std::vector<int> head = in.integers(in.next("how many numbers follow"), 10, "number");
-  if (head.size() < 2) in.fail("says not how many numbers follow");
+  if (head.size() < 2) in.fail("does not state how many numbers follow");
   const int integers = head[0], reals = head[1];
   if (integers < 0 || integers > 1000 || reals < 0 || reals > 1000)
     in.fail("announces " + std::to_string(integers) + " and " + std::to_string(reals) + " numbers");
@@ -269,7 +269,7 @@ UniversalFile parse_universal_file(const std::string& bytes, const std::filesyst
   in.skip_blanks();
   if (in.done() || !in.at_separator())
     throw FileError(FileError::Kind::foreign, name,
-                    "is no universal file: it must begin with a line that holds -1");
+                    "is not a universal file: it must begin with a line that holds -1");
   while (!in.done()) {
     if (!in.at_separator()) {
       const std::string_view line = in.next("a dataset");

@@ -116,7 +116,7 @@ class Reader {
   double number(std::string_view text, const char* what) const {
     if (trimmed(text).empty()) return 0.0;
     const auto value = fortran_number(text);
-    if (!value) fail(std::string(what) + " '" + std::string(trimmed(text)) + "' is no number");
+    if (!value) fail(std::string(what) + " '" + std::string(trimmed(text)) + "' is not a number");
     return *value;
   }
   /// Whole numbers in columns of `width`; if they do not fit the columns, separated by blanks.
@@ -169,7 +169,7 @@ class Reader {
         out.resize(before);
         for (const std::string_view word : split(line)) {
           const auto value = fortran_number(word);
-          if (!value) fail("'" + std::string(word) + "' is no number");
+          if (!value) fail("'" + std::string(word) + "' is not a number");
           out.push_back(*value);
         }
       }

@@ -34,7 +34,7 @@ TEST(Bytes, OfPipesDevicesAndFoldersAreRefusedAtOnce) {
   const test::TemporaryDirectory directory;
   ASSERT_EQ(::mkfifo((directory / "pipe").c_str(), 0600), 0);
   EXPECT_EQ(refusal(directory / "pipe", Kind::missing),
-            "cannot be read: is a pipe, not a file: its content must be stored first");
+            "cannot be read: is a pipe, not a file: store its content in a file first");
   EXPECT_EQ(refusal("/dev/zero", Kind::missing), "cannot be read: is a device, not a file");
   EXPECT_EQ(refusal(directory / "", Kind::missing), "cannot be read: is a directory");
   EXPECT_EQ(refusal(directory / "none", Kind::missing), "no such file");

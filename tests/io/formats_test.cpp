@@ -59,7 +59,7 @@ TEST_F(Formats, UnknownOnesAreRefusedWithThoseThatAreKnown) {
   test::put_bytes(directory / "r.doc", "PK");
   const std::string why = error("r.doc", Kind::foreign);
   EXPECT_TRUE(why.starts_with(
-      "no format with the ending '.doc' is known, there are delimited text (.csv, .tsv, "))
+      "unknown file extension '.doc'; the known formats are delimited text (.csv, .tsv, "))
       << why;
   for (const char* part : {"; MATLAB (.mat); universal file (.uff, .unv, .uf); ",
                            "NumPy array (.npy)", "PEER record (.at2, ", "TDMS (.tdms)"})

@@ -122,7 +122,7 @@ TEST(ReadApart, ASmallFileDoesNotTakeTheMachinesMemory) {
                 std::free(much);
                 return "";
               }),
-              testing::HasSubstr("1024 MB of memory did not suffice"));
+              testing::HasSubstr("1024 MB of memory were not enough"));
   EXPECT_EQ(read_apart("a.mat",
                        [] {
                          constexpr std::size_t kMuch = 500'000'000, kPage = 4096;

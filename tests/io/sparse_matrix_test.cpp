@@ -60,7 +60,7 @@ TEST(MatrixMarket, EntriesThatStandTwiceAreAdded) {
 
 TEST(MatrixMarket, WhatIsNoneIsRefusedWithItsLine) {
   const std::string head = "%%MatrixMarket matrix coordinate real general\n";
-  expect_market_refused("1 1 2\n", "line 1: is no Matrix Market file", Kind::foreign);
+  expect_market_refused("1 1 2\n", "line 1: is not a Matrix Market file", Kind::foreign);
   expect_market_refused("%%MatrixMarket matrix coordinate complex general\n1 1 0\n", "'complex'");
   expect_market_refused("%%MatrixMarket matrix array pattern general\n1 1\n", "'pattern'");
   expect_market_refused("%%MatrixMarket matrix coordinate real hermitian\n1 1 0\n", "'hermitian'");

@@ -165,7 +165,7 @@ TEST(TdmsFile, ReadsWhatAProgramWroteUntilItWasEnded) {
   bytes.resize(bytes.size() - 3);
   const Columns t = parse_tdms(bytes, "r", {});
   EXPECT_EQ(t.columns[1].values.size(), 4U);
-  EXPECT_THAT(t.others, ElementsAre(HasSubstr("not written to their end")));
+  EXPECT_THAT(t.others, ElementsAre(HasSubstr("incomplete rows")));
 }
 
 }  // namespace

@@ -353,7 +353,7 @@ TEST(TextLoggers, SeriesInRowsAreNoChannels) {
   EXPECT_THAT(refusal("TIMESERIES XX_STA__HHZ_D, 12 samples, 100 sps, "
                       "2021-03-01T10:00:00.000000, SLIST, INTEGER, Counts\n1 2 3 4 5 6\n"
                       "7 8 9 10 11 12\n"),
-              HasSubstr("one sample a line (TSPAIR)"));
+              HasSubstr("one sample per line (TSPAIR)"));
   EXPECT_THAT(refusal("Origin Time       2021/03/01 10:00:00\nSampling Freq(Hz) 100Hz\n"
                       "Scale Factor      2000(gal)/8388608\nMemo.\n 1 2 3 4 5 6 7 8\n"
                       " 1 2 3 4 5 6 7 8\n"),
