@@ -176,7 +176,7 @@ void AtomicFile::lend(const std::function<void(const fs::path& temporary)>& use)
   lock(descriptor_);
 }
 
-void AtomicFile::settle() {
+void AtomicFile::flush() {
   // Without this, a renamed file may be empty after a power failure.
   if (::fsync(descriptor_) != 0) fail(path_, errno);
 }
@@ -186,7 +186,7 @@ void AtomicFile::rename() const {
 }
 
 void AtomicFile::commit() {
-  settle();
+  flush();
   rename();
   committed_ = true;
   sync_folder(folder_of(path_));
@@ -198,7 +198,7 @@ void commit_together(std::span<AtomicFile* const> files) {
   std::ostringstream note;
   note << kNoteHead << '\n';
   for (AtomicFile* file : files) {
-    file->settle();
+    file->flush();
     note << file->temporary().filename().string() << '\n'
          << file->path().filename().string() << '\n';
   }

@@ -33,7 +33,7 @@ class AtomicFile {
   /// `use` may open the temporary file by its name, for reading or writing, with its own locks.
   void lend(const std::function<void(const std::filesystem::path& temporary)>& use);
   /// Flushes to the disk. Throws FileError (unwritable).
-  void settle();
+  void flush();
   /// Flushes and renames. Throws FileError (unwritable).
   void commit();
 

@@ -9,10 +9,11 @@ namespace wheeltap::signals {
 
 struct FrequencyResponses {
   Eigen::VectorXd frequencies_hz = {};   ///< ascending
-  std::vector<Eigen::MatrixXcd> h = {};  ///< outputs × inputs, one a frequency
-  /// |γ|² of each output with all inputs together, outputs × frequencies; empty where not known.
+  std::vector<Eigen::MatrixXcd> h = {};  ///< outputs × inputs, one per frequency
+  /// Multiple coherence |γ|² of each output with all inputs, outputs × frequencies; empty if
+  /// unknown.
   Eigen::MatrixXd coherence = {};
-  int segments = 0;  ///< that were averaged; 0 where not known
+  int segments = 0;  ///< number of averages; 0 if unknown
 
   [[nodiscard]] Eigen::Index lines() const { return frequencies_hz.size(); }
   [[nodiscard]] Eigen::Index outputs() const { return h.empty() ? 0 : h.front().rows(); }
@@ -22,11 +23,11 @@ struct FrequencyResponses {
   [[nodiscard]] FrequencyResponses band(double lowest_hz, double highest_hz) const;
 };
 
-/// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, each segment freed of its
-/// mean (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise on the
-/// inputs makes H₁ too small; resonances narrower than 1/segment duration are smeared. `inputs`,
-/// `outputs`: a channel a row. Throws std::invalid_argument for lengths that differ, fewer than 2
-/// segments for each input, a rate <= 0, and inputs that are linearly dependent.
+/// Estimates H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows with 50 % overlap, mean of each
+/// segment removed (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out. Noise
+/// on the inputs makes H₁ too small. Resonances narrower than 1/segment duration are smeared.
+/// `inputs` and `outputs` have one channel per row. Throws std::invalid_argument for different
+/// lengths, fewer than 2 segments per input, a rate <= 0, and linearly dependent inputs.
 [[nodiscard]] FrequencyResponses estimate_frequency_responses(
     const Eigen::Ref<const Eigen::MatrixXd>& inputs,
     const Eigen::Ref<const Eigen::MatrixXd>& outputs, double sample_rate_hz, int segment);

@@ -1,4 +1,4 @@
-// How a bad setting is said in this room.
+// Error message for an invalid setting.
 #pragma once
 
 #include <stdexcept>

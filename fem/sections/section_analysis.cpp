@@ -280,7 +280,7 @@ SectionErrors change(const SectionProperties& coarse, const SectionProperties& f
 
 /// True if the last two changes, extrapolated to the largest allowed mesh, stay far above the
 /// tolerance. Its solution takes most of a minute and would not converge either.
-bool is_hopeless(double before, double now, int nodes, const SectionAnalysisOptions& options) {
+bool cannot_converge(double before, double now, int nodes, const SectionAnalysisOptions& options) {
   constexpr double kFar = 10.0;
   const double left = std::floor(std::log(options.most_nodes / static_cast<double>(nodes)) /
                                  std::log(4.0));  // halvings
@@ -360,7 +360,7 @@ SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regio
     result.converged = result.finite() && now <= options.tolerance;
     const bool enough = static_cast<int>(n) >= options.least_levels;
     if (!result.finite() || (result.converged && enough) || 4.0 * nodes > options.most_nodes) break;
-    if (n > 2 && is_hopeless(before, now, nodes, options)) break;
+    if (n > 2 && cannot_converge(before, now, nodes, options)) break;
     before = now;
     mesh = refined(mesh, shares);
   }

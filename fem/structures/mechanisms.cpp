@@ -38,7 +38,7 @@ MatrixXd orthonormal_in(const VectorXd& weight, const MatrixXd& columns) {
 }
 
 /// Each motion has an entry of 1 where the others have 0, and is scaled to a largest entry of 1.
-std::vector<VectorXd> told_apart(const MatrixXd& motions) {
+std::vector<VectorXd> separated(const MatrixXd& motions) {
   const Index k = motions.cols();
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(motions.transpose());
   std::vector<Index> pivots;
@@ -99,7 +99,7 @@ std::vector<VectorXd> mechanisms(const Discretisation& d) {
   const Index rigid = orthonormal_in(weight, d.rigid_motions).cols();
   const Index left = static_cast<Index>(unresisted.size()) - rigid;
   if (left <= 0 || independent.cols() <= rigid) return {};
-  return told_apart(independent.middleCols(rigid, std::min(left, independent.cols() - rigid)));
+  return separated(independent.middleCols(rigid, std::min(left, independent.cols() - rigid)));
 }
 
 std::string motion_in_words(const Discretisation& d, const VectorXd& motion) {

@@ -158,7 +158,7 @@ class Reader {
   const std::filesystem::path& name_;
 };
 
-bool sound(double points, double step) {
+bool is_valid_sampling(double points, double step) {
   return points >= 2.0 && points <= kMostPoints && points == std::floor(points) &&
          std::isfinite(step) && step > 0.0;
 }
@@ -178,7 +178,7 @@ Columns parse_peer(std::string bytes, const std::filesystem::path& name, const W
     const std::string line = lower(in.lines.line);
     if (line.find("npts") != std::string::npos && line.find("dt") != std::string::npos) {
       const std::vector<double> found = numbers_in(line);
-      if (found.size() < 2 || !sound(found[0], found[1]))
+      if (found.size() < 2 || !is_valid_sampling(found[0], found[1]))
         in.corrupt("'" + printable(in_utf8(collapsed(in.lines.line))) +
                    "' gives no number of points and time step: expected \"NPTS= 3930, DT= .00500 "
                    "SEC\"");
@@ -224,7 +224,7 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
     const std::vector<double> before = numbers_in(line.substr(0, line.find(found->first)));
     const std::vector<double> after =
         spaced == std::string::npos ? std::vector<double>() : numbers_in(line.substr(spaced));
-    if (before.empty() || after.empty() || !sound(before.back(), after[0]))
+    if (before.empty() || after.empty() || !is_valid_sampling(before.back(), after[0]))
       in.corrupt(
           "gives no number of points and time step: expected \"N points of accel data equally "
           "spaced at DT sec, in cm/sec2. (8f10.5)\"");

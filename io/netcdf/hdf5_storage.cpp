@@ -49,7 +49,7 @@ struct WayOut {
   std::string name, how;
 };
 
-void look_at(hid_t group, const char* name, WayOut& out) {
+void check_object(hid_t group, const char* name, WayOut& out) {
   const Opened object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose);
   if (!object || H5Iget_type(object.id()) != H5I_DATASET) return;
   const Opened created(H5Dget_create_plist(object.id()), H5Pclose);
@@ -63,7 +63,7 @@ void look_at(hid_t group, const char* name, WayOut& out) {
 herr_t visit(hid_t group, const char* name, const H5L_info_t* link, void* data) {
   auto& out = *static_cast<WayOut*>(data);
   if (link->type == H5L_TYPE_HARD)
-    look_at(group, name, out);
+    check_object(group, name, out);
   else if (link->type != H5L_TYPE_SOFT)
     out = {name, "is a link to another file"};
   return out.how.empty() ? 0 : 1;

@@ -47,7 +47,7 @@ std::uint32_t lookup3(const std::string& bytes) {
 }
 
 /// H5Fget_file_image clears the mark of an open file but does not update the checksum.
-void mend_superblock(std::string& bytes) {
+void correct_superblock(std::string& bytes) {
   if (bytes.size() < kChecksumAt + 4 || bytes[kVersionAt] < 2 || bytes[kVersionAt] > 3) return;
   const std::uint32_t sum = lookup3(bytes);
   for (std::size_t k = 0; k < 4; ++k)
@@ -87,7 +87,7 @@ int NetcdfHandle::close_in_memory(std::string& bytes) {
     if (size <= 0 || H5Fget_file_image(file, bytes.data(), bytes.size()) != size) bytes.clear();
     break;
   }
-  mend_superblock(bytes);
+  correct_superblock(bytes);
   const int closed = close();
   return status != NC_NOERR   ? status
          : closed != NC_NOERR ? closed

@@ -16,7 +16,7 @@ bool may_begin(char c) {
 
 }  // namespace
 
-std::optional<std::string> why_no_netcdf_name(std::string_view name) {
+std::optional<std::string> netcdf_name_error(std::string_view name) {
   if (name.empty()) return "must not be empty";
   if (name.size() > kLongest) {
     return "has " + std::to_string(name.size()) + " bytes, must have at most " +

@@ -11,7 +11,7 @@ namespace wheeltap::io {
 /// begin with a letter, a digit or _"; none if it is valid. The rules are those of NC_check_name
 /// (NetCDF-C, libdispatch/dstring.c), with some of the 256 bytes reserved for prefixes and
 /// suffixes.
-[[nodiscard]] std::optional<std::string> why_no_netcdf_name(std::string_view name);
+[[nodiscard]] std::optional<std::string> netcdf_name_error(std::string_view name);
 
 /// The nearest valid name: invalid characters become _.
 [[nodiscard]] std::string netcdf_name(std::string_view name);

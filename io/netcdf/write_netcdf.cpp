@@ -10,7 +10,7 @@ namespace wheeltap::io {
 namespace {
 
 /// HDF5 does not report why it cannot write; writing the next piece of the file gives the reason.
-void tell_why(AtomicFile& to) {
+void throw_write_error(AtomicFile& to) {
   constexpr std::size_t kPiece = 1 << 16;
   to.append(std::string(kPiece, '\0'));
 }
@@ -34,7 +34,7 @@ void write_netcdf(AtomicFile& to, std::size_t bytes, const FillNetcdf& fill) {
   try {
     if (bytes > kNetcdfInMemory && write_on_disk(to, fill)) return;
   } catch (const FileError&) {
-    tell_why(to);
+    throw_write_error(to);
     throw;
   }
   NetcdfWriter writer(to.path());

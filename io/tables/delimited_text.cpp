@@ -85,7 +85,7 @@ std::string without_utf16(std::string text) {
 }
 
 /// "sep=;", by which a text states its separator for spreadsheets.
-std::optional<char> said_separator(std::string_view line) {
+std::optional<char> stated_separator(std::string_view line) {
   line = trimmed(line);
   if (line.size() > 2 && line.front() == '"' && line.back() == '"')
     line = line.substr(1, line.size() - 2);
@@ -225,9 +225,9 @@ void DelimitedText::scan() {
     const bool is_skipped = stated_.skip && number <= *stated_.skip;
     // A first line "sep=;" states the separator and is not a row.
     if (number == 1 && !is_empty && !is_comment)
-      if (const std::optional<char> said =
-              said_separator(std::string_view(text_).substr(start, end - start))) {
-        if (!stated_.separator) stated_.separator = said;
+      if (const std::optional<char> separator =
+              stated_separator(std::string_view(text_).substr(start, end - start))) {
+        if (!stated_.separator) stated_.separator = separator;
         continue;
       }
     if (is_empty || is_comment || is_skipped) {

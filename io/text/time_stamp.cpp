@@ -322,7 +322,7 @@ class StampReader {
       if (!read_mark(i)) return {};
       if (i == 1 && named_ == 0 && at_.digits() <= 2) return with_year_last();
     }
-    if (!order_parts() || !read_time_behind_date()) return {};
+    if (!order_parts() || !read_time_after_date()) return {};
     return finished(true);
   }
   bool read_part(std::size_t i) {
@@ -380,7 +380,7 @@ class StampReader {
     parts_.day = value_[day];
   }
   /// It may be absent.
-  bool read_time_behind_date() {
+  bool read_time_after_date() {
     const std::string_view before = at_.rest;
     if (at_.take_any("T_,;") || at_.rest.starts_with(' ') || at_.rest.starts_with('-')) {
       if (at_.rest.starts_with('-')) at_.rest.remove_prefix(1);

@@ -22,7 +22,7 @@ std::string padded(const std::string& text, std::size_t width) {
   out.resize(width, ' ');
   return out;
 }
-std::string none_where_empty(const std::string& text, std::size_t width) {
+std::string none_if_empty(const std::string& text, std::size_t width) {
   return padded(text.empty() ? "NONE" : text, width);
 }
 
@@ -56,13 +56,13 @@ void begin(std::string& out, int number) {
 }
 
 std::string of(const UniversalDof& dof) {
-  return " " + none_where_empty(dof.entity, 10) + formatted("%10d%4d", dof.node, dof.direction);
+  return " " + none_if_empty(dof.entity, 10) + formatted("%10d%4d", dof.node, dof.direction);
 }
 
 std::string of(const UniversalAxis& axis) {
   return formatted("%10d%5d%5d%5d ", axis.quantity, axis.powers[0], axis.powers[1],
                    axis.powers[2]) +
-         none_where_empty(axis.label, 20) + " " + none_where_empty(axis.unit, 20) + "\n";
+         none_if_empty(axis.label, 20) + " " + none_if_empty(axis.unit, 20) + "\n";
 }
 
 template <class Real>

@@ -111,7 +111,7 @@ Record expect_read(const std::string& text, const std::vector<Channel>& channels
   if (time >= 0) {
     EXPECT_NEAR(sampling_of(r, time).rate_hz, 100.0, 5e-3);
   } else {
-    const std::optional<Sampling> said = said_sampling(r);
+    const std::optional<Sampling> said = sampling_from_header(r);
     EXPECT_TRUE(said.has_value());
     EXPECT_NEAR(said.value_or(Sampling{}).rate_hz, 100.0, 1e-9);
   }

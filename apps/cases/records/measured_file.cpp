@@ -84,7 +84,7 @@ MeasuredTable table_of(io::Columns columns, std::optional<double> stated, bool r
     }
   }
   if (time < 0 && !stated)
-    if (const std::optional<signals::Sampling> said = signals::said_sampling(record)) {
+    if (const std::optional<signals::Sampling> said = signals::sampling_from_header(record)) {
       out.sampling = *said;
       out.sample_rate_hz = said->rate_hz;
     }
