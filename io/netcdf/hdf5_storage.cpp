@@ -45,11 +45,11 @@ class Silence {
 };
 
 /// The first object that refers to another file: how it does so, and its name.
-struct WayOut {
+struct ExternalReference {
   std::string name, how;
 };
 
-void check_object(hid_t group, const char* name, WayOut& out) {
+void check_object(hid_t group, const char* name, ExternalReference& out) {
   const Opened object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose);
   if (!object || H5Iget_type(object.id()) != H5I_DATASET) return;
   const Opened created(H5Dget_create_plist(object.id()), H5Pclose);
@@ -61,7 +61,7 @@ void check_object(hid_t group, const char* name, WayOut& out) {
 }
 
 herr_t visit(hid_t group, const char* name, const H5L_info_t* link, void* data) {
-  auto& out = *static_cast<WayOut*>(data);
+  auto& out = *static_cast<ExternalReference*>(data);
   if (link->type == H5L_TYPE_HARD)
     check_object(group, name, out);
   else if (link->type != H5L_TYPE_SOFT)
@@ -70,7 +70,7 @@ herr_t visit(hid_t group, const char* name, const H5L_info_t* link, void* data) 
 }
 
 void require(hid_t file, const std::filesystem::path& name) {
-  WayOut out;
+  ExternalReference out;
   H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &out);
   if (out.how.empty()) return;
   throw FileError(FileError::Kind::corrupt, name,
