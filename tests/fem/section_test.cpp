@@ -55,14 +55,14 @@ TEST(Section, CowperThinWalledLimits) {
   const Section square = section(
       Box{.height = 1.001, .width = 1.001, .flange_thickness = 0.001, .web_thickness = 0.001}, 0.3);
   EXPECT_NEAR(square.shear_coefficient, 20.0 * 1.3 / (48.0 + 39.0 * 0.3), 1e-12);
-  // Shear is carried by the web: κ A is near the web's area.
+  // The web carries the shear: κ A is close to the web's area.
   const Section beam = section(
       ISection{.height = 0.2, .width = 0.1, .flange_thickness = 0.008, .web_thickness = 0.006},
       0.3);
   EXPECT_NEAR(beam.shear_coefficient * beam.area / (0.2 * 0.006), 1.0, 0.1);
 }
 
-TEST(Section, RefusesSizesThatDoNotFit) {
+TEST(Section, RejectsSizesThatDoNotFit) {
   expect_refusal([] { (void)section(Rectangle{.width = 0.0, .height = 1.0}, 0.3); },
                  {"width", "0"});
   expect_refusal([] { (void)section(Rectangle{.width = 1.0, .height = -1.0}, 0.3); },

@@ -36,8 +36,8 @@ const std::vector<std::string> kNames = {"k",
                                          std::string(257, 'k'),
                                          "col " + std::string(300, 'x')};
 
-// The library itself is asked: what we let pass, it takes.
-TEST(NetcdfName, WhatPassesTheLibraryTakes) {
+// Checks with the library itself: it accepts all names that we accept.
+TEST(NetcdfName, LibraryAcceptsValidNames) {
   const test::TemporaryDirectory directory;
   NetcdfWriter file(directory / "names.nc");
   int groups = 0;
@@ -50,7 +50,7 @@ TEST(NetcdfName, WhatPassesTheLibraryTakes) {
   }
 }
 
-TEST(NetcdfName, SaysWhatIsWrong) {
+TEST(NetcdfName, ReportsInvalidNames) {
   EXPECT_FALSE(netcdf_name_error("k3 (left)"));
   EXPECT_EQ(netcdf_name_error(" k"), "must begin with a letter, a digit or _");
   EXPECT_EQ(netcdf_name_error(".."), "must begin with a letter, a digit or _");
@@ -58,7 +58,7 @@ TEST(NetcdfName, SaysWhatIsWrong) {
   EXPECT_EQ(netcdf_name_error("k\n"), "must be UTF-8 without control characters");
 }
 
-TEST(NetcdfName, TheNearestNameIsOne) {
+TEST(NetcdfName, ReplacementsAreValidNames) {
   for (const std::string& name : kNames) EXPECT_FALSE(netcdf_name_error(netcdf_name(name))) << name;
   EXPECT_EQ(netcdf_name("displacement"), "displacement");
   EXPECT_EQ(netcdf_name("a/b"), "a_b");
