@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kSignificant =
+constexpr double kKeptRatio =
     2.0;  // smallest ratio of a component's variance to that of its scatter
 
 /// Extracts the rows of some channels from every block row.
@@ -141,17 +141,15 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
                       .squaredNorm();
     }
   }
-  Index significant = 2;
-  while (significant < rank &&
-         weight[significant] * weight[significant] > kSignificant * scatter[significant])
-    ++significant;
+  Index kept = 2;
+  while (kept < rank && weight[kept] * weight[kept] > kKeptRatio * scatter[kept]) ++kept;
 
   MatrixXd gram = MatrixXd::Zero(rank, rank), product = MatrixXd::Zero(height, rank);
   for (Piece& p : pieces) {
     const MatrixXd z = basis.transpose() * p.reference;
     gram += z * z.transpose();
     product += p.reference * z.transpose();
-    const auto leading = z.topRows(significant);
+    const auto leading = z.topRows(kept);
     p.gram.compute(leading * leading.transpose());
     p.observability = times_inverse(p.mov * leading.transpose(), p.gram);
     p.z = z;
@@ -167,7 +165,7 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   add_rows(observability, sensors, reference_sensors, reference);
   for (const Piece& p : pieces) {
     MatrixXd rows = MatrixXd::Zero(p.observability.rows(), rank);
-    rows.leftCols(significant) = p.observability;
+    rows.leftCols(kept) = p.observability;
     add_rows(observability, sensors, p.moved_sensors, rows);
   }
   out.hankel = weighted(observability);
@@ -178,9 +176,8 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
       const MatrixXd dh = rows_of(moved, p.channels, set_ups[s].covariances.references);
       const MatrixXd dz = basis.transpose() * dh;
       const MatrixXd of_references = numerator(dh, p.reference, reference, p.z, dz);
-      const MatrixXd of_moved =
-          numerator(rows_of(moved, p.channels, p.moved), p.mov, p.observability,
-                    p.z.topRows(significant), dz.topRows(significant));
+      const MatrixXd of_moved = numerator(rows_of(moved, p.channels, p.moved), p.mov,
+                                          p.observability, p.z.topRows(kept), dz.topRows(kept));
       MatrixXd one = observability * (dz * turn.middleRows(static_cast<Index>(s) * width, width));
       add_rows(one, sensors, reference_sensors, weighted(times_inverse(of_references, whole)));
       add_rows(one, sensors, p.moved_sensors, weighted(times_inverse(of_moved, p.gram)));
