@@ -1,4 +1,4 @@
-// Numbers of 106 bits, each the unevaluated sum of two doubles.
+// Double-double numbers of 106 bits: unevaluated sums of two doubles.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,11 +7,11 @@
 
 namespace wheeltap::fem {
 
-/// high + low with |low| <= ulp(high) / 2. The element matrices of a fine mesh have a condition
-/// number that grows with (elements)⁴: what double precision, or 64 bits, loses of the low modes
-/// these numbers keep. Sums and products are right to 2⁻¹⁰⁴ relative (Joldes, Muller & Popescu
-/// 2017, ACM Trans. Math. Softw. 44:15res, algorithms 6, 12 and 17). Needs round-to-nearest and no
-/// reordering of sums (-ffast-math); |x| between 1e-250 and 1e250.
+/// high + low with |low| <= ulp(high) / 2. The condition number of the element matrices grows with
+/// (elements)⁴ on fine meshes; 53 or 64 bits lose digits of the low modes, 106 bits keep them. Sums
+/// and products have a relative error of at most 2⁻¹⁰⁴ (Joldes, Muller & Popescu 2017, ACM Trans.
+/// Math. Softw. 44:15res, algorithms 6, 12 and 17). Needs round-to-nearest, no reordering of sums
+/// (-ffast-math), and |x| between 1e-250 and 1e250.
 class DoubleDouble {
  public:
   constexpr DoubleDouble(double x = 0.0) : high_(x) {}  // NOLINT: a double is such a number
@@ -47,7 +47,7 @@ class DoubleDouble {
   }
   friend DoubleDouble sqrt(const DoubleDouble& a) {
     if (a.high_ <= 0.0) return std::sqrt(a.high_);
-    // One step of Newton from 53 bits.
+    // One Newton step from 53 bits.
     const double root = std::sqrt(a.high_);
     const DoubleDouble rest = a - product(root, root);
     return fast_sum(root, rest.high_ / (2.0 * root));
@@ -73,7 +73,7 @@ class DoubleDouble {
  private:
   constexpr DoubleDouble(double high, double low) : high_(high), low_(low) {}
 
-  /// a + b exactly (Knuth 1969); with |a| >= |b| in three operations (Dekker 1971).
+  /// a + b exactly (Knuth 1969). `fast_sum` needs |a| >= |b| and three operations (Dekker 1971).
   static DoubleDouble sum(double a, double b) {
     const double s = a + b, t = s - a;
     return {s, (a - (s - t)) + (b - t)};
@@ -82,7 +82,7 @@ class DoubleDouble {
     const double s = a + b;
     return {s, b - (s - a)};
   }
-  /// a b exactly: by fused multiply-add, or from halves of 26 bits. The same bits either way.
+  /// a b exactly, by fused multiply-add or from halves of 26 bits. Both give the same bits.
   static DoubleDouble product(double a, double b) {
     const double p = a * b;
 #ifdef __FMA__
@@ -112,7 +112,7 @@ class std::numeric_limits<wheeltap::fem::DoubleDouble> : public std::numeric_lim
   static constexpr wheeltap::fem::DoubleDouble epsilon() { return 0x1p-104; }
 };
 
-/// What Eigen must know of a scalar.
+/// Scalar traits for Eigen.
 template <>
 struct Eigen::NumTraits<wheeltap::fem::DoubleDouble> : Eigen::GenericNumTraits<double> {
   using Real = wheeltap::fem::DoubleDouble;

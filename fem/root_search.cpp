@@ -14,18 +14,18 @@ namespace {
 
 /// Predicted relative error in λ at which a root is accepted.
 constexpr double kRootError = 2e-13;
-/// Rounding of a Rayleigh quotient, relative to where it was evaluated.
+/// Rounding error of a Rayleigh quotient, relative to the λ of the evaluation.
 constexpr double kRounding = 1e-15;
-/// Evaluations after which every second one bisects by the inertia count.
+/// After this many evaluations, every second one bisects by the inertia count.
 constexpr int kPatience = 20;
-/// Evaluations after which even that has met nothing but singular blocks: the bracket is the
-/// answer.
+/// Number of evaluations after which even bisection has found only singular blocks: the bracket is
+/// then the answer.
 constexpr int kGiveUp = 500;
-/// Smaller pivots of A, relative, have drowned what comes after them in rounding.
+/// Below this relative size of a pivot of A, rounding dominates the later pivots.
 constexpr double kSmallestPivot = 1e-10;
-/// Of λ: what a shape's own Rayleigh quotient and residual may be off by.
+/// Relative to λ: error of a shape's own Rayleigh quotient and residual.
 constexpr double kShapeResidual = 1e-5;
-/// What the two modes must have of a shape's |a|² = 1, lest rounding has it.
+/// Smallest contribution of the two modes to a shape's |a|² = 1 that is not rounding.
 constexpr double kShapeShare = 1e-6;
 /// Rounding of the intact eigenvalues that bound the damaged ones.
 constexpr double kBracketMargin = 1e-12;
@@ -53,7 +53,7 @@ void RootSearch::set(const SecularProblem& problem, const SecularKernel& kernel)
                     window.series_end.data(), product_.data(), pairs_.data());
 }
 
-/// Shares out the memory that `secular_` needs.
+/// Divides the memory that `secular_` needs.
 void RootSearch::reserve() {
   const std::size_t m = index(secular_.columns), rows = index(secular_.rows());
   const std::size_t pairs = index(secular_.chunks()) * kPairChunk;
@@ -77,9 +77,8 @@ RootSearch::Search RootSearch::begin(int root) const {
   search.root = root;
   const double own = problem_.eigenvalues[root];
   const double scale = secular_.scales[root + problem_.added_poles];
-  // Interlacing: each support raises a root to the next intact one at most, and springs by no more
-  // than they add to K.
-  // No more does each negative mass.
+  // Interlacing: each support raises a root at most to the next intact eigenvalue, and springs by
+  // at most what they add to K. The same holds for each negative mass.
   const int lifted = root + problem_.supports + problem_.negative_poles;
   const int held = root + problem_.held + problem_.negative_poles;
   double top = std::numeric_limits<double>::infinity();
@@ -91,7 +90,7 @@ RootSearch::Search RootSearch::begin(int root) const {
     search.z = std::clamp(problem_.starts[index(root)], search.low, search.high);
     return search;
   }
-  // 1 / κ = eᵀ J e where the mode is moved by itself: first order in added compliance.
+  // 1 / κ = eᵀ J e if the mode does not couple with others: first order in added compliance.
   double softer = 1.0, stiffer = 0.0;
   for (int a = 0; a < secular_.columns; ++a) {
     const double c = secular_.c[index(a) * problem_.stride + index(root)];
@@ -116,7 +115,7 @@ RootSearch::Search RootSearch::confirm(int root) const {
 /// The two modes nearest to z.
 int RootSearch::lower_pole(double z, int guess) const {
   const double* value = secular_.eigenvalues;
-  const int first = secular_.negative;  // a pole of negative mass is at zero, far from any root
+  const int first = secular_.negative;  // a pole of negative mass is at zero, away from all roots
   int p = std::clamp(guess, first, secular_.near - 2);
   while (p > first && z - value[p - 1] < value[p + 1] - z) --p;
   while (p + 2 < secular_.near && value[p + 2] - z < z - value[p]) ++p;
@@ -127,20 +126,20 @@ void RootSearch::evaluate(const Pack& z, const int (&poles)[kLanes]) {
   kernel_->evaluate(secular_, z, poles, scratch_, steps_);
 }
 
-/// Of the damaged eigenvalues, how many lie below the two that H follows. `below`: of the intact
-/// modes that H leaves out, how many lie below z; of those nearest to z, as many as come before.
+/// The number of damaged eigenvalues below the two that H follows. `below`: number of intact modes,
+/// among those that H excludes, below z; those nearest to z are counted by their order.
 int RootSearch::first_followed(int below, int lane) const {
   return below + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports -
          secular_.negative;
 }
 
-/// ... and below where the lane was evaluated.
+/// The number of damaged eigenvalues below the lane's λ.
 int RootSearch::count_below(int pole, int lane) const {
   return first_followed(pole, lane) + (steps_.low.lane[lane] < 0.0) +
          (steps_.high.lane[lane] < 0.0);
 }
 
-/// Whether the lane's inertia may be trusted.
+/// True if the lane's inertia is reliable.
 bool RootSearch::counts(int lane) const {
   return std::isfinite(steps_.low.lane[lane]) && std::isfinite(steps_.high.lane[lane]) &&
          !(steps_.smallest_pivot.lane[lane] < kSmallestPivot);
@@ -152,8 +151,8 @@ int RootSearch::left_out_below(double z, int pole) const {
   return static_cast<int>(below) - (value[pole] < z) - (value[pole + 1] < z);
 }
 
-/// Whether the two modes of H have a part of the root's. Where they have none, as rigid motions
-/// that the change does not see, it is A that is singular at the root, and H says nothing of it.
+/// True if the two modes of H contribute to the root's mode. If they do not, as for rigid motions
+/// that the change does not affect, A is singular at the root and H gives no information.
 bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const {
   const int first = first_followed(left_out_below(lambda, pole), lane);
   if (root != first && root != first + 1) return false;
@@ -167,8 +166,8 @@ bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const 
          a1 * a1 + a2 * a2 >= kShapeShare;
 }
 
-/// The pair of modes of which the root's own has most. With η of S(λ) η = 0 it has
-/// a_j = c_jᵀ η / (λ_j - λ) of mode j.
+/// The pair of modes with the largest share in the root's mode. With η from S(λ) η = 0, its
+/// component along mode j is a_j = c_jᵀ η / (λ_j - λ).
 int RootSearch::pole_of_shape(double lambda) const {
   const Eigen::Index m = secular_.columns;
   const auto modes = static_cast<Eigen::Index>(problem_.stride);
@@ -201,8 +200,9 @@ void RootSearch::narrow(Search& search, double z, int below) {
     search.low = std::max(search.low, z);
 }
 
-/// Places that cut the bracket of `search` into parts, equal ones of its logarithm where it is
-/// wide: from where 64 times as much would be its end, since most have no lower bound at first.
+/// Divides the bracket of `search` into parts, equal ones in its logarithm if it is wide. The
+/// logarithmic division starts at 1/64 of its end, because most brackets have no lower bound at
+/// first.
 double RootSearch::cut(const Search& search, int part, int parts) {
   const double share = static_cast<double>(part) / parts;
   const double low = std::max(search.low, search.high / 64.0);
@@ -210,7 +210,7 @@ double RootSearch::cut(const Search& search, int part, int parts) {
                                  : low + share * (search.high - low);
 }
 
-/// Digests one evaluation; true once the root is found.
+/// Processes one evaluation; true once the root is found.
 bool RootSearch::advance(Search& search, int pole, int lane) {
   const double low_sign = steps_.low.lane[lane], high_sign = steps_.high.lane[lane];
   const double* value = secular_.eigenvalues;
@@ -222,7 +222,7 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
   };
   const bool finite = std::isfinite(low_sign) && std::isfinite(high_sign);
   if (!finite || (steps_.smallest_pivot.lane[lane] < kSmallestPivot && search.evaluations < 4)) {
-    // A leading block of A was singular just here: look a little aside.
+    // A leading block of A was singular here: retry nearby.
     if (search.evaluations > kGiveUp) {
       found(search.root) = {.lambda = 0.5 * (search.low + search.high),
                             .radius = 0.5 * (search.high - search.low),
@@ -249,7 +249,7 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
   const double rounding = kRounding * std::max(search.z, next);
   const Found here{
       .lambda = next, .radius = std::sqrt(squared) + rounding, .at = search.z, .below = below};
-  if (search.root == last_) {  // only looked at
+  if (search.root == last_) {  // evaluated but not refined
     found(search.root) = here;
     if (!followed) found(search.root).radius = std::numeric_limits<double>::infinity();
     return true;
@@ -261,7 +261,7 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
     return true;
   }
   if (followed && next >= search.low && next <= search.high) {
-    // Other eigenvalues are hardly nearer than the other one here and the modes next to the poles.
+    // Other eigenvalues are hardly closer than the second one here and the modes next to the poles.
     double gap = std::abs(other - step);
     if (pole > 0) gap = std::min(gap, std::abs(next - value[pole - 1]));
     if (pole + 2 < secular_.near) gap = std::min(gap, std::abs(value[pole + 2] - next));
@@ -278,8 +278,8 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
   return bisect();
 }
 
-/// Counts on both sides of `lambda`; where they disagree, of what the last evaluation offers
-/// instead, and at last by bisection.
+/// Counts on both sides of `lambda`. If they disagree, tries the result of the last evaluation, and
+/// finally bisects.
 bool RootSearch::advance_confirmation(Search& search, bool followed, double next) const {
   const auto accept = [&](double lambda) {
     search.lambda = lambda;
@@ -289,7 +289,7 @@ bool RootSearch::advance_confirmation(Search& search, bool followed, double next
   if (search.low >= low && search.high <= high) return accept(search.lambda);
   if (search.high - search.low <= 2.0 * kConfirmed * search.high)
     return accept(0.5 * (search.low + search.high));
-  if (search.lambda >= search.low && search.lambda <= search.high) {  // nothing against it so far
+  if (search.lambda >= search.low && search.lambda <= search.high) {  // no contradiction so far
     search.z = search.low < low ? low : high;
     return false;
   }
@@ -319,7 +319,7 @@ void RootSearch::run(bool confirming) {
   int poles[kLanes] = {};
   Pack z;
   while (active > 0) {
-    // Lanes without a root of their own cut the bracket of the one that takes longest.
+    // Idle lanes divide the bracket of the slowest root.
     const auto longest = std::ranges::max_element(
         lanes, {}, [](const Search& s) { return s.root < 0 ? -1 : s.evaluations; });
     const bool helped = std::isfinite(longest->high);
@@ -341,16 +341,16 @@ void RootSearch::run(bool confirming) {
   }
 }
 
-/// Queues the roots that r² / gap does not prove; `total` eigenvalues there are.
+/// Queues the roots that r² / gap does not prove, out of `total` eigenvalues.
 void RootSearch::queue_unproven(int first, int count, int total) {
   const auto low = [&](int i) { return i < first ? 0.0 : found(i).lambda - found(i).radius; };
   const auto high = [&](int i) { return i < first ? 0.0 : found(i).lambda + found(i).radius; };
-  // b disjoint intervals below a place with b eigenvalues below it: each holds one.
+  // b disjoint intervals below a place with b eigenvalues below it: each contains one.
   const int known = std::min(count + 1, total);
   int disjoint = first;
   while (disjoint < known && low(disjoint) > (disjoint == 0 ? 0.0 : high(disjoint - 1))) ++disjoint;
   int located = first;
-  double above = 0.0;  // nothing between the last located one and here
+  double above = 0.0;  // nothing between the last located root and this one
   const auto anchor = [&](double at, int below) {
     if (below < located || below > disjoint || (below > 0 && high(below - 1) > at)) return;
     above = below > located ? at : std::max(above, at);

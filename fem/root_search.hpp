@@ -1,5 +1,5 @@
-// Finds the damaged eigenvalues as roots of the secular problem, and proves them. Internal to the
-// reanalysis.
+// Finds the damaged eigenvalues as roots of the secular problem and proves their error bounds.
+// Internal to the reanalysis.
 #pragma once
 
 #include <span>
@@ -10,82 +10,83 @@
 
 namespace wheeltap::fem::detail {
 
-/// How far a root may lie from where it is said to be, relative: proven, but for rounding.
+/// Proven relative error of a root, apart from rounding.
 inline constexpr double kConfirmed = 1e-12;
 
-/// What one evaluation says of the root it follows.
+/// The result of one evaluation for one root.
 struct Found {
   double lambda = 0.0;  ///< the Rayleigh quotient
   double radius = 0.0;  ///< an eigenvalue lies within it of lambda
-  double at = 0.0;      ///< where the secular problem was evaluated
+  double at = 0.0;      ///< the λ at which the secular problem was evaluated
   int below = 0;        ///< eigenvalues below `at`
 };
 
-/// The intact modes, and what of the defects bounds the roots. Arrays are the caller's.
+/// The intact modes, and the quantities of the defects that bound the roots. Does not own its
+/// arrays.
 struct SecularProblem {
   const double* eigenvalues;  ///< ascending, `stride` of them
   const double* scales;       ///< s_j
-  std::size_t stride;         ///< between columns: the modes, and at least two
+  std::size_t stride;         ///< distance between columns: number of modes, at least two
   int modes;
   const Window* window;
-  int added_poles = 0;           ///< of `eigenvalues`, the first: not counted in `window`
-  int negative_poles = 0;        ///< of these, the first: of negative mass
+  int added_poles = 0;           ///< number of leading `eigenvalues` that `window` does not count
+  int negative_poles = 0;        ///< number of leading added poles with negative mass
   double residual_factor = 1.0;  ///< see Secular
   int columns;
-  int supports;                         ///< columns of them, the first ones
-  int held;                             ///< degrees of freedom that they take
+  int supports;                         ///< number of support columns, which come first
+  int held;                             ///< degrees of freedom that they remove
   double least_remaining;               ///< root i >= this λ_i, or 0
-  double added_stiffness;               ///< of springs: bounds what they raise a root by
+  double added_stiffness;               ///< of springs: bounds the increase of any root
   const double* c;                      ///< columns × stride
-  std::span<const double> starts = {};  ///< where to look for each root first; empty: first order
+  std::span<const double> starts = {};  ///< initial value of each root; empty: first-order estimate
 };
 
-/// Eight roots are followed at a time, each in a lane of `SecularKernel`. The inertia of S brackets
-/// a root, and Rayleigh quotients converge to it quadratically from a first-order start.
+/// Finds the roots eight at a time, each in a lane of `SecularKernel`. The inertia of S brackets a
+/// root, and Rayleigh quotients converge to it quadratically from a first-order start.
 ///
-/// A root is accepted where r² / gap, r its residual, promises 2e-13; the gap to the next
-/// eigenvalue is a guess there. Afterwards the guess is replaced: each root has an interval that
-/// must hold an eigenvalue, and where b of these are disjoint and lie below a place at which the
-/// inertia counts b eigenvalues, each holds exactly one, and the others' intervals are the gap. So
+/// A root is accepted if r² / gap is at most 2e-13, with residual r and an estimated gap to the
+/// next eigenvalue. A proof follows afterwards. Each root has an interval that must contain an
+/// eigenvalue. If b of these intervals are disjoint and lie below a λ with b eigenvalues by
+/// inertia, each contains exactly one, and the distance to the other intervals is the gap. Thus
 ///
 ///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
 ///   10.5)
 ///
-/// is proven for nearly every root without another evaluation. A root for which it does not give
-/// `kConfirmed` is confirmed by the counts at λ (1 ± kConfirmed), and bisected where they disagree.
+/// is proven for nearly every root without another evaluation. If the bound of a root exceeds
+/// `kConfirmed`, counts at λ (1 ± kConfirmed) confirm it; if they disagree, bisection follows.
 class RootSearch {
  public:
-  /// Points to the problem's memory; call for each set of defects.
+  /// Keeps pointers to the problem's memory; call it for each set of defects.
   void set(const SecularProblem& problem, const SecularKernel& kernel);
 
-  /// Writes eigenvalues first … lambda.size() - 1; those before `first` are at zero.
+  /// Writes eigenvalues first … lambda.size() - 1; the eigenvalues before `first` are zero.
   void find(int first, std::span<double> lambda);
 
-  /// One root's mode: its coordinates at the two poles, and the forces η of `DefectColumns`.
+  /// The mode of one root: its coordinates at the two poles, and the forces η of `DefectColumns`.
   struct Mode {
     int root;
     double lambda;
     int pole;
     double a1, a2;
     std::span<double> eta;
-    bool found;  ///< false where no two modes were found that tell its shape
+    bool found;  ///< false if no pair of modes determines its shape
   };
   /// Calls visit(mode) for each root from `first` on, in order.
   template <class Visit>
   void modes(int first, std::span<const double> lambda, Visit&& visit);
 
-  /// coordinates[j] of the mode in every intact mode.
+  /// coordinates[j]: component of the mode along intact mode j.
   void coordinates(const Mode& mode, double* coordinates) const;
 
  private:
-  /// One root being refined in one lane.
+  /// The state of one root during refinement in one lane.
   struct Search {
     int root = -1;   // 0-based index among the damaged eigenvalues; -1 when idle
     double z = 0.0;  // where the secular problem is evaluated next
     double low = 0.0, high = 0.0;
     int evaluations = 0;
     bool confirming = false;
-    double lambda = 0.0;  // to be confirmed
+    double lambda = 0.0;  // true while waiting for confirmation
   };
 
   [[nodiscard]] Search begin(int root) const;
@@ -120,7 +121,7 @@ class RootSearch {
   std::vector<double> pairs_, product_, eta_;
   std::vector<Found> found_;  // of each root, and of one more
   std::vector<int> queue_;
-  int last_ = 0;  // the root that is only looked at
+  int last_ = 0;  // the root after the requested ones, evaluated once; -1: none
 };
 
 template <class Visit>

@@ -1,6 +1,6 @@
-// The loops of secular.hpp for vectors of WHEELTAP_SECULAR_WIDTH doubles; each file that includes
-// this is compiled for one instruction set. No operation depends on the width and none is
-// contracted to a fused multiply-add, so every processor gives the same bits.
+// The loops of secular.hpp for vectors of WHEELTAP_SECULAR_WIDTH doubles. Each file that includes
+// this is compiled for one instruction set. No operation depends on the width or is contracted to a
+// fused multiply-add, so every processor gives the same bits.
 
 #include <cstring>
 
@@ -28,7 +28,7 @@ inline Vec load(const double* from) {
   return out;
 }
 
-/// Eight partial sums of a(j) b(j), whatever the width, then their sum in order.
+/// Eight partial sums of a(j) b(j), independent of the width, then their sum in order.
 inline double dot(const double* a, const double* b, int size) {
   constexpr int kParts = kLanes / kWidth;
   Vec part[kParts] = {};
@@ -66,7 +66,7 @@ inline void accumulate(const Secular& s, int lanes, const Pack* weights, int fir
   }
 }
 
-/// weights[j] = κ_j, zero for the two poles left out, then λ T_p(x); slopes as in SecularScratch.
+/// weights[j] = κ_j, zero for the two excluded poles, then λ T_p(x); slopes as in SecularScratch.
 inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_pole,
                   const SecularScratch& scratch) {
   Vec pole{};
@@ -103,21 +103,21 @@ inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_po
   }
 }
 
-/// H, N and the part B of N that the modes besides the poles have.
+/// H, N and the contribution B of the modes other than the poles to N.
 struct Small {
   Vec h11, h12, h22, n11, n12, n22, b11, b12, b22;
   Vec root1, root2;    // √s of the poles
   Vec above1, above2;  // s_p - λ_p + λ
 };
 
-/// What the shape of one δ says; see SecularSteps.
+/// The properties of the shape of one δ; see SecularSteps.
 inline void shape(const Small& k, const Vec& delta, double residual_factor, bool low, Pack& step,
                   Pack& residual, Pack& v1, Pack& v2, Pack& a1, Pack& a2, int lanes) {
   const Vec zero{};
   const Vec r11 = k.h11 - delta * k.n11, r12 = k.h12 - delta * k.n12, r22 = k.h22 - delta * k.n22;
   const Vec m11 = r11 < zero ? -r11 : r11, m22 = r22 < zero ? -r22 : r22;
   Vec x = m11 < m22 ? r22 : -r12, y = m11 < m22 ? -r12 : r11;
-  // A double root: any two N-orthogonal vectors.
+  // At a double root, any two N-orthogonal vectors.
   const auto none = (x == zero) & (y == zero);
   x = none ? (low ? zero + 1.0 : -k.n12) : x;
   y = none ? (low ? zero : k.n11) : y;
@@ -144,7 +144,7 @@ inline Pack* row_of(const SecularScratch& scratch, int a) {
   return scratch.matrix + a * (a + 1) / 2;
 }
 
-/// The two poles' columns e, gathered into `forces`, and H of the poles alone.
+/// Gathers the columns e of the two poles into `forces`, and sets H of the poles alone.
 inline void gather_poles(const Secular& s, int lanes, const Pack& lambda, const int* lower_pole,
                          const SecularScratch& scratch, Small& k) {
   const int m = s.columns;
@@ -174,7 +174,7 @@ inline void gather_poles(const Secular& s, int lanes, const Pack& lambda, const 
 }
 
 /// A = J - Σ κ e eᵀ, then A = L D Lᵀ in place (D inverted), L u = e, and H. Sums are kept in local
-/// variables: in k, stores to `scratch` could alias them.
+/// variables because stores to `scratch` could alias k.
 inline void factor_matrix(const Secular& s, int lanes, const SecularScratch& scratch, Small& k,
                           SecularSteps& steps) {
   const int m = s.columns;
@@ -249,7 +249,7 @@ inline void differentiate(const Secular& s, int lanes, const SecularScratch& scr
   const Pack* y2 = y1 + m;
   const Vec zero{};
   Vec b11 = zero, b12 = zero, b22 = zero;
-  Vec m11 = zero, m12 = zero, m22 = zero;  // what the modes that count negatively took from B
+  Vec m11 = zero, m12 = zero, m22 = zero;  // contribution of the modes with negative sign to B
   for (int j = 0; j < s.near; ++j) {
     Vec first = zero, second = zero;
     for (int a = 0; a < m; ++a) {
@@ -284,13 +284,13 @@ inline void differentiate(const Secular& s, int lanes, const SecularScratch& scr
   k.b12 = b12;
   k.b22 = b22;
   const Vec per1 = k.root1 / k.above1, per2 = k.root2 / k.above2;
-  // N must be positive for δ to have the signs of H, whose root's v any such N finds.
+  // N must be positive so that δ has the signs of H; any such N gives the correct v at a root.
   k.n11 = per1 * per1 + (k.b11 + 2.0 * m11);
   k.n12 = k.b12 + 2.0 * m12;
   k.n22 = per2 * per2 + (k.b22 + 2.0 * m22);
 }
 
-/// Both δ of H v = δ N v, through N's Cholesky factor; the smaller one as determinant / larger, so
+/// Both δ of H v = δ N v, through N's Cholesky factor. The smaller one is determinant / larger, so
 /// that it keeps its relative accuracy at convergence.
 inline void both_roots(const Small& k, Vec& low, Vec& high) {
   const Vec zero{};
@@ -373,7 +373,7 @@ void subtract(double* to, const double* from, double factor, int size) {
   for (int j = 0; j < size; ++j) to[j] -= factor * from[j];
 }
 
-/// As `dot`, of three.
+/// Like `dot`, with three factors.
 double weighted_dot(const double* a, const double* b, const double* w, int size) {
   constexpr int kParts = kLanes / kWidth;
   Vec part[kParts] = {};

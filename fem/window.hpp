@@ -1,17 +1,18 @@
-// Which intact modes the secular function sums one by one, and which by a series. Internal.
+// Selects the intact modes that the secular function sums directly; the others use a series.
+// Internal.
 #pragma once
 
 #include <vector>
 
 namespace wheeltap::fem::detail {
 
-/// The range of λ and how S is summed over it (`Secular`).
+/// The range of λ and the summation of S over it (`Secular`).
 struct Window {
   int near = 0;
   int terms = 0;
   double cap = 0.0;
   std::vector<double> series;   // terms × (modes - near)
-  std::vector<int> series_end;  // per term: modes beyond do not matter
+  std::vector<int> series_end;  // per term: modes beyond are negligible
 
   Window(const std::vector<double>& eigenvalues, int modes, int highest_root);
 };

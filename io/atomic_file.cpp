@@ -36,9 +36,8 @@ fs::path folder_of(const fs::path& path) {
   return folder.empty() ? "." : folder;
 }
 
-/// Until the names in a folder are on the disk, not only in the system's memory. A folder that may
-/// be written to need not be readable, and not every file system knows how: the files are whole
-/// either way.
+/// Flushes the names in a folder to the disk. Failure is ignored: a writable folder need not be
+/// readable, and some file systems do not support it. The files are complete either way.
 void sync_folder(const fs::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;
@@ -46,7 +45,7 @@ void sync_folder(const fs::path& folder) {
   ::close(descriptor);
 }
 
-/// A name that nobody else can have made, or guess: the folder may be everyone's.
+/// A name that no other process can have created or guess, because the folder may be shared.
 fs::path temporary_name(const fs::path& path) {
   std::random_device random;
   char digits[kDigits + 1];
@@ -61,12 +60,12 @@ bool is_temporary_of(const std::string& name, const std::string& final_name) {
          name.find_first_not_of("0123456789abcdef", before.size()) == std::string::npos;
 }
 
-/// Locked by us; false where another has the lock or there are none here.
+/// True if this process holds the lock; false if another does or locks are unsupported.
 bool lock(int descriptor) {
   return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
 }
 
-/// A regular file of our own, opened and locked; -1 for anything else.
+/// Opens and locks an own regular file; -1 for anything else.
 int open_own(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return -1;
@@ -79,7 +78,7 @@ int open_own(const fs::path& path) {
   return -1;
 }
 
-/// Removes the temporary files of `path` that nobody holds.
+/// Removes the temporary files of `path` that no process holds.
 void sweep(const fs::path& path) {
   std::error_code error;
   std::vector<fs::path> stale;
@@ -104,7 +103,7 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
   if (fs::exists(there) && !fs::is_regular_file(there))
     fail(path_, fs::is_directory(there)
                     ? "is a directory"
-                    : "is no regular file: a pipe or a device cannot be replaced");
+                    : "is not a regular file: a pipe or a device cannot be replaced");
   sweep(path_);
   int error = EEXIST;
   for (int i = 0; i < kTries && error == EEXIST; ++i) {
@@ -113,7 +112,7 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
         ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_NOFOLLOW | O_WRONLY | O_CLOEXEC, 0666);
     error = descriptor_ < 0 ? errno : 0;
     if (error != 0) continue;
-    // Another process may have swept it away before the lock was there.
+    // Another process may have removed it before it was locked.
     struct stat found {};
     lock(descriptor_);
     if (::fstat(descriptor_, &found) != 0 || found.st_nlink == 0) {
@@ -125,7 +124,7 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
     fail(path_, "cannot be created: check that its directory exists and may be written to");
   if (error != 0) fail(path_, error);
   if (reserve == 0) return;
-  // Of other errors (a file system that cannot, a limit to a file's size) writing will tell.
+  // Other errors (no support by the file system, a limit on file sizes) appear when writing.
   error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(reserve));
   if (error == ENOSPC || error == EDQUOT) {
     ::unlink(temporary_.c_str());
@@ -146,7 +145,7 @@ void AtomicFile::close() {
 }
 
 void AtomicFile::write(std::string_view bytes) {
-  // Over what is reserved, which is given back where it is more.
+  // Overwrites the reserved space, and releases the rest.
   if (::lseek(descriptor_, 0, SEEK_SET) != 0) fail(path_, errno);
   put(bytes);
   if (::ftruncate(descriptor_, static_cast<off_t>(bytes.size())) != 0) fail(path_, errno);
@@ -177,8 +176,8 @@ void AtomicFile::lend(const std::function<void(const fs::path& temporary)>& use)
   lock(descriptor_);
 }
 
-void AtomicFile::settle() {
-  // After a power cut a file that was renamed sooner may be there and empty.
+void AtomicFile::flush() {
+  // Without this, a renamed file may be empty after a power failure.
   if (::fsync(descriptor_) != 0) fail(path_, errno);
 }
 
@@ -187,7 +186,7 @@ void AtomicFile::rename() const {
 }
 
 void AtomicFile::commit() {
-  settle();
+  flush();
   rename();
   committed_ = true;
   sync_folder(folder_of(path_));
@@ -199,16 +198,16 @@ void commit_together(std::span<AtomicFile* const> files) {
   std::ostringstream note;
   note << kNoteHead << '\n';
   for (AtomicFile* file : files) {
-    file->settle();
+    file->flush();
     note << file->temporary().filename().string() << '\n'
          << file->path().filename().string() << '\n';
   }
-  // Locked while it lives: nobody else ends what we are at.
+  // Locked during the commit, so that no other process finishes it.
   AtomicFile noted(folder / kCommitNote);
   noted.write(note.str());
   noted.commit();
 
-  // What had the names before, under names that are swept some day.
+  // The previous files, under names that a later cleanup removes.
   std::vector<fs::path> before;
   std::error_code error;
   try {

@@ -1,4 +1,4 @@
-// Writing a file so that nothing half-written ever stands under its name.
+// Atomic file writing: no partly written file ever has the final name.
 #pragma once
 
 #include <functional>
@@ -10,15 +10,15 @@
 
 namespace wheeltap::io {
 
-/// Holds a temporary name in the directory of `path`: "NAME.part" and 16 random hexadecimal digits,
-/// made exclusively and locked while this lives. What is written there takes `path`'s place at
-/// `commit`, and is removed when it never comes to that. A process that was killed leaves its
-/// temporary file behind, without a lock: the next one for the same `path` removes it.
+/// A temporary file in the directory of `path`: "NAME.part" and 16 random hexadecimal digits,
+/// created exclusively and locked for the lifetime of this object. `commit` renames it to `path`;
+/// without a commit it is removed. A killed process leaves its temporary file behind, unlocked. The
+/// next AtomicFile for the same `path` removes it.
 class AtomicFile {
  public:
-  /// Throws FileError (unwritable) where no file can be created there, something else than a
-  /// regular file has the name (a folder, a pipe, a device), or there is no room for `reserve`
-  /// bytes, which are then this file's while it lives.
+  /// Reserves `reserve` bytes. Throws FileError (unwritable) if no file can be created there, if
+  /// the name belongs to something other than a regular file (a folder, a pipe, a device), or if
+  /// there is not enough space.
   explicit AtomicFile(std::filesystem::path path, std::size_t reserve = 0);
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -26,15 +26,15 @@ class AtomicFile {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
-  /// The whole content, in place of what was written before. Throws FileError (unwritable).
+  /// Replaces the content written so far. Throws FileError (unwritable).
   void write(std::string_view bytes);
-  /// Behind what was written before. Throws FileError (unwritable).
+  /// Appends to the content. Throws FileError (unwritable).
   void append(std::string_view bytes);
-  /// `use` may open the temporary file by its name, to write or to read it, with locks of its own.
+  /// `use` may open the temporary file by its name, for reading or writing, with its own locks.
   void lend(const std::function<void(const std::filesystem::path& temporary)>& use);
-  /// Waits for the disk. Throws FileError (unwritable).
-  void settle();
-  /// Settles and renames. Throws FileError (unwritable).
+  /// Flushes to the disk. Throws FileError (unwritable).
+  void flush();
+  /// Flushes and renames. Throws FileError (unwritable).
   void commit();
 
  private:
@@ -48,13 +48,13 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Gives files of one folder their names as if at once. Where one cannot have its name, none has,
-/// and what had the names before is there again. A process killed between the first and the last,
-/// or one that cannot even go back, leaves a note of what remains to be done (kCommitNote), which
-/// `finish_commit` does. Throws FileError (unwritable).
+/// Renames the files of one folder together, all or none. If one rename fails, the previous files
+/// are restored. A process that is killed in between, or that cannot restore them, leaves a note of
+/// the remaining steps (kCommitNote), which `finish_commit` completes. Throws FileError
+/// (unwritable).
 void commit_together(std::span<AtomicFile* const> files);
 
-/// Ends what a killed `commit_together` began in this folder, if there is such a thing.
+/// Completes an interrupted `commit_together` in this folder, if there is one.
 void finish_commit(const std::filesystem::path& folder);
 
 inline constexpr const char* kCommitNote = ".wheeltap-commit";

@@ -17,7 +17,7 @@ namespace {
 
 const char* kind_of(mode_t mode) {
   if (S_ISDIR(mode)) return "is a directory";
-  if (S_ISFIFO(mode)) return "is a pipe, not a file: its content must be stored first";
+  if (S_ISFIFO(mode)) return "is a pipe, not a file: store its content in a file first";
   if (S_ISCHR(mode) || S_ISBLK(mode)) return "is a device, not a file";
   return "is not a file";
 }
@@ -27,7 +27,7 @@ class OpenFile {
  public:
   /// Throws FileError (missing).
   explicit OpenFile(const std::filesystem::path& path)
-      // Without O_NONBLOCK, opening a pipe waits for somebody to write into it.
+      // Without O_NONBLOCK, opening a pipe would wait for a writer.
       : path_(path), id_(::open(path.c_str(), O_RDONLY | O_CLOEXEC | O_NONBLOCK)) {
     if (id_ < 0 && errno == ENOENT) throw FileError(FileError::Kind::missing, path, "no such file");
     if (id_ < 0) fail(std::strerror(errno));
@@ -44,7 +44,7 @@ class OpenFile {
   OpenFile& operator=(const OpenFile&) = delete;
   ~OpenFile() { ::close(id_); }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// The next `most` bytes, or fewer, of which there are none at the end.
+  /// Reads at most `most` bytes; none at the end.
   std::size_t read(char* to, std::size_t most) const {
     while (true) {
       const ssize_t n = ::read(id_, to, most);

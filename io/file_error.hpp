@@ -1,4 +1,4 @@
-// Why a file could not be used, and where in it.
+// Errors of reading and writing files, with the position in the file.
 #pragma once
 
 #include <cstddef>
@@ -8,15 +8,15 @@
 
 namespace wheeltap::io {
 
-/// Where in a file: lines and columns from 1, rows from 0; negative, 0 or empty where there is no
-/// such thing.
+/// A position in a file: lines and columns count from 1, rows from 0. A negative value, 0 or an
+/// empty text means unknown.
 struct Place {
   std::ptrdiff_t line = 0;
-  std::ptrdiff_t sample = -1;  ///< of a file without lines
+  std::ptrdiff_t sample = -1;  ///< row, in a file without lines
   std::ptrdiff_t column = 0;
-  std::string header = {};  ///< of the column
+  std::string header = {};  ///< name of the column
 
-  /// ", line 3, column 2 ('force [N]')": what follows the file's name.
+  /// ", line 3, column 2 ('force [N]')": the text after the file's name.
   [[nodiscard]] std::string text() const {
     std::string out;
     if (line > 0) out += ", line " + std::to_string(line);
@@ -27,17 +27,16 @@ struct Place {
   }
 };
 
-/// A file that could not be read or written, and why: "FILE, line 3, column 2 ('force [N]'):
-/// REASON".
+/// A file that could not be read or written: "FILE, line 3, column 2 ('force [N]'): REASON".
 class FileError : public std::runtime_error {
  public:
   enum class Kind {
-    missing,     ///< not there, or not readable
-    corrupt,     ///< truncated, damaged, or contradicting itself
-    foreign,     ///< another program's file, or not a file of this sort at all
-    version,     ///< a format of another version of this program
-    mismatch,    ///< made for something else (its fingerprint differs)
-    incomplete,  ///< a table of which some runs are not done yet
+    missing,     ///< does not exist or cannot be read
+    corrupt,     ///< truncated, damaged, or inconsistent
+    foreign,     ///< file of another program or another format
+    version,     ///< format of another version of this program
+    mismatch,    ///< written for another case (its fingerprint differs)
+    incomplete,  ///< a table with runs still to be done
     unwritable   ///< cannot be created there
   };
   FileError(Kind kind, std::filesystem::path path, std::string reason)
@@ -60,7 +59,7 @@ class FileError : public std::runtime_error {
   std::string reason_;
 };
 
-/// A column that a file does not have, or has several of.
+/// A column that a file does not have, or has more than once.
 class NoSuchColumn : public FileError {
  public:
   NoSuchColumn(std::filesystem::path path, std::string column, std::string reason)

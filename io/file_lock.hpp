@@ -1,4 +1,4 @@
-// A file or folder held by one process.
+// Locks a file or folder for one process.
 #pragma once
 
 #include <chrono>
@@ -7,13 +7,13 @@
 
 namespace wheeltap::io {
 
-/// An advisory lock (flock) on a file or folder that is there. It leaves nothing behind and ends
-/// with its object, or with the process however that ends. What cannot be read, or lies on a file
-/// system without locks, gives one that holds nothing.
+/// An advisory lock (flock) on an existing file or folder. It leaves no lock file and ends with its
+/// object or with the process. For files that cannot be read, and file systems without locks, the
+/// object is valid but holds no lock.
 class FileLock {
  public:
-  /// Nothing where another process, or another object of this one, holds it for as long as
-  /// `patience`: one that was killed may need a moment to end. Throws FileError (missing).
+  /// Returns nothing if another process, or another object of this process, holds the lock for the
+  /// whole of `patience` (a killed process may need a moment to end). Throws FileError (missing).
   [[nodiscard]] static std::optional<FileLock> take(
       const std::filesystem::path& path,
       std::chrono::milliseconds patience = std::chrono::milliseconds(0));

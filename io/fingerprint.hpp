@@ -1,4 +1,4 @@
-// A short number that tells two texts apart.
+// Short hashes to distinguish texts.
 #pragma once
 
 #include <cstdint>
@@ -8,17 +8,17 @@
 
 namespace wheeltap::io {
 
-/// 64-bit FNV-1a of the bytes: tells two cases apart, not a defence against forgery.
+/// 64-bit FNV-1a hash of the bytes. It distinguishes cases; it is not secure against forgery.
 [[nodiscard]] constexpr std::uint64_t fnv1a(std::string_view bytes,
                                             std::uint64_t hash = 0xcbf29ce484222325) {
   for (const char c : bytes) hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3;
   return hash;
 }
 
-/// The same as 16 hexadecimal digits.
+/// The hash as 16 hexadecimal digits.
 [[nodiscard]] std::string fingerprint(std::string_view text);
 
-/// Of a file's bytes, which are read some at a time.
+/// The hash of a file's bytes, read in pieces.
 struct FileFingerprint {
   std::uintmax_t bytes = 0;
   std::string digits;

@@ -1,12 +1,12 @@
-// Numbers as JSON writes them.
+// Numbers in JSON notation.
 #pragma once
 
 #include <string>
 
 namespace wheeltap::io {
 
-/// The shortest text that reads back as x, as nlohmann-json dumps it: "0.3", "70000000000.0",
-/// "null" for what is not finite. What is identified by such texts stays the same over versions.
+/// The shortest text that reads back as x, in the format of nlohmann-json: "0.3", "70000000000.0",
+/// "null" if not finite. Identifiers made from such texts stay the same across versions.
 [[nodiscard]] std::string json_number(double x);
 
 }  // namespace wheeltap::io

@@ -48,8 +48,8 @@ void write_all(int to, const std::string& bytes) {
   }
 }
 
-/// Lets this process take `bytes` beyond what it has; false where it cannot be told to, or may
-/// not take that much anyway.
+/// Limits this process to `bytes` beyond its present memory; false if the limit cannot be set or is
+/// lower anyway.
 bool bound_memory(double bytes) {
   double pages = 0.0;
   rlimit now{};
@@ -61,18 +61,18 @@ bool bound_memory(double bytes) {
   return setrlimit(RLIMIT_AS, &now) == 0;
 }
 
-/// What a child may take.
+/// Resource limits of a child.
 struct Bounds {
   double seconds, bytes;
 };
 
-/// What the child does; no destructor and no buffer of the parent's runs in it.
+/// The body of the child; runs no destructor and flushes no buffer of the parent.
 [[noreturn]] void in_child(int to, const std::optional<Bounds>& bounds,
                            const std::function<std::string()>& work) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  // What stops the parent is for it to hear: the child ends with it.
+  // Ignores signals that stop the parent: the child ends with it.
   for (const int signal : base::kStopSignals) std::signal(signal, SIG_IGN);
   for (const int signal : {SIGPIPE, SIGXCPU}) std::signal(signal, SIG_DFL);
   const rlimit no_core{0, 0};
@@ -118,15 +118,15 @@ std::string read_all(int from) {
   }
 }
 
-/// What a child left behind.
+/// The result of a child.
 struct Ended {
-  int signal = 0;      ///< that ended it
-  bool whole = false;  ///< it came to its end
+  int signal = 0;      ///< that terminated it
+  bool whole = false;  ///< true if it completed
   Outcome outcome = Outcome::failed;
   std::string bytes;
 };
 
-/// None where no child can be started.
+/// None if no child can be started.
 std::optional<Ended> apart(const std::optional<Bounds>& bounds,
                            const std::function<std::string()>& work) {
   int ends[2];
@@ -146,7 +146,7 @@ std::optional<Ended> apart(const std::optional<Bounds>& bounds,
   close(ends[0]);
   const int status = base::wait_for(child);
   ended.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (ended.signal == SIGKILL) throw std::bad_alloc();  // by the system, which has no memory left
+  if (ended.signal == SIGKILL) throw std::bad_alloc();  // by the system, which is out of memory
   ended.whole = ended.signal == 0 && WEXITSTATUS(status) == 0 && !ended.bytes.empty();
   if (!ended.whole) return ended;
   ended.outcome = static_cast<Outcome>(ended.bytes[0]);
@@ -177,7 +177,7 @@ double most_bytes(std::uintmax_t bytes) {
 std::string read_apart(const std::filesystem::path& path, const std::function<std::string()>& read,
                        double seconds) {
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-  return read();  // a fuzzer follows what runs in its own process only
+  return read();  // a fuzzer can only observe its own process
 #endif
   std::error_code no_size;
   const std::uintmax_t size = std::filesystem::file_size(path, no_size);
@@ -187,16 +187,16 @@ std::string read_apart(const std::filesystem::path& path, const std::function<st
   if (!ended) return read();
   if (ended->signal == SIGXCPU)
     throw FileError(FileError::Kind::corrupt, path,
-                    "damaged, it seems: " + std::to_string(static_cast<int>(seconds)) +
-                        " s of processor time did not get to its end");
+                    "probably damaged: " + std::to_string(static_cast<int>(seconds)) +
+                        " s of processor time were not enough to read it");
   if (!ended->whole)
     throw FileError(FileError::Kind::corrupt, path,
-                    "damaged, it seems: the library that reads such files crashed on it");
+                    "probably damaged: the library that reads such files crashed");
   if (ended->outcome == Outcome::beyond_bound)
     throw FileError(FileError::Kind::corrupt, path,
-                    "damaged, it seems: " + std::to_string(std::llround(memory / 1048576.0)) +
-                        " MB of memory did not suffice to read it (if it is sound and merely "
-                        "compressed beyond measure, store it without)");
+                    "probably damaged: " + std::to_string(std::llround(memory / 1048576.0)) +
+                        " MB of memory were not enough to read it (if the file is valid and only "
+                        "strongly compressed, store it without compression)");
   return std::move(ended->bytes);
 }
 
@@ -208,7 +208,7 @@ bool write_apart(const std::filesystem::path& path, const std::function<void()>&
     });
     if (ended && !ended->whole)
       throw FileError(FileError::Kind::unwritable, path,
-                      "the library that writes such files crashed on it");
+                      "the library that writes such files crashed");
     return ended.has_value();
   } catch (const std::bad_alloc&) {
     throw FileError(FileError::Kind::unwritable, path,

@@ -1,4 +1,4 @@
-// Reads a file in a process of its own, or writes one.
+// Reads or writes a file in a child process.
 #pragma once
 
 #include <filesystem>
@@ -11,21 +11,21 @@
 
 namespace wheeltap::io {
 
-/// The bytes that `read` returns in a child of this process, so that a library that a damaged file
-/// crashes, or keeps busy for ever, ends that child alone. What it prints is lost. FileError that
-/// it throws is thrown here, other exceptions as std::runtime_error. Throws FileError (corrupt)
-/// where the child crashes, takes more processor time than `seconds` (0: `most_seconds` of the
-/// file's size), or more memory than `most_bytes` beyond this process's; std::bad_alloc where this
-/// process may not take as much, or the system killed the child. Signals that ask the parent to
-/// stop do not stop the child.
+/// Calls `read` in a child process and returns its bytes. If a damaged file makes a library crash
+/// or run for ever, only the child ends. Its printed output is lost. A FileError of `read` is
+/// rethrown here, other exceptions as std::runtime_error. Throws FileError (corrupt) if the child
+/// crashes, takes more processor time than `seconds` (0: `most_seconds` of the file's size), or
+/// more memory than `most_bytes` beyond that of this process. Throws std::bad_alloc if this process
+/// may not use as much memory or the system killed the child. Signals that ask the parent to stop
+/// do not stop the child.
 ///
-/// A child has this one thread: a lock that `read` needs must be held by the caller. Where no child
-/// can be started, reads here.
+/// The child has only the calling thread: the caller must hold any lock that `read` needs. If no
+/// child can be started, reads in this process.
 [[nodiscard]] std::string read_apart(const std::filesystem::path& path,
                                      const std::function<std::string()>& read,
                                      double seconds = 0.0);
 
-/// Reads there and drops what was read: what passes can be read here.
+/// Reads in the child and drops the result: a file that passes can be read in this process.
 inline void check_apart(const std::filesystem::path& path, const std::function<void()>& read) {
   (void)read_apart(path, [&] {
     read();
@@ -33,21 +33,21 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
   });
 }
 
-/// `write` in such a child, without bounds: a library that a full disk makes crash, at whatever
-/// time, ends that child alone. FileError that it throws is thrown here, and one (unwritable) of
-/// `path` where the child crashes, lacks memory or is killed; other exceptions as above. Returns
-/// false, without calling it, where no child can be started.
+/// Calls `write` in a child process without limits. If a full disk makes a library crash, at any
+/// time, only the child ends. A FileError of `write` is rethrown here; if the child crashes, lacks
+/// memory or is killed, throws FileError (unwritable) for `path`; other exceptions as above.
+/// Returns false without calling `write` if no child can be started.
 [[nodiscard]] bool write_apart(const std::filesystem::path& path,
                                const std::function<void()>& write);
 
-/// Ten times and more what reading a sound file of that size takes.
+/// At least ten times the reading time of a valid file of that size.
 [[nodiscard]] double most_seconds(std::uintmax_t bytes);
 
-/// Several times what reading a sound file of that size takes, of compressed samples of 16 bits
-/// 24 bytes for each of its bytes; bytes.
+/// Several times the memory for reading a valid file of that size [bytes]; compressed samples of 16
+/// bits take 24 bytes for each byte of the file.
 [[nodiscard]] double most_bytes(std::uintmax_t bytes);
 
-/// As read_apart, of anything that a parcel carries.
+/// Like read_apart, for any type that a parcel carries.
 template <class T>
 [[nodiscard]] T read_apart_as(const std::filesystem::path& path, const std::function<T()>& read) {
   const std::string bytes = read_apart(path, [&] {

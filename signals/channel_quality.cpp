@@ -35,7 +35,7 @@ std::vector<Stretch> equal_runs(std::span<const double> x) {
   return out;
 }
 
-// p is estimated without the longest runs, which may be the dropouts themselves.
+// Estimates p without the longest runs, which may be the dropouts.
 long shortest_dropout(const std::vector<Stretch>& runs, long samples) {
   constexpr long kLong = 10;
   long equal = 0, counted = samples - 1;
@@ -71,7 +71,7 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
   if (n < 5) return;
   std::vector<double> off(x.size(), 0.0), sizes;
   const auto at = [&](long i) { return x[static_cast<std::size_t>(i)]; };
-  // x_i less the cubic through x_{i-2}, x_{i-1}, x_{i+1}, x_{i+2}: (-1, 4, 4, -1) / 6.
+  // x_i minus the cubic through x_{i-2}, x_{i-1}, x_{i+1}, x_{i+2}: (-1, 4, 4, -1) / 6.
   const auto difference = [](double a, double b, double c, double d, double e) {
     return c - (4.0 * (b + d) - (a + e)) / 6.0;
   };
@@ -80,8 +80,8 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
         difference(at(i - 2), at(i - 1), at(i), at(i + 1), at(i + 2));
     sizes.push_back(std::abs(off[static_cast<std::size_t>(i)]));
   }
-  // Once x_i is replaced, the differences of its neighbours must be ordinary: a pulse of two
-  // samples and more is none of a single one.
+  // After replacing x_i, the differences of its neighbours must be ordinary; a pulse of two or more
+  // samples is not a spike.
   const auto is_single = [&](long i, double jump) {
     constexpr double kWeights[] = {-1.0 / 6.0, 4.0 / 6.0};
     for (const long k : {-2L, -1L, 1L, 2L}) {
@@ -92,8 +92,8 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
     }
     return true;
   };
-  // The scale is that of the loudest of three blocks about a sample: a burst is no spike. Most
-  // differences of a coarse record may be 0; then those count that are not.
+  // The scale is that of the loudest of three blocks around a sample, so that a burst is not a
+  // spike. If most differences of a coarse record are 0, only nonzero ones count.
   const auto scale_of = [&](std::size_t from, std::size_t to) {
     std::vector<double> part(sizes.begin() + static_cast<std::ptrdiff_t>(from),
                              sizes.begin() + static_cast<std::ptrdiff_t>(to));
@@ -114,7 +114,7 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
         std::abs(at(i + 1) - at(i - 1)) < 0.5 * std::abs(jump) && is_single(i, jump))
       out.spikes.push_back(i);
   }
-  // What is everywhere is the signal.
+  // Frequent outliers belong to the signal.
   if (static_cast<double>(out.spikes.size()) > kMostSpikes * static_cast<double>(n))
     out.spikes.clear();
 }

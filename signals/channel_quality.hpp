@@ -1,4 +1,4 @@
-// What is wrong with a measured channel, before anybody fits a model to it.
+// Quality checks of a measured channel before any model is fitted.
 #pragma once
 
 #include <span>
@@ -15,32 +15,33 @@ struct Stretch {
 
 struct ChannelQuality {
   long samples = 0;
-  long missing = 0;  ///< not finite
+  long missing = 0;  ///< number of samples that are not finite
   double mean = 0.0, sd = 0.0, lowest = 0.0, highest = 0.0;
-  double rms = 0.0;   ///< about zero
-  double step = 0.0;  ///< smallest difference between two values that occur: the resolution
+  double rms = 0.0;   ///< root mean square about zero
+  double step = 0.0;  ///< resolution: the smallest difference between two values that occur
   bool constant = false;
 
-  /// Runs of one and the same value, longer than chance makes them: with p the share of equal
-  /// neighbours, runs of which less than a thousandth is expected in a record of this length, and
-  /// of five samples at least.
+  /// Dropouts: runs of an identical value that are longer than chance explains. With p the share of
+  /// equal neighbours, a dropout has a length of which less than a thousandth is expected in a
+  /// record of this size, and at least five samples.
   std::vector<Stretch> dropouts = {};
-  /// Samples on the highest and the lowest value, where three or more follow each other there.
+  /// Clipped samples: those at the highest and the lowest value where at least three follow each
+  /// other.
   long clipped_high = 0, clipped_low = 0;
-  /// Single samples that differ from the cubic through two neighbours on either side by more than
-  /// 12 robust standard deviations of that difference in their surroundings, while the record about
-  /// them is ordinary once they are replaced by it. The difference is a linear filter of the
-  /// record, so that it is Gaussian where the record is, however narrow its band. None where more
-  /// than a thousandth of all samples do: that is the signal.
+  /// Spikes: single samples that differ from the cubic through two neighbours on either side by
+  /// more than 12 local robust standard deviations of that difference. Replacing the sample by the
+  /// cubic must make the surroundings ordinary. The difference is a linear filter of the record, so
+  /// it is Gaussian if the record is, however narrow its band. None if more than a thousandth of
+  /// all samples qualify: then they belong to the signal.
   std::vector<long> spikes = {};
-  /// Rise of the fitted line over the whole record, in standard deviations of what is left.
+  /// Trend: rise of the fitted line over the whole record, in standard deviations of the residual.
   double drift = 0.0;
-  /// Standard deviation of the means of twenty blocks over that of all, without the line: near 0
-  /// for a stationary record, near 1 for one that wanders.
+  /// Drift: standard deviation of the means of twenty blocks over that of all samples, without the
+  /// trend; near 0 for a stationary record, near 1 for a drifting one.
   double wander = 0.0;
 };
 
-/// `x` may hold NaN; those samples are counted and left out.
+/// Checks a channel. `x` may hold NaN; these samples are counted and excluded.
 [[nodiscard]] ChannelQuality channel_quality(std::span<const double> x);
 
 /// What is wrong with a channel. In brackets: value, and the bound that it passes.
@@ -68,12 +69,13 @@ struct FoundFault {
 
 /// A local maximum of a spectrum.
 struct SpectrumPeak {
-  double frequency_hz;   ///< of the parabola through three lines of the logarithm
+  double frequency_hz;   ///< from a parabola through three lines of the logarithm
   double density;        ///< [unit² / Hz]
-  double prominence_db;  ///< above the higher of the valleys that part it from higher ground
+  double prominence_db;  ///< height above the higher of the two valleys that separate it from
+                         ///< higher peaks
 };
 
-/// The most prominent, `most` of them, by frequency; those of less than `least_db` are scatter.
+/// The `most` most prominent peaks, sorted by frequency. Peaks of less than `least_db` are scatter.
 [[nodiscard]] std::vector<SpectrumPeak> spectrum_peaks(const Spectrum& spectrum, int most,
                                                        double least_db = 10.0);
 

@@ -1,4 +1,4 @@
-// Excitations for simulated experiments, the same on every machine for a given seed.
+// Excitations for simulated experiments; a seed gives the same signal on every computer.
 #pragma once
 
 #include <cstdint>
@@ -7,7 +7,7 @@
 
 namespace wheeltap::signals {
 
-/// Uniform and normal numbers whose sequence does not depend on the standard library.
+/// Uniform and normal random numbers, independent of the standard library.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : generator_(seed) {}
@@ -20,12 +20,12 @@ class Noise {
   bool has_spare_ = false;
 };
 
-/// Independent normal samples of this variance.
+/// Independent normal samples with this variance.
 [[nodiscard]] std::vector<double> white_noise(int samples, double variance, Noise& noise);
 
-/// Gaussian noise with a flat spectrum on [low_hz, high_hz] and none outside; `variance` is the
-/// expected one. Cut from a longer period, so that its ends do not meet. Throws
-/// std::invalid_argument unless 0 <= low_hz < high_hz <= sample_rate_hz / 2 and the band holds a
+/// Gaussian noise with a flat spectrum on [low_hz, high_hz] and zero outside; `variance` is its
+/// expectation. It is cut from a longer period, so that it is not periodic. Throws
+/// std::invalid_argument unless 0 <= low_hz < high_hz <= sample_rate_hz / 2 and the band contains a
 /// line of the period.
 [[nodiscard]] std::vector<double> band_limited_noise(int samples, double sample_rate_hz,
                                                      double low_hz, double high_hz, double variance,
@@ -35,8 +35,8 @@ class Noise {
 [[nodiscard]] std::vector<double> sine(int samples, double sample_rate_hz, double amplitude,
                                        double frequency_hz, double phase = 0.0);
 
-/// A periodic sum of equal sines with random phases, on the lines k f_s / period of [low_hz,
-/// high_hz].
+/// A multisine: a periodic sum of equal sines with random phases, on the lines k f_s / period of
+/// [low_hz, high_hz].
 struct Multisine {
   int period = 1024;  ///< samples
   double low_hz = 0.0;

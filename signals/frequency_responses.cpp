@@ -87,7 +87,7 @@ FrequencyResponses estimate_frequency_responses(const Eigen::Ref<const MatrixXd>
     const Eigen::FullPivLU<MatrixXcd> lu(xx);
     if (!lu.isInvertible())
       refuse("input spectra at", out.frequencies_hz[k - 1],
-             "Hz are linearly dependent: an input does nothing there, or two are one");
+             "Hz are linearly dependent: an input is zero there, or two are identical");
     out.h.push_back(yx * lu.inverse());
     for (Index o = 0; o < n_out; ++o) {
       const double explained = (out.h.back().row(o) * yx.row(o).adjoint()).real()(0);

@@ -9,10 +9,11 @@ namespace wheeltap::signals {
 
 struct FrequencyResponses {
   Eigen::VectorXd frequencies_hz = {};   ///< ascending
-  std::vector<Eigen::MatrixXcd> h = {};  ///< outputs × inputs, one a frequency
-  /// |γ|² of each output with all inputs together, outputs × frequencies; empty where not known.
+  std::vector<Eigen::MatrixXcd> h = {};  ///< outputs × inputs, one per frequency
+  /// Multiple coherence |γ|² of each output with all inputs, outputs × frequencies; empty if
+  /// unknown.
   Eigen::MatrixXd coherence = {};
-  int segments = 0;  ///< that were averaged; 0 where not known
+  int segments = 0;  ///< number of averages; 0 if unknown
 
   [[nodiscard]] Eigen::Index lines() const { return frequencies_hz.size(); }
   [[nodiscard]] Eigen::Index outputs() const { return h.empty() ? 0 : h.front().rows(); }

@@ -20,16 +20,16 @@ constexpr double kLongestGap = 5.0;  // median steps that are interpolated
   throw FileError(FileError::Kind::corrupt, record.file, std::move(place), reason);
 }
 
-/// A column's values, which must have been read.
+/// A column's values; throws if they were not read.
 const Column& values_of(const Record& record, int column) {
   const Column& source = record.columns.at(static_cast<std::size_t>(column));
   if (std::ssize(source.values) != record.samples())
     throw std::invalid_argument("column '" + source.header + "' of " + record.file +
-                                " was not asked for when the record was read");
+                                " was not requested when the record was read");
   return source;
 }
 
-/// By how much a printed value may differ from the one meant.
+/// Largest difference between a printed value and the exact one.
 double resolution(const Column& column, double value) {
   if (column.digits < 0) return 0.0;
   const double by_point = std::pow(10.0, -column.decimals);
@@ -45,7 +45,7 @@ std::string show(double value) {
   return out.str();
 }
 
-/// Names of a time column that do not begin with "time": of other languages, loggers and phones.
+/// Names of time columns that do not begin with "time": of other languages, loggers and phones.
 bool is_time(const Column& column) {
   std::string name = column.name;
   for (char& c : name)
@@ -72,7 +72,7 @@ bool is_time(const Column& column) {
   return name.starts_with("zeit") || name.starts_with("elapsedtime");
 }
 
-/// "Date" or "Datum" over days since 1900, or since year 0, with fractions.
+/// "Date" or "Datum" above days since 1900 or since year 0, with fractions.
 bool is_serial_date(const Column& column) {
   std::string name = column.name;
   for (char& c : name)
@@ -101,7 +101,7 @@ bool is_one_of(const std::vector<std::string>& names, const Column& column, std:
   });
 }
 
-/// What a case may call a column by: see Columns::find.
+/// The names by which a case may refer to a column: see Columns::find.
 io::Wanted named(RecordReading reading) {
   if (reading.columns.empty() && reading.ignored.empty()) return {};
   return [reading = std::move(reading)](const io::Columns& table, std::size_t i) {
@@ -114,7 +114,7 @@ io::Wanted named(RecordReading reading) {
   };
 }
 
-/// How long one of a column's numbers is [s], and why.
+/// The length of one unit of a time column [s], and its basis.
 double seconds_in_one(const Record& record, int time_column, double median, Sampling& out) {
   const Column& column = record.columns[static_cast<std::size_t>(time_column)];
   if (column.cells == io::CellKind::stamp) {
@@ -125,11 +125,11 @@ double seconds_in_one(const Record& record, int time_column, double median, Samp
   const double first = std::abs(column.values.front());
   if (out.unit.empty()) {
     out.basis = Sampling::Basis::epoch;
-    // As seconds these would be dates beyond the year 5000.
+    // As seconds these would be dates after the year 5000.
     if (first >= 1e11 && first < 1e14) return out.unit = "ms", 1e-3;
     if (first >= 1e14 && first < 1e17) return out.unit = "us", 1e-6;
     if (first >= 1e17 && first < 1e20) return out.unit = "ns", 1e-9;
-    // As seconds these would be sampled at 70 kHz and more, days after the clock began.
+    // As seconds these would be sampled at 70 kHz or more, days after the start of the clock.
     const bool spreadsheet = first >= 2e4 && first < 8e4, year_zero = first >= 7e5 && first < 8e5;
     if ((spreadsheet || year_zero) && median > 0.0 && median < 1.2 / 86400.0) {
       out.basis = Sampling::Basis::days;
@@ -157,7 +157,7 @@ double seconds_in_one(const Record& record, int time_column, double median, Samp
 int Record::find_time() const {
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (is_time(columns[i]) && columns[i].cells != io::CellKind::text) return static_cast<int>(i);
-  // Of a date and a time of day, the latter.
+  // With a date and a time of day, uses the time of day.
   int stamps = -1;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (columns[i].cells != io::CellKind::stamp || columns[i].values.empty()) continue;
@@ -167,7 +167,7 @@ int Record::find_time() const {
   if (stamps >= 0) return stamps;
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (is_serial_date(columns[i])) return static_cast<int>(i);
-  // Of a text without names, a first column that increases evenly, not by whole numbers: those
+  // In a text without names, a first column that increases evenly, except by whole numbers: those
   // could count rows.
   const bool unnamed = layout && layout->used.header.value_or(1) == 0;
   return unnamed && columns.size() > 1 && increases_by_fractions(columns.front()) ? 0 : -1;
@@ -188,8 +188,8 @@ Record read_record(const std::filesystem::path& path, RecordReading reading,
 
 Sampling sampling_of(const Record& record, int time_column, std::optional<double> stated,
                      std::optional<double> scale) {
-  constexpr double kEven = 1e-3;        // of a step: not worth a word
-  constexpr double kMostJitter = 1e-2;  // of a step: taken as even
+  constexpr double kEven = 1e-3;        // of a step: not reported
+  constexpr double kMostJitter = 1e-2;  // of a step: accepted as even
   const Column& column = values_of(record, time_column);
   const std::vector<double>& t = column.values;
   const io::Place whole{.column = time_column + 1, .header = column.header};
@@ -214,20 +214,21 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
   bool uneven = !(mean > 0.0);
   for (std::size_t n = 1; n < t.size() && !uneven; ++n) {
     const double off = std::abs(t[n] - t[n - 1] - mean);
-    // The digits are asked only where it matters: their powers of ten take longer than all else.
+    // Checks the printed digits only where needed; their powers of ten take most of the time.
     if (off <= kEven * mean) continue;
     const double printed = 1.01 * resolution(column, t[n]);
     uneven = off > kMostJitter * mean + printed;
     if (off > kEven * mean + printed) out.jitter = std::max(out.jitter, (off - printed) / mean);
   }
-  // Where a step is as small as the digits printed, rounding could explain a missing row; but then
-  // not in one step of hundreds only.
+  // If a step is as small as the printed digits, rounding could explain a missing row, but not in
+  // only one step of hundreds.
   const auto odd = std::count_if(sorted.begin(), sorted.end(), [&](double step) {
     return std::abs(step - median) > 0.5 * median;
   });
   uneven = uneven || (odd > 0 && 50 * odd < std::ssize(sorted));
   if (uneven) {
-    // Stamps of whole seconds over faster samples: a stated rate must fit how many there are.
+    // Stamps of whole seconds with faster samples: a stated rate must agree with the number of
+    // rows.
     if (median == 0.0 && mean > 0.0) {
       const double all = t.back() - t.front(), coarse = *std::ranges::max_element(sorted);
       const double seconds = *scale;
@@ -239,7 +240,7 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
         out.basis = Sampling::Basis::stated;
         return out;
       }
-      // Rows from one change to another: the first and the last stamp may be cut short.
+      // Counts rows between changes; the first and the last stamp may cover fewer samples.
       std::size_t from = 1, to = t.size() - 1;
       while (t[from] == t[from - 1]) ++from;
       while (t[to] == t[to - 1]) --to;
@@ -247,12 +248,12 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
                               ? static_cast<double>(to - from) / ((t[to] - t[from]) * seconds)
                               : steps / (all * seconds);
       fail(record, whole,
-           "several rows in turn have the same time" +
+           "several consecutive rows have the same time" +
                (stated ? ", and " + show(*stated) + " Hz do not fit their number"
                        : ": state \"sample_rate\" (about " + show(rate) + ")") +
                (rises ? "" : "; it also goes backwards"));
     }
-    // A gap shifts the mean, not the median: the step farthest from the median is the one to name.
+    // A gap shifts the mean, not the median. The message names the step farthest from the median.
     std::size_t worst = 1;
     for (std::size_t n = 1; n < t.size(); ++n)
       if (std::abs(t[n] - t[n - 1] - median) > std::abs(t[worst] - t[worst - 1] - median))
@@ -357,7 +358,7 @@ Record resampled(const Record& record, int time_column, std::optional<double> ra
                      ((a * a * a - a) * m[i] + (b * b * b - b) * m[i + 1]) * h * h / 6.0;
     }
   }
-  // Lines of the file are no longer samples.
+  // Rows no longer correspond to lines of the file.
   out.first_line = 0;
   out.skipped.clear();
   return out;

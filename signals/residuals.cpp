@@ -94,7 +94,7 @@ void ar_innovations(std::span<const double> residuals,
     for (std::size_t j = 0; j < phi.size(); ++j) predicted += phi[j] * residuals[t - 1 - j];
     return residuals[t] - predicted;
   };
-  // From the last to the first: what lies before is still a residual.
+  // From the last to the first, because earlier entries are still residuals.
   const std::vector<double> phi = ar_coefficients(partial_autocorrelations);
   double variance = 1.0;
   for (const double partial : partial_autocorrelations) variance *= 1.0 - partial * partial;

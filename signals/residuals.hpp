@@ -1,4 +1,4 @@
-// What residuals say: Gaussian and autoregressive likelihoods, and whether they are white.
+// Residual analysis: Gaussian and autoregressive likelihoods, and tests for whiteness.
 #pragma once
 
 #include <span>
@@ -15,17 +15,17 @@ namespace wheeltap::signals {
 [[nodiscard]] std::vector<double> ar_coefficients(std::span<const double> partial_autocorrelations);
 
 /// Exact log-likelihood of residuals under a stationary Gaussian AR(p) process with the marginal
-/// standard deviation `sigma`, so that sigma means the same with and without correlation. By
+/// standard deviation `sigma`, so that sigma has the same meaning with and without correlation. By
 /// innovations: r_n given the past is normal about the Durbin-Levinson predictor of order m =
-/// min(n, p), with variance σ² ∏_{j<=m} (1 - π_j²). Costs N p multiplications, and p = 0 is the
-/// white case. -∞ for sigma <= 0 or a partial autocorrelation outside (-1, 1).
+/// min(n, p), with variance σ² ∏_{j<=m} (1 - π_j²). Costs N p multiplications; p = 0 is the white
+/// case. -∞ for sigma <= 0 or a partial autocorrelation outside (-1, 1).
 [[nodiscard]] double ar_log_likelihood(std::span<const double> residuals,
                                        std::span<const double> partial_autocorrelations,
                                        double sigma);
 
-/// The innovations of which that likelihood is made, for sigma = 1: e_t / √(∏_{j<=m} (1 - π_j²)),
-/// so that ln p = c(π) - N ln σ - ½ Σ out_t² / σ². Linear in the residuals; in place where `out` is
-/// `residuals`. Throws std::invalid_argument for a partial autocorrelation outside (-1, 1).
+/// The innovations of that likelihood for sigma = 1: e_t / √(∏_{j<=m} (1 - π_j²)), so that ln p =
+/// c(π) - N ln σ - ½ Σ out_t² / σ². Linear in the residuals; in place if `out` is `residuals`.
+/// Throws std::invalid_argument for a partial autocorrelation outside (-1, 1).
 void ar_innovations(std::span<const double> residuals,
                     std::span<const double> partial_autocorrelations, std::span<double> out);
 
@@ -39,7 +39,8 @@ void ar_innovations(std::span<const double> residuals,
 /// are not. 0 from where nothing is left.
 [[nodiscard]] std::vector<double> burg_partial_autocorrelation(std::span<const double> x, int lags);
 
-/// The order p <= `most` of an autoregression of these residuals by Schwarz's criterion, the least
+/// The order p <= `most` of an autoregression of these residuals by Schwarz's criterion, the
+/// minimum of
 ///
 ///   N ln σ² ∏_{m<=p} (1 - π_m²) + p ln N,   π by Burg's method,
 ///
@@ -54,7 +55,7 @@ struct Whiteness {
   double p_value = 1.0;
 };
 
-/// `fitted` is the number of AR coefficients that were fitted to these residuals. Throws
+/// `fitted` is the number of AR coefficients fitted to these residuals. Throws
 /// std::invalid_argument unless fitted < lags < x.size().
 [[nodiscard]] Whiteness ljung_box(std::span<const double> residuals, int lags, int fitted = 0);
 

@@ -8,7 +8,7 @@
 namespace wheeltap::signals {
 namespace {
 
-// In small letters, longer ones before those that they begin with.
+// In lower case; longer keys precede those that are their beginnings.
 constexpr std::string_view kRates[] = {"sampling rate",
                                        "sampling_rate",
                                        "samplingrate",
@@ -64,8 +64,8 @@ bool is_letter(char c) {
   return (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || c == '_';
 }
 
-/// What follows a key: units and marks, a number, a unit.
-struct Said {
+/// The text after a key: units and marks, a number, a unit.
+struct PrintedRate {
   double value = 0.0;
   std::string unit = {};
 };
@@ -99,11 +99,11 @@ std::optional<Unit> unit_of_word(std::string_view word) {
   return unit;
 }
 
-std::optional<Said> said_behind(std::string_view rest, char decimal) {
+std::optional<PrintedRate> rate_after(std::string_view rest, char decimal) {
   const std::size_t at = rest.find_first_of("0123456789");
   constexpr std::size_t kFarthest = 30;
   if (at == std::string_view::npos || at > kFarthest) return std::nullopt;
-  Said out;
+  PrintedRate out;
   for (const std::string& word : words(rest.substr(0, at))) {
     if (word == "." || word == "of" || word == "is" || word == "in") continue;
     if (!unit_of_word(word)) return std::nullopt;
@@ -112,15 +112,15 @@ std::optional<Said> said_behind(std::string_view rest, char decimal) {
   if (at == 0) return std::nullopt;  // "fs1"
   std::string_view number = rest.substr(at);
   std::size_t end = std::min(number.find_first_not_of("0123456789.,eE+-"), number.size());
-  // The unit's first letter, a comma that separates.
+  // Excludes the unit's first letter and a separating comma.
   while (end > 0 && (number[end - 1] < '0' || number[end - 1] > '9')) --end;
   const std::string_view digits = number.substr(0, end);
   std::optional<double> value = io::parse_number(digits);
   if (!value && decimal == ',') value = io::parse_number(digits, ',');
   if (!value || !(*value > 0.0) || !std::isfinite(*value)) return std::nullopt;
   out.value = *value;
-  const std::vector<std::string> behind = words(number.substr(end));
-  if (!behind.empty() && unit_of_word(behind.front())) out.unit = behind.front();
+  const std::vector<std::string> after = words(number.substr(end));
+  if (!after.empty() && unit_of_word(after.front())) out.unit = after.front();
   return out;
 }
 
@@ -128,21 +128,21 @@ std::optional<double> rate_in(std::string_view text, char decimal) {
   std::string low(text);
   for (char& c : low)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  const auto behind = [&](std::string_view key) -> std::optional<Said> {
+  const auto after = [&](std::string_view key) -> std::optional<PrintedRate> {
     for (std::size_t at = 0; (at = low.find(key, at)) != std::string::npos; at += key.size()) {
       const std::size_t end = at + key.size();
       if ((at > 0 && is_letter(low[at - 1])) || (end < low.size() && is_letter(low[end]))) continue;
-      return said_behind(text.substr(end), decimal);
+      return rate_after(text.substr(end), decimal);
     }
     return std::nullopt;
   };
   for (const bool interval : {false, true})
     for (const std::string_view key :
          interval ? std::span<const std::string_view>(kIntervals) : std::span(kRates)) {
-      const std::optional<Said> said = behind(key);
-      if (!said) continue;
-      const std::optional<Unit> unit = unit_of_word(said->unit);
-      const double value = said->value * (unit ? unit->si : 1.0);
+      const std::optional<PrintedRate> printed = after(key);
+      if (!printed) continue;
+      const std::optional<Unit> unit = unit_of_word(printed->unit);
+      const double value = printed->value * (unit ? unit->si : 1.0);
       const bool is_time = unit ? unit->dimension == Dimension::time : interval;
       return is_time ? 1.0 / value : value;
     }
@@ -151,7 +151,7 @@ std::optional<double> rate_in(std::string_view text, char decimal) {
 
 }  // namespace
 
-std::optional<Sampling> said_sampling(const Record& record) {
+std::optional<Sampling> sampling_from_header(const Record& record) {
   if (!record.layout) return std::nullopt;
   std::optional<Sampling> out;
   for (const io::HeadLine& line : record.layout->above) {

@@ -105,7 +105,7 @@ double kaiser(double t, double beta) {
          boost::math::cyl_bessel_i(0, beta);
 }
 
-/// Sample n of a record continued by odd reflection about its ends.
+/// Sample n of a record, continued by odd reflection at its ends.
 double reflected(std::span<const double> x, std::ptrdiff_t n) {
   const auto last = static_cast<std::ptrdiff_t>(x.size()) - 1;
   double sign = 1.0, shift = 0.0;
@@ -164,8 +164,8 @@ SpectrumComparison compare_window(std::span<const double> record, int begin, int
   const double power = variance(record);
   result.power_ratio = variance(part) / power;
 
-  // The strongest lines that together hold 99.9 % of the power; the first holds what the means
-  // left.
+  // The strongest lines that together hold 99.9 % of the power; the first holds the remainder of
+  // the means.
   std::vector<std::size_t> lines(result.full.density.size() - 1);
   std::iota(lines.begin(), lines.end(), 1);
   std::sort(lines.begin(), lines.end(), [&](std::size_t i, std::size_t j) {
@@ -182,8 +182,8 @@ SpectrumComparison compare_window(std::span<const double> record, int begin, int
     ++used;
   }
   result.difference_db = used > 0 ? std::sqrt(squares / used) : 0.0;
-  // A mean of K half-overlapping Hann periodograms scatters by √(19 / (18 K)) of itself (Welch
-  // 1967).
+  // A mean of K Hann periodograms with 50 % overlap has a relative standard deviation of √(19 / (18
+  // K)) (Welch 1967).
   const auto scatter = [](const Spectrum& s) { return 19.0 / (18.0 * s.segments); };
   result.expected_db =
       10.0 / std::numbers::ln10 * std::sqrt(scatter(result.full) + scatter(result.window));
@@ -231,7 +231,7 @@ std::vector<double> upsample(std::span<const double> record, int begin, int end,
       sum += weights[static_cast<std::size_t>(k)] =
           sinc(distance) * kaiser(distance / kReach, kBeta);
     }
-    for (double& w : weights) w /= sum;  // a constant stays exactly that
+    for (double& w : weights) w /= sum;  // a constant is preserved exactly
     for (std::size_t n = static_cast<std::size_t>(phase), m = 0; n < size;
          n += static_cast<std::size_t>(factor), ++m) {
       const std::ptrdiff_t centre = begin + static_cast<std::ptrdiff_t>(m);

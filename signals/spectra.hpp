@@ -9,9 +9,9 @@
 
 namespace wheeltap::signals {
 
-/// Welch's method (1967): Hann windows over overlapping segments, each freed of its mean.
+/// Welch's method (1967): Hann windows over overlapping segments, mean of each segment removed.
 struct WelchOptions {
-  int segment = 1024;    ///< samples; clipped to the record
+  int segment = 1024;    ///< samples; at most the record
   double overlap = 0.5;  ///< fraction of a segment, in [0, 1)
 };
 
@@ -40,35 +40,33 @@ struct FrequencyResponse {
                                                    std::span<const double> y, double sample_rate_hz,
                                                    WelchOptions options = {});
 
-/// Does samples [begin, end) of a record stand for all of it? Both spectra with the same segments.
+/// Compares samples [begin, end) with the whole record; both spectra use the same segments.
 struct SpectrumComparison {
   Spectrum full, window;
   double power_ratio = 1.0;  ///< variance in the window over that in the record
-  /// Root mean square of 10 log₁₀(window / full) over the frequencies that hold 99.9 % of the
-  /// record's power, and what the scatter of two independent estimates of one spectrum would give.
+  /// Root mean square of 10 log₁₀(window / full) over the frequencies with 99.9 % of the record's
+  /// power, and its expectation for two independent estimates of the same spectrum.
   double difference_db = 0.0;
   double expected_db = 0.0;
 };
 
-/// The segments are clipped to the window. Throws std::invalid_argument for a window that is not
-/// one.
+/// Segments are limited to the window. Throws std::invalid_argument for an invalid window.
 [[nodiscard]] SpectrumComparison compare_window(std::span<const double> record, int begin, int end,
                                                 double sample_rate_hz, WelchOptions options = {});
 
-/// The part of a signal's amplitude that linear interpolation between its samples loses:
-/// 1 - √(Σ S sinc⁴(f / f_s) / Σ S) over its spectrum (one component at f keeps sinc²(f/f_s) of its
-/// own).
+/// The share of a signal's amplitude lost by linear interpolation between its samples: 1 - √(Σ S
+/// sinc⁴(f / f_s) / Σ S) over its spectrum (a component at f keeps sinc²(f/f_s)).
 [[nodiscard]] double linear_interpolation_loss(const Spectrum& spectrum, double sample_rate_hz);
 
 /// Subtracts the least-squares polynomial of degree 0 (mean) or 1 (line), in place.
 void detrend(std::span<double> x, int degree);
 
-/// Samples [begin, end) of a record at `factor` times its rate, (end - begin - 1) · factor + 1
-/// values; those at the old places are the old ones. Interpolation by a sinc of 32 samples to
-/// either side under a Kaiser window (β = 12): content below 0.43 of the sampling rate is kept to
-/// 1e-5 of its amplitude. Samples outside the window are used where the record has them; beyond its
-/// ends it is continued by odd reflection, and the first and last 32 samples are less exact. Throws
-/// std::invalid_argument for a factor < 1 or a window that is not one.
+/// Interpolates samples [begin, end) of a record to `factor` times its rate: (end - begin - 1) ·
+/// factor + 1 values, the original samples unchanged. Uses a sinc of 32 samples to either side with
+/// a Kaiser window (β = 12), which keeps content below 0.43 of the sampling rate to 1e-5 of its
+/// amplitude. Uses samples outside the window if the record has them. Beyond the record's ends it
+/// continues by odd reflection, and the first and last 32 samples are less accurate. Throws
+/// std::invalid_argument for a factor < 1 or an invalid window.
 [[nodiscard]] std::vector<double> upsample(std::span<const double> record, int begin, int end,
                                            int factor);
 

@@ -1,4 +1,4 @@
-// A base displacement's velocity and acceleration.
+// Velocity and acceleration of a base displacement, by a cubic spline.
 #pragma once
 
 #include <span>
@@ -11,10 +11,10 @@ struct Spline {
 };
 
 /// The natural cubic spline through equally spaced samples. Its second derivative is linear between
-/// samples and its values are the double integral of that, so that a base acceleration taken from
-/// it, held to first order, moves the base exactly through the samples. Over a signal of angle θ =
-/// ω Δt a sample the second derivative is (4 sin²(θ/2)/θ²) · 3/(2 + cos θ) = 1 + θ²/12 + … times
-/// -ω² y, which the hold's sinc²(θ/2) = 1 - θ²/12 + … undoes to second order. Throws
+/// samples, and its values are the double integral of that. A base acceleration taken from it with
+/// a first-order hold therefore moves the base exactly through the samples. For a signal of angle θ
+/// = ω Δt per sample the second derivative is (4 sin²(θ/2)/θ²) · 3/(2 + cos θ) = 1 + θ²/12 + …
+/// times -ω² y; the hold's sinc²(θ/2) = 1 - θ²/12 + … compensates it to second order. Throws
 /// std::invalid_argument for fewer than 3 samples or spacing <= 0.
 [[nodiscard]] Spline natural_spline(std::span<const double> samples, double spacing);
 

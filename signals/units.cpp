@@ -64,7 +64,7 @@ constexpr Unit kUnits[] = {
     {"1/min", Dimension::frequency, 1.0 / 60.0},
 };
 
-/// Other spellings of whole units.
+/// Alternative spellings of whole units.
 constexpr std::pair<std::string_view, std::string_view> kSynonyms[] = {
     {"S", "s"},
     {"sec", "s"},
@@ -118,7 +118,7 @@ void replace(std::string& text, std::string_view from, std::string_view to) {
     text.replace(at, from.size(), to);
 }
 
-/// One spelling of all that mean the same.
+/// Converts equivalent spellings to one.
 std::string canonical(std::string_view text) {
   std::string out(text);
   for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC"}) replace(out, micro, "u");  // µ, μ
@@ -182,7 +182,7 @@ std::string known_units(Dimension dimension) {
 
 Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted) {
   Conversion out{.unit = std::string(unit), .dimension = wanted};
-  // "1" says that the numbers are what they should be, "-" that nobody knows.
+  // "1" means no conversion, "-" an unknown unit.
   if (unit.empty() || unit == "-" || unit == "1") {
     if (unit == "-") out.unit.clear();
     return out;
@@ -250,7 +250,7 @@ std::string possible_unit_of(const io::Column& column) {
       }
     }
   if (!best.empty()) return std::string(best);
-  // "F/N", as DIN 461 has it, could be a path in another file.
+  // "F/N", as in DIN 461, could be a path in another file.
   const std::size_t mark = name.find_last_of("_ ./");
   if (mark == std::string_view::npos || mark == 0) return {};
   const std::string_view last = name.substr(mark + 1);
@@ -263,7 +263,7 @@ std::string possible_unit_of(const io::Column& column) {
 
 std::string time_unit_of(const io::Column& column) {
   if (std::string unit = unit_of(column); !unit.empty()) return unit;
-  // The last word, where a new one begins with a capital as well.
+  // The last word, also one that begins with a capital.
   const std::string_view name = column.name;
   const auto is_time = [](std::string_view word) {
     const std::optional<Unit> unit = find_unit(word);
@@ -273,7 +273,7 @@ std::string time_unit_of(const io::Column& column) {
   const std::string_view last = mark == std::string_view::npos ? name : name.substr(mark + 1);
   if (mark != std::string_view::npos && is_time(last)) return std::string(last);
   if (mark == std::string_view::npos && last.size() > 1 && is_time(last)) return std::string(last);
-  // "timems", "TimeMS", "tms", "epochus": without a mark.
+  // "timems", "TimeMS", "tms", "epochus": without a separator.
   std::string low(last);
   for (char& c : low)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

@@ -1,4 +1,4 @@
-// Units of measured signals, as headers of files write them, and their factors to SI.
+// Units of measured signals as written in file headers, and their factors to SI.
 //
 // To add one: a line in the list of units.cpp.
 #pragma once
@@ -22,8 +22,8 @@ struct Unit {
   double si;  ///< SI value = si · value
 };
 
-/// The unit that this text names, or nothing. Spellings are taken as meant: "µs" and "us",
-/// "m/s^2", "m/s²", "m/s2", "m/s**2", "m/s/s", "m s^-2", "ms^-2"; "sec", "seconds".
+/// The unit with this name, or nothing. Accepts the usual spellings: "µs" and "us", "m/s^2",
+/// "m/s²", "m/s2", "m/s**2", "m/s/s", "m s^-2", "ms^-2"; "sec", "seconds".
 [[nodiscard]] std::optional<Unit> find_unit(std::string_view text);
 
 /// How often a displacement is differentiated to this: 1 of a velocity, 2 of an acceleration, 0 of
@@ -36,34 +36,34 @@ struct Unit {
 /// "s", "N", "m", "m/s", "m/s^2", "Hz".
 [[nodiscard]] std::string_view si_unit(Dimension dimension);
 
-/// How the numbers of a column become SI: SI value = factor · number. The one rule for all commands
-/// and formats.
+/// Conversion of a column's numbers to SI: SI value = factor · number. All commands and formats use
+/// this rule.
 struct Conversion {
   enum class Basis {
-    none,          ///< no unit: numbers are used as they are
-    unit,          ///< of the file's header, its line of units, or the case
-    foreign,       ///< the unit is not known, or not of the dimension wanted: used as it is
-    stated_scale,  ///< the case says the factor
+    none,          ///< no unit: numbers are used unchanged
+    unit,          ///< from the file's header, its line of units, or the case
+    foreign,       ///< unknown unit, or another dimension than expected: numbers are used unchanged
+    stated_scale,  ///< the case gives the factor
   };
   Basis basis = Basis::none;
-  std::string unit = {};  ///< as the file or the case has it
+  std::string unit = {};  ///< as in the file or the case
   double factor = 1.0;
-  std::optional<Dimension> dimension = {};  ///< of the unit; where none is known, the one wanted
+  std::optional<Dimension> dimension = {};  ///< of the unit; if it is unknown, the expected one
 };
 
-/// Of numbers in this unit that should be of this dimension; of any, where none is wanted.
+/// For numbers in this unit and the expected dimension; any dimension if none is given.
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
-/// The unit of a column: that in brackets or in the line of units, else a known one that ends its
-/// name behind " / ", ", ", " in ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), in {} or
-/// <>, or a quotient that is the last word ("a m/s^2"). Empty: none.
+/// The unit of a column: that in brackets or in the line of units, else a known one at the end of
+/// its name after " / ", ", ", " in ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), in {}
+/// or <>, or a quotient as the last word ("a m/s^2"). Empty: none.
 [[nodiscard]] std::string unit_of(const io::Column& column);
 
-/// The unit that a name without one may mean: "acc_g", "acc_m_s2", "F/N". It is not applied:
-/// "acc_N" may be north. Empty: none.
+/// The possible unit in a name without marks: "acc_g", "acc_m_s2", "F/N". It is not applied,
+/// because "acc_N" may mean north. Empty: none.
 [[nodiscard]] std::string possible_unit_of(const io::Column& column);
 
-/// The unit of a column of times: as above, else one of time that is the last word of its name:
+/// The unit of a time column: as above, else a time unit that is the last word of its name:
 /// "Time_ms", "t.us", "timeMillis", "timems", "Time since start in ms". Empty: none.
 [[nodiscard]] std::string time_unit_of(const io::Column& column);
 

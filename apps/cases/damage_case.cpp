@@ -186,7 +186,7 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   } else if (b.contains("law")) {
     file.refuse(where / "law", "goes with \"kind\": \"crack\" only");
   }
-  if (const auto why = io::why_no_netcdf_name(kind.name)) {
+  if (const auto why = io::netcdf_name_error(kind.name)) {
     file.refuse(where / "name", "a name " + *why);
   }
   if (!type->may_be_known && !b.contains(severity)) {

@@ -207,7 +207,7 @@ void read_rate(const CaseFile& file, SetUp& out, signals::Record& record,
   const int time = time_column(record, channels);
   out.sampling = {.rate_hz = stated.value_or(0.0)};
   if (time < 0 && !stated) {
-    const std::optional<signals::Sampling> said = signals::said_sampling(record);
+    const std::optional<signals::Sampling> said = signals::sampling_from_header(record);
     if (!said)
       file.refuse(out.where / "sample_rate",
                   "is missing: no channel is \"time\", so the sampling rate in Hz must be given");

@@ -58,7 +58,7 @@ class Parser {
     for (const auto& [name, ignored] : priors.items()) {
       if (out_.number > 1) break;  // the first record's table is the table of all
       const std::string variable = variable_of(name);
-      if (const auto why = io::why_no_netcdf_name(variable)) {
+      if (const auto why = io::netcdf_name_error(variable)) {
         file_.refuse(Pointer("/parameters") / name, "a parameter's name " + *why);
       }
       if (const auto [other, fresh] = by_variable.emplace(variable, name); !fresh) {

@@ -250,7 +250,7 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
     if (file.path.has_parent_path()) make_output_folder(file.path.parent_path());
     written.push_back(std::make_unique<io::AtomicFile>(file.path));
     written.back()->write(file.text);
-    written.back()->settle();
+    written.back()->flush();
   }
   std::vector<fs::path> named;
   try {

@@ -73,7 +73,7 @@ std::optional<FileError> RunFiles::keep(Report summary, const std::string& text,
   std::filesystem::path where = folder_ / "posterior.nc";
   try {
     draws(*posterior_);
-    posterior_->settle();
+    posterior_->flush();
     summary["files"]["posterior.nc"] = seal_of_file(posterior_->temporary());
     where = folder_;
     summary_.write(dumped(summary));

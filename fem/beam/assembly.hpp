@@ -1,4 +1,4 @@
-// From a beam with defects to the matrices of K φ = ω² M φ.
+// Assembles the matrices of K φ = ω² M φ for a beam with defects.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -13,32 +13,32 @@
 
 namespace wheeltap::fem {
 
-/// A motion at one place as a combination of four (at a node: one) neighbouring degrees of freedom,
-/// w(x) or θ(x) = coefficients · u[first_dof .. first_dof + 4).
+/// The motion at one place as a linear combination of four neighbouring degrees of freedom (one at
+/// a node): w(x) or θ(x) = coefficients · u[first_dof .. first_dof + 4).
 template <class Real>
 struct MotionRow {
   int first_dof;
   Eigen::Matrix<Real, 4, 1> coefficients;
 };
 
-/// The row of w(x), or of θ(x), through the element's shape functions. Exact at nodes (a place
-/// within 1e-9 L of one counts as it). Throws std::invalid_argument outside the beam.
+/// The row of w(x) or θ(x) from the element's shape functions, exact at nodes. A place within 1e-9
+/// L of a node counts as that node. Throws std::invalid_argument outside the beam.
 template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
-/// Π (1 - r) of the damages in each element: what is left of its stiffness. A product, since
-/// 1 minus what was lost keeps no digits where little is left.
+/// The remaining stiffness Π (1 - r) of each element under the damages. A product, because 1 minus
+/// the lost part has no correct digits where little stiffness remains.
 template <class Real>
 [[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
                                                                          const Defects& defects);
 
-/// How many rigid motions (of two: translation and rotation) the beam's and these supports leave
-/// free.
+/// The number of rigid motions (at most two: translation and rotation) that the beam's and these
+/// supports leave free.
 [[nodiscard]] int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added);
 
-/// The reduced problem: every degree of freedom is u = T q, where q are the free ones. A rigid
-/// support N(x) · u = 0 removes one, expressed by its neighbours in the element; so K and M stay
+/// The reduced problem: u = T q, where q are the free degrees of freedom. A rigid support N(x) · u
+/// = 0 removes one of them and expresses it by its neighbours in the element, so K and M stay
 /// sparse.
 template <class Real>
 struct Assembly {
@@ -46,7 +46,7 @@ struct Assembly {
   Sparse stiffness;            ///< Tᵀ K T, n × n, symmetric (both triangles)
   Sparse mass;                 ///< Tᵀ M T, n × n
   Sparse free_to_all;          ///< T, 2 (elements + 1) × n
-  std::vector<int> free_dofs;  ///< n: which degree of freedom each of q is
+  std::vector<int> free_dofs;  ///< n: the number of the degree of freedom behind each entry of q
 };
 
 /// Throws std::invalid_argument for an invalid beam, or a defect outside the beam or out of range.

@@ -1,4 +1,4 @@
-// What a beam is: material, cross-section, length, mesh and supports.
+// Beam definition: material, cross-section, length, mesh and supports.
 #pragma once
 
 #include <optional>
@@ -17,15 +17,15 @@ struct Material {
   [[nodiscard]] double shear_modulus() const { return young / (2.0 * (1.0 + poisson)); }
 };
 
-/// What bending and shear see of a cross-section; `section.hpp` computes it for the common shapes.
+/// Cross-section properties for bending and shear; `section.hpp` computes them for the common
+/// shapes.
 struct Section {
   double area;               ///< A [m²]
   double second_moment;      ///< I about the bending axis [m⁴]
   double shear_coefficient;  ///< κ [-]: the shear stiffness is κ G A
 };
 
-/// A support at `at`: the listed motions are held rigidly, or by a spring where `stiffness` is
-/// given.
+/// A support at `at`. It holds the listed motions rigidly, or by a spring if `stiffness` is given.
 struct Support {
   double at;                        ///< [m], anywhere in [0, length]; not only at nodes
   bool deflection = true;           ///< holds the deflection w
@@ -56,12 +56,12 @@ struct Beam {
 /// "clamped-pinned" (clamped at 0), "free-free". Throws std::invalid_argument for another name.
 [[nodiscard]] std::vector<Support> named_supports(std::string_view name, double length);
 
-/// True where x → L - x maps the intact beam on itself, so that frequencies cannot tell mirror
-/// images apart.
+/// True if the intact beam is symmetric under x → L - x. Frequencies then cannot distinguish a
+/// defect from its mirror image.
 [[nodiscard]] bool is_mirror_symmetric(const Beam& beam);
 
-/// Throws std::invalid_argument naming the first member that is out of range, its value and the
-/// range that is allowed.
+/// Throws std::invalid_argument for the first member that is out of range, with its value and the
+/// allowed range.
 void validate(const Beam& beam);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// What may be wrong with a beam: lost stiffness in an element, or an extra support.
+// Beam defects: stiffness reduction in an element, or an additional support.
 #pragma once
 
 #include <limits>
@@ -6,19 +6,19 @@
 
 namespace wheeltap::fem {
 
-/// The element containing `location` keeps 1 - `reduction` of its bending and shear stiffness.
-/// Damages in one element compound: (1 - r1)(1 - r2).
+/// A stiffness reduction: the element that contains `location` keeps 1 - `reduction` of its bending
+/// and shear stiffness. Damages in the same element multiply: (1 - r1)(1 - r2).
 struct Damage {
   double location;   ///< x [m] in [0, L]
   double reduction;  ///< r [-] in [0, 1)
 };
 
-/// A spring to ground at `location`, acting through the element's shape functions. An infinite
-/// stiffness is a rigid support.
+/// A spring to ground at `location` that acts through the element's shape functions. Infinite
+/// stiffness means a rigid support.
 struct SpringSupport {
   double location;                                             ///< x [m] in [0, L]
   double stiffness = std::numeric_limits<double>::infinity();  ///< [N/m] or [N·m/rad], > 0
-  bool rotation = false;  ///< holds the rotation, not the deflection
+  bool rotation = false;  ///< true: restrains the rotation; false: the deflection
 };
 
 struct Defects {

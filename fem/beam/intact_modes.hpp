@@ -1,4 +1,4 @@
-// What the reanalysis keeps of the intact beam. Internal.
+// Precomputed data of the intact beam for the reanalysis. Internal.
 #pragma once
 
 #include <vector>
@@ -12,33 +12,34 @@ namespace wheeltap::fem::detail {
 struct IntactModes {
   Beam beam;
   TimoshenkoElement<double> element;
-  int wanted;                       // lowest modes that may be asked for
+  int wanted;                       // largest number of modes that can be requested
   int modes;                        // all modes of the mesh, n
-  int rigid;                        // of them at λ = 0
+  int rigid;                        // number of modes at λ = 0
   std::size_t stride;               // n, and at least two
   std::vector<double> eigenvalues;  // stride
-  int stiff;                        // first mode that bends the beam; those before move its springs
-  std::vector<double> scales;       // s_j: λ_j, or that of `stiff` for rigid-body modes
-  std::vector<double> held_scales;  // with added supports: that of `stiff` for soft modes, too
-  std::vector<double> compliances;  // 1 / held_scales
-  std::vector<double> frequencies;  // wanted
+  int stiff;  // first mode that bends the beam; earlier modes only move its springs
+  std::vector<double> scales;  // s_j: λ_j, or the value of mode `stiff` for rigid-body modes
+  std::vector<double>
+      held_scales;  // s_j with added supports: the value of mode `stiff` also for soft modes
+  std::vector<double> compliances;   // 1 / held_scales
+  std::vector<double> frequencies;   // wanted
   std::vector<double> element_rows;  // 2 elements × stride: b·φ_j, a·φ_j of each element
   std::vector<double> dof_rows;      // 2 nodes × stride: φ_j at each degree of freedom
-  int self_stresses = 0;             // how many
+  int self_stresses = 0;             // their number
   std::vector<double> stress_rows;   // 2 elements × self_stresses
-  std::vector<Window> windows;       // for no, few, and any number of supports
+  std::vector<Window> windows;       // for no, few, and any number of added supports
 
-  /// Throws std::invalid_argument as `Reanalysis`.
+  /// Throws the same exceptions as `Reanalysis`.
   IntactModes(const Beam& intact_beam, int wanted_modes);
 
-  /// How S is summed under so many added supports.
+  /// The summation window of S for this number of added supports.
   [[nodiscard]] const Window& window(int supports) const;
 
-  /// Σ_j a_j b_j / s_j: a compliance that exists for free beams too.
+  /// Σ_j a_j b_j / s_j: a compliance that is finite for free beams as well.
   [[nodiscard]] double compliance(const double* a, const double* b) const;
 
-  /// row[j] = N(x) · φ_j, or N_θ(x) · φ_j; returns the compliance of its terms, had they not
-  /// cancelled.
+  /// row[j] = N(x) · φ_j, or N_θ(x) · φ_j. Returns the compliance of its terms without
+  /// cancellation.
   double motion(double at, bool rotation, double* row) const;
 };
 

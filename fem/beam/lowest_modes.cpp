@@ -12,12 +12,13 @@
 namespace wheeltap::fem {
 namespace {
 
-/// Eigenvalues closer than this fraction are treated as one, their vectors made orthogonal.
+/// Eigenvalues closer than this fraction are treated as equal; their vectors are made orthogonal.
 constexpr double kTwins = 1e-13;
-/// Closer than this, long double may have mixed two modes.
+/// Below this distance, long double may have mixed two modes.
 constexpr double kClose = 1e-4;
 
-/// Sturm counts isolate the eigenvalues above zero, and Rayleigh quotient iteration finishes each.
+/// Isolates the positive eigenvalues by Sturm counts and refines each by Rayleigh quotient
+/// iteration.
 template <class Real>
 class Bisection {
  public:
@@ -40,7 +41,8 @@ class Bisection {
   }
 
   std::vector<Vector> run() {
-    // Gershgorin is loose in mixed units; doubling from the scale of the mesh finds the top.
+    // Gershgorin's bound is loose in mixed units; doubling from the scale of the mesh finds the
+    // upper end.
     Real top = assembly_.stiffness.diagonal().cwiseQuotient(assembly_.mass.diagonal()).maxCoeff();
     const int n = ldlt_.size();
     for (int doubling = 0; count_below(top, top) < n; ++doubling) {
@@ -53,7 +55,7 @@ class Bisection {
   }
 
  private:
-  /// Factors at σ; moves σ by a small share of `room` where the factorisation is unstable.
+  /// Factors at σ; moves σ by a small share of `room` if the factorisation is unstable.
   int count_below(Real& sigma, Real room) {
     int below = ldlt_.factor(sigma);
     for (int attempt = 1; !ldlt_.stable() && attempt < 8; ++attempt) {
@@ -67,7 +69,7 @@ class Bisection {
   void isolate(Real low, int below_low, Real high, int below_high) {
     if (below_low >= count_) return;
     while (below_high - below_low > 1) {
-      // Natural frequencies spread evenly on a logarithmic scale at the bottom.
+      // The lowest natural frequencies are roughly uniform on a logarithmic scale.
       using std::sqrt;
       Real middle =
           low > Real{0} && high > Real{4} * low ? sqrt(low * high) : (low + high) / Real{2};
@@ -84,7 +86,8 @@ class Bisection {
     if (below_high > below_low) single(low, high, below_low);
   }
 
-  /// Rayleigh quotient iteration for the only eigenvalue in (low, high), bisecting until it stays.
+  /// Rayleigh quotient iteration for the only eigenvalue in (low, high), with bisection until it
+  /// stays inside.
   void single(Real low, Real high, int index) {
     using std::abs;
     Vector q(ldlt_.size());
@@ -95,16 +98,16 @@ class Bisection {
       start(q, index);
       Real quotient = improve(q);
       for (int step = 0; step < 12; ++step) {
-        // An end of the interval may be the eigenvalue itself, as often in meshes of one or two
+        // An end of the interval may be the eigenvalue itself, often so in meshes of one or two
         // elements.
         const Real slack = Real{kTwins} * high;
         if (!(quotient >= low - slack && quotient <= high + slack)) break;
         shift = quotient;
-        // Off the eigenvalue by a little where it makes a leading block singular too.
+        // Slightly off the eigenvalue if it makes a leading block singular too.
         Real stable = shift;
         count_below(stable, Real{1e-6} * shift);
         quotient = improve(q);
-        // Cubic convergence: the vector is now right to the cube of a smaller change.
+        // Cubic convergence: the vector now has the cube of a smaller change as error.
         if (abs(quotient - shift) <= Real{kTwins} * shift) {
           modes_[static_cast<std::size_t>(index)] = q;
           return;
@@ -130,7 +133,7 @@ class Bisection {
     for (std::size_t c = 0; c < q.size(); ++c) modes_[static_cast<std::size_t>(begin) + c] = q[c];
   }
 
-  /// A start with a part of every mode, different for each index.
+  /// A start vector with components in every mode, different for each index.
   static void start(Vector& q, int index) {
     for (Eigen::Index i = 0; i < q.size(); ++i)
       q[i] = std::sin(static_cast<double>(1 + i) * (1.2 + 0.7 * (index % 97)));
@@ -149,8 +152,8 @@ class Bisection {
   Assembly<Real> assembly_;
   SkylineLdlt<Real> ldlt_;
   StrainEnergy<Real> energy_;
-  std::vector<Vector> rigid_;  // kept out of every other mode
-  int count_;                  // modes wanted, the lowest
+  std::vector<Vector> rigid_;  // made orthogonal to every other mode
+  int count_;                  // number of lowest modes
   std::vector<Vector> modes_;
 };
 
@@ -166,7 +169,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
   using Real = DoubleDouble;
   const std::size_t count = starts.size();
   const std::size_t rigid = std::min(count, pencil.rigid_modes().size());
-  // The starts that move most rigidly give way to the exact motions.
+  // The start vectors with the most rigid motion are replaced by the exact motions.
   std::sort(starts.begin(), starts.end(), [&](const auto& a, const auto& b) {
     return pencil.rigid_share(a) > pencil.rigid_share(b);
   });
@@ -174,7 +177,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
   for (std::size_t i = rigid; i < count; ++i) {
     WidePencil::Vector q = starts[i];
     auto lambda = pencil.refine(q);
-    // Mixtures of close modes may all end at the same one: then without those found.
+    // Mixtures of close modes may all converge to the same one; then exclude those already found.
     std::vector<WidePencil::Vector> close;
     if (lambda) {
       const WidePencil::Vector momentum = pencil.assembly().mass * q;
@@ -201,7 +204,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
     result.eigenvalues.emplace_back(0.0);
     result.modes.push_back(pencil.rigid_modes()[i]);
   }
-  std::size_t twins = 0;  // modes before this one that equal it
+  std::size_t twins = 0;  // earlier modes with an equal eigenvalue
   std::vector<WidePencil::Vector> momenta;
   for (std::size_t i = rigid; i < count; ++i) {
     const Real lambda = values[order[i]];
@@ -213,7 +216,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
     for (std::size_t k = 0; k < twins; ++k) q -= momenta[k].dot(q) * result.modes[i - twins + k];
     WidePencil::Vector momentum = pencil.assembly().mass * q;
     const Real size = sqrt(momentum.dot(q));
-    if (!(size > Real(1e-6))) return std::nullopt;  // the same mode twice
+    if (!(size > Real(1e-6))) return std::nullopt;  // the same mode again
     momenta.push_back(momentum / size);
     result.eigenvalues.push_back(lambda);
     result.modes.emplace_back(q / size);
@@ -234,7 +237,7 @@ LowestModes lowest_modes(const Beam& beam, const Defects& defects, int count, Wi
   } catch (const std::runtime_error&) {  // NOLINT(bugprone-empty-catch): the wider numbers follow
   }
   auto modes = finish(pencil, Bisection<DoubleDouble>(beam, defects, count).run());
-  if (!modes) throw std::runtime_error("lowest_modes: two modes could not be told apart");
+  if (!modes) throw std::runtime_error("lowest_modes: two modes could not be separated");
   return *modes;
 }
 

@@ -1,4 +1,4 @@
-// The lowest modes of K φ = λ M φ, finished and confirmed in 106 bits.
+// The lowest modes of K φ = λ M φ, refined and verified in 106 bits.
 #pragma once
 
 #include <optional>
@@ -8,25 +8,26 @@
 
 namespace wheeltap::fem {
 
-/// What is proven of an eigenvalue, relative, by counts on both sides (`WidePencil::holds`).
+/// Proven relative error of an eigenvalue, from counts on both sides (`WidePencil::holds`).
 inline constexpr double kProven = 1e-12;
 
 /// Mass-normalised modes in the free degrees of freedom, rigid-body ones first, then ascending.
 struct LowestModes {
   std::vector<DoubleDouble> eigenvalues;  ///< exactly 0 for rigid-body modes
   std::vector<WidePencil::Vector> modes;
-  bool proven = false;  ///< Sturm counts put each eigenvalue number i at `eigenvalues[i]` ± kProven
+  bool proven =
+      false;  ///< true if Sturm counts place every eigenvalue i at `eigenvalues[i]` ± kProven
 };
 
-/// Rayleigh quotient iteration in 106 bits from approximate modes in the free degrees of freedom,
-/// in any order, as many as wanted; rigid-body modes need not be good. Nothing where an iteration
-/// does not end or two end at the same mode.
+/// Refines approximate modes by Rayleigh quotient iteration in 106 bits. `start` holds as many
+/// modes as wanted, in the free degrees of freedom and in any order; rigid-body modes need not be
+/// accurate. Returns nothing if an iteration does not converge or two converge to the same mode.
 [[nodiscard]] std::optional<LowestModes> finish(WidePencil& pencil,
                                                 std::vector<WidePencil::Vector> starts);
 
-/// Without a start: Sturm counts isolate each eigenvalue, in long double and where that does not do
-/// in 106 bits (Parlett 1998, The Symmetric Eigenvalue Problem, ch. 3, 4). Throws
-/// std::runtime_error should an iteration not end.
+/// Finds the modes without a start: Sturm counts isolate each eigenvalue in long double, and in 106
+/// bits where long double is not enough (Parlett 1998, The Symmetric Eigenvalue Problem, ch. 3, 4).
+/// Throws std::runtime_error if an iteration does not converge.
 [[nodiscard]] LowestModes lowest_modes(const Beam& beam, const Defects& defects, int count,
                                        WidePencil& pencil);
 

@@ -13,27 +13,27 @@ namespace wheeltap::fem {
 struct Modes {
   Eigen::VectorXd frequencies_hz;  ///< ascending; exactly 0 for rigid-body modes
   Eigen::VectorXd eigenvalues;     ///< ω² [rad²/s²]
-  /// One column a mode, rows w_0 θ_0 w_1 θ_1 …: every dof of the mesh, held ones included (zero).
-  /// Mass-normalised, φᵀ M φ = 1; the sign makes the largest deflection positive.
+  /// One column per mode, rows w_0 θ_0 w_1 θ_1 … for every dof of the mesh; restrained dofs are
+  /// zero. Mass-normalised, φᵀ M φ = 1; the largest deflection is positive.
   Eigen::MatrixXd shapes;
   int rigid_body_modes = 0;
-  /// For each mode i (from 0) that is not rigid, Sturm counts in 106 bits found at most i
-  /// eigenvalues of the assembled problem below ω_i² (1 - 1e-12), and more than i below ω_i² (1 +
-  /// 1e-12). So none is missing, and each frequency is that of the mesh within 5e-13 and the
-  /// rounding to double; how far the mesh is from the beam it does not say.
+  /// True if Sturm counts in 106 bits confirm each elastic mode i (from 0): at most i eigenvalues
+  /// of the assembled problem lie below ω_i² (1 - 1e-12), and more than i below ω_i² (1 + 1e-12).
+  /// Then no mode is missing, and each frequency of the mesh is correct within 5e-13 and the
+  /// rounding to double. The discretisation error of the mesh is not included.
   bool certified = false;
-  std::string solver;  ///< "spectra", "dense" or "bisection", and why
+  std::string solver;  ///< "spectra", "dense" or "bisection", with the reason
 };
 
 struct ModalOptions {
-  int modes = 10;      ///< how many of the lowest modes, rigid-body ones included
-  bool dense = false;  ///< use the dense solver even where the sparse one would do
+  int modes = 10;      ///< number of lowest modes, rigid-body modes included
+  bool dense = false;  ///< use the dense solver even where the sparse one suffices
 };
 
-/// Shift-and-invert Lanczos (Spectra), or a dense solver, finds the modes in double; Rayleigh
-/// quotient iteration in 106 bits finishes them, since double loses λ_max / λ of the low modes'
-/// digits, 1e12 on meshes of 150 elements; and where a mode was missed, bisection by Sturm counts
-/// finds all of them. Throws std::invalid_argument for an invalid beam, defects outside it, or more
+/// Shift-and-invert Lanczos (Spectra) or a dense solver finds the modes in double precision. Double
+/// loses λ_max / λ (1e12 on meshes of 150 elements) of the low modes' accuracy, so Rayleigh
+/// quotient iteration in 106 bits refines them. If a mode is missing, bisection by Sturm counts
+/// finds all modes. Throws std::invalid_argument for an invalid beam, defects outside it, or more
 /// modes than free degrees of freedom.
 [[nodiscard]] Modes modal_analysis(const Beam& beam, const Defects& defects,
                                    const ModalOptions& options);

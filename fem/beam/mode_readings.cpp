@@ -58,7 +58,8 @@ void ModeReadings::read_unchanged(int root) {
   coordinates_[index(root)] = 1.0;
   const int rigid = columns_->rigid_body_modes();
   if (root < rigid && rigid < intact_->rigid) {
-    // One of two rigid motions is held: turn about the held place, or translate.
+    // One of two rigid motions is held: the remaining one is a rotation about the held place, or a
+    // translation.
     double held0 = 0.0, held1 = 0.0;
     for (int a = 0; a < columns_->supports(); ++a) {
       const double* c = columns_->columns() + index(a) * intact_->stride;
@@ -71,7 +72,7 @@ void ModeReadings::read_unchanged(int root) {
   write(root, root < rigid ? 0.0 : intact_->eigenvalues[index(root)]);
 }
 
-/// Writes what is wanted of one mode, φ = Σ_j coordinates[j] φ_j.
+/// Writes the requested results of one mode, φ = Σ_j coordinates[j] φ_j.
 void ModeReadings::write(int root, double lambda) {
   const int n = static_cast<int>(intact_->stride);
   const double* q = coordinates_.data();
@@ -101,7 +102,7 @@ void ModeReadings::write(int root, double lambda) {
   if (!results_->support_gradients_hz.empty()) {
     const auto columns = columns_->support_column();
     for (std::size_t i = 0; i < columns.size(); ++i) {
-      // A rigid support does not move, and a rigid-body mode moves no spring.
+      // A rigid support does not move, and a rigid-body mode deforms no spring.
       const double motion =
           columns[i] < 0 || per_lambda == 0.0 ? 0.0 : column_strains_[index(columns[i])];
       results_->support_gradients_hz[index(root) * columns.size() + i] =

@@ -1,4 +1,4 @@
-// What a user of the reanalysis reads off one damaged mode. Internal.
+// Results that the reanalysis computes from one damaged mode. Internal.
 #pragma once
 
 #include <span>
@@ -11,22 +11,22 @@
 
 namespace wheeltap::fem::detail {
 
-/// Throws std::invalid_argument unless `size` is 0 or as expected.
+/// Throws std::invalid_argument unless `size` is 0 or the expected size.
 void require_size(const char* name, std::size_t size, std::size_t expected);
 
-/// Gradients and shapes, mode by mode, into `Reanalysis::Results`; empty spans are skipped.
+/// Writes gradients and shapes into `Reanalysis::Results`, mode by mode; skips empty spans.
 class ModeReadings {
  public:
-  /// Throws std::invalid_argument where a span's size does not fit.
+  /// Throws std::invalid_argument if the size of a span does not fit.
   void set(const IntactModes& intact, const SecularKernel& kernel, const DefectColumns& columns,
            std::span<const Damage> damages, const Reanalysis::Results& results);
 
-  /// False where only frequencies are wanted.
+  /// False if only frequencies are requested.
   [[nodiscard]] bool wanted() const { return wanted_; }
 
   /// A mode of the secular problem.
   void read(const RootSearch& search, const RootSearch::Mode& mode);
-  /// A rigid-body mode that the supports leave, or an intact mode where nothing is wrong.
+  /// A rigid-body mode of the supported beam, or an intact mode if there is no defect.
   void read_unchanged(int root);
 
  private:
@@ -39,7 +39,8 @@ class ModeReadings {
   std::span<const Damage> damages_;
   const Reanalysis::Results* results_ = nullptr;
   bool wanted_ = false;
-  bool need_coordinates_ = false;  // of modes, for more than gradients of the defects
+  bool need_coordinates_ =
+      false;  // of modes; true if results besides gradients of the defects are requested
   std::vector<double> column_strains_, coordinates_, element_strains_, point_rows_;
 };
 

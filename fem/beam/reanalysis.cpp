@@ -18,7 +18,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// Half the difference, in elements, by which a support's slope is taken.
+/// Half the step, in elements, of the difference for a support's slope.
 constexpr double kSupportStep = 1e-3;
 
 }  // namespace
@@ -32,8 +32,8 @@ struct Reanalysis::Workspace::Impl {
   detail::RootSearch search;
   detail::ModeReadings readings;
   std::vector<double> lambda;         // roots
-  Defects moved;                      // with one defect aside
-  std::vector<double> before, after;  // frequencies on either side of it
+  Defects moved;                      // with one defect moved
+  std::vector<double> before, after;  // frequencies at the two positions
 };
 
 Reanalysis::Workspace::Workspace(std::unique_ptr<Impl> impl) : impl_(std::move(impl)) {}
@@ -114,7 +114,7 @@ void Reanalysis::solve(std::span<const Damage> damages, std::span<const SpringSu
       search.modes(first, lambda, [&](const detail::RootSearch::Mode& mode) {
         if (!mode.found)
           throw std::runtime_error("mode " + std::to_string(mode.root + 1) +
-                                   ": its shape cannot be told from others'");
+                                   ": its shape cannot be separated from those of other modes");
         readings.read(search, mode);
       });
   }

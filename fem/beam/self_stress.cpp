@@ -12,11 +12,11 @@ namespace {
 using Extended = long double;
 using Vector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 
-/// What a unit reaction at one held motion does to the beam, clamped at its right end.
+/// Effect of a unit reaction at one held motion on the beam, clamped at its right end.
 struct Reaction {
   Vector stresses;         // of the elements, then of the springs
-  Extended force, moment;  // left over at the right end, in units of the shear and bending stresses
-  Extended size;           // of all that went into these
+  Extended force, moment;  // residual at the right end, in units of the shear and bending stresses
+  Extended size;           // magnitude of all contributions to these
 };
 
 }  // namespace
@@ -68,9 +68,9 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
     r.size = r.stresses.norm() + std::abs(r.force) + std::abs(r.moment);
     reactions.push_back(std::move(r));
   }
-  constexpr Extended kDependent = 1e-10L;  // of `size`: rounding
+  constexpr Extended kDependent = 1e-10L;  // relative to `size`: rounding
 
-  // Combinations in equilibrium: eliminate one reaction for the force, one for the moment.
+  // Combinations in equilibrium: eliminates one reaction for the force, one for the moment.
   for (Extended Reaction::*const left : {&Reaction::force, &Reaction::moment}) {
     std::size_t pivot = reactions.size();
     Extended largest = kDependent;
@@ -91,7 +91,8 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
     }
   }
 
-  // Orthonormal, twice over; what depends on the others (a motion held twice) carries no stress.
+  // Orthonormalises twice; a column that depends on the others (a motion held twice) carries no
+  // stress.
   std::vector<Vector> basis;
   for (Reaction& r : reactions) {
     for (int pass = 0; pass < 2; ++pass)

@@ -1,4 +1,4 @@
-// The stresses that a beam can carry without any load.
+// Self-stress states of a beam: stresses in equilibrium without any load.
 #pragma once
 
 #include <Eigen/Core>
@@ -8,15 +8,15 @@
 
 namespace wheeltap::fem {
 
-/// With the strains of the elements and of the springs as the rows of B, K = Bᵀ B; the
-/// self-stresses are the null space of Bᵀ, as many as the supports are more than needed (none of a
-/// cantilever or a simply supported beam). Orthonormal columns Q, so that
+/// Let the rows of B be the strains of the elements and of the springs, so that K = Bᵀ B. The
+/// self-stresses are the null space of Bᵀ. Their number is the degree of static indeterminacy (0
+/// for a cantilever or a simply supported beam). The orthonormal columns Q satisfy
 ///
 ///   Q Qᵀ = I - B K⁻¹ Bᵀ = I - Σ_j c_j c_jᵀ / λ_j
 ///
-/// over the elastic modes, c_j their strains: the sum written without its cancellation, which is
-/// all that counts where a damage leaves next to nothing. Only the rows of the elements are
-/// returned, 2 elements × (number of self-stresses), in the order of `FullSpectrum::strains`. From
+/// over the elastic modes with strains c_j. Q Qᵀ has no cancellation, unlike the sum on the right;
+/// this matters where a damage leaves almost no stiffness. Returns only the rows of the elements, 2
+/// elements × (number of self-stresses), in the order of `FullSpectrum::strains`. Computed from
 /// equilibrium along the beam, in long double.
 [[nodiscard]] Eigen::MatrixXd self_stresses(const Beam& beam);
 

@@ -73,9 +73,9 @@ class SkylineLdlt {
     return negative;
   }
 
-  /// False where σ nearly is an eigenvalue of a leading block, whose tiny pivot drowned the rows
-  /// below it in rounding: the count and solutions are then not to be trusted, and σ should move a
-  /// little.
+  /// False if σ is nearly an eigenvalue of a leading block. Rounding from its tiny pivot then
+  /// dominates the rows below it, and the count and the solutions are unreliable. Retry with a
+  /// slightly different σ.
   [[nodiscard]] bool stable() const { return growth_ < Real{kLargestGrowth}; }
 
   /// Overwrites x with (K - σ M)⁻¹ x of the last factorisation.
@@ -91,7 +91,7 @@ class SkylineLdlt {
   }
 
  private:
-  /// Four digits of double or long double; of 106 bits there are more to spare.
+  /// Four lost digits in double or long double; 106 bits can lose more.
   static constexpr double kLargestGrowth = std::numeric_limits<Real>::digits > 100 ? 1e12 : 1e4;
 
   [[nodiscard]] std::size_t place(std::size_t i, std::size_t j) const {
@@ -99,7 +99,7 @@ class SkylineLdlt {
   }
 
   std::vector<std::size_t> first_;  // first stored column of each row
-  std::vector<std::size_t> start_;  // where each row begins
+  std::vector<std::size_t> start_;  // start of each row
   Real growth_ = 0;                 // largest update of a diagonal entry, relative to the entry
   std::vector<Real> k_, m_, l_;     // the skylines of K, M, and of L with D on the diagonal
 };

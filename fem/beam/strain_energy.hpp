@@ -1,13 +1,13 @@
-// φᵀ K φ without cancellation.
+// Strain energy φᵀ K φ without cancellation.
 #pragma once
 
 #include "fem/beam/assembly.hpp"
 
 namespace wheeltap::fem {
 
-/// φᵀ K φ = Σ_e (1 - r_e) [(b·φ_e)² + (a·φ_e)²] + Σ k (N(x)·φ)². Squares of strains do not cancel,
-/// as the assembled K does for smooth shapes on fine meshes, so that Rayleigh quotients of the low
-/// modes keep full relative accuracy.
+/// φᵀ K φ = Σ_e (1 - r_e) [(b·φ_e)² + (a·φ_e)²] + Σ k (N(x)·φ)². The assembled K cancels for smooth
+/// shapes on fine meshes; squares of strains do not. Rayleigh quotients of the low modes therefore
+/// keep full relative accuracy.
 template <class Real>
 class StrainEnergy {
  public:

@@ -8,7 +8,7 @@
 
 namespace wheeltap::fem {
 
-/// What bends: EI, κGA (∞: no shear deformation), ρA and ρI of an element of length l.
+/// Flexural properties of an element of length l: EI, κGA (∞: no shear deformation), ρA and ρI.
 template <class Real>
 struct Flexure {
   Real length;             ///< l [m]
@@ -19,11 +19,11 @@ struct Flexure {
 };
 
 /// Deflection w and rotation θ inside an element of length l follow from the homogeneous static
-/// equilibrium of a Timoshenko beam, so the shape functions hold Φ = 12 E I / (κ G A l²) and the
-/// element does not lock (Friedman & Kosmatka 1993, Computers & Structures 47:473). Degrees of
-/// freedom are (w₁, θ₁, w₂, θ₂), θ = w' for Φ = 0.
+/// equilibrium of a Timoshenko beam. The shape functions therefore contain Φ = 12 E I / (κ G A l²),
+/// and the element does not lock (Friedman & Kosmatka 1993, Computers & Structures 47:473). Degrees
+/// of freedom are (w₁, θ₁, w₂, θ₂), θ = w' for Φ = 0.
 ///
-/// `Real` is double, or wider where low modes of fine meshes need it.
+/// `Real` is double, or a wider type for low modes of fine meshes.
 template <class Real>
 class TimoshenkoElement {
  public:
@@ -47,7 +47,7 @@ class TimoshenkoElement {
   /// N_w(ξ) and N_θ(ξ), 0 <= ξ = x/l <= 1: w = N_w · u, θ = N_θ · u.
   [[nodiscard]] Vector deflection_row(Real xi) const;
   [[nodiscard]] Vector rotation_row(Real xi) const;
-  /// w'(ξ) = N_w'(ξ) · u [1/m, 1]: unlike N_θ where shear deforms.
+  /// w'(ξ) = N_w'(ξ) · u [1/m, 1]; differs from N_θ if the beam deforms in shear.
   [[nodiscard]] Vector slope_row(Real xi) const;
 
   [[nodiscard]] Real length() const { return l_; }

@@ -1,4 +1,4 @@
-// K φ = λ M φ in 106 bits: finishes approximate modes and proves where eigenvalues lie.
+// K φ = λ M φ in 106 bits: refines approximate modes and proves eigenvalue bounds.
 #pragma once
 
 #include <optional>
@@ -10,14 +10,15 @@
 
 namespace wheeltap::fem {
 
-/// The rigid motions that the supports leave free, mass-normalised, one column each: exactly, not
-/// as null vectors of a rounded K. Rows are all degrees of freedom of the mesh.
+/// The rigid motions that the supports leave free, mass-normalised, one per column. Computed from
+/// the geometry, which is exact, not as null vectors of a rounded K. Rows are all degrees of
+/// freedom of the mesh.
 [[nodiscard]] Eigen::Matrix<DoubleDouble, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(
     const Beam& beam, const Defects& defects);
 
 /// The banded matrices in double-double. Rounding moves an eigenvalue λ of the assembled matrices
-/// by about 2⁻¹⁰⁴ λ_max, so that λ keeps 15 digits up to λ_max / λ = 10¹⁶; meshes of 150 elements
-/// have 10¹².
+/// by about 2⁻¹⁰⁴ λ_max, so λ keeps 15 digits up to λ_max / λ = 10¹⁶. Meshes of 150 elements reach
+/// 10¹².
 class WidePencil {
  public:
   using Real = DoubleDouble;
@@ -26,23 +27,24 @@ class WidePencil {
   WidePencil(const Beam& beam, const Defects& defects);
 
   [[nodiscard]] int size() const { return ldlt_.size(); }
-  /// The rigid motions left free, in the free degrees of freedom.
+  /// The rigid motions, in the free degrees of freedom.
   [[nodiscard]] const std::vector<Vector>& rigid_modes() const { return rigid_; }
   [[nodiscard]] const Assembly<Real>& assembly() const { return assembly_; }
 
-  /// How many eigenvalues lie below σ; nothing where the factorisation is unstable (σ nearly is an
-  /// eigenvalue of a leading block, too).
+  /// The number of eigenvalues below σ. Returns nothing if the factorisation is unstable, also when
+  /// σ is nearly an eigenvalue of a leading block.
   [[nodiscard]] std::optional<int> count_below(Real sigma);
 
-  /// True where eigenvalue number `index` (from 0, ascending) lies in λ (1 ± error): at most
-  /// `index` eigenvalues lie below λ (1 - error), and more than `index` below λ (1 + error).
+  /// True if eigenvalue `index` (from 0, ascending) lies in λ (1 ± error): at most `index`
+  /// eigenvalues lie below λ (1 - error), and more than `index` below λ (1 + error).
   [[nodiscard]] bool holds(int index, Real lambda, double error);
 
-  /// Rayleigh quotient iteration from q, which becomes mass-normalised and orthogonal to the rigid
-  /// motions and to `others`. Returns the eigenvalue it ends at, or nothing where it does not end.
+  /// Rayleigh quotient iteration from q. On return q is mass-normalised and orthogonal to the rigid
+  /// motions and to `others`. Returns the eigenvalue, or nothing if the iteration does not
+  /// converge.
   [[nodiscard]] std::optional<Real> refine(Vector& q, const std::vector<Vector>& others = {});
 
-  /// How much of q's momentum is of the rigid motions, from 0 to 1.
+  /// The share of q's momentum in the rigid motions, from 0 to 1.
   [[nodiscard]] double rigid_share(const Vector& q) const;
 
   /// u = T q on all degrees of freedom of the mesh.

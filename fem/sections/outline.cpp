@@ -41,7 +41,7 @@ double cross_product(const Point& a, const Point& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// Which side of a → b the point lies on, and 0 on the line to rounding.
+/// The side of a → b on which the point lies; 0 on the line, to rounding.
 int side(const Point& a, const Point& b, const Point& p) {
   const double left = (b.x() - a.x()) * (p.y() - a.y()), right = (b.y() - a.y()) * (p.x() - a.x());
   const double difference = left - right;
@@ -61,7 +61,7 @@ bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
          (ac == 0 && within_box(c, d, a)) || (bc == 0 && within_box(c, d, b));
 }
 
-/// Two segments that cross at a point inside both, further than `near` from every end.
+/// True if two segments cross at a point inside both, further than `near` from every end.
 bool cross_properly(const Point& a, const Point& b, const Point& c, const Point& d, double near) {
   const auto height = [](const Point& p, const Point& q, const Point& r) {
     return cross_product(q - p, r - p) / (q - p).norm();
@@ -116,8 +116,8 @@ Ring cleaned(const Ring& given, const OutlinePlace& name, double near) {
   if (ring.size() < 3 && exact > 2)
     refuse_outline(
         name,
-        "is lost beside the size of the outline, of which its corners are within a billionth of "
-        "each other: it keeps fewer than 3 different corners, but a polygon has at least 3");
+        "has corners within a billionth of the outline's size of each other: it keeps fewer than 3 "
+        "different corners, but a polygon has at least 3");
   if (ring.size() < 3)
     refuse_outline(name,
                    std::to_string(ring.size()) + " different corners: a polygon has at least 3");
@@ -177,8 +177,8 @@ bool inside(const Region& region, const Point& p) {
          std::ranges::none_of(region.holes, [&](const Ring& hole) { return contains(hole, p); });
 }
 
-/// Points `by` beside the region's edges, on its inside: one for each piece of an edge between
-/// corners of `other` that lie on it.
+/// Points at distance `by` inside the region's edges: one for each piece of an edge between corners
+/// of `other` that lie on it.
 std::vector<Point> just_inside(const Region& region, const Region& other, double near, double by) {
   std::vector<Point> points;
   const auto visit = [&](const Ring& ring) {

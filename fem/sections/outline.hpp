@@ -1,4 +1,4 @@
-// The outline of a cross-section: polygons with holes, one a material.
+// Outlines of cross-sections: polygons with holes, one region per material.
 //
 //        z ^
 //          |    y goes along the width, z along the height. The beam's axis x points at the reader,
@@ -14,11 +14,11 @@
 
 namespace wheeltap::fem {
 
-/// The corners (y, z) of a closed polygon in order, either way round [m]. The last may repeat the
-/// first.
+/// The corners (y, z) of a closed polygon in order, in either direction [m]. The last corner may
+/// repeat the first.
 using Ring = std::vector<Eigen::Vector2d>;
 
-/// A part of a section, of one material.
+/// A part of a section made of one material.
 struct Region {
   Ring outer;
   std::vector<Ring> holes = {};
@@ -27,13 +27,13 @@ struct Region {
   double density = 1.0;  ///< [kg/m³]
 };
 
-/// Regions side by side. Two that touch are joined along what they share.
+/// Regions that do not overlap. Two regions that touch are joined along their common boundary.
 struct Outline {
   std::vector<Region> regions;
 };
 
-/// Corners this close to each other, against the section's size, are one corner; a corner this
-/// close to an edge of another region lies on it.
+/// Tolerance, relative to the section's size: corners this close count as one corner, and a corner
+/// this close to an edge of another region lies on that edge.
 inline constexpr double kSameCorner = 1e-9;
 
 /// The largest distance of a corner from the outline's first one [m].
@@ -69,17 +69,17 @@ struct OutlineError : std::invalid_argument {
 /// ½ Σ (y_i z_{i+1} - y_{i+1} z_i): positive counter-clockwise [m²].
 [[nodiscard]] double signed_area(std::span<const Eigen::Vector2d> ring);
 
-/// Whether the point lies inside the ring (even-odd rule).
+/// True if the point lies inside the ring (even-odd rule).
 [[nodiscard]] bool contains(std::span<const Eigen::Vector2d> ring, const Eigen::Vector2d& point);
 
-/// Regions of one material from rings that do not cross: one that lies in an even number of others
-/// is a region, one in an odd number a hole of the smallest region around it.
+/// Builds regions of one material from rings that do not cross. A ring inside an even number of
+/// others is a region; a ring inside an odd number is a hole of the smallest region around it.
 [[nodiscard]] std::vector<Region> nested(const std::vector<Ring>& rings);
 
-/// An arc's corners from `from` (inclusive) to `to` (exclusive), `turn` [rad] counter-clockwise
-/// (clockwise where negative), in steps of at most 2π / `per_turn`. The corners between lie a
-/// little off the circle, so that the area is the arc's exactly. Throws std::invalid_argument for a
-/// turn of 0 or beyond 2π.
+/// The corners of an arc from `from` (inclusive) to `to` (exclusive) over the angle `turn` [rad],
+/// counter-clockwise if positive, in steps of at most 2π / `per_turn`. The corners between them lie
+/// slightly off the circle so that the polygon has exactly the area of the arc. Throws
+/// std::invalid_argument for a turn of 0 or beyond 2π.
 [[nodiscard]] Ring arc(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double turn,
                        int per_turn = 256);
 

@@ -34,7 +34,7 @@ struct Box {
   double height, width, flange_thickness, web_thickness;
 };  ///< outer sizes [m]
 
-/// A, I and Cowper's κ for the shape. Throws std::invalid_argument for sizes that are not positive
+/// A, I and Cowper's κ of the shape. Throws std::invalid_argument for sizes that are not positive
 /// or do not fit into each other.
 [[nodiscard]] Section section(const Rectangle& shape, double poisson);
 [[nodiscard]] Section section(const Circle& shape, double poisson);

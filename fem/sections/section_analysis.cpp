@@ -39,7 +39,8 @@ const Rule& rule() {
   return six;
 }
 
-/// A quadratic triangle with straight sides: corners 0 to 2, then the middle opposite each.
+/// A quadratic triangle with straight sides: corners 0 to 2, then the midpoint opposite each
+/// corner.
 ///   N_i = b_i (2 b_i - 1),  N_{3+i} = 4 b_j b_k,  b barycentric
 class Triangle {
  public:
@@ -78,19 +79,19 @@ class Triangle {
   Eigen::Matrix<double, 3, 2> gradients_;
 };
 
-/// Regions' constants, as the equations have them.
+/// Constants of the regions in the equations.
 struct Moduli {
   double e, g, poisson;
 };
 
-/// ν/2 d for c = (c_y, c_z): how plane sections deform in their plane as curvature grows along x.
+/// ν/2 d for c = (c_y, c_z): in-plane deformation of the section as curvature grows along x.
 Vector2d in_plane(const Vector2d& c, const Vector2d& r, double poisson) {
   const double difference = r.x() * r.x() - r.y() * r.y(), product = 2.0 * r.x() * r.y();
   return 0.5 * poisson *
          Vector2d(c.x() * difference + c.y() * product, c.x() * product - c.y() * difference);
 }
 
-/// The problem in lengths of √A from the centroid: its figures have no units and no place.
+/// The problem in units of √A from the centroid, so that all quantities are dimensionless.
 class Scaled {
  public:
   Scaled(const TriangleMesh& mesh, std::span<const Region> regions, double reference_poisson)
@@ -98,7 +99,7 @@ class Scaled {
     for (const Region& r : regions)
       moduli_.push_back(
           {r.modulus, r.modulus * (1.0 + reference_poisson) / (1.0 + r.poisson), r.poisson});
-    // Relative to a point of the mesh, so that a distant origin costs no digits.
+    // Relative to a point of the mesh, so that a distant origin does not reduce accuracy.
     origin_ = mesh.points[static_cast<std::size_t>(mesh.triangles[0][0])];
     double weight = 0.0, plain = 0.0;
     Vector2d first = Vector2d::Zero();
@@ -136,7 +137,7 @@ class Scaled {
         const Vector2d r = t.position(rule().at[q]);
         const Eigen::Matrix<double, 2, 3> slope = t.gradients(rule().at[q]).transpose() * local;
         j += w * m.g * (slope.col(0) + Vector2d(-r.y(), r.x())).squaredNorm();
-        Eigen::Matrix2d shear = slope.rightCols<2>();  // ∇ψ - ν/2 d, one force a column
+        Eigen::Matrix2d shear = slope.rightCols<2>();  // ∇ψ - ν/2 d, one column per force
         for (int k = 0; k < 2; ++k) shear.col(k) -= in_plane(flexure_.col(k), r, m.poisson);
         alpha += w * m.g * shear.transpose() * shear;
         moment += w * m.g * (r.x() * shear.row(1) - r.y() * shear.row(0)).transpose();
@@ -198,7 +199,7 @@ class Scaled {
     return {c[0], c[1], c[2], n + e[0], n + e[1], n + e[2]};
   }
 
-  /// Node 0 is held at zero: the loads are in balance, so it carries nothing.
+  /// Node 0 is fixed at zero; the loads are in equilibrium, so its reaction is zero.
   void solve() {
     const int n = unknowns();
     std::vector<Eigen::Triplet<double>> entries;
@@ -252,7 +253,7 @@ class Scaled {
   Eigen::MatrixX3d values_;  // ω, ψ_y, ψ_z at the nodes
 };
 
-/// Around corners that point inwards, before the first solution.
+/// Refinement around re-entrant corners before the first solution.
 constexpr int kRings = 3;
 
 int nodes_of(const TriangleMesh& mesh) {
@@ -276,9 +277,9 @@ SectionErrors change(const SectionProperties& coarse, const SectionProperties& f
                                          share(a.yz, b.yz, 0.05 * std::sqrt(b.yy * b.zz))})};
 }
 
-/// Whether the last two changes, continued to the largest mesh allowed, stay far above the
-/// tolerance: its solution takes most of a minute and would not settle the figures either.
-bool is_hopeless(double before, double now, int nodes, const SectionAnalysisOptions& options) {
+/// True if the last two changes, extrapolated to the largest allowed mesh, stay far above the
+/// tolerance. Its solution takes most of a minute and would not converge either.
+bool cannot_converge(double before, double now, int nodes, const SectionAnalysisOptions& options) {
   constexpr double kFar = 10.0;
   const double left = std::floor(std::log(options.most_nodes / static_cast<double>(nodes)) /
                                  std::log(4.0));  // halvings
@@ -317,7 +318,7 @@ SectionProperties section_properties(const TriangleMesh& mesh, std::span<const R
   const int last = *std::ranges::max_element(mesh.regions);
   if (last >= static_cast<int>(regions.size()))
     throw std::invalid_argument("regions: there are " + std::to_string(regions.size()) +
-                                ", and a triangle lies in number " + std::to_string(last));
+                                ", but a triangle has the number " + std::to_string(last));
   return Scaled(mesh, regions, reference_poisson).run();
 }
 
@@ -335,7 +336,7 @@ SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regio
   for (int rings = kRings; rings > 0; --rings) {
     std::vector<double> more = shares;
     TriangleMesh finer = ringed(mesh, more, rings);
-    // Outlines of very many such corners keep what it takes to be halved twice.
+    // Outlines with very many such corners keep enough nodes for two refinements.
     if (16.0 * nodes_of(finer) > options.most_nodes) continue;
     mesh = std::move(finer);
     shares = std::move(more);
@@ -358,7 +359,7 @@ SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regio
     result.converged = result.finite() && now <= options.tolerance;
     const bool enough = static_cast<int>(n) >= options.least_levels;
     if (!result.finite() || (result.converged && enough) || 4.0 * nodes > options.most_nodes) break;
-    if (n > 2 && is_hopeless(before, now, nodes, options)) break;
+    if (n > 2 && cannot_converge(before, now, nodes, options)) break;
     before = now;
     mesh = refined(mesh, shares);
   }

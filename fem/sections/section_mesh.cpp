@@ -18,13 +18,13 @@
 namespace wheeltap::fem {
 namespace {
 
-/// What a corner of the outline needs to know of itself.
+/// Data of a corner of the outline.
 struct Corner {
   bool sharp = false;  ///< two constrained edges meet at less than 60°
   int number = -1;     ///< in the mesh
 };
 constexpr int kOutside = -1, kUnknown = -2;
-/// Edges shorter than this, against the section's size, are not split: rounding is near.
+/// Edges shorter than this, relative to the section's size, are not split: rounding is near.
 constexpr double kShortest = 1e-10;
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -44,7 +44,7 @@ Point point(const Eigen::Vector2d& p) {
   return {p.x(), p.y()};
 }
 
-/// All rings, their edges split where corners of others touch them, and close corners made one.
+/// All rings, with edges split where corners of others touch them, and close corners merged.
 std::vector<Ring> joined_rings(const Outline& outline, double near) {
   std::vector<Ring> rings;
   for (const Region& region : outline.regions) {
@@ -67,8 +67,9 @@ std::vector<Ring> joined_rings(const Outline& outline, double near) {
     for (const Eigen::Vector2d& p : ring) distinct.emplace(p.x(), p.y());
     if (distinct.size() < 3)
       throw std::invalid_argument(
-          "outline: a region or hole is lost beside the section's size, of which its corners are "
-          "within a billionth of each other");
+          "outline: a region or hole has all its corners within a billionth of the section's size "
+          "of "
+          "each other; remove it or correct its coordinates");
     Ring split;
     for (std::size_t i = 0; i < ring.size(); ++i) {
       const Eigen::Vector2d &a = ring[i], &b = ring[(i + 1) % ring.size()];
@@ -228,15 +229,15 @@ class Refinement {
     return CGAL::angle(a->point(), p, b->point()) == CGAL::OBTUSE;
   }
 
-  /// The outline's edge that the constrained edge a → b is part of.
+  /// The edge of the outline that contains the constrained edge a → b.
   std::pair<Vertex, Vertex> given_edge(Vertex a, Vertex b) const {
     if (const auto found = on_.find(a); found != on_.end()) return found->second;
     if (const auto found = on_.find(b); found != on_.end()) return found->second;
     return {a, b};
   }
 
-  /// Whether p and q lie on two edges that meet at a sharp corner: nothing that is added between
-  /// them would widen its angle.
+  /// True if p and q lie on two edges that meet at a sharp corner: no point added between them
+  /// would widen its angle.
   bool across_a_sharp_corner(Vertex p, Vertex q) const {
     const auto reaches = [&](Vertex v, Vertex apex) {
       const auto found = on_.find(v);
@@ -252,7 +253,7 @@ class Refinement {
     return false;
   }
 
-  /// Too long, or with the corner of a triangle inside its diametral circle.
+  /// True if the edge is too long, or its diametral circle contains the corner of a triangle.
   bool encroached(const Edge& edge) const {
     if (too_short(edge)) return false;
     const Edge mirror = triangulation_.mirror_edge(edge);
@@ -270,7 +271,7 @@ class Refinement {
     const auto [shortest, longest] = std::minmax_element(sides, sides + 3);
     if (*longest > longest_squared_) return true;
     if (*shortest < shortest_squared_) return false;
-    // Nothing removes the angle of a sharp corner, nor that between the shells around it.
+    // No refinement removes the angle of a sharp corner or the angles between the shells around it.
     const auto opposite = static_cast<int>(shortest - sides);
     if (face->vertex(opposite)->info().sharp) return false;
     if (face->vertex((opposite + 1) % 3)->info().sharp ||
@@ -298,9 +299,9 @@ class Refinement {
       for (int i = 0; i < 3; ++i) watch(Edge(face, i));
     } while (++face != end);
     if (static_cast<int>(triangulation_.number_of_vertices()) > options_.most_points)
-      throw std::invalid_argument(
-          "outline: needs more than " + std::to_string(options_.most_points) +
-          " points to mesh, most_points allows no more; leave out details that do not matter");
+      throw std::invalid_argument("outline: needs more than " +
+                                  std::to_string(options_.most_points) +
+                                  " points to mesh, the limit most_points; remove small details");
   }
 
   void split(Edge edge) {
@@ -332,7 +333,7 @@ class Refinement {
     watch_around(v);
   }
 
-  /// The face that contains `target`, walking from `start`; or the constrained edge in the way.
+  /// Walks from `start` to the face that contains `target`, or to the constrained edge in between.
   Face walk(Face start, const Point& target, std::optional<Edge>& in_the_way) const {
     const Point from = CGAL::centroid(triangulation_.triangle(start));
     Face face = start, before;
@@ -342,7 +343,7 @@ class Refinement {
         if (face->neighbor(i) == before) continue;
         const Point &u = face->vertex(Triangulation::ccw(i))->point(),
                     &w = face->vertex(Triangulation::cw(i))->point();
-        // u → w has the face on its left.
+        // The face lies to the left of u → w.
         if (CGAL::orientation(u, w, target) != CGAL::RIGHT_TURN) continue;
         if (CGAL::orientation(from, target, u) == CGAL::LEFT_TURN ||
             CGAL::orientation(from, target, w) == CGAL::RIGHT_TURN)
@@ -383,7 +384,8 @@ class Refinement {
     const int region = face->info();
     const std::size_t known = triangulation_.number_of_vertices();
     const Vertex v = triangulation_.insert(centre, target);
-    if (triangulation_.number_of_vertices() == known) return;  // a corner stands there: rounding
+    if (triangulation_.number_of_vertices() == known)
+      return;  // an existing corner, within rounding
     auto next = triangulation_.incident_faces(v), end = next;
     do next->info() = region;
     while (++next != end);
@@ -412,10 +414,10 @@ class Refinement {
   SectionMeshOptions options_;
   Triangulation triangulation_;
   double longest_squared_ = 0.0, shortest_squared_ = 0.0, ratio_squared_ = 0.0;
-  std::set<std::pair<Vertex, Vertex>> given_;             ///< the outline's edges
-  std::map<Vertex, std::pair<Vertex, Vertex>> on_;        ///< that which a point was added to
-  std::deque<std::pair<Vertex, Vertex>> edges_, forced_;  ///< to be split: if encroached; anyway
-  std::deque<std::array<Vertex, 3>> faces_;               ///< perhaps bad
+  std::set<std::pair<Vertex, Vertex>> given_;       ///< the outline's edges
+  std::map<Vertex, std::pair<Vertex, Vertex>> on_;  ///< the edge on which each point was inserted
+  std::deque<std::pair<Vertex, Vertex>> edges_, forced_;  ///< to be split: if encroached; always
+  std::deque<std::array<Vertex, 3>> faces_;               ///< possibly bad
 };
 
 }  // namespace
@@ -431,8 +433,8 @@ TriangleMesh section_mesh(const Outline& outline, const SectionMeshOptions& opti
   if (options.most_points < 3) refuse("most_points", options.most_points, "at least 3");
   TriangleMesh mesh = Refinement(checked(outline), options).run();
   if (const int count = pieces(mesh); count != 1)
-    throw std::invalid_argument("outline: falls into " + std::to_string(count) +
-                                " pieces; those of a section share edges");
+    throw std::invalid_argument("outline: consists of " + std::to_string(count) +
+                                " separate pieces; the regions of a section must share edges");
   return mesh;
 }
 

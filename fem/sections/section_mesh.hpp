@@ -1,6 +1,6 @@
-// Triangles over the outline of a section, by CGAL's constrained Delaunay triangulation.
+// Triangulates the outline of a section by CGAL's constrained Delaunay triangulation.
 //
-// A library of its own, wheeltap::fem_sections: CGAL's triangulations are GPL-3.
+// This is a separate library, wheeltap::fem_sections, because CGAL's triangulations are GPL-3.
 #pragma once
 
 #include "fem/sections/outline.hpp"
@@ -9,20 +9,20 @@
 namespace wheeltap::fem {
 
 struct SectionMeshOptions {
-  double coarseness = 0.3;  ///< longest edge as a share of √area, > 0
-  double angle = 22.0;      ///< smallest angle sought [degrees], in (0, 30]; sharper corners stay
+  double coarseness = 0.3;  ///< longest edge relative to √area, > 0
+  double angle =
+      22.0;  ///< smallest angle [degrees], in (0, 30]; sharper corners of the outline remain
   int most_points = 100'000;
 };
 
-/// Ruppert's Delaunay refinement (1995, J. Algorithms 18:548) with predicates that are exact: edges
-/// are halved until no corner of a triangle beside them lies within their diametral circle, and
-/// circumcentres of bad triangles are added. The refinement looks at the inside alone, so that the
-/// two faces of a slit do not refine each other. Edges at a sharp corner are split in shells of
-/// powers of two.
+/// Ruppert's Delaunay refinement (1995, J. Algorithms 18:548) with exact predicates. It halves
+/// edges until their diametral circles contain no corner of an adjacent triangle, and inserts the
+/// circumcentres of bad triangles. It considers only the inside, so the two faces of a slit do not
+/// refine each other. Edges at a sharp corner are split in shells of powers of two.
 ///
-/// The outline is held against `checked` first. Throws std::invalid_argument for what that refuses,
-/// for options out of range, for a section in several pieces, for a region that is nothing beside
-/// the others, and for an outline whose mesh would have more than `most_points`.
+/// Checks the outline with `checked` first. Throws std::invalid_argument like `checked`, for
+/// options out of range, a section in several pieces, a region that is negligibly small compared
+/// with the others, and an outline whose mesh would have more than `most_points`.
 [[nodiscard]] TriangleMesh section_mesh(const Outline& outline,
                                         const SectionMeshOptions& options = {});
 

@@ -35,7 +35,8 @@ EdgeNumbers number_edges(const TriangleMesh& mesh) {
 
 std::vector<double> split_shares(const TriangleMesh& mesh) {
   constexpr double pi = std::numbers::pi;
-  constexpr double kStraight = 0.35;  // rad: polygons that stand for arcs turn less at a corner
+  constexpr double kStraight =
+      0.35;  // rad: corners of polygons that approximate arcs turn less than this
   const EdgeNumbers edges = number_edges(mesh);
   const std::size_t n = mesh.points.size();
   std::vector<double> angle(n, 0.0);
@@ -108,7 +109,7 @@ TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings) {
   for (int v = 0; v < corners; ++v) {
     if (shares[index(v)] >= 0.5) continue;
     for (int ring = 0; ring < rings; ++ring) {
-      // Only edges that end at v are split, so what lies beyond its triangles stays as it is.
+      // Only edges that end at v are split; everything beyond its triangles stays unchanged.
       std::unordered_map<int, int> nearer;
       const auto towards = [&](int corner) {
         const auto [place, added] =

@@ -1,4 +1,4 @@
-// Triangles in the plane, and their refinement towards corners where gradients are singular.
+// Triangle meshes in the plane, with refinement towards corners with singular gradients.
 #pragma once
 
 #include <array>
@@ -8,37 +8,38 @@
 
 namespace wheeltap::fem {
 
-/// Straight-sided triangles, counter-clockwise, that meet edge to edge.
+/// Straight-sided triangles, counter-clockwise and conforming (edge to edge).
 struct TriangleMesh {
   std::vector<Eigen::Vector2d> points;        ///< (y, z) [m]
-  std::vector<std::array<int, 3>> triangles;  ///< numbers of points, from 0
-  std::vector<int> regions;                   ///< of each triangle, from 0
+  std::vector<std::array<int, 3>> triangles;  ///< point numbers, from 0
+  std::vector<int> regions;                   ///< region number of each triangle, from 0
 };
 
-/// The middles of the edges, numbered from 0.
+/// The midpoints of the edges, numbered from 0.
 struct EdgeNumbers {
   std::vector<std::array<int, 3>> of_triangle;  ///< edge i lies opposite corner i
-  std::vector<std::array<int, 2>> ends;         ///< points, the smaller number first
-  std::vector<std::array<int, 2>> triangles;    ///< on both sides; -1 for none
+  std::vector<std::array<int, 2>> ends;         ///< point numbers, the smaller first
+  std::vector<std::array<int, 2>> triangles;    ///< on both sides; -1 if there is none
 };
 [[nodiscard]] EdgeNumbers number_edges(const TriangleMesh& mesh);
 
-/// Where refinement splits an edge, as a share of its length from this point: ½, but less at the
-/// corners of the domain and of interfaces that point inwards. There a function behaves as r^λ,
-/// λ = π / angle, and quadratic elements keep their order h⁴ (of energies) with shares of at most
-/// 2^(-2/λ) (Babuška, Kellogg & Pitkäranta 1979, Numer. Math. 33:447). Where an interface ends on
-/// the boundary or turns, λ depends on the moduli; ½, the least there is, is taken.
+/// For each point, the share of an edge's length from this point at which refinement splits the
+/// edge. It is ½, but less at re-entrant corners of the domain and of interfaces. There a function
+/// behaves as r^λ, λ = π / angle, and quadratic elements keep their order h⁴ (of energies) with
+/// shares of at most 2^(-2/λ) (Babuška, Kellogg & Pitkäranta 1979, Numer. Math. 33:447). Where an
+/// interface ends on the boundary or turns, λ depends on the moduli; the smallest possible value,
+/// ½, is used.
 [[nodiscard]] std::vector<double> split_shares(const TriangleMesh& mesh);
 
-/// Every triangle in four. The points of the mesh keep their numbers; `shares` is extended by ½ for
-/// the new ones. An edge between two points of share below ½ is halved.
+/// Splits every triangle into four. Existing points keep their numbers; `shares` gets ½ for each
+/// new point. An edge between two points of share below ½ is halved.
 [[nodiscard]] TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares);
 
-/// `rings` rings of smaller triangles around each point of share below ½, each ring a third of the
-/// size of that around it. The points keep their numbers; `shares` is extended as above.
+/// Adds `rings` rings of smaller triangles around each point of share below ½; each ring is a third
+/// of the size of the one around it. Points keep their numbers; `shares` is extended as above.
 [[nodiscard]] TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings);
 
-/// How many pieces there are that no edge connects.
+/// The number of pieces that no edge connects.
 [[nodiscard]] int pieces(const TriangleMesh& mesh);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// The matrices of K φ = ω² M φ, and the strains that they are made of.
+// The matrices of K φ = ω² M φ, and the strains from which they are assembled.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -31,36 +31,37 @@ struct Strain {
   double factor = 1.0;
 };
 
-/// What stores no strains of its own: a degree of freedom by name, for messages and sensors.
+/// The name of a degree of freedom, for messages and sensors.
 struct DofName {
   std::string place;  ///< a node, or a place on a member
   std::string direction;
 };
 
-/// K φ = λ M φ in the n degrees of freedom that are free. K = Bᵀ D B + K_rest from the strains B,
-/// so that φᵀ K φ is a sum of squares, which does not cancel as the assembled matrix does for
-/// smooth shapes of fine meshes.
+/// K φ = λ M φ in the n free degrees of freedom. K = Bᵀ D B + K_rest from the strains B. φᵀ K φ is
+/// then a sum of squares; it does not cancel, unlike the assembled matrix for smooth shapes of fine
+/// meshes.
 struct Discretisation {
   using Sparse = Eigen::SparseMatrix<double>;
 
   std::vector<DofName> names;      ///< n
   std::vector<Strain> strains;     ///< the rows of B
-  Sparse rest;                     ///< K_rest, n × n: what is given as a matrix (or empty)
-  std::vector<Sparse> parts = {};  ///< whose sum it is; empty where it is not told apart
+  Sparse rest;                     ///< K_rest, n × n: the part given as a matrix (or empty)
+  std::vector<Sparse> parts = {};  ///< summands of `rest`; empty if they are not distinguished
   Sparse stiffness;                ///< K, n × n, both triangles
   Sparse mass;                     ///< M, n × n, positive semidefinite
-  Eigen::MatrixXd rigid_motions;   ///< n × r: motions that strain nothing, any basis
+  Eigen::MatrixXd rigid_motions;   ///< n × r: strain-free motions, in any basis
 
   [[nodiscard]] Eigen::Index size() const { return mass.rows(); }
-  /// n marks: as many degrees of freedom as there are rigid motions, and they hold all of those.
+  /// Selects r of the n degrees of freedom (r rigid motions) whose restraint prevents all rigid
+  /// motions.
   [[nodiscard]] std::vector<char> holding_dofs() const;
-  /// K u by the strains.
+  /// K u from the strains.
   [[nodiscard]] Eigen::VectorXd stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const;
-  /// uᵀ K u by the strains: twice the strain energy.
+  /// uᵀ K u from the strains: twice the strain energy.
   [[nodiscard]] double energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
-  /// Vᵀ K V of the columns of V, by the strains.
+  /// Vᵀ K V of the columns of V, from the strains.
   [[nodiscard]] Eigen::MatrixXd projected_stiffness(const Eigen::MatrixXd& basis) const;
-  /// The energy, had nothing cancelled inside each strain: what rounding is measured by.
+  /// The energy without cancellation inside each strain: the reference for rounding errors.
   [[nodiscard]] double uncancelled_energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
 };
 

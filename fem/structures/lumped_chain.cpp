@@ -27,7 +27,7 @@ void validate(const LumpedChain& chain) {
       if (end < 0 || end > masses)
         refuse("between " + std::to_string(end) + ": must be 0 (the ground) to " +
                std::to_string(masses) + ", the number of masses");
-    if (link.between[0] == link.between[1]) refuse("joins a mass to itself");
+    if (link.between[0] == link.between[1]) refuse("connects a mass to itself");
     if (!positive(link.stiffness))
       refuse("stiffness = " + std::to_string(link.stiffness) + ": must be positive");
   }
@@ -42,10 +42,10 @@ Discretisation discretise(const LumpedChain& chain) {
     mass.emplace_back(i, i, chain.masses[static_cast<std::size_t>(i)]);
     d.names.push_back({"mass " + std::to_string(i + 1), "x"});
   }
-  // Which masses hang together, and which of these to the ground: 0 is the ground's group.
+  // Connected groups of masses, and the groups connected to ground: 0 is the ground's group.
   std::vector<int> group(static_cast<std::size_t>(n) + 1);
   std::iota(group.begin(), group.end(), 0);
-  // Disjoint sets as trees, each rooted at its lowest member; paths are halved on the way.
+  // Disjoint sets as trees, each rooted at its lowest member, with path halving.
   const auto root_of = [&group](int i) {
     auto at = static_cast<std::size_t>(i);
     while (group[at] != static_cast<int>(at)) {

@@ -1,4 +1,4 @@
-// Masses on springs: storeys, rigs, whatever moves along one line.
+// Lumped-mass chains: masses and springs that move along one line, such as storeys.
 #pragma once
 
 #include <array>
@@ -9,7 +9,7 @@
 
 namespace wheeltap::fem {
 
-/// Point masses, each with one degree of freedom, and springs between two of them or to the ground.
+/// Point masses with one degree of freedom each, and springs between two masses or to ground.
 struct LumpedChain {
   struct Link {
     std::string name;
@@ -23,7 +23,7 @@ struct LumpedChain {
 /// Throws InvalidStructure (a mass is a `masses` part, a link a `members` part).
 void validate(const LumpedChain& chain);
 
-/// Strain i is that of link i. Throws as `validate`.
+/// Discretises the chain; strain i belongs to link i. Throws as `validate`.
 [[nodiscard]] Discretisation discretise(const LumpedChain& chain);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// A structure as another program's matrices.
+// A structure given by the matrices of another program.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace wheeltap::fem {
 
-/// M and K = Σ (1 + α_j) K_j, all symmetric and of one size; M is positive semidefinite, and
+/// M and K = Σ (1 + α_j) K_j, all symmetric and of the same size. M is positive semidefinite;
 /// degrees of freedom without mass follow the others statically.
 struct MatrixStructure {
   using Sparse = Discretisation::Sparse;
@@ -22,13 +22,13 @@ struct MatrixStructure {
   std::vector<DofName> names = {};  ///< empty: "degree of freedom 1" …
 };
 
-/// Throws InvalidStructure (`masses` for M, `members` for K_j) where a matrix is not square, of
-/// another size, not symmetric (to 1e-8 of its largest entry) or not finite, or α <= -1.
+/// Throws InvalidStructure (`masses` for M, `members` for K_j) if a matrix is not square, differs
+/// in size, is not symmetric (to 1e-8 of its largest entry) or not finite, or if α <= -1.
 void validate(const MatrixStructure& structure);
 
-/// K_rest is the whole of K, told apart into its parts. Rigid motions are not looked for: a
-/// structure that moves without resistance is refused as a mechanism by `structure_modes`. Throws
-/// as `validate`.
+/// Discretises the structure: K_rest is the whole of K, with its summands as parts. Does not search
+/// for rigid motions; `structure_modes` rejects a structure that moves without resistance as a
+/// mechanism. Throws as `validate`.
 [[nodiscard]] Discretisation discretise(const MatrixStructure& structure);
 
 }  // namespace wheeltap::fem

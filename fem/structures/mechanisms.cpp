@@ -16,11 +16,11 @@ using Sparse = Discretisation::Sparse;
 
 constexpr double kMechanismShift = 1e-11;
 constexpr int kSteps = 12;
-/// Directions beyond the rigid motions: as many mechanisms are told apart.
+/// Directions beyond the rigid motions: the largest number of mechanisms that can be separated.
 constexpr Index kMostApart = 12;
 constexpr std::size_t kNamed = 3;
 
-/// Columns made D-orthonormal, twice over; dependent ones are dropped.
+/// Makes columns D-orthonormal in two passes; drops dependent ones.
 MatrixXd orthonormal_in(const VectorXd& weight, const MatrixXd& columns) {
   MatrixXd out(columns.rows(), columns.cols());
   Index n = 0;
@@ -38,7 +38,7 @@ MatrixXd orthonormal_in(const VectorXd& weight, const MatrixXd& columns) {
 }
 
 /// Each motion has an entry of 1 where the others have 0, and is scaled to a largest entry of 1.
-std::vector<VectorXd> told_apart(const MatrixXd& motions) {
+std::vector<VectorXd> separated(const MatrixXd& motions) {
   const Index k = motions.cols();
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(motions.transpose());
   std::vector<Index> pivots;
@@ -92,26 +92,26 @@ std::vector<VectorXd> mechanisms(const Discretisation& d) {
     if (std::abs(d.energy(motion)) <= no_strain(d) * d.uncancelled_energy(motion))
       unresisted.push_back(c);
   }
-  // Those that are left without the rigid motions.
+  // The remaining motions after removal of the rigid ones.
   MatrixXd all(n, d.rigid_motions.cols() + static_cast<Index>(unresisted.size()));
   all << d.rigid_motions, motions(Eigen::all, unresisted);
   const MatrixXd independent = orthonormal_in(weight, all);
   const Index rigid = orthonormal_in(weight, d.rigid_motions).cols();
   const Index left = static_cast<Index>(unresisted.size()) - rigid;
   if (left <= 0 || independent.cols() <= rigid) return {};
-  return told_apart(independent.middleCols(rigid, std::min(left, independent.cols() - rigid)));
+  return separated(independent.middleCols(rigid, std::min(left, independent.cols() - rigid)));
 }
 
 std::string motion_in_words(const Discretisation& d, const VectorXd& motion) {
   const auto name = [&](Index i) -> const DofName& { return d.names[static_cast<std::size_t>(i)]; };
   const auto turns = [&](Index i) { return name(i).direction.starts_with('r'); };
-  // Rotations are in other units: they are named where nothing is displaced.
+  // Rotations have other units; they are named only where nothing is displaced.
   constexpr double kDisplaced = 1e-6;
   double displaced = 0.0, turned = 0.0;
   for (Index i = 0; i < motion.size(); ++i)
     (turns(i) ? turned : displaced) = std::max(turns(i) ? turned : displaced, std::abs(motion[i]));
   const bool rotations = displaced < kDisplaced * turned;
-  // Nodes have the first names: of what moves as much, the first is named.
+  // Nodes have the first names: among equal motions, the first is named.
   constexpr double kAsMuch = 0.95;
   std::string text;
   std::size_t named = 0;

@@ -1,11 +1,12 @@
-// Mechanisms: motions that nothing resists and that are no rigid-body motions of the structure.
+// Mechanisms: motions without resistance that are not rigid-body motions of the structure.
 //
 // They are the null space of K beyond the rigid motions. Subspace iteration on
 //
 //   (K + ε D) v ← D v,   D = diag K (1 where that is 0),   ε = 1e-11,
 //
-// brings what K resists by less than about ε to the front. A Rayleigh-Ritz step on the energies of
-// the strains, which are sums of squares and do not cancel, then tells no stiffness from little.
+// finds motions whose stiffness is below about ε. A Rayleigh-Ritz step on the energies of the
+// strains, which are sums of squares without cancellation, then separates zero stiffness from small
+// stiffness.
 #pragma once
 
 #include <string>
@@ -15,19 +16,19 @@
 
 namespace wheeltap::fem {
 
-/// A basis of the mechanisms' motions, each scaled to a largest entry of 1: of k motions each has
-/// an entry of 1 where the others are 0. Empty: every motion but the rigid ones is resisted.
+/// A basis of the mechanisms' motions, each scaled to a largest entry of 1. Each of k motions has
+/// an entry of 1 where the others are 0. Empty if K resists all motions except the rigid ones.
 [[nodiscard]] std::vector<Eigen::VectorXd> mechanisms(const Discretisation& d);
 
-/// Energy of a motion over what it would be had no strain cancelled: at most this, of a motion that
-/// strains nothing. Of a K that is given as a matrix the energy itself is rounded.
+/// Largest ratio, for a strain-free motion, of its energy to the energy without cancellation in any
+/// strain. For a K given as a matrix the energy itself is rounded.
 [[nodiscard]] double no_strain(const Discretisation& d);
 
-/// Where a motion is largest: "n2, y", "B, x and C, x". Translations go before rotations, nodes
-/// before places within members.
+/// The places of largest motion: "n2, y", "B, x and C, x". Translations precede rotations, nodes
+/// precede places within members.
 [[nodiscard]] std::string motion_in_words(const Discretisation& d, const Eigen::VectorXd& motion);
 
-/// Throws InvalidStructure, naming the motions and what to do, where there are mechanisms.
+/// Throws InvalidStructure if there are mechanisms; the message names the motions and a remedy.
 void refuse_mechanisms(const Discretisation& d);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// How the ends of an element move along and about its own axes. Internal to the mesh.
+// Motions of the ends of an element along and about its own axes. Internal to the mesh.
 #pragma once
 
 #include <array>
@@ -31,7 +31,7 @@ class RowSum {
   std::map<int, double> terms_;
 };
 
-/// Of a node, or of a boundary between elements: its six motions.
+/// The six motions of a node, or of a boundary between elements.
 using Motions = std::array<SparseRow, kDirections>;
 /// [end][k]: along the member's own axis k, and about it.
 using OwnMotions = std::array<std::array<SparseRow, 6>, 2>;

@@ -1,4 +1,4 @@
-// From a structure to its mesh: degrees of freedom, strains, masses and rigid motions.
+// Builds the mesh of a structure: degrees of freedom, strains, masses and rigid motions.
 #include <algorithm>
 #include <cmath>
 #include <utility>
@@ -18,7 +18,7 @@ using detail::plane_motions;
 using detail::RowSum;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// A rigid motion strains nothing where every strain of it cancels to this, relative.
+/// Relative size to which every strain of a rigid motion must cancel.
 constexpr double kUnstrained = 1e-9;
 
 void add_product(Triplets& matrix, double factor, const SparseRow& a, const SparseRow& b) {
@@ -61,7 +61,7 @@ std::string in_metres(double metres) {
 
 }  // namespace
 
-/// Fills a mesh: first with every degree of freedom there might be, then without the unused ones.
+/// Fills a mesh, first with all possible degrees of freedom, then without the unused ones.
 class MeshBuilder {
  public:
   explicit MeshBuilder(Mesh& mesh) : mesh_(mesh), s_(mesh.structure_) {}
@@ -78,7 +78,7 @@ class MeshBuilder {
   }
 
  private:
-  /// What a degree of freedom is: a motion along or about `axis` at a place.
+  /// Definition of a degree of freedom: a motion along or about `axis` at a place.
   struct Dof {
     Vector3 axis;
     Vector3 at;
@@ -163,7 +163,8 @@ class MeshBuilder {
     mesh_.station_motions_.push_back(std::move(stations));
   }
 
-  /// u = u_node + θ_node × offset; the rotation is the node's, but about axes with a joint.
+  /// u = u_node + θ_node × offset. The rotation is that of the node, except about axes with a
+  /// joint.
   Motions end_motions(int m, std::size_t end) {
     const Member& member = s_.members[index(m)];
     const MemberEnd& joint = member.ends[end];
@@ -352,7 +353,7 @@ class MeshBuilder {
     }
   }
 
-  /// Drops what nothing strains and nothing weighs, and numbers the rest along members.
+  /// Removes degrees of freedom without stiffness and mass, and numbers the rest along members.
   void finish() {
     Discretisation& d = mesh_.discretisation_;
     std::vector<bool> used(dofs_.size());
@@ -377,7 +378,7 @@ class MeshBuilder {
       }
       row = std::move(out);
     };
-    // A spring whose motions are all held strains nothing: its row stays, empty.
+    // A spring whose motions are all held has no strain: its row remains, empty.
     for (Strain& strain : d.strains) renumber(strain.row);
     for (Motions& motions : mesh_.node_motions_)
       for (SparseRow& row : motions) renumber(row);
@@ -401,8 +402,8 @@ class MeshBuilder {
     find_rigid_motions(kept);
   }
 
-  /// In each connected part, the combinations of translations and rotations that move no hold and
-  /// strain nothing.
+  /// In each connected part, the combinations of translations and rotations that move no held dof
+  /// and cause no strain.
   void find_rigid_motions(const std::vector<Dof>& kept) {
     Discretisation& d = mesh_.discretisation_;
     const auto n = static_cast<Eigen::Index>(kept.size());

@@ -39,7 +39,8 @@ class MapSearch {
   }
   [[nodiscard]] bool same(double a, double b) const { return std::abs(a - b) <= tolerance_; }
 
-  // Nodes that with the centroid span the structure. The first is of the fewest at its radius.
+  // Nodes that span the structure together with the centroid. The first is at the radius with the
+  // fewest nodes.
   void choose_references() {
     std::optional<int> first;
     std::ptrdiff_t fewest = 0;
@@ -75,7 +76,7 @@ class MapSearch {
     if (off_plane(third) > 1e-3 * tolerance_ / kSameCoordinate) references_.push_back(third);
   }
 
-  // Images of the references, one after the other; then of everything.
+  // Finds images of the reference nodes in turn, then of all nodes.
   void extend(std::vector<int>& images) {
     if (static_cast<int>(found_.size()) >= kMostSelfMaps) return;
     if (images.size() == references_.size()) {

@@ -1,4 +1,4 @@
-// Maps of a structure's shape onto itself: candidates for its symmetries.
+// Geometric symmetries of a structure: candidates for symmetries of its dynamics.
 #pragma once
 
 #include <vector>
@@ -8,20 +8,20 @@
 
 namespace wheeltap::fem {
 
-/// An isometry of the plane or of space that takes every node to a node and every member to a
-/// member. It knows shapes only: whether stiffness and mass follow, its frequencies tell.
+/// An isometry of the plane or of space that maps nodes to nodes and members to members. It
+/// considers geometry only; the frequencies show whether stiffness and mass are symmetric as well.
 struct SelfMap {
-  std::vector<int> node;       ///< where node i goes
-  std::vector<int> member;     ///< where member i goes; of a chain, link i
-  std::vector<bool> reversed;  ///< whether member i arrives with its ends exchanged
+  std::vector<int> node;       ///< image of node i
+  std::vector<int> member;     ///< image of member i; for a chain, of link i
+  std::vector<bool> reversed;  ///< true if the map exchanges the ends of member i
 };
 
-/// Every such map but the one that moves nothing; with each its inverse. Images are found by their
-/// distances from the centroid of the nodes and from one to three reference nodes, equal to 1e-6 of
-/// the structure's size. None beyond `kMostMappedNodes` nodes, where nobody has looked, and beyond
-/// `kMostSelfMaps` maps.
+/// All such maps except the identity, each with its inverse. Images are found by their distances
+/// from the centroid of the nodes and from one to three reference nodes, equal to 1e-6 of the
+/// structure's size. Returns no maps for more than `kMostMappedNodes` nodes (no search) or more
+/// than `kMostSelfMaps` maps.
 [[nodiscard]] std::vector<SelfMap> self_maps(const Structure& structure);
-/// The reversal of a chain's order, of masses and of links, where its links allow it.
+/// The reversal of the order of masses and links of a chain, if its links allow it.
 [[nodiscard]] std::vector<SelfMap> self_maps(const LumpedChain& chain);
 
 inline constexpr int kMostMappedNodes = 500;

@@ -11,7 +11,7 @@ namespace {
 
 using Part = InvalidStructure::Part;
 
-/// Members shorter than this share of the structure's size have no direction.
+/// Members shorter than this share of the structure's size have no defined direction.
 constexpr double kNoLength = 1e-9;
 
 std::string number(double x) {

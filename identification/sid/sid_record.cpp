@@ -55,7 +55,7 @@ class RecordTaker {
       if (out_.channels[i].role != Role::time && column == columns_[i]) column = -1;
     }
     std::optional<signals::Sampling> said;
-    if (column < 0 && !use_.sample_rate_hz) said = signals::said_sampling(record_);
+    if (column < 0 && !use_.sample_rate_hz) said = signals::sampling_from_header(record_);
     if (column < 0 && !use_.sample_rate_hz && !said) {
       throw InvalidInput(
           Part::sample_rate,

@@ -14,7 +14,7 @@
 namespace wheeltap::io {
 namespace {
 
-/// Ends this close, against the drawing's size, are one.
+/// Ends closer than this, relative to the drawing's size, are joined.
 constexpr double kJoin = 1e-6;
 
 struct Pair {
@@ -57,7 +57,7 @@ std::vector<Pair> pairs_of(const std::string& bytes, const std::filesystem::path
     const auto number = parse_number(*code);
     if (!number || *number != std::floor(*number) || std::abs(*number) > 1e5) {
       if (pairs.empty())
-        throw FileError(FileError::Kind::foreign, name, "does not begin as a DXF does");
+        throw FileError(FileError::Kind::foreign, name, "does not begin like a DXF file");
       fail(name, line, "'" + code->substr(0, 40) + "': must be a group code, a whole number");
     }
     const auto value = next();
@@ -74,7 +74,7 @@ double number_of(const Pair& pair, const std::filesystem::path& name) {
   return *number;
 }
 
-/// Metres of $INSUNITS.
+/// Metres per unit of $INSUNITS.
 double unit_of(int code) {
   static const std::map<int, double> units = {{1, 0.0254}, {2, 0.3048},  {4, 1e-3},    {5, 1e-2},
                                               {6, 1.0},    {8, 2.54e-8}, {9, 2.54e-5}, {10, 0.9144},
@@ -83,9 +83,9 @@ double unit_of(int code) {
   return found == units.end() ? 0.0 : found->second;
 }
 
-/// An open run of edges.
+/// An open chain of edges.
 struct Chain {
-  ClosedPath corners;  ///< the last has no edge
+  ClosedPath corners;  ///< the last corner has no edge
   int line;
 };
 
@@ -120,13 +120,14 @@ class Reader {
   Drawing run() {
     for (std::size_t i = 0; i < entities_.size(); ++i) {
       const Entity& e = entities_[i];
-      if (value(e, 67, 0.0) == 1.0) continue;  // on the sheet, not in the model
+      if (value(e, 67, 0.0) == 1.0) continue;  // on the layout sheet, not in the model
       if (e.type == "LWPOLYLINE") {
         polyline(e, corners(e));
       } else if (e.type == "POLYLINE") {
         ClosedPath path;
         for (std::size_t k = i + 1; k < entities_.size() && entities_[k].type == "VERTEX"; ++k) {
-          if (static_cast<int>(value(entities_[k], 70, 0.0)) & 16) continue;  // a spline's frame
+          if (static_cast<int>(value(entities_[k], 70, 0.0)) & 16)
+            continue;  // control point of a spline
           const ClosedPath one = corners(entities_[k]);
           path.insert(path.end(), one.begin(), one.end());
         }
@@ -159,7 +160,7 @@ class Reader {
     return value(e, code, 0.0);
   }
 
-  /// Whether the entity is drawn in a plane seen from behind.
+  /// True if the entity's plane is seen from behind.
   bool mirrored(const Entity& e) const { return value(e, 230, 1.0) < 0.0; }
 
   ClosedPath corners(const Entity& e) const {
@@ -202,7 +203,7 @@ class Reader {
     const double from = need(e, 50) * degree, to = need(e, 51) * degree;
     double turn = std::fmod(to - from, 2.0 * std::numbers::pi);
     if (turn <= 0.0) turn += 2.0 * std::numbers::pi;
-    // Two edges, since a whole turn has no bulge.
+    // Two edges, since a full circle has no bulge.
     const auto corner = [&](double angle, double bulge) {
       return PathCorner{sign * (x + r * std::cos(angle)), y + r * std::sin(angle), sign * bulge};
     };
@@ -212,7 +213,7 @@ class Reader {
          e.line});
   }
 
-  /// Chains end to end.
+  /// Joins chains end to end.
   void join() {
     constexpr double far = std::numeric_limits<double>::infinity();
     double low_x = far, high_x = -far, low_y = far, high_y = -far;
@@ -245,7 +246,7 @@ class Reader {
         if (gap > near) {
           std::string where = std::to_string(path.back().x) + ", " + std::to_string(path.back().y);
           fail(name_, chains_[start].line,
-               "the edges that begin here do not close: nothing goes on from (" + where + ")");
+               "the edges that begin here do not close: no edge continues from (" + where + ")");
         }
         used[best] = true;
         append(path, chains_[best].corners, turned);
@@ -258,7 +259,7 @@ class Reader {
   static void append(ClosedPath& path, ClosedPath next, bool turned) {
     if (turned) {
       std::ranges::reverse(next);
-      // The bulge of an edge now stands at its other end, and turns the other way.
+      // The bulge of an edge now belongs to its other end, with the opposite sign.
       for (std::size_t i = 0; i + 1 < next.size(); ++i) next[i].bulge = -next[i + 1].bulge;
     }
     path.back().bulge = next.front().bulge;

@@ -15,7 +15,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Whether each line, from 1, is empty.
+/// For each line, from 1: true if it is empty.
 std::vector<bool> empty_lines(const std::string& bytes) {
   std::vector<bool> empty = {false, true};
   for (std::size_t i = 0; i < bytes.size(); ++i) {

@@ -81,7 +81,7 @@ const Format& format_of(const std::filesystem::path& path, std::string_view begi
     list += ")";
   }
   throw FileError(FileError::Kind::foreign, path,
-                  "no format with the ending '" + ending + "' is known, there are " + list);
+                  "unknown file extension '" + ending + "'; the known formats are " + list);
 }
 
 Columns read_columns(const std::filesystem::path& path, const Wanted& wanted,
@@ -91,19 +91,19 @@ Columns read_columns(const std::filesystem::path& path, const Wanted& wanted,
   if (arrays != ArrayLayout{} && format.read == nullptr && format.parse_arrays == nullptr)
     throw FileError(FileError::Kind::mismatch, path,
                     "is of the format " + std::string(format.name) +
-                        ": leave out rows_are_channels, which is of MATLAB, NumPy, NetCDF and HDF5 "
-                        "files");
+                        ": leave out rows_are_channels, which applies to MATLAB, NumPy, NetCDF and "
+                        "HDF5 files only");
   if (!stated.sheet.empty() && format.parse_text != parse_workbook)
     throw FileError(FileError::Kind::mismatch, path,
                     "is of the format " + std::string(format.name) +
-                        ": leave out sheet, which is of Excel workbooks");
+                        ": leave out sheet, which applies to Excel workbooks only");
   if (format.parse_text != nullptr)
     return format.parse_text(read_bytes(path), path, wanted, stated);
   if (stated != TextLayout{})
     throw FileError(FileError::Kind::mismatch, path,
                     "is of the format " + std::string(format.name) +
                         ": leave out decimal, separator, skip, header, units_row and time_format, "
-                        "which are of delimited text and Excel workbooks");
+                        "which apply to delimited text and Excel workbooks only");
   if (format.read != nullptr) return format.read(path, wanted, arrays);
   if (format.parse_arrays != nullptr)
     return format.parse_arrays(read_bytes(path), path, wanted, arrays);

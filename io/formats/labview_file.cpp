@@ -43,10 +43,11 @@ struct Header {
 struct Segment {
   std::size_t channels = 0;
   std::vector<double> first, step;  ///< X0 and Delta_X
-  double samples = 0.0;             ///< announced; more may follow, of a file with one header only
+  double samples = 0.0;             ///< as announced; a file with one header only may have more
   std::vector<std::string> names, units;
   bool comment = false;
-  bool spaced = false;  ///< keys have a field a column, those of X empty, not one a channel
+  bool spaced =
+      false;  ///< keys have one field per column (empty for X columns), not one per channel
 };
 
 class Parser {
@@ -71,7 +72,7 @@ class Parser {
       read_rows(out, segment);
     }
     if (first) throw FileError(FileError::Kind::corrupt, name_, "holds no segment of samples");
-    // Whatever is not wanted was read to be checked.
+    // Columns that are not requested were read as a check.
     for (std::size_t c = 0; c < out.columns.size(); ++c)
       if (wanted_ && !wanted_(out, c)) out.columns[c].values.clear();
     return out;
@@ -88,7 +89,7 @@ class Parser {
                       "does not begin with \"" + std::string(kMagic) + "\"");
     while (lines_.next()) {
       if (trimmed(lines_.line).starts_with(kEnd)) return;
-      // Keys and values are separated as the rest is; which is said here.
+      // The header states the separator of keys and values.
       for (const char by : {'\t', ','}) {
         const Fields f = split(lines_.line, by);
         if (f.size() < 2) continue;
@@ -103,7 +104,7 @@ class Parser {
     corrupt("ends within its header");
   }
 
-  /// Goes to the first line of the next segment's header.
+  /// Advances to the first line of the next segment's header.
   bool find_segment() {
     if (pending_) {
       pending_ = false;
@@ -146,7 +147,7 @@ class Parser {
     } while (lines_.next());
     if (out.channels == 0) corrupt("a segment's header does not say its Channels");
     if (!lines_.next()) corrupt("ends before the names of its columns");
-    // X_Value, then a name a channel ("Multi": X_Value before each), then Comment.
+    // X_Value, then one name per channel ("Multi": X_Value before each), then Comment.
     Fields names = split(lines_.line, header_.separator);
     while (!names.empty() && trimmed(names.back()).empty()) names.pop_back();
     if (!names.empty() && trimmed(names.back()) == "Comment") {
@@ -160,8 +161,8 @@ class Parser {
       std::string name = place < names.size() ? in_utf8(trimmed(names[place])) : "";
       out.names.push_back(name.empty() ? "channel " + std::to_string(c + 1) : name);
     }
-    // Of several X columns a key has a field a column; those of X are empty. Every channel has
-    // samples and steps, which show it also where the last ones have no unit.
+    // With several X columns a key has one field per column; those of X are empty. Every channel
+    // has samples and steps, so these keys show the layout even if the last channels have no unit.
     bool apart = out.spaced && per == 2;
     if (!apart) apart = per == 2 && out.units.size() + 1 >= 2 * out.channels;
     if (apart) out.units.resize(std::max(out.units.size(), 2 * out.channels));
@@ -199,7 +200,7 @@ class Parser {
     return value;
   }
 
-  /// Times are often printed with fewer digits than they have.
+  /// Printed times often have fewer digits than their resolution needs.
   void count_digits(std::string_view field, Column& column) const {
     field = trimmed(field);
     PrintedDigits digits{column.decimals, column.digits};
@@ -233,7 +234,7 @@ class Parser {
       for (std::size_t c = 0; c < segment.channels; ++c) {
         if (multi && number(f[2 * c]) != x)
           corrupt("channels " + std::to_string(1) + " and " + std::to_string(c + 1) +
-                  " have unlike times: they are no record of one sampling");
+                  " have different times: they do not share one sampling");
         const std::string_view field = f[multi ? 2 * c + 1 : c + 1];
         out.columns[c + 1].values.push_back(
             trimmed(field).empty() ? std::numeric_limits<double>::quiet_NaN() : number(field));

@@ -22,23 +22,24 @@ namespace {
 constexpr std::string_view kMagic("\x93NUMPY", 6);
 constexpr std::size_t kMostDimensions = 4;
 
-/// What the elements of an array are: NumPy's letter, their size and byte order.
+/// The element type of an array: NumPy's letter, size and byte order.
 struct Element {
-  char kind = 'f';  ///< b boolean, i and u integer, f real, c complex, m and M spans and times
+  char kind =
+      'f';  ///< b boolean, i and u integer, f real, c complex, m and M time differences and times
   std::size_t size = 8;
   bool swapped = false;
-  double scale = 1.0;  ///< of m and M: seconds in one
+  double scale = 1.0;  ///< of m and M: seconds per unit
 };
 
 struct NpyArray {
   ArrayShape shape;
   Element element = {};
-  std::size_t begin = 0;  ///< of its data
+  std::size_t begin = 0;  ///< start of its data
   std::string bytes = {};
-  bool imaginary = false;  ///< of a complex array: which part
+  bool imaginary = false;  ///< of a complex array: true for the imaginary part
 };
 
-/// Why an array holds no numbers that we read; thrown within this file.
+/// Why an array holds no readable numbers; thrown within this file.
 struct NoNumbers {
   std::string why;
 };
@@ -52,7 +53,7 @@ class Header {
     throw FileError(FileError::Kind::corrupt, file_, shown_ + why);
   }
 
-  /// What follows a key of the header, a Python dictionary.
+  /// The text after a key of the header, a Python dictionary.
   [[nodiscard]] std::string_view value(std::string_view key) const {
     const std::size_t at = text_.find("'" + std::string(key) + "'");
     const std::size_t colon = at == std::string_view::npos ? at : text_.find(':', at);
@@ -67,7 +68,7 @@ class Header {
     std::string_view text = value("shape");
     const std::size_t end = text.find(')');
     if (!text.starts_with('(') || end == std::string_view::npos)
-      corrupt("is damaged: its shape is no list");
+      corrupt("is damaged: its shape is not a list");
     text = text.substr(1, end - 1);
     std::vector<std::size_t> out;
     while (true) {
@@ -211,14 +212,14 @@ std::vector<double> values_of(const NpyArray& array) {
   return out;
 }
 
-/// Throws FileError, and NoNumbers where the array holds none.
+/// Throws FileError, and NoNumbers if the array holds no numbers.
 NpyArray array_of(std::string bytes, const std::filesystem::path& file, const std::string& name,
                   const std::string& shown) {
   const auto corrupt = [&](const std::string& why) {
     throw FileError(FileError::Kind::corrupt, file, shown + why);
   };
   if (!std::string_view(bytes).starts_with(kMagic))
-    throw FileError(FileError::Kind::foreign, file, shown + "is no NumPy array (.npy)");
+    throw FileError(FileError::Kind::foreign, file, shown + "is not a NumPy array (.npy)");
   if (bytes.size() < 12) corrupt("is cut off within its header");
   const int version = static_cast<unsigned char>(bytes[6]);
   if (version < 1 || version > 3)
@@ -248,7 +249,7 @@ Columns table_of(std::vector<NpyArray> arrays, std::vector<std::string> others,
                  const ArrayLayout& stated) {
   Columns table{.file = name.string(), .others = std::move(others)};
   std::vector<ArrayShape> shapes;
-  std::vector<std::pair<std::size_t, bool>> from;  // array, and whether its imaginary part
+  std::vector<std::pair<std::size_t, bool>> from;  // array; true for its imaginary part
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     const bool complex = arrays[i].element.kind == 'c';
     for (int part = 0; part < (complex ? 2 : 1); ++part) {
@@ -293,7 +294,7 @@ Columns parse_npz(std::string bytes, const std::filesystem::path& name, const Wa
   const ZipArchive archive(bytes, name);
   std::vector<NpyArray> arrays;
   std::vector<std::string> others;
-  std::uint64_t left = kLargestFile;  // of all together
+  std::uint64_t left = kLargestFile;  // for all arrays together
   for (const ZipMember& member : archive.members()) {
     constexpr std::string_view kEnding = ".npy";
     if (!member.name.ends_with(kEnding)) continue;

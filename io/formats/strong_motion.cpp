@@ -24,7 +24,7 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-/// Its words, one blank between two.
+/// The words of a line, separated by one blank.
 std::string collapsed(std::string_view text) {
   std::string out;
   for (const char c : text)
@@ -36,7 +36,7 @@ std::string collapsed(std::string_view text) {
   return out;
 }
 
-/// The numbers that stand in a line among words.
+/// The numbers among the words of a line.
 std::vector<double> numbers_in(std::string_view line) {
   std::vector<double> out;
   for (std::size_t at = 0; at < line.size();) {
@@ -45,7 +45,7 @@ std::vector<double> numbers_in(std::string_view line) {
     const std::size_t end = std::min(line.find_first_not_of("0123456789.eE+-", from), line.size());
     at = end;
     std::string_view word = line.substr(from, end - from);
-    while (!word.empty()) {  // "SEC." and "5E" are no part of a number
+    while (!word.empty()) {  // "SEC." and "5E" are not part of a number
       if (const auto value = parse_number(word)) {
         out.push_back(*value);
         break;
@@ -56,7 +56,7 @@ std::vector<double> numbers_in(std::string_view line) {
   return out;
 }
 
-/// "Chan 1: 180 Deg" of a line that names a channel; empty of any other.
+/// "Chan 1: 180 Deg" from a line that names a channel; empty for any other line.
 std::string channel_in(std::string_view line) {
   const std::size_t at = lower(line).find("chan ");
   if (at == std::string::npos) return {};
@@ -67,7 +67,7 @@ std::string channel_in(std::string_view line) {
   return collapsed(line.substr(at, std::min(line.find("  ", from), line.size()) - at));
 }
 
-/// As units are written elsewhere: "cm/s^2" of "cm/sec/sec".
+/// The unit in the usual notation: "cm/s^2" for "cm/sec/sec".
 std::string unit_of(std::string_view text) {
   const std::string word = collapsed(lower(text));
   static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
@@ -82,7 +82,7 @@ std::string unit_of(std::string_view text) {
   std::size_t most = 0;
   std::string unit;
   for (const auto& [written, meant] : kUnits) {
-    // Whole words only; the longest one that stands at the beginning.
+    // The longest of these whole words at the beginning.
     if (!word.starts_with(written) || written.size() <= most) continue;
     if (word.size() > written.size() &&
         std::string_view(" .,;()").find(word[written.size()]) == std::string_view::npos)
@@ -119,7 +119,7 @@ class Reader {
   [[noreturn]] void corrupt(const std::string& why) const {
     throw FileError(FileError::Kind::corrupt, name_, Place{.line = lines.number}, why);
   }
-  /// So many as fill `width` columns each, or between blanks where `width` is 0.
+  /// This many numbers in columns of `width`, or separated by blanks if `width` is 0.
   std::vector<double> numbers(double count, std::size_t width) {
     std::vector<double> out;
     const auto most = static_cast<std::size_t>(count);
@@ -146,7 +146,7 @@ class Reader {
       line.remove_prefix(end);
       if (word.empty()) continue;
       const auto value = parse_number(word);
-      if (!value) corrupt("'" + printable(in_utf8(word)).substr(0, 40) + "' is no number");
+      if (!value) corrupt("'" + printable(in_utf8(word)).substr(0, 40) + "' is not a number");
       if (out.size() == most)
         corrupt("more numbers than the " + std::to_string(most) +
                 " announced: correct the number of points in the header");
@@ -157,7 +157,7 @@ class Reader {
   const std::filesystem::path& name_;
 };
 
-bool sound(double points, double step) {
+bool is_valid_sampling(double points, double step) {
   return points >= 2.0 && points <= kMostPoints && points == std::floor(points) &&
          std::isfinite(step) && step > 0.0;
 }
@@ -172,14 +172,14 @@ Columns parse_peer(std::string bytes, const std::filesystem::path& name, const W
   while (!(points > 0.0)) {
     if (in.lines.number == kHeaderLines || !in.lines.next())
       throw FileError(FileError::Kind::corrupt, name,
-                      "no line of its header says the number of points and the time step, as "
+                      "no line of its header gives the number of points and the time step, as "
                       "\"NPTS= 3930, DT= .00500 SEC\"");
     const std::string line = lower(in.lines.line);
     if (line.find("npts") != std::string::npos && line.find("dt") != std::string::npos) {
       const std::vector<double> found = numbers_in(line);
-      if (found.size() < 2 || !sound(found[0], found[1]))
+      if (found.size() < 2 || !is_valid_sampling(found[0], found[1]))
         in.corrupt("'" + printable(in_utf8(collapsed(in.lines.line))) +
-                   "' says no number of points and time step: expected \"NPTS= 3930, DT= .00500 "
+                   "' gives no number of points and time step: expected \"NPTS= 3930, DT= .00500 "
                    "SEC\"");
       points = found[0];
       step = found[1];
@@ -207,10 +207,10 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
       {"points of accel data", "acceleration"},
       {"points of veloc data", "velocity"},
       {"points of displ data", "displacement"}};
-  constexpr std::size_t kWidth = 10;  // unless the header says another
+  constexpr std::size_t kWidth = 10;  // unless the header gives another
   Reader in(bytes, name);
   Columns out{.file = name.string()};
-  std::vector<std::string> channels;  // of each column but time
+  std::vector<std::string> channels;  // for each column except time
   std::string channel;
   double common_points = 0.0, common_step = 0.0;
   while (in.lines.next()) {
@@ -223,9 +223,9 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
     const std::vector<double> before = numbers_in(line.substr(0, line.find(found->first)));
     const std::vector<double> after =
         spaced == std::string::npos ? std::vector<double>() : numbers_in(line.substr(spaced));
-    if (before.empty() || after.empty() || !sound(before.back(), after[0]))
+    if (before.empty() || after.empty() || !is_valid_sampling(before.back(), after[0]))
       in.corrupt(
-          "says no number of points and time step: expected \"N points of accel data equally "
+          "gives no number of points and time step: expected \"N points of accel data equally "
           "spaced at DT sec, in cm/sec2. (8f10.5)\"");
     std::size_t width = kWidth;
     const auto format = line.rfind('(');
@@ -252,9 +252,10 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
     out.columns.push_back(column(std::string(found->second), unit, std::move(values)));
   }
   if (out.columns.empty())
-    throw FileError(FileError::Kind::foreign, name,
-                    "holds no line \"N points of accel data equally spaced at DT sec\": it is no "
-                    "corrected record (volume 2) of CSMIP");
+    throw FileError(
+        FileError::Kind::foreign, name,
+        "holds no line \"N points of accel data equally spaced at DT sec\": it is not a "
+        "corrected record (volume 2) of CSMIP");
   if (std::ranges::count(channels, channels[0]) < std::ssize(channels))
     for (std::size_t c = 1; c < out.columns.size(); ++c) {
       const Column& of = out.columns[c];

@@ -28,7 +28,7 @@ constexpr std::uint32_t kNoData = 0xFFFFFFFF, kAsBefore = 0, kFormatChanging = 0
 constexpr std::uint64_t kNotClosed = 0xFFFFFFFFFFFFFFFF;
 constexpr std::uint32_t kString = 0x20, kBoolean = 0x21, kTimeStamp = 0x44;
 
-/// Of a value in raw data; 0 of texts and what we do not know.
+/// Size of a value in raw data; 0 for texts and unknown types.
 std::size_t size_of(std::uint32_t type) {
   switch (type) {
     case 1:
@@ -57,11 +57,11 @@ std::size_t size_of(std::uint32_t type) {
 
 struct Layout {
   std::uint32_t type = 0;
-  std::uint64_t count = 0;  ///< values a chunk
-  std::uint64_t bytes = 0;  ///< a chunk
+  std::uint64_t count = 0;  ///< values per chunk
+  std::uint64_t bytes = 0;  ///< per chunk
 };
 
-/// Where values of a channel stand: in every one of `chunks` chunks, `count` of them.
+/// Position of a channel's values: `count` of them in each of `chunks` chunks.
 struct Piece {
   std::uint64_t first = 0, chunks = 0, chunk_step = 0, count = 0, step = 0;
   bool big_endian = false;
@@ -70,7 +70,7 @@ struct Piece {
 struct Channel {
   std::string path;
   std::optional<Layout> layout = {};
-  std::map<std::string, double> numbers = {};  ///< of its properties
+  std::map<std::string, double> numbers = {};  ///< its numeric properties
   std::map<std::string, std::string> texts = {};
   std::vector<Piece> pieces = {};
   std::uint64_t length = 0;
@@ -108,7 +108,7 @@ class Parser {
 
   void parse() {
     if (!std::string_view(bytes_).starts_with("TDSm"))
-      throw FileError(FileError::Kind::foreign, name_, "does not begin as a TDMS file");
+      throw FileError(FileError::Kind::foreign, name_, "does not begin like a TDMS file");
     for (at_ = 0; at_ < bytes_.size();) segment();
   }
 
@@ -129,7 +129,7 @@ class Parser {
     return out;
   }
 
-  /// Seconds since 1904 in two parts, so that differences keep their digits.
+  /// Seconds since 1904 in two parts, so that differences keep their precision.
   [[nodiscard]] std::pair<std::int64_t, double> time(std::uint64_t at, bool big_endian) const {
     const std::uint64_t fraction = at + (big_endian ? 8 : 0), seconds = at + (big_endian ? 0 : 8);
     return {value<std::int64_t>(seconds, big_endian),
@@ -209,7 +209,7 @@ class Parser {
     const auto raw = value<std::uint64_t>(at_ + 20, big_endian_);
     at_ += kLeadIn;
     const std::uint64_t left = bytes_.size() - at_;
-    // A program that was ended while it wrote leaves this mark, and perhaps part of a chunk.
+    // A program that was killed while writing leaves this mark, and perhaps part of a chunk.
     const bool closed = next != kNotClosed;
     if (!closed) next = left;
     if (next > left)
@@ -249,7 +249,8 @@ class Parser {
     if (kind == kNoData) return;
     if (kind == kFormatChanging || kind == kDigitalLine) refuse_daqmx();
     if (kind == kAsBefore) {
-      if (!channel.layout) corrupt("is damaged: a channel repeats a layout that it never had");
+      if (!channel.layout)
+        corrupt("is damaged: a channel refers to a previous layout that does not exist");
     } else {
       Layout layout{.type = take<std::uint32_t>()};
       if (take<std::uint32_t>() != 1) corrupt("is damaged: raw data of more than one dimension");
@@ -265,7 +266,7 @@ class Parser {
       else
         layout.bytes = layout.count * size;
       if (channel.layout && channel.layout->type != layout.type && channel.length > 0)
-        corrupt("channel " + channel.path + " changes its type: write it anew with one type");
+        corrupt("channel " + channel.path + " changes its type: write it again with one type");
       channel.layout = layout;
     }
     if (std::ranges::find(active_, index) == active_.end() && channel.layout->bytes > 0)
@@ -295,7 +296,7 @@ class Parser {
       chunk += layout.bytes;
       if (interleaved &&
           (layout.type == kString || layout.count != channels_[active_[0]].layout->count))
-        corrupt("is damaged: interleaved channels of unlike lengths");
+        corrupt("is damaged: interleaved channels of different lengths");
     }
     if (chunk == 0 || begin == end) return;
     std::uint64_t chunks = (end - begin) / chunk;
@@ -324,7 +325,7 @@ class Parser {
     }
   }
 
-  /// Applies the scales that the properties state, the last one first asking those before it.
+  /// Applies the scales of the properties; the last one first requests those before it.
   void scale(const Channel& channel, std::vector<double>& x) const {
     const auto status = channel.texts.find("NI_Scaling_Status");
     const double count = channel.number("NI_Number_Of_Scales", 0.0);
@@ -369,7 +370,7 @@ class Parser {
   std::vector<std::size_t> active_;
 };
 
-/// A time that channels share.
+/// A time axis shared by channels.
 struct Clock {
   std::uint64_t length = 0;
   double first = 0.0, step = 0.0;
@@ -381,7 +382,7 @@ Columns parse_tdms(std::string bytes, const std::filesystem::path& name, const W
   Parser parser(bytes, name);
   parser.parse();
   Columns out{.file = name.string()};
-  if (parser.cut()) out.others.emplace_back("rows that were not written to their end (left out)");
+  if (parser.cut()) out.others.emplace_back("incomplete rows (left out)");
   std::vector<ArrayShape> arrays;
   std::vector<const Channel*> sources;  // null: time
   std::vector<Clock> clocks;

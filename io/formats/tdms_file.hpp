@@ -6,14 +6,14 @@
 namespace wheeltap::io {
 
 /// Segments of a lead-in, metadata and raw data (National Instruments, "TDMS File Format Internal
-/// Structure"): channels of numbers or time stamps, interleaved or not, of either byte order, of
-/// any number of segments. A channel is the column "channel", or "group/channel" where there are
-/// several groups, with its property unit_string as unit; linear and polynomial scales that its
-/// properties state (NI_Scale) are applied. Where its wf_increment says a time step there is a
-/// column "time [s]", from wf_start_offset on. Channels of other lengths and those of texts are
-/// among the table's `others`. Throws FileError: foreign for what is no such file; corrupt for one
-/// that is cut off or damaged, holds no channel, has raw data of DAQmx or scales of other kinds,
-/// with what to do.
+/// Structure"): channels of numbers or time stamps, interleaved or not, in either byte order, in
+/// any number of segments. A channel becomes the column "channel", or "group/channel" if there are
+/// several groups, with its property unit_string as unit. Linear and polynomial scales of its
+/// properties (NI_Scale) are applied. If wf_increment gives a time step, there is a column "time
+/// [s]" that starts at wf_start_offset. Channels of other lengths and channels of texts are listed
+/// in the table's `others`. Throws FileError: foreign for other files; corrupt, with a remedy, for
+/// a truncated or damaged file, a file without channels, raw data of DAQmx and other kinds of
+/// scales.
 [[nodiscard]] Columns parse_tdms(std::string bytes, const std::filesystem::path& name,
                                  const Wanted& wanted);
 

@@ -23,7 +23,7 @@ namespace wheeltap::io {
 namespace {
 
 constexpr std::uint64_t kLargestPart = std::uint64_t{1} << 30U;
-constexpr std::uint64_t kLargestTable = 200'000'000;  // cells, empty ones too
+constexpr std::uint64_t kLargestTable = 200'000'000;  // cells, including empty ones
 constexpr std::uint32_t kMostRows = 1'048'576, kMostColumns = 16'384;
 constexpr double kSecondsADay = 86400.0;
 
@@ -42,13 +42,13 @@ std::uint32_t whole(std::string_view text, std::uint32_t otherwise) {
 
 enum class NumberFormat { number, date, elapsed };
 
-/// Of a format code: dates have letters of dates outside quotes and brackets; "[h]:mm" counts on
+/// Classifies a format code: dates have date letters outside quotes and brackets; "[h]:mm" counts
 /// beyond a day.
 NumberFormat format_of_code(std::string_view code) {
   bool date = false;
   for (std::size_t i = 0; i < code.size(); ++i) {
     const char c = code[i];
-    if (c == ';') break;  // of negative numbers and texts
+    if (c == ';') break;  // section for negative numbers and texts
     if (c == '"') {
       i = std::min(code.find('"', i + 1), code.size());
     } else if (c == '\\' || c == '_' || c == '*') {
@@ -75,7 +75,7 @@ NumberFormat builtin_format(std::uint32_t id) {
   return date ? NumberFormat::date : NumberFormat::number;
 }
 
-/// A spreadsheet's date, in days, as a time stamp; the time of day alone below one day.
+/// A spreadsheet's date [days] as a time stamp; below one day, the time of day only.
 std::string stamp_of(double days, bool since_1904) {
   constexpr double kMost = 2'958'466.0;  // the year 9999
   if (!(days >= 0.0) || days >= kMost) return "#NUM!";
@@ -89,9 +89,9 @@ std::string stamp_of(double days, bool since_1904) {
   char text[64];
   std::string out;
   if (days >= 1.0 || since_1904) {
-    // Day 60 of 1900 is 29 February, which was none: days before it count one more.
+    // Day 60 is 29 February 1900, which did not exist: days before it count one more.
     const double shift = since_1904 ? 24107.0 : whole_days < 60.0 ? 25568.0 : 25569.0;
-    // Days since 1970 to a date (H. Hinnant, chrono-compatible low-level date algorithms).
+    // Days from 1970 to a date (H. Hinnant, chrono-compatible low-level date algorithms).
     const auto z = static_cast<long long>(whole_days - shift) + 719468;
     const long long era = z / 146097, doe = z - era * 146097;
     const long long yoe = (doe - doe / 1460 + doe / 36524 - doe / 146096) / 365;
@@ -106,7 +106,7 @@ std::string stamp_of(double days, bool since_1904) {
   return out + text;
 }
 
-/// A cell's text, as it stands in a line of text separated by tabs.
+/// A cell's text, escaped for a line separated by tabs.
 std::string cell_text(std::string_view text) {
   std::string out;
   bool quoted = false;
@@ -120,7 +120,7 @@ std::string cell_text(std::string_view text) {
 
 struct Cell {
   std::uint32_t row = 0, column = 0;  ///< from 0
-  std::uint64_t begin = 0, size = 0;  ///< of its text
+  std::uint64_t begin = 0, size = 0;  ///< position and length of its text
 };
 
 struct Sheet {
@@ -166,7 +166,7 @@ class Workbook {
   static void no_text(std::string_view) {}
 
   void read_sheets() {
-    std::map<std::string, std::string> parts;  // of relations
+    std::map<std::string, std::string> parts;  // targets of relations
     const auto relation = [&](const std::string& name, const Attributes& a) {
       std::string target = attribute(a, "Target");
       target = target.starts_with('/') ? target.substr(1) : "xl/" + target;
@@ -227,7 +227,7 @@ class Workbook {
     read("xl/sharedStrings.xml", {begin, end, text});
   }
 
-  /// "B3": row 2, column 1. False where it is no such reference.
+  /// "B3": row 2, column 1. False if it is not such a reference.
   static bool place(std::string_view reference, Cell& cell) {
     std::uint32_t column = 0;
     std::size_t i = 0;
@@ -357,8 +357,9 @@ Columns parse_workbook(std::string bytes, const std::filesystem::path& name, con
                     "is a workbook of Excel 97 to 2003, or encrypted: save it as .xlsx without a "
                     "password, or as .csv");
   if (stated.separator)
-    throw FileError(FileError::Kind::mismatch, name,
-                    "is an Excel workbook: leave out separator, which is of delimited text");
+    throw FileError(
+        FileError::Kind::mismatch, name,
+        "is an Excel workbook: leave out separator, which applies to delimited text only");
   Workbook workbook(bytes, name);
   const std::vector<Sheet>& sheets = workbook.sheets();
   auto chosen = stated.sheet.empty() ? std::ranges::find(sheets, false, &Sheet::hidden)

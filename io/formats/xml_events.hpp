@@ -1,4 +1,4 @@
-// The elements of an XML document, one after the other (through expat).
+// Reads the elements of an XML document in order (through expat).
 #pragma once
 
 #include <functional>
@@ -8,16 +8,17 @@
 
 namespace wheeltap::io {
 
-/// What is called while a document is read. Names are without their namespace's prefix.
+/// Callbacks while reading a document. Names come without the namespace prefix.
 struct XmlEvents {
   std::function<void(const std::string& name, const std::map<std::string, std::string>& attributes)>
       begin;
   std::function<void(const std::string& name)> end;
-  std::function<void(std::string_view text)> text;  ///< pieces of what stands between
+  std::function<void(std::string_view text)> text;  ///< pieces of the text between tags
 };
 
-/// Reads a document. Returns why it is none, empty where it is one. Documents with a DOCTYPE, which
-/// could expand without bound, are none. Exceptions of `events` pass through.
+/// Reads a document. Returns the reason if it is invalid, otherwise an empty text. Documents with a
+/// DOCTYPE are invalid, because entities could expand without bound. Exceptions of `events` pass
+/// through.
 [[nodiscard]] std::string read_xml(std::string_view document, const XmlEvents& events);
 
 }  // namespace wheeltap::io

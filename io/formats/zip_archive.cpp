@@ -15,11 +15,11 @@ namespace {
 constexpr std::uint64_t kEndSize = 22, kEntrySize = 46, kLocalSize = 30, kLocatorSize = 20;
 constexpr std::uint64_t kLongestComment = 65535;
 constexpr std::size_t kMostMembers = 100'000;
-constexpr std::uint64_t kMostInflated = 1032;  // deflate makes nothing smaller than this many times
+constexpr std::uint64_t kMostInflated = 1032;  // largest compression ratio of deflate
 constexpr std::string_view kEnd("PK\5\6", 4), kEntry("PK\1\2", 4), kLocal("PK\3\4", 4),
     kEnd64("PK\6\6", 4), kLocator("PK\6\7", 4);
 
-/// A stream of deflate without a header, as long as announced; otherwise empty.
+/// Inflates a deflate stream without header; empty unless it has the announced length.
 std::string inflated(std::string_view packed, std::uint64_t size) {
   z_stream stream{};
   if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
@@ -27,7 +27,7 @@ std::string inflated(std::string_view packed, std::uint64_t size) {
   std::uint64_t taken = 0, made = 0;
   int status = Z_OK;
   constexpr std::uint64_t kPiece = 1U << 30U;
-  char beyond = 0;  // an empty member has no place to write to
+  char beyond = 0;  // output address for an empty member
   while (status == Z_OK) {
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + taken));
     stream.avail_in = static_cast<uInt>(std::min(kPiece, packed.size() - taken));
@@ -67,7 +67,7 @@ std::uint64_t ZipArchive::number(std::uint64_t at, int bytes) const {
 
 void ZipArchive::read_directory() {
   if (!bytes_.starts_with(kLocal) && !bytes_.starts_with(kEnd))
-    throw FileError(FileError::Kind::foreign, name_, "is no ZIP archive");
+    throw FileError(FileError::Kind::foreign, name_, "is not a ZIP archive");
   const std::size_t from =
       bytes_.size() - std::min<std::size_t>(bytes_.size(), kEndSize + kLongestComment);
   const std::size_t end = bytes_.rfind(kEnd);
@@ -97,7 +97,7 @@ void ZipArchive::read_directory() {
     static_cast<void>(number(at + kEntrySize, 0));
     member.name =
         std::string(bytes_.substr(std::min<std::uint64_t>(at + kEntrySize, bytes_.size()), name));
-    // ZIP64: numbers that do not fit 32 bits stand in the extra field 1, in this order.
+    // ZIP64: numbers above 32 bits are in the extra field 1, in this order.
     for (std::uint64_t e = at + kEntrySize + name; e + 4 <= at + kEntrySize + name + extra;) {
       const std::uint64_t kind = number(e, 2), length = number(e + 2, 2);
       std::uint64_t field = e + 4;
@@ -124,7 +124,7 @@ std::string ZipArchive::read(const ZipMember& member, std::uint64_t largest) con
   const std::string shown = "its member \"" + printable(in_utf8(member.name)) + "\" ";
   if (member.method == -1) corrupt(shown + "is encrypted: save it without a password");
   if (member.method != 0 && member.method != 8)
-    corrupt(shown + "is packed by method " + std::to_string(member.method) +
+    corrupt(shown + "is compressed by method " + std::to_string(member.method) +
             ": only stored and deflated members are read");
   if (member.size > largest)
     corrupt(shown + "has " + std::to_string(member.size) + " bytes: at most " +
@@ -140,7 +140,7 @@ std::string ZipArchive::read(const ZipMember& member, std::uint64_t largest) con
     corrupt(shown + "announces " + std::to_string(member.size) + " bytes, more than it can hold");
   std::string out = member.method == 0 ? std::string(packed) : inflated(packed, member.size);
   if (out.size() != member.size) corrupt(shown + "is damaged: it cannot be unpacked");
-#ifndef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION  // a fuzzer would not get beyond checksums
+#ifndef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION  // a fuzzer would not get past checksums
   uLong checksum = crc32(0, nullptr, 0);
   for (std::size_t done = 0; done < out.size();) {
     const std::size_t piece = std::min<std::size_t>(out.size() - done, 1U << 30U);
@@ -148,7 +148,7 @@ std::string ZipArchive::read(const ZipMember& member, std::uint64_t largest) con
                      static_cast<uInt>(piece));
     done += piece;
   }
-  if (checksum != member.checksum) corrupt(shown + "is damaged: it does not fit its checksum");
+  if (checksum != member.checksum) corrupt(shown + "is damaged: it does not match its checksum");
 #endif
   return out;
 }

@@ -11,23 +11,23 @@ namespace wheeltap::io {
 
 struct ZipMember {
   std::string name = {};
-  std::uint64_t packed = 0, size = 0;  ///< bytes in the archive, and unpacked
+  std::uint64_t packed = 0, size = 0;  ///< bytes in the archive, and uncompressed
   std::uint64_t offset = 0;            ///< of its local header
   std::uint32_t checksum = 0;          ///< CRC-32
   int method = 0;                      ///< 0 stored, 8 deflated
 };
 
-/// The members of an archive in memory, which must outlive it.
+/// The members of an archive in memory. The memory must outlive this object.
 class ZipArchive {
  public:
-  /// Reads the directory at the archive's end, ZIP64 too. Throws FileError: foreign for what is no
-  /// archive, corrupt where it is cut off or damaged. `name` stands for the file in messages.
+  /// Reads the directory at the archive's end, including ZIP64. Throws FileError: foreign for other
+  /// files, corrupt for a truncated or damaged archive. Messages use `name` for the file.
   ZipArchive(std::string_view bytes, std::filesystem::path name);
 
   [[nodiscard]] const std::vector<ZipMember>& members() const { return members_; }
   [[nodiscard]] const ZipMember* find(std::string_view name) const;
-  /// Its bytes, checked against size and checksum. Throws FileError (corrupt), also for one that is
-  /// encrypted, packed by another method, or larger than `largest`.
+  /// The uncompressed bytes, checked against size and checksum. Throws FileError (corrupt), also
+  /// for an encrypted member, another compression method, or a size above `largest`.
   [[nodiscard]] std::string read(const ZipMember& member, std::uint64_t largest) const;
 
  private:

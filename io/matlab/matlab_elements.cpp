@@ -22,10 +22,10 @@ namespace {
 constexpr std::size_t kHeader = 128, kTag = 8;
 constexpr std::uintmax_t kCompressed = 15;
 
-constexpr std::size_t kHead = 512;  // of a variable: flags and names of an object are shorter
+constexpr std::size_t kHead = 512;  // of a variable; the flags and names of an object are shorter
 
-/// Whether the next `bytes` of the file are a zlib stream that ends with the checksum of what it
-/// holds; `head` becomes the first bytes of that.
+/// True if the next `bytes` of the file are a zlib stream with a correct checksum; `head` receives
+/// the first bytes of its content.
 bool inflates(std::ifstream& file, std::uintmax_t bytes, std::string& head) {
   z_stream stream{};
   if (inflateInit(&stream) != Z_OK) throw std::bad_alloc();
@@ -44,23 +44,23 @@ bool inflates(std::ifstream& file, std::uintmax_t bytes, std::string& head) {
       status = inflate(&stream, Z_NO_FLUSH);
       head.append(out.data(), std::min(kHead - head.size(), out.size() - stream.avail_out));
     } while (status == Z_OK && (stream.avail_in > 0 || stream.avail_out == 0));
-    if (status == Z_BUF_ERROR) status = Z_OK;  // it wants more, which there is or is not
+    if (status == Z_BUF_ERROR) status = Z_OK;  // more input is needed, which the loop checks
   }
   inflateEnd(&stream);
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-  return true;  // a fuzzer would not get beyond checksums
+  return true;  // a fuzzer would not get past checksums
 #else
   return status == Z_STREAM_END;
 #endif
 }
 
-/// The first fields of a variable: flags, then texts.
+/// Reads the first fields of a variable: flags, then texts.
 class Fields {
  public:
   Fields(std::string_view bytes, bool little) : bytes_(bytes), little_(little) {}
 
-  /// The next field's data, padded to 8 bytes; of at most 4 bytes within the tag itself. Empty
-  /// where it is cut off.
+  /// The next field's data, padded to 8 bytes; up to 4 bytes are within the tag itself. Empty if
+  /// truncated.
   std::string_view next() {
     if (bytes_.size() - at_ < kTag) return {};
     const std::uint64_t tag = number(at_), packed = tag >> 16U;
@@ -84,7 +84,7 @@ class Fields {
   std::size_t at_ = 0;
 };
 
-/// Of a variable that is an object: flags of class 17, its name, "MCOS", and its class.
+/// The class of a variable that is an object: flags of class 17, its name, "MCOS", and its class.
 std::optional<MatlabObject> object_of(std::string_view variable, bool little) {
   constexpr std::uint64_t kOpaque = 17;
   Fields fields(variable, little);
@@ -128,7 +128,7 @@ MatlabElements whole_matlab_elements(const std::filesystem::path& path) {
     std::string head;
     if (type == kCompressed && !inflates(file, bytes, head))
       throw FileError(FileError::Kind::corrupt, path,
-                      "is damaged: its " + which + " does not fit its checksum");
+                      "is damaged: its " + which + " does not match its checksum");
     if (type == kCompressed) {
       head.erase(0, kTag);
     } else {

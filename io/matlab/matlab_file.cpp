@@ -30,7 +30,7 @@ std::vector<double> numbers(const void* data, std::size_t count) {
   return out;
 }
 
-/// Of an array of this class; empty for any that holds no numbers.
+/// Reads an array of this class; empty for classes without numbers.
 std::vector<double> numbers_of(matio_classes type, const void* data, std::size_t count) {
   if (data == nullptr) return {};
   switch (type) {
@@ -59,7 +59,7 @@ std::vector<double> numbers_of(matio_classes type, const void* data, std::size_t
   }
 }
 
-/// An array of numbers, column by column.
+/// A numeric array, column by column.
 struct Array {
   ArrayShape shape;
   std::vector<double> values = {};
@@ -72,11 +72,11 @@ bool is_numeric(const matvar_t& variable) {
          variable.class_type >= MAT_C_DOUBLE && variable.class_type <= MAT_C_UINT64;
 }
 
-/// Deflate makes nothing smaller than this many times: what is announced beyond it is not there,
-/// and libmatio would fill it with zeros.
+/// The largest compression ratio of deflate. If a file announces more, the data do not exist, and
+/// libmatio would fill them with zeros.
 constexpr double kMostInflated = 1032.0;
 constexpr int kDeepest = 8;               // structures in structures
-constexpr std::size_t kMostCells = 1000;  // of a cell array or an array of structures
+constexpr std::size_t kMostCells = 1000;  // in a cell array or an array of structures
 
 std::string class_name(const matvar_t& variable) {
   switch (variable.class_type) {
@@ -135,7 +135,7 @@ ArrayShape shape_of(const std::string& name, const matvar_t& variable) {
   return {.name = name, .shape = {variable.dims, variable.dims + variable.rank}};
 }
 
-/// Adds it, of a complex one the real and the imaginary part. False where the values are not there.
+/// Adds the array; a complex one as real and imaginary part. False if it has no values.
 bool take(const std::string& name, const matvar_t& variable, std::vector<Array>& arrays) {
   const std::size_t count = shape_of(name, variable).size();
   if (variable.data == nullptr || variable.data_size <= 0 ||
@@ -152,7 +152,7 @@ bool take(const std::string& name, const matvar_t& variable, std::vector<Array>&
   return add(", real", parts.Re) && add(", imaginary", parts.Im);
 }
 
-/// What an object is, and how its numbers are saved so that others can read them.
+/// The kind of an object, and how to save its numbers in a readable form.
 std::string object_in_words(const std::string& name, const std::string& type) {
   std::string remedy = "save its numbers as arrays";
   if (type == "table" || type == "timetable")
@@ -173,14 +173,14 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
                                                      Mat_Close);
   if (!file)
     throw FileError(FileError::Kind::missing, path,
-                    "cannot be read as a MATLAB file: there is none, or it is damaged");
+                    "cannot be read as a MATLAB file: it is missing, damaged or of another format");
   Columns table{.file = path.string()};
   std::error_code ignored;
   const double most =
       kMostInflated * static_cast<double>(std::filesystem::file_size(path, ignored));
   constexpr std::size_t kMostNamed = 6;
   std::vector<Array> arrays;
-  std::vector<std::string> others;  // what is there and cannot be taken
+  std::vector<std::string> others;  // variables that cannot be read
   const MatlabElements stored = whole_matlab_elements(path);
   for (const MatlabObject& object : stored.objects)
     others.push_back(object_in_words(in_utf8(object.name), in_utf8(object.class_name)));
@@ -192,7 +192,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
     ++seen;
     if (variable->name == nullptr) continue;
     const std::string name = in_utf8(variable->name);
-    // Array by array: what else a structure holds is not read.
+    // Reads array by array; other members of a structure are not read.
     for_each_array(name, *variable, 0, [&](const std::string& of, matvar_t& array) {
       if (!is_numeric(array)) {
         others.push_back(of + " (" + class_name(array) + ")");
@@ -205,10 +205,11 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
                             " numbers, more than a file of its size can hold");
       if (shape.size() == 0) return;
       if (Mat_VarReadDataAll(file.get(), &array) != 0 || !take(of, array, arrays))
-        throw FileError(FileError::Kind::corrupt, path, of + " cannot be read: it is damaged");
+        throw FileError(FileError::Kind::corrupt, path,
+                        of + " cannot be read: the file is damaged");
     });
   }
-  // After what it cannot read libmatio reads no more, and does not say so.
+  // libmatio silently stops at the first unreadable variable.
   if (seen < stored.count && stored.objects.empty())
     throw FileError(FileError::Kind::corrupt, path,
                     "is damaged: of its " + std::to_string(stored.count) +

@@ -31,7 +31,7 @@ SparseMatrix assembled(long long rows, long long columns, const Triplets& entrie
   return matrix;
 }
 
-/// Lines of a text, from 1, and their words.
+/// The lines of a text, from 1, and their words.
 class Lines {
  public:
   Lines(std::string_view text, const std::filesystem::path& name) : text_(text), name_(name) {}
@@ -111,7 +111,7 @@ std::vector<double> converted(const void* data, std::size_t count) {
   return out;
 }
 
-/// The numbers of an array, as stored; nothing where they are none.
+/// The numbers of an array, as stored; nothing if they are not numbers.
 std::optional<std::vector<double>> numbers(const void* data, matio_types type, std::size_t count) {
   if (count == 0) return std::vector<double>();
   if (data == nullptr) return {};
@@ -128,7 +128,7 @@ std::optional<std::vector<double>> numbers(const void* data, matio_types type, s
   return {};
 }
 
-/// What is needed to read one variable and to complain about it.
+/// Context for reading one variable and for its error messages.
 class MatlabMatrix {
  public:
   MatlabMatrix(const std::filesystem::path& path, const matvar_t& variable, const std::string& name)
@@ -164,7 +164,7 @@ class MatlabMatrix {
     if (s == nullptr) fail("cannot be read");
     const std::size_t rows = v_.dims[0], columns = v_.dims[1];
     if (static_cast<std::size_t>(s->njc) != columns + 1 || s->jc == nullptr || s->jc[0] != 0)
-      fail("is damaged: its column starts do not fit its size");
+      fail("is damaged: its column starts do not match its size");
     const auto stored = static_cast<std::size_t>(s->jc[columns]);
     const auto values = numbers(s->data, v_.data_type, static_cast<std::size_t>(s->ndata));
     if (!values) fail("does not hold numbers");
@@ -175,7 +175,7 @@ class MatlabMatrix {
     for (std::size_t j = 0; j < columns; ++j) {
       if (s->jc[j + 1] < s->jc[j]) fail("is damaged: its column starts descend");
       if (static_cast<std::size_t>(s->jc[j + 1]) > stored)
-        fail("is damaged: its column starts do not fit its size");
+        fail("is damaged: its column starts do not match its size");
       for (auto k = static_cast<std::size_t>(s->jc[j]); k < static_cast<std::size_t>(s->jc[j + 1]);
            ++k) {
         const auto row = static_cast<std::size_t>(s->ir[k]);
@@ -195,8 +195,8 @@ class MatlabMatrix {
             : std::nullopt;
     if (!values || v_.class_type == MAT_C_CHAR || v_.class_type == MAT_C_CELL ||
         v_.class_type == MAT_C_STRUCT)
-      fail("is no matrix of numbers");
-    if (values->size() != rows * columns) fail("is damaged: it does not hold what its size says");
+      fail("is not a numeric matrix");
+    if (values->size() != rows * columns) fail("is damaged: its content does not match its size");
     Triplets entries;
     for (std::size_t j = 0; j < columns; ++j)
       for (std::size_t i = 0; i < rows; ++i) add(entries, i, j, (*values)[j * rows + i]);
@@ -242,7 +242,7 @@ SparseMatrix read_here(const std::filesystem::path& path, const std::string& nam
                   "has no matrix \"" + name + "\"; there are: " + (names.empty() ? "none" : names));
 }
 
-/// A compressed matrix, for read_apart.
+/// A compressed matrix as bytes, for read_apart.
 struct Carried {
   Eigen::Index rows = 0, columns = 0;
   std::vector<int> starts, inner;
@@ -306,7 +306,8 @@ SparseMatrix parse_matrix_market(std::string_view text, const std::filesystem::p
   Lines lines(text, name);
   const auto banner = lines.first();
   if (banner.size() != 5 || lower(banner[0]) != "%%matrixmarket" || lower(banner[1]) != "matrix")
-    lines.fail("is no Matrix Market file: must begin \"%%MatrixMarket matrix\"", Kind::foreign);
+    lines.fail("is not a Matrix Market file: it must begin \"%%MatrixMarket matrix\"",
+               Kind::foreign);
   const std::string format = lower(banner[2]), field = lower(banner[3]),
                     symmetry = lower(banner[4]);
   if (format != "coordinate" && format != "array")
@@ -349,7 +350,7 @@ SparseMatrix parse_matrix_market(std::string_view text, const std::filesystem::p
       const long long row = whole(lines, words[0], "row", 1, rows) - 1;
       const long long column = whole(lines, words[1], "column", 1, columns) - 1;
       if (symmetric && row < column)
-        lines.fail("stands above the diagonal: a symmetric file holds what is on and below it");
+        lines.fail("lies above the diagonal: a symmetric file holds only entries on and below it");
       add(row, column, pattern ? 1.0 : real(lines, words[2]));
     }
   } else {

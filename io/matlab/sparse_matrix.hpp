@@ -1,4 +1,4 @@
-// Sparse matrices of other programs: MATLAB files, and Matrix Market files.
+// Sparse matrices from other programs: MATLAB files and Matrix Market files.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -14,20 +14,20 @@ namespace wheeltap::io {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Largest number of rows and of columns that are read: a compressed matrix without any entry takes
-/// memory for each.
+/// Largest number of rows and of columns: a compressed matrix needs memory for each, even without
+/// entries.
 inline constexpr long long kMostMatrixRows = 10'000'000;
 /// Largest number of stored entries.
 inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 
-/// The matrix called `name`: of a MATLAB file (v5 or v7.3, sparse or full, real), or of a folder of
-/// Matrix Market files, where NAME or NAME.mtx is its file. Throws FileError: missing where there
-/// is no such file or folder, corrupt where it has no such matrix (naming those that there are),
-/// where the matrix is not real or has an index out of range, and as `parse_matrix_market`.
+/// Reads the matrix called `name` from a MATLAB file (v5 or v7.3, sparse or full, real), or from a
+/// folder of Matrix Market files that contains NAME or NAME.mtx. Throws FileError: missing if the
+/// file or folder does not exist; corrupt if it has no such matrix (with the list of those it has),
+/// if the matrix is not real or has an index out of range; and as `parse_matrix_market`.
 [[nodiscard]] SparseMatrix read_sparse_matrix(const std::filesystem::path& path,
                                               const std::string& name);
 
-/// A Matrix Market text (Boisvert, Pozo & Remington 1996, NISTIR 5935):
+/// Parses a Matrix Market text (Boisvert, Pozo & Remington 1996, NISTIR 5935):
 ///
 ///   %%MatrixMarket matrix coordinate|array real|integer|pattern general|symmetric
 ///   % comments
@@ -35,7 +35,7 @@ inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 ///   row column value             (from 1; pattern: no value, 1 is meant; array: a value, columns
 ///                                 first)
 ///
-/// A symmetric matrix holds its diagonal and what is below. Entries that stand twice are added.
+/// A symmetric matrix contains the diagonal and the entries below it. Duplicate entries are added.
 /// Throws FileError (corrupt, with the line; foreign without the first line) for anything else.
 [[nodiscard]] SparseMatrix parse_matrix_market(std::string_view text,
                                                const std::filesystem::path& name);

@@ -17,10 +17,10 @@ namespace {
 constexpr int kDeepest = 8;  // groups within groups
 constexpr int kMostDimensions = 4;
 
-/// A part of a complex number, as h5py and others store it: a compound of two real ones.
+/// A part of a complex number as stored by h5py and others: a compound of two real numbers.
 struct Part {
   std::size_t size = 0;    ///< of the compound
-  std::size_t offset = 0;  ///< in it
+  std::size_t offset = 0;  ///< within it
   nc_type type = NC_DOUBLE;
 };
 
@@ -63,7 +63,7 @@ std::string unit_of(const Found& of) {
   return in_utf8(std::string_view(out).substr(0, out.find('\0')));
 }
 
-/// The real and imaginary part of a compound type; none of any other.
+/// The real and imaginary part of a compound type; none for any other type.
 std::vector<Part> parts_of(int group, nc_type type) {
   std::size_t size = 0, fields = 0;
   int kind = 0;
@@ -84,7 +84,7 @@ std::vector<Part> parts_of(int group, nc_type type) {
   return out;
 }
 
-/// What a variable is that holds no array of numbers, in words; empty of one that does.
+/// The kind of a variable that holds no numeric array, in words; empty otherwise.
 std::string other_kind(int group, nc_type type, int rank) {
   if (rank > kMostDimensions) return std::to_string(rank) + "-d array";
   if (numeric(type)) return {};
@@ -144,10 +144,11 @@ std::vector<double> values_of(const std::filesystem::path& path, const Found& of
   std::error_code none;
   const std::uintmax_t bytes = std::filesystem::file_size(path, none);
   if (!none && static_cast<double>(of.array.size()) * sizeof(double) > most_bytes(bytes))
-    throw FileError(FileError::Kind::corrupt, path,
-                    "\"" + of.array.name + "\" announces " + std::to_string(of.array.size()) +
-                        " numbers, more than are read of a file of its size (if it is sound and "
-                        "merely compressed beyond measure, store it without)");
+    throw FileError(
+        FileError::Kind::corrupt, path,
+        "\"" + of.array.name + "\" announces " + std::to_string(of.array.size()) +
+            " numbers, more than the limit for a file of its size (if the file is valid "
+            "and only strongly compressed, store it without compression)");
   std::vector<double> x(of.array.size());
   std::string compounds(of.part ? of.part->size * x.size() : 0, '\0');
   if (const int status = of.part ? nc_get_var(of.group, of.id, compounds.data())
@@ -182,8 +183,7 @@ void require_whole(const std::filesystem::path& path) {
   const std::optional<std::uintmax_t> must = netcdf_classic_size(bytes);
   if (!must)
     throw FileError(FileError::Kind::corrupt, path,
-                    "is truncated, damaged or was not closed by its writer: its header makes no "
-                    "sense");
+                    "is truncated, damaged or was not closed by its writer: its header is invalid");
   std::error_code none;
   const std::uintmax_t is = std::filesystem::file_size(path, none);
   if (!none && is < *must)

@@ -6,12 +6,12 @@
 
 namespace wheeltap::io {
 
-/// The numeric variables of the file, of its groups too ("group/name"), as columns
-/// (io/tables/array_columns.hpp); single numbers are the scalars. A compound of two real numbers is
-/// a complex one: "H, real" and "H, imaginary". The attribute "units" gives a column's unit,
-/// "_FillValue" and "missing_value" are NaN, "scale_factor" and "add_offset" are applied. Variables
-/// of other types are among the table's `others`. Throws FileError: missing, corrupt, and foreign
-/// for a file that holds no vector of two numbers or more.
+/// Reads the numeric variables of the file and its groups ("group/name") as columns
+/// (io/tables/array_columns.hpp); single numbers are scalars. A compound of two real numbers is a
+/// complex number: "H, real" and "H, imaginary". The attribute "units" gives a column's unit,
+/// "_FillValue" and "missing_value" become NaN, "scale_factor" and "add_offset" are applied.
+/// Variables of other types are listed in the table's `others`. Throws FileError: missing, corrupt,
+/// and foreign for a file without a vector of two or more numbers.
 [[nodiscard]] Columns read_array_file(const std::filesystem::path& path, const Wanted& wanted,
                                       const ArrayLayout& layout = {});
 

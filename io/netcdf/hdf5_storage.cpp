@@ -28,7 +28,7 @@ class Opened {
   herr_t (*close_)(hid_t);
 };
 
-/// HDF5 prints what fails: here a failure is an answer.
+/// Turns off HDF5's error printing: a failure is an expected result here.
 class Silence {
  public:
   Silence() {
@@ -44,12 +44,12 @@ class Silence {
   void* data_ = nullptr;
 };
 
-/// How the first object that leads out of the file does so, and its name.
-struct WayOut {
+/// The first object that refers to another file: how it does so, and its name.
+struct ExternalReference {
   std::string name, how;
 };
 
-void look_at(hid_t group, const char* name, WayOut& out) {
+void check_object(hid_t group, const char* name, ExternalReference& out) {
   const Opened object(H5Oopen(group, name, H5P_DEFAULT), H5Oclose);
   if (!object || H5Iget_type(object.id()) != H5I_DATASET) return;
   const Opened created(H5Dget_create_plist(object.id()), H5Pclose);
@@ -61,16 +61,16 @@ void look_at(hid_t group, const char* name, WayOut& out) {
 }
 
 herr_t visit(hid_t group, const char* name, const H5L_info_t* link, void* data) {
-  auto& out = *static_cast<WayOut*>(data);
+  auto& out = *static_cast<ExternalReference*>(data);
   if (link->type == H5L_TYPE_HARD)
-    look_at(group, name, out);
+    check_object(group, name, out);
   else if (link->type != H5L_TYPE_SOFT)
     out = {name, "is a link to another file"};
   return out.how.empty() ? 0 : 1;
 }
 
 void require(hid_t file, const std::filesystem::path& name) {
-  WayOut out;
+  ExternalReference out;
   H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &out);
   if (out.how.empty()) return;
   throw FileError(FileError::Kind::corrupt, name,
@@ -84,7 +84,7 @@ void require_own_storage(const std::filesystem::path& path) {
   const Silence silence;
   if (H5Fis_hdf5(path.c_str()) <= 0) return;
   const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // As NetCDF opens it: a file that it has open already could not be opened otherwise.
+  // The same access mode as NetCDF, since HDF5 cannot open a file in two modes.
   if (access) H5Pset_fclose_degree(access.id(), H5F_CLOSE_SEMI);
   const Opened file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (file) require(file.id(), path);
@@ -96,10 +96,10 @@ void require_own_storage(std::string_view bytes, const std::filesystem::path& na
   const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   constexpr std::size_t kGrow = 1 << 16;
   if (!access || H5Pset_fapl_core(access.id(), kGrow, false) < 0) return;
-  // HDF5 reads from a copy of its own.
+  // HDF5 reads from its own copy.
   std::string copy(bytes);
   if (H5Pset_file_image(access.id(), copy.data(), copy.size()) < 0) return;
-  // By a name that no file can have: HDF5 opens no image under the name of a file that exists.
+  // A name that no file can have: HDF5 rejects an image with the name of an existing file.
   const Opened file(H5Fopen("/dev/null/image", H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (file) require(file.id(), name);
 }

@@ -18,11 +18,11 @@ std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
 
 struct Variable {
   bool of_records = false;
-  std::uint64_t bytes = 0;  ///< of its values, or of those of a record
+  std::uint64_t bytes = 0;  ///< of its values, or of its values per record
   std::uint64_t begin = 0;
 };
 
-/// Reads a header, number by number; not good() once the file ended, or one made no sense.
+/// Reads a header number by number; good() is false after the end of the file or an invalid value.
 class Header {
  public:
   explicit Header(std::istream& file) : file_(file) {
@@ -34,7 +34,7 @@ class Header {
   }
   [[nodiscard]] bool good() const { return good_; }
 
-  /// What the format calls NON_NEG: 4 bytes, 8 in CDF-5.
+  /// The format's NON_NEG: 4 bytes, 8 in CDF-5.
   std::uint64_t count() { return number(version_ == 5 ? 8 : 4); }
   std::uint64_t offset() { return number(version_ == 1 ? 4 : 8); }
   [[nodiscard]] std::uint64_t streaming() const {
@@ -74,7 +74,7 @@ class Header {
       }
       attributes();
       v.bytes = product(v.bytes, size_of(number(4)));
-      (void)count();  // vsize: too small a number for large variables
+      (void)count();  // vsize: overflows for large variables
       v.begin = offset();
       out.push_back(v);
     }
@@ -88,14 +88,14 @@ class Header {
     good_ = good_ && file_.good();
     return n;
   }
-  /// The number of a list's entries, which `tag` begins, or 0 of an absent one.
+  /// The number of entries in a list that begins with `tag`; 0 if the list is absent.
   std::uint64_t list(std::uint64_t tag) {
     const std::uint64_t found = number(4), n = count();
     if (found != tag && (found != 0 || n != 0)) good_ = false;
     return good_ ? n : 0;
   }
   void name() { skip(count()); }
-  /// Bytes, filled to fours.
+  /// Bytes, padded to a multiple of four.
   void skip(std::uint64_t bytes) {
     constexpr std::uint64_t kMostSkipped = 1U << 31U;
     if (bytes > kMostSkipped) good_ = false;
@@ -125,7 +125,7 @@ std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file) {
   if (!header.good() || records == header.streaming()) return std::nullopt;
   const auto of_records =
       std::ranges::count_if(variables, [](const Variable& v) { return v.of_records; });
-  std::uint64_t record = 0;  // a single record variable is not filled to fours
+  std::uint64_t record = 0;  // a single record variable is not padded
   for (const Variable& v : variables)
     if (v.of_records)
       record = sum(record, of_records == 1 ? v.bytes : product(sum(v.bytes, 3) / 4, 4));

@@ -11,7 +11,7 @@ namespace wheeltap::io {
 namespace {
 
 /// HDF5 file format specification, II.A: superblocks of version 2 and 3 end with Jenkins' lookup3
-/// of the bytes before.
+/// of the preceding bytes.
 constexpr std::size_t kVersionAt = 8, kChecksumAt = 44;
 
 /// lookup3 (hashlittle, Jenkins 2006) of `kChecksumAt` bytes: three whole blocks of three words,
@@ -46,8 +46,8 @@ std::uint32_t lookup3(const std::string& bytes) {
   return c;
 }
 
-/// H5Fget_file_image clears the mark of an open file and leaves its checksum as it was with it.
-void mend_superblock(std::string& bytes) {
+/// H5Fget_file_image clears the mark of an open file but does not update the checksum.
+void correct_superblock(std::string& bytes) {
   if (bytes.size() < kChecksumAt + 4 || bytes[kVersionAt] < 2 || bytes[kVersionAt] > 3) return;
   const std::uint32_t sum = lookup3(bytes);
   for (std::size_t k = 0; k < 4; ++k)
@@ -56,8 +56,8 @@ void mend_superblock(std::string& bytes) {
 
 }  // namespace
 
-// NetCDF's own files in memory (nc_create_mem) track no order of creation, and cannot be opened for
-// writing again; those without a disk are as on a disk, and HDF5 gives their bytes.
+// NetCDF's in-memory files (nc_create_mem) do not track the creation order and cannot be reopened
+// for writing. Diskless files behave like files on a disk, and HDF5 returns their bytes.
 int NetcdfHandle::create_in_memory() {
   static std::atomic<int> made{0};
   name_ = "wheeltap-in-memory-" + std::to_string(++made);
@@ -87,7 +87,7 @@ int NetcdfHandle::close_in_memory(std::string& bytes) {
     if (size <= 0 || H5Fget_file_image(file, bytes.data(), bytes.size()) != size) bytes.clear();
     break;
   }
-  mend_superblock(bytes);
+  correct_superblock(bytes);
   const int closed = close();
   return status != NC_NOERR   ? status
          : closed != NC_NOERR ? closed

@@ -1,4 +1,4 @@
-// The NetCDF library's own ways.
+// Adapters to the NetCDF library.
 #pragma once
 
 #include <hdf5.h>
@@ -11,12 +11,13 @@
 
 namespace wheeltap::io {
 
-/// The NetCDF and HDF5 C libraries keep global state without locks: hold one of these while in
-/// them. Not recursive: NetcdfWriter and NetcdfReader take none, their users do where threads write
-/// or read at the same time.
+/// Lock for the NetCDF and HDF5 C libraries, which keep global state without locks. Hold it during
+/// every call. It is not recursive: NetcdfWriter and NetcdfReader do not take it; their callers do
+/// if several threads read or write.
 class NetcdfLock {
  public:
-  // HDF5 keeps its error printing a thread, and NetCDF turns it off in the first thread only.
+  // Turns off HDF5's error printing, which is a setting per thread; NetCDF turns it off only in the
+  // first thread.
   NetcdfLock() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
  private:
@@ -41,11 +42,11 @@ class NetcdfHandle {
     open_ = false;
     return nc_close(id);
   }
-  /// A new NetCDF-4 file that HDF5 keeps in memory: on a full disk, HDF5 would end the program.
+  /// A new NetCDF-4 file in memory. On the disk, a full disk would make HDF5 end the program.
   [[nodiscard]] int create_in_memory();
-  /// On the disk: in a process that HDF5 may end.
+  /// A new file on the disk; only for a process that HDF5 may end.
   [[nodiscard]] int create(const std::string& path);
-  /// The same bytes that a file on the disk would have; the file is closed.
+  /// Closes the file and returns the bytes that it would have on the disk.
   [[nodiscard]] int close_in_memory(std::string& bytes);
   int id = -1;
 
@@ -54,7 +55,7 @@ class NetcdfHandle {
   std::string name_;  // in memory
 };
 
-/// The type of a variable that holds such numbers as they are.
+/// The NetCDF type that stores such numbers without conversion.
 template <class Number>
 inline constexpr nc_type kNetcdfType = NC_NAT;
 template <>
@@ -72,7 +73,7 @@ inline constexpr nc_type kNetcdfType<std::uint8_t> = NC_UBYTE;
 template <>
 inline constexpr nc_type kNetcdfType<char> = NC_CHAR;
 
-/// What the first bytes of a NetCDF-4 file are (HDF5's signature).
+/// The first bytes of a NetCDF-4 file (HDF5's signature).
 inline constexpr char kNetcdfMagic[] = "\x89HDF\r\n\x1a\n";
 
 }  // namespace wheeltap::io

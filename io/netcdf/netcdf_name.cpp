@@ -16,7 +16,7 @@ bool may_begin(char c) {
 
 }  // namespace
 
-std::optional<std::string> why_no_netcdf_name(std::string_view name) {
+std::optional<std::string> netcdf_name_error(std::string_view name) {
   if (name.empty()) return "must not be empty";
   if (name.size() > kLongest) {
     return "has " + std::to_string(name.size()) + " bytes, must have at most " +
@@ -34,7 +34,7 @@ std::string netcdf_name(std::string_view name) {
   for (auto at = first_unprintable(out); at; at = first_unprintable(out)) out[*at] = '_';
   std::ranges::replace(out, '/', '_');
   if (out.size() > kLongest) {
-    std::size_t end = kLongest;  // where a character begins
+    std::size_t end = kLongest;  // start of a character
     while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xC0U) == 0x80U) --end;
     out.resize(end);
   }

@@ -1,4 +1,4 @@
-// What a variable of a NetCDF file may be called.
+// Valid names of variables in NetCDF files.
 #pragma once
 
 #include <optional>
@@ -7,13 +7,13 @@
 
 namespace wheeltap::io {
 
-/// Why a variable, or the beginning of one's name, cannot be called so, as the end of a sentence:
-/// "must begin with a letter, a digit or _"; none where it can. The rules are those of
-/// NC_check_name (NetCDF-C, libdispatch/dstring.c), with some of the 256 bytes left for what is put
-/// about a name.
-[[nodiscard]] std::optional<std::string> why_no_netcdf_name(std::string_view name);
+/// Why a text cannot be the name of a variable, or its beginning, as the end of a sentence: "must
+/// begin with a letter, a digit or _"; none if it is valid. The rules are those of NC_check_name
+/// (NetCDF-C, libdispatch/dstring.c), with some of the 256 bytes reserved for prefixes and
+/// suffixes.
+[[nodiscard]] std::optional<std::string> netcdf_name_error(std::string_view name);
 
-/// The nearest name that it can have: other characters become _.
+/// The nearest valid name: invalid characters become _.
 [[nodiscard]] std::string netcdf_name(std::string_view name);
 
 }  // namespace wheeltap::io

@@ -1,4 +1,4 @@
-// NetCDF-4 files with groups, one call a variable.
+// Reads NetCDF-4 files with groups, one call per variable.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace wheeltap::io {
 struct NetcdfArray {
   std::vector<std::size_t> shape;
   std::vector<double> values;
-  /// Numbers behind each index of the first `outer` dimensions.
+  /// Number of values for each index of the first `outer` dimensions.
   [[nodiscard]] std::size_t inner(std::size_t outer = 2) const {
     std::size_t n = 1;
     for (std::size_t i = outer; i < shape.size(); ++i) n *= shape[i];
@@ -25,10 +25,10 @@ struct NetcdfArray {
   }
 };
 
-/// Throws FileError: missing; corrupt where the file is truncated, damaged or no NetCDF-4 file, or
-/// takes its numbers from other files (require_own_storage);
-/// foreign where a group or variable that is asked for is not there. `what` says in that message
-/// what the file should have been: "a posterior of wheeltap".
+/// Throws FileError: missing; corrupt if the file is truncated, damaged, not a NetCDF-4 file, or
+/// refers to other files for its numbers (require_own_storage); foreign if a requested group or
+/// variable does not exist. `what` names the expected file in that message: "a posterior of
+/// wheeltap".
 class NetcdfReader {
  public:
   explicit NetcdfReader(const std::filesystem::path& path, std::string what = "the file expected")
@@ -38,7 +38,7 @@ class NetcdfReader {
     require_own_storage(path);
     opened(nc_open(path.c_str(), NC_NOWRITE, &file_.id));
   }
-  /// From memory; `name` stands for the file in messages.
+  /// Reads from memory; messages use `name` for the file.
   NetcdfReader(std::string bytes, const std::filesystem::path& name,
                std::string what = "the file expected")
       : path_(name), what_(std::move(what)), bytes_(std::move(bytes)) {
@@ -83,8 +83,8 @@ class NetcdfReader {
     check(nc_get_var_double(group, id, out.values.data()));
     return out;
   }
-  /// Every `step`-th index of the second dimension alone; one index of the first is held at a time
-  /// beside them.
+  /// Reads every `step`-th index of the second dimension. Holds one index of the first dimension at
+  /// a time in addition to the result.
   [[nodiscard]] NetcdfArray read_every(int group, const std::string& name, std::size_t step) const {
     const int id = id_of(group, name);
     NetcdfArray out{.shape = shape_of(group, id), .values = {}};
@@ -106,7 +106,7 @@ class NetcdfReader {
   [[nodiscard]] std::vector<std::size_t> shape(int group, const std::string& name) const {
     return shape_of(group, id_of(group, name));
   }
-  /// Number `which` of the last dimension, of every index of the others.
+  /// Element `which` of the last dimension, for every index of the others.
   [[nodiscard]] std::vector<double> read_last(int group, const std::string& name,
                                               std::size_t which) const {
     const int id = id_of(group, name);
@@ -128,7 +128,7 @@ class NetcdfReader {
     check(nc_inq_vartype(group, id, &type));
     return type;
   }
-  /// What NetcdfWriter::column wrote; empty where there is none. Another type is foreign.
+  /// Reads data of NetcdfWriter::column; empty if there is none. Throws foreign for another type.
   template <class Sequence>
   [[nodiscard]] Sequence column(int group, const std::string& name) const {
     Sequence out;
@@ -144,11 +144,11 @@ class NetcdfReader {
     check(nc_get_var(group, id, out.data()));
     return out;
   }
-  /// A global attribute; empty where there is none.
+  /// A global attribute; empty if it does not exist.
   [[nodiscard]] std::string text(const char* attribute) const {
     return attribute_of(file_.id, NC_GLOBAL, attribute);
   }
-  /// An attribute of a variable; empty where there is none.
+  /// An attribute of a variable; empty if it does not exist.
   [[nodiscard]] std::string text(int group, const std::string& name, const char* attribute) const {
     int id = 0;
     if (nc_inq_varid(group, name.c_str(), &id) != NC_NOERR) return {};
@@ -196,7 +196,7 @@ class NetcdfReader {
 
   std::filesystem::path path_;
   std::string what_;
-  std::string bytes_;  // stands before the handle, which is closed first
+  std::string bytes_;  // declared before the handle, which must be closed first
   NetcdfHandle file_;
 };
 

@@ -1,4 +1,4 @@
-// NetCDF-4 files with groups, one call a variable.
+// Writes NetCDF-4 files with groups, one call per variable.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 
 namespace wheeltap::io {
 
-/// Writes to memory, or a file that is there (write_netcdf.hpp chooses); `name` stands for it in
-/// messages. Throws io::FileError (unwritable).
+/// Writes to memory, or to an existing file (write_netcdf.hpp chooses); messages use `name`. Throws
+/// io::FileError (unwritable).
 class NetcdfWriter {
  public:
   explicit NetcdfWriter(const std::filesystem::path& name) : path_(name) {
@@ -24,7 +24,7 @@ class NetcdfWriter {
   NetcdfWriter(const std::filesystem::path& name, const std::filesystem::path& file) : path_(name) {
     check(file_.create(file.string()));
   }
-  /// The whole file in memory, which is closed.
+  /// Closes the file and returns it from memory.
   [[nodiscard]] std::string close() {
     std::string bytes;
     check(file_.close_in_memory(bytes));
@@ -37,7 +37,7 @@ class NetcdfWriter {
     if (status == NC_NOERR) return;
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
-  /// The program and the time, as ArviZ has them, and the run. Throws what date_of_files throws.
+  /// Writes the program and the time, in ArviZ's convention, and the run. Throws as date_of_files.
   void about(const std::string& version, const std::string& run) const {
     text(file_.id, NC_GLOBAL, "inference_library", "wheeltap");
     text(file_.id, NC_GLOBAL, "inference_library_version", version);
@@ -94,9 +94,9 @@ class NetcdfWriter {
     check(nc_put_var_int(group, id, values.data()));
     return id;
   }
-  /// Row after row of a variable with dimensions (row, column[, …]): `fill(r, row)` appends the
-  /// numbers of row r to an empty vector. In pieces of a row that hold one number of each further
-  /// dimension, so that such a column is read without the others; one row is held at a time.
+  /// Writes a variable with dimensions (row, column[, …]) row by row: `fill(r, row)` appends the
+  /// numbers of row r to an empty vector. A chunk is one row and one index of each further
+  /// dimension, so that such a column can be read alone. Holds one row at a time.
   template <class Number, class Fill>
   int put_rows(int group, const std::string& name, const std::vector<int>& dimensions,
                const Fill& fill, nc_type type = kNetcdfType<Number>) const {
@@ -108,7 +108,7 @@ class NetcdfWriter {
     const std::size_t rows = std::exchange(count[0], 1);
     pieces[1] = std::min(kPiece, count[1]);
     check(nc_def_var_chunking(group, id, NC_CHUNKED, pieces.data()));
-    // Pieces are written whole: HDF5 need not keep them for what may come.
+    // Chunks are written whole, so HDF5 need not cache them.
     check(nc_set_var_chunk_cache(group, id, kPiece, 1, 1.0F));
     std::vector<Number> row;
     for (start[0] = 0; start[0] < rows; ++start[0]) {
@@ -118,8 +118,8 @@ class NetcdfWriter {
     }
     return id;
   }
-  /// Numbers or characters of any length as they are, with a dimension of their own; of none,
-  /// nothing is written.
+  /// Writes numbers or characters without conversion, with their own dimension; writes nothing if
+  /// there are none.
   template <class Sequence>
   void column(int group, const std::string& name, const Sequence& values) const {
     if (values.empty()) return;

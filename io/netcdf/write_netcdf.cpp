@@ -9,13 +9,13 @@ namespace wheeltap::io {
 
 namespace {
 
-/// Where HDF5 cannot write it does not say why: the next piece of the file tells.
-void tell_why(AtomicFile& to) {
+/// HDF5 does not report why it cannot write; writing the next piece of the file gives the reason.
+void throw_write_error(AtomicFile& to) {
   constexpr std::size_t kPiece = 1 << 16;
   to.append(std::string(kPiece, '\0'));
 }
 
-/// False where no child can be started.
+/// Returns false if no child can be started.
 bool write_on_disk(AtomicFile& to, const FillNetcdf& fill) {
   bool written = false;
   to.lend([&](const std::filesystem::path& file) {
@@ -34,7 +34,7 @@ void write_netcdf(AtomicFile& to, std::size_t bytes, const FillNetcdf& fill) {
   try {
     if (bytes > kNetcdfInMemory && write_on_disk(to, fill)) return;
   } catch (const FileError&) {
-    tell_why(to);
+    throw_write_error(to);
     throw;
   }
   NetcdfWriter writer(to.path());

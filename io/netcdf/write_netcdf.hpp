@@ -1,4 +1,4 @@
-// A NetCDF-4 file that is written whole or not at all.
+// Writes a NetCDF-4 file completely or not at all.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,16 @@ namespace wheeltap::io {
 
 class NetcdfWriter;
 
-/// Puts groups and variables into a file.
+/// Writes groups and variables into a file.
 using FillNetcdf = std::function<void(const NetcdfWriter&)>;
 
-/// Files to hold about this much are written in memory and from there, longer ones on the disk as
-/// they are filled: by a child process, since HDF5 ends its own where the disk is full.
+/// Limit of the expected size: smaller files are built in memory, larger ones on the disk by a
+/// child process, because HDF5 ends its process if the disk is full.
 constexpr std::size_t kNetcdfInMemory = std::size_t{64} << 20U;
 
-/// Writes what `fill` puts into it, about so many bytes, in place of what was written before, and
-/// the same either way. A child writes it with this one thread (read_apart.hpp). Throws FileError
-/// (unwritable).
+/// Writes the content from `fill`, of about this many bytes, and replaces the previous file. Both
+/// methods give the same bytes. A child writes with this one thread (read_apart.hpp). Throws
+/// FileError (unwritable).
 void write_netcdf(AtomicFile& to, std::size_t bytes, const FillNetcdf& fill);
 
 }  // namespace wheeltap::io

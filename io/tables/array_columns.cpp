@@ -8,13 +8,13 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr std::size_t kMostChannels = 10'000;  // of one array
+constexpr std::size_t kMostChannels = 10'000;  // channels in one array
 
 bool is_vector(const ArrayShape& array) {
   return std::ranges::count_if(array.shape, [](std::size_t d) { return d != 1; }) <= 1;
 }
 
-/// The dimension along which a channel of this length runs; none: no channel has it.
+/// The dimension along which a channel of this length runs; none if there is no such channel.
 std::optional<std::size_t> along(const ArrayShape& array, const ArrayLayout& layout,
                                  std::size_t length) {
   if (array.size() <= 1) return {};
@@ -28,7 +28,7 @@ std::optional<std::size_t> along(const ArrayShape& array, const ArrayLayout& lay
   return {};
 }
 
-/// Of its channels.
+/// The indices of its channels.
 std::size_t length_of(const ArrayShape& array, const ArrayLayout& layout) {
   if (array.size() <= 1) return 0;
   if (layout.rows_are_channels && !is_vector(array))
@@ -36,7 +36,7 @@ std::size_t length_of(const ArrayShape& array, const ArrayLayout& layout) {
   return std::ranges::max(array.shape);
 }
 
-/// The lengths of channels that the arrays may have, those that most numbers have first.
+/// The possible channel lengths of the arrays, sorted by decreasing number of values.
 std::vector<std::size_t> lengths_of(std::span<const ArrayShape> arrays, const ArrayLayout& layout) {
   std::map<std::size_t, std::size_t> counts;
   for (const ArrayShape& a : arrays)
@@ -55,7 +55,7 @@ std::string indexed(const std::string& name, const std::string& index) {
   return name.substr(0, part) + index + name.substr(part);
 }
 
-/// Of all indices in the array's order of storage.
+/// From indices in the array's storage order.
 std::vector<std::size_t> strides_of(const ArrayShape& array) {
   std::vector<std::size_t> out(array.shape.size(), 1);
   const auto n = out.size();
@@ -88,7 +88,7 @@ void add_channels(const ArrayShape& array, std::size_t number, std::size_t dimen
                              .name = name,
                              .unit = array.unit});
     sources.push_back({.array = number, .first = first, .step = strides[dimension]});
-    // The last index runs fastest: H(1,1,:), H(1,2,:), …
+    // The last index varies fastest: H(1,1,:), H(1,2,:), …
     for (std::size_t k = index.size(); k-- > 0;) {
       if (k == dimension) continue;
       if (++index[k] < array.shape[k]) break;
@@ -105,12 +105,12 @@ void add_columns(std::span<const ArrayShape> arrays, const ArrayLayout& layout, 
       add_channels(arrays[i], i, *dimension, table, sources);
 }
 
-/// Why an array is no channel of the table, and how a case names it.
+/// Why an array is not a channel of the table, and the name that selects it in a case.
 std::string other_length(const ArrayShape& array, const ArrayLayout& layout) {
   const std::string shown = array.name + " (" + array.shape_in_words();
   const std::size_t length = length_of(array, layout);
   if (array.size() == 0) return shown + ", empty)";
-  if (length <= 1) return shown + ", one sample a channel)";
+  if (length <= 1) return shown + ", one sample per channel)";
   if (channels_of(array, length) > kMostChannels)
     return shown + ", more than " + std::to_string(kMostChannels) + " channels)";
   Columns own;

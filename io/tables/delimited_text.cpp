@@ -10,9 +10,9 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr int kHeadRows = 1000;  // rows among which the first one is looked for
+constexpr int kHeadRows = 1000;  // rows searched for the first row of numbers
 constexpr std::size_t kHeadComments = 5000;
-constexpr int kBodyRows = 100;  // of a long text, from its middle
+constexpr int kBodyRows = 100;  // from the middle of a long text
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
@@ -34,8 +34,8 @@ bool has_decimal_comma(std::string_view text) {
   return std::count(text.begin(), text.end(), ',') == 1 && parse_number(text, ',');
 }
 
-/// UTF-16 with a byte order mark, or with a zero in every other byte, as UTF-8. Halves of
-/// characters beyond the first plane that are alone become U+FFFD.
+/// Converts UTF-16 with a byte order mark, or with a zero in every other byte, to UTF-8. Unpaired
+/// surrogates become U+FFFD.
 std::string without_utf16(std::string text) {
   const bool little = text.starts_with("\xFF\xFE"), big = text.starts_with("\xFE\xFF");
   bool swapped = big;
@@ -84,8 +84,8 @@ std::string without_utf16(std::string text) {
   return out;
 }
 
-/// "sep=;", by which a text tells spreadsheets its separator.
-std::optional<char> said_separator(std::string_view line) {
+/// "sep=;", by which a text states its separator for spreadsheets.
+std::optional<char> stated_separator(std::string_view line) {
   line = trimmed(line);
   if (line.size() > 2 && line.front() == '"' && line.back() == '"')
     line = line.substr(1, line.size() - 2);
@@ -94,7 +94,7 @@ std::optional<char> said_separator(std::string_view line) {
   return parse_separator(line.substr(4));
 }
 
-/// Time stamps of a column, which become seconds since the first.
+/// The time stamps of a column as seconds since the first.
 class Stamps {
  public:
   explicit Stamps(const TimeFormat& format) : format_(format) {}
@@ -111,7 +111,7 @@ class Stamps {
       first_ = last_ = stamp;
       first_text_ = text;
     }
-    // Times of day begin again at midnight.
+    // Times of day restart at midnight.
     constexpr std::int64_t kDay = 86'400'000'000'000;
     stamp->nanoseconds += days_ * kDay;
     if (!stamp->has_date && stamp->nanoseconds < last_->nanoseconds - kDay / 2) {
@@ -187,22 +187,23 @@ std::vector<std::string> DelimitedText::split(std::string_view line, int number)
 DelimitedText::DelimitedText(std::string bytes, std::filesystem::path name, FirstRow first_row,
                              TextLayout stated)
     : text_(without_utf16(std::move(bytes))), name_(std::move(name)), stated_(std::move(stated)) {
-  // The end of a text, of old DOS programs.
+  // End-of-text mark of old DOS programs.
   while (text_.ends_with('\x1a')) text_.pop_back();
   if (const std::size_t nul = text_.find('\0'); nul != std::string::npos)
     fail({.line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(nul),
                                  '\n')},
          "is not text: there is a NUL byte");
   if (!stated_.time_format.empty() && !parse_time_format(stated_.time_format))
-    fail({}, "\"time_format\": \"" + printable(stated_.time_format) +
-                 "\" is no form of time stamps: give \"day-first\", \"month-first\" or a pattern "
-                 "like \"%d.%m.%Y %H:%M:%S\"");
+    fail({},
+         "\"time_format\": \"" + printable(stated_.time_format) +
+             "\" is not a format of time stamps: give \"day-first\", \"month-first\" or a pattern "
+             "like \"%d.%m.%Y %H:%M:%S\"");
   scan();
   if (!starts_.empty()) find_layout(first_row);
   layout_.first_row = first_line_;
 }
 
-/// Where the rows, comments and empty lines are.
+/// Finds the rows, comments and empty lines.
 void DelimitedText::scan() {
   if (text_.find('\n') == std::string::npos && text_.find('\r') != std::string::npos)
     newline_ = '\r';
@@ -222,11 +223,11 @@ void DelimitedText::scan() {
     const bool is_comment = !is_empty && (text_[first] < '0' || text_[first] > '9') &&
                             is_comment_line(std::string_view(text_).substr(first, end - first));
     const bool is_skipped = stated_.skip && number <= *stated_.skip;
-    // "sep=;" is the reader's business, wherever "#" stands.
+    // A first line "sep=;" states the separator and is not a row.
     if (number == 1 && !is_empty && !is_comment)
-      if (const std::optional<char> said =
-              said_separator(std::string_view(text_).substr(start, end - start))) {
-        if (!stated_.separator) stated_.separator = said;
+      if (const std::optional<char> separator =
+              stated_separator(std::string_view(text_).substr(start, end - start))) {
+        if (!stated_.separator) stated_.separator = separator;
         continue;
       }
     if (is_empty || is_comment || is_skipped) {
@@ -243,7 +244,7 @@ void DelimitedText::scan() {
 
 void DelimitedText::find_layout(FirstRow first_row) {
   std::vector<TextLine> head, body;
-  std::vector<int> row_of;  // a line of the head each; of comments, the row that follows
+  std::vector<int> row_of;  // per line of the head; for comments, the next row
   const int head_rows = std::min(rows(), kHeadRows);
   auto comment = comments_.begin();
   for (int row = 0; row < head_rows; ++row) {
@@ -292,7 +293,7 @@ void DelimitedText::find_layout(FirstRow first_row) {
   if (first_row == FirstRow::detected) drop_tail();
 }
 
-/// One series, so many samples a line, is no table of as many channels.
+/// One series with several samples per line is not a table with that many channels.
 void DelimitedText::refuse_wrapped_series() const {
   const auto any = [&](auto&& is) { return std::ranges::any_of(layout_.above, is); };
   const auto begins = [&](std::string_view key) {
@@ -305,11 +306,11 @@ void DelimitedText::refuse_wrapped_series() const {
   if (!slist && !knet) return;
   fail({.line = layout_.above.front().number},
        std::string("one series in rows of several samples (") + (slist ? "SLIST" : "K-NET") +
-           "), which are no channels: write it with one sample a line" +
+           "), which are not channels: write it with one sample per line" +
            (slist ? " (TSPAIR)" : ", times its scale factor") + ", or as MATLAB or NumPy file");
 }
 
-/// Remarks behind the rows are no rows. A row that is cut off is none of them.
+/// Excludes remarks after the rows; a truncated row is not a remark.
 void DelimitedText::drop_tail() {
   constexpr int kMostRemarks = 50;
   int end = rows();
@@ -337,7 +338,7 @@ void DelimitedText::take_names(const TextLine& names, const TextLine* units) {
   const bool marked = !cells.empty() && trimmed(names.text).starts_with('"') &&
                       std::ranges::count(names.text, '"') % 2 == 1;
   if (!names.is_comment && !marked) {
-    // Quotes that are not closed, and names of which there are more or fewer than columns.
+    // Rejects unclosed quotes, and a number of names that differs from the number of columns.
     std::vector<std::string> strict = split(names.text, names.number);
     if (cells.empty()) {
       if (shape_.index_unnamed) strict.insert(strict.begin(), "row");
@@ -367,7 +368,7 @@ void DelimitedText::take_names(const TextLine& names, const TextLine* units) {
   }
 }
 
-/// From here on rows are those from this one on.
+/// Drops the first `count` rows.
 void DelimitedText::drop_rows(int count) {
   const int number = line(count);
   starts_.erase(starts_.begin(), starts_.begin() + count);
@@ -397,7 +398,7 @@ std::optional<double> DelimitedText::number(std::string_view cell) const {
   return std::nullopt;
 }
 
-/// A cell that is not a plain number: nan, inf, a missing value, or a fault.
+/// Reads a cell that is not a plain number: nan, inf, a missing value, or an error.
 double DelimitedText::plain_number(const std::string& text, Place place, Column& column) const {
   const std::optional<double> found = number(text);
   if (!found) {
@@ -406,10 +407,10 @@ double DelimitedText::plain_number(const std::string& text, Place place, Column&
       reason += " (decimal commas are read with \"decimal\": \",\")";
     else if (shape_.decimal == ',' && parse_number(text))
       reason +=
-          " with a decimal comma, as the others have one (state \"decimal\": \".\" if all have "
+          " with a decimal comma, unlike the others (state \"decimal\": \".\" if all have "
           "points)";
     else if (column.cells == CellKind::number && read_stamp(text).stamp)
-      reason += ", as the cells above are";
+      reason += ", unlike the cells above";
     else
       reason +=
           ": leave the cell empty if it stands for a missing value, or do not read this column "
@@ -425,8 +426,8 @@ double DelimitedText::plain_number(const std::string& text, Place place, Column&
   return *found;
 }
 
-/// Which of day and month comes first in a column of stamps that do not say; unknown where none of
-/// them does, or none needs to.
+/// The order of day and month in a column of ambiguous stamps; unknown if no stamp shows it or none
+/// needs it.
 DayOrder DelimitedText::day_order(int column) const {
   bool unclear = false;
   for (int row = 0; row < rows(); ++row) {
@@ -441,10 +442,10 @@ DayOrder DelimitedText::day_order(int column) const {
   if (!unclear) return DayOrder::unknown;
   Columns table{.file = name_.string(), .columns = headers_, .first_line = first_line_};
   const std::vector<std::string> found = cells(0);
-  fail(table.place(0, column),
-       "the date of " + shown(found[static_cast<std::size_t>(column)]) +
-           " may be in either order: state \"time_format\": \"day-first\" or \"time_format\": "
-           "\"month-first\"");
+  fail(table.place(0, column), "the date of " + shown(found[static_cast<std::size_t>(column)]) +
+                                   " is ambiguous, day or month first: state \"time_format\": "
+                                   "\"day-first\" or \"time_format\": "
+                                   "\"month-first\"");
 }
 
 /// Why a text has no rows, and what to do.
@@ -468,7 +469,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
                 .first_line = first_line_,
                 .skipped = skipped_,
                 .layout = layout_};
-  // An empty line behind each row is how some programs end lines.
+  // Some programs write an empty line after each row.
   const auto within = std::ranges::count_if(
       empty_, [&](const auto& line) { return line.first > 0 && line.first < rows(); });
   if (within != rows() - 1 || rows() < 3)
@@ -499,12 +500,13 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
     if (separator == ' ') line = trimmed(line);
     std::size_t c = 0;
     std::string_view cell;
-    std::size_t empties = 0;  // cells at the end
+    std::size_t empties = 0;  // empty cells at the end
     for (bool more = true; more; ++c) {
       const bool read = c < reads.size() && reads[c] != 0;
       double value = std::numeric_limits<double>::quiet_NaN();
       if (read && !stamps[c] && separator != decimal) {
-        // A plain number and what follows it, without looking for the end of the cell first.
+        // Fast path: a plain number and the following separator, without searching for the end of
+        // the cell.
         const char* p = line.data();
         const char* const end = p + line.size();
         while (p < end && is_gap(*p)) ++p;
@@ -537,8 +539,8 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
           table.columns[c].values[row] = value;
         } else if (!stamps[c]->read(text, table.columns[c].values[row])) {
           fail(place,
-               shown(text) + " is no time stamp" +
-                   (stated_.time_format.empty() ? std::string(" like those above it")
+               shown(text) + " is not a time stamp" +
+                   (stated_.time_format.empty() ? std::string(" like those above")
                                                 : " of the form \"" + stated_.time_format + "\""));
         }
         continue;
@@ -555,7 +557,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       std::string reason = std::to_string(c) + " columns, must be " +
                            std::to_string(headers_.size()) + " as in line " +
                            std::to_string(header_line_ > 0 ? header_line_ : first_line_);
-      // Names that do not fit the first row may be none.
+      // A line of names that do not match the first row may not be a header.
       if (row == 0 && header_line_ > 0)
         reason += " (if that line holds no names, state \"header\": 0, or the line that does)";
       else if (row + 1 == starts_.size())
@@ -568,7 +570,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
     Column& column = table.columns[c];
     column.unit = "s";
     column.decimals = stamps[c]->decimals();
-    column.digits = 19;  // as many as are exact
+    column.digits = 19;  // number of exact digits
     if (!table.layout->start.empty()) continue;
     table.layout->start = text_of(*stamps[c]->first());
     table.layout->used.time_format = stamps[c]->pattern();

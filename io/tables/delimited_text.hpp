@@ -1,24 +1,28 @@
-// Tables as text, one row a line: the one grammar for all that we read.
+// Tables as text, one row per line: the grammar of all delimited text that Wheeltap reads.
 //
 //   file   = [byte order mark] line…              lines end with LF, CR LF or CR
 //   line   = blanks | mark anything | row         the first two are no rows
 //   mark   = "#" | "%" | "!" | "//" | "$" | "&" | ">" | "~" | "@" | "***"
 //   row    = cell (separator cell)… [separator]
 //   cell   = blanks text blanks | blanks '"' text with "" for " '"' blanks
-//   number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf, with separators of thousands or
+//   number = [+|-] digits [. digits] [e [+|-] digits] | nan | inf, with thousands separators or
 //            without; an empty cell is NaN, and so are NA, NULL, "-", "overload" and the like
 //   stamp  = a date or a time of day (io/text/time_stamp.hpp)
 //
-// A text that is not UTF-8 is taken for Latin-1, cell by cell; UTF-16 is converted.
+// A cell that is not valid UTF-8 is read as Latin-1; UTF-16 is converted.
 //
-// What is not stated is detected (io/text/text_layout.hpp): the separator (comma, semicolon, tab,
-// bar, or any run of blanks) and the decimal mark (point or comma) that explain the most numbers;
-// the first row, from where on all lines hold numbers and stamps where the others do; the line of
-// names above it, a line of units below that, and how many lines of other content precede both;
-// remarks behind the rows, which begin with neither a number nor a stamp, are left out. A first
-// line "sep=;" states the separator. "force [N]" is the name force and the unit N (see
-// io/tables/columns.hpp). What cells must hold, and whether rows may be short, is the reader's to
-// say.
+// Options that are not set are detected (io/text/text_layout.hpp):
+//
+//   - the separator (comma, semicolon, tab, bar, or any run of blanks) and the decimal mark (point
+//   or
+//     comma): those that explain the most numbers
+//   - the first row, from which all lines hold numbers and stamps in the same columns
+//   - the line of names above it, a line of units below the names, and the number of other lines
+//   above
+//   - remarks after the rows, which begin with neither a number nor a stamp; they are ignored
+//
+// A first line "sep=;" states the separator. "force [N]" is the name force and the unit N (see
+// io/tables/columns.hpp). The caller determines what cells must hold and whether rows may be short.
 #pragma once
 
 #include <optional>
@@ -35,23 +39,23 @@ namespace wheeltap::io {
 
 enum class FirstRow {
   detected,
-  header  ///< the first line that is no comment holds the names
+  header  ///< the first line that is not a comment holds the names
 };
 
 /// The lines of a text, split on demand.
 class DelimitedText {
  public:
-  /// Throws FileError (corrupt) for what is no such text: a NUL byte, a header with a quote that is
-  /// not closed; and where its layout is not clear, with what to state. `name` stands for the file
-  /// in messages.
+  /// Throws FileError (corrupt) for an invalid text (a NUL byte, a header with an unclosed quote)
+  /// and for an ambiguous layout, with the option that resolves it. Messages use `name` for the
+  /// file.
   DelimitedText(std::string bytes, std::filesystem::path name,
                 FirstRow first_row = FirstRow::detected, TextLayout stated = {});
 
-  /// One a column, without values; of a file without a header they are called "1", "2", …
+  /// One per column, without values; without a header the names are "1", "2", …
   [[nodiscard]] const std::vector<Column>& headers() const { return headers_; }
-  [[nodiscard]] int header_line() const { return header_line_; }  ///< 0: there is none
+  [[nodiscard]] int header_line() const { return header_line_; }  ///< 0 if there is none
   [[nodiscard]] int rows() const { return static_cast<int>(starts_.size()); }
-  /// Line of a row, from 1; that after the last for `rows()`.
+  /// Line of a row, from 1; for `rows()`, the line after the last row.
   [[nodiscard]] int line(int row) const;
   [[nodiscard]] const FoundLayout& layout() const { return layout_; }
   /// A cell as a number, with the decimal mark of this text; NaN for a missing value.
@@ -60,8 +64,8 @@ class DelimitedText {
   /// that is not closed, or text after one.
   [[nodiscard]] std::vector<std::string> cells(int row) const;
 
-  /// All rows as numbers; columns that are not wanted may hold anything. Rows are then samples: an
-  /// empty line between them is refused, as is a row of another length. Throws FileError (corrupt),
+  /// All rows as numbers; columns that are not requested may hold anything. Rows are samples, so an
+  /// empty line between them or a row of another length is an error. Throws FileError (corrupt),
   /// with the line and column.
   [[nodiscard]] Columns columns(const Wanted& wanted = {}) const;
 
@@ -91,12 +95,12 @@ class DelimitedText {
   int first_line_ = 0;
   std::vector<Column> headers_;
   std::vector<std::size_t> starts_;         ///< of the rows, in the text
-  std::vector<int> skipped_;                ///< rows before which a line stands that is none
-  std::vector<std::pair<int, int>> empty_;  ///< empty lines: the row that follows, the line
+  std::vector<int> skipped_;                ///< rows preceded by a line that is not a row
+  std::vector<std::pair<int, int>> empty_;  ///< empty lines: the next row, the line number
   std::vector<std::pair<std::size_t, int>> comments_;  ///< of the head: start, line
 };
 
-/// The table that a delimited text is. Throws FileError (corrupt).
+/// Reads a delimited text as a table. Throws FileError (corrupt).
 [[nodiscard]] Columns parse_delimited_text(std::string bytes, const std::filesystem::path& name,
                                            const Wanted& wanted = {},
                                            const TextLayout& stated = {});

@@ -10,7 +10,7 @@ struct Character {
   std::size_t bytes = 0;  // 0: the bytes are not UTF-8
 };
 
-// The character that begins at `at`.
+// The character that starts at `at`.
 Character character(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) -> unsigned {
     return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0U;
@@ -30,7 +30,7 @@ Character character(std::string_view text, std::size_t at) {
   return {code, bytes};
 }
 
-bool shows_as_it_is(char32_t code) {
+bool is_printable(char32_t code) {
   const bool control = code < 0x20 || (code >= 0x7F && code < 0xA0);
   const bool separator = code == 0x2028 || code == 0x2029;
   const bool direction = (code >= 0x202A && code <= 0x202E) || (code >= 0x2066 && code <= 0x2069);
@@ -43,7 +43,7 @@ std::optional<std::size_t> first_unprintable(std::string_view text, std::string_
   for (std::size_t at = 0; at < text.size();) {
     const Character c = character(text, at);
     const bool fine = c.bytes == 1 && allowed.find(text[at]) != std::string_view::npos;
-    if (c.bytes == 0 || (!fine && !shows_as_it_is(c.code))) return at;
+    if (c.bytes == 0 || (!fine && !is_printable(c.code))) return at;
     at += c.bytes;
   }
   return {};
@@ -61,7 +61,7 @@ std::string printable(std::string_view text) {
       ++at;
       continue;
     }
-    if (shows_as_it_is(c.code)) {
+    if (is_printable(c.code)) {
       out += text.substr(at, c.bytes);
     } else if (c.code == '\n') {
       out += "\\n";

@@ -1,4 +1,4 @@
-// What texts from outside may hold, and how they are shown.
+// Validates texts from outside the program and prepares them for display.
 #pragma once
 
 #include <cstddef>
@@ -8,22 +8,22 @@
 
 namespace wheeltap::io {
 
-/// What editors of some systems put before a text in UTF-8.
+/// UTF-8 byte order mark that some editors write.
 inline constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
 
 /// The byte at which `text` stops being UTF-8 (Unicode 15, table 3-7: no overlong forms, no
-/// surrogates) or holds what no terminal should be sent: control characters, C0 and C1 alike, line
-/// and paragraph separators, and the marks that reverse or isolate the direction of writing.
-/// `allowed` are control characters that are fine here, e.g. "\n\t".
+/// surrogates) or contains characters that are unsafe for a terminal: C0 and C1 control characters,
+/// line and paragraph separators, and marks that reverse or isolate the writing direction.
+/// `allowed` lists accepted control characters, e.g. "\n\t".
 [[nodiscard]] std::optional<std::size_t> first_unprintable(std::string_view text,
                                                            std::string_view allowed = {});
 
-/// The text with all of those escaped, "\x1b", "\n", "\u{202e}", so that it is one line of UTF-8
-/// that shows as it is. Backslashes stay as they are: it is for eyes, not for reading back.
+/// The text with all of those escaped ("\x1b", "\n", "\u{202e}"), as one line of UTF-8 for display.
+/// Backslashes are not escaped, so the text cannot be read back.
 [[nodiscard]] std::string printable(std::string_view text);
 
-/// The text, in UTF-8: what is none is taken for Latin-1 (ISO 8859-1), the alphabet of loggers and
-/// spreadsheets that write "Weg [µm]" in one byte a character.
+/// The text in UTF-8. A text that is not UTF-8 is read as Latin-1 (ISO 8859-1), the encoding of
+/// loggers and spreadsheets that write "Weg [µm]" in one byte per character.
 [[nodiscard]] std::string in_utf8(std::string_view text);
 
 }  // namespace wheeltap::io

@@ -45,7 +45,7 @@ class Finder {
 
   void choose_separator() {
     std::vector<TextLine> sample;
-    // Where there are many rows the later ones are free of headers.
+    // In a long text the later rows contain no headers.
     if (body_.empty()) {
       sample = head_;
       if (header_first_) {
@@ -60,7 +60,7 @@ class Finder {
       if (stated_.separator && *stated_.separator != separator) continue;
       for (const char decimal : {'.', ','}) {
         if (stated_.decimal && *stated_.decimal != decimal) continue;
-        // Quoted numbers may hold the separator.
+        // Quoted numbers may contain the separator.
         if (separator == decimal && stated_.separator) continue;
         Reading reading = reading_;
         reading.decimal = decimal;
@@ -75,7 +75,7 @@ class Finder {
       throw UnclearLayout(0, "a comma cannot both separate columns and be the decimal mark");
     reading_.decimal = out_.decimal;
     if (best > 0 || stated_.separator) return;
-    // No number anywhere: by the names.
+    // There are no numbers: use the names.
     std::size_t most = 0;
     for (const TextLine& line : head_) {
       if (line.is_comment) continue;
@@ -91,7 +91,7 @@ class Finder {
   void count_columns() {
     rows_.clear();
     std::map<std::size_t, std::size_t> counts;
-    // Rows that are mixed with texts count where there are no others.
+    // Rows with texts count only if there are no others.
     for (const bool mixed : {false, true}) {
       bool is_header = header_first_;
       for (const std::vector<TextLine>* lines : {&head_, &body_}) {
@@ -116,9 +116,10 @@ class Finder {
       out_.columns = row.cells.size();
       break;
     }
-    // Of as many rows of either length, those are right that fit the names.
+    // If two row lengths are equally frequent, the one that fits the names is right.
     if (named && counts.contains(*named) && counts[*named] == most) out_.columns = *named;
-    // Empty cells at the end of all rows of this length are none, unless the names have them.
+    // Cells that are empty at the end of all rows of this length do not count, unless they have
+    // names.
     out_.trailing = out_.columns - 1;
     for (const Split& row : rows_)
       if (row.cells.size() == out_.columns) out_.trailing = std::min(out_.trailing, row.trailing);
@@ -132,7 +133,7 @@ class Finder {
     }
   }
 
-  /// Of the last line before the first row.
+  /// The number of cells in the last line before the first row.
   std::optional<std::size_t> cells_above_rows() {
     std::optional<std::size_t> found;
     for (const TextLine& line : head_) {
@@ -146,7 +147,8 @@ class Finder {
     return found;
   }
 
-  /// A row, or one with a text in it: it begins with a number or a stamp, as most of its cells are.
+  /// True for a row, also one with a text: it begins with a number or a stamp, and most of its
+  /// cells are such.
   [[nodiscard]] bool is_data(const Split& s) const {
     if (s.is_row()) return true;
     const auto first =
@@ -169,12 +171,12 @@ class Finder {
     const auto first = std::ranges::find_if(
         head_, [&](const TextLine& l) { return !l.is_comment && split_line(l).is_row(); });
     throw UnclearLayout(first == head_.end() ? 0 : first->number,
-                        "commas within quotes are decimal marks or part thousands. State "
+                        "commas within quotes may be decimal marks or separate thousands. State "
                         "\"decimal\": \",\" for decimal commas, or \"decimal\": \".\" for "
                         "thousands");
   }
 
-  /// "a,b" over "0,1 2": a comma between names that would be a decimal mark in the rows.
+  /// "a,b" over "0,1 2": the comma between names would be a decimal mark in the rows.
   void compare_marks() {
     if (out_.decimal != ',' || out_.columns < 2 || stated_.decimal || header_first_) return;
     std::optional<std::size_t> names;
@@ -221,14 +223,15 @@ class Finder {
         count_columns();
         return;
       case Commas::unclear:
-        throw UnclearLayout(line,
-                            "a comma stands between whole numbers: they are two columns, or the "
-                            "digits of one number. State \"decimal\": \",\" for decimal commas, or "
-                            "\"separator\": \",\" for two columns");
+        throw UnclearLayout(
+            line,
+            "a comma between whole numbers may separate two columns or be a decimal "
+            "comma. State \"decimal\": \",\" for decimal commas, or "
+            "\"separator\": \",\" for two columns");
       case Commas::mixed:
         throw UnclearLayout(line,
-                            "commas are decimal marks and separate columns, too: the numbers "
-                            "cannot be told apart for certain. Export the file with semicolons or "
+                            "commas are decimal marks and column separators, so the numbers are "
+                            "ambiguous. Export the file with semicolons or "
                             "tabs between columns, or state \"separator\": \",\" if all commas "
                             "separate whole numbers");
     }
@@ -240,7 +243,7 @@ class Finder {
       for (std::size_t c = 0; c < std::min(out_.columns, row.cells.size()); ++c)
         if (!is_missing_value(row.cells[c]))
           ++counts[c][static_cast<std::size_t>(kind_of(row.cells[c], reading_))];
-    // Without rows of pure numbers, lines that hold some texts decide, too.
+    // If no row is purely numeric, lines with some texts count too.
     for (const auto& count : counts) {
       CellKind kind = CellKind::number;
       if (count[1] > count[0]) kind = CellKind::stamp;
@@ -248,7 +251,7 @@ class Finder {
       out_.kinds.push_back(kind);
     }
     if (rows_.empty() || header_first_) return;
-    // A column without any value, of remarks, may hold texts in a few rows.
+    // A column of remarks without any number may hold texts in a few rows.
     std::vector<bool> filled(out_.columns, false);
     for (const Split& row : rows_)
       for (std::size_t c = 0; c < std::min(out_.columns, row.cells.size()); ++c)
@@ -281,7 +284,7 @@ class Finder {
     for (std::size_t i = 0; i < head_.size(); ++i) {
       if (head_[i].is_comment) continue;
       if (header_first_) {
-        // The line after the first.
+        // The line after the first row.
         out_.names = i;
         out_.first = i + 1;
         return;
@@ -291,7 +294,7 @@ class Finder {
       out_.first = i;
       break;
     }
-    // A row above it in which something is no number is none of names.
+    // A row above it with a cell that is not a number is not a line of names.
     while (out_.first > 0 && out_.first < head_.size()) {
       const TextLine& above = head_[out_.first - 1];
       if (above.is_comment) break;
@@ -301,7 +304,7 @@ class Finder {
     }
   }
 
-  /// Cells of a line as names of the columns; empty where it has not as many.
+  /// The cells of a line as column names; empty if their number differs.
   [[nodiscard]] std::vector<std::string> as_names(const TextLine& line) const {
     const std::string_view bare = without_comment_mark(line.text);
     std::vector<std::string> names = names_in(line.text, out_.separator, out_.columns);
@@ -321,7 +324,7 @@ class Finder {
     };
     const bool names_stated = stated_.header.has_value();
     if (names_stated && *stated_.header > 0) {
-      // The rows begin below it, whatever it holds itself.
+      // The rows begin below it, whatever it contains.
       for (std::size_t i = 0; i < head_.size(); ++i)
         if (head_[i].number == *stated_.header) {
           out_.names = i;
@@ -356,9 +359,9 @@ class Finder {
     if (!out_.names) find_comment();
   }
 
-  /// Names and units among the lines right above the rows.
+  /// Finds names and units among the lines directly above the rows.
   void find_block() {
-    std::vector<std::size_t> block;  // upwards
+    std::vector<std::size_t> block;  // from bottom to top
     std::vector<std::vector<std::string>> cells;
     for (std::size_t i = out_.first; i-- > 0 && block.size() < kMostHeaderLines;) {
       const TextLine& line = head_[i];
@@ -373,28 +376,29 @@ class Finder {
       wrong_header();
       return;
     }
-    std::optional<std::size_t> units;  // within the block
+    std::optional<std::size_t> units;  // index in the block
     if (!out_.units && stated_.units_row.value_or(-1) != 0)
       for (std::size_t b = 0; b < block.size() && !units; ++b)
         if (is_units_line(cells[b])) units = b;
-    // Or right above the only one of names.
+    // Or directly above the only line of names.
     if (units == 1U && block.size() == 2 && can_name(cells[0])) {
       out_.units = block[1];
       out_.names = block[0];
       return;
     }
-    // A line of units stands below one of names: alone, or below values, it holds the names.
+    // A line of units is below a line of names. If it is alone, or below values, it holds the
+    // names.
     if (units && (*units + 1 == block.size() || !can_name(cells[*units + 1]))) units.reset();
     if (units) out_.units = block[*units];
     std::size_t names = units ? *units + 1 : 0;
-    // Lines of which most cells are empty name nothing where a fuller one is above them.
+    // A mostly empty line does not hold names if a fuller one is above it.
     while (!units && names + 1 < block.size() && filled(cells[names]) < out_.columns &&
            filled(cells[names + 1]) > filled(cells[names]))
       ++names;
     out_.names = block[names];
   }
 
-  /// Numbers name nothing, but for those of channels: "x-axis,1,2".
+  /// Numbers are not names, except channel numbers: "x-axis,1,2".
   [[nodiscard]] bool can_name(const std::vector<std::string>& cells) const {
     const auto is_text = [&](const std::string& cell) {
       return is_missing_value(cell) || kind_of(cell, reading_) == CellKind::text;
@@ -406,7 +410,7 @@ class Finder {
             std::all_of(cells.begin() + 1, cells.end(), all_digits));
   }
 
-  /// A line above the rows that looks like names and has another number of them.
+  /// A line above the rows that looks like names but differs in their number.
   void wrong_header() {
     if (out_.first == 0 || out_.first >= head_.size()) return;
     std::size_t above = out_.first - 1;
@@ -425,7 +429,7 @@ class Finder {
       out_.names = above;
       return;
     }
-    // R leaves out the name of its column of row names.
+    // R omits the name of its column of row names.
     if (cells.size() + 1 == out_.columns && first_column_counts()) {
       out_.names = above;
       out_.index_unnamed = true;
@@ -461,7 +465,7 @@ class Finder {
             return n.ends_with(':') || parse_number(n, out_.decimal).has_value();
           }))
         continue;
-      // One column: a remark is no name.
+      // With one column, a remark is not a name.
       if (out_.columns == 1 && text.find(' ') != std::string_view::npos && !text.ends_with(']') &&
           !text.ends_with(')'))
         continue;

@@ -1,4 +1,4 @@
-// The lines of a text, one after the other.
+// Iterates over the lines of a text.
 #pragma once
 
 #include <string_view>

@@ -1,4 +1,4 @@
-// Printed numbers, and cells of a table that hold none.
+// Printed numbers, and cells that mean "no value".
 #pragma once
 
 #include <optional>
@@ -6,34 +6,34 @@
 
 namespace wheeltap::io {
 
-/// How finely numbers are printed: the most digits after the point and the most significant digits.
-/// Negative where nothing was printed.
+/// The printed precision of numbers: the largest numbers of digits after the point and of
+/// significant digits. Negative if nothing was printed.
 struct PrintedDigits {
   int decimals = -1;
   int digits = -1;
 };
 
-/// The number that this text is, all of it; empty text is none. The nearest double, as
-/// std::from_chars has it; text beyond the range of doubles is none. `decimal` is '.' or ','.
-/// Fortran's exponents ("1.5D-3") are read as well.
+/// The number that the whole text represents; none for an empty text. The nearest double, like
+/// std::from_chars; none beyond the range of doubles. `decimal` is '.' or ','. Accepts Fortran
+/// exponents ("1.5D-3").
 [[nodiscard]] std::optional<double> parse_number(std::string_view text, char decimal = '.');
 
-/// A number with separators of thousands: "1.234,5", "1'234.5", "1 234 567". A comma or a point
-/// between two groups only ("1,234") could be the decimal mark: it is one of thousands where that
-/// is proven by other numbers.
+/// A number with thousands separators: "1.234,5", "1'234.5", "1 234 567". A single comma or point
+/// between two groups ("1,234") could be the decimal mark; `grouped` says that other numbers prove
+/// it to be a thousands separator.
 [[nodiscard]] std::optional<double> parse_grouped_number(std::string_view text, char decimal,
                                                          bool proven = false);
 
-/// A text by which loggers and spreadsheets say "no value": empty, NA, N/A, NULL, #N/A, 1.#QNAN,
-/// "-", "---", … ("nan" and "inf" are numbers).
+/// True for a text with which loggers and spreadsheets mark "no value": empty, NA, N/A, NULL, #N/A,
+/// 1.#QNAN, "-", "---", … ("nan" and "inf" are numbers).
 [[nodiscard]] bool is_missing_value(std::string_view text);
 
-/// The same, or a word by which a logger says that it has none: "overload", "error", "no data". In
-/// a column of numbers only: such words may be names.
+/// The same, or a logger's word for a missing value: "overload", "error", "no data". Use it only in
+/// columns of numbers, because such words may be names.
 [[nodiscard]] bool is_missing_word(std::string_view text);
 
-/// Reads the decimal number at the start of [p, end) and how finely it is printed. Returns one past
-/// it; null where there is none, or it is not a plain one (nan, inf, beyond the range).
+/// Reads the decimal number at the start of [p, end) and its printed precision. Returns the end of
+/// the number; null if there is none, or it is nan, inf or beyond the range.
 [[nodiscard]] const char* read_number(const char* p, const char* end, double& value,
                                       PrintedDigits& digits, char decimal = '.');
 

@@ -1,4 +1,4 @@
-// A line of text, split into cells in one way, and what the cells are.
+// Splits a line of text into cells for one separator and classifies the cells.
 #pragma once
 
 #include <cstddef>
@@ -13,37 +13,38 @@
 
 namespace wheeltap::io {
 
-/// How cells are understood.
+/// Options for reading cells.
 struct Reading {
   char decimal = '.';
-  bool grouped = false;  ///< that commas or points part thousands is stated or proven
+  bool grouped = false;  ///< commas or points are known to separate thousands
   std::optional<TimeFormat> format = {};
 };
 
-/// What a cell is; an ambiguous date is a stamp.
+/// The kind of a cell; an ambiguous date is a stamp.
 [[nodiscard]] CellKind kind_of(std::string_view cell, const Reading& reading);
 
-/// A line, split in one way.
+/// A line split with one separator.
 struct Split {
   std::vector<std::string> cells;
   std::size_t numbers = 0, stamps = 0, texts = 0;
-  std::size_t trailing = 0;  ///< how many of the last cells are empty
+  std::size_t trailing = 0;  ///< number of empty cells at the end
 
   [[nodiscard]] bool is_row() const { return texts == 0 && numbers + stamps > 0; }
 };
 
 [[nodiscard]] Split split(std::string_view line, char separator, const Reading& reading);
 
-/// How well a separator and a decimal mark explain lines: twice the numbers and stamps of lines
-/// that hold nothing else; of the others by how many they are more than the texts.
+/// A score for how well a separator and a decimal mark explain lines. Lines of only numbers and
+/// stamps count twice their number of cells; other lines count the excess of numbers and stamps
+/// over texts.
 [[nodiscard]] long explained_cells(std::span<const TextLine> lines, char separator,
                                    const Reading& reading);
 
-/// What commas in the cells of rows of whole numbers are.
+/// The possible meanings of commas in rows of whole numbers.
 enum class Commas { separate, decimal, unclear, mixed };
 
-/// Rows "0,1108" may be two whole numbers or one number. `names`: columns that the header names; 0
-/// where there is none.
+/// Rows such as "0,1108" may be two whole numbers or one number. `names`: number of columns that
+/// the header names; 0 if there is no header.
 [[nodiscard]] Commas commas_of(const std::vector<Split>& rows, std::size_t columns,
                                std::size_t names);
 

@@ -22,7 +22,7 @@ bool is_letter(char c) {
   return lower(c) >= 'a' && lower(c) <= 'z';
 }
 
-/// A text that is read from its front.
+/// Reads a text from its beginning.
 class Cursor {
  public:
   explicit Cursor(std::string_view text) : rest(text) {}
@@ -38,7 +38,7 @@ class Cursor {
     rest.remove_prefix(1);
     return true;
   }
-  /// A word without regard to upper and lower case.
+  /// A word, case-insensitive.
   bool take_word(std::string_view word) {
     if (rest.size() < word.size()) return false;
     for (std::size_t i = 0; i < word.size(); ++i)
@@ -50,7 +50,7 @@ class Cursor {
   void skip_blanks() {
     while (!rest.empty() && (rest.front() == ' ' || rest.front() == '\t')) rest.remove_prefix(1);
   }
-  /// A whole number of least to most digits; -1 where there is none.
+  /// A whole number of `least` to `most` digits; -1 if there is none.
   int number(int least, int most) {
     int value = 0, count = 0;
     while (count < most && static_cast<std::size_t>(count) < rest.size() &&
@@ -70,7 +70,7 @@ class Cursor {
   int month_name() {
     static constexpr std::array<std::string_view, 12> kNames = {
         "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"};
-    // German, where it differs.
+    // German, if different.
     static constexpr std::array<std::pair<std::string_view, int>, 6> kOthers = {
         {{"m\xC3\xA4r", 3}, {"mrz", 3}, {"mai", 5}, {"okt", 10}, {"dez", 12}, {"m\xE4r", 3}}};
     for (std::size_t m = 0; m < kNames.size(); ++m)
@@ -79,7 +79,7 @@ class Cursor {
       if (take_letters(name)) return month;
     return -1;
   }
-  /// "Monday", "Mon", "Mo" and a comma or point behind it.
+  /// "Monday", "Mon", "Mo", with a comma or point after it.
   void skip_weekday() {
     const std::string_view before = rest;
     for (const std::string_view day : {"mon", "tue", "wed", "thu", "fri", "sat", "sun", "mo", "di",
@@ -92,7 +92,7 @@ class Cursor {
     }
     rest = before;
   }
-  /// A word that begins so.
+  /// A word with this beginning.
   bool take_letters(std::string_view beginning) {
     if (rest.size() < beginning.size()) return false;
     for (std::size_t i = 0; i < beginning.size(); ++i)
@@ -120,7 +120,7 @@ std::optional<TimeStamp> stamp_of(const Parts& p, bool has_date) {
     const std::chrono::year_month_day date{std::chrono::year(p.year),
                                            std::chrono::month(static_cast<unsigned>(p.month)),
                                            std::chrono::day(static_cast<unsigned>(p.day))};
-    // Beyond these years nanoseconds do not fit into 64 bits.
+    // Outside these years nanoseconds do not fit into 64 bits.
     if (!date.ok() || p.year < 1700 || p.year > 2250) return std::nullopt;
     days = std::chrono::sys_days(date).time_since_epoch().count();
   }
@@ -133,7 +133,7 @@ int full_year(int year, int digits) {
   return year + (year < 70 ? 2000 : 1900);
 }
 
-/// Blanks that do not break lines as blanks.
+/// Replaces non-breaking blanks by blanks.
 std::string with_plain_blanks(std::string_view text) {
   std::string out(text);
   for (const std::string_view blank : {"\xC2\xA0", "\xE2\x80\xAF", "\xE2\x80\x89"})
@@ -142,7 +142,7 @@ std::string with_plain_blanks(std::string_view text) {
   return out;
 }
 
-/// Digits of a fraction of a second, nine of which count.
+/// The digits of a fraction of a second, of which nine are used.
 void read_fraction(Cursor& at, Parts& out) {
   std::int64_t scale = kSecond / 10;
   while (!at.rest.empty() && is_digit(at.rest.front())) {
@@ -175,7 +175,7 @@ bool read_zone(Cursor& at, Parts& out) {
   char sign = 0;
   if (!at.take_any("+-", &sign)) {
     if (named) return true;
-    // CET, EDT, JST: the same for all rows, and what differs is all that counts.
+    // CET, EDT, JST: equal for all rows, and only differences matter.
     std::size_t letters = 0;
     while (letters < at.rest.size() && at.rest[letters] >= 'A' && at.rest[letters] <= 'Z')
       ++letters;
@@ -212,7 +212,7 @@ bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
   if (at.take(between)) {
     seconds = at.number(1, 2);
     if (seconds < 0) return false;
-    // A colon separates milliseconds in the files of some loggers.
+    // Some loggers separate milliseconds by a colon.
     if (at.take_any(".,:", &mark)) {
       if (at.digits() == 0) return false;
       read_fraction(at, out);
@@ -234,7 +234,7 @@ bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
   return set_time_of_day(out, hours, minutes, seconds);
 }
 
-/// Reads a stamp whose form the digits at its front tell; an empty reading where it is none.
+/// Reads a stamp whose form follows from its first digits; empty if there is none.
 class StampReader {
  public:
   StampReader(std::string_view text, DayOrder order) : at_(text), order_(order) {}
@@ -287,7 +287,7 @@ class StampReader {
   /// 20210301 and any time.
   StampReading after_date_of_digits() {
     read_date_of_digits();
-    if (!at_.take_any("T_ ")) return {};  // a number otherwise
+    if (!at_.take_any("T_ ")) return {};  // otherwise a number
     if (at_.digits() == 6 || at_.digits() == 4) {
       const bool with_seconds = at_.digits() == 6;
       const int hours = at_.number(2, 2), minutes = at_.number(2, 2);
@@ -300,7 +300,7 @@ class StampReader {
     return finished(true);
   }
 
-  /// 2021-060T, up to the time behind it; 0 where it is something else.
+  /// 2021-060T, up to the time after it; 0 for anything else.
   int day_of_year() {
     parts_.year = at_.number(4, 4);
     at_.take('-');
@@ -314,7 +314,7 @@ class StampReader {
     return finished(true);
   }
 
-  /// Three parts of a date, with one mark between them.
+  /// The three parts of a date, separated by the same mark.
   StampReading of_three_parts() {
     for (std::size_t i = 0; i < 3; ++i) {
       if (!read_part(i)) return {};
@@ -322,7 +322,7 @@ class StampReader {
       if (!read_mark(i)) return {};
       if (i == 1 && named_ == 0 && at_.digits() <= 2) return with_year_last();
     }
-    if (!order_parts() || !read_time_behind_date()) return {};
+    if (!order_parts() || !read_time_after_date()) return {};
     return finished(true);
   }
   bool read_part(std::size_t i) {
@@ -337,7 +337,7 @@ class StampReader {
     }
     return value_[i] >= 0;
   }
-  /// Behind part i.
+  /// After part i.
   bool read_mark(std::size_t i) {
     char here = 0;
     if (!at_.take_any(named_ >= 0 ? "-/. ," : (i == 0 ? "-/. " : "-/."), &here)) return false;
@@ -346,7 +346,7 @@ class StampReader {
     if (mark_ == '.' || mark_ == ',' || named_ >= 0) at_.skip_blanks();
     return true;
   }
-  /// "Mar 1 10:00:00 2021", as C prints times: behind the day.
+  /// "Mar 1 10:00:00 2021", as printed by C, after the day.
   StampReading with_year_last() {
     at_.skip_blanks();
     if (!read_time_of_day(at_, parts_, false)) return {};
@@ -355,7 +355,7 @@ class StampReader {
     parts_.year = at_.number(4, 4), parts_.month = value_[0], parts_.day = value_[1];
     return finished(true);
   }
-  /// Which of the three parts is the year, the month and the day.
+  /// Assigns year, month and day to the three parts.
   bool order_parts() {
     if (digits_[0] == 4) {
       put(0, 1, 2);
@@ -367,7 +367,7 @@ class StampReader {
       if (value_[0] > 12) reading_.order = DayOrder::day_first;
       if (value_[1] > 12) reading_.order = DayOrder::month_first;
       DayOrder used = order_ != DayOrder::unknown ? order_ : reading_.order;
-      // Nobody prints 3.1.2021 for March the first.
+      // 3.1.2021 is never March the first.
       if (used == DayOrder::unknown && mark_ == '.') used = DayOrder::day_first;
       reading_.ambiguous = used == DayOrder::unknown;
       used == DayOrder::month_first ? put(2, 0, 1) : put(2, 1, 0);
@@ -379,8 +379,8 @@ class StampReader {
     parts_.month = value_[month];
     parts_.day = value_[day];
   }
-  /// There need be none.
-  bool read_time_behind_date() {
+  /// It may be absent.
+  bool read_time_after_date() {
     const std::string_view before = at_.rest;
     if (at_.take_any("T_,;") || at_.rest.starts_with(' ') || at_.rest.starts_with('-')) {
       if (at_.rest.starts_with('-')) at_.rest.remove_prefix(1);
@@ -396,8 +396,8 @@ class StampReader {
   DayOrder order_;
   Parts parts_;
   StampReading reading_;
-  // Of a date of three parts: as numbers, how many digits each had, which is a name (-1: none), and
-  // the mark between them.
+  // For a date of three parts: the numbers, their digits, the index of the name (-1: none), and the
+  // mark between them.
   std::array<int, 3> value_{}, digits_{};
   int named_ = -1;
   char mark_ = 0;
@@ -532,7 +532,7 @@ std::optional<TimeFormat> parse_time_format(std::string_view text) {
     }
     return TimeFormat{.pattern = std::string(text)};
   }
-  // Letters, as spreadsheets and MATLAB have them: MM is a month and mm are minutes.
+  // Letters as in spreadsheets and MATLAB: MM is a month, mm are minutes.
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
     std::size_t end = i;

@@ -1,4 +1,4 @@
-// Functions of a universal file as the columns of a table.
+// Converts the functions of a universal file to the columns of a table.
 #include <algorithm>
 #include <cmath>
 
@@ -12,7 +12,7 @@ struct Quantity {
   const char* name;
   const char* si;
 };
-// Codes of "specific data type" that have a unit of their own.
+// Codes of "specific data type" with their units.
 constexpr Quantity kQuantities[] = {{2, "stress", "Pa"},
                                     {3, "strain", ""},
                                     {5, "temperature", "K"},
@@ -41,8 +41,8 @@ struct Measured {
   double to_si = 1.0;
 };
 
-/// What an axis says; a unit it names is taken as it is. Otherwise its powers of the units of
-/// dataset 164 lead to SI.
+/// The label and unit of an axis. A unit given by the axis is used unchanged; otherwise the powers
+/// of the units of dataset 164 give SI units.
 Measured measured(const UniversalAxis& axis, const std::optional<UniversalUnits>& units) {
   const Quantity* quantity = quantity_of(axis);
   Measured out{.label = axis.label, .unit = axis.unit};
@@ -123,7 +123,7 @@ Columns universal_columns(const UniversalFile& file, const std::filesystem::path
   const Measured abscissa = measured(first.abscissa, file.units);
   const std::string label = abscissa.label.empty() ? "abscissa" : abscissa.label;
   const auto add = [&](std::string column, const std::string& unit, std::vector<double> values) {
-    // Names that stand twice get a number.
+    // Repeated names get a number.
     const std::string base = column;
     for (int again = 2; std::ranges::count(out.columns, column, &Column::name) > 0; ++again)
       column = base + " (" + std::to_string(again) + ")";
@@ -137,8 +137,9 @@ Columns universal_columns(const UniversalFile& file, const std::filesystem::path
   add(label, abscissa.unit, std::move(x));
   for (const UniversalFunction& f : file.functions) {
     if (!shares_abscissa(first, f))
-      throw FileError(FileError::Kind::corrupt, name, {.line = f.line},
-                      "this function's abscissa is not that of the first: a table needs one");
+      throw FileError(
+          FileError::Kind::corrupt, name, {.line = f.line},
+          "this function's abscissa differs from that of the first: a table needs a common one");
     const Measured over = measured(f.numerator, file.units);
     const Measured under = measured(f.denominator, file.units);
     std::string column = dof_in_words(f.response);

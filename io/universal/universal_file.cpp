@@ -46,7 +46,7 @@ std::vector<double> binary_values(Reader& in, const UniversalFunction& f, std::s
                                   std::size_t announced) {
   const std::size_t wide = f.is_double ? 8 : 4;
   const std::size_t ordinates = f.is_complex ? 2 : 1;
-  // The abscissa of an uneven double function is single in the format, double in some programs.
+  // The abscissa of an uneven double function is single in the format, but double in some programs.
   std::size_t abscissa = f.even ? 0 : 4;
   if (!f.even && f.is_double && announced == points * (8 + ordinates * wide)) abscissa = 8;
   const std::size_t each = abscissa + ordinates * wide;
@@ -134,7 +134,7 @@ UniversalFunction function(Reader& in, std::string_view number_line) {
   return f;
 }
 
-/// The line of six codes that datasets 55 and 2414 share.
+/// The line of six codes in datasets 55 and 2414.
 void codes(Reader& in, UniversalShape& s) {
   const std::vector<int> what = in.integers(in.next("what the data are"), 10, "code");
   if (what.size() < 6) in.fail("has " + std::to_string(what.size()) + " codes: must have 6");
@@ -142,16 +142,16 @@ void codes(Reader& in, UniversalShape& s) {
   s.analysis = what[1];
   s.characteristic = what[2];
   s.quantity = what[3];
-  // 4 and 6 are the double precision of 2414.
+  // In 2414, 4 and 6 are double precision.
   if (what[4] != 2 && what[4] != 4 && what[4] != 5 && what[4] != 6)
     in.fail("data type " + std::to_string(what[4]) + ": must be 2 (real) or 5 (complex)");
   s.is_complex = what[4] >= 5;
   s.values_a_node = what[5];
   if (s.values_a_node < 1 || s.values_a_node > 9)
-    in.fail(std::to_string(s.values_a_node) + " values a node: must be 1 to 9");
+    in.fail(std::to_string(s.values_a_node) + " values per node: must be 1 to 9");
 }
 
-/// To the dataset's end.
+/// Up to the end of the dataset.
 void values_at_nodes(Reader& in, UniversalShape& s) {
   const auto each = static_cast<std::size_t>(s.values_a_node);
   while (!in.done() && !in.at_separator()) {
@@ -171,7 +171,7 @@ UniversalShape shape(Reader& in) {
   for (std::string& id : s.ids) id = text_of(in.next("an ID line"));
   codes(in, s);
   std::vector<int> head = in.integers(in.next("how many numbers follow"), 10, "number");
-  if (head.size() < 2) in.fail("says not how many numbers follow");
+  if (head.size() < 2) in.fail("does not state how many numbers follow");
   const int integers = head[0], reals = head[1];
   if (integers < 0 || integers > 1000 || reals < 0 || reals > 1000)
     in.fail("announces " + std::to_string(integers) + " and " + std::to_string(reals) + " numbers");
@@ -183,7 +183,7 @@ UniversalShape shape(Reader& in) {
   return s;
 }
 
-/// Dataset 2414; nothing where its values are not at nodes.
+/// Dataset 2414; nothing if its values are not at nodes.
 std::optional<UniversalShape> analysis_data(Reader& in) {
   UniversalShape s{.line = in.line_number()};
   static_cast<void>(in.next("the dataset's label"));
@@ -216,7 +216,7 @@ UniversalUnits units(Reader& in) {
   u.description = text_of(field(line, 10, 20));
   u.temperature_mode = in.integer(field(line, 30, 10), "temperature mode");
   const std::vector<double> values = [&] {
-    // Factors on one line, the offset on the next or, of some programs, left out.
+    // Factors on one line, the offset on the next; some programs omit the offset.
     std::vector<double> all = in.numbers(3, {25}, "unit factors");
     if (!in.done() && !in.at_separator() && !trimmed(in.peek()).empty())
       for (const double v : in.numbers(1, {25}, "temperature offset")) all.push_back(v);
@@ -230,7 +230,7 @@ UniversalUnits units(Reader& in) {
   return u;
 }
 
-/// To the line after the dataset's closing separator; what stands before it is left out.
+/// Advances to the line after the dataset's closing separator and skips the lines before it.
 void finish(Reader& in, bool may_hold_more) {
   while (!in.done()) {
     const bool separator = in.at_separator();
@@ -269,7 +269,7 @@ UniversalFile parse_universal_file(const std::string& bytes, const std::filesyst
   in.skip_blanks();
   if (in.done() || !in.at_separator())
     throw FileError(FileError::Kind::foreign, name,
-                    "is no universal file: it must begin with a line that holds -1");
+                    "is not a universal file: it must begin with a line that holds -1");
   while (!in.done()) {
     if (!in.at_separator()) {
       const std::string_view line = in.next("a dataset");

@@ -1,10 +1,9 @@
-// Universal files (UFF, UNV): datasets 15, 55, 58, 58b, 82, 151, 164, 2411, 2412,
-// 2414 and 2420.
+// Universal files (UFF, UNV): datasets 15, 55, 58, 58b, 82, 151, 164, 2411, 2412, 2414 and 2420.
 //
 // A file is a sequence of datasets, each between two lines that hold "-1"; the line after the first
-// holds its number. Formats: University of Cincinnati SDRL, "Universal File Formats for Modal
-// Analysis Testing"; numbers in fixed columns, as Fortran wrote them. Datasets of other numbers are
-// left out, and counted.
+// "-1" holds the dataset's number. Formats: University of Cincinnati SDRL, "Universal File Formats
+// for Modal Analysis Testing"; numbers in fixed columns, as written by Fortran. Other datasets are
+// skipped and counted.
 #pragma once
 
 #include <array>
@@ -19,15 +18,15 @@
 
 namespace wheeltap::io {
 
-/// A node's degree of freedom: 1, 2, 3 are +x, +y, +z; 4, 5, 6 turns about them; negative ones
-/// point the other way; 0 is a scalar.
+/// A degree of freedom of a node: 1, 2, 3 are +x, +y, +z; 4, 5, 6 rotations about them; negative
+/// numbers have the opposite direction; 0 is a scalar.
 struct UniversalDof {
   std::string entity = {};  ///< "NONE" in files is empty here
   int node = 0;
   int direction = 0;
 };
 
-/// An axis of a function: what it measures and in which units.
+/// An axis of a function: its quantity and units.
 struct UniversalAxis {
   int quantity = 0;  ///< 8 displacement, 11 velocity, 12 acceleration, 13 force, 15 pressure,
                      ///< 17 time, 18 frequency, 0 unknown, 1 general
@@ -45,18 +44,18 @@ struct UniversalFunction {
   bool is_complex = false;
   bool is_double = true;
   bool even = true;
-  double first = 0.0, step = 0.0;  ///< abscissa, where even
+  double first = 0.0, step = 0.0;  ///< abscissa, if evenly spaced
   double z = 0.0;
   UniversalAxis abscissa = {}, numerator = {}, denominator = {}, z_axis = {};
-  std::vector<double> x = {};  ///< as many as y; written where uneven
+  std::vector<double> x = {};  ///< as many as y; written if unevenly spaced
   std::vector<std::complex<double>> y = {};
   bool binary = false;      ///< 58b
   bool big_endian = false;  ///< of 58b
-  std::ptrdiff_t line = 0;  ///< where its dataset begins in the file it came from
+  std::ptrdiff_t line = 0;  ///< line of its dataset in the original file
 };
 
-/// Dataset 55, or 2414 at nodes: values at nodes, e.g. a mode's shape. The numbers of 2414 stand as
-/// those of 55 do.
+/// Dataset 55, or 2414 at nodes: values at nodes, e.g. a mode shape. The numbers of 2414 are mapped
+/// to those of 55.
 struct UniversalShape {
   std::array<std::string, 5> ids = {};
   int model = 0;     ///< 1 structural
@@ -71,7 +70,7 @@ struct UniversalShape {
   std::vector<std::complex<double>> values = {};  ///< nodes × values_a_node
   std::ptrdiff_t line = 0;
 
-  /// Mode number, frequency [Hz] and damping ratio, where the analysis says; NaN where not.
+  /// Mode number, frequency [Hz] and damping ratio; NaN if the analysis does not give them.
   [[nodiscard]] int mode() const;
   [[nodiscard]] double frequency_hz() const;
   [[nodiscard]] double damping() const;
@@ -90,12 +89,12 @@ struct UniversalNode {
 struct UniversalElement {
   int label = 0;
   int descriptor = 0;  ///< 11 rod, 21 beam, 41 triangle, 44 quadrilateral, 94 shell, 111 solid, …
-  int physical = 0, material = 0;  ///< numbers of tables
+  int physical = 0, material = 0;  ///< numbers of property tables
   int colour = 0;
   std::array<int, 3> beam = {};  ///< of beams: orientation node, sections at the ends
   std::vector<int> nodes = {};
 
-  /// Whether it is of the family that has `beam`.
+  /// True if the element belongs to the family with `beam`.
   [[nodiscard]] bool is_beam() const { return descriptor >= 11 && descriptor <= 24; }
 };
 
@@ -109,7 +108,7 @@ struct UniversalSystem {
   std::array<std::array<double, 3>, 4> axes = {};
 };
 
-/// Dataset 82: nodes to be joined by lines; 0 lifts the pen.
+/// Dataset 82: nodes to be joined by lines; 0 starts a new line.
 struct UniversalTrace {
   int number = 0;
   int colour = 0;
@@ -140,37 +139,36 @@ struct UniversalFile {
   std::vector<UniversalSystem> systems = {};
   std::vector<UniversalShape> shapes = {};
   std::vector<UniversalFunction> functions = {};
-  std::map<int, int> left_out = {};  ///< how many datasets of each number were not read; 2414 where
-                                     ///< its values are not at nodes
+  std::map<int, int> left_out = {};  ///< number of datasets of each number that were skipped; 2414
+                                     ///< if its values are not at nodes
 
-  /// Metres in the file's unit of length.
+  /// Metres per unit of length of the file.
   [[nodiscard]] double metres() const { return units ? 1.0 / units->factors[0] : 1.0; }
 };
 
-/// `name` stands for the file in messages. Throws FileError: foreign for what is no universal file,
-/// corrupt for a dataset that is cut off, or whose numbers are none or too few, with its line.
+/// Parses a file; messages use `name`. Throws FileError: foreign for other files; corrupt, with the
+/// line, for a truncated dataset and for invalid or missing numbers.
 [[nodiscard]] UniversalFile parse_universal_file(const std::string& bytes,
                                                  const std::filesystem::path& name);
-/// Throws as that, and for a file that is not there.
+/// Reads and parses a file. Throws as above, and if the file does not exist.
 [[nodiscard]] UniversalFile read_universal_file(const std::filesystem::path& path);
 
-/// The bytes of a file that reads as this; functions with `binary` as 58b. Abscissae of uneven
-/// functions keep 6 digits where they are text, and all in single precision where they are not, as
-/// the format has it.
+/// The bytes of a file with this content; functions with `binary` are written as 58b. Because of
+/// the format, abscissae of uneven functions keep 6 digits in text and single precision in binary.
 [[nodiscard]] std::string universal_text(const UniversalFile& file);
 
-/// Functions that share their abscissa, as a table: the abscissa, then a column a function, or two
-/// (", real" and ", imaginary"). Values in SI where dataset 164 and the axes' powers say how, and
-/// the axis names no unit itself. Throws FileError (corrupt) where there is no function, or where
-/// they do not share their abscissa.
+/// Converts functions with a common abscissa to a table: the abscissa, then one column per
+/// function, or two (", real" and ", imaginary"). Values are in SI if dataset 164 and the axes'
+/// powers define the units and the axis names no unit. Throws FileError (corrupt) if there is no
+/// function, or if the abscissae differ.
 [[nodiscard]] Columns universal_columns(const UniversalFile& file,
                                         const std::filesystem::path& name);
 
-/// For io/formats.
+/// Adapter for io/formats.
 [[nodiscard]] Columns parse_universal_columns(std::string bytes, const std::filesystem::path& name,
                                               const Wanted& wanted);
 
-/// "12:+Z": a degree of freedom in words; empty where it names no node.
+/// "12:+Z": name of a degree of freedom; empty if it has no node.
 [[nodiscard]] std::string dof_in_words(const UniversalDof& dof);
 /// "x", "-z"; empty for rotations and where no direction is given.
 [[nodiscard]] std::string translation_axis(const UniversalDof& dof);

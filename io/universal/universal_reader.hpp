@@ -1,4 +1,4 @@
-// The lines of a universal file and the numbers in them: for the readers of its datasets.
+// The lines of a universal file and their numbers, for the readers of its datasets.
 #pragma once
 
 #include <algorithm>
@@ -33,14 +33,14 @@ inline std::string none_is_empty(std::string_view text) {
   return word == "NONE" ? std::string() : word;
 }
 
-/// A Fortran number: "1.5E+00", "1.5D+00", "1.5-100", "1.5". None where it is anything else.
+/// A Fortran number: "1.5E+00", "1.5D+00", "1.5-100", "1.5". None for any other text.
 inline std::optional<double> fortran_number(std::string_view field) {
   std::string text(trimmed(field));
   if (text.empty()) return {};
   if (text[0] == '+') text.erase(0, 1);
   for (char& c : text)
     if (c == 'D' || c == 'd') c = 'e';
-  const auto sign = text.find_first_of("+-", 1);  // of an exponent that has lost its letter
+  const auto sign = text.find_first_of("+-", 1);  // sign of an exponent without letter
   if (sign != std::string::npos && std::string_view("eE").find(text[sign - 1]) == std::string::npos)
     text.insert(sign, "e");
   return parse_number(text);
@@ -50,7 +50,7 @@ inline std::string_view field(std::string_view line, std::size_t from, std::size
   return from >= line.size() ? std::string_view() : line.substr(from, width);
 }
 
-/// The lines of a file, with places for messages; and its bytes, for 58b.
+/// The lines of a file with positions for messages, and the bytes for 58b.
 class Reader {
  public:
   Reader(const std::string& bytes, const std::filesystem::path& name)
@@ -62,7 +62,7 @@ class Reader {
     throw FileError(FileError::Kind::corrupt, name_, {.line = number_}, reason);
   }
 
-  /// Without its end; LF, CR LF and CR end lines.
+  /// A line without its end (LF, CR LF or CR).
   std::string_view next(const char* what) {
     if (done()) fail(std::string("the file ends where ") + what + " must follow");
     const std::size_t end = bytes_.find_first_of("\r\n", at_);
@@ -77,7 +77,7 @@ class Reader {
     ++number_;
     return line;
   }
-  /// The next line, without going on to it.
+  /// The next line, without advancing.
   [[nodiscard]] std::string_view peek() const {
     const std::size_t end = bytes_.find_first_of("\r\n", at_);
     return std::string_view(bytes_).substr(
@@ -93,13 +93,13 @@ class Reader {
     at_ += count;
     return out;
   }
-  /// Some programs end binary data with a line, some do not.
+  /// Some programs end binary data with a line break, others do not.
   void skip_blanks() {
     while (!done() && std::string_view(" \t\r\n").find(bytes_[at_]) != std::string_view::npos) {
       number_ += bytes_[at_] == '\n';
       ++at_;
     }
-    // What stands before "-1" on its line was blank.
+    // The text before "-1" on its line is blank.
   }
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
 
@@ -116,10 +116,10 @@ class Reader {
   double number(std::string_view text, const char* what) const {
     if (trimmed(text).empty()) return 0.0;
     const auto value = fortran_number(text);
-    if (!value) fail(std::string(what) + " '" + std::string(trimmed(text)) + "' is no number");
+    if (!value) fail(std::string(what) + " '" + std::string(trimmed(text)) + "' is not a number");
     return *value;
   }
-  /// Whole numbers in columns of `width`, or, where those do not fit, between blanks.
+  /// Whole numbers in columns of `width`; if they do not fit the columns, separated by blanks.
   std::vector<int> integers(std::string_view line, std::size_t width, const char* what) const {
     std::vector<int> out;
     const std::vector<std::string_view> words = split(line);
@@ -127,7 +127,7 @@ class Reader {
     for (std::size_t at = 0; columns && at < line.size(); at += width) {
       const std::string_view word = trimmed(field(line, at, width));
       columns = word.find_first_of(" \t") == std::string_view::npos;
-      const std::size_t edge = at + width;  // no number runs over a column's edge
+      const std::size_t edge = at + width;  // no number crosses the edge of a column
       if (edge < line.size() && line[edge - 1] != ' ' && line[edge] != ' ' && line[edge] != '-')
         columns = columns && word.size() == width;
     }
@@ -152,8 +152,8 @@ class Reader {
     return words;
   }
 
-  /// `count` numbers over lines, in columns of these widths, again and again; or between blanks
-  /// where columns are not kept. No line needs to be full.
+  /// `count` numbers over several lines, in columns of these widths, repeated; or separated by
+  /// blanks if they are not in columns. Lines need not be full.
   std::vector<double> numbers(std::size_t count, const std::vector<std::size_t>& widths,
                               const char* what) {
     std::vector<double> out;
@@ -169,7 +169,7 @@ class Reader {
         out.resize(before);
         for (const std::string_view word : split(line)) {
           const auto value = fortran_number(word);
-          if (!value) fail("'" + std::string(word) + "' is no number");
+          if (!value) fail("'" + std::string(word) + "' is not a number");
           out.push_back(*value);
         }
       }
@@ -199,7 +199,7 @@ class Reader {
   std::ptrdiff_t number_ = 0;
 };
 
-/// Datasets 15, 2411, 82, 2412 and 2420: what stands in them is added to the list.
+/// Datasets 15, 2411, 82, 2412 and 2420: appends their content to the list.
 void read_nodes(Reader& in, std::vector<UniversalNode>& out);
 void read_double_nodes(Reader& in, std::vector<UniversalNode>& out);
 void read_traces(Reader& in, std::vector<UniversalTrace>& out);

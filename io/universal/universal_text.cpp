@@ -1,4 +1,4 @@
-// Writing universal files: the inverse of universal_file.cpp.
+// Writes universal files: the inverse of universal_file.cpp.
 #include <algorithm>
 #include <bit>
 #include <cstdio>
@@ -21,7 +21,7 @@ std::string padded(const std::string& text, std::size_t width) {
   out.resize(width, ' ');
   return out;
 }
-std::string none_where_empty(const std::string& text, std::size_t width) {
+std::string none_if_empty(const std::string& text, std::size_t width) {
   return padded(text.empty() ? "NONE" : text, width);
 }
 
@@ -38,7 +38,8 @@ std::string d25(double x) {
   return text;
 }
 
-/// A line of text, of 80 characters. One that would read as a dataset's end is put in brackets.
+/// A line of text, of 80 characters. A line that would read as the end of a dataset is put in
+/// brackets.
 std::string text_line(const std::string& text) {
   std::string line = padded(text, 80);
   const std::size_t begin = line.find_first_not_of(" \t\r"), end = line.find_last_not_of(" \t\r");
@@ -54,13 +55,13 @@ void begin(std::string& out, int number) {
 }
 
 std::string of(const UniversalDof& dof) {
-  return " " + none_where_empty(dof.entity, 10) + formatted("%10d%4d", dof.node, dof.direction);
+  return " " + none_if_empty(dof.entity, 10) + formatted("%10d%4d", dof.node, dof.direction);
 }
 
 std::string of(const UniversalAxis& axis) {
   return formatted("%10d%5d%5d%5d ", axis.quantity, axis.powers[0], axis.powers[1],
                    axis.powers[2]) +
-         none_where_empty(axis.label, 20) + " " + none_where_empty(axis.unit, 20) + "\n";
+         none_if_empty(axis.label, 20) + " " + none_if_empty(axis.unit, 20) + "\n";
 }
 
 template <class Real>
@@ -89,7 +90,7 @@ std::string binary_values(const UniversalFunction& f) {
 
 std::string text_values(const UniversalFunction& f) {
   std::string out;
-  // As many values a line as the format has; points of uneven functions are never parted.
+  // As many values per line as the format allows; points of uneven functions are not split.
   const std::size_t ordinates = f.is_complex ? 2 : 1;
   std::size_t points_a_line = 0;
   if (f.is_double) {
@@ -154,7 +155,7 @@ void add(std::string& out, const UniversalShape& s) {
   out += kSeparator;
 }
 
-/// Eight nodes a line.
+/// Eight nodes per line.
 std::string in_rows(const std::vector<int>& nodes) {
   std::string out;
   for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -162,7 +163,7 @@ std::string in_rows(const std::vector<int>& nodes) {
   return out + (nodes.empty() ? "" : "\n");
 }
 
-/// Those of double precision as dataset 2411, the others as 15.
+/// Nodes of double precision as dataset 2411, the others as 15.
 void add(std::string& out, const std::vector<UniversalNode>& nodes) {
   for (const bool is_double : {false, true}) {
     if (std::ranges::count(nodes, is_double, &UniversalNode::is_double) == 0) continue;

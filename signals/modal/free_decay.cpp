@@ -30,9 +30,9 @@ constexpr int kMostHankelRows = 500;  // and columns, of the Hankel matrix
 constexpr int kSmallestOrders = 20, kLargestOrders = 60;
 constexpr double kKeptBand = 0.4;  // of the new rate, by decimate()
 constexpr double kHankelRows = 1.2;
-constexpr double kMovedPole = 0.05;  // distance of a refined pole from what the diagram holds
+constexpr double kMovedPole = 0.05;  // distance of a refined pole from that of the diagram
 
-/// Decays of one length, decimated to the band, without their means: what rests at the end.
+/// Decays of equal length, decimated to the band, without their final means.
 std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) {
   Index length = decays.front().cols();
   for (const MatrixXd& d : decays) length = std::min(length, d.cols());
@@ -52,7 +52,7 @@ std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) 
   return out;
 }
 
-/// Samples as OutputCovariances holds R_1 over R_2 over …, a decay a reference.
+/// Samples in the layout of OutputCovariances (R_1 over R_2 over …), one decay per reference.
 MatrixXd stacked(const std::vector<MatrixXd>& decays, Index lags) {
   const Index channels = decays.front().rows();
   MatrixXd out(lags * channels, static_cast<Index>(decays.size()));
@@ -61,8 +61,8 @@ MatrixXd stacked(const std::vector<MatrixXd>& decays, Index lags) {
   return out;
 }
 
-/// All channels of all decays as sums over modes and a constant, y(t) = Re Σ c e^{λt} + c₀, the
-/// c by least squares.
+/// All channels of all decays as sums over modes and a constant, y(t) = Re Σ c e^{λt} + c₀, with c
+/// by least squares.
 struct DecayModel {
   std::vector<Complex> poles;
   MatrixXd basis;     ///< samples × (2 · modes + 1): Re e^{λt}, -Im e^{λt}, 1
@@ -70,7 +70,7 @@ struct DecayModel {
   MatrixXd residual;  ///< samples × (channels · decays)
   Eigen::ColPivHouseholderQR<MatrixXd> qr;
 
-  /// What no c explains of x.
+  /// The part of x that no c explains.
   [[nodiscard]] MatrixXd across(const MatrixXd& x) const { return x - basis * qr.solve(x); }
   [[nodiscard]] double squares() const { return residual.squaredNorm(); }
 };
@@ -92,7 +92,7 @@ DecayModel fit(const MatrixXd& y, std::vector<Complex> poles, double step) {
   return out;
 }
 
-/// ∂ (Re Σ c e^{λt})/∂λ of one mode, to its real part or its imaginary one, with c as they are.
+/// ∂ (Re Σ c e^{λt})/∂λ of one mode, with respect to its real or imaginary part, with c fixed.
 MatrixXd slope(const DecayModel& model, std::size_t mode, bool imaginary, double step) {
   const auto column = 2 * static_cast<Index>(mode);
   MatrixXd pair(model.basis.rows(), 2);
@@ -105,8 +105,8 @@ MatrixXd slope(const DecayModel& model, std::size_t mode, bool imaginary, double
   return pair * model.factors.middleRows(column, 2);
 }
 
-/// Columns of ∂y/∂λ (real, imaginary part of each mode), each all of y; `across` what no c
-/// explains.
+/// Columns of ∂y/∂λ (real, imaginary part of each mode), each over all of y; `across`: the part
+/// that no c explains.
 MatrixXd decay_slopes(const DecayModel& model, double step, bool across) {
   MatrixXd out(model.residual.size(), 2 * static_cast<Index>(model.poles.size()));
   for (std::size_t m = 0; m < model.poles.size(); ++m)
@@ -118,7 +118,7 @@ MatrixXd decay_slopes(const DecayModel& model, double step, bool across) {
   return out;
 }
 
-/// Least squares over poles and factors, downhill from these poles: variable projection (Golub &
+/// Least squares over poles and factors by descent from these poles: variable projection (Golub &
 /// Pereyra 1973) with Kaufman's Jacobian (1975).
 DecayModel refine_decays(const MatrixXd& y, const std::vector<Complex>& poles, double step) {
   DecayModel out = fit(y, poles, step);
@@ -150,9 +150,10 @@ DecayModel refine_decays(const MatrixXd& y, const std::vector<Complex>& poles, d
   return out;
 }
 
-/// Which clusters explain more of the decays than noise would: without one of them the squares that
-/// are left grow by a χ² of 2 · channels · decays numbers, the largest of as many as there are
-/// samples (its frequency was looked for). The least are left out one by one.
+/// Selects the clusters that explain more of the decays than noise would. Without one of them, the
+/// residual squares grow by a χ² of 2 · channels · decays numbers. The limit is the largest such χ²
+/// among as many as there are samples, because the frequency was searched. Clusters are removed one
+/// by one, the smallest first.
 void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
   const auto numbers = static_cast<double>(2 * y.cols());
   const double least =
@@ -180,11 +181,12 @@ void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
   }
 }
 
-/// Noise of a residual's kind: normal, with its spectra and cross-spectra as the mean over
-/// neighbouring lines but the modes' own, of which the fit has taken out what it could.
+/// Noise like the residual: normal, with its spectra and cross-spectra as the mean over
+/// neighbouring lines. The modes' own lines are excluded, because the fit has reduced their
+/// residuals.
 class Surrogates {
  public:
-  /// `noise`: a channel a row. `fitted`: the modes' frequencies, in lines.
+  /// `noise`: one channel per row. `fitted`: the modes' frequencies, in lines.
   Surrogates(const MatrixXd& noise, const std::vector<double>& fitted)
       : lines_(noise.rows(), noise.cols() / 2 + 1) {
     samples_ = noise.cols();
@@ -208,7 +210,7 @@ class Surrogates {
       const Index from = std::max<Index>(1, k - reach_), to = std::min(last, k + reach_);
       const auto begin = left_.begin();
       const auto used = std::count(begin + from, begin + to + 1, true);
-      const bool all = 2 * used < to - from + 1;  // modes wherever one looks
+      const bool all = 2 * used < to - from + 1;  // modes at almost all lines
       const double share = 1.0 / std::sqrt(2.0 * static_cast<double>(all ? to - from + 1 : used));
       for (Index j = from; j <= to; ++j) {
         if (!all && !left_[index(j)]) continue;
@@ -236,8 +238,7 @@ class Surrogates {
   Index samples_ = 0, reach_ = 0;
 };
 
-/// The shape that all decays have in common: of channels × decays factors the first left singular
-/// vector.
+/// The common shape of all decays: the first left singular vector of channels × decays factors.
 VectorXcd decay_shape_of(const MatrixXd& factors, std::size_t mode, Index channels) {
   const auto row = 2 * static_cast<Index>(mode);
   VectorXcd c(factors.cols());
@@ -248,7 +249,7 @@ VectorXcd decay_shape_of(const MatrixXd& factors, std::size_t mode, Index channe
   return Eigen::JacobiSVD<MatrixXcd>(table, Eigen::ComputeThinU).matrixU().col(0);
 }
 
-/// The modes with what surrogates of the residuals move them by: Δλ = J⁺e, Δc = B⁺(e - ∂y/∂λ Δλ).
+/// The modes with their changes by surrogates of the residuals: Δλ = J⁺e, Δc = B⁺(e - ∂y/∂λ Δλ).
 void describe_decay(ModalResult& out, const DecayModel& model, Index channels, double step,
                     std::uint64_t seed) {
   const auto count = static_cast<Index>(model.poles.size());
@@ -349,14 +350,14 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
     refuse("samples", static_cast<double>(length), "must be at least 8 once decimated to the band");
   Index columns = std::clamp<Index>(lags * channels / (channels + events), 1, lags - 1);
   const Index largest = std::min((lags - columns) * channels, columns * events);
-  const int asked = options.largest_order > 0 ? options.largest_order / 2 * 2
-                                              : std::clamp(static_cast<int>(10 * channels),
-                                                           kSmallestOrders, kLargestOrders);
+  const int requested = options.largest_order > 0 ? options.largest_order / 2 * 2
+                                                  : std::clamp(static_cast<int>(10 * channels),
+                                                               kSmallestOrders, kLargestOrders);
   out.largest_order =
-      std::min(asked, static_cast<int>(static_cast<double>(largest) / kHankelRows) / 2 * 2);
+      std::min(requested, static_cast<int>(static_cast<double>(largest) / kHankelRows) / 2 * 2);
   if (out.largest_order < 2)
     refuse("samples", static_cast<double>(length), "too few for any order");
-  out.remarks.order_cut = out.largest_order < asked ? asked : 0;
+  out.remarks.order_cut = out.largest_order < requested ? requested : 0;
   out.lags = static_cast<int>(lags);
   out.replicates = options.blocks > 0 ? options.blocks : kSurrogates;
   const double step = 1.0 / out.sample_rate_hz;
@@ -366,7 +367,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   samples.scale = samples.zero_lag = VectorXd::Ones(channels);
   samples.mean = stacked(y, lags);
   for (Index e = 0; e < events; ++e) samples.references.push_back(static_cast<int>(e));
-  // Without blocks that scatter: the diagram has no standard deviations.
+  // Without blocks the diagram has no standard deviations.
   samples.blocks.assign(2, samples.mean);
   const StochasticSubspace subspace(samples, {.step = step,
                                               .columns = static_cast<int>(columns),

@@ -1,17 +1,18 @@
-// Modes from free decays: the eigensystem realisation algorithm, with the covariance of all it
-// finds.
+// Modes from free decays: the eigensystem realisation algorithm, with the covariance of all
+// results.
 //
-// After a knock or a release, y(k Δt) = C A^k x₀: the samples themselves stand where output
-// covariances stand in stochastic_subspace.hpp, and each decay, with its own x₀, where a reference
-// does (Juang & Pappa 1985, J. Guid. Control Dyn. 8:620).
+// After an impact or a release, y(k Δt) = C A^k x₀. The samples replace the output covariances of
+// stochastic_subspace.hpp, and each decay, with its own x₀, replaces a reference (Juang & Pappa
+// 1985, J. Guid. Control Dyn. 8:620).
 //
-// Poles that fit noise are as stable over orders as modes are: those without which the decays would
-// be explained as well are left out. The rest are refined together, to the least squares of
+// Poles that fit noise are as stable over orders as modes. Poles without which the decays are
+// explained equally well are removed. The others are refined together, to the least squares of
 //
 //   y(t) = Re Σ c e^{λt} + c₀
 //
 // over all channels and decays (variable projection). Uncertainty: normal noise with the spectra
-// and cross-spectra of what is left, smoothed over lines, through the derivatives of that fit.
+// and cross-spectra of the residuals, smoothed over lines, propagated by the derivatives of that
+// fit.
 #pragma once
 
 #include <cstdint>
@@ -21,11 +22,11 @@
 
 namespace wheeltap::signals {
 
-/// `decays`: a channel a row, each begins when nothing drives the structure any more; the shortest
-/// says how much is used. ModalOptions::blocks is the number of surrogates (0: 200), `lags` how
-/// many samples are used (0: as many as there is room for), `references` is not used. Throws
-/// std::invalid_argument for a band that is none, channels that differ in number or are not finite
-/// or still throughout, and decays too short for any order.
+/// `decays`: one channel per row; each begins when no force acts any more, and the shortest sets
+/// the length used. ModalOptions::blocks is the number of surrogates (0: 200), `lags` the number of
+/// samples used (0: as many as fit); `references` is not used. Throws std::invalid_argument for an
+/// invalid band, channels that differ in number, are not finite or constant, and decays too short
+/// for any order.
 [[nodiscard]] ModalResult identify_decays(const std::vector<Eigen::MatrixXd>& decays,
                                           const ModalOptions& options, std::uint64_t seed = 1);
 

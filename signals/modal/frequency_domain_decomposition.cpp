@@ -27,9 +27,9 @@ using Eigen::VectorXd;
 
 constexpr int kSegments = 40, kFewestSegments = 8, kSpectrumBlocks = 20, kFewestSpectrumBlocks = 4;
 constexpr int kPadding = 2;
-constexpr double kOwn = 0.8;                  // MAC with the peak, of lines that are the mode's
-constexpr int kFewestLines = 3;               // that share a shape, unpadded
-constexpr double kUpper = 0.9, kLower = 0.3;  // of |c|, where it is taken as a decay
+constexpr double kOwn = 0.8;                  // MAC with the peak for lines of the mode
+constexpr int kFewestLines = 3;               // with a common shape, unpadded
+constexpr double kUpper = 0.9, kLower = 0.3;  // range of |c| for the fit of the decay
 constexpr int kFewestCorrelationLags = 8;
 constexpr double kLeastDecibels = 3.0;
 
@@ -48,7 +48,7 @@ struct Spectra {
   [[nodiscard]] double frequency(Index line) const {
     return static_cast<double>(first + line) * spacing_hz;
   }
-  /// The mean without one part; of all with -1.
+  /// The mean without one part; with -1, of all parts.
   [[nodiscard]] MatrixXcd mean(Index line, int without) const {
     const Index n = parts.front().lines.front().rows();
     MatrixXcd sum = MatrixXcd::Zero(n, n);
@@ -115,12 +115,12 @@ First first_of(const MatrixXcd& s) {
   return {.value = std::max(solver.eigenvalues()[n], 0.0), .shape = solver.eigenvectors().col(n)};
 }
 
-/// A peak and the lines that share its shape.
+/// A peak and the lines with its shape.
 struct Peak {
   Index line = 0, begin = 0, end = 0;
 };
 
-/// Lines about `line` in [begin, end) whose shape is its own.
+/// Lines around `line` in [begin, end) with its shape.
 Peak domain_of(const std::vector<First>& firsts, Index line) {
   const auto own = [&](Index l) {
     return modal_assurance(firsts[index(l)].shape, firsts[index(line)].shape) > kOwn;
@@ -131,7 +131,7 @@ Peak domain_of(const std::vector<First>& firsts, Index line) {
   return out;
 }
 
-/// How far [dB] a line stands above the lowest one on the way to any that is higher.
+/// Prominence [dB] of a line: its height above the lowest line on the way to a higher one.
 double prominence(const std::vector<First>& firsts, Index line) {
   const double own = firsts[index(line)].value;
   const auto least_to = [&](Index step) {
@@ -160,14 +160,14 @@ std::vector<Peak> peaks_of(const std::vector<First>& firsts, int segments) {
   return out;
 }
 
-/// λ from lines of one mode; NaN where they hold no decay.
+/// λ from the lines of one mode; NaN if they give no decay.
 Complex decay_of(const VectorXd& bell, Index first, double step, int segment) {
   const int padded = kPadding * segment;
   VectorXcd in = VectorXcd::Zero(padded), c;
   in.segment(first, bell.size()) = bell.cast<Complex>();
   Eigen::FFT<double> fft;
   fft.inv(c, in);
-  // The window's own correlation.
+  // The correlation of the window itself.
   VectorXcd w = VectorXcd::Zero(padded), spectrum, own;
   w.head(segment) = hann(segment).cast<Complex>();
   fft.fwd(spectrum, w);
@@ -197,7 +197,7 @@ struct Estimate {
   VectorXcd shape;
 };
 
-/// The mode of a peak, of the record without one part.
+/// The mode of a peak, from the record without one part.
 Estimate estimate(const Spectra& spectra, const ModalResult& band, const Peak& peak, int without) {
   const First top = first_of(spectra.mean(peak.line, without));
   VectorXd bell(peak.end - peak.begin);
@@ -221,7 +221,7 @@ VectorXcd scaled(const VectorXcd& shape, Index top) {
   return shape / shape[top];
 }
 
-/// Frequency, damping and covariances of the peaks that hold a decay; the others are left out.
+/// Frequency, damping and covariances of the peaks with a decay; other peaks are dropped.
 void enhance(ModalResult& out, const Spectra& spectra, std::vector<Peak>& peaks, int threads) {
   const auto parts = static_cast<int>(spectra.parts.size());
   std::vector<std::vector<Estimate>> all(peaks.size());
@@ -283,8 +283,8 @@ ModalResult decompose_spectra(const Eigen::Ref<const MatrixXd>& records,
   out.segments = static_cast<int>(2 * y.cols() / out.segment) - 1;
   if (out.segments < kFewestSegments)
     throw std::invalid_argument("segment = " + std::to_string(out.segment) +
-                                ": the record must hold at least eight of them, half over half, "
-                                "once decimated to the band");
+                                ": the record must hold at least eight of them, with 50 % overlap, "
+                                "after decimation to the band");
   out.blocks = std::clamp(options.blocks > 0 ? options.blocks : kSpectrumBlocks,
                           kFewestSpectrumBlocks, std::max(kFewestSpectrumBlocks, out.segments / 2));
   const Spectra spectra = spectra_of(y, out, out.blocks, options.threads);

@@ -46,7 +46,7 @@ std::vector<int> common_sensors(const std::vector<SetUpModes>& set_ups, int sens
   return out;
 }
 
-/// Channels of the references, in the references' order.
+/// Channels of the references, in the order of the references.
 std::vector<int> reference_channels(const SetUpModes& set_up, const std::vector<int>& references) {
   std::vector<int> out;
   for (const int k : references)
@@ -60,14 +60,14 @@ VectorXcd part(const VectorXcd& shape, const std::vector<int>& channels) {
   return out;
 }
 
-/// x̄ with its weights, which add to 1, and the variance between.
+/// x̄ with its weights, which sum to 1, and the variance between set-ups.
 struct Mean {
   double value = 0.0, sd = 0.0, between = 0.0, chi_square = 0.0;
   VectorXd weights;
 };
 
 Mean weighted_mean(const VectorXd& x, const VectorXd& stated) {
-  // What is stated to be exact is no better than rounding.
+  // Values stated as exact are still subject to rounding.
   const VectorXd variance = stated.cwiseMax(1e-30 + 1e-24 * x.cwiseAbs2().maxCoeff());
   VectorXd w = variance.cwiseInverse();
   Mean out;
@@ -83,7 +83,7 @@ Mean weighted_mean(const VectorXd& x, const VectorXd& stated) {
   return out;
 }
 
-/// One mode's shapes in all set-ups that found it.
+/// The shapes of one mode in all set-ups that found it.
 struct Pieces {
   struct Piece {
     std::vector<int> sensors;
@@ -94,8 +94,8 @@ struct Pieces {
   };
   std::vector<Piece> list;
   int sensors = 0;
-  std::size_t base = 0;  ///< the piece that the others are scaled to first
-  Index top = -1;        ///< the entry that is to be 1
+  std::size_t base = 0;  ///< the part to which the others are scaled first
+  Index top = -1;        ///< the entry that becomes 1
 
   [[nodiscard]] VectorXcd glued() const {
     std::vector<VectorXcd> r;
@@ -130,7 +130,7 @@ struct Pieces {
   }
 };
 
-/// How well the references of a piece are known, of their own size: 1/u before scaling.
+/// Relative uncertainty of a part's references: 1/u before scaling.
 double relative_variance(const Pieces::Piece& p) {
   const auto n = static_cast<Index>(p.sensors.size());
   double variance = 0.0;
@@ -141,8 +141,7 @@ double relative_variance(const Pieces::Piece& p) {
 void glue(MergedMode& out, Pieces& pieces) {
   double best = kNeverMerged;
   for (std::size_t s = 0; s < pieces.list.size(); ++s) {
-    // A piece whose only reference is its largest entry has no scatter there; none counts without
-    // bound.
+    // A part whose only reference is its largest entry has no scatter there; limits its weight.
     const double variance = std::max(relative_variance(pieces.list[s]), 1e-8);
     pieces.list[s].weight = 1.0 / variance;
     if (variance < best) {
@@ -165,7 +164,7 @@ void glue(MergedMode& out, Pieces& pieces) {
     MatrixXd derivative(2 * n, 2 * own);
     for (Index j = 0; j < 2 * own; ++j) {
       const std::complex<double> held = p.shape[j % own];
-      const double h = 1e-5;  // of a largest entry of 1: differences to about 1e-10
+      const double h = 1e-5;  // for a largest entry of 1: differences are accurate to about 1e-10
       const std::complex<double> step =
           j < own ? std::complex<double>(h, 0.0) : std::complex(0.0, h);
       p.shape[j % own] = held + step;
@@ -208,14 +207,14 @@ double distance_between(const FoundMode& a, const FoundMode& b) {
   return apart / larger + 1.0 - modal_assurance(a.at_references, b.at_references);
 }
 
-/// One mode's values in all set-ups that found it.
+/// The values of one mode in all set-ups that found it.
 struct Sightings {
   VectorXd f, zeta, f_variance, zeta_variance;
   Pieces pieces;
   int doubted = 0;
 };
 
-/// The least between two pieces, and at most 1.
+/// The smallest MAC between two parts, at most 1.
 double least_reference_mac(const Pieces& pieces) {
   double least = 1.0;
   for (std::size_t a = 0; a < pieces.list.size(); ++a)
@@ -254,7 +253,7 @@ class ModeMerger {
   }
 
  private:
-  /// Merged modes with nothing but their places.
+  /// Merged modes with only their indices.
   void match() {
     std::vector<FoundMode> found;
     std::vector<int> groups;
@@ -336,7 +335,7 @@ class ModeMerger {
     if (mode.reference_mac < kUnlike) mode.doubts.push_back(MergeDoubt::unlike);
   }
 
-  /// The modes, and with them the rows of their covariance, which this computes.
+  /// Computes the modes and the rows of their covariance.
   void sort_by_frequency() {
     std::vector<std::size_t> order(out_.modes.size());
     for (std::size_t m = 0; m < order.size(); ++m) order[m] = m;
@@ -360,10 +359,10 @@ class ModeMerger {
   int sensors_;
   MergedModes out_;
   std::vector<std::vector<int>> channels_;  ///< of the references, by set-up
-  Index count_ = 0;                         ///< merged modes
-  /// Of every set-up's frequencies and damping ratios in the merged ones.
+  Index count_ = 0;                         ///< number of merged modes
+  /// Derivatives of the merged values to every set-up's frequencies and damping ratios.
   std::vector<MatrixXd> weights_;
-  VectorXd between_;  ///< variance of the merged ones beyond that of the set-ups
+  VectorXd between_;  ///< variance of the merged values in addition to that of the set-ups
 };
 
 }  // namespace
@@ -377,7 +376,7 @@ MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors) {
   std::vector<int> references = common_sensors(set_ups, sensors);
   if (references.empty())
     throw std::invalid_argument(
-        "set-ups: have no sensor in common, so that nothing says how their shapes belong together");
+        "set-ups: have no sensor in common, so that their shapes cannot be scaled to each other");
   return ModeMerger(set_ups, sensors, std::move(references)).merge();
 }
 

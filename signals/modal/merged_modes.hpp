@@ -1,15 +1,16 @@
-// Modes of one structure from several set-ups of sensors that share references.
+// Merges the modes of several sensor set-ups that share reference sensors.
 //
-// Each set-up is identified by itself and the modes are put together afterwards (PoSER: Reynders,
+// Each set-up is identified separately; the modes are merged afterwards (PoSER: Reynders,
 // Magalhães, De Roeck & Cunha 2009, IMAC 27; with uncertainty, Döhler, Lam & Mevel 2013, Mech.
-// Syst. Signal Process. 36:562): records need neither the same start nor the same excitation.
+// Syst. Signal Process. 36:562). The records need neither the same start nor the same excitation.
 //
-// Frequencies and damping: weighted means x̄ = Σ w_s x_s / Σ w_s, w_s = 1/(v_s + τ²), τ² the
-// variance between set-ups beyond their own, v_s (DerSimonian & Laird 1986). Shapes: set-up s holds
-// a factor a_s that it cannot know. With r_s its part at the references and r their mean,
-//   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups that have k,
-// where u_s is the inverse variance of r_s. Covariances follow from those of the set-ups, which are
-// independent, by the derivatives (of the shapes, by central differences).
+// Frequencies and damping: weighted means x̄ = Σ w_s x_s / Σ w_s, w_s = 1/(v_s + τ²), with the
+// variances v_s of the set-ups and the additional variance τ² between them (DerSimonian & Laird
+// 1986). Shapes: each set-up s has an unknown factor a_s. With r_s its part at the references and r
+// their mean,
+//   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups with sensor k,
+// where u_s is the inverse variance of r_s. Covariances follow from those of the independent
+// set-ups by derivatives (for shapes, by central differences).
 #pragma once
 
 #include <vector>
@@ -18,18 +19,18 @@
 
 namespace wheeltap::signals {
 
-/// What one set-up found, and which of all sensors each of its channels is.
+/// The results of one set-up, with the sensor of each channel.
 struct SetUpModes {
   std::vector<Mode> modes = {};
   Eigen::MatrixXd covariance = {};  ///< of all frequencies, then all damping ratios
   std::vector<int> sensors = {};    ///< by channel
 };
 
-/// Why a merged mode is not to be trusted at once.
+/// Reasons to doubt a merged mode.
 enum class MergeDoubt {
   few_set_ups,   ///< found in less than half of the set-ups
-  doubted,       ///< doubtful in most of those that found it
-  inconsistent,  ///< frequencies scatter between set-ups beyond what they say of themselves
+  doubted,       ///< doubtful in most set-ups that found it
+  inconsistent,  ///< scatter of frequencies between set-ups exceeds their standard deviations
   unlike         ///< two set-ups' shapes differ at the references: MAC below 0.8
 };
 
@@ -38,10 +39,10 @@ struct MergedMode {
   double damping = 0.0, damping_sd = 0.0;
   double between_hz = 0.0;       ///< τ of the frequency
   double consistency_p = 1.0;    ///< of χ² = Σ (f_s - f̄)² / v_s; 1 in one set-up alone
-  double reference_mac = 1.0;    ///< the least between two set-ups, at the references
+  double reference_mac = 1.0;    ///< the smallest MAC between two set-ups at the references
   double collinearity = 0.0;     ///< modal phase collinearity of the whole shape
-  std::vector<int> places = {};  ///< by set-up: among its modes; -1: not found
-  Eigen::VectorXcd shape = {};   ///< by sensor, largest entry 1; NaN where no set-up tells
+  std::vector<int> places = {};  ///< for each set-up: index among its modes; -1: not found
+  Eigen::VectorXcd shape = {};   ///< by sensor, largest entry 1; NaN if no set-up measured it
   Eigen::MatrixXd shape_covariance = {};  ///< of real parts, then imaginary parts; 0 where NaN
   std::vector<MergeDoubt> doubts = {};
 
@@ -54,11 +55,11 @@ struct MergedModes {
   std::vector<int> references = {};    ///< sensors that every set-up has
 };
 
-/// Modes of two set-ups are the same where their frequencies are within 2 % or five standard
-/// deviations, and |Δf|/f + 1 - MAC at the references is small (average_linkage to 0.15). Of a mode
-/// that some set-ups lack, the shape has gaps. `sensors`: how many there are in all. Throws
-/// std::invalid_argument for no set-up, a sensor beyond `sensors` or twice in one set-up, and
-/// set-ups that have no sensor in common.
+/// Modes of two set-ups match if their frequencies differ by less than 2 % or five standard
+/// deviations, and |Δf|/f + 1 - MAC at the references is small (average_linkage to 0.15). If some
+/// set-ups lack a mode, its shape has gaps. `sensors`: total number of sensors. Throws
+/// std::invalid_argument for no set-up, a sensor outside `sensors` or repeated in one set-up, and
+/// set-ups without a common sensor.
 [[nodiscard]] MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors);
 
 }  // namespace wheeltap::signals

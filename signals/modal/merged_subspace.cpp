@@ -15,9 +15,10 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-constexpr double kTold = 2.0;  // variance of a component over that of its scatter
+constexpr double kKeptRatio =
+    2.0;  // smallest ratio of a component's variance to that of its scatter
 
-/// Rows of some channels out of every block row.
+/// Extracts the rows of some channels from every block row.
 MatrixXd rows_of(const MatrixXd& h, Index channels, const std::vector<int>& which) {
   const Index blocks = h.rows() / channels, count = static_cast<Index>(which.size());
   MatrixXd out(blocks * count, h.cols());
@@ -35,13 +36,13 @@ void add_rows(MatrixXd& into, Index sensors, const std::vector<int>& which, cons
       into.row(b * sensors + which[index(c)]) += rows.row(b * count + c);
 }
 
-/// A set-up in its parts, its references in the units that all set-ups have.
+/// A set-up in parts, with its references in units common to all set-ups.
 struct Piece {
   Index channels = 0;
   VectorXd row_scale = {}, column_scale = {};
   std::vector<int> moved = {}, moved_sensors = {};
   MatrixXd reference = {}, mov = {}, z = {}, observability = {};  ///< H_ref, H_mov, Z, O_mov
-  // Of an LLT that nothing was computed with, a copy reads what was never written.
+  // Initialised, because copying a default-constructed LLT reads uninitialised memory.
   Eigen::LLT<MatrixXd> gram = Eigen::LLT<MatrixXd>(MatrixXd());  ///< Z Zᵀ
 
   [[nodiscard]] MatrixXd scaled(const MatrixXd& h) const {
@@ -52,13 +53,13 @@ struct Piece {
   }
 };
 
-/// B A⁻¹, of no rows where B has none: Eigen refers to the first number of what it solves.
+/// B A⁻¹; handled separately if B has no rows, because Eigen accesses the first element.
 MatrixXd times_inverse(const MatrixXd& b, const Eigen::LLT<MatrixXd>& a) {
   if (b.rows() == 0) return b;
   return a.solve(b.transpose()).transpose();
 }
 
-/// (ΔH Zᵀ + H ΔZᵀ - O (ΔZ Zᵀ + Z ΔZᵀ)), which the inverse of Z Zᵀ completes.
+/// (ΔH Zᵀ + H ΔZᵀ - O (ΔZ Zᵀ + Z ΔZᵀ)), to be multiplied by the inverse of Z Zᵀ.
 MatrixXd numerator(const MatrixXd& dh, const MatrixXd& h, const MatrixXd& o, const MatrixXd& z,
                    const MatrixXd& dz) {
   const MatrixXd cross = dz * z.transpose();
@@ -95,7 +96,7 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
       piece.row_scale[c] = piece.column_scale[r] =
           own.scale[c] / out.scale[reference_sensors[index(r)]];
     }
-    // Set-ups weigh alike, however strongly they were driven: Z_s takes any factor.
+    // Gives set-ups equal weight regardless of their excitation; Z_s absorbs any factor.
     const double level = piece.column_scale.norm() / std::sqrt(static_cast<double>(references));
     piece.column_scale /= level * level;
     for (Index c = 0; c < piece.channels; ++c) {
@@ -114,7 +115,7 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   if (rank < 2 || rank > std::min(height, width))
     throw std::invalid_argument("rank = " + std::to_string(rank) + ": must be from 2 to " +
                                 std::to_string(std::min(height, width)) +
-                                ", what the references' covariances hold");
+                                ", the rank of the references' covariances");
   MatrixXd all(height, width * static_cast<Index>(pieces.size()));
   for (std::size_t s = 0; s < pieces.size(); ++s)
     all.middleCols(static_cast<Index>(s) * width, width) = pieces[s].reference;
@@ -123,8 +124,8 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   const MatrixXd turn = svd.matrixV().leftCols(rank) * std::sqrt(share);
   const VectorXd weight = svd.singularValues().head(rank) * std::sqrt(share);
 
-  // What each block moves, and so which components of Z are more than its scatter: the moved
-  // sensors are regressed on these alone, the others would fit noise by noise.
+  // The changes by each block, and thus the components of Z that exceed their scatter. The moved
+  // sensors are regressed on these components only; the others would fit noise by noise.
   std::vector<std::vector<MatrixXd>> moves(pieces.size());
   VectorXd scatter = VectorXd::Zero(rank);
   for (std::size_t s = 0; s < pieces.size(); ++s) {
@@ -140,15 +141,15 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
                       .squaredNorm();
     }
   }
-  Index told = 2;
-  while (told < rank && weight[told] * weight[told] > kTold * scatter[told]) ++told;
+  Index kept = 2;
+  while (kept < rank && weight[kept] * weight[kept] > kKeptRatio * scatter[kept]) ++kept;
 
   MatrixXd gram = MatrixXd::Zero(rank, rank), product = MatrixXd::Zero(height, rank);
   for (Piece& p : pieces) {
     const MatrixXd z = basis.transpose() * p.reference;
     gram += z * z.transpose();
     product += p.reference * z.transpose();
-    const auto leading = z.topRows(told);
+    const auto leading = z.topRows(kept);
     p.gram.compute(leading * leading.transpose());
     p.observability = times_inverse(p.mov * leading.transpose(), p.gram);
     p.z = z;
@@ -164,7 +165,7 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   add_rows(observability, sensors, reference_sensors, reference);
   for (const Piece& p : pieces) {
     MatrixXd rows = MatrixXd::Zero(p.observability.rows(), rank);
-    rows.leftCols(told) = p.observability;
+    rows.leftCols(kept) = p.observability;
     add_rows(observability, sensors, p.moved_sensors, rows);
   }
   out.hankel = weighted(observability);
@@ -176,7 +177,7 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
       const MatrixXd dz = basis.transpose() * dh;
       const MatrixXd of_references = numerator(dh, p.reference, reference, p.z, dz);
       const MatrixXd of_moved = numerator(rows_of(moved, p.channels, p.moved), p.mov,
-                                          p.observability, p.z.topRows(told), dz.topRows(told));
+                                          p.observability, p.z.topRows(kept), dz.topRows(kept));
       MatrixXd one = observability * (dz * turn.middleRows(static_cast<Index>(s) * width, width));
       add_rows(one, sensors, reference_sensors, weighted(times_inverse(of_references, whole)));
       add_rows(one, sensors, p.moved_sensors, weighted(times_inverse(of_moved, p.gram)));

@@ -1,16 +1,16 @@
-// Covariances of several set-ups as those of one that has all sensors: merging before
+// Merges the covariances of several set-ups into those of one set-up with all sensors, before
 // identification.
 //
-// Set-ups s share reference sensors, but not the excitation: their block Hankel matrices
+// Set-ups s share reference sensors, but not the excitation. Their block Hankel matrices
 //   H_s = (O_ref; O_s) Z_s   (rows of the references; of the moved sensors)
-// have the observability matrix of one structure, and Z_s of their own (PreGER: Döhler, Reynders,
+// have the observability matrix of one structure and different Z_s (PreGER: Döhler, Reynders,
 // Magalhães, Mevel, De Roeck & Cunha 2011, Identification of bridge modal parameters; Mevel,
-// Basseville, Benveniste & Goursat 2002, Mech. Syst. Signal Process. 16:319). With
-// (H_1,ref H_2,ref …) = U S Vᵀ cut to rank n and B = U_n fixed,
+// Basseville, Benveniste & Goursat 2002, Mech. Syst. Signal Process. 16:319). With (H_1,ref H_2,ref
+// …) = U S Vᵀ truncated to rank n and B = U_n fixed,
 //   Z_s = Bᵀ H_s,ref,   O_ref = (Σ H_s,ref Z_sᵀ) (Σ Z_s Z_sᵀ)⁻¹,   O_s = H_s,mov Z_sᵀ (Z_s Z_sᵀ)⁻¹,
-// and H = (O_ref; O_1; …) (Z_1 Z_2 …)/√N stands for the Hankel matrix of one set-up with all
-// sensors; of its columns those of V_n are all it has. Set-ups are independent: each block of each
-// moves H by the derivative of that with B held, which is a choice of basis.
+// and H = (O_ref; O_1; …) (Z_1 Z_2 …)/√N is the Hankel matrix of one set-up with all sensors,
+// reduced to the column space V_n. Set-ups are independent. Each block of each set-up changes H by
+// the derivative with B fixed, which is a choice of basis.
 #pragma once
 
 #include <vector>
@@ -19,15 +19,15 @@
 
 namespace wheeltap::signals {
 
-/// One set-up's covariances, with references in one order in all of them.
+/// The covariances of one set-up; all set-ups have the references in the same order.
 struct SetUpCovariances {
   OutputCovariances covariances;
-  std::vector<int> sensors = {};  ///< of all, by channel
+  std::vector<int> sensors = {};  ///< sensor of each channel, among all sensors
 };
 
-/// `sensors`: how many there are in all. A sensor that several set-ups have without being a
-/// reference is taken from the first of them. `columns` is q; `rank` n. Throws
-/// std::invalid_argument for a rank beyond what the references' rows and columns hold.
+/// `sensors`: total number of sensors. If several set-ups have a sensor that is not a reference,
+/// the first one is used. `columns` is q; `rank` n. Throws std::invalid_argument for a rank above
+/// the rows or columns of the references.
 [[nodiscard]] HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups,
                                              int sensors, int columns, int rank);
 

@@ -23,15 +23,15 @@ using Eigen::MatrixXd;
 constexpr int kBlocks = 50, kFewBlocks = 20, kFewestBlocks = 8;
 constexpr long kLagsPerBlock = 5;
 constexpr int kFewestLags = 4;
-constexpr int kRoom = 2;        // columns over the order, of regressions on references
-constexpr double kRows = 1.2;   // rows and columns of H, over the least that the order needs
+constexpr int kRoom = 2;        // ratio of columns to the order, for regressions on references
+constexpr double kRows = 1.2;   // ratio of rows and columns of H to the minimum for the order
 constexpr int kMostRows = 900;  // of H
 constexpr double kKept = 0.4;   // of the new rate, by decimate()
 constexpr double kTone = 1.3;   // amplitude kurtosis below
 constexpr double kToneDamping = 0.002;
 constexpr double kAlike = 1.0 - 1e-9;
 
-/// Two channels that are one and the same would make a mode of their difference.
+/// Two identical channels would create a mode of their difference.
 void refuse_copies(const MatrixXd& y) {
   const MatrixXd centred = y.colwise() - y.rowwise().mean();
   const MatrixXd product = centred * centred.transpose();
@@ -64,7 +64,7 @@ struct Shape {
   [[nodiscard]] int lags() const { return rows + columns; }
 };
 
-/// p and q for an order and a span [samples], with what the record has room for.
+/// p and q for an order and a span [samples], limited by the record.
 Shape shape_of(int order, double span, int channels, int references, long samples, int lags) {
   Shape out{.order = order};
   out.rows = static_cast<int>(std::ceil(kRows * order / channels));
@@ -72,7 +72,7 @@ Shape shape_of(int order, double span, int channels, int references, long sample
   const int least = lags > 0 ? lags : static_cast<int>(std::ceil(span));
   if (out.lags() < least) {
     const int more = least - out.lags();
-    // Lags are shared so that H becomes as square as it can.
+    // Divides the lags so that H is nearly square.
     for (int i = 0; i < more; ++i)
       ++(out.rows * channels <= out.columns * references ? out.rows : out.columns);
   }
@@ -82,7 +82,7 @@ Shape shape_of(int order, double span, int channels, int references, long sample
   if (most_lags < kFewestLags)
     refuse("samples", static_cast<double>(samples),
            "must be at least " + std::to_string(kFewestBlocks * kLagsPerBlock * kFewestLags) +
-               " once decimated to the band, to have blocks at all");
+               " after decimation to the band, for at least two blocks");
   const int limit = lags > 0 ? std::min(lags, most_lags) : most_lags;
   while (out.lags() > std::max(limit, 2))
     --(out.rows * channels >= out.columns * references && out.rows > 1 ? out.rows : out.columns);
@@ -92,13 +92,13 @@ Shape shape_of(int order, double span, int channels, int references, long sample
   return out;
 }
 
-int blocks_of(int asked, long samples, int lags) {
-  if (asked > 0) return asked;
+int blocks_of(int requested, long samples, int lags) {
+  if (requested > 0) return requested;
   return static_cast<int>(
       std::clamp<long>((samples - lags) / (kLagsPerBlock * lags), kFewestBlocks, kBlocks));
 }
 
-/// Whether a mode could be the other one: as near as both are uncertain, or within both's
+/// True if a mode could be the other one: closer than both standard deviations, or within both
 /// half-power widths and known less well; with the same shape.
 bool is_twin(const Pole& p, const Pole& other) {
   const double apart = std::abs(other.frequency_hz - p.frequency_hz);
@@ -113,8 +113,8 @@ bool near(double a, double b) {
   return std::abs(a - b) <= 0.05 * b;
 }
 
-/// Of the channel that moves most in the mode, in each record; the largest of these: what is a tone
-/// in all of them. What is too short says 2.
+/// For the channel with the largest motion in the mode, in each record; the largest value, so that
+/// a tone must appear in all records. Records that are too short give 2.
 double largest_kurtosis(const std::vector<MatrixXd>& records,
                         const std::vector<std::vector<int>>& sensors, const Pole& pole,
                         double sample_rate_hz) {
@@ -133,8 +133,8 @@ double largest_kurtosis(const std::vector<MatrixXd>& records,
   return out;
 }
 
-/// Modes of the diagram with all their uncertainty.
-/// `records`, `sensors`: of each set-up, the sensors of its channels.
+/// The modes of the diagram with all their uncertainty. `records`, `sensors`: for each set-up, with
+/// the sensors of its channels.
 void describe(ModalResult& out, const StochasticSubspace& subspace,
               const std::vector<MatrixXd>& records, const std::vector<std::vector<int>>& sensors) {
   std::map<int, std::vector<std::size_t>> by_order;
@@ -175,22 +175,22 @@ void describe(ModalResult& out, const StochasticSubspace& subspace,
 void doubt_modes(ModalResult& out) {
   for (Mode& mode : out.modes) {
     const Pole& p = mode.pole;
-    const auto say = [&](ModeDoubt d) { mode.doubts.push_back(d); };
-    if (2 * mode.present < mode.orders) say(ModeDoubt::few_orders);
+    const auto add = [&](ModeDoubt d) { mode.doubts.push_back(d); };
+    if (2 * mode.present < mode.orders) add(ModeDoubt::few_orders);
     const bool spectral =
         out.method == ModalMethod::decomposition || out.method == ModalMethod::enhanced;
-    // A peak of a spectrum has no damping, or one that its window has touched.
+    // A peak of a spectrum has no damping, or one affected by its window.
     const bool tone = (spectral && mode.amplitude_kurtosis < kTone) ||
                       (out.method == ModalMethod::subspace &&
                        p.damping < std::max(kToneDamping, 2.0 * p.damping_sd) &&
                        p.damping < 2.5 * kToneDamping && mode.amplitude_kurtosis < kTone);
-    if (tone) say(ModeDoubt::tone);
-    if (p.damping_sd > 0.5 * std::abs(p.damping)) say(ModeDoubt::damping_unknown);
-    if (mode.collinearity < kCollinear) say(ModeDoubt::complex_shape);
+    if (tone) add(ModeDoubt::tone);
+    if (p.damping_sd > 0.5 * std::abs(p.damping)) add(ModeDoubt::damping_unknown);
+    if (mode.collinearity < kCollinear) add(ModeDoubt::complex_shape);
     for (const Mode& other : out.modes)
-      if (&other != &mode && is_twin(p, other.pole)) say(ModeDoubt::twin);
+      if (&other != &mode && is_twin(p, other.pole)) add(ModeDoubt::twin);
     if (near(p.frequency_hz, out.lowest_hz) || near(p.frequency_hz, out.highest_hz))
-      say(ModeDoubt::at_the_edge);
+      add(ModeDoubt::at_the_edge);
     if (out.block_seconds > 0.0 && p.damping > 0.0 &&
         out.block_seconds * p.damping * 2.0 * std::numbers::pi * p.frequency_hz < 1.0)
       ++out.remarks.longer_decays;
@@ -201,7 +201,7 @@ double amplitude_kurtosis(const Eigen::Ref<const Eigen::VectorXd>& x, double fre
                           double sample_rate_hz, double cycles) {
   const auto window =
       static_cast<Index>(std::ceil(cycles * sample_rate_hz / std::max(frequency_hz, 1e-300)));
-  if (window < 4 || x.size() < 4 * window) return 2.0;  // nothing can be said
+  if (window < 4 || x.size() < 4 * window) return 2.0;  // undetermined
   double second = 0.0, fourth = 0.0;
   Index count = 0;
   for (Index from = 0; from + window <= x.size(); from += window, ++count) {
@@ -241,15 +241,15 @@ MatrixXd records_of_band(const Eigen::Ref<const MatrixXd>& records, double sampl
 
 namespace {
 
-/// Channels that orders and lags are counted by: rows and columns of H.
+/// Numbers of channels that determine orders and lags: rows and columns of H.
 struct Counted {
   int rows = 0, references = 0;
-  int asked = 0;  ///< order that H has room for
-  int order = 0;  ///< that is wanted
+  int requested = 0;  ///< largest order for the size of H
+  int order = 0;      ///< requested
 };
 
-/// Twice: with the lags of a period of the band's lower end, and, where that is less, of the lowest
-/// mode's. `subspace_of(shape)` fills in lags, blocks and their length.
+/// Identifies twice: with the lags of a period of the band's lower end and, if that is shorter, of
+/// the lowest mode. `subspace_of(shape)` sets lags, blocks and their length.
 template <class Make>
 void identify_by_lags(ModalResult& out, const ModalOptions& options, const Counted& counted,
                       const std::vector<MatrixXd>& records,
@@ -258,13 +258,13 @@ void identify_by_lags(ModalResult& out, const ModalOptions& options, const Count
   for (const MatrixXd& y : records) samples = std::min<long>(samples, y.cols());
   double slowest = std::max(out.lowest_hz, 0.01 * out.sample_rate_hz);
   for (int round = 0; round < 2; ++round) {
-    const Shape shape = shape_of(counted.asked, out.sample_rate_hz / slowest, counted.rows,
+    const Shape shape = shape_of(counted.requested, out.sample_rate_hz / slowest, counted.rows,
                                  counted.references, samples, options.lags);
     if (shape.order < 2) refuse("samples", static_cast<double>(samples), "too few for any order");
-    if (round == 1 && shape.lags() >= out.lags) break;  // as it was
+    if (round == 1 && shape.lags() >= out.lags) break;  // unchanged
     out.lags = shape.lags();
     out.largest_order = shape.order;
-    out.remarks.order_cut = shape.order < counted.asked ? counted.order : 0;
+    out.remarks.order_cut = shape.order < counted.requested ? counted.order : 0;
     out.blocks = blocks_of(options.blocks, samples, out.lags);
     const StochasticSubspace subspace = subspace_of(shape);
     out.remarks.short_blocks = out.blocks < kFewBlocks ||
@@ -288,24 +288,25 @@ ModalResult identify_modes(const Eigen::Ref<const MatrixXd>& records, const Moda
   const auto channels = static_cast<int>(y.rows());
   const int references =
       options.references.empty() ? channels : static_cast<int>(options.references.size());
-  const int asked =
+  const int requested =
       options.largest_order > 0 ? options.largest_order / 2 * 2 : std::clamp(10 * channels, 20, 80);
   std::vector<int> all(static_cast<std::size_t>(channels));
   std::iota(all.begin(), all.end(), 0);
-  identify_by_lags(
-      out, options, {channels, references, asked, asked}, {y}, {all}, [&](const Shape& shape) {
-        const OutputCovariances covariances =
-            output_covariances(y, {.lags = out.lags,
-                                   .blocks = out.blocks,
-                                   .references = options.references,
-                                   .threads = options.threads});
-        out.references = covariances.references;
-        out.block_seconds = static_cast<double>(covariances.samples) / out.sample_rate_hz;
-        return StochasticSubspace(covariances, {.step = 1.0 / out.sample_rate_hz,
-                                                .columns = shape.columns,
-                                                .largest_order = shape.order,
+  identify_by_lags(out, options, {channels, references, requested, requested}, {y}, {all},
+                   [&](const Shape& shape) {
+                     const OutputCovariances covariances =
+                         output_covariances(y, {.lags = out.lags,
+                                                .blocks = out.blocks,
+                                                .references = options.references,
                                                 .threads = options.threads});
-      });
+                     out.references = covariances.references;
+                     out.block_seconds =
+                         static_cast<double>(covariances.samples) / out.sample_rate_hz;
+                     return StochasticSubspace(covariances, {.step = 1.0 / out.sample_rate_hz,
+                                                             .columns = shape.columns,
+                                                             .largest_order = shape.order,
+                                                             .threads = options.threads});
+                   });
   return out;
 }
 
@@ -325,12 +326,13 @@ ModalResult identify_set_ups(const std::vector<MatrixXd>& records,
   }
   out.set_ups = static_cast<int>(records.size());
   const auto common = static_cast<int>(references.front().size());
-  const int asked =
+  const int requested =
       options.largest_order > 0 ? options.largest_order / 2 * 2 : std::clamp(10 * common, 20, 80);
-  // The references alone must hold the order, in rows as in columns.
-  // Moved sensors are regressed on them: with as many columns as the order, noise would fit noise.
+  // The references alone must support the order, in rows and in columns. Moved sensors are
+  // regressed on them; with as many columns as the order, noise would fit noise.
   identify_by_lags(
-      out, options, {common, common, kRoom * asked, asked}, y, sensors, [&](const Shape& shape) {
+      out, options, {common, common, kRoom * requested, requested}, y, sensors,
+      [&](const Shape& shape) {
         std::vector<SetUpCovariances> set_ups;
         for (std::size_t s = 0; s < y.size(); ++s) {
           set_ups.push_back({.covariances = output_covariances(y[s], {.lags = out.lags,

@@ -21,9 +21,9 @@ using Eigen::VectorXd;
 
 constexpr Complex kI{0.0, 1.0};
 constexpr int kMostSteps = 30, kMostHalvings = 8;
-constexpr double kSettled = 1e-12;  // of the squares
+constexpr double kSettled = 1e-12;  // relative change of the squares
 
-/// The linear problem of given poles: rows are lines × inputs, real over imaginary; columns are ψ
+/// The linear problem for given poles: rows are lines × inputs, real over imaginary; columns are ψ
 /// (real, imaginary) of each mode and L, U, V of each input.
 struct Linear {
   MatrixXd matrix, right;
@@ -88,7 +88,7 @@ Linear solve(const FrequencyResponses& f, const std::vector<Complex>& lambda,
   return out;
 }
 
-/// Real numbers of λ (relative to |λ|) and of l but for its largest entries, in this order.
+/// The real parameters in λ (relative to |λ|) and in l without its largest entries, in this order.
 struct Free {
   Index mode, input;  ///< input -1: λ
   bool imaginary;
@@ -107,7 +107,7 @@ std::vector<Free> free_of(const MatrixXcd& participation) {
   return out;
 }
 
-/// ∂ residual/∂p, all outputs over each other, of Kaufman's approximation.
+/// ∂ residual/∂p by Kaufman's approximation, all outputs stacked.
 MatrixXd jacobian(const FrequencyResponses& f, Linear& linear, const std::vector<Complex>& lambda,
                   const MatrixXcd& participation, const std::vector<Free>& free) {
   const Index lines = f.lines(), inputs = f.inputs(), outputs = f.outputs(),
@@ -148,7 +148,7 @@ MatrixXd orthonormal(const MatrixXd& columns) {
   return qr.householderQ() * MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
-/// After jacobian(): its columns are across the linear ones already.
+/// After jacobian(), its columns are already orthogonal to the linear ones.
 VectorXd leverage(const FrequencyResponses& f, const Linear& linear, const MatrixXd& by_free) {
   const Index inputs = f.inputs(), outputs = f.outputs(), rows = linear.matrix.rows();
   const MatrixXd shared = orthonormal(linear.matrix * linear.sizes.cwiseInverse().asDiagonal());

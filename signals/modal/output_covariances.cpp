@@ -53,7 +53,7 @@ OutputCovariances output_covariances(const Eigen::Ref<const Eigen::MatrixXd>& re
   for (Eigen::Index c = 0; c < r0; ++c)
     ref.row(c) = y.row(out.references[static_cast<std::size_t>(c)]);
 
-  // Column k holds y_{k+1}, …, y_{k+lags}: the samples as they lie in memory.
+  // Column k holds y_{k+1}, …, y_{k+lags}, contiguous in memory.
   const Eigen::Index b = out.samples, rows = options.lags * r;
   out.blocks.resize(static_cast<std::size_t>(options.blocks));
   base::parallel_for(options.blocks, options.threads, [&](int k) {

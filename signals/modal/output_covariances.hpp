@@ -1,4 +1,4 @@
-// Covariances of simultaneous records over time lags, of the whole and of its blocks.
+// Output covariances of simultaneous records over time lags, for all samples and for blocks.
 #pragma once
 
 #include <vector>
@@ -9,18 +9,18 @@ namespace wheeltap::signals {
 
 struct CovarianceOptions {
   int lags = 60;                     ///< i = 1 … lags
-  int blocks = 50;                   ///< n_b, of one length; what does not fill one is left out
+  int blocks = 50;                   ///< n_b, of equal length; the remainder is not used
   std::vector<int> references = {};  ///< channels in `ref`; all of them if empty
   int threads = 0;
 };
 
-/// R_i = 1/n Σ_k y_{k+i} y_{k,ref}ᵀ, i = 1 … lags, of channels freed of their lines and divided by
-/// their standard deviations. A product belongs to the block that holds its earlier sample, and
-/// every lag has the same number of them, so that the mean of the blocks' R_i is the whole's.
+/// R_i = 1/n Σ_k y_{k+i} y_{k,ref}ᵀ, i = 1 … lags, of detrended channels divided by their standard
+/// deviations. A product belongs to the block of its earlier sample, and every lag has the same
+/// number of products. The mean of the blocks' R_i is therefore that of all samples.
 struct OutputCovariances {
   int lags = 0;
-  long samples = 0;             ///< of a block
-  std::vector<int> references;  ///< by channel, ascending as given
+  long samples = 0;             ///< per block
+  std::vector<int> references;  ///< channels, in the given order
   Eigen::VectorXd scale;        ///< standard deviation of each channel [its unit]
   Eigen::VectorXd zero_lag;     ///< variance of each scaled channel over the samples used: about 1
   std::vector<Eigen::MatrixXd> blocks;  ///< (lags · channels) × references: R_1 over R_2 over …

@@ -25,11 +25,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kTurn = 0.9;  // of Ω over the band
+constexpr double kTurn = 0.9;  // angle of Ω over the band
 constexpr double kLowestDamping = -5e-4, kHighestDamping = 0.3;
 constexpr int kLargestOrder = 80;
-constexpr double kLeastLeft = 0.05;  // of a line's residual
-constexpr double kMoved = 0.05;      // distance of a refined pole from what the diagram holds
+constexpr double kLeastLeft = 0.05;  // smallest remaining share of a line's residual
+constexpr double kMoved = 0.05;      // distance of a refined pole from that of the diagram
 
 /// The matrix fraction of one polynomial order.
 struct Fraction {
@@ -49,7 +49,7 @@ Fraction fraction(const FrequencyResponses& f, int n) {
   const MatrixXcd q =
       Eigen::HouseholderQR<MatrixXcd>(powers).householderQ() * MatrixXcd::Identity(lines, n + 1);
   const Index size = inputs * (n + 1), unknown = inputs * n;
-  // Rows of the outputs, freed of what their numerators explain.
+  // Rows of the outputs, without the part that their numerators explain.
   MatrixXcd normal = MatrixXcd::Zero(size, size);
   for (Index o = 0; o < f.outputs(); ++o) {
     MatrixXcd y(lines, size);
@@ -73,7 +73,7 @@ struct Roots {
   std::vector<VectorXcd> factors;  ///< l_r
 };
 
-/// Of det A(Ω) = 0: eigenvalues of the block companion matrix of Σ A_j Ω^j, A_n = I.
+/// Roots of det A(Ω) = 0: eigenvalues of the block companion matrix of Σ A_j Ω^j, A_n = I.
 Roots roots(const Fraction& fit, double lowest, double highest) {
   const auto n = static_cast<Index>(fit.a.size()) - 1, inputs = fit.a[0].rows();
   MatrixXcd companion = MatrixXcd::Zero(n * inputs, n * inputs);
@@ -87,7 +87,7 @@ Roots roots(const Fraction& fit, double lowest, double highest) {
   for (Index r = 0; r < n * inputs; ++r) {
     const Complex omega = eigen.eigenvalues()[r];
     if (!(std::abs(omega) > 0.0)) continue;
-    // The band turns Ω by -0.9 · 2π: angles from a little before its beginning.
+    // Over the band, Ω rotates by -0.9 · 2π; angles count from slightly before its beginning.
     double turned = -std::arg(omega);
     if (turned < -0.5 * (1.0 - kTurn) * kTwoPi) turned += kTwoPi;
     const Complex lambda =
@@ -154,7 +154,7 @@ PolyreferenceFit polyreference(const FrequencyResponses& f, int n) {
 
 namespace {
 
-/// The modes' numbers in each replicate of the refined fit.
+/// The modes' values in each replicate of the refined fit.
 void bootstrap(ModalResult& out, const FrequencyResponses& f, const ModalModel& fit,
                const PolyreferenceOptions& options) {
   const auto count = static_cast<Index>(out.modes.size());
@@ -175,7 +175,7 @@ void bootstrap(ModalResult& out, const FrequencyResponses& f, const ModalModel& 
       const Complex lambda = model.eigenvalues[index(m)];
       values(m, b) = std::abs(lambda) / kTwoPi;
       values(count + m, b) = -lambda.real() / std::abs(lambda);
-      // Scaled as the mode itself is: its largest entry.
+      // Scaled like the mode itself, by its largest entry.
       Index top = 0;
       out.modes[index(m)].pole.shape.cwiseAbs().maxCoeff(&top);
       const VectorXcd shape = model.shapes.col(m) / model.shapes(top, m);
@@ -215,16 +215,16 @@ ModalResult identify_modes(const FrequencyResponses& responses,
   }
   if (!(size > 0.0)) throw std::invalid_argument("responses: must not be zero throughout");
   for (MatrixXcd& h : f.h) h /= size;
-  const int asked = options.largest_order > 0 ? options.largest_order / 2 * 2 : kLargestOrder;
+  const int requested = options.largest_order > 0 ? options.largest_order / 2 * 2 : kLargestOrder;
   const int room = static_cast<int>((f.lines() - 2) / 4) * 2;
-  const int largest = std::min(asked, room);
+  const int largest = std::min(requested, room);
   ModalResult out{.method = ModalMethod::polyreference,
                   .lowest_hz = f.frequencies_hz[0],
                   .highest_hz = f.frequencies_hz[f.lines() - 1],
                   .largest_order = largest,
                   .lines = static_cast<long>(f.lines()),
                   .replicates = options.replicates};
-  out.remarks.order_cut = largest < asked && options.largest_order > 0 ? asked : 0;
+  out.remarks.order_cut = largest < requested && options.largest_order > 0 ? requested : 0;
   std::vector<std::vector<Pole>> by_order(index(largest / 2));
   base::parallel_for(largest / 2, options.threads, [&](int i) {
     const int n = largest / 2 - i;

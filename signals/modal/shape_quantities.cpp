@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 
-/// A complex matrix on real parts, then imaginary parts.
+/// A complex matrix acting on real parts, then imaginary parts.
 MatrixXd in_parts(const MatrixXcd& m) {
   MatrixXd out(2 * m.rows(), 2 * m.cols());
   out << m.real(), -m.imag(), m.imag(), m.real();
@@ -30,7 +30,7 @@ void convert_shapes(ModalResult& result, std::span<const int> orders) {
   for (Mode& mode : result.modes) {
     const auto n = mode.pole.shape.size();
     if (n != std::ssize(orders))
-      refuse("orders", static_cast<int>(orders.size()), "must be one a channel");
+      refuse("orders", static_cast<int>(orders.size()), "must be one per channel");
     const double omega = 2.0 * std::numbers::pi * mode.pole.frequency_hz;
     const double damping =
         std::isfinite(mode.pole.damping) ? std::clamp(mode.pole.damping, -0.99, 0.99) : 0.0;

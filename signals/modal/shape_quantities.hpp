@@ -1,8 +1,8 @@
-// Shapes of sensors that measure unlike quantities, as shapes of one.
+// Converts mode shapes of sensors with different quantities to one quantity.
 //
-// In a mode of eigenvalue λ = ω (-ζ + i √(1 - ζ²)) a displacement is φ exp(λt), so that its
-// velocity is λ φ exp(λt) and its acceleration λ² φ exp(λt): an entry of a sensor of lower order is
-// multiplied by λ for each order between (by iω where the damping is not known).
+// In a mode of eigenvalue λ = ω (-ζ + i √(1 - ζ²)) a displacement is φ exp(λt), its velocity λ φ
+// exp(λt) and its acceleration λ² φ exp(λt). An entry of lower order is therefore multiplied by λ
+// for each missing order (by iω if the damping is unknown).
 #pragma once
 
 #include <span>
@@ -11,10 +11,10 @@
 
 namespace wheeltap::signals {
 
-/// Takes the modes' shapes to the highest order of `orders` (0: displacement, 1: velocity, 2:
-/// acceleration; one a channel), with their covariances, scales them so that the largest entry is
-/// 1, and renews what follows from a shape (collinearity, phase deviation and that doubt). The
-/// uncertainty of λ itself, which is small beside that of shapes, is left out.
+/// Converts the modes' shapes and their covariances to the highest order of `orders` (0:
+/// displacement, 1: velocity, 2: acceleration; one per channel). Scales them to a largest entry of
+/// 1, and updates collinearity, phase deviation and the doubt that follows from them. Neglects the
+/// uncertainty of λ, which is small compared with that of shapes.
 void convert_shapes(ModalResult& result, std::span<const int> orders);
 
 }  // namespace wheeltap::signals

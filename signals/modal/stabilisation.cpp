@@ -12,15 +12,15 @@ namespace wheeltap::signals {
 namespace {
 
 constexpr double kNeverJoined = std::numeric_limits<double>::infinity();
-// The threshold stays within these, whatever the distances say.
+// Limits of the threshold, independent of the distances.
 constexpr double kLeastThreshold = 0.005, kLargestThreshold = 0.08;
 constexpr std::size_t kLeastMembers = 3;
 constexpr double kGoodScatter = 1.1, kLucky = 1.25;
 constexpr double kWorse = 2.0, kSameShape = 0.9;
 constexpr double kUncertain = 3.0;  // standard deviations
-constexpr double kSteady = 0.5;     // share of orders of a mode that every other one must wait for
-constexpr double kOverlap =
-    5.0;  // half-power half widths, of modes that lie in each other's skirts
+constexpr double kSteady =
+    0.5;  // share of orders of a mode that must be resolved before others count
+constexpr double kOverlap = 5.0;  // half-power half widths, for modes that overlap
 
 double scatter(const Pole& p) {
   return std::sqrt(p.frequency_sd / p.frequency_hz * p.damping_sd / std::abs(p.damping));
@@ -32,7 +32,8 @@ double median(std::vector<double> x) {
   return *half;
 }
 
-/// Mean + 2 standard deviations of the distances, in the class that stays, to the order before.
+/// Mean + 2 standard deviations of the distances to the previous order, in the class of stable
+/// poles.
 double threshold_of(const std::vector<Pole>& poles) {
   std::vector<double> logs;
   for (const Pole& p : poles) {
@@ -51,14 +52,14 @@ double threshold_of(const std::vector<Pole>& poles) {
   return std::clamp(mean + 2.0 * std::sqrt(square), kLeastThreshold, kLargestThreshold);
 }
 
-/// Up to which scatter orders count: about the best tenth's, unless one order is much better than
-/// all others.
+/// The scatter up to which orders count: about that of the best tenth, unless one order is much
+/// better than all others.
 double good_scatter(const std::vector<double>& sorted) {
   return kGoodScatter * std::min(sorted[sorted.size() / 10], kLucky * sorted.front());
 }
 
-/// Among members of orders from `from` on, where some of these scatter little enough, or else there
-/// are enough of them.
+/// Members of orders from `from` on, if some of these scatter little enough, or else if there are
+/// enough of them.
 int representative(const std::vector<Pole>& poles, const std::vector<int>& members, int from = 0) {
   std::vector<double> all;
   for (const int m : members) {
@@ -86,8 +87,8 @@ int representative(const std::vector<Pole>& poles, const std::vector<int>& membe
     best.push_back(members[i]);
     frequencies.push_back(poles[static_cast<std::size_t>(members[i])].frequency_hz);
   }
-  // What bends a shape while it is not resolved need not be a mode that the diagram shows: lower
-  // orders are passed by, where scatter says that higher ones are as good.
+  // A mode that distorts a shape may be missing from the diagram. Lower orders are therefore
+  // skipped if their scatter shows that higher ones are as good.
   if (!std::isnan(poles[static_cast<std::size_t>(members.front())].frequency_sd)) {
     const auto half = static_cast<std::ptrdiff_t>((best.size() - 1) / 2);
     best.erase(best.begin(), best.begin() + half);
@@ -98,8 +99,8 @@ int representative(const std::vector<Pole>& poles, const std::vector<int>& membe
                                        frequencies.begin())];
 }
 
-/// The lowest order that holds whatever would bend this mode while it is not resolved: the steady
-/// modes, and all within its skirts.
+/// The lowest order that resolves all modes that could distort this one: the steady modes, and all
+/// modes within its skirts.
 int settled_order(const Stabilisation& of, const ModeCluster& cluster) {
   const auto pole = [&](int m) -> const Pole& { return of.poles[static_cast<std::size_t>(m)]; };
   const Pole& own = pole(cluster.chosen);
@@ -114,8 +115,8 @@ int settled_order(const Stabilisation& of, const ModeCluster& cluster) {
   return out;
 }
 
-/// Chooses anew among the orders from `settled_order` on.
-void settle(Stabilisation& of) {
+/// Repeats the choice among the orders from `settled_order` on.
+void select_again(Stabilisation& of) {
   std::vector<int> chosen;
   for (const ModeCluster& c : of.modes)
     chosen.push_back(representative(of.poles, c.members, settled_order(of, c)));
@@ -131,7 +132,7 @@ bool is_splinter(const Stabilisation& of, const ModeCluster& c, const ModeCluste
          modal_assurance(a.shape, b.shape) > kSameShape;
 }
 
-/// Orders that are too large split a mode in two: the worse part is none of its own.
+/// Orders that are too large split a mode in two; the less certain part is not a mode.
 void drop_splinters(Stabilisation& of) {
   const std::vector<ModeCluster> all = of.modes;
   std::erase_if(of.modes, [&](const ModeCluster& c) {
@@ -142,8 +143,8 @@ void drop_splinters(Stabilisation& of) {
   });
 }
 
-/// Two clusters that explain one peak of the spectrum: poles of one shape, nearer than both are
-/// uncertain, within their half-power widths, and as much damped.
+/// True if two clusters explain one peak of the spectrum: poles with the same shape, closer than
+/// both standard deviations, within their half-power widths, and with equal damping.
 bool explain_one_peak(const std::vector<Pole>& poles, const ModeCluster& one,
                       const ModeCluster& other) {
   const Pole &a = poles[static_cast<std::size_t>(one.chosen)],
@@ -155,7 +156,7 @@ bool explain_one_peak(const std::vector<Pole>& poles, const ModeCluster& one,
          modal_assurance(a.shape, b.shape) > kSameShape;
 }
 
-/// The poles of both; of an order that has two, the one that is known better.
+/// The poles of both; if an order has two, the one known better.
 ModeCluster joined(const std::vector<Pole>& poles, const ModeCluster& one,
                    const ModeCluster& other) {
   ModeCluster out{.members = one.members, .orders = std::max(one.orders, other.orders)};
@@ -173,8 +174,8 @@ ModeCluster joined(const std::vector<Pole>& poles, const ModeCluster& one,
   return out;
 }
 
-/// A pole that moves from order to order by more than neighbours do, but within its uncertainty,
-/// falls into several clusters: they are joined, the nearest first.
+/// A pole that changes between orders by more than its neighbours, but within its uncertainty,
+/// falls into several clusters. These are joined, the nearest first.
 void join_clusters_of_one_peak(const std::vector<Pole>& poles, std::vector<ModeCluster>& clusters) {
   while (true) {
     std::size_t first = 0, second = 0;
@@ -196,7 +197,7 @@ void join_clusters_of_one_peak(const std::vector<Pole>& poles, std::vector<ModeC
   }
 }
 
-/// Leaves out what lies beyond the band.
+/// Removes clusters outside the band.
 void cut_to_band(Stabilisation& of, double lowest_hz, double highest_hz) {
   std::vector<int> place(of.poles.size(), -1);
   Stabilisation out{.threshold = of.threshold, .orders = of.orders};
@@ -232,7 +233,8 @@ double pole_distance(const Pole& a, const Pole& b) {
 std::size_t two_classes(const std::vector<double>& sorted) {
   const std::size_t n = sorted.size();
   const double total = std::accumulate(sorted.begin(), sorted.end(), 0.0);
-  // Least squares within = most between: (Σ low)² / n_low + (Σ high)² / n_high.
+  // Minimum variance within the classes = maximum between them: (Σ low)² / n_low + (Σ high)² /
+  // n_high.
   double low = 0.0, most = -1.0;
   std::size_t place = 1;
   for (std::size_t i = 1; i < n; ++i) {
@@ -254,12 +256,12 @@ Stabilisation stabilise(const StochasticSubspace& subspace, const StabilisationO
   const int smallest = std::max(2, options.smallest_order + options.smallest_order % 2);
   const int orders = std::max(0, (largest - smallest) / 2 + 1);
   std::vector<std::vector<Pole>> by_order(static_cast<std::size_t>(orders));
-  // What lies beyond the band bends shapes within, too, while it is not resolved.
+  // Unresolved modes outside the band distort shapes inside it as well.
   const PoleWindow window{.lowest_hz = 0.0,
                           .highest_hz = std::numeric_limits<double>::infinity(),
                           .lowest_damping = options.lowest_damping,
                           .highest_damping = options.highest_damping};
-  // The largest orders first: they take longest.
+  // Largest orders first, because they take longest.
   base::parallel_for(orders, options.threads, [&](int i) {
     const int k = orders - 1 - i;
     by_order[static_cast<std::size_t>(k)] = subspace.poles(smallest + 2 * k, window);
@@ -314,7 +316,7 @@ Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
       out.modes.push_back(std::move(cluster));
   }
   drop_splinters(out);
-  settle(out);
+  select_again(out);
   cut_to_band(out, options.lowest_hz, options.highest_hz);
   const auto frequency = [&](const ModeCluster& c) {
     return out.poles[static_cast<std::size_t>(c.chosen)].frequency_hz;

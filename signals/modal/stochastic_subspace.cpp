@@ -19,7 +19,7 @@ using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 
-/// Derivatives of f [Hz] and ζ to λ: Δf = Re(f' Δλ), Δζ = Re(ζ' Δλ).
+/// Derivatives of f [Hz] and ζ with respect to λ: Δf = Re(f' Δλ), Δζ = Re(ζ' Δλ).
 struct Slopes {
   Complex frequency, damping;
 };
@@ -32,13 +32,13 @@ Slopes slopes(Complex lambda) {
 
 }  // namespace
 
-/// Of one order n. With the rows of U↑ and U↓ as `up` and `down`.
+/// The realisation of one order n, with the rows of U↑ and U↓ as `up` and `down`.
 struct StochasticSubspace::Realisation {
   int order = 0;
   MatrixXd a = {}, pseudo_inverse = {}, gram_inverse = {};  // A; U₁↑⁺; (U₁↑ᵀU₁↑)⁻¹
   VectorXcd mu = {};
   MatrixXcd right = {}, left = {};  // ψ as columns; χᴴ/(χᴴψ) as rows
-  std::vector<int> pairs = {};      // places with Im μ > 0, by frequency
+  std::vector<int> pairs = {};      // indices with Im μ > 0, by frequency
 };
 
 MatrixXd block_hankel(const MatrixXd& stacked, Index channels, Index columns) {
@@ -125,7 +125,7 @@ StochasticSubspace::Realisation StochasticSubspace::realise(int order) const {
   const Index p = u_.rows() - channels_;
   const auto up = u_.topLeftCorner(p, order), down = u_.bottomLeftCorner(p, order);
   Realisation out{.order = order};
-  // Columns of U are orthonormal and U↑ lacks one block row of them only.
+  // Columns of U are orthonormal, and U↑ lacks only one block row.
   const MatrixXd gram = up.transpose() * up;
   out.gram_inverse = gram.ldlt().solve(MatrixXd::Identity(order, order));
   out.pseudo_inverse = out.gram_inverse * up.transpose();
@@ -186,7 +186,7 @@ std::vector<Pole> StochasticSubspace::poles(int order, const PoleWindow& window)
   const MatrixXcd upper = u_.topLeftCorner(p, order) * psi,
                   lower = u_.bottomLeftCorner(p, order) * psi;
   e.leftCols(p) = (lower - upper * mu.asDiagonal()).transpose();
-  // Real and imaginary parts over each other: real products are all there are.
+  // Real and imaginary parts are stacked, so that only real products are needed.
   MatrixXd rows(4 * count, m);
   rows << b.real(), b.imag(), e.real(), e.imag();
   const MatrixXd turned = rows * u_.rightCols(rest);
@@ -230,7 +230,7 @@ MovedPoles StochasticSubspace::moved_poles(int order, const std::vector<int>& pl
                      (u_.topLeftCorner(channels_, order) * model.right.col(place)));
     raw.back().cwiseAbs().maxCoeff(&largest.emplace_back());
   }
-  // Of what U₁ turns into: the other singular vectors.
+  // Coordinates of ΔU₁ along the other singular vectors.
   const auto others = u_.rightCols(rest);
   const MatrixXd into_down = model.pseudo_inverse * others.bottomRows(p),
                  into_up = model.pseudo_inverse * others.topRows(p),
@@ -250,7 +250,7 @@ MovedPoles StochasticSubspace::moved_poles(int order, const std::vector<int>& pl
       const Slopes by = slopes(out.poles[static_cast<std::size_t>(i)].eigenvalue);
       out.frequency_moves(i, k) = (by.frequency * lambda).real();
       out.damping_moves(i, k) = (by.damping * lambda).real();
-      // Δψ = Σ_{j ≠ i} χ_j ΔA ψ_i / (μ_i - μ_j) ψ_j; what it has of ψ_i itself is scale.
+      // Δψ = Σ_{j ≠ i} χ_j ΔA ψ_i / (μ_i - μ_j) ψ_j; the component along ψ_i is only a scale.
       for (Index j = 0; j < order; ++j)
         mixed[j] = j == place ? Complex(0.0) : Complex(mixed[j] / (mu - model.mu[j]));
       const VectorXcd dphi =

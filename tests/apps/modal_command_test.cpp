@@ -248,7 +248,7 @@ TEST_F(ModalCommand, RefusesWhatCannotBe) {
   refused(c, "/record/channels/1");
   c = a_case();
   c["record"]["channels"][1]["column"] = "a";
-  refused(c, "leave one out");
+  refused(c, "remove one of them");
   c = a_case();
   c["record"]["channels"][0]["role"] = "force";
   refused(c, "/record/channels/0/role");

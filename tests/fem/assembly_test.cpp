@@ -11,7 +11,7 @@
 namespace wheeltap::fem {
 namespace {
 
-TEST(Assembly, DamagesInOneElementCompound) {
+TEST(Assembly, DamagesInOneElementMultiply) {
   const Beam beam = slender_beam();
   const Eigen::VectorXd left = remaining_stiffness<double>(
       beam, {.damages = {{0.571, 0.5}, {0.09, 0.3}, {0.579, 0.2}}, .supports = {}});
@@ -20,7 +20,7 @@ TEST(Assembly, DamagesInOneElementCompound) {
   EXPECT_DOUBLE_EQ(left.sum(), 100.0 - 0.9);
 }
 
-TEST(Assembly, MassIsThatOfTheBeam) {
+TEST(Assembly, TotalMassEqualsThatOfTheBeam) {
   const Beam beam = slender_beam("free-free", 7);
   const Assembly<double> a = assemble<double>(beam, {});
   Eigen::VectorXd translation = Eigen::VectorXd::Zero(16);
@@ -29,9 +29,9 @@ TEST(Assembly, MassIsThatOfTheBeam) {
   EXPECT_LT((a.stiffness * translation).norm(), 1e-9 * a.stiffness.norm());
 }
 
-TEST(Assembly, RigidSupportsHoldTheirPlaceWhereverItIs) {
+TEST(Assembly, RigidSupportsHoldAnyPlace) {
   Beam beam = slender_beam("free-free", 5);
-  // Two in one element, one at a node, a held rotation, and one given twice.
+  // Two in one element, one at a node, a restrained rotation, and one given twice.
   beam.supports = {{.at = 0.23, .stiffness = {}},
                    {.at = 0.31, .stiffness = {}},
                    {.at = 0.6, .stiffness = {}},
@@ -64,7 +64,7 @@ TEST(Assembly, CountsRigidMotions) {
             1);
 }
 
-TEST(Assembly, RefusesDefectsOutOfRange) {
+TEST(Assembly, RejectsDefectsOutOfRange) {
   const Beam beam = slender_beam();
   expect_refusal([&] { validate(beam, Damage{1.01, 0.1}); }, {"damage.location", "1.01", "[0, 1]"});
   expect_refusal([&] { validate(beam, Damage{0.5, 1.0}); }, {"damage.reduction", "1", "[0, 1)"});

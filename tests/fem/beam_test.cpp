@@ -33,14 +33,14 @@ TEST(Beam, PlacesNextToANodeCountAsTheNode) {
   }
 }
 
-TEST(Beam, RefusesPlacesOutsideIt) {
+TEST(Beam, RejectsPlacesOutsideTheBeam) {
   const Beam beam = slender_beam();
   expect_refusal([&] { (void)beam.element_at(-1e-12); }, {"location", "[0, 1]"});
   expect_refusal([&] { (void)beam.element_at(1.5); }, {"1.5", "[0, 1]"});
   expect_refusal([&] { (void)beam.element_at(NAN); }, {"nan"});
 }
 
-TEST(Beam, NamesSupports) {
+TEST(Beam, FindsSupportsByName) {
   EXPECT_EQ(named_supports("free-free", 2.0).size(), 0U);
   EXPECT_EQ(named_supports("cantilever", 2.0).size(), 1U);
   EXPECT_TRUE(named_supports("cantilever", 2.0)[0].rotation);
@@ -49,7 +49,7 @@ TEST(Beam, NamesSupports) {
   expect_refusal([] { (void)named_supports("hinged", 1.0); }, {"hinged", "clamped-pinned"});
 }
 
-TEST(Beam, KnowsItsMirrorSymmetry) {
+TEST(Beam, DetectsMirrorSymmetry) {
   EXPECT_TRUE(is_mirror_symmetric(slender_beam("simply-supported")));
   EXPECT_TRUE(is_mirror_symmetric(slender_beam("clamped-clamped")));
   EXPECT_TRUE(is_mirror_symmetric(slender_beam("free-free")));
@@ -67,7 +67,7 @@ TEST(Beam, KnowsItsMirrorSymmetry) {
   EXPECT_FALSE(is_mirror_symmetric(beam));
 }
 
-TEST(Beam, RefusesWhatCannotBeBuilt) {
+TEST(Beam, RejectsInvalidDefinitions) {
   const double kNan = std::numeric_limits<double>::quiet_NaN();
   const auto refuses = [](auto change, std::initializer_list<std::string> words) {
     Beam beam = slender_beam();
@@ -90,8 +90,8 @@ TEST(Beam, RefusesWhatCannotBeBuilt) {
   refuses([](Beam& b) { b.supports[0].deflection = false; }, {"beam.supports[0]", "hold"});
 }
 
-// Fault: no modes converged, and the program took that for a fault of its own.
-TEST(Beam, RefusesStiffnessesAndMassesThatCannotBeComputedWith) {
+// Regression: no modes converged, and the program reported an internal error.
+TEST(Beam, RejectsStiffnessesAndMassesBeyondFloatingPointRange) {
   Beam beam = slender_beam();
   beam.material.young = 1e300;
   expect_refusal([&] { validate(beam); }, {"bending stiffness", "1e-60 and 1e60", "units"});
@@ -99,7 +99,7 @@ TEST(Beam, RefusesStiffnessesAndMassesThatCannotBeComputedWith) {
   beam.material.density = 1e-308;
   expect_refusal([&] { validate(beam); }, {"mass", "1e-60 and 1e60"});
   beam = slender_beam();
-  beam.material.young = 1e30;  // odd, but no harm
+  beam.material.young = 1e30;  // unusual but valid
   EXPECT_NO_THROW(validate(beam));
 }
 

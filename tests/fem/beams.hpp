@@ -1,4 +1,4 @@
-// Beams that the tests share.
+// Beams for several tests.
 #pragma once
 
 #include <initializer_list>

@@ -7,7 +7,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// 2⁻¹⁰⁴ relative; long double (64 bits or more) sees only that the rounded result is right.
+/// 2⁻¹⁰⁴ relative; long double (64 bits or more) can only check that the rounded result is correct.
 constexpr double kEpsilon = 0x1p-100;
 
 DoubleDouble random(std::mt19937_64& generator) {
@@ -15,7 +15,7 @@ DoubleDouble random(std::mt19937_64& generator) {
   return DoubleDouble(uniform(generator)) + DoubleDouble(0x1p-54 * uniform(generator));
 }
 
-TEST(DoubleDouble, UndoesItsOwnOperations) {
+TEST(DoubleDouble, InverseOperationsRestoreTheValue) {
   std::mt19937_64 generator(1);
   for (int i = 0; i < 10000; ++i) {
     const DoubleDouble a = random(generator), b = random(generator);
@@ -29,7 +29,7 @@ TEST(DoubleDouble, UndoesItsOwnOperations) {
   }
 }
 
-TEST(DoubleDouble, KeepsWhatDoubleDrops) {
+TEST(DoubleDouble, KeepsDigitsThatDoubleLoses) {
   const DoubleDouble one_and_little = DoubleDouble(1.0) + DoubleDouble(0x1p-80);
   EXPECT_EQ(static_cast<double>(one_and_little - DoubleDouble(1.0)), 0x1p-80);
   EXPECT_GT(one_and_little, DoubleDouble(1.0));

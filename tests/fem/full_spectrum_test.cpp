@@ -28,7 +28,7 @@ TEST_P(FullSpectra, AreOrthonormalAndSolveTheProblem) {
   const auto expected = Eigen::GeneralizedSelfAdjointEigenSolver<Matrix>(
                             Matrix(a.stiffness), Matrix(a.mass), Eigen::EigenvaluesOnly)
                             .eigenvalues();
-  // The dense reference itself is right to about the largest eigenvalue times 1e-19.
+  // The dense reference is accurate to about the largest eigenvalue times 1e-19.
   const long double floor = 1e-16L * expected[n - 1];
   for (Eigen::Index i = 0; i < n; ++i) {
     if (i < s.rigid_body_modes)
@@ -42,7 +42,7 @@ TEST_P(FullSpectra, AreOrthonormalAndSolveTheProblem) {
 INSTANTIATE_TEST_SUITE_P(Supports, FullSpectra, testing::ValuesIn(kNamedSupports));
 
 TEST(FullSpectrum, SeparatesEqualEigenvalues) {
-  // Clamped in the middle too: the two halves have the same frequencies.
+  // Clamped in the middle as well: both halves have the same frequencies.
   Beam beam = slender_beam("clamped-clamped", 20);
   beam.supports.push_back({.at = 0.5, .rotation = true, .stiffness = {}});
   const FullSpectrum s = full_spectrum(beam);
@@ -54,8 +54,8 @@ TEST(FullSpectrum, SeparatesEqualEigenvalues) {
   EXPECT_LT((m - FullSpectrum::Matrix::Identity(m.rows(), m.cols())).cwiseAbs().maxCoeff(), 1e-12L);
 }
 
-TEST(FullSpectrum, ShapesOfCloseModesAreFinished) {
-  // Of two modes 1e-11 apart the quotients were right and the shapes were not: a mixture of both.
+TEST(FullSpectrum, ShapesOfCloseModesAreAccurate) {
+  // Regression: for two modes 1e-11 apart the quotients were correct, but the shapes were mixed.
   Beam beam = slender_beam("free-free", 47);
   beam.length = 232.0;
   const FullSpectrum s = full_spectrum(beam);
@@ -66,7 +66,7 @@ TEST(FullSpectrum, ShapesOfCloseModesAreFinished) {
   EXPECT_LT((energy - Eigen::MatrixXd::Identity(c.cols(), c.cols())).cwiseAbs().maxCoeff(), 1e-13);
 }
 
-TEST(FullSpectrum, OfTheSmallestBeams) {
+TEST(FullSpectrum, SolvesTheSmallestMeshes) {
   EXPECT_EQ(full_spectrum(slender_beam("clamped-pinned", 1)).eigenvalues.size(), 1);
   EXPECT_EQ(full_spectrum(slender_beam("free-free", 1)).eigenvalues.size(), 4);
 }

@@ -33,7 +33,7 @@ double exact_simply_supported(const Beam& b, int n) {
   return std::sqrt(2.0 * c / (h + std::sqrt(h * h - 4.0 * a * c))) / (2.0 * std::numbers::pi);
 }
 
-TEST(ModalAnalysis, SlenderSimplySupportedBeam) {
+TEST(ModalAnalysis, SlenderSimplySupportedBeamMatchesTheClosedForm) {
   const Beam beam = slender_beam();
   const Eigen::VectorXd f = frequencies(beam, 20);
   // The closed form, evaluated by hand.
@@ -83,7 +83,7 @@ TEST_P(ThickBeams, ConvergeToTheExactFrequenciesAtSecondOrder) {
   const Eigen::Array4d coarse = omega(100) - exact, middle = omega(200) - exact,
                        fine = omega(400) - exact;
   EXPECT_LT((fine / exact.array()).abs().maxCoeff(), 3e-5);
-  // The published values carry eight decimals: 5e-9 of rounding.
+  // The published values have eight decimals: 5e-9 of rounding.
   for (int i = 0; i < 4; ++i) {
     const double allowed = 0.01 + 3.0 * 5e-9 / std::abs(fine[i]);
     EXPECT_NEAR(std::log2(coarse[i] / middle[i]), 2.0, allowed) << "mode " << i + 1;
@@ -108,7 +108,7 @@ TEST(ModalAnalysis, NafemsFv5FlexuralModes) {
   EXPECT_NEAR(f[2], 283.468, 1e-4 * 283.468);
 }
 
-TEST(ModalAnalysis, FreeBeamsMoveRigidlyAtExactlyZero) {
+TEST(ModalAnalysis, RigidBodyModesAreExactlyZero) {
   const Modes free = modal_analysis(slender_beam("free-free"), {}, {.modes = 5});
   EXPECT_EQ(free.rigid_body_modes, 2);
   EXPECT_EQ(free.frequencies_hz[0], 0.0);
@@ -123,7 +123,7 @@ TEST(ModalAnalysis, FreeBeamsMoveRigidlyAtExactlyZero) {
   EXPECT_GT(swinging.frequencies_hz[1], 1.0);
 }
 
-TEST(ModalAnalysis, ResidualsOrthonormalityAndSigns) {
+TEST(ModalAnalysis, HasSmallResidualsAndOrthonormalShapes) {
   std::mt19937_64 generator(3);
   std::uniform_real_distribution<double> uniform;
   for (const auto name : kNamedSupports) {
@@ -156,7 +156,7 @@ TEST(ModalAnalysis, DenseAndSparseAgree) {
     const Modes sparse = modal_analysis(beam, {}, {.modes = 25});
     const Modes dense = modal_analysis(beam, {}, {.modes = 25, .dense = true});
     EXPECT_EQ(sparse.solver, "spectra");
-    EXPECT_EQ(dense.solver, "dense (as asked)");
+    EXPECT_EQ(dense.solver, "dense (requested)");
     EXPECT_TRUE(dense.certified);
     for (int i = 0; i < 25; ++i)
       EXPECT_NEAR(sparse.frequencies_hz[i], dense.frequencies_hz[i],
@@ -166,13 +166,13 @@ TEST(ModalAnalysis, DenseAndSparseAgree) {
   }
 }
 
-TEST(ModalAnalysis, AllModesOfTheMesh) {
+TEST(ModalAnalysis, FindsAllModesOfTheMesh) {
   const Modes all = modal_analysis(slender_beam("simply-supported", 10), {}, {.modes = 20});
   EXPECT_TRUE(all.certified);
   EXPECT_EQ(all.solver, "dense (most modes of the mesh are wanted)");
 }
 
-TEST(ModalAnalysis, SpringsTendToRigidSupportsOffTheNodesToo) {
+TEST(ModalAnalysis, StiffSpringsConvergeToRigidSupports) {
   Beam rigid = slender_beam("cantilever");
   rigid.supports.push_back({.at = 0.7234, .stiffness = {}});
   Beam spring = rigid;
@@ -190,7 +190,7 @@ TEST(ModalAnalysis, SpringsTendToRigidSupportsOffTheNodesToo) {
 }
 
 TEST(ModalAnalysis, SupportsBetweenNodesEqualThoseAtNodesOfAFinerMesh) {
-  // 0.725 lies in the middle of an element of 100, and on a node of 200.
+  // 0.725 is in the middle of an element of 100, and on a node of 200.
   const double at = 0.725;
   const auto with_roller = [at](int elements) {
     Beam beam = slender_beam("cantilever", elements);
@@ -198,8 +198,7 @@ TEST(ModalAnalysis, SupportsBetweenNodesEqualThoseAtNodesOfAFinerMesh) {
     return frequencies(beam, 3);
   };
   const Eigen::ArrayXd coarse = with_roller(100), fine = with_roller(200);
-  // The jump of the shear force at the roller lies inside an element of the coarse mesh: first
-  // order.
+  // The jump of the shear force at the roller is inside an element of the coarse mesh: first order.
   EXPECT_LT((coarse / fine - 1.0).abs().maxCoeff(), 1e-4);
 }
 
@@ -212,7 +211,7 @@ TEST(ModalAnalysis, MirrorImagesHaveEqualFrequencies) {
   EXPECT_LT((a - b).cwiseQuotient(a).cwiseAbs().maxCoeff(), 1e-12);
 }
 
-TEST(ModalAnalysis, RefusesMoreModesThanDegreesOfFreedom) {
+TEST(ModalAnalysis, RejectsMoreModesThanDegreesOfFreedom) {
   expect_refusal(
       [] { (void)modal_analysis(slender_beam("simply-supported", 10), {}, {.modes = 21}); },
       {"modes = 21", "20"});

@@ -13,7 +13,7 @@ namespace {
 
 const Ring kSquare = rectangle(0, 0, 1, 1);
 
-TEST(Outline, RingsAreTurnedAndClosed) {
+TEST(Outline, RingsAreOrientedAndClosed) {
   const Ring clockwise = {{0, 0}, {0, 1}, {1, 1}, {1, 0}, {0, 0}};
   const Outline outline = checked(of_one(clockwise, 0.3, {rectangle(0.2, 0.2, 0.4, 0.4)}));
   const Region& region = outline.regions[0];
@@ -22,7 +22,7 @@ TEST(Outline, RingsAreTurnedAndClosed) {
   EXPECT_NEAR(signed_area(region.holes[0]), -0.04, 1e-16);
 }
 
-TEST(Outline, CornersWithinABillionthOfTheSizeAreOne) {
+TEST(Outline, MergesCornersWithinABillionthOfTheSize) {
   for (const double gap : {0.0, 6e-18, 1e-15, 1e-12, 1.9e-10}) {
     const Ring repeated = {{0, 0}, {0.1, 0}, {0.1, 0.2}, {gap, 0.2}, {0, 0.2}, {0, gap}};
     EXPECT_EQ(checked(of_one(repeated, 0.3)).regions[0].outer.size(), 4u) << gap;
@@ -31,7 +31,7 @@ TEST(Outline, CornersWithinABillionthOfTheSizeAreOne) {
   EXPECT_EQ(checked(of_one(chamfered, 0.3)).regions[0].outer.size(), 5u);
 }
 
-TEST(Outline, PointsInside) {
+TEST(Outline, FindsPointsInside) {
   const Ring c = channel(8, 18, 1);
   EXPECT_TRUE(contains(c, {0.5, 9}));
   EXPECT_TRUE(contains(c, {5, 0.5}));
@@ -39,7 +39,7 @@ TEST(Outline, PointsInside) {
   EXPECT_FALSE(contains(c, {-1, 9}));
 }
 
-TEST(Outline, ArcsKeepTheirArea) {
+TEST(Outline, ArcsPreserveTheirArea) {
   // Half a disc, and the lens between chord and arc of a quarter.
   for (const double turn : {std::numbers::pi, std::numbers::pi / 2, 1.5 * std::numbers::pi, 0.1}) {
     const double r = 0.5 * std::sqrt(2.0) / std::sin(0.5 * turn);  // of the chord (0,0)-(1,1)
@@ -53,7 +53,7 @@ TEST(Outline, ArcsKeepTheirArea) {
   expect_refusal([] { (void)arc({0, 0}, {1, 0}, 0.0); }, {"turn", "0"});
 }
 
-TEST(Outline, RingsInRings) {
+TEST(Outline, NestedRingsBecomeHolesAndRegions) {
   const auto square = [](double half) { return rectangle(-half, -half, half, half); };
   const auto regions =
       nested({square(2), square(4), square(1), square(3), rectangle(9, 9, 10, 10)});
@@ -65,7 +65,7 @@ TEST(Outline, RingsInRings) {
   EXPECT_TRUE(regions[2].holes.empty());
 }
 
-TEST(Outline, RefusesRingsThatAreNone) {
+TEST(Outline, RejectsInvalidRings) {
   const auto refused = [](const Ring& outer, std::initializer_list<std::string> words) {
     expect_refusal([&] { (void)checked(of_one(outer, 0.3)); }, words);
   };
@@ -73,13 +73,13 @@ TEST(Outline, RefusesRingsThatAreNone) {
   refused({{0, 0}, {1, 1}, {2, 2}}, {"regions[0].outer", "area"});
   refused({{0, 0}, {1, 0}, {1, std::numeric_limits<double>::quiet_NaN()}},
           {"regions[0].outer[2]", "nan", "finite"});
-  // A bow tie, a pinch, and a spike.
+  // A bow tie, a pinched ring, and a spike.
   refused({{0, 0}, {2, 2}, {2, 0}, {0, 2}}, {"crosses or touches itself", "(0, 0)", "(2, 2)"});
   refused({{0, 0}, {2, 0}, {1, 1}, {2, 2}, {0, 2}, {1, 1}}, {"touches itself", "(1, 1)"});
   refused({{0, 0}, {2, 0}, {2, 3}, {2, 2}, {0, 2}}, {"back", "(2, 3)"});
 }
 
-TEST(Outline, RefusesHolesThatDoNotFit) {
+TEST(Outline, RejectsHolesThatDoNotFit) {
   const auto refused = [](const std::vector<Ring>& holes,
                           std::initializer_list<std::string> words) {
     expect_refusal([&] { (void)checked(of_one(kSquare, 0.3, holes)); }, words);
@@ -117,13 +117,13 @@ TEST(Outline, RefusesRegionsThatOverlap) {
   refused(rectangle(0.2, 0.2, 0.8, 0.8), {"regions[1]", "overlaps regions[0]", "in both"});
   refused(kSquare, {"overlaps", "in both"});
   refused(rectangle(0.5, 0, 1.5, 1), {"overlaps"});
-  // Side by side, in a hole, or along part of an edge is no overlap.
+  // Regions side by side, in a hole, or along part of an edge do not overlap.
   EXPECT_NO_THROW((void)checked({{{.outer = kSquare}, {.outer = rectangle(1, 0.2, 2, 3)}}}));
   EXPECT_NO_THROW((void)checked({{{.outer = kSquare, .holes = {rectangle(0.2, 0.2, 0.8, 0.8)}},
                                   {.outer = rectangle(0.2, 0.2, 0.8, 0.8)}}}));
 }
 
-TEST(Outline, RefusesMaterials) {
+TEST(Outline, RejectsInvalidMaterials) {
   expect_refusal([] { (void)checked({{{.outer = kSquare, .modulus = 0.0}}}); },
                  {"regions[0].modulus", "0", "positive"});
   expect_refusal([] { (void)checked({{{.outer = kSquare, .poisson = 0.6}}}); },

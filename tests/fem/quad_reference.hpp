@@ -1,4 +1,5 @@
-// A reference in 113 bits that shares nothing with the library but the description of the beam.
+// An independent reference in 113 bits that shares only the description of the beam with the
+// library.
 #pragma once
 
 #include <algorithm>
@@ -11,11 +12,12 @@
 
 namespace wheeltap::fem {
 
-__extension__ typedef __float128 Quad;  // of GCC and Clang; software, a hundred times slower
+__extension__ typedef __float128
+    Quad;  // a GCC and Clang extension; emulated in software, a hundred times slower
 
 /// Counts eigenvalues of the damaged beam below a given one. The element's matrices are integrals
-/// of its shape functions, which solve the static equations of a Timoshenko beam; rigid supports
-/// are held by Lagrange multipliers; nothing is reduced or factored as the library does it.
+/// of its shape functions, which solve the static equations of a Timoshenko beam. Lagrange
+/// multipliers enforce rigid supports. No reduction or factorisation of the library is used.
 class QuadReference {
  public:
   QuadReference(const Beam& beam, const Defects& defects) : beam_(beam) {
@@ -34,7 +36,7 @@ class QuadReference {
     }
     for (const SpringSupport& s : defects.supports) hold(s.location, s.rotation, s.stiffness);
 
-    // A multiplier comes after the last degree of freedom of its element.
+    // A multiplier follows the last degree of freedom of its element.
     const std::size_t dofs = 2 * static_cast<std::size_t>(beam.nodes());
     std::vector<std::size_t> place(dofs);
     std::vector<std::size_t> multiplier(rigid_.size());
@@ -85,7 +87,8 @@ class QuadReference {
             rigid_[r].coefficients[i] * flexural_ / (l_ * l_ * l_));
   }
 
-  /// Eigenvalues ω² below σ: the negative pivots of [K - σ M, Rᵀ; R, 0], less one a multiplier.
+  /// Number of eigenvalues ω² below σ: negative pivots of [K - σ M, Rᵀ; R, 0], minus one per
+  /// multiplier.
   [[nodiscard]] int count_below(Quad sigma) {
     int negative = 0;
     for (std::size_t i = 0; i < l_rows_.size(); ++i) l_rows_[i] = k_[i] - sigma * m_[i];
@@ -106,17 +109,17 @@ class QuadReference {
     return negative - static_cast<int>(rigid_.size());
   }
 
-  /// How many rigid supports there are: each takes a degree of freedom.
+  /// The number of rigid supports; each removes one degree of freedom.
   [[nodiscard]] int held() const { return static_cast<int>(rigid_.size()); }
 
-  /// True where frequency number `index` (from 0) lies in f (1 ± error).
+  /// True if frequency `index` (from 0) lies in f (1 ± error).
   [[nodiscard]] bool holds(int index, double frequency_hz, double error) {
     const Quad omega = 2 * kPi * frequency_hz;
     const auto below = [&](Quad factor) { return count_below(omega * omega * factor * factor); };
     return below(1 - Quad(error)) <= index && below(1 + Quad(error)) > index;
   }
 
-  /// f / (frequency number `index`) - 1, bisected to 1e-3 of itself; 1 where it is not within 10 %.
+  /// f / (frequency `index`) - 1, by bisection to a relative 1e-3; 1 if it is not within 10 %.
   [[nodiscard]] double error(int index, double frequency_hz) {
     double bound = 1e-15;
     while (bound < 0.1 && !holds(index, frequency_hz, bound)) bound *= 1.5;
@@ -131,8 +134,8 @@ class QuadReference {
   };
   static constexpr Quad kPi = 3.14159265358979323846264338327950288419716939937511L;
 
-  /// Cubic coefficients of w that give each nodal motion 1: w = Σ a_i x^i, and
-  /// θ = w' + (EI / κGA) θ'' with θ'' = w''' = 6 a_3.
+  /// Cubic coefficients of w for a unit value of each nodal motion: w = Σ a_i x^i, and θ = w' + (EI
+  /// / κGA) θ'' with θ'' = w''' = 6 a_3.
   [[nodiscard]] std::array<Quad, 4> cubic(std::size_t dof) const {
     const Quad c = 6 * flexural_ / shear_, l = l_;
     std::array<std::array<Quad, 5>, 4> a = {{{1, 0, 0, 0, 0},
@@ -167,7 +170,7 @@ class QuadReference {
   }
 
   void integrate(Element& stiffness, Element& mass) const {
-    // Four points of Gauss and Legendre, exact to degree 7; roots of 35 x⁴ - 30 x² + 3.
+    // Four Gauss-Legendre points, exact to degree 7; roots of 35 x⁴ - 30 x² + 3.
     const auto root = [](Quad square) {
       Quad x = std::sqrt(static_cast<double>(square));
       for (int i = 0; i < 4; ++i) x = (x + square / x) / 2;

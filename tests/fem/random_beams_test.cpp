@@ -1,5 +1,6 @@
-// Frequencies of random beams against an independent reference in 113 bits: no mode missed, none
-// wrong by more than 1e-9 of its mesh's, or by the bound that the library states.
+// Compares frequencies of random beams with an independent reference in 113 bits. No mode may be
+// missed, and no frequency may differ from that of its mesh by more than 1e-9 or the library's own
+// bound.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -83,7 +84,7 @@ class Draw {
   bool chance(double p) { return uniform(0.0, 1.0) < p; }
 
  private:
-  /// A place that is not held yet, at a node or between.
+  /// A place that is not held yet, at a node or between nodes.
   double apart(std::vector<double>& used, const Beam& beam) {
     for (;;) {
       double at = uniform(0.0, beam.length);
@@ -135,7 +136,7 @@ TEST(RandomBeams, AgreeWithAReferenceIn113Bits) {
     QuadReference reference(c.beam, c.defects);
     const int free = 2 * c.beam.nodes() - reference.held();
     if (free < 1) continue;
-    // As many as are asked of the intact beam, less what added supports take.
+    // The number of modes requested of the intact beam, minus those that added supports remove.
     c.modes = static_cast<int>(draw.log_uniform(1.0, free + 1));
     if (draw.chance(0.1)) c.modes = 1;
     if (draw.chance(0.05)) c.modes = free;

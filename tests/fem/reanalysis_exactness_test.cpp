@@ -1,4 +1,4 @@
-// Faults that were found in use, each against the reference in 113 bits.
+// Regression tests for errors found in use, each compared with the reference in 113 bits.
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// The largest error of the frequencies that are not of rigid bodies.
+/// The largest error of the elastic frequencies.
 double worst_error(const Beam& beam, const Defects& defects, const std::vector<double>& f,
                    int rigid = 0) {
   QuadReference reference(beam, defects);
@@ -43,8 +43,8 @@ double modal_error(const Beam& beam, const Defects& defects, int modes, int rigi
                      rigid);
 }
 
-TEST(ReanalysisExactness, OneWantedFrequencyAlone) {
-  // Nothing above it was in the sum, so that its first step was always accepted: off by 2.6e-2.
+TEST(ReanalysisExactness, SingleRequestedFrequency) {
+  // The sum held no mode above it, so its first step was always accepted: error 2.6e-2.
   for (const int elements : {10, 100})
     for (const auto supports : {"simply-supported", "cantilever", "clamped-pinned"})
       for (const double at : {0.07, 0.33, 0.51}) {
@@ -55,7 +55,7 @@ TEST(ReanalysisExactness, OneWantedFrequencyAlone) {
 }
 
 TEST(ReanalysisExactness, RootsFoundAfterABisection) {
-  // The first step after a bisection was accepted on the second-order estimate alone.
+  // The first step after a bisection was accepted by the second-order estimate alone.
   std::mt19937_64 generator(5);
   std::uniform_real_distribution<double> uniform;
   const Beam beam = slender_beam("clamped-pinned", 40);
@@ -71,8 +71,8 @@ TEST(ReanalysisExactness, RootsFoundAfterABisection) {
   EXPECT_LT(worst, 1e-11);
 }
 
-TEST(ReanalysisExactness, ElementWithNextToNothingLeft) {
-  // 1 - (1 - Π (1 - r)) had lost its digits: 6e-8 at 1e-9, factors of 10 at 1e-12.
+TEST(ReanalysisExactness, ElementWithAlmostNoStiffness) {
+  // 1 - (1 - Π (1 - r)) had lost its digits: errors of 6e-8 at 1e-9, factors of 10 at 1e-12.
   for (const auto supports : kNamedSupports)
     for (const int times : {2, 3, 4, 6}) {
       const Beam beam = slender_beam(supports, 20);
@@ -87,7 +87,7 @@ TEST(ReanalysisExactness, ElementWithNextToNothingLeft) {
 }
 
 TEST(ReanalysisExactness, ThickOverhangingBeam) {
-  // The statics were summed over modes whose rounding a damage divided by 1 - r: 3e-6.
+  // The static part was summed over modes whose rounding a damage divided by 1 - r: error 3e-6.
   struct {
     double height;
     int elements;
@@ -105,7 +105,8 @@ TEST(ReanalysisExactness, ThickOverhangingBeam) {
 }
 
 TEST(ReanalysisExactness, BeamOnElasticSupports) {
-  // As above, and modes of soft springs were wrong by λ_max / λ_j in the last bit: 6.8e-6.
+  // As above; in addition modes of soft springs had an error of λ_max / λ_j in the last bit:
+  // 6.8e-6.
   Beam beam = slender_beam("free-free", 100);
   for (const double softer : {1.0, 1e-4, 1e-8}) {
     beam.supports = {{.at = 0.1, .stiffness = 2e4 * softer},
@@ -119,7 +120,7 @@ TEST(ReanalysisExactness, BeamOnElasticSupports) {
 }
 
 TEST(ReanalysisExactness, SupportsAddedToABeamOnSoftSprings) {
-  // Nearly rigid modes drowned the beam's own compliance at the supports.
+  // Rounding of nearly rigid modes exceeded the beam's own compliance at the supports.
   Beam beam = slender_beam("free-free", 20);
   beam.supports = {{.at = 0.49, .stiffness = 1e-3}, {.at = 0.78, .stiffness = 1e-6}};
   const Defects defects{.damages = {{0.42, 0.999}, {0.61, 0.997}, {0.9, 0.8}},
@@ -130,7 +131,7 @@ TEST(ReanalysisExactness, SupportsAddedToABeamOnSoftSprings) {
 }
 
 TEST(ReanalysisExactness, ThreeSpringsOnOneElement) {
-  // The only mode was lifted past the one made up beside it, or its bracket was infinite.
+  // The only mode was raised above the artificial one, or its bracket was infinite.
   const Beam one = slender_beam("clamped-pinned", 1);
   for (const double k : {1e3, 1e5, 1e7}) {
     const Defects defects{.damages = {},
@@ -141,14 +142,15 @@ TEST(ReanalysisExactness, ThreeSpringsOnOneElement) {
     const Beam free = slender_beam("free-free", 1);
     EXPECT_LT(reanalysis_error(free, defects, 4), 1e-10) << k;
   }
-  // Rigid ones and springs that raise the last mode above all intact ones.
+  // Rigid supports and springs that raise the last mode above all intact ones.
   const Defects mixed{.damages = {{0.2, 0.6}},
                       .supports = {{.location = 0.5}, {.location = 0.8, .stiffness = 1e4}}};
   EXPECT_LT(reanalysis_error(slender_beam("clamped-pinned", 2), mixed, 2), 1e-11);
 }
 
-TEST(ReanalysisExactness, BeamOfAMillimetre) {
-  // Spectra takes 1 / (λ - σ) < 4e-11 for converged: modes were off by 7.5e-3, and certified.
+TEST(ReanalysisExactness, BeamOfOneMillimetre) {
+  // Spectra accepts 1 / (λ - σ) < 4e-11 as converged: modes had errors of 7.5e-3, but were
+  // certified.
   for (const double length : {1e-3, 1e3})
     for (const auto supports : {"cantilever", "free-free", "clamped-clamped"}) {
       Beam beam = slender_beam(supports, length < 1.0 ? 100 : 30);
@@ -162,8 +164,8 @@ TEST(ReanalysisExactness, BeamOfAMillimetre) {
     }
 }
 
-TEST(ReanalysisExactness, SmallMeshesWhoseEigenvalueABisectionMeets) {
-  // "mode 0 did not converge": the bracket's end was the eigenvalue.
+TEST(ReanalysisExactness, SmallMeshesWithAnEigenvalueAtABisectionPoint) {
+  // "mode 0 did not converge": the end of the bracket was the eigenvalue.
   Beam beam = slender_beam("free-free", 1);
   beam.supports = {{.at = 0.0, .stiffness = {}},
                    {.at = 1.0, .deflection = true, .rotation = true, .stiffness = {}}};

@@ -21,7 +21,7 @@ namespace {
 
 constexpr int kModes = 20;
 
-/// Full numbers of random sets with WHEELTAP_LONG_TESTS=1; a share of them otherwise.
+/// WHEELTAP_LONG_TESTS=1 uses all random sets; otherwise a share of them.
 int sets(int full, int quick) {
   const char* chosen = std::getenv("WHEELTAP_LONG_TESTS");
   return chosen != nullptr && std::string_view(chosen) == "1" ? full : quick;
@@ -45,8 +45,8 @@ std::vector<Beam> beams() {
 
 enum class Kind { kDamages, kSupports, kBoth };
 
-/// Random defects, with what is awkward about them drawn often: mirror places, one element twice,
-/// mid-span and third points (nodes of modes), nearly no stiffness left, tiny reductions.
+/// Random defects with many difficult cases: mirror places, one element twice, mid-span and third
+/// points (nodes of modes), almost no remaining stiffness, tiny reductions.
 Defects draw(std::mt19937_64& generator, int most, Kind kind) {
   std::uniform_real_distribution<double> uniform;
   const auto chance = [&](double p) { return uniform(generator) < p; };
@@ -89,7 +89,8 @@ std::vector<double> reanalysed_beam(const Reanalysis& reanalysis, Reanalysis::Wo
   return f;
 }
 
-/// M φ = μ (K - σ M) φ densely, straight from LAPACK's textbook reduction in the given precision.
+/// Solves M φ = μ (K - σ M) φ densely by the reduction to a standard problem in the given
+/// precision.
 template <class Real>
 std::vector<double> dense_frequencies(const Beam& beam, const Defects& defects, Real sigma) {
   using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
@@ -104,7 +105,7 @@ std::vector<double> dense_frequencies(const Beam& beam, const Defects& defects, 
   return f;
 }
 
-/// Rigid-body modes are right at zero; what the eigensolver leaves of them is no reference.
+/// Rigid-body modes are exactly zero; the rounding of the eigensolver there is no reference.
 double largest_error(const std::vector<double>& f, const std::vector<double>& reference,
                      const Defects& defects, const Beam& beam) {
   const auto rigid = static_cast<std::size_t>(rigid_body_freedom(beam, defects.supports));
@@ -184,7 +185,8 @@ TEST(Reanalysis, FindsBothOfEqualFrequencies) {
   Defects defects{.damages = {},
                   .supports = {{.location = 0.5}, {.location = 0.5, .rotation = true}}};
   for (const double reduction : {0.0, 1e-9, 1e-6, 1e-3}) {
-    if (reduction > 0.0) defects.damages = {{0.2, reduction}};  // the halves part a little
+    if (reduction > 0.0)
+      defects.damages = {{0.2, reduction}};  // the frequencies of the halves differ slightly
     const std::vector<double> f = reanalysed_beam(reanalysis, workspace, defects);
     const Modes full = modal_analysis(beam, defects, {.modes = kModes});
     for (std::size_t i = 0; i < f.size(); ++i)
@@ -195,7 +197,7 @@ TEST(Reanalysis, FindsBothOfEqualFrequencies) {
   }
 }
 
-TEST(Reanalysis, NothingWrongChangesNothing) {
+TEST(Reanalysis, WithoutDefectsEqualsTheIntactModes) {
   const Reanalysis reanalysis(slender_beam(), kModes);
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
   const auto intact = reanalysis.intact_frequencies_hz();
@@ -203,13 +205,13 @@ TEST(Reanalysis, NothingWrongChangesNothing) {
   EXPECT_EQ(reanalysed_beam(reanalysis, workspace, {}), expected);
   EXPECT_EQ(reanalysed_beam(reanalysis, workspace, {.damages = {{0.3, 0.0}}, .supports = {}}),
             expected);
-  // A rigid support where there is one already.
+  // A rigid support at a place that is already held.
   const std::vector<double> f =
       reanalysed_beam(reanalysis, workspace, {.damages = {}, .supports = {{.location = 1.0}}});
   for (std::size_t i = 0; i < f.size(); ++i) EXPECT_NEAR(f[i] / expected[i], 1.0, 1e-14);
 }
 
-TEST(Reanalysis, OrderAndEarlierCallsDoNotMatter) {
+TEST(Reanalysis, ResultIsIndependentOfOrderAndEarlierCalls) {
   const Reanalysis reanalysis(slender_beam("clamped-pinned"), kModes);
   Reanalysis::Workspace used = reanalysis.make_workspace();
   std::mt19937_64 generator(5);
@@ -218,13 +220,13 @@ TEST(Reanalysis, OrderAndEarlierCallsDoNotMatter) {
     Reanalysis::Workspace fresh = reanalysis.make_workspace();
     const std::vector<double> f = reanalysed_beam(reanalysis, fresh, defects);
     EXPECT_EQ(reanalysed_beam(reanalysis, used, defects), f);
-    // Fewer modes of the same: bitwise the same, whatever shared the lanes.
+    // Fewer modes of the same problem: bitwise equal, whatever shares the lanes.
     const std::vector<double> few = reanalysed_beam(reanalysis, used, defects, 7);
     EXPECT_TRUE(std::equal(few.begin(), few.end(), f.begin()));
   }
 }
 
-TEST(Reanalysis, DoesNotAllocateOnceItsWorkspaceHasGrown) {
+TEST(Reanalysis, DoesNotAllocateAfterTheWorkspaceHasGrown) {
   const Reanalysis reanalysis(slender_beam("cantilever"), kModes);
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
   const Defects large{.damages = {{0.1, 0.5}, {0.4, 0.2}, {0.8, 0.9}},
@@ -238,7 +240,7 @@ TEST(Reanalysis, DoesNotAllocateOnceItsWorkspaceHasGrown) {
   EXPECT_EQ(test::allocations(), before);
 }
 
-TEST(Reanalysis, MirrorImagesAgree) {
+TEST(Reanalysis, MirrorImagesHaveEqualFrequencies) {
   const Reanalysis reanalysis(slender_beam(), kModes);
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
   const auto a = reanalysed_beam(reanalysis, workspace,
@@ -248,8 +250,8 @@ TEST(Reanalysis, MirrorImagesAgree) {
   for (std::size_t i = 0; i < a.size(); ++i) EXPECT_NEAR(a[i] / b[i], 1.0, 1e-12);
 }
 
-TEST(Reanalysis, SupportsAlmostAtOnePlaceClamp) {
-  // Two rigid rollers h apart hold the slope as h -> 0; their rows nearly coincide.
+TEST(Reanalysis, SupportsCloseToEachOtherActAsAClamp) {
+  // Two rigid rollers at a distance h hold the slope as h -> 0; their rows are nearly equal.
   const Beam beam = slender_beam("cantilever");
   const Reanalysis reanalysis(beam, 10);
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
@@ -263,7 +265,7 @@ TEST(Reanalysis, SupportsAlmostAtOnePlaceClamp) {
   }
 }
 
-TEST(Reanalysis, ServesSmallBeamsAndAllTheirModes) {
+TEST(Reanalysis, FindsAllModesOfSmallBeams) {
   for (const int elements : {1, 2, 3, 7}) {
     const Beam beam = slender_beam("clamped-pinned", elements);
     const int all = 2 * elements - 1;
@@ -278,7 +280,7 @@ TEST(Reanalysis, ServesSmallBeamsAndAllTheirModes) {
   }
 }
 
-TEST(Reanalysis, ManySupportsAtOnce) {
+TEST(Reanalysis, SolvesForManySupports) {
   const Beam beam = slender_beam("cantilever");
   const Reanalysis reanalysis(beam, kModes);
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
@@ -290,7 +292,7 @@ TEST(Reanalysis, ManySupportsAtOnce) {
     EXPECT_NEAR(f[i] / full.frequencies_hz[static_cast<Eigen::Index>(i)], 1.0, 1e-9) << i;
 }
 
-/// Everything `solve` gives for one set of defects.
+/// All outputs of `solve` for one set of defects.
 struct Solution {
   std::vector<double> f, by_damage, by_element, shapes;
 };
@@ -397,7 +399,7 @@ TEST(Reanalysis, StiffnessGradientsEqualFiniteDifferences) {
           at.push_back(reanalysed_beam(reanalysis, workspace, moved));
         }
         for (std::size_t mode = rigid; mode < kModes; ++mode) {
-          // ∂f/∂ln k, by Richardson's rule on differences.
+          // ∂f/∂ln k, by Richardson extrapolation of differences.
           const double expected =
               (8 * (at[2][mode] - at[1][mode]) - (at[3][mode] - at[0][mode])) / (12 * h);
           const double error =
@@ -411,7 +413,7 @@ TEST(Reanalysis, StiffnessGradientsEqualFiniteDifferences) {
   std::printf("largest error of a gradient, relative to the frequency: %.2e\n", worst);
 }
 
-TEST(Reanalysis, SlopesAlongPlacesAreDifferencesOfFullSolutions) {
+TEST(Reanalysis, LocationSlopesEqualDifferencesOfFullSolutions) {
   const Beam beam = slender_beam("clamped-pinned", 20);
   const Reanalysis reanalysis(beam, 6);
   Reanalysis::Workspace workspace = reanalysis.make_workspace();
@@ -434,7 +436,7 @@ TEST(Reanalysis, SlopesAlongPlacesAreDifferencesOfFullSolutions) {
                   1e-5 * expected.cwiseAbs().maxCoeff());
   }
   for (std::size_t s = 0; s < 2; ++s) {
-    constexpr double kStep = 2e-3;  // Richardson's rule on differences of the full solution
+    constexpr double kStep = 2e-3;  // Richardson extrapolation of differences of the full solution
     std::vector<Eigen::VectorXd> f;
     for (const double j : {-2.0, -1.0, 1.0, 2.0}) {
       Defects moved = defects;
@@ -461,7 +463,7 @@ TEST(Reanalysis, ShapesEqualThoseOfTheFullSolution) {
       const Solution s = solve(reanalysis, defects, kModes, points);
       const Modes full = modal_analysis(beam, defects, {.modes = kModes});
       for (Eigen::Index mode = full.rigid_body_modes; mode < kModes; ++mode) {
-        // Between close modes a shape is only determined to rounding over their gap.
+        // Between close modes, a shape is determined only to rounding over the gap.
         double gap = 1.0;
         for (const Eigen::Index next : {mode - 1, mode + 1})
           if (next >= 0 && next < kModes)
@@ -484,9 +486,9 @@ TEST(Reanalysis, ShapesEqualThoseOfTheFullSolution) {
   std::printf("largest relative error of a shape: %.2e\n", worst);
 }
 
-// The lowest frequency is nearer to both rigid motions than to the intact one, and these see none
-// of the damage: they told its shape.
-TEST(Reanalysis, ShapesOfAFreeBeamNextToSevered) {
+// Regression: the lowest frequency is closer to both rigid motions than to the intact one. These do
+// not feel the damage, but determined its shape.
+TEST(Reanalysis, FindsShapesOfANearlySeveredFreeBeam) {
   const Beam beam = slender_beam("free-free");
   const Reanalysis reanalysis(beam, 6);
   std::vector<Reanalysis::Point> points;
@@ -507,7 +509,7 @@ TEST(Reanalysis, ShapesOfAFreeBeamNextToSevered) {
   }
 }
 
-TEST(Reanalysis, ShapesOfRigidBodiesAreRigid) {
+TEST(Reanalysis, ShapesOfRigidBodyModesAreRigid) {
   const Beam beam = slender_beam("free-free");
   const Reanalysis reanalysis(beam, 4);
   const std::vector<Reanalysis::Point> points = {{0.0}, {0.5}, {1.0}, {0.2, true}};
@@ -515,7 +517,7 @@ TEST(Reanalysis, ShapesOfRigidBodiesAreRigid) {
       solve(reanalysis, {.damages = {{0.4, 0.5}}, .supports = {{.location = 0.25}}}, 4, points);
   EXPECT_EQ(s.f[0], 0.0);
   EXPECT_GT(s.f[1], 1.0);
-  // A rotation about x = 0.25: w = θ (x - 0.25); the sign makes the far end positive.
+  // A rotation about x = 0.25: w = θ (x - 0.25); by sign convention the far end is positive.
   const double theta = s.shapes[3];
   EXPECT_GT(theta, 0.0);
   for (std::size_t p = 0; p < 3; ++p)
@@ -523,7 +525,7 @@ TEST(Reanalysis, ShapesOfRigidBodiesAreRigid) {
   EXPECT_EQ(s.by_damage[0], 0.0);
 }
 
-TEST(Reanalysis, Refuses) {
+TEST(Reanalysis, RejectsMisuse) {
   const Beam beam = slender_beam();
   expect_refusal([&] { (void)Reanalysis(beam, 203); }, {"modes = 203", "200"});
   expect_refusal([&] { (void)Reanalysis(beam, 0); }, {"modes = 0"});

@@ -7,7 +7,7 @@
 
 namespace wheeltap {
 
-/// `call` throws std::invalid_argument, and its message contains every one of `words`.
+/// Expects `call` to throw std::invalid_argument with a message that contains all of `words`.
 template <class Call>
 void expect_refusal(Call&& call, std::initializer_list<std::string> words) {
   try {

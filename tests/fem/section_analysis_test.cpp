@@ -15,7 +15,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// What the default options promise of every figure.
+/// The accuracy of the default options for every property.
 constexpr double kPromise = 1e-3;
 
 SectionAnalysis analyse(const Outline& outline, double poisson = 0.3, int least_levels = 2) {
@@ -169,7 +169,7 @@ TEST(SectionAnalysis, StripOfTwoMaterials) {
                joined_bars(1, 1, 2, 2.0 / 1.5, 0.5), 2e-4, "J");
 }
 
-TEST(SectionAnalysis, PartsOfOneMaterialAreOne) {
+TEST(SectionAnalysis, RegionsOfOneMaterialActAsOne) {
   const SectionProperties whole = properties(rectangle(0, 0, 3, 1), 0.3);
   const Outline cut{{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(1, 0, 3, 1)}}};
   const SectionProperties parts = analyse(cut).properties;
@@ -188,7 +188,7 @@ TEST(SectionAnalysis, StiffnessesAreProportionalToTheModulus) {
   expect_close(q.shear_centre.x(), p.shear_centre.x(), 1e-9, "centre");
 }
 
-TEST(SectionAnalysis, WithoutPoissonShearIsTheSumOfLayers) {
+TEST(SectionAnalysis, WithZeroPoissonRatioShearIsTheSumOfLayers) {
   // Jourawski's formula is exact for ν = 0 in a rectangle, at any orientation of two of them.
   const Outline layers{{{.outer = rectangle(0, 0, 1, 1), .poisson = 0.0},
                         {.outer = rectangle(0, 1, 1, 3), .modulus = 4.0, .poisson = 0.0}}};
@@ -215,7 +215,7 @@ Ring moved(const Ring& ring, double angle, double scale, const Eigen::Vector2d& 
   return result;
 }
 
-TEST(SectionAnalysis, MovesWithTheOutline) {
+TEST(SectionAnalysis, IsInvariantUnderTranslationAndRotation) {
   const Ring ring = {{0, 0}, {5, 0}, {5, 0.7}, {1, 0.9}, {1.3, 4}, {2, 6}, {0, 5.5}};
   const SectionProperties p = properties(ring, 0.3);
   const double angle = 0.7, k = 0.01;
@@ -225,7 +225,7 @@ TEST(SectionAnalysis, MovesWithTheOutline) {
   const Eigen::Rotation2Dd turn(angle);
   EXPECT_LT((q.shear_centre - k * (turn * p.shear_centre)).norm(), k * 1e-3);
   EXPECT_LT((q.centroid - (k * (turn * p.centroid) + Eigen::Vector2d(3, -2))).norm(), 1e-12);
-  // α turns as a tensor does.
+  // α transforms as a tensor.
   const auto tensor = [](const ShearFlexibility& a) {
     return (Eigen::Matrix2d() << a.yy, a.yz, a.yz, a.zz).finished();
   };
@@ -249,7 +249,7 @@ TEST(SectionAnalysis, PrincipalAxesOfATurnedRectangle) {
 }
 
 TEST(SectionAnalysis, CentresOfSymmetryAndOfThinWalls) {
-  // Of an angle of thin legs the shear centre lies where these meet.
+  // The shear centre of an angle with thin legs is where these meet.
   const double t = 0.02;
   const SectionProperties p = properties(angle_section(1, 1.5, t), 0.0);
   EXPECT_LT((p.centroid + p.shear_centre - Eigen::Vector2d(t / 2, t / 2)).norm(), t);
@@ -272,9 +272,9 @@ TEST(SectionAnalysis, CentresOfSymmetryAndOfThinWalls) {
 }
 
 TEST(SectionAnalysis, ShearCentreOfAHalfDisc) {
-  // From the circle's centre 8 a (3 + 4 ν) / (15 π (1 + ν)) without rotation there; less what a
-  // torque ν V y_c / (E I) · G J adds without rotation at the centroid y_c (Timoshenko & Goodier,
-  // article 127: 0.548 a - 0.037 a at ν = 0.3). Trefftz's is that of ν = 0.
+  // From the circle's centre 8 a (3 + 4 ν) / (15 π (1 + ν)) without rotation there, minus the
+  // contribution of a torque ν V y_c / (E I) · G J without rotation at the centroid y_c (Timoshenko
+  // & Goodier, article 127: 0.548 a - 0.037 a at ν = 0.3). Trefftz's centre is that of ν = 0.
   Ring half = arc({0, -1}, {0, 1}, kPi, 512);
   half.emplace_back(0, 1);
   for (const double nu : {0.0, 0.3, 0.5}) {
@@ -291,19 +291,19 @@ TEST(SectionAnalysis, ShearCentreOfAHalfDisc) {
   }
 }
 
-TEST(SectionAnalysis, ConvergesAtItsOrderInSpiteOfCorners) {
-  // Re-entrant corners and none: h⁴, since the refinement is graded.
+TEST(SectionAnalysis, ConvergesAtFullOrderDespiteCorners) {
+  // With and without re-entrant corners: h⁴, because the refinement is graded.
   for (const Ring& ring : {rectangle(0, 0, 2, 1), channel(8, 18, 1)}) {
     const SectionAnalysis a = analyse(of_one(ring, 0.3), 0.3, 5);
     const auto j = [&](std::size_t i) { return a.levels[i].properties.torsion_constant; };
     const double order = std::log2((j(2) - j(3)) / (j(3) - j(4)));
     EXPECT_GT(order, 3.0);
-    // J comes from above: the strain energy of an approximate warping is too large.
+    // J converges from above, because the strain energy of an approximate warping is too large.
     for (std::size_t i = 0; i < 4; ++i) EXPECT_GT(j(i), j(i + 1));
   }
 }
 
-TEST(SectionAnalysis, ErrorsAreHonest) {
+TEST(SectionAnalysis, ErrorEstimatesBoundTheErrors) {
   for (const Ring& ring : {channel(8, 18, 1), angle_section(10.5, 15.5, 1)}) {
     const SectionAnalysis quick = analyse(of_one(ring, 0.3)),
                           fine = analyse(of_one(ring, 0.3), 0.3, 6);
@@ -314,7 +314,7 @@ TEST(SectionAnalysis, ErrorsAreHonest) {
     EXPECT_LE(off(p.warping_constant, q.warping_constant), quick.errors.warping_constant);
     EXPECT_LE(off(p.shear_flexibility.zz, q.shear_flexibility.zz), quick.errors.shear_flexibility);
   }
-  // A mesh that may not be refined says that it has no error.
+  // Without a second mesh there is no error estimate.
   const Outline outline = of_one(channel(8, 18, 1), 0.3);
   const SectionAnalysis one =
       analyse_section(section_mesh(outline), outline.regions, {.most_nodes = 100});
@@ -322,7 +322,7 @@ TEST(SectionAnalysis, ErrorsAreHonest) {
   EXPECT_TRUE(std::isinf(one.errors.largest()));
 }
 
-TEST(SectionAnalysis, Refuses) {
+TEST(SectionAnalysis, RejectsMisuse) {
   const Outline outline = of_one(rectangle(0, 0, 1, 1), 0.3);
   const TriangleMesh mesh = section_mesh(outline);
   expect_refusal([&] { (void)section_properties(mesh, {}, 0.3); }, {"regions", "0"});
@@ -335,7 +335,7 @@ TEST(SectionAnalysis, Refuses) {
                  {"reference_poisson", "0.7", "0.5"});
 }
 
-// Fault: corners closer than rounding gave NaN, a torsion constant 2.5 % off after 53 s, or no
+// Regression: corners closer than rounding gave NaN, a torsion constant 2.5 % off after 53 s, or no
 // factorisation.
 TEST(SectionAnalysis, NearlyRepeatedCornersChangeNothing) {
   const SectionProperties right = properties(rectangle(0, 0, 0.1, 0.2), 0.3);
@@ -347,7 +347,7 @@ TEST(SectionAnalysis, NearlyRepeatedCornersChangeNothing) {
   }
 }
 
-TEST(SectionAnalysis, AQuarterDiscMayEndInRounding) {
+TEST(SectionAnalysis, QuarterDiscWithRoundedCornersIsAccepted) {
   const auto quarter = [](double last_y) {
     Ring ring = {{0, 0}};
     for (int i = 0; i <= 8; ++i)
@@ -381,7 +381,7 @@ TEST(SectionAnalysis, RegionsWhoseCornersDifferByRoundingAreJoined) {
   }
 }
 
-TEST(SectionAnalysis, WhatWouldNotSettleEndsBeforeTheLargestMesh) {
+TEST(SectionAnalysis, StopsEarlyIfItWouldNotConverge) {
   const Outline outline = checked(of_one(channel(8, 18, 1), 0.3));
   const SectionAnalysis a =
       analyse_section(section_mesh(outline), outline.regions, {.tolerance = 1e-13});

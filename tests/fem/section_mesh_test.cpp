@@ -54,13 +54,13 @@ TEST(SectionMesh, FillsTheOutlineWithGoodTriangles) {
   }
 }
 
-TEST(SectionMesh, SharpCornersEnd) {
+TEST(SectionMesh, RefinementTerminatesAtSharpCorners) {
   for (const double height : {0.5, 0.1, 0.01}) {
     const TriangleMesh mesh = section_mesh(of_one({{0, 0}, {1, 0}, {1, height}}, 0.3));
     EXPECT_NEAR(area(mesh), 0.5 * height, 1e-14);
     EXPECT_LT(mesh.triangles.size(), 2000u);
   }
-  // A star, with five of them.
+  // A star, with five sharp corners.
   Ring star;
   for (int i = 0; i < 10; ++i) {
     const double r = i % 2 ? 0.3 : 1.0, angle = i * std::numbers::pi / 5;
@@ -69,9 +69,9 @@ TEST(SectionMesh, SharpCornersEnd) {
   EXPECT_NEAR(area(section_mesh(of_one(star, 0.3))), signed_area(star), 1e-14);
 }
 
-TEST(SectionMesh, RandomStarsEnd) {
-  // Spikes of any sharpness, several of which meet in one corner where the star is cut in two:
-  // triangles between the shells around such corners must be left as they are.
+TEST(SectionMesh, RefinementTerminatesForRandomStars) {
+  // Spikes of any sharpness; several meet in one corner if the star is cut in two. Refinement must
+  // not change triangles between the shells around such corners.
   std::mt19937 generator(7);
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   int cut = 0;
@@ -116,14 +116,14 @@ TEST(SectionMesh, FacesOfASlitDoNotRefineEachOther) {
     EXPECT_LT(section_mesh(of_one(slit_tube(8, 1.25, slit, 128), 0.3)).triangles.size(), wide + 50);
 }
 
-TEST(SectionMesh, RegionsMeetAlongWhatTheyShare) {
+TEST(SectionMesh, RegionsConformAlongSharedEdges) {
   // A wide plate on a narrow web: corners of one lie on an edge of the other; and a filled tube.
   const Outline tee{{{.outer = rectangle(0, 0, 1, 4)}, {.outer = rectangle(-1.3, 4, 2.7, 4.5)}}};
   const TriangleMesh mesh = section_mesh(tee);
   EXPECT_NEAR(area(mesh, 0), 4.0, 1e-12);
   EXPECT_NEAR(area(mesh, 1), 2.0, 1e-12);
   EXPECT_EQ(pieces(mesh), 1);
-  // Turned, so that coordinates round.
+  // Rotated, so that coordinates are rounded.
   Outline turned = tee;
   const double c = std::cos(0.3), s = std::sin(0.3);
   for (Region& region : turned.regions)
@@ -136,7 +136,7 @@ TEST(SectionMesh, RegionsMeetAlongWhatTheyShare) {
   EXPECT_NEAR(area(section_mesh(filled)), 1.44 * std::numbers::pi, 1e-12);
 }
 
-TEST(SectionMesh, Refuses) {
+TEST(SectionMesh, RejectsMisuse) {
   expect_refusal([] { (void)section_mesh(of_one(rectangle(0, 0, 1, 1), 0.3), {.coarseness = 0}); },
                  {"coarseness", "positive"});
   expect_refusal([] { (void)section_mesh(of_one(rectangle(0, 0, 1, 1), 0.3), {.angle = 45}); },
@@ -146,7 +146,7 @@ TEST(SectionMesh, Refuses) {
         (void)section_mesh({{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(2, 0, 3, 1)}}});
       },
       {"2 pieces"});
-  // Corner to corner is no connection.
+  // Regions that touch only at a corner are not connected.
   expect_refusal(
       [] {
         (void)section_mesh({{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(1, 1, 2, 2)}}});
@@ -158,7 +158,7 @@ TEST(SectionMesh, Refuses) {
                            {.coarseness = 1e-3, .most_points = 1000});
       },
       {"1000", "most_points"});
-  // Beside a sliver of 10^12 all corners of the first are one, and nothing is left to mesh.
+  // Relative to a sliver of 10^12, all corners of the first region coincide, and no mesh remains.
   expect_refusal(
       [] {
         (void)section_mesh({{{.outer = rectangle(0, 0, 0.1, 0.2)},

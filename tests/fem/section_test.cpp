@@ -56,7 +56,7 @@ TEST(Section, CowperThinWalledLimits) {
   const Section square = section(
       Box{.height = 1.001, .width = 1.001, .flange_thickness = 0.001, .web_thickness = 0.001}, 0.3);
   EXPECT_NEAR(square.shear_coefficient, 20.0 * 1.3 / (48.0 + 39.0 * 0.3), 1e-12);
-  // Shear is carried by the web: κ A is near the web's area.
+  // The web carries the shear: κ A is close to the web's area.
   const Section beam = section(
       ISection{.height = 0.2, .width = 0.1, .flange_thickness = 0.008, .web_thickness = 0.006},
       0.3);

@@ -1,4 +1,4 @@
-// Outlines that several tests use.
+// Outlines for several tests.
 #pragma once
 
 #include <cmath>
@@ -30,7 +30,7 @@ inline Ring angle_section(double short_leg, double long_leg, double t) {
 /// A strip of thickness t bent to the mean radius r, from angle `first` to `last`.
 inline Ring curved_strip(double r, double t, double first, double last, int corners) {
   Ring ring;
-  // Chords of equal area: half way between inscribed and circumscribed.
+  // Chords of equal area, between the inscribed and the circumscribed polygon.
   const double step = (last - first) / corners, stretch = std::sqrt(step / std::sin(step));
   const auto add = [&](double radius, int i) {
     const double angle = first + step * i;

@@ -12,8 +12,8 @@
 namespace wheeltap::fem::detail {
 namespace {
 
-/// Random amplitudes on eigenvalues j⁴, as of a beam; all modes summed explicitly or, with `terms`,
-/// the far ones by a made-up series of Chebyshev terms.
+/// Random amplitudes on eigenvalues j⁴, as for a beam. All modes are summed explicitly or, with
+/// `terms`, the far ones by an artificial Chebyshev series.
 struct Problem {
   static constexpr int kAll = 45;
   std::vector<double> eigenvalues, scales, c, series, product, pairs;
@@ -29,7 +29,7 @@ struct Problem {
     for (int i = 0; i < columns * kAll; ++i)
       c.push_back(std::pow(i % kAll + 1, 1.5) * normal(generator));
     scales = eigenvalues;
-    scales[0] = scales[1] = scales[2];  // as of soft modes
+    scales[0] = scales[1] = scales[2];  // as for soft modes
     for (int i = 0; i < terms * (kAll - near); ++i) series.push_back(1e-13 * normal(generator));
     series_end.assign(static_cast<std::size_t>(terms), kAll - near);
     secular = {.columns = columns,
@@ -80,7 +80,7 @@ TEST(Secular, StepsSolveTheReducedProblem) {
       const auto kappa = [&](double at) -> Eigen::VectorXd {
         return scales.array() / (values.array() - at) - 1.0;
       };
-      // A and H at a λ, straight from their definitions.
+      // A and H at a λ from their definitions.
       const auto a_of = [&](double at) {
         Eigen::VectorXd weight = kappa(at);
         weight.segment<2>(p).setZero();
@@ -106,7 +106,7 @@ TEST(Secular, StepsSolveTheReducedProblem) {
           Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(a).eigenvalues();
       EXPECT_EQ(steps.negative.lane[l], static_cast<double>((spectrum.array() < 0.0).count()));
 
-      // The shape of each δ: all coordinates, and what the damaged problem leaves of them.
+      // The shape of each δ: all coordinates, and the residual in the damaged problem.
       for (const bool low : {true, false}) {
         const Eigen::Vector2d v = pencil.eigenvectors().col(low ? 0 : 1);
         const Eigen::VectorXd eta = y * v;

@@ -10,7 +10,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// I - Σ c_j c_jᵀ / λ_j, as it stands.
+/// I - Σ c_j c_jᵀ / λ_j from its definition.
 Eigen::MatrixXd by_modes(const Beam& beam) {
   const FullSpectrum s = full_spectrum(beam);
   Eigen::MatrixXd p = Eigen::MatrixXd::Identity(2 * beam.elements, 2 * beam.elements);
@@ -19,7 +19,7 @@ Eigen::MatrixXd by_modes(const Beam& beam) {
   return p;
 }
 
-TEST(SelfStress, AreWhatTheModesLeave) {
+TEST(SelfStress, ProjectorComplementsTheModes) {
   std::vector<std::pair<Beam, Eigen::Index>> cases;
   const Eigen::Index redundant[] = {0, 0, 2, 1, 0};
   for (std::size_t i = 0; i < std::size(kNamedSupports); ++i)

@@ -39,8 +39,9 @@ TEST(SkylineLdlt, CountsEigenvaluesBelow) {
   EXPECT_EQ(ldlt.factor(2.0 * eigenvalues[ldlt.size() - 1]), ldlt.size());
 }
 
-TEST(SkylineLdlt, NoticesASingularLeadingBlock) {
-  // σ = k₁₁ / m₁₁ leaves no first pivot; a count there once lost a mode of a seven-element beam.
+TEST(SkylineLdlt, DetectsASingularLeadingBlock) {
+  // Regression: σ = k₁₁ / m₁₁ gives a zero first pivot; the count missed a mode of a seven-element
+  // beam.
   const Assembly<double> a = some_problem();
   SkylineLdlt<double> ldlt(a.stiffness, a.mass);
   const double sigma = a.stiffness.coeff(0, 0) / a.mass.coeff(0, 0);

@@ -92,7 +92,7 @@ TEST_P(TimoshenkoElements, StiffnessHasRankTwo) {
 }
 
 TEST_P(TimoshenkoElements, TipDeflectionIsExactForOneElement) {
-  // Cantilever under a tip force: w = F l³ / (3 E I) + F l / (κ G A), whatever the mesh.
+  // Cantilever under a tip force: w = F l³ / (3 E I) + F l / (κ G A) for any mesh.
   const Eigen::Matrix2d k = element_.stiffness().bottomRightCorner<2, 2>();
   const double tip = k.inverse()(0, 0);
   EXPECT_NEAR(tip / (l_ * l_ * l_ / (3 * bending_) + l_ / shear_), 1.0, 1e-12);

@@ -7,7 +7,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// An L of three unit squares, the inward corner at (1, 1), its right square of region 1.
+/// An L of three unit squares with the re-entrant corner at (1, 1); its right square is region 1.
 TriangleMesh ell() {
   return {.points = {{0, 0}, {1, 0}, {2, 0}, {2, 1}, {1, 1}, {1, 2}, {0, 2}, {0, 1}},
           .triangles = {{0, 1, 4}, {0, 4, 7}, {1, 2, 3}, {1, 3, 4}, {7, 4, 5}, {7, 5, 6}},
@@ -26,7 +26,7 @@ double area(const TriangleMesh& mesh) {
   return sum;
 }
 
-/// Every edge belongs to two triangles, or lies on the boundary, whose length is known.
+/// Every edge belongs to two triangles or lies on the boundary, whose length is known.
 void expect_conforming(const TriangleMesh& mesh, double perimeter) {
   const EdgeNumbers edges = number_edges(mesh);
   double length = 0.0;
@@ -53,7 +53,7 @@ TEST(TriangleMesh, EdgesAreShared) {
   EXPECT_EQ(pieces(two), 2);
 }
 
-TEST(TriangleMesh, RefinementIsGradedToInwardCorners) {
+TEST(TriangleMesh, RefinementIsGradedToReentrantCorners) {
   TriangleMesh mesh = ell();
   std::vector<double> shares = split_shares(mesh);
   // λ = 2/3 at the corner of 270°: 2^(-2/λ) = 1/8.
@@ -70,18 +70,18 @@ TEST(TriangleMesh, RefinementIsGradedToInwardCorners) {
   EXPECT_NEAR(nearest, 0.125, 1e-15);
 }
 
-TEST(TriangleMesh, RingsAreAddedAroundInwardCorners) {
+TEST(TriangleMesh, RingsAreAddedAroundReentrantCorners) {
   TriangleMesh mesh = ell();
   std::vector<double> shares = split_shares(mesh);
   mesh = ringed(std::move(mesh), shares, 3);
-  // Four triangles meet at the corner: two more of each a ring.
+  // Four triangles meet at the corner: two more of each per ring.
   EXPECT_EQ(mesh.triangles.size(), 6u + 3 * 2 * 4);
   EXPECT_EQ(shares.size(), mesh.points.size());
   EXPECT_NEAR(area(mesh), 3.0, 1e-14);
   expect_conforming(mesh, 8.0);
 }
 
-TEST(TriangleMesh, InterfacesEndAndTurnSingularly) {
+TEST(TriangleMesh, GradesAtEndsAndCornersOfInterfaces) {
   TriangleMesh mesh = ell();
   mesh.regions = {0, 0, 1, 1, 0, 0};
   const std::vector<double> shares = split_shares(mesh);

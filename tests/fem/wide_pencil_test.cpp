@@ -8,7 +8,7 @@
 namespace wheeltap::fem {
 namespace {
 
-TEST(WidePencil, TellsEveryEigenvalueFromItsNeighbours) {
+TEST(WidePencil, SeparatesNeighbouringEigenvalues) {
   const Beam beam = slender_beam("free-free", 150);
   WidePencil pencil(beam, {});
   const Eigen::VectorXd all = modal_analysis(beam, {}, {.modes = 14}).eigenvalues;
@@ -21,11 +21,11 @@ TEST(WidePencil, TellsEveryEigenvalueFromItsNeighbours) {
   }
 }
 
-TEST(WidePencil, HoldsBothOfAPair) {
+TEST(WidePencil, ConfirmsBothOfAnEqualPair) {
   Beam beam = slender_beam("clamped-clamped", 20);
   beam.supports.push_back({.at = 0.5, .rotation = true, .stiffness = {}});  // pairs of equal modes
   WidePencil pencil(beam, {});
-  const Modes modes = modal_analysis(beam, {}, {.modes = 5});  // a pair is cut
+  const Modes modes = modal_analysis(beam, {}, {.modes = 5});  // one mode of a pair is included
   EXPECT_TRUE(modes.certified);
   for (int i = 0; i < 5; ++i) EXPECT_TRUE(pencil.holds(i, modes.eigenvalues[i], 1e-12)) << i;
 }
@@ -34,7 +34,7 @@ TEST(WidePencil, RefinesARoughShape) {
   const Beam beam = slender_beam("cantilever", 60);
   WidePencil pencil(beam, {});
   WidePencil::Vector q(pencil.size());
-  for (Eigen::Index i = 0; i < q.size(); ++i) {  // w = x², roughly the first mode
+  for (Eigen::Index i = 0; i < q.size(); ++i) {  // w = x², similar to the first mode
     const double x = static_cast<double>(i / 2 + 1) / 60.0;
     q[i] = i % 2 == 0 ? x * x : 2.0 * x;
   }

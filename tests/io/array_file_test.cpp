@@ -52,7 +52,7 @@ class ArrayFile : public testing::Test {
     }
     nc_close(file);
   }
-  /// One that grew sample by sample, of two variables.
+  /// A file that grew sample by sample, with two variables.
   static void write_records(const std::filesystem::path& path, int format) {
     int file = 0, rows = 0, time = 0, a = 0;
     ASSERT_EQ(nc_create(path.c_str(), format, &file), NC_NOERR);
@@ -96,7 +96,7 @@ TEST_F(ArrayFile, VectorsAndMatricesAreColumns) {
   }
 }
 
-TEST_F(ArrayFile, OnlyWhatIsWantedIsRead) {
+TEST_F(ArrayFile, ReadsOnlyRequestedColumns) {
   write(directory / "r.h5", NC_CLOBBER | NC_NETCDF4);
   const Columns c = read_columns(directory / "r.h5", [](const Columns& all, std::size_t i) {
     return all.columns[i].name == "time";
@@ -105,7 +105,7 @@ TEST_F(ArrayFile, OnlyWhatIsWantedIsRead) {
   EXPECT_TRUE(c.columns[1].values.empty());
 }
 
-TEST_F(ArrayFile, AVariableOfAnotherLengthIsReadByItsName) {
+TEST_F(ArrayFile, ReadsAVariableOfAnotherLengthByName) {
   write(directory / "r.nc", NC_CLOBBER);
   const Columns c = read_columns(directory / "r.nc", [](const Columns& all, std::size_t i) {
     return all.columns[i].name == "calibration";
@@ -114,7 +114,7 @@ TEST_F(ArrayFile, AVariableOfAnotherLengthIsReadByItsName) {
               ElementsAre(1.0, 2.0, 3.0));
 }
 
-TEST_F(ArrayFile, RowsAreChannelsWhereStated) {
+TEST_F(ArrayFile, RowsAreChannelsIfStated) {
   write(directory / "r.nc", NC_CLOBBER);
   const auto of_a = [](const Columns& all, std::size_t i) {
     return all.columns[i].name.starts_with("a(");
@@ -154,7 +154,7 @@ TEST_F(ArrayFile, ArraysOfThreeDimensionsAndComplexOnesAreColumns) {
   EXPECT_THAT(c.others, ElementsAre("note (text)"));
 }
 
-TEST_F(ArrayFile, WhatIsNoRecordIsRefused) {
+TEST_F(ArrayFile, RejectsFilesWithoutARecord) {
   const auto kind = [&](const std::filesystem::path& path) {
     try {
       (void)read_array_file(path, {});
@@ -172,8 +172,8 @@ TEST_F(ArrayFile, WhatIsNoRecordIsRefused) {
   EXPECT_EQ(kind(directory / "empty.nc"), FileError::Kind::foreign);
 }
 
-// The library reads zeros where a classic file ends too soon.
-TEST_F(ArrayFile, CutOffAnywhereItIsRefused) {
+// The library reads zeros beyond the end of a truncated classic file.
+TEST_F(ArrayFile, RejectsFilesTruncatedAtAnyByte) {
   for (const int format : {NC_CLOBBER, NC_64BIT_OFFSET, NC_64BIT_DATA, NC_NETCDF4}) {
     for (const bool records : {false, true}) {
       const auto path = directory / "whole.nc";
@@ -183,7 +183,7 @@ TEST_F(ArrayFile, CutOffAnywhereItIsRefused) {
         write(path, format);
       ASSERT_FALSE(read_array_file(path, {}).columns.empty()) << format;
       const std::string whole = test::bytes_of(path);
-      // Up to three bytes fill the last value of 2 bytes to four.
+      // Up to three bytes pad the last value of 2 bytes to four.
       for (std::size_t kept = whole.size() - 4; kept > 8;
            kept -= std::min(kept, whole.size() / 40)) {
         test::put_bytes(directory / "cut.nc", whole.substr(0, kept));

@@ -24,7 +24,7 @@ std::string refusal(const fs::path& path) {
   return "nothing thrown";
 }
 
-TEST(AtomicFile, TakesThePlaceAtCommitOnly) {
+TEST(AtomicFile, ReplacesTheFileOnlyAtCommit) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "a.txt";
   test::put_bytes(path, "old");
@@ -41,7 +41,7 @@ TEST(AtomicFile, TakesThePlaceAtCommitOnly) {
   EXPECT_EQ(directory.files(), 1) << "no temporary file stays behind";
 }
 
-TEST(AtomicFile, TemporaryNamesAreNeverTheSame) {
+TEST(AtomicFile, TemporaryNamesAreUnique) {
   const test::TemporaryDirectory directory;
   std::set<fs::path> names;
   for (int i = 0; i < 100; ++i) names.insert(AtomicFile(directory / "a").temporary());
@@ -49,11 +49,11 @@ TEST(AtomicFile, TemporaryNamesAreNeverTheSame) {
   for (const fs::path& name : names) EXPECT_EQ(name.parent_path(), (directory / "a").parent_path());
 }
 
-// A name that could be guessed could be made first, as a link to somebody's file.
-TEST(AtomicFile, ALinkWithTheTemporaryNameIsNeverFollowed) {
+// An attacker could create a predictable name first, as a link to another file.
+TEST(AtomicFile, NeverFollowsALinkWithTheTemporaryName) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "precious", "kept");
-  // The names of before: the process and a counter.
+  // Former names: the process and a counter.
   for (int i = 0; i < 1000; ++i)
     fs::create_symlink(directory / "precious", directory / ("a.part" + std::to_string(::getpid()) +
                                                             "-" + std::to_string(i)));
@@ -74,7 +74,7 @@ TEST(AtomicFile, NeverReplacesAPipeADeviceOrAFolder) {
   EXPECT_EQ(directory.files(), 2);
 }
 
-TEST(AtomicFile, WritesOverWhatWasReservedAndNoMore) {
+TEST(AtomicFile, OverwritesReservedSpaceAndReleasesTheRest) {
   const test::TemporaryDirectory directory;
   AtomicFile file(directory / "a", 1 << 20);
   EXPECT_EQ(fs::file_size(file.temporary()), 1U << 20);
@@ -84,7 +84,7 @@ TEST(AtomicFile, WritesOverWhatWasReservedAndNoMore) {
   EXPECT_EQ(test::bytes_of(directory / "a"), "short");
 }
 
-TEST(AtomicFile, AppendsToWhatWasWritten) {
+TEST(AtomicFile, AppendsToItsContent) {
   const test::TemporaryDirectory directory;
   AtomicFile file(directory / "a", 100);
   file.write("one longer than the next");
@@ -96,7 +96,7 @@ TEST(AtomicFile, AppendsToWhatWasWritten) {
   EXPECT_EQ(test::bytes_of(directory / "a"), "one, two, three");
 }
 
-TEST(AtomicFile, TemporariesOfTheKilledAreSwept) {
+TEST(AtomicFile, RemovesTemporaryFilesOfKilledProcesses) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "a.part0123456789abcdef", "of a killed process");
   test::put_bytes(directory / "a.part", "not ours");
@@ -124,7 +124,7 @@ class CommitTogether : public testing::Test {
   test::TemporaryDirectory directory;
 };
 
-TEST_F(CommitTogether, AllHaveTheirNames) {
+TEST_F(CommitTogether, RenamesAllFiles) {
   test::put_bytes(directory / "a", "old a");
   commit();
   EXPECT_EQ(test::bytes_of(directory / "a"), "new a");
@@ -132,7 +132,7 @@ TEST_F(CommitTogether, AllHaveTheirNames) {
   EXPECT_EQ(directory.files(), 2) << "nothing else stays behind";
 }
 
-TEST_F(CommitTogether, WhereOneCannotHaveItsNameNoneHas) {
+TEST_F(CommitTogether, RestoresAllFilesIfOneRenameFails) {
   test::put_bytes(directory / "a", "old a");
   AtomicFile a(directory / "a"), b(directory / "b"), c(directory / "c");
   a.write("new a");
@@ -145,8 +145,8 @@ TEST_F(CommitTogether, WhereOneCannotHaveItsNameNoneHas) {
   EXPECT_FALSE(fs::exists(directory / kCommitNote));
 }
 
-// What a process killed after the first of two names leaves.
-TEST_F(CommitTogether, WhatAKillLeftIsDoneLater) {
+// The state after a process was killed between the first and the second rename.
+TEST_F(CommitTogether, FinishesAnInterruptedCommit) {
   test::put_bytes(directory / "a", "new a");
   test::put_bytes(directory / "b", "old b");
   test::put_bytes(directory / "b.part0123456789abcdef", "new b");
@@ -158,7 +158,7 @@ TEST_F(CommitTogether, WhatAKillLeftIsDoneLater) {
   EXPECT_EQ(directory.files(), 2);
 }
 
-TEST_F(CommitTogether, ANoteNamesFilesOfItsFolderOnly) {
+TEST_F(CommitTogether, RejectsNotesWithFilesOfOtherFolders) {
   fs::create_directory(directory / "run");
   test::put_bytes(directory / "precious", "kept");
   test::put_bytes(directory / "run/precious.part0123456789abcdef", "planted");
@@ -171,7 +171,7 @@ TEST_F(CommitTogether, ANoteNamesFilesOfItsFolderOnly) {
   EXPECT_EQ(test::bytes_of(directory / "run/y"), "kept");
 }
 
-TEST(AtomicFile, NowhereToWrite) {
+TEST(AtomicFile, ReportsUnwritableFolders) {
   const test::TemporaryDirectory directory;
   EXPECT_NE(refusal(directory / "absent/a").find("cannot be created"), std::string::npos);
 }

@@ -19,7 +19,7 @@ std::string refusal(const std::filesystem::path& path, FileError::Kind kind) {
   return "nothing thrown";
 }
 
-TEST(Bytes, AreReadWholeOrFromTheBeginning) {
+TEST(Bytes, ReadsWholeFilesOrTheirBeginning) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "f", "0123456789");
   EXPECT_EQ(read_bytes(directory / "f", 10), "0123456789");
@@ -28,13 +28,13 @@ TEST(Bytes, AreReadWholeOrFromTheBeginning) {
   EXPECT_EQ(refusal(directory / "f", FileError::Kind::corrupt), "11 bytes, must be at most 10");
 }
 
-// Fault: a pipe that nobody wrote into was waited for, and /dev/zero was read until memory ended.
-TEST(Bytes, OfPipesDevicesAndFoldersAreRefusedAtOnce) {
+// Regression: opening a pipe without a writer blocked, and /dev/zero was read until memory ran out.
+TEST(Bytes, RejectsPipesDevicesAndFoldersAtOnce) {
   using Kind = FileError::Kind;
   const test::TemporaryDirectory directory;
   ASSERT_EQ(::mkfifo((directory / "pipe").c_str(), 0600), 0);
   EXPECT_EQ(refusal(directory / "pipe", Kind::missing),
-            "cannot be read: is a pipe, not a file: its content must be stored first");
+            "cannot be read: is a pipe, not a file: store its content in a file first");
   EXPECT_EQ(refusal("/dev/zero", Kind::missing), "cannot be read: is a device, not a file");
   EXPECT_EQ(refusal(directory / "", Kind::missing), "cannot be read: is a directory");
   EXPECT_EQ(refusal(directory / "none", Kind::missing), "no such file");

@@ -27,7 +27,7 @@ TEST(Columns, HeadersHaveANameAndAUnit) {
   expect("a ]b[", "a ]b[", "");
 }
 
-TEST(Columns, AreFoundByHeaderNameOrNumber) {
+TEST(Columns, FindsByHeaderNameOrNumber) {
   Columns table{.file = "r.csv",
                 .columns = {column_of_header("force [N]"), column_of_header("x [m]"),
                             column_of_header("x [mm]")}};
@@ -48,7 +48,7 @@ TEST(Columns, AreFoundByHeaderNameOrNumber) {
   }
 }
 
-TEST(Columns, PlacesCountTheLinesThatAreNoRows) {
+TEST(Columns, PlacesCountLinesThatAreNotRows) {
   Columns table{.columns = {column_of_header("x [m]")}, .first_line = 3, .skipped = {2, 2, 5}};
   EXPECT_EQ(table.place(0).line, 3);
   EXPECT_EQ(table.place(1).line, 4);

@@ -39,7 +39,7 @@ TEST(DelimitedText, Latin1BecomesUtf8) {
   EXPECT_EQ(parse("Weg [µm]\n0\n").find("Weg [µm]"), 0);
 }
 
-TEST(DelimitedText, OneGrammarForAllSeparators) {
+TEST(DelimitedText, ReadsAllSeparators) {
   for (const std::string s : {",", ";", "\t", " , ", "; "}) {
     const Columns t =
         parse("time [s]" + s + "\"tip" + s + "left (mm)\"\n0" + s + "+1.5\n1" + s + "\"-2e-3\"\n");
@@ -118,7 +118,7 @@ TEST(DelimitedText, ErrorsNameFileLineColumnAndValue) {
         << cell;
 }
 
-TEST(DelimitedText, EmptyCellsAreNoNumbers) {
+TEST(DelimitedText, EmptyCellsAreNaN) {
   const Columns t = parse("a,b,c\n,nan,\n1,,inf\n\"\", ,-2\n");
   for (const auto& [column, row] : {std::pair{0, 0}, {1, 0}, {2, 0}, {1, 1}, {0, 2}, {1, 2}})
     EXPECT_TRUE(std::isnan(
@@ -127,7 +127,7 @@ TEST(DelimitedText, EmptyCellsAreNoNumbers) {
   EXPECT_EQ(t.columns[2].values[2], -2.0);
 }
 
-TEST(DelimitedText, CountsTheDigitsPrinted) {
+TEST(DelimitedText, CountsPrintedDigits) {
   const Columns t = parse("0.50,1e-3,123\n0.25,2.5e2,4500\n0.1,1.25e-4,nan\n");
   EXPECT_EQ(t.columns[0].decimals, 2);
   EXPECT_EQ(t.columns[0].digits, 2);
@@ -137,7 +137,7 @@ TEST(DelimitedText, CountsTheDigitsPrinted) {
   EXPECT_EQ(t.columns[2].digits, 4);
 }
 
-// The short way for plain numbers rounds as std::from_chars does, to the last bit.
+// The fast path for plain numbers rounds like std::from_chars, to the last bit.
 TEST(DelimitedText, NumbersAreTheNearestDoubles) {
   base::Random random(1, 0, 0, base::Purpose::test);
   std::string text;
@@ -175,8 +175,8 @@ TEST(DelimitedText, NumbersAreTheNearestDoubles) {
         << i << ": " << expected[i];
 }
 
-// Only what is asked for is read: the rest may be text.
-TEST(DelimitedText, OnlyWantedColumnsAreRead) {
+// Only requested columns are read: the others may be text.
+TEST(DelimitedText, ReadsOnlyRequestedColumns) {
   const std::string text = "t,who,x\n0,\"a, b\",1\n1,c,2\n";
   const Columns t =
       parse(text, [](const Columns& c, std::size_t i) { return c.columns[i].name != "who"; });
@@ -187,7 +187,7 @@ TEST(DelimitedText, OnlyWantedColumnsAreRead) {
             std::string::npos);
 }
 
-TEST(DelimitedText, CellsKeepTheirText) {
+TEST(DelimitedText, CellsReturnTheirText) {
   const DelimitedText text("name, \"say \"\"hi\"\"\" \n a b ,\"\"\n\n# c\n1\n", "t.csv",
                            FirstRow::header);
   ASSERT_EQ(text.rows(), 2);
@@ -198,8 +198,8 @@ TEST(DelimitedText, CellsKeepTheirText) {
   EXPECT_EQ(DelimitedText("1,2\n", "t.csv", FirstRow::header).header_line(), 1);
 }
 
-// Whatever the bytes are, there is a table or a FileError.
-TEST(DelimitedText, DamagedTextIsATableOrAnError) {
+// Any bytes give a table or a FileError.
+TEST(DelimitedText, DamagedTextGivesATableOrAnError) {
   const std::string whole =
       "\xEF\xBB\xBF# made\r\ntime [s],\"force, left [N]\",x (mm)\r\n0.0,1e-3,nan\r\n"
       "0.1,\"2\",\r\n0.2,+3.5,-4\r\n# end\r\n";

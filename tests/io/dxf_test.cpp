@@ -24,7 +24,7 @@ std::string line(double x1, double y1, double x2, double y2) {
          std::to_string(x2) + "\n21\n" + std::to_string(y2) + "\n";
 }
 
-/// The area within a path, its arcs' segments included.
+/// The area inside a path, including the segments of its arcs.
 double area(const ClosedPath& path) {
   double twice = 0.0;
   for (std::size_t i = 0; i < path.size(); ++i) {
@@ -82,7 +82,7 @@ TEST(Dxf, LinesAndArcsInAnyOrderAndDirection) {
       EXPECT_NEAR(std::abs(area(d.outlines[0])), 0.75 * M_PI, 1e-9);
     }
   }
-  // Over 0°, and more than half a turn: a disc of three quarters.
+  // Across 0°, and more than half a turn: a disc of three quarters.
   const Drawing d = parsed("0\nARC\n10\n0\n20\n0\n40\n1\n50\n180\n51\n90\n" + line(0, 1, -1, 0));
   EXPECT_NEAR(std::abs(area(d.outlines[0])), 0.75 * M_PI + 0.5, 1e-6);
 }
@@ -104,7 +104,7 @@ TEST(Dxf, WindowsLineEnds) {
   EXPECT_EQ(parse_dxf(with_returns, "a.dxf").unit, 0.01);
 }
 
-TEST(Dxf, Refuses) {
+TEST(Dxf, RejectsInvalidDrawings) {
   expect_failure("hello\nworld\n", {"a.dxf", "does not begin"});
   expect_failure("AutoCAD Binary DXF\r\n", {"binary"});
   expect_failure(drawing(""), {"no closed"});
@@ -115,7 +115,7 @@ TEST(Dxf, Refuses) {
   expect_failure(drawing("0\nCIRCLE\n10\n1\n20\n0\n40\n-1\n"), {"radius", "positive"});
   expect_failure("0\nSECTION\nabc\n", {"line 3", "group code"});
   expect_failure("0\nSECTION\n2\n", {"ends within a pair"});
-  // A hole that is not there would make the section larger.
+  // A missing hole would make the section larger.
   std::string cut = drawing("0\nCIRCLE\n10\n1\n20\n0\n40\n1\n0\nCIRCLE\n10\n1\n20\n0\n40\n0.5\n");
   cut.erase(cut.rfind("0\nCIRCLE"));
   expect_failure(cut, {"ENDSEC", "cut off"});

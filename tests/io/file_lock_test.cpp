@@ -12,7 +12,7 @@
 namespace wheeltap::io {
 namespace {
 
-TEST(FileLock, OneHolderAtATime) {
+TEST(FileLock, HasOneHolderAtATime) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "a", "text");
   {
@@ -29,7 +29,7 @@ TEST(FileLock, OneHolderAtATime) {
   EXPECT_THROW(static_cast<void>(FileLock::take(directory / "none")), FileError);
 }
 
-TEST(FileLock, EndsWithTheProcessThatHeldIt) {
+TEST(FileLock, EndsWithItsProcess) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "a", "text");
   int ready[2];

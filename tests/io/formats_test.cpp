@@ -12,7 +12,7 @@ namespace {
 
 using Kind = FileError::Kind;
 
-/// A toy format: "TOY", then doubles, one column.
+/// A minimal format: "TOY", then doubles, one column.
 Columns parse_toy(std::string bytes, const std::filesystem::path& name, const Wanted&) {
   if ((bytes.size() - 3) % sizeof(double) != 0)
     throw FileError(Kind::corrupt, name, "ends within a number");
@@ -37,7 +37,7 @@ class Formats : public testing::Test {
   std::vector<Format> known = {formats().begin(), formats().end()};
 };
 
-TEST_F(Formats, AToyFormatIsOneLineInTheList) {
+TEST_F(Formats, AFormatIsOneEntryInTheList) {
   const double values[] = {1.5, -2.0};
   std::string bytes = "TOY";
   bytes.append(reinterpret_cast<const char*>(values), sizeof values);
@@ -55,31 +55,31 @@ TEST_F(Formats, AToyFormatIsOneLineInTheList) {
   EXPECT_EQ(error("cut.toy", Kind::corrupt), "ends within a number");
 }
 
-TEST_F(Formats, UnknownOnesAreRefusedWithThoseThatAreKnown) {
+TEST_F(Formats, RejectsUnknownFormatsWithTheListOfKnownOnes) {
   test::put_bytes(directory / "r.doc", "PK");
   const std::string why = error("r.doc", Kind::foreign);
   EXPECT_TRUE(why.starts_with(
-      "no format with the ending '.doc' is known, there are delimited text (.csv, .tsv, "))
+      "unknown file extension '.doc'; the known formats are delimited text (.csv, .tsv, "))
       << why;
   for (const char* part : {"; MATLAB (.mat); universal file (.uff, .unv, .uf); ",
                            "NumPy array (.npy)", "PEER record (.at2, ", "TDMS (.tdms)"})
     EXPECT_NE(why.find(part), std::string::npos) << part;
 }
 
-TEST_F(Formats, EndingsOfText) {
+TEST_F(Formats, RecognisesTextExtensions) {
   for (const char* name : {"r.csv", "r.TXT", "r.dat", "r"}) {
     test::put_bytes(directory / name, "x\n1\n");
     EXPECT_EQ(read_columns(directory / name).rows(), 1) << name;
   }
 }
 
-TEST_F(Formats, MissingFilesAndFolders) {
+TEST_F(Formats, RejectsMissingFilesAndFolders) {
   EXPECT_EQ(error("none.csv", Kind::missing), "no such file");
   EXPECT_EQ(error("none.mat", Kind::missing), "no such file");
   EXPECT_EQ(error("", Kind::missing), "cannot be read: is a directory");
 }
 
-TEST_F(Formats, APipeIsRefused) {
+TEST_F(Formats, RejectsPipes) {
   ASSERT_EQ(::mkfifo((directory / "pipe").c_str(), 0600), 0);
   EXPECT_TRUE(error("pipe", Kind::missing).starts_with("cannot be read: is a pipe"));
 }

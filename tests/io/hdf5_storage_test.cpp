@@ -21,7 +21,7 @@ using testing::HasSubstr;
 
 constexpr hsize_t kLength = 4;
 
-/// An HDF5 file with a sound dataset "t" and whatever `add` puts beside it.
+/// An HDF5 file with a valid dataset "t" and the objects that `add` creates.
 template <class Add>
 void write(const std::filesystem::path& path, const Add& add) {
   const hid_t file = H5Fcreate(path.c_str(), H5F_ACC_TRUNC, H5P_DEFAULT, H5P_DEFAULT);
@@ -37,7 +37,7 @@ void write(const std::filesystem::path& path, const Add& add) {
   H5Fclose(file);
 }
 
-/// A dataset "x" in a group, made by this property list.
+/// A dataset "x" in a group, created with this property list.
 void create(hid_t file, hid_t space, hid_t created) {
   const hid_t group = H5Gcreate2(file, "daq", H5P_DEFAULT, H5P_DEFAULT, H5P_DEFAULT);
   const hid_t data =

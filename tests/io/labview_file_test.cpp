@@ -22,7 +22,7 @@ const std::string kSegment =
     "Y_Unit_Label\tm/s^2\tN\t\r\nX0\t5.0E-1\t5.0E-1\t\r\nDelta_X\t0.25\t0.25\t\r\n"
     "***End_of_Header***\t\t\t\r\nX_Value\tacceleration\tforce\tComment\r\n";
 
-/// A segment that announces another number of samples.
+/// A segment with a wrong number of samples in its header.
 std::string segment_of(int samples) {
   std::string text = kSegment;
   const std::string n = std::to_string(samples);
@@ -66,7 +66,7 @@ TEST(LabviewFile, Latin1BecomesUtf8) {
   EXPECT_EQ(c.columns[2].name, "Kräfte");
 }
 
-TEST(LabviewFile, WithoutATimeColumnItIsMade) {
+TEST(LabviewFile, ComputesTimeWithoutATimeColumn) {
   const Columns c = parsed(header("No") + kSegment + "\t1\t2\r\n\t3\t4\r\n\t5\t6\r\n");
   EXPECT_THAT(c.columns[0].values, ElementsAre(0.5, 0.75, 1.0));
   EXPECT_THAT(c.columns[2].values, ElementsAre(2.0, 4.0, 6.0));
@@ -82,7 +82,7 @@ TEST(LabviewFile, ATimeForEachChannel) {
   EXPECT_THAT(fault(header("Multi") + segment + "0.5\t1\t0.6\t2\r\n"), HasSubstr("unlike times"));
 }
 
-TEST(LabviewFile, SegmentsFollowEachOther) {
+TEST(LabviewFile, AppendsSegments) {
   const Columns c =
       parsed(header("No") + segment_of(1) + "\t1\t2\r\n\r\n" + segment_of(1) + "\t3\t4\r\n");
   EXPECT_THAT(c.columns[1].values, ElementsAre(1.0, 3.0));
@@ -96,7 +96,7 @@ TEST(LabviewFile, DecimalCommas) {
   EXPECT_THAT(parsed(text).columns[1].values, ElementsAre(1.5));
 }
 
-TEST(LabviewFile, FaultsAreNamedWithTheirLines) {
+TEST(LabviewFile, ReportsErrorsWithTheirLines) {
   EXPECT_THAT(fault("Labview\n"), HasSubstr("does not begin with"));
   EXPECT_THAT(fault(header("One").substr(0, 60)), HasSubstr("ends within its header"));
   EXPECT_THAT(fault(header("One")), HasSubstr("no segment"));

@@ -50,7 +50,7 @@ TEST(MatlabFile, VectorsMatricesAndScalars) {
   t = read_matlab_file(path,
                        [](const Columns& c, std::size_t i) { return c.columns[i].name == "u"; });
   EXPECT_TRUE(t.columns[static_cast<std::size_t>(t.find("X1(:,1)"))].values.empty());
-  // What it is shows in how it begins, not in its name.
+  // The first bytes identify the format, not the file name.
   std::filesystem::copy_file(path, directory / "r.csv");
   EXPECT_EQ(read_columns(directory / "r.csv").rows(), 3);
 }
@@ -69,7 +69,7 @@ TEST(MatlabFile, LongRowsOfAMatrixAreChannels) {
   EXPECT_EQ(t.columns[1].values, (std::vector<double>{5, 6, 7, 8}));
 }
 
-TEST(MatlabFile, AColumnOfAnotherLengthIsReadByItsName) {
+TEST(MatlabFile, ReadsAColumnOfAnotherLengthByName) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "bridge.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
@@ -109,7 +109,7 @@ matvar_t* array(const char* name, std::vector<double> values) {
   return Mat_VarCreate(name, MAT_C_DOUBLE, MAT_T_DOUBLE, 2, dims, values.data(), 0);
 }
 
-// data.acc, data.rig.fs: what MATLAB's users save more often than plain arrays.
+// data.acc, data.rig.fs: more common in MATLAB than plain arrays.
 TEST(MatlabFile, FieldsOfStructures) {
   for (const mat_ft version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
     const test::TemporaryDirectory directory;
@@ -168,7 +168,7 @@ TEST(MatlabFile, ElementsOfStructureArraysAndCells) {
 }
 
 // A table or a datetime is an object of a class, which libmatio cannot read.
-TEST(MatlabFile, ObjectsAreNamedWithTheRemedy) {
+TEST(MatlabFile, ListsObjectsWithTheRemedy) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "table.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
@@ -202,7 +202,7 @@ TEST(MatlabFile, ObjectsAreNamedWithTheRemedy) {
   }
 }
 
-TEST(MatlabFile, RowsAreChannelsWhereStated) {
+TEST(MatlabFile, RowsAreChannelsIfStated) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "rows.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
@@ -216,7 +216,7 @@ TEST(MatlabFile, RowsAreChannelsWhereStated) {
   EXPECT_EQ(t.columns.size(), 2U) << "along the longer dimension unless stated";
 }
 
-TEST(MatlabFile, WhatIsThereInsteadOfArraysIsSaid) {
+TEST(MatlabFile, ListsVariablesThatAreNotArrays) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "text.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
@@ -236,8 +236,8 @@ TEST(MatlabFile, WhatIsThereInsteadOfArraysIsSaid) {
   }
 }
 
-// One that is cut off, an HDF5 file: its library has words of its own, which nobody is to see.
-TEST(MatlabFile, ACutOffFileIsRefusedInOneLine) {
+// A truncated HDF5 file: the library's own messages must not be printed.
+TEST(MatlabFile, RejectsATruncatedFileInOneLine) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "cut.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT73);
@@ -250,7 +250,7 @@ TEST(MatlabFile, ACutOffFileIsRefusedInOneLine) {
   EXPECT_EQ(testing::internal::GetCapturedStderr(), "");
 }
 
-// libmatio ends at the first variable that it cannot read, as at the end of the file.
+// libmatio stops at the first unreadable variable, as at the end of the file.
 TEST(MatlabFile, VariablesAreNotLostSilently) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "r.mat";
@@ -275,15 +275,15 @@ TEST(MatlabFile, VariablesAreNotLostSilently) {
   for (std::size_t first = 136; first < whole.size() - 16; first += 8) {
     if (whole.compare(first, 4, std::string("\x0e\0\0\0", 4)) != 0) continue;
     std::string damaged = whole;
-    damaged[first] = '\x7f';  // no type that there is
+    damaged[first] = '\x7f';  // an invalid type
     EXPECT_THAT(refusal(damaged), testing::HasSubstr("of its 3 variables")) << first;
     ++hit;
   }
   EXPECT_EQ(hit, 2);
 }
 
-// libmatio gives what it inflates, changed, and does not ask the checksum.
-TEST(MatlabFile, AChangedBitOfACompressedFileIsRefused) {
+// libmatio returns the corrupted decompressed data and does not check the checksum.
+TEST(MatlabFile, RejectsAChangedBitInACompressedFile) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "z.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
@@ -326,8 +326,8 @@ TEST(MatlabFile, AChangedBitOfACompressedFileIsRefused) {
   EXPECT_EQ(refused_k, refused);
 }
 
-// HDF5 and libmatio crash on some, which a child of the reader's own bears.
-TEST(MatlabFile, NoDamageEndsTheProgram) {
+// HDF5 and libmatio crash on some files, but only in the reader's child process.
+TEST(MatlabFile, SurvivesDamagedFiles) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "r.mat";
   for (const mat_ft version : {MAT_FT_MAT5, MAT_FT_MAT73}) {
@@ -357,7 +357,7 @@ TEST(MatlabFile, NoDamageEndsTheProgram) {
   }
 }
 
-TEST(MatlabFile, WhatIsNoneIsRefused) {
+TEST(MatlabFile, RejectsOtherFiles) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "text.mat", "x\n1\n");
   EXPECT_THROW((void)read_columns(directory / "text.mat"), FileError);
@@ -373,7 +373,7 @@ TEST(MatlabFile, WhatIsNoneIsRefused) {
 
 #else
 
-TEST(MatlabFile, WithoutLibmatioIsRefusedByName) {
+TEST(MatlabFile, RejectsWithoutLibmatio) {
   EXPECT_THROW((void)read_matlab_file("r.mat"), FileError);
 }
 

@@ -36,13 +36,13 @@ const std::vector<std::string> kNames = {"k",
                                          std::string(257, 'k'),
                                          "col " + std::string(300, 'x')};
 
-// The library itself is asked: what we let pass, it takes.
-TEST(NetcdfName, WhatPassesTheLibraryTakes) {
+// Checks with the library itself: it accepts all names that we accept.
+TEST(NetcdfName, LibraryAcceptsValidNames) {
   const test::TemporaryDirectory directory;
   NetcdfWriter file(directory / "names.nc");
   int groups = 0;
   for (const std::string& name : kNames) {
-    if (why_no_netcdf_name(name)) continue;
+    if (netcdf_name_error(name)) continue;
     ++groups;
     EXPECT_NO_THROW(file.put(file.group(("g" + std::to_string(groups)).c_str()), name, {},
                              std::vector<double>{1.0}))
@@ -50,17 +50,16 @@ TEST(NetcdfName, WhatPassesTheLibraryTakes) {
   }
 }
 
-TEST(NetcdfName, SaysWhatIsWrong) {
-  EXPECT_FALSE(why_no_netcdf_name("k3 (left)"));
-  EXPECT_EQ(why_no_netcdf_name(" k"), "must begin with a letter, a digit or _");
-  EXPECT_EQ(why_no_netcdf_name(".."), "must begin with a letter, a digit or _");
-  EXPECT_EQ(why_no_netcdf_name(std::string(257, 'k')), "has 257 bytes, must have at most 200");
-  EXPECT_EQ(why_no_netcdf_name("k\n"), "must be UTF-8 without control characters");
+TEST(NetcdfName, ReportsInvalidNames) {
+  EXPECT_FALSE(netcdf_name_error("k3 (left)"));
+  EXPECT_EQ(netcdf_name_error(" k"), "must begin with a letter, a digit or _");
+  EXPECT_EQ(netcdf_name_error(".."), "must begin with a letter, a digit or _");
+  EXPECT_EQ(netcdf_name_error(std::string(257, 'k')), "has 257 bytes, must have at most 200");
+  EXPECT_EQ(netcdf_name_error("k\n"), "must be UTF-8 without control characters");
 }
 
-TEST(NetcdfName, TheNearestNameIsOne) {
-  for (const std::string& name : kNames)
-    EXPECT_FALSE(why_no_netcdf_name(netcdf_name(name))) << name;
+TEST(NetcdfName, ReplacementsAreValidNames) {
+  for (const std::string& name : kNames) EXPECT_FALSE(netcdf_name_error(netcdf_name(name))) << name;
   EXPECT_EQ(netcdf_name("displacement"), "displacement");
   EXPECT_EQ(netcdf_name("a/b"), "a_b");
 }

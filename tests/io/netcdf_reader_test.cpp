@@ -63,14 +63,14 @@ class NetcdfReaderTest : public testing::Test {
   mutable std::string text_;
 };
 
-TEST_F(NetcdfReaderTest, ReadsWhatTheWriterWrote) {
+TEST_F(NetcdfReaderTest, RoundTripsWrittenData) {
   expect_content(NetcdfReader(path));
   expect_content(NetcdfReader(test::bytes_of(path), path));
 }
 
-// Written in memory, and as good as written on the disk: it takes more, in the order of creation.
-// Rows longer than a piece, of several columns.
-TEST_F(NetcdfReaderTest, RowAfterRowIsTheWhole) {
+// A file written in memory equals one on the disk: it can be extended and tracks the creation
+// order. Rows are longer than a chunk, with several columns.
+TEST_F(NetcdfReaderTest, RowwiseWritingEqualsWholeArrays) {
   constexpr std::size_t kRows = 3, kVariableLength = (1 << 16) + 5, kColumns = 2;
   const auto number = [](std::size_t r, std::size_t i, std::size_t c) {
     return static_cast<float>(1000.0 * static_cast<double>(r) + static_cast<double>(i % 997) +
@@ -116,7 +116,7 @@ TEST_F(NetcdfReaderTest, RowAfterRowIsTheWhole) {
   EXPECT_EQ(error([&] { static_cast<void>(in.read_last(read, "cube", kColumns)); }), Kind::foreign);
 }
 
-TEST_F(NetcdfReaderTest, EveryNthOfTheSecondDimension) {
+TEST_F(NetcdfReaderTest, ReadsEveryNthIndexOfTheSecondDimension) {
   NetcdfWriter out(path);
   const int group = out.group("posterior");
   const int chain = out.dimension(group, "chain", 2, 0), draw = out.dimension(group, "draw", 5, 0);
@@ -132,7 +132,7 @@ TEST_F(NetcdfReaderTest, EveryNthOfTheSecondDimension) {
   EXPECT_EQ(in.read_every(in.required_group("posterior"), "x", 1).values, numbers);
 }
 
-TEST_F(NetcdfReaderTest, OthersMayAddToIt) {
+TEST_F(NetcdfReaderTest, FilesCanBeExtended) {
   int file = 0;
   ASSERT_EQ(nc_open(path.c_str(), NC_WRITE, &file), NC_NOERR);
   EXPECT_EQ(nc_put_att_text(file, NC_GLOBAL, "more", 3, "yes"), NC_NOERR);
@@ -141,7 +141,7 @@ TEST_F(NetcdfReaderTest, OthersMayAddToIt) {
   expect_content(NetcdfReader(path));
 }
 
-TEST_F(NetcdfReaderTest, NamesWhatIsWrong) {
+TEST_F(NetcdfReaderTest, ReportsMissingAndForeignContent) {
   const NetcdfReader in(path, "a posterior of wheeltap");
   EXPECT_EQ(error([&] { (void)in.required_group("prior"); }), Kind::foreign);
   EXPECT_EQ(text_, "has no group \"prior\": not a posterior of wheeltap");

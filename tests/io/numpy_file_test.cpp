@@ -54,7 +54,7 @@ std::string fault(const std::string& bytes) {
   return {};
 }
 
-TEST(NumpyFile, EveryTypeAndByteOrderIsRead) {
+TEST(NumpyFile, ReadsEveryTypeAndByteOrder) {
   const std::vector<double> expected = {1.0, 2.0, 3.0};
   EXPECT_EQ(column(read(npy("'<f8'", "(3,)", data<double>({1, 2, 3}))), "acc"), expected);
   EXPECT_EQ(column(read(npy("'<f4'", "(3,)", data<float>({1, 2, 3}))), "acc"), expected);
@@ -103,7 +103,7 @@ TEST(NumpyFile, ArraysOfAnArchiveAreColumnsAndScalars) {
   }
 }
 
-TEST(NumpyFile, IsKnownByItsBeginningAndEnding) {
+TEST(NumpyFile, IsRecognisedByMagicAndExtension) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "x.npy", npy("'<f8'", "(3,)", data<double>({1, 2, 3})));
   EXPECT_EQ(read_columns(directory / "x.npy").rows(), 3);
@@ -112,14 +112,14 @@ TEST(NumpyFile, IsKnownByItsBeginningAndEnding) {
   EXPECT_EQ(read_columns(directory / "x.npz").rows(), 3);
 }
 
-TEST(NumpyFile, RejectsWhatHoldsNoNumbersWithTheRemedy) {
+TEST(NumpyFile, RejectsNonNumericArraysWithTheRemedy) {
   EXPECT_THAT(fault(npy("[('t', '<f8'), ('a', '<f4')]", "(3,)", std::string(36, '\0'))),
               HasSubstr("numpy.savez"));
   EXPECT_THAT(fault(npy("'|O'", "(3,)", "pickle")), HasSubstr("astype(float)"));
   EXPECT_THAT(fault(npy("'<f16'", "(3,)", std::string(48, '\0'))), HasSubstr("'<f16'"));
 }
 
-TEST(NumpyFile, CutOffAnywhereItIsRefused) {
+TEST(NumpyFile, RejectsFilesTruncatedAtAnyByte) {
   const std::string whole = npy("'<f8'", "(3,)", data<double>({1, 2, 3}));
   for (std::size_t kept = 0; kept < whole.size(); ++kept)
     EXPECT_THROW(static_cast<void>(read(whole.substr(0, kept))), FileError) << kept;

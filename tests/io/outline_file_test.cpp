@@ -40,13 +40,13 @@ TEST(OutlineFile, PartsSeparateRings) {
   EXPECT_EQ(d.unit, 0.0);
 }
 
-TEST(OutlineFile, WithoutAHeader) {
+TEST(OutlineFile, ReadsTablesWithoutAHeader) {
   const Drawing d = parsed_outline("0 0\r\n1 0\r\n1 1\r\n\r\n2 2\r\n3 2\r\n3 3\r\n");
   ASSERT_EQ(d.outlines.size(), 2u);
   EXPECT_EQ(d.outlines[0].size(), 3u);
 }
 
-TEST(OutlineFile, Refuses) {
+TEST(OutlineFile, RejectsInvalidTables) {
   expect_outline_failure("a,b\n0,0\n", {"line 1", "y and z"});
   expect_outline_failure("y,z\n0,0\n1,x\n", {"line 3", "column 2", "'x'"});
   expect_outline_failure("y,z\n0,0\n1\n", {"line 3", "1 cells"});

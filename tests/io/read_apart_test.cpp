@@ -30,13 +30,13 @@ std::string refusal_apart(const std::function<std::string()>& read, double secon
   return "nothing was thrown";
 }
 
-TEST(ReadApart, GivesWhatWasRead) {
+TEST(ReadApart, ReturnsTheBytes) {
   const std::string long_one(3'000'000, 'x');
   EXPECT_EQ(read_apart("a.mat", [&] { return long_one; }), long_one);
   EXPECT_EQ(read_apart("a.mat", [] { return std::string(); }), "");
 }
 
-TEST(ReadApart, CarriesATable) {
+TEST(ReadApart, ReturnsATable) {
   const Columns table{.file = "a.mat",
                       .columns = {{.header = "force [N]",
                                    .name = "force",
@@ -59,7 +59,7 @@ TEST(ReadApart, CarriesATable) {
   EXPECT_EQ(got.skipped, table.skipped);
 }
 
-TEST(ReadApart, ThrowsWhatTheReaderThrew) {
+TEST(ReadApart, RethrowsExceptionsOfTheReader) {
   try {
     (void)read_apart("a.mat", []() -> std::string {
       throw FileError(Kind::foreign, "b.mat", {.line = 3, .column = 2, .header = "u"}, "no number");
@@ -76,10 +76,10 @@ TEST(ReadApart, ThrowsWhatTheReaderThrew) {
                std::runtime_error);
 }
 
-TEST(ReadApart, ACrashIsTheFilesFault) {
+TEST(ReadApart, ReportsACrashAsADamagedFile) {
   for (const int signal : {SIGSEGV, SIGABRT, SIGFPE})
     EXPECT_THAT(refusal_apart([signal]() -> std::string {
-                  std::signal(signal, SIG_DFL);  // sanitizers have handlers of their own
+                  std::signal(signal, SIG_DFL);  // sanitizers install their own handlers
                   std::raise(signal);
                   return "";
                 }),
@@ -87,15 +87,15 @@ TEST(ReadApart, ACrashIsTheFilesFault) {
   EXPECT_THAT(refusal_apart([]() -> std::string { _exit(3); }), testing::HasSubstr("crashed"));
 }
 
-// Ctrl-C reaches the whole group: the file is not damaged for that.
-TEST(ReadApart, WhatStopsTheProgramIsNotTheFilesFault) {
+// Ctrl-C reaches the whole process group; it does not mean a damaged file.
+TEST(ReadApart, DoesNotBlameTheFileForSignals) {
   EXPECT_EQ(read_apart("a.mat",
                        [] {
                          for (const int signal : {SIGINT, SIGTERM, SIGHUP}) std::raise(signal);
                          return std::string("read");
                        }),
             "read");
-  // As where memory is out.
+  // As when the system is out of memory.
   EXPECT_THROW((void)read_apart("a.mat",
                                 []() -> std::string {
                                   std::raise(SIGKILL);
@@ -104,7 +104,7 @@ TEST(ReadApart, WhatStopsTheProgramIsNotTheFilesFault) {
                std::bad_alloc);
 }
 
-TEST(ReadApart, AReaderThatDoesNotEndIsEnded) {
+TEST(ReadApart, StopsAReaderThatRunsForever) {
   EXPECT_THAT(refusal_apart(
                   []() -> std::string {
                     for (std::atomic<unsigned> i = 0;;) ++i;
@@ -113,16 +113,16 @@ TEST(ReadApart, AReaderThatDoesNotEndIsEnded) {
               testing::HasSubstr("1 s of processor time"));
 }
 
-// 288 bytes made libmatio take 1.9 GB.
-TEST(ReadApart, ASmallFileDoesNotTakeTheMachinesMemory) {
-  // As the libraries ask; `new` ends the program where the address sanitizer refuses.
+// Regression: 288 bytes made libmatio allocate 1.9 GB.
+TEST(ReadApart, LimitsTheMemoryForASmallFile) {
+  // Allocates like the libraries; `new` would end the program under the address sanitizer.
   EXPECT_THAT(refusal_apart([]() -> std::string {
                 void* volatile much = std::malloc(3'000'000'000);
                 if (much == nullptr) throw std::bad_alloc();
                 std::free(much);
                 return "";
               }),
-              testing::HasSubstr("1024 MB of memory did not suffice"));
+              testing::HasSubstr("1024 MB of memory were not enough"));
   EXPECT_EQ(read_apart("a.mat",
                        [] {
                          constexpr std::size_t kMuch = 500'000'000, kPage = 4096;
@@ -133,7 +133,7 @@ TEST(ReadApart, ASmallFileDoesNotTakeTheMachinesMemory) {
             "x");
 }
 
-TEST(ReadApart, WhatTheReaderPrintsIsLost) {
+TEST(ReadApart, SuppressesOutputOfTheReader) {
   testing::internal::CaptureStderr();
   testing::internal::CaptureStdout();
   (void)read_apart("a.mat", [] {

@@ -53,20 +53,20 @@ TEST(MatrixMarket, FormatsFieldsAndSymmetries) {
             rows({{1, 2}, {2, 3}}));
 }
 
-TEST(MatrixMarket, EntriesThatStandTwiceAreAdded) {
+TEST(MatrixMarket, AddsDuplicateEntries) {
   EXPECT_EQ(market("%%MatrixMarket matrix coordinate real general\n1 1 2\n1 1 1\n1 1 2\n"),
             rows({{3}}));
 }
 
-TEST(MatrixMarket, WhatIsNoneIsRefusedWithItsLine) {
+TEST(MatrixMarket, RejectsInvalidTextWithItsLine) {
   const std::string head = "%%MatrixMarket matrix coordinate real general\n";
-  expect_market_refused("1 1 2\n", "line 1: is no Matrix Market file", Kind::foreign);
+  expect_market_refused("1 1 2\n", "line 1: is not a Matrix Market file", Kind::foreign);
   expect_market_refused("%%MatrixMarket matrix coordinate complex general\n1 1 0\n", "'complex'");
   expect_market_refused("%%MatrixMarket matrix array pattern general\n1 1\n", "'pattern'");
   expect_market_refused("%%MatrixMarket matrix coordinate real hermitian\n1 1 0\n", "'hermitian'");
   expect_market_refused(head + "2 2\n", "line 2: must be \"rows columns entries\"");
   expect_market_refused(head + "2 0 0\n", "the number of columns '0'");
-  // 440 MB for 63 bytes.
+  // Regression: 63 bytes allocated 440 MB.
   expect_market_refused(head + "2 110008000 0\n", "columns '110008000' must be a whole number");
   expect_market_refused(head + "2 2 1\n3 1 1\n",
                         "line 3: the row '3' must be a whole number from 1 to 2");
@@ -131,7 +131,7 @@ void put_full(mat_t* file, const char* name, std::vector<T> values, std::size_t 
 
 class MatlabMatrices : public testing::TestWithParam<mat_ft> {};
 
-TEST_P(MatlabMatrices, SparseAndFullByName) {
+TEST_P(MatlabMatrices, ReadsSparseAndFullMatricesByName) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "model.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, GetParam());
@@ -171,7 +171,7 @@ INSTANTIATE_TEST_SUITE_P(Versions, MatlabMatrices, testing::Values(MAT_FT_MAT5, 
                            return version.param == MAT_FT_MAT5 ? "v5" : "v7_3";
                          });
 
-TEST(MatlabMatrix, DamagedIndicesAreRefused) {
+TEST(MatlabMatrix, RejectsDamagedIndices) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "model.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);
@@ -183,7 +183,7 @@ TEST(MatlabMatrix, DamagedIndicesAreRefused) {
   expect_refused([&] { (void)read_sparse_matrix(path, "start"); }, "is damaged");
 }
 
-TEST(MatlabMatrix, ComplexIsRefused) {
+TEST(MatlabMatrix, RejectsComplexMatrices) {
   const test::TemporaryDirectory directory;
   const auto path = directory / "model.mat";
   mat_t* file = Mat_CreateVer(path.c_str(), nullptr, MAT_FT_MAT5);

@@ -50,7 +50,7 @@ TEST(StrongMotion, ReadsAnOlderPeerRecordOfVelocity) {
   EXPECT_DOUBLE_EQ(t.columns[0].values[1], 0.02);
 }
 
-TEST(StrongMotion, RejectsAPeerRecordThatIsCutOffOrSaysNoStep) {
+TEST(StrongMotion, RejectsAPeerRecordThatIsTruncatedOrHasNoTimeStep) {
   EXPECT_THAT(fault(kPeer.substr(0, kPeer.size() - 12), parse_peer), HasSubstr("6 of 7 numbers"));
   EXPECT_THAT(fault(kPeer + " 1.0\n", parse_peer), HasSubstr("correct NPTS"));
   EXPECT_THAT(fault("a\nb\n1 2 3\n", parse_peer), HasSubstr("NPTS= 3930, DT= .00500"));
@@ -85,7 +85,7 @@ TEST(StrongMotion, ReadsChannelsOfACsmipRecord) {
   EXPECT_EQ(parse_csmip(channel(1), "r.v2", {}).columns[1].name, "acceleration");
 }
 
-TEST(StrongMotion, RejectsWhatIsNoCsmipRecord) {
+TEST(StrongMotion, RejectsInvalidCsmipRecords) {
   EXPECT_THAT(fault("a,b\n1,2\n", parse_csmip), HasSubstr("volume 2"));
   EXPECT_THAT(fault(channel(1).substr(0, channel(1).find("9.00000  1")), parse_csmip),
               HasSubstr("cut off"));

@@ -16,7 +16,7 @@ namespace {
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// What segments are made of, in one byte order.
+/// The elements of segments, in one byte order.
 struct Writer {
   bool big_endian = false;
 
@@ -149,15 +149,15 @@ TEST(TdmsFile, RejectsDaqmxAndUnknownScalesWithTheRemedy) {
               HasSubstr("\"Thermocouple\", which is not read"));
 }
 
-TEST(TdmsFile, CutOffAnywhereItIsRefused) {
+TEST(TdmsFile, RejectsFilesTruncatedAtAnyByte) {
   const std::string whole = sound(Writer{}), first = whole.substr(0, whole.size() - 48);
   for (std::size_t kept = 0; kept < whole.size(); ++kept) {
-    if (kept == first.size()) continue;  // between two segments it is a file
+    if (kept == first.size()) continue;  // a truncation between two segments gives a valid file
     EXPECT_NE(fault(whole.substr(0, kept)), "") << kept;
   }
 }
 
-TEST(TdmsFile, ReadsWhatAProgramWroteUntilItWasEnded) {
+TEST(TdmsFile, ReadsCompleteRowsOfAnInterruptedFile) {
   std::string bytes = sound(Writer{});
   const std::size_t last = bytes.rfind("TDSm");
   bytes.replace(last + 12, 8, std::string(8, '\xFF'));
@@ -165,7 +165,7 @@ TEST(TdmsFile, ReadsWhatAProgramWroteUntilItWasEnded) {
   bytes.resize(bytes.size() - 3);
   const Columns t = parse_tdms(bytes, "r", {});
   EXPECT_EQ(t.columns[1].values.size(), 4U);
-  EXPECT_THAT(t.others, ElementsAre(HasSubstr("not written to their end")));
+  EXPECT_THAT(t.others, ElementsAre(HasSubstr("incomplete rows")));
 }
 
 }  // namespace

@@ -5,7 +5,7 @@
 namespace wheeltap::io {
 namespace {
 
-TEST(Text, ShowsWhatItIsAndEscapesTheRest) {
+TEST(Text, EscapesUnprintableCharacters) {
   EXPECT_EQ(printable("a beam, 12 µm, Größe, 梁, 🔧"), "a beam, 12 µm, Größe, 梁, 🔧");
   EXPECT_EQ(printable("a\x1b[31mb\nwheeltap: done\t\x7f"), R"(a\x1b[31mb\nwheeltap: done\t\x7f)");
   EXPECT_EQ(printable("a\xff"
@@ -17,16 +17,16 @@ TEST(Text, ShowsWhatItIsAndEscapesTheRest) {
   EXPECT_EQ(printable(""), "");
 }
 
-TEST(Text, KnowsWhatIsNotUtf8) {
+TEST(Text, DetectsInvalidUtf8) {
   for (const char* wrong : {"\x80", "\xc0\xaf", "\xe0\x80\xaf", "\xed\xa0\x80", "\xf4\x90\x80\x80",
                             "\xc3", "\xe2\x82", "\xf8\x88\x80\x80\x80"}) {
     EXPECT_EQ(first_unprintable(wrong), 0U) << printable(wrong);
-    // What is escaped once holds nothing to escape.
+    // Escaped text contains nothing to escape.
     EXPECT_FALSE(first_unprintable(printable(wrong)));
   }
 }
 
-TEST(Text, WhatIsNotUtf8IsTakenForLatin1) {
+TEST(Text, ReadsInvalidUtf8AsLatin1) {
   EXPECT_EQ(in_utf8("Weg [\xb5m]"), "Weg [µm]");
   EXPECT_EQ(in_utf8("Gr\xf6\xdf"
                     "e"),
@@ -35,7 +35,7 @@ TEST(Text, WhatIsNotUtf8IsTakenForLatin1) {
     EXPECT_EQ(in_utf8(fine), fine);
 }
 
-TEST(Text, AllowsLinesWhereTheyAreAskedFor) {
+TEST(Text, AllowsLineBreaksOnRequest) {
   EXPECT_EQ(first_unprintable("ab\nc"), 2U);
   EXPECT_FALSE(first_unprintable("ab\nc\td", "\n\t"));
   EXPECT_EQ(first_unprintable("ab\nc\r", "\n\t"), 4U);

@@ -30,7 +30,7 @@ void expect_refused(const std::string& text, const std::string& words) {
   }
 }
 
-/// A small dataset 58; `form` is record 7, `data` what follows the axes.
+/// A small dataset 58; `form` is record 7, `data` the lines after the axes.
 std::string dataset_58(const std::string& form, const std::string& data, int type = 1) {
   std::string out = "    -1\n    58\nid\nNONE\nNONE\nNONE\nNONE\n";
   char line[200];
@@ -46,7 +46,7 @@ std::string dataset_58(const std::string& form, const std::string& data, int typ
 constexpr const char* kReal =
     "         2         4         1  0.00000E+00  5.00000E-01  0.00000E+00";
 
-/// Functions of every sort of data, with values that need all of their digits.
+/// Functions of every data type, with values that need all of their digits.
 UniversalFile all_sorts() {
   UniversalFile file;
   file.header.emplace();
@@ -93,8 +93,8 @@ UniversalFile all_sorts() {
           f.abscissa = {.quantity = 18, .label = "Frequency", .unit = "Hz"};
           f.numerator = {
               .quantity = 12, .powers = {1, 0, 0}, .label = "Acceleration", .unit = "m/s2"};
-          for (int i = 0; i < 7; ++i) {  // no line is full
-            // What text or a float holds exactly.
+          for (int i = 0; i < 7; ++i) {  // lines that are not full
+            // Values that text or a float represents exactly.
             const auto held = [&](double value) {
               return is_double && storage > 0 ? value : std::round(value * 1024.0) / 1024.0;
             };
@@ -107,7 +107,7 @@ UniversalFile all_sorts() {
   return file;
 }
 
-TEST(UniversalFile, FiniteElementGeometryReadsAsItWas) {
+TEST(UniversalFile, RoundTripsFiniteElementGeometry) {
   UniversalFile file;
   file.nodes = {{.label = 7, .displacement = 2, .at = {1.0 / 3.0, -2e-17, 1e20}, .is_double = true},
                 {.label = 8, .at = {0.5, 0, 0}}};
@@ -139,7 +139,7 @@ TEST(UniversalFile, FiniteElementGeometryReadsAsItWas) {
   EXPECT_TRUE(again.left_out.empty());
 }
 
-/// Dataset 2414 of these six codes, with a mode's numbers and the values of node 12.
+/// Dataset 2414 with these six codes, the numbers of a mode and the values of node 12.
 std::string analysis_data(const std::string& where, const std::string& codes,
                           const std::string& values) {
   return "    -1\n  2414\n         1\nModes of a frame\n" + where +
@@ -180,7 +180,7 @@ TEST(UniversalFile, AnalysisDataAtNodesAreShapes) {
   EXPECT_EQ(elsewhere.left_out.at(2414), 1);
 }
 
-TEST(UniversalFile, CutGeometryIsRefused) {
+TEST(UniversalFile, RejectsTruncatedGeometry) {
   expect_refused("    -1\n  2411\n         1         0         0         0\n    -1\n",
                  "only 0 of 3 coordinates");
   expect_refused(
@@ -191,7 +191,7 @@ TEST(UniversalFile, CutGeometryIsRefused) {
                  "must be 0 (Cartesian)");
 }
 
-TEST(UniversalFile, WhatIsWrittenReadsAsItWas) {
+TEST(UniversalFile, RoundTripsWrittenFiles) {
   const UniversalFile file = all_sorts();
   const std::string text = universal_text(file);
   const UniversalFile again = parsed(text);
@@ -227,7 +227,7 @@ TEST(UniversalFile, WhatIsWrittenReadsAsItWas) {
   }
 }
 
-TEST(UniversalFile, NumbersAsFortranWroteThem) {
+TEST(UniversalFile, ReadsFortranNumbers) {
   const UniversalFile touching =
       parsed(dataset_58(kReal, " 1.00000E+000-2.00000D+000  3.00000-100 -4.00000E-00\n"));
   const auto& y = touching.functions[0].y;
@@ -235,14 +235,14 @@ TEST(UniversalFile, NumbersAsFortranWroteThem) {
   EXPECT_EQ(y[1], -2.0);
   EXPECT_EQ(y[2], 3e-100);
   EXPECT_EQ(y[3], -4.0);
-  // Some programs keep no columns.
+  // Some programs do not align columns.
   const UniversalFile loose = parsed(dataset_58(kReal, "1 -2.5\n\n3e0   4\n"));
   EXPECT_EQ(loose.functions[0].y[1], -2.5);
   EXPECT_EQ(loose.functions[0].x, (std::vector{0.0, 0.5, 1.0, 1.5}));
 }
 
 // Function type 9, lines with a CR, no newline after the last -1, blanks before the first.
-TEST(UniversalFile, WhatOtherReadersStumbleOver) {
+TEST(UniversalFile, ReadsUnusualLineEndsAndBlanks) {
   std::string text = dataset_58(kReal, " 1.00000E+00\n 2.00000E+00 3.00000E+00 4.00000E+00\n", 9);
   EXPECT_EQ(function_in_words(parsed(text).functions[0].type), "power spectral density");
   text.pop_back();
@@ -252,8 +252,8 @@ TEST(UniversalFile, WhatOtherReadersStumbleOver) {
   EXPECT_THAT(parsed("\n" + dos + "   \r\n").functions, SizeIs(1));
 }
 
-// The bytes may be followed by a line's end, or not, and may look like one.
-TEST(UniversalFile, BinaryDataWithAndWithoutALastNewline) {
+// A line end may follow the bytes, and the bytes may look like one.
+TEST(UniversalFile, ReadsBinaryDataWithAndWithoutALastNewline) {
   UniversalFile file;
   UniversalFunction f{.type = 1, .is_double = false, .binary = true};
   for (const double y : {1.0, 2.0, 2.5660e-9}) f.y.emplace_back(y, 0.0);
@@ -269,14 +269,14 @@ TEST(UniversalFile, BinaryDataWithAndWithoutALastNewline) {
   EXPECT_THAT(parsed(tight).functions, SizeIs(2));
 }
 
-TEST(UniversalFile, OthersDatasetsAreCounted) {
+TEST(UniversalFile, CountsUnknownDatasets) {
   const UniversalFile file = parsed(
       "    -1\n  2430\n  anything\n    -1\n    -1\n  2430\n    -1\n    -1\n    18\n x\n    -1\n");
   EXPECT_THAT(file.left_out, ElementsAre(std::pair{18, 1}, std::pair{2430, 2}));
 }
 
-// A line of text that says -1 ended its dataset when it was read again.
-TEST(UniversalFile, TextIsNeverADatasetsEnd) {
+// Regression: a text line "-1" ended its dataset when the file was read again.
+TEST(UniversalFile, WrittenTextNeverEndsADataset) {
   UniversalFile file;
   file.header.emplace();
   file.header->lines[1] = "  -1 ";
@@ -289,12 +289,12 @@ TEST(UniversalFile, TextIsNeverADatasetsEnd) {
   EXPECT_EQ(again.traces[0].nodes, (std::vector<int>{1, 2, 3}));
 }
 
-TEST(UniversalFile, Refusals) {
-  expect_refused("time,force\n0,1\n", "is no universal file");
-  expect_refused("", "is no universal file");
+TEST(UniversalFile, RejectsInvalidFiles) {
+  expect_refused("time,force\n0,1\n", "is not a universal file");
+  expect_refused("", "is not a universal file");
   expect_refused(dataset_58(kReal, " 1.00000E+00 2.00000E+00\n"), "only 2 of 4 values");
   expect_refused(dataset_58(kReal, "1 2 3 4 5\n"), "1 more values than were announced");
-  expect_refused(dataset_58(kReal, "1 2 three 4\n"), "line 14: 'three' is no number");
+  expect_refused(dataset_58(kReal, "1 2 three 4\n"), "line 14: 'three' is not a number");
   expect_refused(dataset_58("         3         4         1", "1 2 3 4\n"), "data type 3");
   expect_refused(dataset_58("         2        -4         1", ""), "negative number of points");
   expect_refused("    -1\n    58\nid\n", "the file ends where an ID line must follow");
@@ -305,9 +305,9 @@ TEST(UniversalFile, Refusals) {
   EXPECT_EQ(parsed(line + "         1         2         0\n    -1\n").traces[0].nodes.size(), 2U);
   expect_refused(line + "         1         2         3\n    -1\n", "more nodes than the 2");
   expect_refused(line + "         1        -2\n    -1\n", "node -2: must not be negative");
-  // Nodes and trace lines do not say how many there are.
+  // Nodes and trace lines do not state their number.
   expect_refused(line + "         1         2\n", "the file ends within a dataset");
-  // 2^31 points announced take no memory before they are there.
+  // 2^31 announced points must not allocate memory in advance.
   expect_refused(dataset_58("         2 999999999         1", "1 2 3 4\n"), "only 4 of");
   UniversalFile file;
   UniversalFunction f{.binary = true};
@@ -318,7 +318,7 @@ TEST(UniversalFile, Refusals) {
   expect_refused(text.substr(0, text.size() - 300), "bytes of binary data");
 }
 
-TEST(UniversalFile, IsATable) {
+TEST(UniversalFile, ConvertsFunctionsToATable) {
   UniversalFile file;
   file.units = UniversalUnits{.factors = {1000.0, 1.0, 1.0}};  // millimetres
   for (const int node : {1, 2}) {

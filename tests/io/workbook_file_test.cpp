@@ -43,7 +43,7 @@ std::string number(const std::string& value, int style = 0) {
   return "<c s=\"" + std::to_string(style) + "\"><v>" + value + "</v></c>";
 }
 
-/// A workbook of a sheet "Log", with `second` a sheet "Notes (2)" behind it.
+/// A workbook with a sheet "Log", followed by `second` as a sheet "Notes (2)".
 std::string workbook(const std::string& first, const std::string& second = {},
                      const std::string& state = {}, const std::string& properties = {}) {
   std::string list = "<sheet name=\"Log\" sheetId=\"1\" r:id=\"rId1\"" + state + "/>";
@@ -97,7 +97,7 @@ TEST(WorkbookFile, ReadsNamesUnitsAndNumbers) {
   EXPECT_EQ(table.layout->first_row, 2);
 }
 
-TEST(WorkbookFile, EmptyColumnsAndRowsBeforeTheTableArePassedOver) {
+TEST(WorkbookFile, SkipsEmptyColumnsAndRowsBeforeTheTable) {
   const Columns table = parse_workbook(
       workbook("<row r=\"1\"><c r=\"C1\" t=\"inlineStr\"><is><t>Bridge 7</t></is></c></row>"
                "<row r=\"3\"><c r=\"C3\" t=\"s\"><v>0</v></c><c r=\"F3\" t=\"s\"><v>1</v></c></row>"
@@ -137,7 +137,7 @@ TEST(WorkbookFile, ElapsedTimesAreSeconds) {
                                                    testing::DoubleNear(108000.1, 1e-4)));
 }
 
-TEST(WorkbookFile, AnotherSheetIsReadByItsName) {
+TEST(WorkbookFile, ReadsAnotherSheetByName) {
   const std::string first =
       kNames + row(number("0") + number("1")) + row(number("1") + number("2"));
   const std::string second = row(text("t") + text("b [mm]")) + row(number("0") + number("7")) +
@@ -154,7 +154,7 @@ TEST(WorkbookFile, AnotherSheetIsReadByItsName) {
               HasSubstr("has no sheet \"Nots\", there are \"Log\", \"Notes & 2\""));
 }
 
-TEST(WorkbookFile, OtherFilesAreRefusedWithTheRemedy) {
+TEST(WorkbookFile, RejectsOtherFilesWithTheRemedy) {
   EXPECT_THAT(error("\xD0\xCF\x11\xE0\xA1\xB1\x1A\xE1"), HasSubstr("save it as .xlsx"));
   EXPECT_THAT(error(test::zip({{"mimetype", "x"}})), HasSubstr("without a workbook"));
   EXPECT_THAT(error(workbook("<row r=\"1\"><c r=\"?\"><v>1</v></c></row>")),
@@ -168,14 +168,14 @@ TEST(WorkbookFile, OtherFilesAreRefusedWithTheRemedy) {
   EXPECT_NE(error(cut), "nothing thrown");
 }
 
-TEST(WorkbookFile, DocumentsThatExpandAreRefused) {
+TEST(WorkbookFile, RejectsDocumentsThatExpand) {
   const std::string bomb =
       "<?xml version=\"1.0\"?><!DOCTYPE x [<!ENTITY a \"aaaa\">]><workbook>&a;</workbook>";
   EXPECT_THAT(error(test::zip({{"xl/workbook.xml", bomb}, {"xl/_rels/workbook.xml.rels", bomb}})),
               HasSubstr("DOCTYPE"));
 }
 
-TEST(WorkbookFile, IsKnownByItsEnding) {
+TEST(WorkbookFile, IsRecognisedByItsExtension) {
   const test::TemporaryDirectory directory;
   test::put_bytes(directory / "log.xlsx", workbook(kNames + row(number("0") + number("1")) +
                                                    row(number("1") + number("2"))));

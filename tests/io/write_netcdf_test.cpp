@@ -44,7 +44,7 @@ class WriteNetcdfTest : public testing::Test {
   }
 };
 
-TEST_F(WriteNetcdfTest, TheDiskGetsWhatMemoryWouldHave) {
+TEST_F(WriteNetcdfTest, DiskAndMemoryFilesHaveEqualBytes) {
   const std::string in_memory = written(1), on_disk = written(kLong);
   EXPECT_GT(in_memory.size(), 100'000U);
   EXPECT_TRUE(in_memory == on_disk);
@@ -52,7 +52,7 @@ TEST_F(WriteNetcdfTest, TheDiskGetsWhatMemoryWouldHave) {
   EXPECT_EQ(read.read(read.required_group("posterior"), "k").values[kDraws + 2], 8.0);
 }
 
-TEST_F(WriteNetcdfTest, ADiskThatIsFullIsSaidToBe) {
+TEST_F(WriteNetcdfTest, ReportsAFullDisk) {
   rlimit before{};
   ASSERT_EQ(getrlimit(RLIMIT_FSIZE, &before), 0);
   const auto caught = std::signal(SIGXFSZ, SIG_IGN);
@@ -75,7 +75,7 @@ TEST_F(WriteNetcdfTest, ADiskThatIsFullIsSaidToBe) {
   EXPECT_EQ(directory.files(), 0);
 }
 
-TEST_F(WriteNetcdfTest, ALibraryThatCrashesTakesNothingWithIt) {
+TEST_F(WriteNetcdfTest, SurvivesACrashOfTheLibrary) {
   AtomicFile file(path);
   try {
     write_netcdf(file, kLong, [](const NetcdfWriter&) { std::raise(SIGSEGV); });
@@ -83,7 +83,7 @@ TEST_F(WriteNetcdfTest, ALibraryThatCrashesTakesNothingWithIt) {
   } catch (const FileError& error) {
     EXPECT_THAT(error.reason(), testing::HasSubstr("crashed"));
   }
-  // As the system does that has no memory left.
+  // As the system does when it is out of memory.
   try {
     write_netcdf(file, kLong, [](const NetcdfWriter&) { std::raise(SIGKILL); });
     FAIL() << "nothing was thrown";
@@ -100,7 +100,7 @@ TEST_F(WriteNetcdfTest, ALibraryThatCrashesTakesNothingWithIt) {
   }
 }
 
-TEST_F(WriteNetcdfTest, AFingerprintIsOfTheWholeFile) {
+TEST_F(WriteNetcdfTest, FingerprintCoversTheWholeFile) {
   const std::string bytes = written(1) + std::string(3'000'000, 'x');
   {
     AtomicFile file(path);

@@ -32,8 +32,8 @@ std::vector<double> sine(std::size_t samples, double per_sample) {
   return x;
 }
 
-// Of sound channels nothing is said, however coarse.
-TEST(ChannelQuality, SoundOnesHaveNothing) {
+// Good channels have no remarks, however coarse their resolution.
+TEST(ChannelQuality, FindsNoFaultsInGoodChannels) {
   for (std::uint64_t seed = 1; seed <= 20; ++seed)
     for (const auto& x : {noise(20000, 0.0, seed), noise(20000, 0.3, seed), sine(20000, 0.0137)}) {
       const ChannelQuality q = channel_quality(x);
@@ -46,7 +46,7 @@ TEST(ChannelQuality, SoundOnesHaveNothing) {
     }
 }
 
-TEST(ChannelQuality, Moments) {
+TEST(ChannelQuality, ComputesMoments) {
   std::vector<double> x = {1.0, 2.0, 3.0, std::numeric_limits<double>::quiet_NaN(), 6.0};
   const ChannelQuality q = channel_quality(x);
   EXPECT_EQ(q.samples, 5);
@@ -59,7 +59,7 @@ TEST(ChannelQuality, Moments) {
   EXPECT_EQ(channel_quality(std::vector<double>()).samples, 0);
 }
 
-TEST(ChannelQuality, Dropouts) {
+TEST(ChannelQuality, FindsDropouts) {
   for (const double step : {0.0, 0.1}) {
     auto x = noise(20000, step);
     for (std::size_t i = 5000; i < 5040; ++i) x[i] = x[5000];
@@ -70,7 +70,7 @@ TEST(ChannelQuality, Dropouts) {
   }
 }
 
-TEST(ChannelQuality, Clipping) {
+TEST(ChannelQuality, FindsClipping) {
   auto x = sine(20000, 0.0137);
   for (double& value : x) value = std::min(value, 0.9);
   const ChannelQuality q = channel_quality(x);
@@ -80,7 +80,7 @@ TEST(ChannelQuality, Clipping) {
   EXPECT_THAT(q.dropouts, IsEmpty());
 }
 
-TEST(ChannelQuality, Spikes) {
+TEST(ChannelQuality, FindsSpikes) {
   auto x = sine(20000, 0.0137);
   const auto small = noise(20000);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += 0.01 * small[i];
@@ -89,7 +89,7 @@ TEST(ChannelQuality, Spikes) {
   EXPECT_THAT(channel_quality(x).spikes, ElementsAre(7000, 13000));
 }
 
-TEST(ChannelQuality, DriftAndWander) {
+TEST(ChannelQuality, FindsTrendAndDrift) {
   auto x = noise(20000);
   for (std::size_t i = 0; i < x.size(); ++i) x[i] += 5.0 * static_cast<double>(i) / 20000.0;
   EXPECT_NEAR(channel_quality(x).drift, 5.0, 0.2);

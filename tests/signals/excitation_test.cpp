@@ -12,8 +12,9 @@ namespace {
 
 using namespace wheeltap::signals;
 
-TEST(Noise, IsTheSameOnEveryMachine) {
-  // The standard fixes the ten-thousandth output of a default mt19937_64; ours are its top 53 bits.
+TEST(Noise, IsReproducibleAcrossComputers) {
+  // The standard defines the ten-thousandth output of a default mt19937_64; ours are its top 53
+  // bits.
   Noise noise(5489);
   double last = 0.0;
   for (int i = 0; i < 10000; ++i) last = noise.uniform();
@@ -56,7 +57,7 @@ TEST(BandLimitedNoise, StaysInItsBand) {
   EXPECT_THROW((void)band_limited_noise(16, 10.0, 4.001, 4.002, 1.0, noise), std::invalid_argument);
 }
 
-TEST(Multisine, HasItsLinesAndLevel) {
+TEST(Multisine, HasTheRequestedLinesAndLevel) {
   Noise noise(3);
   const Multisine options{
       .period = 512, .low_hz = 5.0, .high_hz = 20.0, .rms = 2.5, .odd_lines_only = true};
@@ -65,7 +66,7 @@ TEST(Multisine, HasItsLinesAndLevel) {
   for (double value : x) sum += value * value / 1024.0;
   EXPECT_NEAR(std::sqrt(sum), 2.5, 1e-12);
   for (std::size_t n = 0; n < 512; ++n) EXPECT_EQ(x[n], x[n + 512]);
-  // Hann spreads a line over its neighbours, so even lines are seen only two away from the band.
+  // Hann leaks a line into its neighbours, so even lines appear only two away from the band.
   const Spectrum s = welch(x, 100.0, {.segment = 1024, .overlap = 0.0});
   for (std::size_t i = 0; i < s.density.size(); ++i) {
     const double f = s.frequencies_hz[i];

@@ -16,7 +16,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Displacements after each mode was given a random velocity, with white noise.
+/// Displacements after each mode received a random velocity, with white noise.
 Eigen::MatrixXd decay(const VibratingStructure& s, Index samples, double noise,
                       std::uint64_t seed) {
   base::Random random(seed, 0, 0, base::Purpose::test);
@@ -36,7 +36,7 @@ Eigen::MatrixXd decay(const VibratingStructure& s, Index samples, double noise,
   return out;
 }
 
-TEST(FreeDecay, WithoutNoiseItIsExact) {
+TEST(FreeDecay, IsExactWithoutNoise) {
   const VibratingStructure s = chain(3, 1.0, 400.0);
   const VibratingStructure::Modes truth = s.modes();
   const ModalResult found = identify_decays({decay(s, 300, 1e-10, 1)},
@@ -51,8 +51,8 @@ TEST(FreeDecay, WithoutNoiseItIsExact) {
   }
 }
 
-// Over many realisations, of one decay and of two together.
-TEST(FreeDecay, ItsCovarianceIsThatOfItsErrors) {
+// Over many realisations, for one decay and for two together.
+TEST(FreeDecay, CovarianceMatchesTheErrors) {
   const VibratingStructure s = chain(3, 1.0, 400.0);
   const VibratingStructure::Modes truth = s.modes();
   for (const std::size_t events : {1, 2}) {
@@ -82,8 +82,8 @@ TEST(FreeDecay, ItsCovarianceIsThatOfItsErrors) {
   }
 }
 
-// Nothing but noise once ended in the factorisation of an empty matrix.
-TEST(FreeDecay, NoiseHasNoModes) {
+// Regression: pure noise led to the factorisation of an empty matrix.
+TEST(FreeDecay, FindsNoModesInNoise) {
   base::Random random(8, 0, 0, base::Purpose::test);
   Eigen::MatrixXd noise(2, 1000);
   for (double& x : noise.reshaped()) x = random.normal();
@@ -93,7 +93,7 @@ TEST(FreeDecay, NoiseHasNoModes) {
   EXPECT_EQ(found.covariance.size(), 0);
 }
 
-TEST(FreeDecay, Misuse) {
+TEST(FreeDecay, RejectsMisuse) {
   const VibratingStructure s = chain(2, 1.0, 400.0);
   const Eigen::MatrixXd y = decay(s, 300, 0.01, 1);
   EXPECT_THROW(identify_decays({}, {.sample_rate_hz = 20.0}), std::invalid_argument);

@@ -18,7 +18,7 @@ VibratingStructure three() {
   return chain(3, 1.0, 200.0);
 }
 
-TEST(FrequencyDomainDecomposition, PeaksAreModesToTheSpacingOfLines) {
+TEST(FrequencyDomainDecomposition, FindsModesWithinTheLineSpacing) {
   const VibratingStructure s = three();
   const VibratingStructure::Modes truth = s.modes();
   const ModalResult found = decompose_spectra(s.accelerations(18000, 0.05, 1),
@@ -27,7 +27,7 @@ TEST(FrequencyDomainDecomposition, PeaksAreModesToTheSpacingOfLines) {
   EXPECT_EQ(found.covariance.size(), 0);
   for (Index m = 0; m < 3; ++m) {
     const Mode& mode = found.modes[static_cast<std::size_t>(m)];
-    // Half a line, and what the scatter of a resonance of 1.5 % adds.
+    // Half a line, and the scatter of a resonance with 1.5 % damping.
     EXPECT_NEAR(mode.pole.frequency_hz, truth.frequencies_hz[m],
                 found.sample_rate_hz / found.segment + 0.01 * truth.frequencies_hz[m]);
     EXPECT_TRUE(std::isnan(mode.pole.damping) && std::isnan(mode.pole.frequency_sd));
@@ -37,9 +37,9 @@ TEST(FrequencyDomainDecomposition, PeaksAreModesToTheSpacingOfLines) {
   }
 }
 
-// Of 100 records: errors squared over predicted variances, whose mean is 1 + bias²/variance + what
-// 20 blocks do (19/17); the mean over 300 has a standard error of about 0.1.
-TEST(FrequencyDomainDecomposition, ItsScatterIsThatBetweenRecords) {
+// For 100 records: squared errors over predicted variances have the mean 1 + bias²/variance + the
+// effect of 20 blocks (19/17). The mean over 300 has a standard error of about 0.1.
+TEST(FrequencyDomainDecomposition, CovarianceMatchesTheScatterBetweenRecords) {
   const VibratingStructure s = three();
   const VibratingStructure::Modes truth = s.modes();
   double frequency = 0.0, damping = 0.0, bias = 0.0;
@@ -68,8 +68,8 @@ TEST(FrequencyDomainDecomposition, ItsScatterIsThatBetweenRecords) {
   EXPECT_LT(std::abs(bias / modes), 0.1);
 }
 
-// A motor's tone has no damping, and a steady amplitude; white noise has no peak.
-TEST(FrequencyDomainDecomposition, TonesAreDoubtedAndNoiseHasNoModes) {
+// A motor's tone has no damping and a constant amplitude; white noise has no peak.
+TEST(FrequencyDomainDecomposition, DoubtsTonesAndFindsNoModesInNoise) {
   const VibratingStructure s = three();
   MatrixXd y = s.accelerations(18000, 0.05, 1);
   const double size = 2.0 * std::sqrt(y.row(0).squaredNorm() / 18000.0);
@@ -88,7 +88,7 @@ TEST(FrequencyDomainDecomposition, TonesAreDoubtedAndNoiseHasNoModes) {
   EXPECT_TRUE(decompose_spectra(y, {.sample_rate_hz = 20.0}).modes.empty());
 }
 
-TEST(FrequencyDomainDecomposition, RefusesWhatHasTooFewSegments) {
+TEST(FrequencyDomainDecomposition, RejectsTooFewSegments) {
   const MatrixXd y = three().accelerations(400, 0.05, 1);
   EXPECT_THROW((void)decompose_spectra(y, {.sample_rate_hz = 20.0, .segment = 128}),
                std::invalid_argument);

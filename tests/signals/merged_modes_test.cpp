@@ -14,8 +14,8 @@ namespace {
 
 using testing::ElementsAre;
 
-/// A set-up that sees these degrees of freedom of whole shapes, each mode with a factor of its own
-/// and errors of which the covariance is told.
+/// A set-up that measures these degrees of freedom of whole shapes. Each mode has its own factor
+/// and errors with the stated covariance.
 SetUpModes seen(const std::vector<int>& sensors, const Eigen::VectorXd& frequencies,
                 const Eigen::MatrixXd& shapes, double error, std::uint64_t seed) {
   base::Random random(seed, 0, 0, base::Purpose::test);
@@ -62,7 +62,7 @@ struct Whole {
   }
 };
 
-TEST(MergedModes, WholeShapesComeFromPieces) {
+TEST(MergedModes, MergesPartialShapes) {
   const Whole whole;
   const MergedModes merged = merge_modes(whole.all(1e-9, 1), 6);
   EXPECT_THAT(merged.references, ElementsAre(0, 1));
@@ -78,8 +78,8 @@ TEST(MergedModes, WholeShapesComeFromPieces) {
   }
 }
 
-// Over many realisations errors are what the covariances say: χ² of entries has its mean.
-TEST(MergedModes, ItsCovariancesAreThoseOfItsErrors) {
+// Over many realisations errors match the covariances: χ² of entries has its expectation.
+TEST(MergedModes, CovariancesMatchTheErrors) {
   const Whole whole;
   constexpr int kRuns = 400;
   double shape = 0.0, frequency = 0.0, damping = 0.0;
@@ -105,15 +105,16 @@ TEST(MergedModes, ItsCovariancesAreThoseOfItsErrors) {
       }
     }
   }
-  // Frequencies and dampings have a variance between set-ups estimated, which is never below 0:
-  // errors look smaller by some tenths at most. 1200 squares have a standard error of .041.
+  // The variance of frequencies and damping ratios between set-ups is estimated as >= 0, so
+  // normalised errors are too small by some tenths at most. 1200 squares have a standard error of
+  // .041.
   EXPECT_NEAR(frequency / (3 * kRuns), 0.9, 0.2);
   EXPECT_NEAR(damping / (3 * kRuns), 0.9, 0.2);
   // 12000 squares, correlated within a mode (10 of them): at most .041 again.
   EXPECT_NEAR(shape / entries, 1.0, 0.12);
 }
 
-TEST(MergedModes, AModeThatASetUpLacksHasAGap) {
+TEST(MergedModes, AMissingModeLeavesAGapInTheShape) {
   const Whole whole;
   std::vector<SetUpModes> set_ups = whole.all(1e-3, 5);
   set_ups[1].modes.erase(set_ups[1].modes.begin() + 1);
@@ -133,7 +134,7 @@ TEST(MergedModes, AModeThatASetUpLacksHasAGap) {
   EXPECT_TRUE(merged.covariance.allFinite());
 }
 
-TEST(MergedModes, SaysWhereSetUpsDisagree) {
+TEST(MergedModes, ReportsInconsistentSetUps) {
   const Whole whole;
   std::vector<SetUpModes> set_ups = whole.all(1e-4, 9);
   set_ups[2].modes[0].pole.frequency_hz *= 1.01;  // a hundred standard deviations
@@ -144,8 +145,8 @@ TEST(MergedModes, SaysWhereSetUpsDisagree) {
   EXPECT_TRUE(merged.modes[1].doubts.empty());
 }
 
-// Close in frequency, and told apart by their shapes at the references.
-TEST(MergedModes, CloseModesAreNotMixed) {
+// Close in frequency, but separated by their shapes at the references.
+TEST(MergedModes, KeepsCloseModesApart) {
   Whole whole;
   whole.frequencies = Eigen::Vector3d(1.0, 1.005, 3.3);
   const MergedModes merged = merge_modes(whole.all(1e-3, 11), 6);
@@ -157,8 +158,8 @@ TEST(MergedModes, CloseModesAreNotMixed) {
               0.999);
 }
 
-// From records: a chain of six masses, whose first two are measured all the time.
-TEST(MergedModes, FromRecordsOfAChain) {
+// From records of a chain of six masses, with sensors on the first two in every set-up.
+TEST(MergedModes, MergesModesFromRecordsOfAChain) {
   const VibratingStructure structure = chain(6, 1.0, 400.0);
   const VibratingStructure::Modes truth = structure.modes();
   std::vector<SetUpModes> set_ups;
@@ -194,7 +195,7 @@ TEST(MergedModes, ExactSetUpsHaveFiniteMeans) {
   }
 }
 
-TEST(MergedModes, Misuse) {
+TEST(MergedModes, RejectsMisuse) {
   const Whole whole;
   EXPECT_THROW(merge_modes({}, 6), std::invalid_argument);
   std::vector<SetUpModes> set_ups = whole.all(1e-3, 1);

@@ -14,7 +14,8 @@ namespace {
 using Eigen::Index;
 using Eigen::MatrixXd;
 
-/// Five masses, two of them always watched, the others in turn, under forces of unlike strength.
+/// Five masses, two with permanent sensors, the others measured in turn, under forces of different
+/// strength.
 struct MovingSensors {
   VibratingStructure structure = chain(5, 1.0, 400.0);
   std::vector<std::vector<int>> sensors = {{0, 1, 4}, {4, 2, 1}, {3, 1, 4}};
@@ -38,9 +39,9 @@ struct MovingSensors {
   }
 };
 
-// Of 60 records of three set-ups: squares of errors over their variances, of all modes. 300 squares
-// have a standard error of .08, those of a few more blocks .1; entries of one shape depend on each
-// other, and are known to a fifth.
+// For 60 records of three set-ups: squared errors over their variances, for all modes. 300 squares
+// have a standard error of .08, with few blocks .1; entries of one shape are correlated, so their
+// mean is known to a fifth.
 TEST(MergedSubspace, ModesOfAllSensorsAndTheirCovariances) {
   const MovingSensors moving;
   const VibratingStructure::Modes truth = moving.structure.modes();
@@ -78,8 +79,8 @@ TEST(MergedSubspace, ModesOfAllSensorsAndTheirCovariances) {
   EXPECT_NEAR(shape / entries, 1.0, 0.4);
 }
 
-// One set-up with all sensors as references is what it was before, but for what B holds still.
-TEST(MergedSubspace, OfOneSetUpItIsThatSetUp) {
+// One set-up with all sensors as references is unchanged, except for the effect of the fixed B.
+TEST(MergedSubspace, EqualsASingleSetUp) {
   const MovingSensors moving;
   const MatrixXd y = moving.structure.accelerations(12000, 0.05, 3);
   const ModalOptions options{.sample_rate_hz = 20.0, .largest_order = 20};
@@ -95,7 +96,7 @@ TEST(MergedSubspace, OfOneSetUpItIsThatSetUp) {
   }
 }
 
-TEST(MergedSubspace, RefusesARankThatReferencesDoNotHold) {
+TEST(MergedSubspace, RejectsARankAboveThatOfTheReferences) {
   const MovingSensors moving;
   const std::vector<MatrixXd> y = moving.records(1);
   std::vector<SetUpCovariances> set_ups;

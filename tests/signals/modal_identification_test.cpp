@@ -41,14 +41,14 @@ TEST(ModalIdentification, FindsAChainWithItsCovariance) {
     EXPECT_GT(mode.collinearity, 0.99);
     EXPECT_NEAR(mode.amplitude_kurtosis, 2.0, 0.5);
     EXPECT_TRUE(mode.doubts.empty());
-    // The entry that is 1 is exact.
+    // The entry of 1 has no error.
     Eigen::Index top = 0;
     mode.pole.shape.cwiseAbs().maxCoeff(&top);
     EXPECT_NEAR(mode.shape_covariance(top, top), 0.0, 1e-20);
   }
 }
 
-// The same record at five times its rate says the same.
+// The same record at five times its rate gives the same modes.
 TEST(ModalIdentification, DecimatesToTheBand) {
   VibratingStructure structure = chain(3, 1.0, 200.0);
   structure.step = 0.01;
@@ -63,7 +63,7 @@ TEST(ModalIdentification, DecimatesToTheBand) {
                 5.0 * found.modes[m].pole.frequency_sd);
 }
 
-TEST(ModalIdentification, CallsAMachineAMachine) {
+TEST(ModalIdentification, MarksHarmonicsOfMachines) {
   Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(18000, 0.05, 3);
   for (Eigen::Index k = 0; k < y.cols(); ++k)
     y.col(k) += Eigen::Vector3d(1.0, 0.8, 0.5) *
@@ -79,7 +79,7 @@ TEST(ModalIdentification, CallsAMachineAMachine) {
   EXPECT_TRUE(seen) << testing::PrintToString(frequencies(found));
 }
 
-TEST(ModalIdentification, TellsSinesFromNoise) {
+TEST(ModalIdentification, DistinguishesSinesFromNoise) {
   base::Random random(4, 0, 0, base::Purpose::test);
   Eigen::VectorXd sine(40000), noise(40000);
   for (Eigen::Index k = 0; k < 40000; ++k) {
@@ -91,9 +91,9 @@ TEST(ModalIdentification, TellsSinesFromNoise) {
   EXPECT_NEAR(amplitude_kurtosis(noise, hz, 1.0), 2.0, 0.5);
 }
 
-// A splinter of a mode, 4.4 of its standard deviations away but within its width and of the same
-// shape, is doubted and the mode is not; of another shape, or further away, it is a mode.
-TEST(ModalIdentification, DoubtsWhatIsAsWideAsItIsNear) {
+// A splinter of a mode, 4.4 standard deviations away but within its width and with the same shape,
+// is doubtful; the mode is not. With another shape, or further away, it is a mode.
+TEST(ModalIdentification, DoubtsSplintersOfAMode) {
   const auto doubts = [](double frequency_hz, double second_entry) {
     ModalResult found{.lowest_hz = 0.5, .highest_hz = 16.0};
     for (const auto& [f, sd, damping, entry] :
@@ -113,10 +113,10 @@ TEST(ModalIdentification, DoubtsWhatIsAsWideAsItIsNear) {
   EXPECT_EQ(doubts(6.716, 0.5), std::pair(none, twin));
   EXPECT_EQ(doubts(6.716, -2.0), std::pair(none, none));
   EXPECT_EQ(doubts(6.90, 0.5), std::pair(none, none));
-  EXPECT_EQ(doubts(6.69, 0.5), std::pair(twin, twin));  // who is who cannot be told
+  EXPECT_EQ(doubts(6.69, 0.5), std::pair(twin, twin));  // neither is identifiable as the splinter
 }
 
-TEST(ModalIdentification, RefusesRecordsThatCannotTell) {
+TEST(ModalIdentification, RejectsInvalidRecords) {
   const Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(2000, 0.05, 1);
   Eigen::MatrixXd copied = y;
   copied.row(2) = -3.0 * copied.row(0);

@@ -15,12 +15,12 @@ Eigen::MatrixXd white_noise(int channels, int samples) {
   return y;
 }
 
-// Sums as they are written, one product after the other.
-TEST(OutputCovariances, AreTheSumsOfProducts) {
+// The sums from their definition, one product after the other.
+TEST(OutputCovariances, EqualTheSumsOfProducts) {
   const Eigen::MatrixXd y = white_noise(3, 400);
   const OutputCovariances c = output_covariances(y, {.lags = 4, .blocks = 5, .references = {2, 0}});
   EXPECT_EQ(c.samples, (400 - 4) / 5);
-  // The library's own channels: without their lines, of unit variance.
+  // The scaled channels of the library: detrended, of unit variance.
   Eigen::MatrixXd z(3, 400);
   for (Eigen::Index i = 0; i < 3; ++i) {
     const Eigen::ArrayXd t = Eigen::ArrayXd::LinSpaced(400, -1.0, 1.0);
@@ -45,7 +45,7 @@ TEST(OutputCovariances, AreTheSumsOfProducts) {
   EXPECT_LT((mean - c.mean).norm(), 1e-13);
 }
 
-TEST(OutputCovariances, RefuseWhatTheyCannotUse) {
+TEST(OutputCovariances, RejectInvalidRecords) {
   Eigen::MatrixXd y = white_noise(2, 400);
   EXPECT_THROW((void)output_covariances(y, {.lags = 80, .blocks = 5}), std::invalid_argument);
   EXPECT_THROW((void)output_covariances(y, {.lags = 4, .blocks = 5, .references = {2}}),

@@ -53,7 +53,7 @@ const Pole* nearest(const std::vector<Pole>& poles, double frequency) {
   return best;
 }
 
-// Without noise every pole is found, whichever quantity was measured.
+// Without noise every pole is found, for every measured quantity.
 TEST(Polyreference, ExactResponsesGiveExactPoles) {
   const VibratingStructure s = chain(4, 1.0, 400.0);
   const VibratingStructure::Modes truth = s.modes();
@@ -77,8 +77,8 @@ TEST(Polyreference, ExactResponsesGiveExactPoles) {
   }
 }
 
-// Lines four half-power widths apart: no peak is ever seen, and the model is.
-TEST(Polyreference, SeesBetweenLines) {
+// Lines four half-power widths apart: no line hits a peak, but the model is found.
+TEST(Polyreference, ResolvesModesBetweenLines) {
   VibratingStructure s = chain(3, 1.0, 400.0);
   s.damping_ratio = 5e-4;
   const VibratingStructure::Modes truth = s.modes();
@@ -92,8 +92,8 @@ TEST(Polyreference, SeesBetweenLines) {
   EXPECT_EQ(found.remarks.narrow, 3);
 }
 
-// Two modes at one frequency take two inputs.
-TEST(Polyreference, TwinModesAreSeparatedByTwoInputs) {
+// Two modes at one frequency need two inputs.
+TEST(Polyreference, SeparatesEqualFrequenciesWithTwoInputs) {
   VibratingStructure s;
   s.mass = Eigen::MatrixXd::Identity(2, 2);
   s.stiffness = 100.0 * Eigen::MatrixXd::Identity(2, 2);
@@ -117,8 +117,8 @@ FrequencyResponses noisy(FrequencyResponses f, double level, std::uint64_t seed)
   return f;
 }
 
-// The errors of many realisations are what the bootstrap says of them.
-TEST(Polyreference, ItsCovarianceIsThatOfItsErrors) {
+// The errors of many realisations match the bootstrap.
+TEST(Polyreference, CovarianceMatchesTheErrors) {
   const VibratingStructure s = chain(3, 1.0, 400.0);
   const VibratingStructure::Modes truth = s.modes();
   const FrequencyResponses exact = responses(s, {0, 1, 2}, {0}, 0.2, 0.02, 350, 2);
@@ -143,8 +143,8 @@ TEST(Polyreference, ItsCovarianceIsThatOfItsErrors) {
   EXPECT_NEAR(zeta / modes, 1.04, 0.5);
 }
 
-// From forces and accelerations in time, by H₁.
-TEST(Polyreference, FromRecordsOfForceAndResponse) {
+// From forces and accelerations in the time domain, by H₁.
+TEST(Polyreference, FindsModesFromRecordsOfForceAndResponse) {
   const VibratingStructure s = chain(3, 1.0, 400.0);
   const VibratingStructure::Modes truth = s.modes();
   const VibratingStructure::Driven driven = s.driven(40000, 0.02, 5);
@@ -162,7 +162,7 @@ TEST(Polyreference, FromRecordsOfForceAndResponse) {
   }
 }
 
-TEST(Polyreference, Misuse) {
+TEST(Polyreference, RejectsMisuse) {
   const VibratingStructure s = chain(2, 1.0, 400.0);
   FrequencyResponses f = responses(s, {0}, {0}, 0.2, 0.02, 100, 2);
   EXPECT_THROW(polyreference(f, 0), std::invalid_argument);

@@ -1,4 +1,4 @@
-// A linear structure under independent random forces, sampled exactly, to identify modes from.
+// A linear structure under independent random forces, sampled exactly, as a source of records.
 #pragma once
 
 #include <Eigen/Eigenvalues>
@@ -37,9 +37,9 @@ struct VibratingStructure {
     return mass * m.shapes * twice.asDiagonal() * m.shapes.transpose() * mass;
   }
 
-  /// Accelerations of all degrees of freedom, one a row, under independent normal forces of unit
+  /// Accelerations of all degrees of freedom, one per row, under independent normal forces of unit
   /// variance, with sensor noise of `noise` times each channel's standard deviation. Starts in the
-  /// stationary state but for exp(-ζω T) of a lead-in.
+  /// stationary state, up to exp(-ζω T) of a lead-in.
   [[nodiscard]] Eigen::MatrixXd accelerations(long samples, double noise,
                                               std::uint64_t seed) const {
     return driven(samples, noise, seed).accelerations;
@@ -81,7 +81,7 @@ struct VibratingStructure {
   }
 };
 
-/// Equal masses in a row, the first held by a spring, each to its neighbour by another.
+/// Equal masses in a row; springs connect the first to the ground and each to its neighbour.
 inline VibratingStructure chain(int masses, double mass, double stiffness) {
   VibratingStructure out{.mass = mass * Eigen::MatrixXd::Identity(masses, masses),
                          .stiffness = Eigen::MatrixXd::Zero(masses, masses)};

@@ -15,7 +15,7 @@ using namespace wheeltap::signals;
 using Kind = io::FileError::Kind;
 namespace fs = std::filesystem;
 
-/// A file that goes with the test.
+/// A file used by the test.
 class RecordFile : public ::testing::Test {
  protected:
   void SetUp() override {
@@ -35,7 +35,7 @@ class RecordFile : public ::testing::Test {
   fs::path folder_;
 };
 
-/// What an error about a file's content says.
+/// The message of an error in a file's content.
 std::string message(const std::function<void()>& action) {
   try {
     action();
@@ -86,7 +86,7 @@ TEST_F(RecordFile, NumbersColumnsWithoutHeader) {
   EXPECT_EQ(r.find_time(), -1);
 }
 
-TEST_F(RecordFile, NamesFileLineAndColumn) {
+TEST_F(RecordFile, ErrorsNameFileLineAndColumn) {
   std::string what = message([&] { (void)read_record(write("t,x\n0,1\n1\n")); });
   EXPECT_TRUE(contains(what, "r.csv, line 3: 1 columns, must be 2")) << what;
   what = message([&] { (void)read_record(write("t,x\n0,1\n1,2,3\n")); });
@@ -133,7 +133,7 @@ TEST_F(RecordFile, WindowsMustLieInTheRecordAndBeFinite) {
   EXPECT_THROW((void)window(r, 0, -1, 3), io::FileError);
 }
 
-// Fault: "time [ms]" was read as seconds.
+// Regression: "time [ms]" was read as seconds.
 TEST_F(RecordFile, TimeInMillisecondsIsNotReadAsSeconds) {
   const auto rate = [&](const std::string& header, std::optional<double> stated = std::nullopt,
                         std::optional<double> scale = std::nullopt) {
@@ -158,9 +158,9 @@ TEST_F(RecordFile, TimeInMillisecondsIsNotReadAsSeconds) {
   }
 }
 
-// Fault: a fit of a short window took a record's every cell, of columns that no channel names, too.
-// What is not read may be text: that it is not read shows there.
-TEST_F(RecordFile, OnlyTheColumnsOfALongRecordThatAreNeededAreRead) {
+// Regression: a fit of a short window read every cell of a record, including columns that no
+// channel names. The test uses text in columns that must not be read.
+TEST_F(RecordFile, ReadsOnlyRequestedColumns) {
   std::string text = "time [s],remark,force [N],x [m]\n";
   for (int n = 0; n < 1000; ++n)
     text += std::to_string(n) + ",at " + std::to_string(n) + "," + std::to_string(2 * n) + ",1\n";
@@ -176,7 +176,7 @@ TEST_F(RecordFile, OnlyTheColumnsOfALongRecordThatAreNeededAreRead) {
       << "by its number";
 }
 
-TEST_F(RecordFile, ARecordInAFormatOfOnesOwn) {
+TEST_F(RecordFile, ReadsARecordInACustomFormat) {
   std::vector<io::Format> known(io::formats().begin(), io::formats().end());
   known.push_back({.name = "count",
                    .endings = {".count"},
@@ -192,7 +192,7 @@ TEST_F(RecordFile, ARecordInAFormatOfOnesOwn) {
   EXPECT_THROW((void)read_record(folder_ / "r.count"), io::FileError);
 }
 
-// The measured sets beside the repository.
+// The measured data sets next to the repository.
 class SharedData : public ::testing::Test {
  protected:
   void SetUp() override {

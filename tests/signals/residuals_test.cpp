@@ -41,7 +41,7 @@ Eigen::VectorXd theoretical(const std::vector<double>& phi, int lags) {
   return rho;
 }
 
-TEST(AutoregressiveLikelihood, IsTheMultivariateNormal) {
+TEST(AutoregressiveLikelihood, EqualsTheMultivariateNormal) {
   std::mt19937_64 generator(5);
   std::normal_distribution<double> normal;
   const int n = 40;
@@ -63,8 +63,8 @@ TEST(AutoregressiveLikelihood, IsTheMultivariateNormal) {
   }
 }
 
-// ln p = c(π) - N ln σ - ½ Σ e²/σ²: two records differ by their innovations alone.
-TEST(AutoregressiveLikelihood, IsThatOfItsInnovations) {
+// ln p = c(π) - N ln σ - ½ Σ e²/σ²: two records differ only in their innovations.
+TEST(AutoregressiveLikelihood, EqualsThatOfItsInnovations) {
   std::mt19937_64 generator(6);
   std::normal_distribution<double> normal;
   std::vector<double> a(30), b(30);
@@ -84,7 +84,7 @@ TEST(AutoregressiveLikelihood, IsThatOfItsInnovations) {
   }
 }
 
-TEST(AutoregressiveLikelihood, OfOrderZeroIsWhite) {
+TEST(AutoregressiveLikelihood, OrderZeroIsWhite) {
   const std::vector<double> r{0.3, -0.2, 0.5};
   EXPECT_NEAR(ar_log_likelihood(r, {}, 0.4), gaussian_log_likelihood(0.38, 3, 0.4), 1e-14);
   EXPECT_EQ(gaussian_log_likelihood(wheeltap::kInfinity, 3, 0.4), -wheeltap::kInfinity);
@@ -94,7 +94,7 @@ TEST(AutoregressiveLikelihood, OfOrderZeroIsWhite) {
 }
 
 // AR(2): φ₂ = π₂, φ₁ = π₁ (1 - π₂).
-TEST(AutoregressiveCoefficients, OfSecondOrder) {
+TEST(AutoregressiveCoefficients, MatchTheSecondOrderFormula) {
   const std::vector<double> phi = ar_coefficients(std::vector<double>{0.6, -0.4});
   EXPECT_NEAR(phi[0], 0.6 * 1.4, 1e-15);
   EXPECT_NEAR(phi[1], -0.4, 1e-15);
@@ -114,7 +114,7 @@ std::vector<double> process(const std::vector<double>& partial, std::size_t n, u
   return {x.begin() + 500, x.end()};
 }
 
-// Residuals nearly as smooth as a response, of which Yule-Walker misses the second.
+// Residuals nearly as smooth as a response, for which Yule-Walker misses the second.
 TEST(BurgPartialAutocorrelation, RecoversASmoothProcessFromFewSamples) {
   const std::vector<double> x = process({0.98, -0.995}, 400, 8);
   const std::vector<double> burg = burg_partial_autocorrelation(x, 4);
@@ -124,9 +124,10 @@ TEST(BurgPartialAutocorrelation, RecoversASmoothProcessFromFewSamples) {
             std::vector<double>(3, 0.0));
 }
 
-// Schwarz's criterion takes an order too high with a chance of about P(χ²₁ > ln N) a lag: 1 % at
-// 1000 samples, some 5 % over the first few lags. Of 40 runs 9 or more would be (p 1e-4).
-TEST(AutoregressiveOrder, IsThatOfTheProcess) {
+// Schwarz's criterion selects an order that is too high with a probability of about P(χ²₁ > ln N)
+// per lag: 1 % at 1000 samples, some 5 % over the first few lags. 9 or more of 40 runs have a
+// probability of 1e-4.
+TEST(AutoregressiveOrder, RecoversTheProcess) {
   for (const auto& [partial, order] :
        {std::pair(std::vector<double>{}, 0), std::pair(std::vector<double>{0.5}, 1),
         std::pair(std::vector<double>{0.9, -0.8, 0.4}, 3)}) {
@@ -141,7 +142,8 @@ TEST(AutoregressiveOrder, IsThatOfTheProcess) {
   EXPECT_EQ(autoregressive_order(std::vector<double>(3, 1.0)), 0);
 }
 
-// Under whiteness the p-values are uniform: Kolmogorov's distance of 400 of them, false alarm 1e-4.
+// Under whiteness the p-values are uniform: Kolmogorov distance of 400 of them, false alarm rate
+// 1e-4.
 TEST(LjungBox, IsUniformOnWhiteNoise) {
   std::mt19937_64 generator(7);
   std::normal_distribution<double> normal;
@@ -158,7 +160,7 @@ TEST(LjungBox, IsUniformOnWhiteNoise) {
   EXPECT_LT(distance, std::sqrt(-0.5 * std::log(0.5e-4) / 400.0));
 }
 
-TEST(LjungBox, RefusesMisuse) {
+TEST(LjungBox, RejectsMisuse) {
   const std::vector<double> x(10, 1.0);
   EXPECT_THROW((void)ljung_box(x, 10), std::invalid_argument);
   EXPECT_THROW((void)ljung_box(x, 2, 2), std::invalid_argument);

@@ -21,8 +21,8 @@ double integral(const Spectrum& s) {
   return sum * (s.frequencies_hz[1] - s.frequencies_hz[0]);
 }
 
-// White noise of variance 4 at 100 Hz has the density 2 · 4 / 100. The estimate's relative scatter
-// is √(19 / (18 K)) a line, and its integral's √(2 / N) of the variance.
+// White noise of variance 4 at 100 Hz has the density 2 · 4 / 100. The relative scatter of the
+// estimate is √(19 / (18 K)) per line, and that of its integral √(2 / N) of the variance.
 TEST(Welch, WhiteNoiseIsFlat) {
   Noise noise(1);
   const std::vector<double> x = white_noise(200000, 4.0, noise);
@@ -40,7 +40,7 @@ TEST(Welch, WhiteNoiseIsFlat) {
   }
 }
 
-// Parseval for one component: a sine's variance, wherever it lies between the lines.
+// Parseval for one component: the variance of a sine, wherever it lies between the lines.
 TEST(Welch, SineHasItsPower) {
   for (double f : {12.5, 13.1}) {
     const std::vector<double> x = sine(4096, 100.0, 3.0, f, 0.3);
@@ -77,7 +77,7 @@ TEST(FrequencyResponse, FindsAKnownFilter) {
   }
 }
 
-TEST(CompareWindow, TellsAPeculiarWindow) {
+TEST(CompareWindow, DetectsAnUnrepresentativeWindow) {
   Noise noise(3);
   std::vector<double> x = white_noise(20000, 1.0, noise);
   const SpectrumComparison alike = compare_window(x, 4000, 9000, 100.0, {.segment = 256});
@@ -120,7 +120,7 @@ TEST(Upsample, IsAccurateInsideAndKeepsTheSamples) {
   std::vector<double> x;
   for (int i = 0; i < 400; ++i) x.push_back(f(i));
   const int factor = 4;
-  // A window in mid-record uses what lies around it; the whole record has ends.
+  // A window inside the record uses the samples around it; the whole record has ends.
   for (const auto& [begin, end, skip] : {std::tuple{100, 200, 0}, {0, 400, 32}}) {
     const std::vector<double> y = upsample(x, begin, end, factor);
     ASSERT_EQ(y.size(), static_cast<std::size_t>((end - begin - 1) * factor + 1));

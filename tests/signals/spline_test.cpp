@@ -11,8 +11,8 @@ namespace {
 using wheeltap::signals::natural_spline;
 using wheeltap::signals::Spline;
 
-// The base the chain feels: its acceleration, held to first order and integrated twice, passes
-// through the samples.
+// The acceleration of the base, held to first order and integrated twice, passes through the
+// samples.
 TEST(Spline, AccelerationIntegratesBackToTheSamples) {
   std::vector<double> y;
   const double h = 0.01;
@@ -28,7 +28,7 @@ TEST(Spline, AccelerationIntegratesBackToTheSamples) {
   }
 }
 
-// On a sine of θ a sample the second derivative is ω² times the factor in the header.
+// For a sine of angle θ per sample, the second derivative is ω² times the factor in the header.
 TEST(Spline, GainOnASine) {
   const double theta = 0.7;
   std::vector<double> y;
@@ -38,7 +38,7 @@ TEST(Spline, GainOnASine) {
   for (std::size_t n = 80; n < 120; ++n) EXPECT_NEAR(s.second_derivative[n], -gain * y[n], 1e-12);
 }
 
-TEST(Spline, RefusesMisuse) {
+TEST(Spline, RejectsMisuse) {
   EXPECT_THROW((void)natural_spline(std::vector<double>{1.0, 2.0}, 1.0), std::invalid_argument);
   EXPECT_THROW((void)natural_spline(std::vector<double>{1.0, 2.0, 3.0}, 0.0),
                std::invalid_argument);

@@ -16,7 +16,7 @@ StochasticSubspace subspace_of(const VibratingStructure& structure, long samples
   return StochasticSubspace(c, {.step = structure.step, .largest_order = 30});
 }
 
-TEST(Stabilisation, KeepsTheModesAndNothingElse) {
+TEST(Stabilisation, KeepsOnlyTheModes) {
   const VibratingStructure structure = chain(3, 1.0, 200.0);
   const StochasticSubspace subspace = subspace_of(structure, 18000, 0.05);
   const Stabilisation found = stabilise(subspace, {.lowest_hz = 0.3});
@@ -27,7 +27,7 @@ TEST(Stabilisation, KeepsTheModesAndNothingElse) {
     const Pole& pole = found.poles[static_cast<std::size_t>(cluster.chosen)];
     EXPECT_NEAR(pole.frequency_hz, truth[static_cast<Eigen::Index>(m)], 5.0 * pole.frequency_sd);
     EXPECT_GT(cluster.share(), 0.8);
-    // One pole an order, and no pole in two modes.
+    // One pole per order, and no pole in two modes.
     std::set<int> orders;
     for (const int i : cluster.members) {
       EXPECT_TRUE(found.hard[static_cast<std::size_t>(i)]);
@@ -38,7 +38,7 @@ TEST(Stabilisation, KeepsTheModesAndNothingElse) {
   EXPECT_EQ(found.orders, 15);
 }
 
-// Noise alone has no modes.
+// Pure noise has no modes.
 TEST(Stabilisation, FindsNothingInNoise) {
   base::Random random(8, 0, 0, base::Purpose::test);
   Eigen::MatrixXd y(3, 18000);
@@ -48,7 +48,7 @@ TEST(Stabilisation, FindsNothingInNoise) {
   EXPECT_TRUE(found.modes.empty());
 }
 
-TEST(Stabilisation, SplitsInTwoClasses) {
+TEST(Stabilisation, SplitsIntoTwoClasses) {
   EXPECT_EQ(two_classes({0.0, 0.1, 0.2, 5.0, 5.1}), 3U);
   EXPECT_EQ(two_classes({0.0, 7.0}), 1U);
   EXPECT_EQ(two_classes({-9.0, 0.0, 0.1, 0.3}), 1U);
@@ -70,9 +70,9 @@ const Pole& only_mode(const Stabilisation& found) {
   return found.poles.at(static_cast<std::size_t>(found.modes.at(0).chosen));
 }
 
-// A mode beyond the band is not resolved below order 20; till then it bends the shape of the one
-// within, whose pole is known as well there as later.
-TEST(Stabilisation, ChoosesWhereModesThatBendAShapeAreResolved) {
+// A mode outside the band is not resolved below order 20. Until then it distorts the shape of the
+// mode inside, whose pole is as certain there as later.
+TEST(Stabilisation, SelectsOrdersThatResolveNeighbouringModes) {
   std::vector<std::vector<Pole>> by_order;
   for (int order = 2; order <= 40; order += 2) {
     const double moves = 1.0 + 1e-5 * order;
@@ -87,9 +87,9 @@ TEST(Stabilisation, ChoosesWhereModesThatBendAShapeAreResolved) {
   for (const Pole& p : found.poles) EXPECT_LT(p.frequency_hz, 2.0);
 }
 
-// What bends it below order 8 is no mode of the diagram, and higher orders are known as well up to
-// order 30: frequencies fall, so that among all of these their median would be a bent one's.
-TEST(Stabilisation, PassesByTheLowerOrdersThatAreKnownNoBetter) {
+// The mode that distorts it below order 8 is not in the diagram, and poles are equally certain up
+// to order 30. Frequencies decrease, so the median of all these would be that of a distorted pole.
+TEST(Stabilisation, SkipsLowerOrdersThatAreNoMoreCertain) {
   std::vector<std::vector<Pole>> by_order;
   for (int order = 2; order <= 40; order += 2) {
     const double moves = 1.0 + 1e-5 * std::abs(order - 16);
@@ -101,9 +101,9 @@ TEST(Stabilisation, PassesByTheLowerOrdersThatAreKnownNoBetter) {
   EXPECT_LE(chosen.order, 30);
 }
 
-// One order that is far better than all others stands for the mode, not the best of the others; and
-// so it does where a cluster that begins late would leave worse ones only.
-TEST(Stabilisation, OneGoodOrderIsEnough) {
+// One order that is far better than all others represents the mode, not the best of the others.
+// This also holds if a cluster that begins late would leave only worse ones.
+TEST(Stabilisation, SelectsASingleGoodOrder) {
   for (const bool with_late : {false, true}) {
     std::vector<std::vector<Pole>> by_order;
     for (int order = 2; order <= 40; order += 2) {
@@ -115,8 +115,8 @@ TEST(Stabilisation, OneGoodOrderIsEnough) {
   }
 }
 
-// A well damped mode whose pole moves at order 22, by less than it is uncertain and by more than
-// neighbouring orders differ, is one mode.
+// A well damped mode whose pole moves at order 22, by less than its uncertainty but more than
+// between neighbouring orders, is one mode.
 TEST(Stabilisation, JoinsClustersThatExplainOnePeak) {
   std::vector<std::vector<Pole>> by_order;
   for (int order = 10; order <= 50; order += 2) {
@@ -133,8 +133,8 @@ TEST(Stabilisation, JoinsClustersThatExplainOnePeak) {
   EXPECT_EQ(found.modes[0].orders, 21);
 }
 
-// Two modes as close as that stay two where their shapes differ, and where they are known better
-// than they are apart.
+// Two modes at this distance remain separate if their shapes differ, or if their uncertainties are
+// smaller than the distance.
 TEST(Stabilisation, KeepsCloseModesApart) {
   for (const bool by_shape : {true, false}) {
     std::vector<std::vector<Pole>> by_order;
@@ -147,7 +147,7 @@ TEST(Stabilisation, KeepsCloseModesApart) {
   }
 }
 
-// A square frame sways in two directions at nearly one frequency.
+// A square frame sways in two directions at nearly equal frequencies.
 TEST(Stabilisation, KeepsTheTwoModesOfASquareFrame) {
   VibratingStructure square = chain(2, 1.0, 200.0);
   square.stiffness << 200.0, 0.0, 0.0, 200.0 * 1.01 * 1.01;

@@ -75,9 +75,9 @@ TEST(StochasticSubspace, FindsExactModesFromExactCovariances) {
   }
 }
 
-// The derivative to H, along a random direction, against differences of the algorithm itself: at
-// the true order, and at larger and smaller ones, where what is left of H matters.
-TEST(StochasticSubspace, MovesAreDerivatives) {
+// Compares the derivative to H along a random direction with differences of the algorithm: at the
+// true order, and at larger and smaller ones, where the truncated part of H matters.
+TEST(StochasticSubspace, MovesEqualDerivatives) {
   const ExactModes exact;
   OutputCovariances c = exact.covariances(20);
   c.mean += 1e-3 * some_move(c, 1);  // no exact rank
@@ -110,15 +110,15 @@ TEST(StochasticSubspace, MovesAreDerivatives) {
       parts << dphi.real(), dphi.imag();
       EXPECT_LT((norm * moved.shape_moves[i].col(0) - parts).norm(), 1e-3 * (1.0 + parts.norm()))
           << order;
-      // Two blocks move it there and back: both ways of computing come to the same.
+      // Two blocks move it in opposite directions: both ways of computing agree.
       EXPECT_NEAR(poles[i].frequency_sd, std::abs(df), 1e-4 * std::abs(df) + 1e-4);
       EXPECT_NEAR(poles[i].damping_sd, std::abs(dz), 1e-4 * std::abs(dz) + 1e-4);
     }
   }
 }
 
-// Nothing depends on units.
-TEST(StochasticSubspace, ScalesOfChannelsGoIntoShapesAlone) {
+// The results are independent of units.
+TEST(StochasticSubspace, ChannelScalesAffectOnlyShapes) {
   const Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(4000, 0.05, 1);
   const Eigen::Vector3d units(1e3, 1.0, 1e-3);
   const auto poles_of = [](const Eigen::MatrixXd& records) {
@@ -134,7 +134,7 @@ TEST(StochasticSubspace, ScalesOfChannelsGoIntoShapesAlone) {
   }
 }
 
-TEST(StochasticSubspace, RefusesOrdersThatItDoesNotHave) {
+TEST(StochasticSubspace, RejectsInvalidOrders) {
   const ExactModes exact;
   const OutputCovariances c = exact.covariances(20);
   EXPECT_THROW(StochasticSubspace(with_blocks(c, c.mean), {.step = 0.0}), std::invalid_argument);
@@ -147,7 +147,7 @@ TEST(StochasticSubspace, RefusesOrdersThatItDoesNotHave) {
   EXPECT_THROW((void)subspace.moved_poles(6, {6}), std::invalid_argument);
 }
 
-TEST(Shapes, KnowLinesFromCircles) {
+TEST(Shapes, PhaseCollinearityDistinguishesLinesFromCircles) {
   Eigen::VectorXcd line(4), circle(4);
   line << 1.0, -2.0, 0.5, 3.0;
   circle << Complex(1, 0), Complex(0, 1), Complex(-1, 0), Complex(0, -1);

@@ -1,5 +1,5 @@
-// Texts as loggers, programs and countries write them: read right, or refused with the remedy. The
-// numbers are made here.
+// Texts in the formats of loggers, programs and countries: read correctly, or rejected with a
+// remedy. The numbers are generated here.
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
@@ -31,7 +31,7 @@ std::string with_mark(std::string text, char decimal) {
 
 std::string number(double x, char decimal = '.', const char* format = "%.3f") {
   char text[64];
-  // The format is one of this file's.
+  // The layout of a text in this test.
   std::snprintf(text, sizeof text, format, x);
   return with_mark(text, decimal);
 }
@@ -44,7 +44,7 @@ struct Style {
   const char* format = "%.3f";
 };
 
-/// Rows of a time, where there is one, and `channels` numbers.
+/// Rows of a time, if there is one, and `channels` numbers.
 std::string rows(int channels, const Style& style = {},
                  const std::function<std::string(int)>& time = {}) {
   std::string out;
@@ -81,7 +81,7 @@ Record parsed(const std::string& text, const io::TextLayout& layout = {}) {
   return Record{io::parse_delimited_text(text, "log.csv", no_texts, layout)};
 }
 
-/// Columns that hold numbers and are not time.
+/// Columns that hold numbers other than time.
 void expect_channels(const Record& r, const std::vector<Channel>& channels) {
   const int time = r.find_time();
   std::size_t found = 0;
@@ -111,7 +111,7 @@ Record expect_read(const std::string& text, const std::vector<Channel>& channels
   if (time >= 0) {
     EXPECT_NEAR(sampling_of(r, time).rate_hz, 100.0, 5e-3);
   } else {
-    const std::optional<Sampling> said = said_sampling(r);
+    const std::optional<Sampling> said = sampling_from_header(r);
     EXPECT_TRUE(said.has_value());
     EXPECT_NEAR(said.value_or(Sampling{}).rate_hz, 100.0, 1e-9);
   }
@@ -235,7 +235,7 @@ TEST(TextLoggers, ClockTimesOverMidnight) {
       {{"a", "g"}});
 }
 
-TEST(TextLoggers, StatusAndRemarksAreNoChannels) {
+TEST(TextLoggers, StatusAndRemarksAreNotChannels) {
   std::string text = "time [s]\ta [g]\tStatus\tComment\n";
   for (int n = 0; n < kRows; ++n)
     text += seconds()(n) + "\t" + number(value(0, n)) + "\tOK\t" + (n == 0 ? "start" : "") + "\n";
@@ -246,7 +246,7 @@ TEST(TextLoggers, StatusAndRemarksAreNoChannels) {
   expect_read(text, {{"a", "g"}});
 }
 
-TEST(TextLoggers, RemarksBehindTheRows) {
+TEST(TextLoggers, RemarksAfterTheRows) {
   const Record r =
       expect_read("time [s],a [g]\n" + rows(1, {}, seconds()) + "\nEnd of measurement\nMax: 1.5\n",
                   {{"a", "g"}});
@@ -349,11 +349,11 @@ TEST(TextLoggers, MiniSeedTimePairs) {
   EXPECT_NEAR(sampling_of(r, r.find_time()).rate_hz, 100.0, 1e-6);
 }
 
-TEST(TextLoggers, SeriesInRowsAreNoChannels) {
+TEST(TextLoggers, SeriesInRowsAreNotChannels) {
   EXPECT_THAT(refusal("TIMESERIES XX_STA__HHZ_D, 12 samples, 100 sps, "
                       "2021-03-01T10:00:00.000000, SLIST, INTEGER, Counts\n1 2 3 4 5 6\n"
                       "7 8 9 10 11 12\n"),
-              HasSubstr("one sample a line (TSPAIR)"));
+              HasSubstr("one sample per line (TSPAIR)"));
   EXPECT_THAT(refusal("Origin Time       2021/03/01 10:00:00\nSampling Freq(Hz) 100Hz\n"
                       "Scale Factor      2000(gal)/8388608\nMemo.\n 1 2 3 4 5 6 7 8\n"
                       " 1 2 3 4 5 6 7 8\n"),
@@ -387,7 +387,7 @@ TEST(TextLoggers, ExcelUnicodeText) {
   expect_read(wide, {{"a", "m/s2"}});
 }
 
-TEST(TextLoggers, SeparatorsOfThousands) {
+TEST(TextLoggers, ThousandsSeparators) {
   const std::vector<std::pair<std::string, std::string>> texts = {
       {"F [N];G [N]\n0,5;1.234,5\n1,5;12.345,25\n", "German"},
       {"F [N];G [N]\n0.5;1'234.5\n1.5;12'345.25\n", "Swiss"},
@@ -432,7 +432,7 @@ TEST(TextLoggers, TabsWithDecimalCommasAndNoNames) {
               {{"2", ""}, {"3", ""}});
 }
 
-TEST(TextLoggers, FormsOfTimeStamps) {
+TEST(TextLoggers, TimeStampFormats) {
   for (const auto& time :
        {stamps("2021-03-01T10:00:", "Z"), stamps("2021-03-01T10:00:", "+01:00"),
         stamps("2021/03/01 10:00:"), stamps("01.03.21 10:00:", "", ','), stamps("20210301T1000"),
@@ -479,7 +479,7 @@ TEST(TextLoggers, UnitsOfChannelsInNames) {
     const Record r = parsed("time [s];" + name + "\n0;1\n0.01;2\n");
     EXPECT_EQ(unit_of(r.columns[1]), unit) << name;
   }
-  // "acc_N" may be north.
+  // "acc_N" may mean north.
   EXPECT_EQ(unit_of({.name = "acc_N"}), "");
   EXPECT_EQ(possible_unit_of({.name = "acc_N"}), "N");
   EXPECT_EQ(possible_unit_of({.name = "acc_m_s2"}), "m/s^2");
@@ -487,7 +487,7 @@ TEST(TextLoggers, UnitsOfChannelsInNames) {
 
 // ---- sampling --------------------------------------------------------------------------------
 
-TEST(TextLoggers, UnevenTimesNameTheRemedy) {
+TEST(TextLoggers, UnevenTimesReportTheRemedy) {
   const auto with = [](const std::function<int(int)>& count) {
     std::string text = "t [s],a\n";
     for (int n = 0; n < 200; ++n) text += number(0.01 * count(n), '.', "%.2f") + ",1\n";
@@ -522,7 +522,7 @@ TEST(TextLoggers, WholeNumbersWithoutAUnitMayBeMilliseconds) {
 
 // ---- LabVIEW ---------------------------------------------------------------------------------
 
-TEST(TextLoggers, LabviewUnitsWhereTheLastChannelHasNone) {
+TEST(TextLoggers, LabviewUnitsWithoutUnitOfTheLastChannel) {
   const std::string text =
       "LabVIEW Measurement\t\nSeparator\tTab\nDecimal_Separator\t.\nMulti_Headings\tYes\n"
       "X_Columns\tMulti\n***End_of_Header***\t\n\t\n"

@@ -32,7 +32,7 @@ TEST(Units, FactorsToSi) {
     expect(a, Dimension::acceleration, 1.0);
 }
 
-TEST(Units, UnknownOnesAreNone) {
+TEST(Units, UnknownUnitsReturnNothing) {
   for (const char* text : {"", "V", "Ms", "%", "1", "s^-2", "m/s^3", "mm s"})
     EXPECT_FALSE(find_unit(text)) << text;
 }

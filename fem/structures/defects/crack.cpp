@@ -76,7 +76,7 @@ double crack_compliance(const CrackLaw& law, double depth_ratio, double height,
                                 ": must be in [0, 1)");
   if (!(height > 0.0))
     throw std::invalid_argument("section depth = " + std::to_string(height) +
-                                ": a crack needs a section whose height is known");
+                                ": a crack needs a section with a known height");
   const double plane = law.plane_strain ? 1.0 - poisson * poisson : 1.0;
   return plane * 6.0 * std::numbers::pi * height / bending_stiffness * law.integral(depth_ratio);
 }

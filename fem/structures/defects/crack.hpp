@@ -1,4 +1,4 @@
-// The rotational spring that an open edge crack is.
+// Rotational spring models of an open edge crack.
 #pragma once
 
 #include <span>
@@ -6,28 +6,28 @@
 
 namespace wheeltap::fem {
 
-/// A crack of depth a across a section of height h lets both sides turn against each other by c per
-/// unit of bending moment,
+/// A crack of depth a in a section of height h allows a relative rotation c per unit of bending
+/// moment,
 ///
 ///   c = 6 π (h / E I) J(a/h),   J(x) = ∫₀ˣ s F(s)² ds  [rad/(N·m)],
 ///
 /// from Castigliano's theorem and the stress intensity K = σ √(π a) F(a/h) of an edge crack in
-/// bending. Plane stress; in plane strain c is (1 - ν²) times that.
+/// bending. This is for plane stress; in plane strain c is (1 - ν²) times this value.
 struct CrackLaw {
-  std::string_view name;                   ///< in a case
+  std::string_view name;                   ///< name in a case file
   std::string_view source;                 ///< paper, section
   double (*integral)(double depth_ratio);  ///< J
   bool plane_strain = false;
 };
 
 /// "tada" (Tada, Paris & Irwin: F = √(tan(πs/2)/(πs/2)) (.923 + .199 (1 - sin(πs/2))⁴)/cos(πs/2)),
-/// "tada-plane-strain", and "ostachowicz-krawczuk" (J as a polynomial to s⁸). The first is used
-/// where nothing else is asked for.
+/// "tada-plane-strain", and "ostachowicz-krawczuk" (J as a polynomial to s⁸). The first is the
+/// default.
 [[nodiscard]] std::span<const CrackLaw> crack_laws();
-/// nullptr where there is none of this name.
+/// nullptr if there is no model of this name.
 [[nodiscard]] const CrackLaw* find_crack_law(std::string_view name);
 
-/// c [rad/(N·m)] of depth ratio a/h in [0, 1), height h [m], bending stiffness EI [N·m²]. Throws
+/// c [rad/(N·m)] for depth ratio a/h in [0, 1), height h [m], bending stiffness EI [N·m²]. Throws
 /// std::invalid_argument for values out of range.
 [[nodiscard]] double crack_compliance(const CrackLaw& law, double depth_ratio, double height,
                                       double bending_stiffness, double poisson);

@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Index;
 
-/// What is left of a held motion, relative, that others do not hold already.
+/// Relative remaining part of a held motion below which other supports hold it already.
 constexpr double kDependentColumn = 1e-12;
 
 void require_change(bool holds, const char* name, double value, const char* allowed) {
@@ -21,7 +21,7 @@ void require_change(bool holds, const char* name, double value, const char* allo
     throw std::invalid_argument(std::string(name) + " = " + std::to_string(value) + ": " + allowed);
 }
 
-/// The row with each held degree of freedom put as what the others make of it.
+/// The row with each eliminated degree of freedom expressed by the others.
 class Elimination {
  public:
   /// r · u = 0 for every row r. Dependent rows are dropped.
@@ -90,7 +90,7 @@ class Elimination {
   Discretisation::Sparse map_;  // n × kept
 };
 
-/// Holds what rigid springs hold; the degrees of freedom that are left keep their names.
+/// Eliminates the motions held by rigid springs; the remaining degrees of freedom keep their names.
 void hold(Discretisation& d, const std::vector<SparseRow>& held, std::span<SparseRow> motions) {
   const Elimination left(d.size(), held);
   std::vector<DofName> names;
@@ -126,7 +126,7 @@ Discretisation::Sparse changed_mass(const Discretisation& d, const StructureChan
   return d.mass + extra;
 }
 
-/// Whether anything has a negative mass: by the signs of D in M + ε diag M = L D Lᵀ.
+/// True if any motion has a negative mass, from the signs of D in M + ε diag M = L D Lᵀ.
 bool has_negative_mass(const Discretisation::Sparse& mass) {
   constexpr double kShift = 1e-12;
   std::vector<Eigen::Triplet<double>> entries;
@@ -152,7 +152,7 @@ bool has_negative_mass(const Discretisation::Sparse& mass) {
 void require_mass_left(const Discretisation& d, const StructureChange& change) {
   const auto lost = [](const StructureChange::Mass& m) { return m.mass < 0.0; };
   if (std::ranges::any_of(change.masses, lost) && has_negative_mass(changed_mass(d, change)))
-    throw ImpossibleChange("lost mass: more than there is");
+    throw ImpossibleChange("lost mass: exceeds the mass of the structure");
 }
 
 void validate(const Discretisation& d, const StructureChange& change) {
@@ -160,14 +160,12 @@ void validate(const Discretisation& d, const StructureChange& change) {
     require_change(s.remaining > 0.0 && s.remaining <= 1.0, "remaining stiffness", s.remaining,
                    "must be in (0, 1]");
     for (const auto& [row, weight] : s.direction)
-      require_change(row >= 0 && index(row) < d.strains.size(), "strain", row,
-                     "there is none such");
+      require_change(row >= 0 && index(row) < d.strains.size(), "strain", row, "does not exist");
   }
   for (const StructureChange::Scaling& s : change.scalings) {
     require_change(s.remaining > 0.0 && s.remaining <= 1.0, "remaining stiffness", s.remaining,
                    "must be in (0, 1]");
-    require_change(s.part >= 0 && index(s.part) < d.parts.size(), "part", s.part,
-                   "there is none such");
+    require_change(s.part >= 0 && index(s.part) < d.parts.size(), "part", s.part, "does not exist");
   }
   for (const StructureChange::Spring& s : change.springs)
     require_change(s.stiffness > 0.0, "spring stiffness", s.stiffness, "must be positive");
@@ -220,7 +218,8 @@ Discretisation changed(const Discretisation& d, const StructureChange& change,
     return out_row;
   };
   std::vector<Eigen::Triplet<double>> k;
-  // I - (1 - q) v vᵀ is the square of I - (1 - √q) v vᵀ, which the rows take: nothing cancels.
+  // I - (1 - q) v vᵀ is the square of I - (1 - √q) v vᵀ. Applying that to the rows avoids
+  // cancellation.
   for (const StructureChange::Softening& s : change.softenings) {
     const double lost = 1.0 - std::sqrt(s.remaining);
     if (s.direction.size() == 1 && std::abs(s.direction[0].second) == 1.0) {
@@ -252,7 +251,7 @@ Discretisation changed(const Discretisation& d, const StructureChange& change,
   require_mass_left(d, change);
   out.mass = changed_mass(d, change);
   if (out.rigid_motions.cols() > 0 && !change.springs.empty()) {
-    // What the springs leave of the rigid motions.
+    // The rigid motions that the springs leave free.
     Eigen::MatrixXd holds(static_cast<Index>(change.springs.size()), out.rigid_motions.cols());
     for (std::size_t s = 0; s < change.springs.size(); ++s)
       for (Index r = 0; r < out.rigid_motions.cols(); ++r)

@@ -1,4 +1,4 @@
-// What defects do to a discretised structure: terms of low rank in K and M, and scales of parts.
+// Changes of a discretised structure by defects: low-rank terms in K and M, and scales of parts.
 #pragma once
 
 #include <span>
@@ -10,27 +10,27 @@
 
 namespace wheeltap::fem {
 
-/// What defects change: terms of low rank, and scales of whole parts of K.
+/// Changes by defects: low-rank terms, and scales of whole parts of K.
 struct StructureChange {
-  /// Strains e = Bu of a few rows become stiffer or softer along one direction v, |v| = 1, of them:
-  /// Bᵀ B turns into Bᵀ (I - (1 - q) v vᵀ) B, q > 0. Directions that share rows must be orthogonal.
+  /// A change of strains e = Bu of a few rows along one direction v, |v| = 1: Bᵀ B becomes Bᵀ (I -
+  /// (1 - q) v vᵀ) B, q > 0. Directions that share rows must be orthogonal.
   struct Softening {
     std::vector<std::pair<int, double>> direction;  ///< rows of `Discretisation::strains`, v
     double remaining = 1.0;                         ///< q in (0, 1]
   };
-  /// K gains k r rᵀ, r · u a motion; ∞ holds it.
+  /// K gains k r rᵀ, where r · u is a motion; k = ∞ holds it.
   struct Spring {
     SparseRow motion;
     double stiffness;  ///< k [N/m], [N·m/rad]
   };
-  /// M gains μ r rᵀ, r · u a motion. What is taken away must leave M positive (semi)definite.
+  /// M gains μ r rᵀ, where r · u is a motion. M must remain positive (semi)definite.
   struct Mass {
     SparseRow motion;
-    double mass;  ///< μ [kg], [kg·m²]; negative where mass is lost
+    double mass;  ///< μ [kg], [kg·m²]; negative for removed mass
   };
 
-  /// A part of K_rest (`Discretisation::parts`) keeps q of itself, q > 0: a change of any rank,
-  /// which no reanalysis by columns takes.
+  /// Scales a part of K_rest (`Discretisation::parts`) by q > 0. The change can have any rank, so
+  /// column-based reanalysis does not support it.
   struct Scaling {
     int part;
     double remaining = 1.0;  ///< q in (0, 1]
@@ -46,29 +46,29 @@ struct StructureChange {
   }
 };
 
-/// A change that leaves no structure: more mass taken than there is, or so much stiffness that
-/// compressed members buckle.
+/// A change that gives no valid structure: it removes more mass than there is, or so much stiffness
+/// that compressed members buckle.
 class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// Softenings of one and the same strain become one, whose remaining stiffness is their product; so
-/// do scalings of one part.
+/// Combines softenings of the same strain into one with the product of their remaining stiffnesses;
+/// likewise scalings of the same part.
 void compound(StructureChange& change);
 
-/// The discretisation with these changes made: the reference for the reanalysis. What rigid springs
-/// hold is eliminated, from `motions` of d, too, which become those of what is left. Throws
-/// std::invalid_argument as `StructureReanalysis::solve`, ImpossibleChange for more mass taken than
-/// there is.
+/// Applies the changes to the discretisation: the reference for the reanalysis. Eliminates the
+/// degrees of freedom that rigid springs hold, and transforms `motions` of d to the remaining
+/// degrees of freedom. Throws std::invalid_argument like `StructureReanalysis::solve`,
+/// ImpossibleChange if more mass is removed than there is.
 [[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change,
                                      std::span<SparseRow> motions = {});
 
-/// Throws ImpossibleChange where masses take away more than M has: where M with them, L D Lᵀ, has a
-/// negative D. Costs nothing where none is taken.
+/// Throws ImpossibleChange if the changed M is indefinite, that is if L D Lᵀ of M has a negative D.
+/// Returns at once if no mass is removed.
 void require_mass_left(const Discretisation& d, const StructureChange& change);
 
 /// Throws std::invalid_argument for q outside (0, 1], k <= 0, masses that are not finite, and
-/// strains or parts that there are not.
+/// strains or parts that do not exist.
 void validate(const Discretisation& d, const StructureChange& change);
 
 }  // namespace wheeltap::fem

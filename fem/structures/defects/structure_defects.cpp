@@ -22,7 +22,7 @@ constexpr std::array<GaussPoint, 4> kFourGaussPoints = {
      {0.33000947820757187, 0.3260725774312731},
      {0.66999052179242813, 0.3260725774312731},
      {0.93056815579702629, 0.1739274225687269}}};
-/// Of the largest mass that a kink moves: below it, rounding.
+/// Relative to the largest mass that a kink moves: below it, rounding.
 constexpr double kNoMass = 1e-13;
 
 using Flexibility = Eigen::Matrix<double, kElementStrains, kElementStrains>;
@@ -33,7 +33,7 @@ void require_share(const char* name, double value) {
                               ": must be in [0, 1)");
 }
 
-/// Gathers what each element gets.
+/// Collects the changes of each element.
 class Gathered {
  public:
   explicit Gathered(const Mesh& mesh) : mesh_(mesh) {}
@@ -42,7 +42,8 @@ class Gathered {
     require_share("reduction", d.reduction);
     if (!(d.from <= d.to))
       throw std::invalid_argument("a reduction from " + std::to_string(d.from) + " to " +
-                                  std::to_string(d.to) + " m: must not run backwards");
+                                  std::to_string(d.to) +
+                                  " m: the end must not lie before the start");
     const double length = mesh_.member_length(d.member);
     for (int e = mesh_.element_at(d.member, std::clamp(d.from, 0.0, length));
          e < mesh_.first_element(d.member + 1); ++e) {
@@ -73,7 +74,7 @@ class Gathered {
     hinges_.push_back({e, along_z, xi, compliance, v});
   }
 
-  /// What the kinks move of the elements' masses.
+  /// Changes of the elements' mass matrices by kinks.
   [[nodiscard]] std::vector<StructureChange::Mass> masses() {
     std::vector<StructureChange::Mass> out;
     if (mesh_.structure().mass == Structure::Mass::lumped) return out;
@@ -108,7 +109,7 @@ class Gathered {
     return out;
   }
 
-  /// 12 EI / (l³ (1 + Φ)) and the like, of the element's piece.
+  /// 12 EI / (l³ (1 + Φ)) and related values of the element's piece.
   struct Bending {
     double stiffness;  // EI
     double phi;        // Φ
@@ -141,7 +142,7 @@ class Gathered {
     Eigen::Vector2d v;  // moment there, per stress
   };
 
-  /// Of hinges in one element and plane.
+  /// The hinges in one element and plane.
   void add_masses(const std::vector<const Hinge*>& hinges,
                   std::vector<StructureChange::Mass>& out) {
     const int e = hinges[0]->element;
@@ -156,7 +157,7 @@ class Gathered {
     if (!(bending.mass > 0.0) || moment_row < 0 || shear_row < 0) return;
     const TimoshenkoElement<double> shapes(bending);
     const Eigen::Matrix4d mass = shapes.mass();
-    // Kinks by the strains, θ = P B u; m of each; ∫ g_i g_j.
+    // Kinks from the strains, θ = P B u; m of each; ∫ g_i g_j.
     const auto n = static_cast<Eigen::Index>(hinges.size());
     const Eigen::Matrix2d flexible =
         Eigen::Matrix2d::Identity() + flexibility(e).block<2, 2>(at, at);
@@ -186,8 +187,8 @@ class Gathered {
         g(i, j) = bending.mass * square + bending.rotary * l * rest - d[a].dot(f[b]) -
                   d[b].dot(f[a]) + d[a].dot(mass * d[b]);
       }
-    // On the two strains and the element's four motions, each divided by what a turn of one makes
-    // of it, so that none outweighs the others: [Pᵀ G P, Pᵀ m; mᵀ P, 0].
+    // On the two strains and the element's four motions, each divided by its contribution per unit
+    // rotation, so that none dominates: [Pᵀ G P, Pᵀ m; mᵀ P, 0].
     Eigen::Matrix<double, 6, 6> change = Eigen::Matrix<double, 6, 6>::Zero();
     change.topLeftCorner<2, 2>() = p.transpose() * g * p;
     change.topRightCorner<2, 4>() = p.transpose() * m;
@@ -284,7 +285,7 @@ void loosen(const Mesh& mesh, const StructureDefects::LooseJoint& joint, Gathere
   require_share("loosening", joint.reduction);
   const Structure& s = mesh.structure();
   if (joint.node < 0 || index(joint.node) >= s.nodes.size())
-    throw std::invalid_argument("joint at node " + std::to_string(joint.node) + ": there is none");
+    throw std::invalid_argument("joint at node " + std::to_string(joint.node) + ": does not exist");
   const std::vector<int> springs = mesh.joint_strains(joint.node);
   if (!springs.empty()) {
     for (const int row : springs) out.softenings.push_back({{{row, 1.0}}, 1.0 - joint.reduction});
@@ -330,7 +331,7 @@ StructureChange change_of(const Mesh& mesh, const StructureDefects& defects, Str
   for (const StructureDefects::AddedMass& d : defects.masses) {
     if (!std::isfinite(d.mass))
       throw std::invalid_argument("added mass = " + std::to_string(d.mass) + ": must be finite");
-    // Along the member's own axes, whose stiffnesses differ most.
+    // Along the member's own axes, along which the stiffnesses differ most.
     for (const std::size_t k : {0, 1, 2})
       if (k != 1 || mesh.structure().dimension == 3)
         out.masses.push_back(

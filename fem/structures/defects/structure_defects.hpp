@@ -1,4 +1,4 @@
-// What may be wrong with a structure of members, and what each does to its matrices.
+// Defects of a structure of members, and the changes of its matrices by each.
 #pragma once
 
 #include <vector>
@@ -16,8 +16,8 @@ struct StructureDefects {
     double at;         ///< [m] from the member's first end
     double reduction;  ///< r in [0, 1)
   };
-  /// From `from` to `to`, as far as that lies on the member, it keeps 1 - r of its stiffness in
-  /// every strain. Where two overlap they compound, (1 - r₁)(1 - r₂).
+  /// From `from` to `to`, as far as this lies on the member, the member keeps 1 - r of its
+  /// stiffness in every strain. Overlapping reductions multiply, (1 - r₁)(1 - r₂).
   struct Reduction {
     int member;
     double from, to;   ///< [m] from the member's first end
@@ -30,26 +30,26 @@ struct StructureDefects {
     double depth;  ///< a/h in [0, 1)
     const CrackLaw* law;
   };
-  /// A joint or a rotational support that has come loose. Where there are springs (ends of members
-  /// with a finite stiffness, rotational springs to ground), each keeps 1 - r of its stiffness;
-  /// where there are none, every end that is joined rigidly keeps a fixity of 1 - r: it turns by
-  /// r / (1 - r) · L / (3 E I) per moment (Monforton & Wu 1963).
+  /// A loose joint or rotational support. If there are springs (member ends with a finite
+  /// stiffness, rotational springs to ground), each keeps 1 - r of its stiffness. Otherwise every
+  /// rigidly joined end keeps a fixity of 1 - r: it rotates by r / (1 - r) · L / (3 E I) per moment
+  /// (Monforton & Wu 1963).
   struct LooseJoint {
     int node;
     double reduction;  ///< r in [0, 1)
   };
-  /// Moves with the member in all directions, without rotary inertia.
+  /// A mass that moves with the member in all directions, without rotary inertia.
   struct AddedMass {
     int member;
     double at;    ///< [m]
-    double mass;  ///< [kg]; negative where mass is lost
+    double mass;  ///< [kg]; negative for removed mass
   };
   /// A spring to ground.
   struct AddedSupport {
     int member;
     double at;  ///< [m]
     Direction direction;
-    double stiffness;  ///< [N/m], [N·m/rad]; ∞ holds
+    double stiffness;  ///< [N/m], [N·m/rad]; ∞ is rigid
   };
 
   std::vector<ElementReduction> elements = {};
@@ -60,22 +60,22 @@ struct StructureDefects {
   std::vector<AddedSupport> supports = {};
 };
 
-/// What reductions, cracks and loose ends add to the flexibility of an element's strains: with
-/// stresses t, the strains are (I + ΔF) t. A bending moment is M(ξ) = v(ξ) · t on the element's
-/// constant moment and constant shear force,
+/// Reductions, cracks and loose ends add flexibility to an element's strains: with stresses t, the
+/// strains are (I + ΔF) t. A bending moment is M(ξ) = v(ξ) · t on the element's constant moment and
+/// constant shear force,
 ///
-///   v = (√(EI/l), √(12 EI / (l (1 + Φ))) (ξ - ½)),
+///   v = (√(EI/l), √(12 EI / (l (1 + Φ))) (ξ - ½)).
 ///
-/// so a crack of compliance c at ξ adds c v vᵀ, and a stretch of lost stiffness
-/// r/(1 - r) ∫ v vᵀ dx / EI, with its share of shear. Eigenvectors of I + ΔF are the directions of
-/// StructureChange::Softening, and the inverses of its eigenvalues what remains.
+/// A crack of compliance c at ξ adds c v vᵀ. A segment of reduced stiffness adds r/(1 - r) ∫ v vᵀ
+/// dx / EI, with its share of shear. The eigenvectors of I + ΔF are the directions of
+/// StructureChange::Softening; the inverses of its eigenvalues are the remaining stiffnesses.
 ///
-/// The kink θ = c v · t of a hinge also moves the element's mass: by g(x) θ, g = (x - x₀)₊ less its
-/// interpolation by the element, which follows statically. With θ = p · Bu that is
-/// M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g', a positive and a negative mass.
+/// The kink θ = c v · t of a hinge also moves the element's mass: by g(x) θ, where g = (x - x₀)₊
+/// minus its interpolation by the element, which follows statically. With θ = p · Bu this gives M +
+/// m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g': a positive and a negative mass.
 ///
-/// Throws std::invalid_argument for places outside a member and values out of range.
-/// `change` begins as what else there is; softenings of one and the same strain compound.
+/// Throws std::invalid_argument for places outside a member and values out of range. `change` is
+/// the initial change; softenings of the same strain multiply.
 [[nodiscard]] StructureChange change_of(const Mesh& mesh, const StructureDefects& defects,
                                         StructureChange change = {});
 

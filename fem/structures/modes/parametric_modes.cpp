@@ -18,18 +18,18 @@ using Eigen::VectorXd;
 using Sparse = Discretisation::Sparse;
 using SparseFactor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>>;
 
-/// Modes whose 1/(λ + σ) are closer than this, relative, are bounded together.
+/// Modes whose 1/(λ + σ) are closer than this, relative, share one bound.
 constexpr double kCluster = 0.02;
-/// Of a new column of the basis: less than this of it is not new.
+/// Smallest relative new component for a column to join the basis.
 constexpr double kNotNew = 1e-6;
-/// Modes that are followed beyond those wanted, for the gap behind them.
+/// Modes computed beyond those requested, for the gap above them.
 constexpr Index kBeyond = 3;
 /// Reduced problems up to this size are solved densely.
 constexpr Index kDenseCondensed = 40;
-/// Of the iteration in the basis: its residual, relative, well below what the tolerances ask for.
+/// Relative residual of the iteration in the basis, well below the tolerances.
 constexpr double kConverged = 1e-7;
 constexpr int kMostSteps = 60;
-/// The basis is trained to bounds this much below the tolerance.
+/// The basis is trained to bounds this factor below the tolerance.
 constexpr double kSubspaceMargin = 0.25;
 
 MatrixXd orthonormalised(const MatrixXd& a) {
@@ -37,7 +37,7 @@ MatrixXd orthonormalised(const MatrixXd& a) {
   return qr.householderQ() * MatrixXd::Identity(a.rows(), a.cols());
 }
 
-/// Modes of the basis' problem: y with yᵀ(K + σM)y = 1, and μ = 1/(λ + σ), descending.
+/// Modes of the reduced problem: y with yᵀ(K + σM)y = 1, and μ = 1/(λ + σ), descending.
 struct ReducedModes {
   VectorXd mu;
   MatrixXd y;
@@ -55,17 +55,17 @@ struct ParametricModes::Workspace::Impl {
 struct ParametricModes::Impl {
   std::shared_ptr<const ParametricStructure> structure;
   ParametricModesOptions options;
-  Index n = 0, rigid = 0, wanted = 0;  // wanted: elastic
+  Index n = 0, rigid = 0, wanted = 0;  // wanted: number of elastic modes
   double sigma = 0.0;
   SparseFactor shifted;  // K₀ + σM₀
-  MatrixXd lifted;       // (K₀ + σM₀)⁻¹ C, C of the terms of low rank
+  MatrixXd lifted;       // (K₀ + σM₀)⁻¹ C for the low-rank terms C
   MatrixXd compliance;   // Cᵀ (K₀ + σM₀)⁻¹ C
   Training training;
 
   MatrixXd basis;
   std::vector<MatrixXd> terms;        // Vᵀ K_t V
   MatrixXd mass;                      // Vᵀ M₀ V
-  std::vector<MatrixXd> mass_slopes;  // Vᵀ ∂M/∂θ_j V; empty where M does not change
+  std::vector<MatrixXd> mass_slopes;  // Vᵀ ∂M/∂θ_j V; empty if M is constant
   MatrixXd motions;                   // motions × basis
   MatrixXd start;                     // modes at θ₀, in the basis
 
@@ -75,7 +75,7 @@ struct ParametricModes::Impl {
 
   // ---- the basis
 
-  /// Adds what is new in the columns; orthonormal by K₀ + σM₀.
+  /// Adds the new components of the columns; orthonormal in K₀ + σM₀.
   void extend(const MatrixXd& columns) {
     const Discretisation& d = structure->nominal();
     const auto times = [&](const VectorXd& v) -> VectorXd {
@@ -109,7 +109,7 @@ struct ParametricModes::Impl {
     for (Index c = 0; c < basis.cols(); ++c)
       for (std::size_t s = 0; s < options.motions.size(); ++s)
         motions(static_cast<Index>(s), c) = options.motions[s].of(basis.col(c));
-    // In the basis K₀ + σM₀ is the unit matrix.
+    // In the basis K₀ + σM₀ is the identity matrix.
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (mass + mass.transpose()));
     start = solver.eigenvectors().rightCols(followed()).rowwise().reverse();
   }
@@ -135,8 +135,8 @@ struct ParametricModes::Impl {
     if (sigma > 0.0) ws.shifted += sigma * ws.mass;
   }
 
-  /// L Lᵀ = K + σM, L⁻¹ M L⁻ᵀ z = μ z, y = L⁻ᵀ z. Densely, or by a block of power steps from the
-  /// modes at θ₀, each with a Rayleigh-Ritz step, to kConverged; densely where that takes long.
+  /// L Lᵀ = K + σM, L⁻¹ M L⁻ᵀ z = μ z, y = L⁻ᵀ z. Solved densely, or by block power iteration from
+  /// the modes at θ₀ with Rayleigh-Ritz steps to kConverged; densely if that is slow.
   void solve_reduced(Workspace::Impl& ws) const {
     ReducedModes& out = ws.reduced;
     out.ok = false;
@@ -177,8 +177,8 @@ struct ParametricModes::Impl {
     out.ok = dense.info() == Eigen::Success && out.mu[k - 1] > 0.0;
   }
 
-  /// The block has the largest μ of the basis' problem: by inertia, in the widest gap behind the
-  /// wanted ones.
+  /// True if the block has the largest μ of the reduced problem: by inertia, in the widest gap
+  /// above the requested modes.
   [[nodiscard]] static bool none_missing(const Workspace::Impl& ws, const VectorXd& mu, Index k) {
     Index at = -1;
     double widest = 1e-6;
@@ -193,7 +193,7 @@ struct ParametricModes::Impl {
     return (ldlt.vectorD().array() < 0.0).count() == at + 1;
   }
 
-  /// The bounds of the header, of the elastic modes wanted.
+  /// The error bounds of the header for the requested elastic modes.
   bool bound(const ParametricStructure::Point& point, const Workspace::Impl& ws, Modes& out) const {
     out.bounds = VectorXd::Zero(wanted);
     out.shape_bounds = VectorXd::Zero(wanted);
@@ -246,7 +246,7 @@ struct ParametricModes::Impl {
     return out.bounds.allFinite();
   }
 
-  /// False where the basis has no answer.
+  /// False if the basis gives no result.
   bool in_basis(const ParametricStructure::Point& point, Workspace::Impl& ws, Modes& out) const {
     if (point.scales.size() > 0 && !(point.scales.minCoeff() > 0.0)) return false;
     reduce(point, ws);
@@ -289,13 +289,13 @@ struct ParametricModes::Impl {
     const Index available = mode_count(d) - rigid;
     if (wanted < 1 || wanted > available)
       throw std::invalid_argument("modes = " + std::to_string(wanted) + ": must be between 1 and " +
-                                  std::to_string(available) + ", the elastic modes that there are");
+                                  std::to_string(available) + ", the number of elastic modes");
     const Index snapshot = std::min<Index>(wanted + kBeyond, available);
     const StructureModes nominal = structure_modes(d, static_cast<int>(rigid + snapshot));
     if (rigid > 0) sigma = nominal.eigenvalues[rigid];
     if (n <= options.complete) {
       training.complete = true;
-      // Scaled so that K₀ + σM₀ is the unit matrix in it.
+      // Scaled so that K₀ + σM₀ becomes the identity matrix in the basis.
       const MatrixXd whole =
           d.projected_stiffness(MatrixXd::Identity(n, n)) + sigma * MatrixXd(d.mass);
       const Eigen::LLT<MatrixXd> llt(whole);
@@ -332,7 +332,7 @@ struct ParametricModes::Impl {
                   error, std::pow(found.shape_bounds.maxCoeff() / options.shape_tolerance, 2));
           }
         } catch (const std::invalid_argument&) {
-          return true;  // no such structure
+          return true;  // no structure at θ
         }
         if (!solved[i] && error > worst) {
           worst = error;
@@ -348,7 +348,7 @@ struct ParametricModes::Impl {
           project();
           ++training.solved;
         } catch (const std::exception&) {
-          std::erase(bad, at);  // no such structure, or one that the solver gives up
+          std::erase(bad, at);  // no structure at θ, or the solver fails there
         }
       }
       if (options.progress)

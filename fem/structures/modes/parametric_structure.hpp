@@ -1,4 +1,4 @@
-// A structure whose matrices depend on parameters, taken apart into terms that do not.
+// A structure whose matrices depend on parameters, decomposed into constant terms.
 #pragma once
 
 #include <functional>
@@ -11,23 +11,24 @@
 
 namespace wheeltap::fem {
 
-/// A structure for each value of d parameters θ.
+/// A structure for each value of the d parameters θ.
 struct StructureFamily {
-  /// Throws InvalidStructure or std::invalid_argument where there is no such structure.
+  /// Throws InvalidStructure or std::invalid_argument if there is no structure at θ.
   std::function<Discretisation(std::span<const double>)> at;
   std::vector<double> nominal = {};  ///< θ₀
-  /// Of a structure given as matrices: K_rest = Σ scales_i(θ) parts_i, scales > 0.
+  /// For a structure given by matrices: K_rest = Σ scales_i(θ) parts_i, scales > 0.
   std::vector<Discretisation::Sparse> parts = {};
   std::function<std::vector<double>(std::span<const double>)> scales = {};
 };
 
-/// K(θ) = Σ_t q_t(θ) K_t and M(θ), with q_t(θ₀) = 1: strains that keep their direction and change
-/// their stiffness alike are one term, and so is each part of matrices. Terms of any rank.
+/// K(θ) = Σ_t q_t(θ) K_t and M(θ), with q_t(θ₀) = 1. Strains that keep their direction and change
+/// stiffness by the same factor form one term, and so does each part of matrices. Terms have any
+/// rank.
 ///
-/// Where all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t: what is known of
-/// K(θ₀)⁻¹ bounds K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
-/// Terms of low rank, K_t = C_t C_tᵀ, springs say, that may change by orders of magnitude, need not
-/// spoil that: with α taken over the others alone,
+/// If all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t, so bounds of K(θ₀)⁻¹ give
+/// bounds of K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
+/// Low-rank terms K_t = C_t C_tᵀ, for example springs, may change by orders of magnitude without
+/// weakening this bound. With α taken over the other terms only,
 ///
 ///   K(θ) ≽ α (K(θ₀) + Σ (q_t/α - 1) C_t C_tᵀ).
 class ParametricStructure {
@@ -35,13 +36,13 @@ class ParametricStructure {
   using Sparse = Discretisation::Sparse;
 
   enum class Form {
-    affine,  ///< q and M are affine in θ: nothing is assembled any more
-    scaled,  ///< strains keep their directions; q and M are assembled
+    affine,  ///< q and M are affine in θ: no assembly needed
+    scaled,  ///< strains keep their directions; q and M come from assembly
     general  ///< neither
   };
 
-  /// `samples`: values of θ, of the prior say, at which the form is tried, to 1e-10; as many of
-  /// them as there is work for. Throws as `family.at` at θ₀.
+  /// `samples`: values of θ, for example of the prior. The form is tested to 1e-10 at the first 12
+  /// at which there is a structure. Throws as `family.at` at θ₀.
   ParametricStructure(StructureFamily family, std::span<const std::vector<double>> samples);
 
   /// The matrices at one θ.
@@ -49,13 +50,13 @@ class ParametricStructure {
     Eigen::VectorXd scales;                        ///< q_t; empty in `general`
     Eigen::VectorXd change;                        ///< θ - θ₀
     std::optional<Discretisation> assembled = {};  ///< unless `affine`
-    double floor = 0.0;                            ///< α; 0 where none is known
-    /// q_t/α - 1 of each column of `low_rank()`, α being 1 at most.
+    double floor = 0.0;                            ///< α; 0 if unknown
+    /// q_t/α - 1 of each column of `low_rank()`, where α is at most 1.
     Eigen::VectorXd excess = {};
   };
   /// Throws as `family.at`.
   [[nodiscard]] Point at(std::span<const double> theta) const;
-  /// K(θ) u and M(θ) u of columns u, K by the strains.
+  /// K(θ) u and M(θ) u for the columns u, with K from the strains.
   [[nodiscard]] Eigen::MatrixXd stiffness_times(const Point& point, const Eigen::MatrixXd& u) const;
   [[nodiscard]] Eigen::MatrixXd mass_times(const Point& point, const Eigen::MatrixXd& u) const;
   /// Throws as `family.at`.
@@ -64,13 +65,13 @@ class ParametricStructure {
   }
   [[nodiscard]] Discretisation assemble(const Point& point) const;
 
-  /// Vᵀ K_t V of each term. None in `general`.
+  /// Vᵀ K_t V of each term; empty in `general`.
   [[nodiscard]] std::vector<Eigen::MatrixXd> project_terms(const Eigen::MatrixXd& basis) const;
 
-  /// The columns of C, n × any; none where a term is not positive semidefinite.
+  /// The columns of C, n × their number; empty if a term is not positive semidefinite.
   [[nodiscard]] const Eigen::MatrixXd& low_rank() const { return low_rank_; }
   [[nodiscard]] Form form() const { return form_; }
-  /// ∂q_t/∂θ_j, terms × d, and ∂M/∂θ_j; of `affine`.
+  /// ∂q_t/∂θ_j, terms × d, and ∂M/∂θ_j; only in `affine`.
   [[nodiscard]] const Eigen::MatrixXd& scale_slopes() const { return slopes_; }
   [[nodiscard]] const std::vector<Sparse>& mass_slopes() const { return mass_slopes_; }
   [[nodiscard]] bool mass_changes() const { return mass_changes_; }
@@ -93,7 +94,7 @@ class ParametricStructure {
   Discretisation nominal_;
   Form form_ = Form::general;
   int terms_ = 0;
-  std::vector<int> group_;          // of each strain
+  std::vector<int> group_;          // term of each strain
   std::vector<Sparse> part_terms_;  // the last terms
   std::vector<double> nominal_scales_;
   bool definite_ = false;  // every term is positive semidefinite

@@ -20,11 +20,11 @@ using Part = InvalidStructure::Part;
 
 /// Fewer degrees of freedom than this are solved densely.
 constexpr Index kDense = 120;
-/// Most that may be solved densely where Lanczos misses modes.
+/// Largest size that is solved densely if Lanczos misses modes.
 constexpr Index kMostDense = 3000;
-/// Modes that are found beyond those wanted, so that the count is taken in a gap.
+/// Modes computed beyond those requested, so that the count is taken in a gap.
 constexpr Index kExtra = 6;
-/// Where a gap begins, relative.
+/// Relative distance that counts as a gap.
 constexpr double kGap = 1e-6;
 
 /// L D Lᵀ of a sparse symmetric matrix; also its solution for Spectra.
@@ -47,8 +47,8 @@ class Factor {
   Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt_;
 };
 
-/// Columns made M-orthonormal to each other and to those of `against`, which are so already, twice
-/// over; those that depend on earlier ones are dropped.
+/// Makes columns M-orthonormal to each other and to the M-orthonormal `against`, in two passes;
+/// drops columns that depend on earlier ones.
 MatrixXd orthonormal(const Sparse& mass, const MatrixXd& against, const MatrixXd& columns) {
   const Index given = against.cols();
   MatrixXd all(columns.rows(), given + columns.cols());
@@ -77,33 +77,34 @@ struct Ritz {
   MatrixXd shapes;
 };
 
-/// What no solver can factor: a mechanism, which is named, or numbers that differ by too much.
+/// Throws if no solver can factor the matrices: for a mechanism, which it names, or for numbers
+/// that differ by too much.
 [[noreturn]] void refuse_spread(const Discretisation& d) {
   refuse_mechanisms(d);
   throw InvalidStructure(Part::whole, 0,
                          "its masses or stiffnesses differ by too many powers of ten for its "
-                         "eigenvalues to be told apart in double precision");
+                         "eigenvalues to be separated in double precision");
 }
 
 /// Rayleigh-Ritz on M-orthonormal columns, the energies from the strains.
 Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
   const MatrixXd energy = d.projected_stiffness(basis);
   const MatrixXd gram = basis.transpose() * (d.mass * basis);
-  // Where stiffness is lost in rounding the search is left with nothing, or with no numbers.
+  // If rounding removes all stiffness, the search has no vectors or no finite numbers left.
   if (basis.cols() == 0 || !energy.allFinite() || !gram.allFinite()) refuse_spread(d);
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(energy, gram);
   return {.values = solver.eigenvalues(), .shapes = basis * solver.eigenvectors()};
 }
 
-/// What the search for modes shares: the matrices in units of the lowest elastic eigenvalue.
+/// Shared data of the search for modes: the matrices in units of the lowest elastic eigenvalue.
 struct ModeSearch {
   const Discretisation& d;
   MatrixXd rigid;  // M-orthonormal
-  Sparse mass;     // M · unit, the size of the lowest elastic λ
+  Sparse mass;     // M · unit, in the order of the lowest elastic λ
   Factor shifted;  // K + M · unit
 };
 
-/// The size of λ₁: power iteration on (K + s M)⁻¹ M without the rigid motions.
+/// The order of magnitude of λ₁: power iteration on (K + s M)⁻¹ M without the rigid motions.
 double lowest_size(const Discretisation& d, const MatrixXd& rigid) {
   double scale = 0.0;
   for (Index i = 0; i < d.size(); ++i) {
@@ -135,7 +136,7 @@ double lowest_size(const Discretisation& d, const MatrixXd& rigid) {
   return scale;
 }
 
-/// Approximate lowest modes by Lanczos, M-orthogonal to `known`; fewer where it does not converge.
+/// Approximate lowest modes by Lanczos, M-orthogonal to `known`; fewer if it does not converge.
 MatrixXd lanczos(const ModeSearch& s, const MatrixXd& known, Index count, int start) {
   struct Deflated {
     using Scalar = double;
@@ -151,7 +152,7 @@ MatrixXd lanczos(const ModeSearch& s, const MatrixXd& known, Index count, int st
         for (int pass = 0; pass < 2; ++pass) out -= known * (known.transpose() * (s.mass * out));
     }
   };
-  /// M u, for Spectra: both triangles are there.
+  /// M u, for Spectra; both triangles are stored.
   struct Product {
     const Sparse& matrix;
     [[nodiscard]] Index rows() const { return matrix.rows(); }
@@ -178,8 +179,8 @@ MatrixXd lanczos(const ModeSearch& s, const MatrixXd& known, Index count, int st
   return solver.eigenvectors(std::min(found, count));
 }
 
-/// All modes, lowest first: M φ = μ (K + unit M) φ has the lowest for its largest μ, and massless
-/// degrees of freedom at μ = 0.
+/// All modes, lowest first: in M φ = μ (K + unit M) φ the lowest mode has the largest μ, and
+/// massless degrees of freedom have μ = 0.
 MatrixXd dense(const ModeSearch& s, Index count) {
   const MatrixXd mass(s.mass), shifted(Sparse(s.d.stiffness + s.mass));
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(mass, shifted);
@@ -187,11 +188,12 @@ MatrixXd dense(const ModeSearch& s, Index count) {
   return solver.eigenvectors().rowwise().reverse().leftCols(std::min(count, available));
 }
 
-/// Steps with the residuals as further directions: the strains' residuals are right where the
-/// factored matrix was rounded. Returns the `count` lowest; of them `wanted` are right to rounding.
+/// Steps with the residuals as additional directions: residuals from the strains are accurate where
+/// the factored matrix was rounded. Returns the `count` lowest modes, of which `wanted` are correct
+/// to rounding.
 Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Index wanted) {
-  // Squared residual in the norm of (K + u M)⁻¹ over λ: by Temple's bound the relative error of λ
-  // but for λ / gap. Below it, nothing is left to gain.
+  // Squared residual in the norm of (K + u M)⁻¹ over λ: by Temple's bound the relative error of λ,
+  // apart from λ / gap. Below it, no further improvement is possible.
   constexpr double kRounding = 1e-18;
   constexpr double kLost = 1e-12;  // of a Ritz value
   const Discretisation& d = s.d;
@@ -211,15 +213,15 @@ Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Ind
       if (corrections.col(i).dot(d.mass * corrections.col(i)) < 1e-30) corrections.col(i).setZero();
     }
     if (settled) break;
-    // Ritz vectors are M-orthonormal, to each other and to rigid motions.
+    // Ritz vectors are M-orthonormal to each other and to the rigid motions.
     MatrixXd known(d.size(), s.rigid.cols() + ritz.shapes.cols());
     known << s.rigid, ritz.shapes;
     const MatrixXd more = orthonormal(d.mass, known, corrections);
     MatrixXd basis(d.size(), ritz.shapes.cols() + more.cols());
     basis << ritz.shapes, more;
     Ritz next = rayleigh_ritz(d, basis);
-    // A larger space has no higher Ritz values, but for rounding: what a correction has of motions
-    // without mass outweighs all else where little but these is left of it.
+    // Apart from rounding, a larger space has no higher Ritz values. If little but massless motions
+    // remains of a correction, these dominate it.
     if (((next.values.head(m) - ritz.values.head(m)).array() >
          kLost * ritz.values.head(m).array().abs())
             .any())
@@ -230,7 +232,7 @@ Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Ind
   return {.values = ritz.values.head(kept), .shapes = ritz.shapes.leftCols(kept)};
 }
 
-/// Motions of no stiffness, or of less.
+/// Throws if a motion has zero or negative stiffness.
 void refuse_unresisted(const Discretisation& d, const Ritz& ritz) {
   for (Index i = 0; i < ritz.shapes.cols(); ++i) {
     const VectorXd shape = ritz.shapes.col(i);
@@ -275,8 +277,8 @@ int eigenvalues_below(const Discretisation& d, double sigma) {
 }
 
 Index mode_count(const Discretisation& d) {
-  // The rank of M is that of D⁻½ M D⁻½ where its diagonal D is positive: the pivots of its L D Lᵀ
-  // that are not rounding. The shift keeps pivots of dependent motions from being exactly 0.
+  // The rank of M is that of D⁻½ M D⁻½ where its diagonal D is positive: the number of pivots of
+  // its L D Lᵀ above rounding. The shift keeps pivots of dependent motions from being exactly 0.
   constexpr double kShift = 1e-15, kNoPivot = 1e-12;
   const VectorXd diagonal = d.mass.diagonal();
   std::vector<int> massive(static_cast<std::size_t>(d.size()), -1);
@@ -303,8 +305,8 @@ Index mode_count(const Discretisation& d) {
 
 namespace {
 
-/// Counts what lies below the widest gap from the `wanted`-th Ritz value on: true where those are
-/// all, false where there is no gap, or a mode is missing.
+/// Counts the eigenvalues below the widest gap from the `wanted`-th Ritz value on. True if the Ritz
+/// values are all of them; false if there is no gap or a mode is missing.
 bool certified(const Discretisation& d, const Ritz& ritz, Index wanted) {
   Index at = -1;
   double widest = kGap;
@@ -377,7 +379,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
   }
 
   const Index rigid_wanted = std::min<Index>(modes, rigid.cols());
-  if (ritz.shapes.cols() < modes - rigid_wanted) refuse_spread(d);  // some were lost in rounding
+  if (ritz.shapes.cols() < modes - rigid_wanted) refuse_spread(d);  // rounding removed some
   out.eigenvalues = VectorXd::Zero(modes);
   out.residuals = VectorXd::Zero(modes);
   out.shapes.resize(n, modes);

@@ -12,35 +12,35 @@ namespace wheeltap::fem {
 struct StructureModes {
   Eigen::VectorXd frequencies_hz;  ///< ascending; exactly 0 for rigid-body modes
   Eigen::VectorXd eigenvalues;     ///< ω² [rad²/s²]
-  /// n × modes: mass-normalised, φᵀ M φ = 1; the sign makes the largest motion positive.
+  /// n × modes: mass-normalised, φᵀ M φ = 1; the largest motion is positive.
   Eigen::MatrixXd shapes;
   int rigid_body_modes = 0;
-  /// ‖K φ - λ M φ‖ in the norm of K⁻¹, over √λ: by Temple's bound λ is within its square times
-  /// λ / gap of an eigenvalue, relative.
+  /// ‖K φ - λ M φ‖ in the norm of K⁻¹, divided by √λ. By Temple's bound the relative distance of λ
+  /// to an eigenvalue is at most its square times λ / gap.
   Eigen::VectorXd residuals;
-  /// None is missing: a Sturm count in a gap above the last mode found as many eigenvalues below as
-  /// there are modes, or these are all that there are.
+  /// True if no mode is missing: a Sturm count in a gap above the last mode found confirms the
+  /// number of modes, or these are all modes of the structure.
   bool certified = false;
-  std::string solver;  ///< "spectra" or "dense", and why
+  std::string solver;  ///< "spectra" or "dense", with the reason
 };
 
-/// How many modes there are: the rank of M in the free degrees of freedom. Massless ones follow the
-/// others statically, which is exact.
+/// The number of modes: the rank of M in the free degrees of freedom. Massless degrees of freedom
+/// follow the others statically, which is exact.
 [[nodiscard]] Eigen::Index mode_count(const Discretisation& d);
 
-/// Shift-and-invert Lanczos (Spectra) or a dense solver finds approximate modes. A Rayleigh-Ritz
-/// step on them and their residuals, both from the strains, takes out what the rounding of the
-/// assembled and factored matrices (λ_max / λ times that of double) left in the low modes; and a
-/// Sturm count by L D Lᵀ tells whether one is missing, a twin say, which is then looked for among
-/// what is orthogonal to the rest.
+/// Shift-and-invert Lanczos (Spectra) or a dense solver finds approximate modes. Rounding of the
+/// assembled and factored matrices (λ_max / λ times that of double) leaves errors in the low modes.
+/// A Rayleigh-Ritz step on the modes and their residuals, both from the strains, removes them. A
+/// Sturm count by L D Lᵀ detects a missing mode, for example one of a close pair. The search then
+/// continues among vectors orthogonal to the modes found.
 ///
-/// Throws std::invalid_argument for more modes than there are; InvalidStructure for a mechanism (a
-/// motion with mass that nothing resists, or a degree of freedom with neither stiffness nor mass),
-/// naming it, and for axial forces beyond buckling.
+/// Throws std::invalid_argument for more modes than there are. Throws InvalidStructure for axial
+/// forces beyond buckling and for a mechanism, which it names: a motion with mass but without
+/// stiffness, or a degree of freedom with neither stiffness nor mass.
 [[nodiscard]] StructureModes structure_modes(const Discretisation& d, int modes);
 
-/// Eigenvalues of K φ = λ M φ below σ, by the signs of D in K - σ M = L D Lᵀ (Sylvester).
-/// Throws std::domain_error where σ is an eigenvalue.
+/// The number of eigenvalues of K φ = λ M φ below σ, from the signs of D in K - σ M = L D Lᵀ
+/// (Sylvester). Throws std::domain_error if σ is an eigenvalue.
 [[nodiscard]] int eigenvalues_below(const Discretisation& d, double sigma);
 
 }  // namespace wheeltap::fem

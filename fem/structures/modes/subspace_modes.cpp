@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-/// Relative moves of eigenvalues that rounding may cause, at the most.
+/// Largest relative changes of eigenvalues from rounding.
 constexpr double kSubspaceRounding = 1e-6;
 }  // namespace
 
@@ -31,7 +31,7 @@ SubspaceModes::SubspaceModes(const Discretisation& first, const Options& options
   if (options.modes < 1 || wanted > available)
     throw std::invalid_argument("modes = " + std::to_string(options.modes) +
                                 ": must be between 1 and " + std::to_string(available - rigid) +
-                                ", the elastic modes that there are");
+                                ", the number of elastic modes");
   start_ = modes.shapes;
   sigma_ = modes.eigenvalues[std::min(rigid, modes.eigenvalues.size() - 1)];
 }
@@ -105,7 +105,7 @@ bool SubspaceModes::iterate(const Discretisation& d, Index wanted, Found& out) c
     double moved = std::numeric_limits<double>::infinity();
     if (before.size() > 0)
       moved = ((elastic - before.tail(options_.modes)).array() / elastic.array()).abs().maxCoeff();
-    // Rounding keeps fine meshes moving.
+    // On fine meshes rounding prevents full convergence.
     const bool done =
         moved <= options_.tolerance || (moved < kSubspaceRounding && moved > 0.5 * last);
     before = now;

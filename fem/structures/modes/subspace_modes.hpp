@@ -1,4 +1,4 @@
-// The lowest modes of structures that differ little from one another, one after the other.
+// The lowest modes of a sequence of similar structures.
 #pragma once
 
 #include "base/eigen.hpp"
@@ -6,25 +6,25 @@
 
 namespace wheeltap::fem {
 
-/// K φ = λ M φ by block inverse iteration with a Rayleigh-Ritz step (Bathe & Wilson 1972; Saad
-/// 2011, section 5.2),
+/// Solves K φ = λ M φ by block inverse iteration with a Rayleigh-Ritz step (Bathe & Wilson 1972;
+/// Saad 2011, section 5.2),
 ///
-///   X ← (K + σ M)⁻¹ M X,   begun with the modes of the structure at which this object was made,
+///   X ← (K + σ M)⁻¹ M X,   starting from the modes of the structure given to the constructor,
 ///
-/// until no eigenvalue wanted moves by more than `tolerance`, relative; errors shrink by
-/// (λ_wanted/λ_beyond)² a step, with as many vectors beyond as wanted, 8 at least. σ = 0 unless
-/// there are rigid-body motions. Up to `kDense` degrees of freedom K is factored densely and
-/// nothing is iterated. Degrees of freedom without mass are welcome.
+/// until no wanted eigenvalue changes by more than `tolerance`, relative. Errors shrink by
+/// (λ_wanted/λ_beyond)² per step; the block has twice the wanted number of vectors, at least 8
+/// more. σ = 0 unless there are rigid-body motions. Up to `kDense` degrees of freedom K is factored
+/// densely without iteration. Degrees of freedom without mass are allowed.
 ///
-/// That no mode is missing is not counted: see `eigenvalues_below`. Immutable after construction;
-/// answers depend on nothing but their arguments.
+/// This class does not check for missing modes: see `eigenvalues_below`. Immutable after
+/// construction; results depend only on the arguments.
 class SubspaceModes {
  public:
   static constexpr int kDense = 40;
 
   struct Options {
-    int modes = 1;            ///< elastic ones, the lowest
-    double tolerance = 1e-8;  ///< of an eigenvalue, relative
+    int modes = 1;            ///< number of lowest elastic modes
+    double tolerance = 1e-8;  ///< relative change of an eigenvalue
     int most_steps = 60;
   };
   /// Throws as `structure_modes`.
@@ -33,10 +33,11 @@ class SubspaceModes {
   struct Found {
     Eigen::VectorXd eigenvalues = {};  ///< elastic ones [rad²/s²], ascending
     Eigen::MatrixXd shapes = {};       ///< n × modes, mass-normalised
-    int steps = 0;                     ///< 0: dense
+    int steps = 0;                     ///< iteration steps; 0: dense
   };
-  /// Of a structure with the same degrees of freedom, or others: those are solved in full. False
-  /// where K is not positive definite beside its rigid motions, or nothing converges.
+  /// Solves a structure with the same degrees of freedom; with other degrees of freedom it is
+  /// solved in full. Returns false if K is not positive definite apart from its rigid motions, or
+  /// if the iteration does not converge.
   bool solve(const Discretisation& d, Found& out) const;
 
  private:
@@ -46,7 +47,7 @@ class SubspaceModes {
 
   Options options_;
   Eigen::MatrixXd start_;  // n × block
-  double sigma_ = 0.0;     // where there are rigid motions
+  double sigma_ = 0.0;     // nonzero if there are rigid motions
 };
 
 }  // namespace wheeltap::fem

@@ -15,13 +15,13 @@ using Eigen::Index;
 
 /// A spring stiffer than this multiple of the structure's own stiffness there is rigid.
 constexpr double kRigidJoint = 1e14;
-/// What is left of a held motion's compliance, relative, that others do not hold already.
+/// Relative remaining compliance of a motion below which other supports hold it already.
 constexpr double kDependentChange = 1e-12;
-/// Bounds are looked for from here on, relative, each so many times the last.
+/// The search for a bound starts at this relative value and multiplies it by this factor.
 constexpr double kLeastBound = 1e-9;
 constexpr double kWider = 4.0;
 
-/// Those that change anything, lost ones first.
+/// Masses that change anything, removed ones first.
 std::vector<const StructureChange::Mass*> floating_masses(const StructureChange& change) {
   std::vector<const StructureChange::Mass*> masses;
   for (const bool lost : {true, false})
@@ -32,7 +32,7 @@ std::vector<const StructureChange::Mass*> floating_masses(const StructureChange&
   return masses;
 }
 
-/// Eigenvalues, scales and compliances: of floating masses, of kept modes, of residual ones.
+/// Eigenvalues, scales and compliances of floating masses, kept modes and residual modes.
 void set_poles(const IntactStructure& intact, const ResidualModes& residual, ChangeColumns& out) {
   const std::size_t p = index(out.poles);
   const double lowest = intact.scales[0];
@@ -45,16 +45,16 @@ void set_poles(const IntactStructure& intact, const ResidualModes& residual, Cha
     out.compliances.push_back(1.0 / residual.eigenvalues[k]);
   }
   out.scales.clear();
-  // A floating mass's pole has the lowest elastic eigenvalue for its |s|, so that its column is
-  // scaled by the mass where that is light; s is negative where the mass counts with the other
-  // sign, so that each static part c²/|s| adds to the others'.
+  // |s| of a floating mass's pole is the lowest elastic eigenvalue, so that a light mass scales its
+  // column. s is negative if the mass counts with the opposite sign, so that each static part
+  // c²/|s| adds to the others.
   for (std::size_t m = 0; m < p; ++m)
     out.scales.push_back(index(out.negative_poles) > m ? -lowest : lowest);
   out.scales.insert(out.scales.end(), intact.scales.begin(), intact.scales.end());
   out.scales.insert(out.scales.end(), out.eigenvalues.end() - out.extra, out.eigenvalues.end());
 }
 
-/// Writes C and the rows of L, each from those before it; forms are numbered springs, masses,
+/// Writes C and the rows of L, each from the previous ones. Forms are numbered springs, masses,
 /// softenings.
 struct ColumnFactor {
   const IntactStructure& intact;
@@ -81,7 +81,7 @@ struct ColumnFactor {
     return kernel.weighted_dot(a + p, b + p, out.compliances.data(),
                                static_cast<int>(out.compliances.size()));
   }
-  /// A motion in all modes: the kept ones, then those of its form that stand for the others.
+  /// The motion in all modes: the kept modes, then the residual modes of its form.
   void fill(const SparseRow& motion, std::size_t form, double* to) const {
     intact.motion(motion, to);
     for (Index k = 0; k < out.extra; ++k)
@@ -118,8 +118,8 @@ Eigen::MatrixXd ColumnFactor::mass_gram(std::vector<double>& rows) const {
   return gram;
 }
 
-/// The largest eigenvalue of R (M + Pᵀ P)⁻¹ Rᵀ, R the rows √|μ| r of lost masses, P those of gained
-/// ones; `gram` as `mass_gram`, lost ones first.
+/// The largest eigenvalue of R (M + Pᵀ P)⁻¹ Rᵀ, with the rows √|μ| r in R for removed masses and in
+/// P for added ones; `gram` is ordered like `mass_gram`, removed masses first.
 double lost_share(const Eigen::MatrixXd& gram, Index lost_masses) {
   const Index gained = gram.rows() - lost_masses;
   Eigen::MatrixXd lost = gram.topLeftCorner(lost_masses, lost_masses);
@@ -136,7 +136,7 @@ double lost_share(const Eigen::MatrixXd& gram, Index lost_masses) {
 }
 
 /// Supports: springs, then the links of floating masses. L_s L_sᵀ = 1/k + Σ c cᵀ / s, row by row;
-/// what is held already is dropped.
+/// drops motions that are held already.
 void ColumnFactor::add_supports() {
   for (std::size_t s = 0; s < change.springs.size(); ++s) {
     const StructureChange::Spring& spring = change.springs[s];
@@ -146,7 +146,7 @@ void ColumnFactor::add_supports() {
     add_support(masses[m]->motion, mass_form(m), 0.0, static_cast<int>(m), masses[m]->mass);
 }
 
-/// A spring, or where `pole` is not -1 the link of that mass.
+/// A spring, or the link of mass `pole` if that is not -1.
 void ColumnFactor::add_support(const SparseRow& motion, std::size_t form, double stiffness,
                                int pole, double mass) {
   const std::size_t p = masses.size();
@@ -192,7 +192,7 @@ void ColumnFactor::add_softenings() {
 void ColumnFactor::add_softening_column(Index i) {
   const std::size_t p = masses.size();
   const StructureChange::Softening& s = *softenings[index(i)];
-  // All strain energy is at least q of what it was, unless compression takes a part of it.
+  // The strain energy is at least q times its original value, unless compression reduces it.
   out.least_remaining = intact.compressed ? 0.0 : std::min(out.least_remaining, s.remaining);
   double* c = add_column();
   for (const auto& [row, weight] : s.direction) {
@@ -221,8 +221,8 @@ void ColumnFactor::add_softening_row(Index i) {
       factor(first + i, first + b) = value / factor(first + b, first + b);
       continue;
     }
-    // The pivot cannot be less than what this softening itself leaves, but for compression: there
-    // it is positive as long as the structure does not buckle (Sylvester).
+    // Without compression, the pivot cannot be less than the remaining share of this softening
+    // alone. With compression, it is positive as long as the structure does not buckle (Sylvester).
     if (intact.compressed && !(value > 0.0))
       throw ImpossibleChange("remaining stiffness = " + std::to_string(s.remaining) +
                              ": too little for the axial forces, the structure buckles");
@@ -244,14 +244,14 @@ double ColumnFactor::softening_entry(Index i, Index b) const {
         value += weight * other_weight * intact.self_stresses(row, column_row);
       else if (row == column_row)
         value += weight * other_weight;
-  if (intact.residual)  // what the strains yield to, of what they measure
+  if (intact.residual)  // flexibility of the strains, per unit of the strains
     value -= flexibility(softening_form(i), softening_form(b)) +
              kernel.weighted_dot(column(first + i) + p, column(first + b) + p,
                                  out.compliances.data(), static_cast<int>(intact.stride));
   return value;
 }
 
-/// L⁻¹ C, forwards.
+/// L⁻¹ C by forward substitution.
 void ColumnFactor::divide_columns() {
   const Index all = out.count();
   for (Index a = 0; a < all; ++a) {
@@ -264,7 +264,7 @@ void ColumnFactor::divide_columns() {
   }
 }
 
-/// Rigid motions that the springs leave; `row` is scratch.
+/// Number of rigid motions that the springs leave free; `row` is scratch.
 int rigid_left(const IntactStructure& intact, const StructureChange& change,
                std::vector<double>& row) {
   if (intact.rigid == 0 || change.springs.empty()) return intact.rigid;
@@ -314,9 +314,9 @@ void ChangeColumns::observe(const IntactStructure& intact, const SparseRow& row,
   }
 }
 
-/// How many eigenvalues the whole structure has below z < λ_{p+1} at most. With the residual modes
-/// in place of the others, Cᵀ (K - zM)⁻¹ C is too small by a matrix between 0 and
-/// z³ ρ / (1 - ρ) R₃, ρ = z / λ_{p+1}, where R₃ is theirs, too.
+/// An upper bound on the number of eigenvalues of the whole structure below z < λ_{p+1}. With the
+/// residual modes in place of the others, Cᵀ (K - zM)⁻¹ C is too small by a matrix between 0 and z³
+/// ρ / (1 - ρ) R₃, ρ = z / λ_{p+1}; R₃ is also that of the residual modes.
 int ChangeColumns::eigenvalues_below_at_most(double z, double next) const {
   const Index m = count();
   const double ratio = z / next, rest = z * z * z * ratio / (1.0 - ratio);
@@ -376,7 +376,7 @@ void ChangeColumns::set(const IntactStructure& intact, const StructureChange& ch
                         .factor = factor_};
   if (negative_poles > 0) {
     const double share = lost_share(factored.mass_gram(mass_rows_), negative_poles);
-    if (!(share < 1.0)) throw ImpossibleChange("lost mass: more than there is");
+    if (!(share < 1.0)) throw ImpossibleChange("lost mass: exceeds the mass of the structure");
     residual_factor = 1.0 / (1.0 - share);  // 1/θ, θ = 1 - share
   }
   factored.add_supports();

@@ -10,8 +10,8 @@
 
 namespace wheeltap::fem::detail {
 
-/// As `DefectColumns`, for springs, floating masses and softenings; of the modes that are not kept,
-/// `ResidualModes` take the place.
+/// Like `DefectColumns`, for springs, floating masses and softenings. `ResidualModes` replace the
+/// modes that are not kept.
 class ChangeColumns {
  public:
   /// Throws ImpossibleChange.
@@ -21,18 +21,19 @@ class ChangeColumns {
   [[nodiscard]] int count() const {
     return stride == 0 ? 0 : static_cast<int>(columns.size() / stride);
   }
-  /// A motion of the kept modes, then of the residual_ ones.
+  /// The motion in each kept mode, then in each residual mode.
   void observe(const IntactStructure& intact, const SparseRow& row, double* out) const;
-  /// The root found for the structure with residual modes is above that of the whole by no more
-  /// than this, relative; ∞ where that cannot be told. `next`: the lowest eigenvalue not kept.
+  /// Upper bound on the relative distance by which a root of the structure with residual modes
+  /// exceeds that of the whole structure; ∞ if no bound exists. `next`: the lowest eigenvalue that
+  /// is not kept.
   [[nodiscard]] double bound(double found, int root, double next) const;
 
   std::vector<double> eigenvalues, scales, compliances;  // floating masses, kept, residual modes
   std::vector<double> columns;                           // count × stride, supports first
-  int poles = 0, negative_poles = 0;                     // floating masses; lost ones, the first
-  int supports = 0, held = 0;                            // columns of springs and links; rigid ones
-  int rigid = 0;                                         // rigid motions that are left
-  int extra = 0;                                         // residual modes
+  int poles = 0, negative_poles = 0;  // number of floating masses; removed masses, which come first
+  int supports = 0, held = 0;         // number of columns of springs and links; of rigid ones
+  int rigid = 0;                      // number of remaining rigid motions
+  int extra = 0;                      // number of residual modes
   std::size_t stride = 0;
   double least_remaining = 1.0, added_stiffness = 0.0, residual_factor = 1.0;
 

@@ -16,8 +16,8 @@ namespace {
 
 using Eigen::Index;
 
-/// I - B K⁻¹ Bᵀ: what self-stresses the structure can carry; 0 where it is statically determinate.
-/// Rigid motions strain nothing, so any degrees of freedom may hold them.
+/// I - B K⁻¹ Bᵀ: the self-stress states of the structure; 0 if it is statically determinate. Rigid
+/// motions cause no strain, so any degrees of freedom may hold them.
 Eigen::MatrixXd self_stress_projector(const Discretisation& d) {
   using Real = long double;
   using Sparse = Eigen::SparseMatrix<Real>;
@@ -70,13 +70,13 @@ void IntactStructure::motion(const SparseRow& row, double* out) const {
   }
 }
 
-/// The lowest modes, one of them to know where the others begin.
+/// The lowest modes and one more, which shows where the others begin.
 StructureSpectrum IntactStructure::kept_spectrum(int kept) {
   const StructureModes low = structure_modes(*discretisation, kept + 1);
   if (!low.certified)
     throw std::invalid_argument(
         "its lowest " + std::to_string(kept + 1) +
-        " eigenvalues could not be told apart: a mode may be missing among them");
+        " eigenvalues could not be separated: a mode may be missing among them");
   next = low.eigenvalues[kept];
   const Eigen::MatrixXd shapes = low.shapes.leftCols(kept);
   residual = std::make_unique<const ResidualFlexibility>(
@@ -105,7 +105,7 @@ IntactStructure::IntactStructure(std::shared_ptr<const Discretisation> given, in
   if (massive < wanted)
     throw std::invalid_argument(
         "modes = " + std::to_string(wanted) + ": only " + std::to_string(massive) +
-        " of its eigenvalues can be told apart in double precision; its masses or stiffnesses "
+        " of its eigenvalues can be separated in double precision; its masses or stiffnesses "
         "differ by too many powers of ten");
   rigid = spectrum.rigid_body_modes;
   stride = index(std::max(modes, 2));
@@ -130,7 +130,7 @@ IntactStructure::IntactStructure(std::shared_ptr<const Discretisation> given, in
               spectrum.massless.col(j - massive);
     for (Index i = 0; i < d.size(); ++i)
       dof_rows[index(i) * stride + index(j)] = static_cast<double>(shape[i]);
-    if (j < rigid) continue;  // rigid motions strain nothing
+    if (j < rigid) continue;  // rigid motions cause no strain
     for (std::size_t r = 0; r < d.strains.size(); ++r) {
       const SparseRow& row = d.strains[r].row;
       long double sum = 0;

@@ -1,4 +1,4 @@
-// What the reanalysis keeps of the intact structure. Internal.
+// Precomputed data of the intact structure for the reanalysis. Internal.
 #pragma once
 
 #include <algorithm>
@@ -14,38 +14,38 @@
 
 namespace wheeltap::fem::detail {
 
-/// Added springs and lost masses may raise root i as far as intact eigenvalue i + their number; up
-/// to these numbers are served by a short sum over the near modes, more by the sum over all.
+/// Added springs and removed masses may raise root i up to intact eigenvalue i + their number. Up
+/// to these numbers, S uses a short sum over the near modes; beyond, the sum over all modes.
 inline constexpr std::array kLifting = {0, 8, 16, 32, 64};
-/// λ of a motion without mass, over the lowest elastic eigenvalue: it has its static part alone.
+/// λ of a massless motion, relative to the lowest elastic eigenvalue; only its static part matters.
 inline constexpr double kStaticOnly = 1e30;
 
 struct IntactStructure {
   std::shared_ptr<const Discretisation> discretisation;
-  int wanted;                                            // lowest modes that may be asked for
-  int modes;                                             // kept, all where they are few
-  int massive;                                           // of them with mass
-  int rigid;                                             // of them at λ = 0
-  std::size_t stride;                                    // modes, and at least two
+  int wanted;          // largest number of modes that can be requested
+  int modes;           // number of kept modes; all if they are few
+  int massive;         // number of kept modes with mass
+  int rigid;           // number of modes at λ = 0
+  std::size_t stride;  // modes, and at least two
   std::vector<double> eigenvalues, scales, compliances;  // stride
   std::vector<double> frequencies;                       // wanted
   std::vector<double> dof_rows;                          // n × stride
   std::vector<double> strain_rows;                       // strains × stride
-  Eigen::MatrixXd self_stresses;                         // strains × strains; where all are kept
-  bool compressed = false;      // geometric stiffness takes from that of the strains
-  std::vector<Window> windows;  // for each of kLifting, and any number
+  Eigen::MatrixXd self_stresses;  // strains × strains; only if all modes are kept
+  bool compressed = false;        // true if geometric stiffness reduces that of the strains
+  std::vector<Window> windows;    // for each of kLifting, and for any number
   std::unique_ptr<const ResidualFlexibility> residual;  // of the modes that are not kept
-  double next = 0.0;                                    // the lowest eigenvalue of those
+  double next = 0.0;  // the lowest eigenvalue of the modes that are not kept
 
-  /// As the constructor of StructureReanalysis.
+  /// Throws like the constructor of StructureReanalysis.
   IntactStructure(std::shared_ptr<const Discretisation> given, int wanted_modes, int kept_modes);
 
-  /// For changes that raise root i as far as intact eigenvalue i + `lifting`.
+  /// The window for changes that raise root i up to intact eigenvalue i + `lifting`.
   [[nodiscard]] const Window& window_for(int lifting) const {
     const auto at = std::ranges::lower_bound(kLifting, lifting);
     return windows[static_cast<std::size_t>(at - kLifting.begin())];
   }
-  /// A motion in each mode: `stride` numbers.
+  /// The component of a motion in each mode: `stride` numbers.
   void motion(const SparseRow& row, double* out) const;
 
  private:

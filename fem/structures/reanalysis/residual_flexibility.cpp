@@ -22,14 +22,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Of the scaled energies of the forms: less is rounding.
+/// Relative to the scaled energies of the forms: smaller values are rounding.
 constexpr double kDependent = 1e-11;
-/// Pairs of forms whose moments are remembered.
+/// Number of pairs of forms whose moments are cached.
 constexpr std::size_t kPairs = 1 << 20;
-/// Dofs of the boundary that are solved for together, always the same ones, so that answers do not
-/// depend on what was asked.
+/// Dofs of the boundary that are solved for together. The batches are fixed, so that results do not
+/// depend on earlier requests.
 constexpr int kBatch = 8;
-/// So many are computed before any is asked for; of more, those that are.
+/// Up to this number all are computed in advance; beyond, on request.
 constexpr std::size_t kFewBatches = 256;
 constexpr int kTerms = StaticCondensation::kTerms;
 
@@ -37,7 +37,7 @@ template <class Real>
 using Rows = Eigen::Matrix<Real, Eigen::Dynamic, kBatch, Eigen::RowMajor>;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// What was computed last, by number; the longest unasked forgotten.
+/// Cache of computed values by number, least recently used dropped first.
 template <class Value>
 class Recent {
  public:
@@ -46,7 +46,7 @@ class Recent {
   void set_most(std::size_t most) { most_ = most; }
   [[nodiscard]] std::size_t most() const { return most_; }
 
-  /// Two threads may compute one value, of which one is kept: they are alike.
+  /// Two threads may compute the same value; one copy is kept.
   template <class Compute>
   [[nodiscard]] Pointer get(int number, const Compute& compute) {
     {
@@ -72,7 +72,7 @@ class Recent {
   using Values = std::list<std::pair<int, Pointer>>;
   std::size_t most_ = 2;
   std::mutex mutex_;
-  Values values_;  // last asked for first
+  Values values_;  // most recently requested first
   std::unordered_map<int, typename Values::iterator> known_;
 };
 
@@ -91,7 +91,7 @@ struct ResidualFlexibility::Impl {
   MatrixXd shapes, mass_shapes;
   RowMajor shape_rows, mass_rows;  // the same, a row a degree of freedom
   VectorXd eigenvalues;
-  std::vector<char> held;  // degrees of freedom, as many as there are rigid motions
+  std::vector<char> held;  // degrees of freedom that hold the rigid motions
   Eigen::SimplicialLDLT<Discretisation::Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt;
 
   mutable Recent<Column> columns;
@@ -125,7 +125,7 @@ struct ResidualFlexibility::Impl {
     return ldlt.permutationPinv() * x;
   }
 
-  /// load - K u, u in extended precision, by the strains.
+  /// load - K u, u in extended precision, from the strains.
   [[nodiscard]] Rows<double> left_of(const Rows<double>& load, const Rows<long double>& u) const {
     Rows<long double> rest = load.cast<long double>();
     Eigen::Matrix<long double, 1, kBatch> stress;
@@ -144,7 +144,7 @@ struct ResidualFlexibility::Impl {
     return rest.cast<double>();
   }
 
-  /// K⁻¹ of loads that move nothing rigidly.
+  /// K⁻¹ times loads that cause no rigid motion.
   [[nodiscard]] Rows<double> solve(Rows<double> load) const {
     release_held(load);
     return back_substituted(load);
@@ -168,7 +168,7 @@ struct ResidualFlexibility::Impl {
       kept.col(k) = shape_rows.row(dof);
     }
     load -= mass_shapes * kept;
-    // Refined once by what the strains leave of the loads.
+    // One refinement with the residual loads from the strains.
     Rows<double> u = solve(load);
     u += solve(left_of(load, u.cast<long double>()));
     remove_kept(u);
@@ -197,8 +197,8 @@ struct ResidualFlexibility::Impl {
     return shape_rows.row(parts->boundary()[index(place)]).dot(kept);
   }
 
-  /// Motions (D M)ⁱ D f of a form at `to`, places of the boundary, less what moves a part alone: a
-  /// row for each i.
+  /// Motions (D M)ⁱ D f of a form at the boundary places `to`, without the motion of the part
+  /// alone: one row per i.
   [[nodiscard]] Eigen::MatrixXd responses_at(const std::vector<int>& to, const Column& of) const {
     const auto places = static_cast<Index>(to.size());
     MatrixXd out = MatrixXd::Zero(kTerms, places);
@@ -320,7 +320,7 @@ std::pair<double, double> ResidualFlexibility::responses(const SparseRow& row,
 ResidualModes residual_modes(const MatrixXd (&moments)[4]) {
   const Index m = moments[0].rows();
   ResidualModes out{.eigenvalues = {}, .forms = MatrixXd(m, 0), .weights = MatrixXd(2 * m, 0)};
-  // The solvers of nothing: nothing changes, or only what cannot move.
+  // No residual modes: nothing changes, or only restrained motions change.
   if (m == 0 || !(moments[0].diagonal().maxCoeff() > 0.0)) return out;
   MatrixXd stiffness(2 * m, 2 * m), mass(2 * m, 2 * m);
   stiffness << moments[0], moments[1], moments[1], moments[2];
@@ -343,7 +343,7 @@ ResidualModes residual_modes(const MatrixXd (&moments)[4]) {
   const double least = std::numeric_limits<double>::epsilon() * solver.eigenvalues().maxCoeff();
   for (Index i = 0; i < kept; ++i) {
     const Index from = kept - 1 - i;  // the largest μ first
-    // What has no mass yields statically.
+    // Massless motions respond statically.
     const double mu = std::max(solver.eigenvalues()[from], least);
     out.eigenvalues[i] = 1.0 / mu;
     out.weights.col(i) =

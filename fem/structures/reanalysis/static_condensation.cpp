@@ -18,7 +18,7 @@ using Sparse = Discretisation::Sparse;
 
 constexpr std::size_t kTwoNodes = 12;  // degrees of freedom
 
-/// What K or M couples, whether or not it cancels: 1s in both triangles.
+/// Coupling by K or M, even where entries cancel: 1s in both triangles.
 Sparse coupling(const Discretisation& d) {
   std::vector<Eigen::Triplet<double>> entries;
   for (const Strain& s : d.strains)
@@ -34,7 +34,7 @@ Sparse coupling(const Discretisation& d) {
   return out;
 }
 
-/// Dofs that are coupled with the same ones, as those of a node are.
+/// Groups of dofs with identical coupling, such as those of one node.
 struct Groups {
   std::vector<std::vector<int>> dofs;        // of each
   std::vector<std::vector<int>> neighbours;  // other groups, ascending
@@ -48,7 +48,7 @@ Groups groups_of(const Sparse& graph, const std::vector<char>& held) {
     std::vector<int> coupled;
     for (Sparse::InnerIterator it(graph, dof); it; ++it)
       coupled.push_back(static_cast<int>(it.row()));
-    // What is held is alone, so that it can be left on the boundary.
+    // A held dof forms its own group, so that it can remain on the boundary.
     if (held[index(dof)]) coupled = {-1 - dof};
     const auto [at, is_new] =
         known.try_emplace(std::move(coupled), static_cast<int>(out.dofs.size()));
@@ -68,8 +68,8 @@ Groups groups_of(const Sparse& graph, const std::vector<char>& held) {
   return out;
 }
 
-/// Whether a group lies inside a member: what it is coupled with are two ends at most, each coupled
-/// within itself, and no more than two nodes have.
+/// True if a group lies inside a member: it is coupled with at most two ends, each coupled within
+/// itself, with at most the dofs of two nodes.
 bool is_chained(const Groups& groups, std::size_t g) {
   const std::vector<int>& all = groups.neighbours[g];
   std::size_t dofs = 0;
@@ -94,7 +94,7 @@ bool is_chained(const Groups& groups, std::size_t g) {
 
 using Layer = std::vector<int>;  // dofs
 
-/// Cuts the insides of members into parts.
+/// Cuts the interiors of members into parts.
 class Cutter {
  public:
   Cutter(const Discretisation& d, const Sparse& graph, double stiffer_than)
@@ -107,7 +107,8 @@ class Cutter {
     open_.assign(count, 0);
     for (std::size_t g = 0; g < count; ++g)
       open_[g] = !held_[index(groups_.dofs[g].front())] && is_chained(groups_, g);
-    for (const int neighbours : {1, 2 * static_cast<int>(kTwoNodes)})  // from an end, if it has one
+    for (const int neighbours :
+         {1, 2 * static_cast<int>(kTwoNodes)})  // starting from an end, if there is one
       for (std::size_t g = 0; g < count; ++g)
         if (open_[g] && open_neighbours(g) <= neighbours) split(layers_from(g));
   }
@@ -118,7 +119,7 @@ class Cutter {
                                  [&](int other) { return open_[index(other)] != 0; });
   }
 
-  /// By distance: each layer is coupled with the one before and the one after only.
+  /// By distance: each layer is coupled only with the previous and the next.
   std::vector<Layer> layers_from(std::size_t first) {
     std::vector<Layer> layers;
     std::vector<std::size_t> last = {first};
@@ -139,7 +140,7 @@ class Cutter {
     return layers;
   }
 
-  /// Whether K - λ M of these dofs alone is positive definite.
+  /// True if K - λ M of these dofs alone is positive definite.
   [[nodiscard]] bool is_stiff(const std::vector<int>& dofs) const {
     const auto m = static_cast<Index>(dofs.size());
     Eigen::MatrixXd k(m, m);
@@ -159,7 +160,7 @@ class Cutter {
       ++parts;
       return;
     }
-    const std::size_t middle = layers.size() / 2;  // stays on the boundary
+    const std::size_t middle = layers.size() / 2;  // remains on the boundary
     split(layers.first(middle));
     split(layers.subspan(middle + 1));
   }
@@ -168,7 +169,7 @@ class Cutter {
   std::vector<char> held_;
   Groups groups_;
   double stiffer_than_;
-  std::vector<char> open_;  // chained, and not yet visited
+  std::vector<char> open_;  // in a chain and not yet visited
 
  public:
   std::vector<int> part_of;  ///< of each dof, -1 on the boundary
@@ -205,7 +206,7 @@ StaticCondensation::StaticCondensation(const Discretisation& d, double stiffer_t
     const auto m = static_cast<Index>(part.inside.size());
     stiffness.emplace_back(Wide::Zero(m, m));
   }
-  // Adds to row i of a part's columns; of the boundary's columns nothing is kept.
+  // Adds to row i of a part's columns; columns of the boundary are not stored.
   const auto add = [&](int i, int j, auto value, auto& inner, auto& edge) {
     const int p = part_of_[index(j)];
     if (p < 0) return;

@@ -16,9 +16,9 @@
 namespace wheeltap::fem {
 namespace {
 
-/// What rounding leaves of a frequency where all modes are kept, relative.
+/// Relative rounding error of a frequency if all modes are kept.
 constexpr double kRoundingBound = 1e-9;
-/// A wider bound, relative, is not offered: the changed structure is solved in full.
+/// Largest acceptable relative bound; beyond, the changed structure is solved in full.
 constexpr double kTooWide = 1e-6;
 
 void require_sizes(const StructureReanalysis::Results& results) {
@@ -48,7 +48,7 @@ void write_full_frequencies(const Discretisation& intact, const StructureChange&
   const StructureModes full = structure_modes(changed(intact, change), count);
   if (!full.certified)
     throw std::runtime_error("the changed structure: whether its first " + std::to_string(count) +
-                             " modes are all found was not shown");
+                             " modes are complete could not be verified");
   std::ranges::copy(full.frequencies_hz, frequencies_hz.begin());
 }
 
@@ -80,7 +80,7 @@ void StructureReanalysis::Workspace::Impl::observe_motions(const detail::IntactS
     observe(intact, results.motions[m], motion_rows.data() + m * row_size());
 }
 
-/// Of the mode whose `coordinates` these are.
+/// The motions of the mode with these `coordinates`.
 void StructureReanalysis::Workspace::Impl::write_shape(int root, const Results& results) const {
   const std::size_t size = row_size();
   for (std::size_t m = 0; m < results.motions.size(); ++m) {
@@ -91,7 +91,7 @@ void StructureReanalysis::Workspace::Impl::write_shape(int root, const Results& 
   }
 }
 
-/// The first `count` modes as those of the intact structure, rigid-body ones before the others.
+/// The first `count` modes from those of the intact structure, rigid-body modes first.
 void StructureReanalysis::Workspace::Impl::take_intact(const detail::IntactStructure& intact,
                                                        int count, const Results& results) {
   for (int root = 0; root < count; ++root) {
@@ -103,7 +103,7 @@ void StructureReanalysis::Workspace::Impl::take_intact(const detail::IntactStruc
   }
 }
 
-/// First order, mode by mode: softened by compliance and mass, lifted by springs.
+/// First-order estimate, mode by mode: lowered by compliance and mass, raised by springs.
 void StructureReanalysis::Workspace::Impl::set_starts(const detail::IntactStructure& intact,
                                                       const StructureChange& change, int count) {
   starts.assign(index(count), 0.0);
@@ -150,7 +150,7 @@ void StructureReanalysis::Workspace::Impl::set_search(const detail::IntactStruct
              detail::secular_kernel());
 }
 
-/// The roots from `first` on, and their shapes; false where not all modes tell their shape.
+/// The roots from `first` on, and their shapes; false if a shape is not determined.
 bool StructureReanalysis::Workspace::Impl::find_roots(int first, const Results& results) {
   search.find(first, lambda);
   bool shapes_told = true;
@@ -198,7 +198,8 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
   Workspace::Impl& work = *workspace.impl_;
   validate(*intact.discretisation, change);
   if (!change.scalings.empty())
-    throw std::invalid_argument("a part of the stiffness that changes as a whole: no low rank");
+    throw std::invalid_argument(
+        "a part of the stiffness that changes as a whole: its rank is too high for reanalysis");
   require_sizes(results);
   work.set(intact, change, detail::secular_kernel());
   const std::size_t n = results.frequencies_hz.size();
@@ -219,12 +220,12 @@ void StructureReanalysis::solve(const StructureChange& change, Workspace& worksp
   if (first < count) {
     work.set_starts(intact, change, std::min(count + 1, total));
     work.set_search(intact);
-    if (!work.find_roots(first, results))  // as where three modes or more are one
+    if (!work.find_roots(first, results))  // for example if three or more modes coincide
       write_full_shapes(*intact.discretisation, change, first, results);
   }
   const auto hz = [](double value) { return std::sqrt(value) / (2.0 * std::numbers::pi); };
   std::ranges::transform(work.lambda, results.frequencies_hz.begin(), hz);
-  // Where all modes are kept, rounding is all there is.
+  // If all modes are kept, rounding is the only error.
   work.bounds.assign(n, kRoundingBound);
   if (intact.residual && !unchanged) {
     for (int root = first; root < count; ++root)

@@ -1,4 +1,4 @@
-// Frequencies of a structure with a few defects from the modes of the intact one, exactly.
+// Exact frequencies of a structure with a few defects, from the modes of the intact structure.
 #pragma once
 
 #include <memory>
@@ -8,41 +8,43 @@
 
 namespace wheeltap::fem {
 
-/// As `Reanalysis` does for a beam: with the columns of C spanning the changes, eigenvalues are the
-/// roots of a small secular problem, which the same kernels evaluate and whose inertia counts them.
+/// The method is that of `Reanalysis` for beams. With the columns of C spanning the changes, the
+/// eigenvalues are the roots of a small secular problem. The same kernels evaluate it, and its
+/// inertia counts the eigenvalues.
 ///
-/// A softening is a column Bᵀv with Γ = 1 - q; a spring a column with Γ = -k. An added mass is
-/// Γ⁻¹ = 1/(λ μ): a mass μ that floats freely beside the structure, a mode at λ = 0 whose motion is
-/// 1/√μ, and is linked rigidly to r; so it costs a column and a pole, and the count still holds. A
-/// lost mass is a floating one that counts with the other sign.
+/// A softening is a column Bᵀv with Γ = 1 - q, a spring a column with Γ = -k. An added mass has Γ⁻¹
+/// = 1/(λ μ): a mass μ that floats freely beside the structure (a mode at λ = 0 with motion 1/√μ)
+/// and is rigidly linked to r. It adds one column and one pole, and the count remains valid. A
+/// removed mass is a floating mass with the opposite sign in the count.
 ///
-/// All modes of the mesh are kept up to `kAllModes` of them. Frequencies are right to 1e-9
-/// relative (2000 random sets a structure,
+/// Structures with up to `kAllModes` modes keep all of them. Their frequencies are correct to 1e-9
+/// relative (2000 random sets per structure,
 /// tests/fem/structures/structure_reanalysis_sets_test.cpp).
 ///
-/// Beyond, the lowest p modes are kept, and what the others yield along the changes is matched up
-/// to λ³ by two further modes a column (`ResidualModes`). Frequencies are then those of a
-/// constrained structure, not below the true ones, and a count in S less what the others may add at
-/// most bounds how far above. Where that bound exceeds 1e-6 the changed structure is solved in
-/// full; shapes stay those of the constrained one.
+/// Larger structures keep the lowest p modes. Two further modes per column (`ResidualModes`) match
+/// the residual flexibility along the changes up to λ³. The frequencies are those of a constrained
+/// structure and not below the true ones. A count in S minus the largest possible contribution of
+/// the omitted modes bounds the error. If that bound exceeds 1e-6, the changed structure is solved
+/// in full. Shapes remain those of the constrained structure.
 ///
-/// Any number of threads may use one, each with a workspace of its own.
+/// Any number of threads may share the object, each with its own workspace.
 class StructureReanalysis {
  public:
   class Workspace;
 
   static constexpr int kAllModes = 1500;
-  /// At most, for what the modes that are not kept yield along changes [bytes]: four vectors of the
-  /// structure's size for each strain or motion asked for, the longest unasked forgotten first.
+  /// Cache limit for the residual flexibility along changes [bytes]: four vectors of the
+  /// structure's size for each requested strain or motion; the least recently used are dropped
+  /// first.
   static constexpr std::size_t kResidualMemory = std::size_t{2} << 30;
-  /// How many of its modes a structure with that many keeps where `wanted` are asked for.
+  /// The number of modes that a structure with this many modes keeps when `wanted` are requested.
   [[nodiscard]] static int kept_modes(int available, int wanted) {
     return available > kAllModes ? 3 * wanted + 40 : available;
   }
 
-  /// `modes`: how many of the lowest frequencies may be asked for, rigid-body ones included; `kept`
-  /// of the modes are kept, 0 for `kept_modes`. Throws as `structure_modes`;
-  /// std::invalid_argument where a mode may be missing among those kept.
+  /// `modes`: the largest number of lowest frequencies that can be requested, rigid-body modes
+  /// included. `kept`: number of modes to keep, 0 for `kept_modes`. Throws like `structure_modes`;
+  /// std::invalid_argument if a mode may be missing among those kept.
   StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes,
                       int kept = 0);
   ~StructureReanalysis();
@@ -55,13 +57,13 @@ class StructureReanalysis {
   [[nodiscard]] std::span<const double> intact_frequencies_hz() const;
   [[nodiscard]] const Discretisation& discretisation() const;
 
-  /// Where `solve` writes; what is empty is not computed. Row-major, a row a mode.
+  /// Output of `solve`; empty spans are not computed. Row-major, one row per mode.
   struct Results {
     std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
-    /// n × motions: mass-normalised shapes of the changed structure at these motions.
+    /// n × motions: components of the mass-normalised shapes of the changed structure.
     std::span<double> shapes = {};
     std::span<const SparseRow> motions = {};
-    std::span<double> bounds_hz = {};  ///< n: no frequency is further off
+    std::span<double> bounds_hz = {};  ///< n: upper bounds on the errors of the frequencies
   };
 
   /// Throws std::invalid_argument for q outside (0, 1], k <= 0, or sizes that do not fit;

@@ -12,7 +12,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Of the largest μ: below it, a mode has no mass. Rounding leaves those at 1e-16 or 1e-19.
+/// Relative to the largest μ: below it, a mode has no mass. Rounding gives such modes 1e-16 or
+/// 1e-19.
 template <class Real>
 constexpr double kMassless = 1e-13;
 template <>
@@ -60,8 +61,8 @@ All all_modes(const Discretisation& d, double unit) {
   return all;
 }
 
-/// A basis of the motions without mass: what M's empty rows move, and where it is singular besides
-/// (a mass that hangs off its node), the null space of D⁻½ M D⁻½, D its diagonal.
+/// A basis of the massless motions: those of M's empty rows and, where M is singular otherwise (a
+/// mass with an offset from its node), the null space of D⁻½ M D⁻½, D its diagonal.
 Eigen::MatrixXd without_mass(const Discretisation& d, Index count) {
   constexpr double kMasslessBelow = 1e-12;
   std::vector<Index> massive;
@@ -85,7 +86,7 @@ Eigen::MatrixXd without_mass(const Discretisation& d, Index count) {
   return out.leftCols(next);
 }
 
-/// Of them, combinations with ψᵀ K ψ = 1, K-orthogonal.
+/// Combinations of these with ψᵀ K ψ = 1, K-orthogonal.
 StructureSpectrum::Matrix massless_shapes(const Discretisation& d, Index count) {
   using Matrix = StructureSpectrum::Matrix;
   if (count == 0) return Matrix(d.size(), 0);

@@ -12,13 +12,13 @@ struct StructureSpectrum {
   Eigen::VectorXd eigenvalues;  ///< ascending; exactly 0 for rigid-body modes
   Matrix shapes;                ///< n × modes
   int rigid_body_modes = 0;
-  Matrix massless = {};  ///< n × the motions without mass, M ψ = 0, ψᵀ K ψ = 1: they only yield
+  Matrix massless = {};  ///< n × massless motions, M ψ = 0, ψᵀ K ψ = 1: static response only
 };
 
-/// M φ = μ (K + u M) φ, whose largest μ are the lowest modes, in long double up to
-/// `kWideSpectrum` degrees of freedom; beyond in double, and the `refined` lowest modes finished as
-/// `structure_modes` does. Motions without mass are condensed by that, exactly. O(n³).
-/// Throws as `structure_modes`.
+/// Solves M φ = μ (K + u M) φ, whose largest μ are the lowest modes, in O(n³). Uses long double up
+/// to `kWideSpectrum` degrees of freedom. Beyond, it uses double and refines the `refined` lowest
+/// modes like `structure_modes`. Massless motions are condensed exactly. Throws as
+/// `structure_modes`.
 inline constexpr int kWideSpectrum = 700;
 [[nodiscard]] StructureSpectrum structure_spectrum(const Discretisation& d, int refined);
 

@@ -1,4 +1,4 @@
-// The frame whose changes are solved by few modes, by all and in full.
+// The frame for tests with few modes, all modes and full solutions.
 #pragma once
 
 #include <string>

@@ -14,7 +14,7 @@ namespace {
 
 using testing::HasSubstr;
 
-/// n1 to n3 along x, pinned at both ends; `hinges` at n2, `elements` a member.
+/// n1 to n3 along x, pinned at both ends, with `hinges` at n2 and `elements` per member.
 Structure two_spans(bool hinge, int elements) {
   const Material steel{.young = 200e9, .poisson = 0.3, .density = 7850.0};
   const MemberSection section{.area = 6e-3, .second_moment_y = 7e-5};
@@ -40,7 +40,7 @@ std::string refusal_of(const Discretisation& d) {
   return "none";
 }
 
-TEST(Mechanisms, AHingeAtMidspanIsNamed) {
+TEST(Mechanisms, NamesAHingeAtMidspan) {
   for (const int elements : {1, 8, 200}) {
     const Discretisation d = Mesh(two_spans(true, elements)).discretisation();
     ASSERT_EQ(mechanisms(d).size(), 1U) << elements;
@@ -49,7 +49,7 @@ TEST(Mechanisms, AHingeAtMidspanIsNamed) {
   }
 }
 
-TEST(Mechanisms, EachOfSeveralIsNamed) {
+TEST(Mechanisms, NamesEachOfSeveralMechanisms) {
   Structure s = two_spans(true, 4);
   s.nodes.push_back({"n4", {3, 0, 0}});
   s.nodes.push_back({"n5", {4, 0, 0}});
@@ -67,8 +67,8 @@ TEST(Mechanisms, EachOfSeveralIsNamed) {
   for (const char* node : {"n2, y", "n3, y", "n4, y"}) EXPECT_THAT(said, HasSubstr(node));
 }
 
-// What moves as a whole is free, not a mechanism; stiff and soft parts are neither.
-TEST(Mechanisms, RigidMotionsAndSoftPartsAreNone) {
+// A free structure is not a mechanism; neither are stiff and soft parts.
+TEST(Mechanisms, ExcludesRigidMotionsAndSoftParts) {
   Structure floating = two_spans(false, 8);
   floating.supports.clear();
   EXPECT_TRUE(mechanisms(Mesh(floating).discretisation()).empty());

@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Box = std::vector<std::array<double, 2>>;
 
-/// Random points against full solves: 300, or as many as WHEELTAP_RANDOM_POINTS says.
+/// Random points compared with full solutions: 300, or the number WHEELTAP_RANDOM_POINTS.
 int random_points() {
   const char* text = std::getenv("WHEELTAP_RANDOM_POINTS");
   return text != nullptr ? std::atoi(text) : 300;
@@ -35,7 +35,7 @@ Reduced reduce(const StructureFamily& family, const Box& box, ParametricModesOpt
   return {std::move(structure), std::move(modes)};
 }
 
-/// What full solves say of the same points.
+/// Full solutions at the same points.
 void expect_within_bounds(const Reduced& reduced, const ParametricModesOptions& options,
                           const Box& box, int points) {
   auto workspace = reduced.modes.make_workspace();
@@ -86,7 +86,7 @@ std::vector<SparseRow> some_motions(const Discretisation& d, int step) {
   return motions;
 }
 
-TEST(ParametricModes, AFrameOfUnknownMaterials) {
+TEST(ParametricModes, BoundsHoldForAFrameWithUnknownMaterials) {
   const StructureFamily family = parametric::portal_materials();
   const Discretisation d = family.at(family.nominal);
   const ParametricModesOptions options{.modes = 8, .motions = some_motions(d, 31)};
@@ -96,7 +96,7 @@ TEST(ParametricModes, AFrameOfUnknownMaterials) {
   expect_within_bounds(reduced, options, kMaterials, random_points());
 }
 
-TEST(ParametricModes, AnUnknownHeightIsAssembledAndReduced) {
+TEST(ParametricModes, ReducesAFrameWithUnknownHeight) {
   const Box box = {{0.006, 0.016}};
   const StructureFamily family{
       .at =
@@ -108,7 +108,7 @@ TEST(ParametricModes, AnUnknownHeightIsAssembledAndReduced) {
   expect_within_bounds(reduce(family, box, options), options, box, random_points() / 5);
 }
 
-TEST(ParametricModes, AnUnknownCompressionIsBoundedByAFactorOfItsOwn) {
+TEST(ParametricModes, BoundsHoldForUnknownCompression) {
   const Box box = {{-150.0, -20.0}};
   const StructureFamily family{
       .at =
@@ -120,7 +120,7 @@ TEST(ParametricModes, AnUnknownCompressionIsBoundedByAFactorOfItsOwn) {
   expect_within_bounds(reduce(family, box, options), options, box, random_points() / 5);
 }
 
-TEST(ParametricModes, DegreesOfFreedomWithoutMassFollow) {
+TEST(ParametricModes, AcceptsDegreesOfFreedomWithoutMass) {
   const Box box = {{-0.4, 0.4}, {-0.4, 0.4}, {-0.5, 2.0}};
   const StructureFamily family = parametric::family_of(parametric::floors(40));
   const ParametricModesOptions options{.modes = 6,
@@ -128,7 +128,7 @@ TEST(ParametricModes, DegreesOfFreedomWithoutMassFollow) {
   expect_within_bounds(reduce(family, box, options), options, box, random_points());
 }
 
-TEST(ParametricModes, AFreeChainLeavesItsRigidMotionOut) {
+TEST(ParametricModes, ExcludesTheRigidMotionOfAFreeChain) {
   const Box box = {{600.0, 1400.0}, {800.0, 1600.0}};
   const StructureFamily family = parametric::shear_chain(90, false);
   const ParametricModesOptions options{.modes = 5};
@@ -145,8 +145,8 @@ TEST(ParametricModes, SmallStructuresAreNotReduced) {
   expect_within_bounds(reduced, options, box, random_points());
 }
 
-// Two equal chains on one ground: every mode is double, and splits where their stiffnesses differ.
-TEST(ParametricModes, TwinsAreBoundedTogether) {
+// Two equal chains on one ground: every mode is double, and splits if their stiffnesses differ.
+TEST(ParametricModes, CloseModesShareABound) {
   const Box box = {{900.0, 1100.0}, {999.0, 1001.0}};
   const StructureFamily family{
       .at =
@@ -165,8 +165,8 @@ TEST(ParametricModes, TwinsAreBoundedTogether) {
   expect_within_bounds(reduce(family, box, options), options, box, random_points() / 3);
 }
 
-// Far outside of what the basis was trained for, the answer is a full solve, and so right.
-TEST(ParametricModes, OutsideItsTrainingTheStructureIsSolvedInFull) {
+// Far outside the training range the structure is solved in full, so the result is exact.
+TEST(ParametricModes, SolvesInFullOutsideTheTrainingRange) {
   const ParametricModesOptions options{.modes = 6};
   const Reduced reduced = reduce(parametric::portal_materials(), kMaterials, options);
   auto workspace = reduced.modes.make_workspace();
@@ -179,7 +179,7 @@ TEST(ParametricModes, OutsideItsTrainingTheStructureIsSolvedInFull) {
   for (Index i = 0; i < 6; ++i) EXPECT_NEAR(found.eigenvalues[i] / full.eigenvalues[i], 1.0, 1e-12);
 }
 
-TEST(ParametricModes, SlopesAreThoseOfDifferences) {
+TEST(ParametricModes, DerivativesEqualFiniteDifferences) {
   const StructureFamily family = parametric::portal_materials();
   const Discretisation d = family.at(family.nominal);
   const ParametricModesOptions options{.modes = 6, .motions = some_motions(d, 41)};
@@ -211,7 +211,7 @@ TEST(ParametricModes, SlopesAreThoseOfDifferences) {
   }
 }
 
-TEST(ParametricModes, MoreModesThanThereAreAreRefused) {
+TEST(ParametricModes, RejectsMoreModesThanThereAre) {
   EXPECT_THROW(reduce(parametric::shear_chain(3), {{500.0, 1500.0}, {500.0, 1500.0}}, {.modes = 4}),
                std::invalid_argument);
 }

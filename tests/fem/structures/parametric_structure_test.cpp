@@ -15,7 +15,7 @@ using Form = ParametricStructure::Form;
 const std::vector<std::array<double, 2>> kMaterialChoices = {
     {150e9, 250e9}, {50e9, 90e9}, {7000.0, 8500.0}};
 
-/// K(θ) u and M(θ) u against the assembled matrices, and the floor against its definition.
+/// Compares K(θ) u and M(θ) u with the assembled matrices, and the lower bound with its definition.
 void expect_right(const ParametricStructure& structure,
                   const std::vector<std::vector<double>>& points, bool with_floor) {
   for (const auto& theta : points) {
@@ -62,7 +62,7 @@ TEST(ParametricStructure, ProjectedTermsAddUpToTheProjectedWhole) {
   EXPECT_LT((sum - whole).norm(), 1e-12 * whole.norm());
 }
 
-TEST(ParametricStructure, AnUnknownHeightScalesStrains) {
+TEST(ParametricStructure, AnUnknownHeightHasTheScaledForm) {
   const StructureFamily family{
       .at =
           [](std::span<const double> x) {
@@ -75,7 +75,7 @@ TEST(ParametricStructure, AnUnknownHeightScalesStrains) {
   expect_right(structure, parametric::draws({{0.005, 0.02}}, 3, 2), true);
 }
 
-TEST(ParametricStructure, AnAxialForceHasNoFloor) {
+TEST(ParametricStructure, AnAxialForceHasNoLowerBound) {
   const StructureFamily family{
       .at =
           [](std::span<const double> x) {
@@ -88,7 +88,7 @@ TEST(ParametricStructure, AnAxialForceHasNoFloor) {
   expect_right(structure, points, false);
 }
 
-TEST(ParametricStructure, PartsOfMatricesAreTermsAndIndefiniteOnesHaveNoFloor) {
+TEST(ParametricStructure, MatrixPartsAreTermsAndIndefiniteOnesHaveNoLowerBound) {
   const std::vector<std::array<double, 2>> box = {{-0.3, 0.3}, {-0.3, 0.3}, {-0.5, 2.0}};
   MatrixStructure floors = parametric::floors(4);
   const auto points = parametric::draws(box, 6, 1);
@@ -97,7 +97,7 @@ TEST(ParametricStructure, PartsOfMatricesAreTermsAndIndefiniteOnesHaveNoFloor) {
   EXPECT_FALSE(structure.mass_changes());
   EXPECT_EQ(structure.terms(), 3);
   expect_right(structure, points, true);
-  // The same sum, of parts one of which is no stiffness.
+  // The same sum with one part that is not a stiffness.
   floors.parts[0].stiffness += 2.0 * floors.parts[1].stiffness;
   floors.parts[1].stiffness *= -1.0;
   const ParametricStructure indefinite(parametric::family_of(floors),

@@ -1,4 +1,4 @@
-// Structures with parameters that the tests of reduced bases share.
+// Parametric structures for tests of reduced bases.
 #pragma once
 
 #include <memory>
@@ -12,7 +12,7 @@
 
 namespace wheeltap::fem::parametric {
 
-/// Uniform in the box, reproducibly.
+/// Uniform in the box, reproducible.
 inline std::vector<std::vector<double>> draws(const std::vector<std::array<double, 2>>& box,
                                               int count, std::uint64_t seed) {
   base::Random random(seed, 0, 0, base::Purpose::test);
@@ -22,7 +22,7 @@ inline std::vector<std::vector<double>> draws(const std::vector<std::array<doubl
   return out;
 }
 
-/// Masses in a row, link i between masses i - 1 and i with stiffness θ_i; the first joins the
+/// A chain of masses; link i between masses i - 1 and i has stiffness θ_i; the first joins the
 /// ground.
 inline StructureFamily shear_chain(int storeys, bool grounded = true) {
   const auto at = [=](std::span<const double> theta) {
@@ -37,8 +37,8 @@ inline StructureFamily shear_chain(int storeys, bool grounded = true) {
   return {.at = at, .nominal = {1000.0, 1200.0}};
 }
 
-/// A portal frame in the plane: posts and a beam of unknown E, density, and height of the posts;
-/// a rotational spring at the right foot.
+/// A plane portal frame with unknown E of posts and beam, density, and height of the posts, and a
+/// rotational spring at the right foot.
 inline Structure portal(double young_posts, double young_beam, double density, double height,
                         double axial_force = 0.0) {
   const auto section = [](double width, double h) {
@@ -71,7 +71,7 @@ inline Structure portal(double young_posts, double young_beam, double density, d
   return s;
 }
 
-/// Of E of posts and beam, and the density.
+/// Parameters: E of posts and beam, and the density.
 inline StructureFamily portal_materials() {
   return {.at =
               [](std::span<const double> x) {
@@ -80,8 +80,8 @@ inline StructureFamily portal_materials() {
           .nominal = {200e9, 70e9, 7800.0}};
 }
 
-/// A row of `storeys` rigid floors, each two masses and a massless joint between them, as matrices
-/// with three substructures: of 3 degrees of freedom a floor, one has no mass.
+/// A row of `storeys` rigid floors as matrices with three substructures. Each floor has two masses
+/// and a massless joint between them: one of 3 degrees of freedom per floor has no mass.
 inline MatrixStructure floors(int storeys) {
   const int n = 3 * storeys;
   MatrixStructure s;
@@ -114,7 +114,7 @@ inline MatrixStructure floors(int storeys) {
   return s;
 }
 
-/// Of the changes α of its parts.
+/// Parameters: the changes α of its parts.
 inline StructureFamily family_of(const MatrixStructure& matrices) {
   const auto s = std::make_shared<const MatrixStructure>(matrices);
   StructureFamily family{.at =

@@ -1,4 +1,4 @@
-// Random changes of structures for the tests of their reanalysis.
+// Random changes of structures for reanalysis tests.
 #pragma once
 
 #include <algorithm>
@@ -12,9 +12,9 @@
 
 namespace wheeltap::fem {
 
-/// Terms as such, of a plane or space structure: elements and combinations of their strains left
-/// with down to a thousandth, a hundredth to a hundred kilograms more or up to 2 kg less, soft,
-/// stiff and rigid springs.
+/// Random terms for a plane or space structure: elements and combinations of their strains with as
+/// little as a thousandth of their stiffness, a hundredth to a hundred kilograms more or up to 2 kg
+/// less, soft, stiff and rigid springs.
 inline StructureChange random_change(const Mesh& mesh, std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   StructureChange change;
@@ -44,7 +44,7 @@ inline StructureChange random_change(const Mesh& mesh, std::mt19937_64& random) 
   if (uniform(random) < 0.4) {
     const int member = static_cast<int>(uniform(random) * 4.0);
     const double s = uniform(random) * mesh.member_length(member);
-    // Gained, or a part of an element's own lost.
+    // Added mass, or removal of part of an element's own.
     const double mass = uniform(random) < 0.5 ? std::pow(10.0, -2.0 + 4.0 * uniform(random))
                                               : -2.0 * uniform(random);
     change.masses = change_of(mesh, {.masses = {{member, s, mass}}}).masses;
@@ -56,8 +56,8 @@ inline StructureChange random_change(const Mesh& mesh, std::mt19937_64& random) 
   return change;
 }
 
-/// One to four defects of every kind that a structure of members may have; cracks where sections
-/// have a depth.
+/// One to four defects of every kind for structures of members; cracks only if sections have a
+/// depth.
 inline StructureDefects random_defects(const Mesh& mesh, std::mt19937_64& random) {
   std::uniform_real_distribution<double> uniform(0.0, 1.0);
   const Structure& s = mesh.structure();

@@ -19,8 +19,8 @@ Structure portal_of(int dimension, bool free) {
   return s;
 }
 
-/// R_n of all pairs of some forms, against their sums over all the modes that are not kept; the
-/// worst error over the geometric mean of both forms' own.
+/// Compares R_n of all pairs of some forms with their sums over all omitted modes. Returns the
+/// worst error over the geometric mean of both forms' own values.
 double worst_flexibility_error(const Mesh& mesh, const StructureSpectrum& all, int kept) {
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
   const ResidualFlexibility residual(d, all.shapes.leftCols(kept).cast<double>(),
@@ -77,7 +77,7 @@ double worst_flexibility_error(const Mesh& mesh, const StructureSpectrum& all, i
   return worst;
 }
 
-TEST(ResidualFlexibility, IsTheSumOverTheModesThatAreNotKept) {
+TEST(ResidualFlexibility, EqualsTheSumOverTheOmittedModes) {
   for (const int dimension : {2, 3})
     for (const bool free : {false, true}) {
       const Mesh mesh(portal_of(dimension, free));
@@ -91,7 +91,7 @@ TEST(ResidualFlexibility, IsTheSumOverTheModesThatAreNotKept) {
     }
 }
 
-TEST(StaticCondensation, LoadsAreMetByAPartAndItsEdge) {
+TEST(StaticCondensation, PartAndEdgeReproduceTheLoad) {
   const Mesh mesh(portal_of(2, true));
   const Discretisation& d = mesh.discretisation();
   const StaticCondensation parts(d, 1e6);

@@ -16,7 +16,7 @@ Structure of(const std::vector<Vector3>& nodes, const std::vector<std::array<int
   return s;
 }
 
-/// The maps and the one that moves nothing are a group, and each takes members to members.
+/// The maps and the identity form a group, and each maps members to members.
 void expect_group(const Structure& s, std::size_t order) {
   std::vector<SelfMap> maps = self_maps(s);
   EXPECT_EQ(maps.size() + 1, order);
@@ -41,17 +41,17 @@ void expect_group(const Structure& s, std::size_t order) {
     }
 }
 
-TEST(SelfMaps, OfFramesInThePlane) {
+TEST(SelfMaps, FindsSymmetriesOfPlaneFrames) {
   expect_group(of({{0, 0, 0}, {0, 3, 0}, {5, 3, 0}, {5, 0, 0}}, {{0, 1}, {1, 2}, {3, 2}}), 2);
   expect_group(of({{0, 0, 0}, {0, 3, 0}, {5, 3, 0}}, {{0, 1}, {1, 2}}), 1);
   expect_group(of({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1}, {1, 2}, {2, 3}, {3, 0}}),
                8);
-  // The square without a side is its own image by one reflection.
+  // The square without one side is symmetric under one reflection.
   expect_group(of({{0, 0, 0}, {4, 0, 0}, {4, 4, 0}, {0, 4, 0}}, {{0, 1}, {1, 2}, {2, 3}}), 2);
   expect_group(of({{0, 0, 0}, {7, 0, 0}, {14, 0, 0}}, {{0, 1}, {1, 2}}), 2);  // on a line
 }
 
-TEST(SelfMaps, OfArmsAroundACentre) {
+TEST(SelfMaps, FindsSymmetriesOfRadialArms) {
   std::vector<Vector3> nodes = {{0, 0, 0}};
   std::vector<std::array<int, 2>> members;
   for (int i = 0; i < 8; ++i) {
@@ -64,7 +64,7 @@ TEST(SelfMaps, OfArmsAroundACentre) {
   expect_group(of(nodes, members), 2);
 }
 
-TEST(SelfMaps, OfACubeInSpace) {
+TEST(SelfMaps, FindsSymmetriesOfACube) {
   std::vector<Vector3> nodes;
   std::vector<std::array<int, 2>> members;
   for (int i = 0; i < 8; ++i)
@@ -75,7 +75,7 @@ TEST(SelfMaps, OfACubeInSpace) {
   expect_group(of(nodes, members), 48);
 }
 
-TEST(SelfMaps, OfChains) {
+TEST(SelfMaps, FindsSymmetriesOfChains) {
   const LumpedChain fixed{
       .masses = {1, 2, 1},
       .links = {{"a", {0, 1}, 1.0}, {"b", {1, 2}, 1.0}, {"c", {2, 3}, 1.0}, {"d", {3, 0}, 1.0}}};

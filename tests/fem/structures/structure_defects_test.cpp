@@ -38,7 +38,7 @@ double first_frequency(const Mesh& mesh, const StructureDefects& defects) {
 }
 
 /// Θ z (tan z - tanh z) = 2, z = βL/2 the smallest root, Θ = c EI/L: f₁/f₀ = (2z/π)².
-TEST(StructureDefects, ACrackAtMidSpan) {
+TEST(StructureDefects, CrackAtMidspanMatchesTheClosedForm) {
   const double expected[] = {.989551, .961561, .917299, .854997, .771560};
   // At a node, and in the middle of an element.
   for (const int elements : {20, 21}) {
@@ -53,8 +53,8 @@ TEST(StructureDefects, ACrackAtMidSpan) {
   }
 }
 
-/// The other laws agree with the first where cracks are shallow to moderate.
-TEST(StructureDefects, CrackLawsAgreeWhereTheyShould) {
+/// The other laws agree with the first for shallow to moderate cracks.
+TEST(StructureDefects, CrackLawsAgreeForModerateDepths) {
   for (const double depth : {0.1, 0.3, 0.5}) {
     const double tada = crack_compliance(*find_crack_law("tada"), depth, 0.1, 1e4, 0.3);
     EXPECT_NEAR(crack_compliance(*find_crack_law("tada-plane-strain"), depth, 0.1, 1e4, 0.3),
@@ -67,9 +67,10 @@ TEST(StructureDefects, CrackLawsAgreeWhereTheyShould) {
   EXPECT_THROW((void)crack_compliance(crack_laws()[0], 0.1, 0.0, 1e4, 0.3), std::invalid_argument);
 }
 
-/// A hinge of the crack's compliance, made by two members with a sprung end, is the same structure
-/// but for the inertia of the kink, which follows statically: an error of the fourth order.
-TEST(StructureDefects, ACrackIsASpringBetweenMembers) {
+/// A hinge with the crack's compliance, made of two members with a sprung end, is the same
+/// structure except for the inertia of the kink, which follows statically: an error of fourth
+/// order.
+TEST(StructureDefects, CrackEqualsASpringBetweenMembers) {
   const auto difference_at = [](int times) {
     const double at = 0.35;
     const Structure whole = beam(20 * times, false);
@@ -94,9 +95,9 @@ TEST(StructureDefects, ACrackIsASpringBetweenMembers) {
   EXPECT_GT(std::abs(coarse / fine), 10.0);
 }
 
-/// Lost stiffness over a stretch is a member of pieces; overlapping ones compound; over whole
-/// elements it is that of the elements.
-TEST(StructureDefects, ReductionsOverAStretch) {
+/// Reduced stiffness over a segment equals a member of pieces; overlapping reductions multiply;
+/// over whole elements it equals reductions of the elements.
+TEST(StructureDefects, ReductionOverASegmentEqualsAPiecewiseMember) {
   const Structure whole = beam(20, false);
   Structure pieces = whole;
   Member::Piece piece = whole.members[0].pieces[0];
@@ -110,7 +111,7 @@ TEST(StructureDefects, ReductionsOverAStretch) {
   const double expected = structure_modes(Mesh(pieces).discretisation(), 1).frequencies_hz[0];
   const double found =
       first_frequency(Mesh(whole), {.reductions = {{0, 0.31, 0.52, 0.3}, {0, 0.4, 0.63, 0.5}}});
-  // The pieces' mesh has more nodes: the same strains, a little more mass moves.
+  // The mesh with pieces has more nodes: the strains are equal, but slightly more mass moves.
   EXPECT_NEAR(found, expected, 2e-6 * expected);
   const Mesh mesh(whole);
   const StructureChange change =
@@ -121,7 +122,7 @@ TEST(StructureDefects, ReductionsOverAStretch) {
 
 /// Timoshenko beam with a mass m at mid-span, in the slender limit: its secular equation
 /// (tan z - tanh z) μ z = 2, μ = m / ρAL, z = βL/2, f = f₀ (2z/π)².
-TEST(StructureDefects, AnAddedMassAtMidSpan) {
+TEST(StructureDefects, AddedMassAtMidspanMatchesTheClosedForm) {
   const Structure s = beam(40, true);
   const Mesh mesh(s);
   const double line = 7850.0 * s.members[0].pieces[0].section.area;
@@ -138,7 +139,7 @@ TEST(StructureDefects, AnAddedMassAtMidSpan) {
   }
 }
 
-TEST(StructureDefects, ALooseJointIsASofterSpring) {
+TEST(StructureDefects, LooseJointEqualsASofterSpring) {
   Structure s = beam(20, false);
   s.supports[0].stiffness[5] = 1e5;
   const double loose = first_frequency(Mesh(s), {.joints = {{0, 0.6}}});

@@ -103,8 +103,8 @@ TEST(StructureModes, SlenderLimits) {
       {0, 0, 0, 3.2616, 5.6652, 11.1424, 11.1424, 12.8201, 24.6001, 28.6665, 28.6665}, 1e-4);
 }
 
-/// Bathe & Wilson 1972, Proc. ASCE 98 (ST6): ten bays, nine storeys, one element a member, masses
-/// lumped, no shear deformation.
+/// Bathe & Wilson 1972, Proc. ASCE 98 (ST6): ten bays, nine storeys, one element per member, lumped
+/// masses, no shear deformation.
 TEST(StructureModes, BatheWilsonFrame) {
   const Material material{.young = 432000.0, .poisson = 0.3, .density = 1.0};  // kips, feet
   const MemberSection section{.area = 3.0, .second_moment_y = 1.0};
@@ -135,8 +135,8 @@ TEST(StructureModes, BatheWilsonFrame) {
     EXPECT_NEAR(modes.eigenvalues[i], expected[i], 1e-6 * expected[i]) << i;
 }
 
-/// As printed of a cantilever's three spatial families: bending about both axes, torsion and
-/// stretching, whatever the direction of the member and of its section.
+/// The published three families of a cantilever in space (bending about both axes, torsion and
+/// axial), for any direction of the member and its section.
 TEST(StructureModes, ASpaceCantileverInAnyDirection) {
   const Material material{.young = 70e9, .poisson = 0.3, .density = 2700.0};
   const MemberSection section = rectangle(0.02, 0.05, 5.0 / 6.0);
@@ -154,7 +154,7 @@ TEST(StructureModes, ASpaceCantileverInAnyDirection) {
     EXPECT_TRUE(modes.certified);
     if (straight.eigenvalues.size() == 0) {
       straight = modes;
-      // Bending along z is that of the plane beam.
+      // Bending along z equals that of the plane beam.
       const Beam beam{.length = 2.0,
                       .elements = 40,
                       .supports = named_supports("cantilever", 2.0),
@@ -178,8 +178,8 @@ TEST(StructureModes, ASpaceCantileverInAnyDirection) {
   }
 }
 
-/// A space frame that nothing holds has six rigid motions, which strain nothing, however it is
-/// turned and moved; and its frequencies stay.
+/// A free space frame has six strain-free rigid motions and the same frequencies in every position
+/// and orientation.
 TEST(StructureModes, RigidMotionsAndRotationOfASpaceFrame) {
   const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};
   Eigen::Matrix3d turn;
@@ -219,9 +219,9 @@ TEST(StructureModes, RigidMotionsAndRotationOfASpaceFrame) {
   }
 }
 
-/// A hinge is a soft joint's limit and a rigid one its other; a joint of stiffness k holds as its
-/// spring does.
-TEST(StructureModes, JointsBetweenHingeAndRigid) {
+/// A hinge and a rigid joint are the limits of a flexible joint; a joint of stiffness k acts like a
+/// spring of that stiffness.
+TEST(StructureModes, JointStiffnessInterpolatesBetweenHingeAndRigid) {
   Structure s = square_frame(10, 5.0 / 6.0);
   const auto f = [&](double stiffness) {
     s.members[0].ends[1].rotation.fill(stiffness);
@@ -236,9 +236,9 @@ TEST(StructureModes, JointsBetweenHingeAndRigid) {
   EXPECT_LT(middle, rigid);
 }
 
-/// Euler: P = π² EI / L² of a pinned column takes its first frequency to zero, by
-/// f² = f₀² (1 - P/P_E).
-TEST(StructureModes, AxialLoadAtEulers) {
+/// Euler: P = π² EI / L² reduces the first frequency of a pinned column to zero, by f² = f₀² (1 -
+/// P/P_E).
+TEST(StructureModes, AxialLoadReducesFrequenciesUpToBuckling) {
   const Material material{.young = 210e9, .poisson = 0.3, .density = 7850.0};
   Structure s{.dimension = 2, .nodes = {{"foot", {0, 0, 0}}, {"head", {0, 4, 0}}}, .members = {}};
   s.members.push_back(
@@ -270,8 +270,8 @@ TEST(StructureModes, NamesAMechanism) {
   }
 }
 
-/// The four-storey benchmark building of the IASC-ASCE task group (12 degrees of freedom, of which
-/// x and y are chains of storeys): intact, and with what its first damage case leaves of the first.
+/// The four-storey benchmark building of the IASC-ASCE task group (12 degrees of freedom, with
+/// chains of storeys in x and y), intact and with its first damage case.
 TEST(StructureModes, IascAsceBuilding) {
   const std::vector<double> masses = {3452.4, 2652.4, 2652.4, 1809.9};
   const auto frequencies = [&](double storey, double first) {
@@ -287,7 +287,7 @@ TEST(StructureModes, IascAsceBuilding) {
   expect_frequencies(frequencies(106.60e6, 58.37e6), {9.909}, 1e-4);
 }
 
-TEST(StructureModes, AFreeChainMovesRigidly) {
+TEST(StructureModes, FreeChainHasARigidBodyMode) {
   LumpedChain chain{.masses = {1.0, 1.0, 2.0},
                     .links = {{"a", {1, 2}, 100.0}, {"b", {2, 3}, 50.0}}};
   const StructureModes modes = structure_modes(discretise(chain), 3);
@@ -296,8 +296,7 @@ TEST(StructureModes, AFreeChainMovesRigidly) {
   EXPECT_GT(modes.frequencies_hz[1], 0.0);
 }
 
-// Which masses hang together was found in steps that grow with the square of their number: 20 000
-// masses took a minute to be prepared.
+// Regression: the search for connected masses took quadratic time; 20 000 masses needed a minute.
 TEST(StructureModes, LongChainsAreAssembledInLinearTime) {
   const auto seconds = [](int n) {
     LumpedChain chain;
@@ -313,7 +312,7 @@ TEST(StructureModes, LongChainsAreAssembledInLinearTime) {
   EXPECT_LT(seconds(160'000), 64.0 * few + 0.1) << "linear: 16 times as long";
 }
 
-TEST(StructureModes, GroupsOfMassesMoveRigidlyEachByItself) {
+TEST(StructureModes, EachFreeGroupOfMassesHasARigidBodyMode) {
   LumpedChain chain{.masses = {1.0, 1.0, 1.0, 1.0, 1.0},
                     .links = {{"a", {4, 5}, 1.0}, {"b", {2, 4}, 1.0}, {"c", {0, 1}, 1.0}}};
   const Eigen::MatrixXd motions = discretise(chain).rigid_motions;
@@ -322,7 +321,7 @@ TEST(StructureModes, GroupsOfMassesMoveRigidlyEachByItself) {
   EXPECT_EQ(motions.col(1), (Eigen::VectorXd(5) << 0, 0, 1, 0, 0).finished());
 }
 
-TEST(StructureModes, MatricesAreTheStructureTheyAreOf) {
+TEST(StructureModes, MatricesGiveTheModesOfTheirStructure) {
   const Mesh mesh(cross_of_arms(6, 5.0 / 6.0));
   const Discretisation& d = mesh.discretisation();
   MatrixStructure s{.mass = d.mass,
@@ -334,8 +333,8 @@ TEST(StructureModes, MatricesAreTheStructureTheyAreOf) {
   EXPECT_THROW((void)discretise(s), InvalidStructure);
 }
 
-/// A part that is scaled is the part assembled with another α; twice is once by the product.
-TEST(StructureModes, AScaledPartIsThatOfAnotherChange) {
+/// Scaling a part equals assembly with another α; two scalings equal one by the product.
+TEST(StructureModes, ScaledPartEqualsAnotherAlpha) {
   const Mesh mesh(cross_of_arms(6, 5.0 / 6.0));
   const Discretisation& d = mesh.discretisation();
   MatrixStructure s{.mass = d.mass,
@@ -354,13 +353,13 @@ TEST(StructureModes, AScaledPartIsThatOfAnotherChange) {
   EXPECT_THROW((void)changed(discretise(s), {.scalings = {{.part = 2}}}), std::invalid_argument);
   EXPECT_THROW((void)changed(discretise(s), {.scalings = {{.part = 0, .remaining = 0.0}}}),
                std::invalid_argument);
-  // No part of a structure of members, and of no low rank.
+  // Structures of members have no such parts, and the change has no low rank.
   EXPECT_THROW((void)changed(d, {.scalings = {{.part = 0, .remaining = 0.5}}}),
                std::invalid_argument);
 }
 
 /// A beam with springs and inner supports is a plane structure with the same frequencies.
-TEST(StructureModes, ABeamIsAStructure) {
+TEST(StructureModes, BeamEqualsItsPlaneStructure) {
   Beam beam{.length = 1.2,
             .elements = 24,
             .supports = {{.at = 0.0, .rotation = true, .stiffness = {}},
@@ -378,15 +377,16 @@ TEST(StructureModes, ABeamIsAStructure) {
   EXPECT_THROW((void)as_structure(beam), std::invalid_argument);
 }
 
-/// A mass is one for its own size, however large another; motions that depend on others are none.
-TEST(StructureModes, CountsMassesByTheirOwnSize) {
+/// Masses count relative to their own size, however large others are; dependent motions do not
+/// count.
+TEST(StructureModes, CountsMassesRelativeToTheirSize) {
   const auto count = [](const Eigen::MatrixXd& mass) {
     Discretisation d;
     d.mass = mass.sparseView();
     return mode_count(d);
   };
   EXPECT_EQ(count(Eigen::Vector3d(1e300, 1.0, 0.0).asDiagonal()), 2);
-  Eigen::MatrixXd rod(2, 2);  // one mass, felt by two motions
+  Eigen::MatrixXd rod(2, 2);  // one mass that takes part in two motions
   rod << 4.0, 2.0, 2.0, 1.0;
   EXPECT_EQ(count(rod), 1);
   Eigen::MatrixXd beside = Eigen::MatrixXd::Zero(4, 4);
@@ -396,9 +396,9 @@ TEST(StructureModes, CountsMassesByTheirOwnSize) {
   EXPECT_EQ(count(Eigen::MatrixXd::Zero(2, 2)), 0);
 }
 
-// A mass on a spring so soft, or so stiff, that its stiffness is lost in rounding beside the
-// others: once an empty search crashed. An answer, or a refusal.
-TEST(StructureModes, SpringsOfAnyStiffnessAreSolvedOrRefused) {
+// Regression: a mass on a spring so soft, or so stiff, that rounding removes its stiffness crashed
+// an empty search. Expects a result or an exception.
+TEST(StructureModes, SolvesOrRejectsSpringsOfAnyStiffness) {
   int refused = 0;
   for (int exponent = -40; exponent <= 40; ++exponent) {
     for (const int link : {0, 2}) {
@@ -416,7 +416,7 @@ TEST(StructureModes, SpringsOfAnyStiffnessAreSolvedOrRefused) {
   EXPECT_LT(refused, 120) << "of 162";
 }
 
-TEST(StructureModes, NothingIsCountedAtAnEigenvalue) {
+TEST(StructureModes, CountThrowsAtAnEigenvalue) {
   Discretisation d;
   d.mass = Eigen::MatrixXd(Eigen::Vector2d(1.0, 1.0).asDiagonal()).sparseView();
   d.stiffness = Eigen::MatrixXd(Eigen::Vector2d(4.0, 9.0).asDiagonal()).sparseView();

@@ -1,6 +1,6 @@
-// Reanalysis against full solutions, and those in long double, for random sets of every kind of
-// defect on every kind of structure. Short: 200 sets a structure, 20 of them in long double.
-// WHEELTAP_LONG_TESTS=1: 2000, and 300.
+// Compares reanalysis with full solutions, and with those in long double, for random sets of every
+// kind of defect on every kind of structure. Short: 200 sets per structure, 20 of them in long
+// double. WHEELTAP_LONG_TESTS=1: 2000 and 300.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -23,12 +23,13 @@ namespace wheeltap::fem {
 namespace {
 
 constexpr std::size_t kModes = 12;
-/// What is stated of frequencies where all modes are kept, relative.
+/// The stated relative accuracy of frequencies if all modes are kept.
 constexpr double kStated = 1e-9;
-/// Of shapes: an error of 1e-12 in λ is one of 1e-6 in what the mode is mixed with.
+/// Accuracy of shapes: an error of 1e-12 in λ gives a contribution of 1e-6 from a neighbouring
+/// mode.
 constexpr double kShapes = 1e-5;
 
-/// Elastic frequencies [Hz] in long double, the strains' products unrounded.
+/// Elastic frequencies [Hz] in long double, with unrounded products of the strains.
 std::vector<double> long_double_frequencies(const Discretisation& d, std::size_t count) {
   using Real = long double;
   using Matrix = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
@@ -54,8 +55,8 @@ std::vector<double> long_double_frequencies(const Discretisation& d, std::size_t
   return out;
 }
 
-/// What the shapes at some motions are off by, of the full solution's own size there, where modes
-/// are at least a thousandth apart.
+/// Errors of the shapes at some motions, relative to the full solution there, if modes are at least
+/// a thousandth apart.
 double shape_error(const StructureModes& full, const std::vector<SparseRow>& motions,
                    const std::vector<double>& shapes) {
   const auto n = static_cast<Eigen::Index>(motions.size());
@@ -76,7 +77,7 @@ double shape_error(const StructureModes& full, const std::vector<SparseRow>& mot
 
 using Draw = std::function<StructureChange(std::mt19937_64&)>;
 
-/// Draws sets, and holds every frequency against the full solution's within its stated bound.
+/// Draws sets, and compares every frequency with the full solution and its stated bound.
 void expect_agreement(const std::string& which, const Discretisation& given, const Draw& draw) {
   const bool full_numbers = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
   const int sets = full_numbers ? 2000 : 200, wide_sets = full_numbers ? 300 : 20;
@@ -95,7 +96,7 @@ void expect_agreement(const std::string& which, const Discretisation& given, con
       reanalysis.solve(
           change, workspace,
           {.frequencies_hz = f, .shapes = shapes, .motions = motions, .bounds_hz = bounds});
-    } catch (const ImpossibleChange&) {  // as the full solution must say, too
+    } catch (const ImpossibleChange&) {  // the full solution must throw as well
       EXPECT_ANY_THROW((void)structure_modes(changed(*d, change), static_cast<int>(kModes)))
           << which << ", set " << set;
       ++impossible;
@@ -131,13 +132,13 @@ void expect_agreement(const std::string& which, const Discretisation& given, con
             << " in long double " << worst_wide << "\n";
 }
 
-/// Terms of low rank as such.
+/// Low-rank terms directly.
 void expect_terms(const std::string& which, const Structure& s) {
   const Mesh mesh(s);
   expect_agreement(which, mesh.discretisation(),
                    [&](auto& random) { return random_change(mesh, random); });
 }
-/// What defects of all kinds make of them.
+/// Terms from defects of all kinds.
 void expect_defects(const std::string& which, const Structure& s) {
   const Mesh mesh(s);
   expect_agreement(which, mesh.discretisation(),
@@ -166,7 +167,7 @@ TEST(ReanalysisSets, DefectsOfPortals) {
 }
 
 /// Hinges, offsets, two materials in a member, a foundation, springs and point masses.
-TEST(ReanalysisSets, DefectsOfAFrameWithEverything) {
+TEST(ReanalysisSets, DefectsOfAFrameWithAllFeatures) {
   for (const int dimension : {2, 3}) {
     Structure s = portal(dimension, false);
     s.members[0].pieces.insert(s.members[0].pieces.begin(), s.members[0].pieces[0]);
@@ -201,7 +202,7 @@ TEST(ReanalysisSets, DefectsOfAFrameOfLumpedMasses) {
   }
 }
 
-/// Nothing but its nodes has a mass.
+/// Only its nodes have mass.
 TEST(ReanalysisSets, DefectsOfAStickOfPointMasses) {
   for (const bool free : {false, true}) {
     Structure s{.dimension = 2, .nodes = {}, .members = {}};
@@ -223,7 +224,8 @@ TEST(ReanalysisSets, DefectsOfAStickOfPointMasses) {
   }
 }
 
-/// Storeys left with down to a thousandth, masses more or less, springs to the ground.
+/// Storeys with as little as a thousandth of their stiffness, masses more or less, springs to
+/// ground.
 TEST(ReanalysisSets, Chains) {
   for (const bool free : {false, true}) {
     LumpedChain chain;
@@ -253,7 +255,7 @@ TEST(ReanalysisSets, Chains) {
   }
 }
 
-/// Of another program's matrices nothing is told apart: masses and springs at degrees of freedom.
+/// Matrices of another program have no members: masses and springs at degrees of freedom.
 TEST(ReanalysisSets, MatricesOfAnotherProgram) {
   Discretisation d = Mesh(portal(3, false)).discretisation();
   d.rest = d.stiffness;

@@ -18,8 +18,8 @@
 namespace wheeltap::fem {
 namespace {
 
-/// Of `sets` random changes (ten times as many with WHEELTAP_LONG_TESTS=1), frequencies by `kept`
-/// modes against full solutions.
+/// Compares frequencies with `kept` modes with full solutions for `sets` random changes (ten times
+/// as many with WHEELTAP_LONG_TESTS=1).
 void expect_bounds(const std::string& which, const Structure& s, int kept, int sets) {
   if (std::getenv("WHEELTAP_LONG_TESTS") != nullptr) sets *= 10;
   const Mesh mesh(s);
@@ -34,7 +34,7 @@ void expect_bounds(const std::string& which, const Structure& s, int kept, int s
     std::vector<double> f(12), bounds(12);
     try {
       few.solve(change, workspace, {.frequencies_hz = f, .bounds_hz = bounds});
-    } catch (const ImpossibleChange&) {  // it buckles, as the full solution must say, too
+    } catch (const ImpossibleChange&) {  // it buckles; the full solution must throw as well
       EXPECT_ANY_THROW((void)structure_modes(changed(*d, change), 12)) << which << ", " << trial;
       continue;
     }
@@ -58,8 +58,8 @@ void expect_bounds(const std::string& which, const Structure& s, int kept, int s
             << widest << "\n";
 }
 
-/// With few of its modes kept, a structure's frequencies are within their bounds of the whole
-/// one's, and below it only by rounding.
+/// With few kept modes, frequencies are within their bounds of those of the whole structure, and
+/// below them only by rounding.
 TEST(StructureReanalysis, FewModesBoundTheFrequencies) {
   for (const int dimension : {2, 3})
     for (const bool free : {false, true}) {
@@ -72,13 +72,13 @@ TEST(StructureReanalysis, FewModesBoundTheFrequencies) {
   expect_bounds("compressed", compressed, 40, 100);
   Structure lumped = braced_portal(12, 2);
   lumped.mass = Structure::Mass::lumped;
-  expect_bounds("lumped masses", lumped, 40, 500);  // its set 475 had the full solution wrong
-  // So few that many a bound is too wide, and the full solution takes its place.
+  expect_bounds("lumped masses", lumped, 40, 500);  // the full solution was wrong in its set 475
+  // So few that many bounds are too wide, and the structure is solved in full.
   expect_bounds("hardly any", braced_portal(12, 2), 14, 60);
 }
 
-/// What is taken away is compared with the mass that is there, not with what few modes see of it.
-TEST(StructureReanalysis, FewModesDoNotTakeMoreMassThanThereIs) {
+/// Removed mass is compared with the mass of the structure, not with that in the kept modes.
+TEST(StructureReanalysis, RejectsRemovingMoreMassThanThereIs) {
   const Mesh mesh(braced_portal(12, 2));
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
   const StructureReanalysis few(d, 6, 20), all(d, 6);
@@ -102,13 +102,13 @@ TEST(StructureReanalysis, FewModesDoNotTakeMoreMassThanThereIs) {
   EXPECT_GT(refused, 0);
 }
 
-TEST(StructureReanalysis, FewModesOfAnUnchangedStructureAreItsOwn) {
+TEST(StructureReanalysis, UnchangedStructureKeepsItsModes) {
   const Mesh mesh(braced_portal(12, 2));
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
   const StructureReanalysis few(d, 6, 20);
   auto workspace = few.make_workspace();
   std::vector<double> f(6), bounds(6);
-  // Nothing, a softening that leaves all, a spring at a clamped foot.
+  // No change, a softening with full stiffness, a spring at a clamped foot.
   const std::vector<StructureChange> changes = {
       {}, {.softenings = {{{{0, 1.0}}, 1.0}}}, {.springs = {{mesh.motion(0, Direction::x), 1e6}}}};
   for (const StructureChange& change : changes) {
@@ -118,9 +118,9 @@ TEST(StructureReanalysis, FewModesOfAnUnchangedStructureAreItsOwn) {
   }
 }
 
-/// Near buckling, what is lost of the stiffness may leave less than its share of a frequency, and
-/// beyond it nothing stands.
-TEST(StructureReanalysis, CompressedMembersMayBuckle) {
+/// Near buckling, lost stiffness may reduce a frequency by more than its share; beyond buckling
+/// there is no solution.
+TEST(StructureReanalysis, DetectsBucklingOfCompressedMembers) {
   Structure s = braced_portal(6, 2);
   double critical = 0.0;
   for (double low = 0.0, high = 1e9; high - low > 1e-3 * high;) {
@@ -166,8 +166,8 @@ TEST(StructureReanalysis, CompressedMembersMayBuckle) {
   EXPECT_GT(buckled, 0);
 }
 
-/// Shapes of a changed portal beside those of its full solution, within `tolerance` of the largest
-/// motion.
+/// Compares shapes of a changed portal with those of its full solution, within `tolerance` of the
+/// largest motion.
 void expect_shapes(int elements, int kept, double tolerance) {
   const Mesh mesh(braced_portal(elements, 2));
   const auto d = std::make_shared<const Discretisation>(mesh.discretisation());
@@ -196,12 +196,12 @@ TEST(StructureReanalysis, ShapesAreThoseOfTheChangedStructure) {
   expect_shapes(6, 0, 1e-6);
 }
 
-// An error of 1e-8 in λ is one of 1e-4 in the shape.
-TEST(StructureReanalysis, FewModesGiveShapes) {
+// An error of 1e-8 in λ gives one of 1e-4 in the shape.
+TEST(StructureReanalysis, FewModesGiveAccurateShapes) {
   expect_shapes(12, 40, 1e-4);
 }
 
-TEST(StructureReanalysis, RefusesWhatIsNoChange) {
+TEST(StructureReanalysis, RejectsInvalidChanges) {
   const Mesh mesh(braced_portal(2, 2));
   const StructureReanalysis reanalysis(
       std::make_shared<const Discretisation>(mesh.discretisation()), 4);

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Largest relative error of an eigenvalue, and of a shape by its angle in the mass.
+/// Largest relative error of an eigenvalue, and of a shape by its angle in the mass norm.
 struct Errors {
   double eigenvalue = 0.0, shape = 0.0;
 };
@@ -33,7 +33,8 @@ Errors errors(const Discretisation& d, const SubspaceModes::Found& found) {
   return out;
 }
 
-// From the nominal frame's modes to those of frames with other moduli, heights, masses and damage.
+// From the modes of the nominal frame to those of frames with other moduli, heights, masses and
+// damage.
 TEST(SubspaceModes, FindsTheModesOfChangedFrames) {
   const Mesh nominal(parametric::portal(200e9, 70e9, 7800.0, 0.01));
   const SubspaceModes solver(nominal.discretisation(), {.modes = 6, .tolerance = 1e-9});
@@ -55,14 +56,14 @@ TEST(SubspaceModes, FindsTheModesOfChangedFrames) {
   }
 }
 
-TEST(SubspaceModes, LeavesRigidMotionsOut) {
+TEST(SubspaceModes, ExcludesRigidMotions) {
   const auto family = parametric::shear_chain(60, false);
   const SubspaceModes solver(family.at(std::vector<double>{1000.0, 1200.0}), {.modes = 4});
   SubspaceModes::Found found;
   const Discretisation d = family.at(std::vector<double>{700.0, 2000.0});
   ASSERT_TRUE(solver.solve(d, found));
   EXPECT_LT(errors(d, found).eigenvalue, 1e-7);
-  // Few degrees of freedom: densely.
+  // Few degrees of freedom: solved densely.
   const auto small = parametric::shear_chain(5, false);
   const SubspaceModes dense(small.at(std::vector<double>{1000.0, 1200.0}), {.modes = 4});
   const Discretisation other = small.at(std::vector<double>{300.0, 5000.0});
@@ -71,8 +72,8 @@ TEST(SubspaceModes, LeavesRigidMotionsOut) {
   EXPECT_LT(errors(other, found).eigenvalue, 1e-10);
 }
 
-// A support that holds leaves fewer degrees of freedom than there were at first.
-TEST(SubspaceModes, SolvesInFullWhereDegreesOfFreedomAreHeld) {
+// A rigid support leaves fewer degrees of freedom than the first structure has.
+TEST(SubspaceModes, SolvesInFullIfDegreesOfFreedomDiffer) {
   const Mesh mesh(parametric::portal(200e9, 70e9, 7800.0, 0.01));
   const SubspaceModes solver(mesh.discretisation(), {.modes = 4});
   StructureChange change;
@@ -84,7 +85,7 @@ TEST(SubspaceModes, SolvesInFullWhereDegreesOfFreedomAreHeld) {
   EXPECT_LT(errors(d, found).eigenvalue, 1e-9);
 }
 
-TEST(SubspaceModes, DegreesOfFreedomWithoutMass) {
+TEST(SubspaceModes, AcceptsDegreesOfFreedomWithoutMass) {
   const MatrixStructure s = parametric::floors(20);
   const SubspaceModes solver(discretise(s), {.modes = 5});
   MatrixStructure softer = s;
@@ -95,7 +96,7 @@ TEST(SubspaceModes, DegreesOfFreedomWithoutMass) {
   EXPECT_LT(errors(d, found).eigenvalue, 1e-7);
 }
 
-TEST(SubspaceModes, SaysWhereThereIsNoStructure) {
+TEST(SubspaceModes, ReturnsFalseWithoutAStructure) {
   const auto buckled = Mesh(parametric::portal(200e9, 70e9, 7800.0, 0.01, -1e6)).discretisation();
   const SubspaceModes solver(Mesh(parametric::portal(200e9, 70e9, 7800.0, 0.01)).discretisation(),
                              {.modes = 3});
