@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "identification/structural/damage/damage_findings.hpp"
@@ -128,6 +129,24 @@ TEST(StructuralProblem, AForwardModelOfOnesOwnFindsDamage) {
   EXPECT_NEAR(found.log_likelihood, expected, 1e-9 * std::abs(expected));
   std::vector<double> slope(2);
   EXPECT_FALSE(likelihood->gradient(1, x, slope)) << "the model has no slopes";
+}
+
+TEST(StructuralProblem, EvaluationsAreValuesInMemoryThatIsReused) {
+  const auto problem = make_damage_problem(small_beam(1), {});
+  const auto likelihood = problem->problem.likelihood();
+  const std::vector<double> x = {0.3, 0.2}, other = {0.7, 0.5};
+  inference::Evaluation out = likelihood->evaluation(1, x);
+  const inference::Evaluation before = out;
+  const double *prediction = out.prediction.data(), *residuals = out.residuals.data();
+  likelihood->evaluate(-std::numeric_limits<double>::infinity(), 1, other, out);
+  EXPECT_NE(out.prediction, before.prediction);
+  EXPECT_NE(out.log_likelihood, before.log_likelihood);
+  likelihood->evaluate(-std::numeric_limits<double>::infinity(), 1, x, out);
+  EXPECT_EQ(out.prediction, before.prediction);
+  EXPECT_EQ(out.residuals, before.residuals);
+  EXPECT_EQ(out.log_likelihood, before.log_likelihood);
+  EXPECT_EQ(out.prediction.data(), prediction);
+  EXPECT_EQ(out.residuals.data(), residuals);
 }
 
 /// A static test: the deflection per load of one sensor, Σ φ² / λ over all modes, mass-normalised.

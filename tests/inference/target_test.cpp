@@ -165,6 +165,18 @@ class Smooth : public Likelihood {
   bool offers_;
 };
 
+TEST(Likelihood, AnEvaluationHoldsNothingOfTheOneBefore) {
+  Smooth likelihood(true);
+  Evaluation out{
+      .log_likelihood = 1.0, .prediction = {2.0}, .residuals = {3.0}, .noise_scale = 4.0};
+  const std::vector<double> x = {0.5};
+  likelihood.evaluate(-kInfinity, 0, x, out);
+  EXPECT_EQ(out.log_likelihood, likelihood.log_likelihood(0, x));
+  EXPECT_TRUE(out.prediction.empty());
+  EXPECT_TRUE(out.residuals.empty());
+  EXPECT_EQ(out.noise_scale, 1.0);
+}
+
 Problem smooth(bool offers) {
   Problem problem = one_model({{"uniform", Uniform{-3.0, 5.0}},
                                {"log uniform", LogUniform{1e-3, 1e4}},

@@ -76,7 +76,7 @@ std::vector<inference::ComponentKind> component_kinds(const DamageCase& damage_c
   return kinds;
 }
 
-/// What was observed in place of numbered frequencies.
+/// The scatters of measured modes; none where frequencies are numbered.
 UnknownScatters scatters_of(const DamageCase& damage_case) {
   return UnknownScatters(damage_case.modal ? *damage_case.modal : ModalData{});
 }
