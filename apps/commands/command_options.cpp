@@ -52,6 +52,24 @@ CLI::Validator seconds() {
                 [](double x) { return x >= 0.0 && x <= 1e9; });
 }
 
+Command sampled_command(Command command, bool may_reach_out, const char* resumed) {
+  command.on_all_ranks = true;
+  command.case_kind = command.name;
+  command.add_options = [may_reach_out, resumed](CommandOptions& options) {
+    options.add_run();
+    if (may_reach_out) options.add_permissions();
+    options.add_limits();
+    options.add_dry_run();
+    options.add_resume("go on where an interrupted " + std::string(resumed) +
+                       " stopped; print a finished one again");
+  };
+  if (!command.run)
+    command.run = [make = command.make_run](const Invocation& asked) {
+      run_case(*make(case_to_sample(asked.common, asked.sampling), asked.common, asked.sampling));
+    };
+  return command;
+}
+
 void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arrays) {
   const std::string rest = " of delimited text; detected unless given";
   command
@@ -202,24 +220,6 @@ void CommandOptions::add_quiet() {
 
 void CommandOptions::add_resume(const std::string& what) {
   app_.add_flag("--resume", invocation_.common.resume, what);
-}
-
-Command sampled_command(Command command, bool may_reach_out, const char* resumed) {
-  command.on_all_ranks = true;
-  command.case_kind = command.name;
-  command.add_options = [may_reach_out, resumed](CommandOptions& options) {
-    options.add_run();
-    if (may_reach_out) options.add_permissions();
-    options.add_limits();
-    options.add_dry_run();
-    options.add_resume("go on where an interrupted " + std::string(resumed) +
-                       " stopped; print a finished one again");
-  };
-  if (!command.run)
-    command.run = [make = command.make_run](const Invocation& asked) {
-      run_case(*make(case_to_sample(asked.common, asked.sampling), asked.common, asked.sampling));
-    };
-  return command;
 }
 
 }  // namespace wheeltap::apps
