@@ -29,7 +29,6 @@ std::string shown(std::string_view text) {
   return "'" + printable(in_utf8(text.substr(0, kShown))) + "'";
 }
 
-/// "1,5": a number with a decimal comma.
 bool has_decimal_comma(std::string_view text) {
   return std::count(text.begin(), text.end(), ',') == 1 && parse_number(text, ',');
 }

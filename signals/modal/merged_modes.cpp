@@ -46,7 +46,6 @@ std::vector<int> common_sensors(const std::vector<SetUpModes>& set_ups, int sens
   return out;
 }
 
-/// Channels of the references, in the order of the references.
 std::vector<int> reference_channels(const SetUpModes& set_up, const std::vector<int>& references) {
   std::vector<int> out;
   for (const int k : references)

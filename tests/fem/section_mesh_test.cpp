@@ -25,7 +25,6 @@ double area(const TriangleMesh& mesh, int region = -1) {
   return sum;
 }
 
-/// Smallest angle of all triangles [degrees].
 double smallest_angle(const TriangleMesh& mesh) {
   double least = 180.0;
   for (const auto& corners : mesh.triangles)

@@ -31,7 +31,6 @@ void require_sizes(const StructureReanalysis::Results& results) {
                                 ": must be empty or " + std::to_string(n * results.motions.size()));
 }
 
-/// Shapes from `first` on, of the full solution.
 void write_full_shapes(const Discretisation& intact, const StructureChange& change, int first,
                        const StructureReanalysis::Results& results) {
   const auto count = static_cast<int>(results.frequencies_hz.size());
