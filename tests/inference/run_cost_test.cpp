@@ -1,13 +1,16 @@
-// Likelihood calls of the stages, cost of a quick run, and results of a stopped run.
+// Likelihood calls of the stages, cost of a quick run, estimates before a run, and results of a
+// stopped run.
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <limits>
 #include <memory>
 #include <string>
 #include <utility>
 
 #include "inference/diagnosis/verdict.hpp"
 #include "inference/engine/reversible_jump.hpp"
+#include "inference/engine/run_cost.hpp"
 #include "tests/inference/toy_problems.hpp"
 
 namespace wheeltap::inference {
@@ -170,6 +173,27 @@ TEST(RunCost, StoppedInItsFirstSearchKeepsItsModes) {
   const Posterior posterior = reversible_jump(lines(), options);
   EXPECT_TRUE(posterior.stopped_early);
   EXPECT_FALSE(posterior.found.empty() || posterior.found[0].modes.empty());
+}
+
+constexpr double kNoFolder = std::numeric_limits<double>::infinity();
+
+TEST(RunCost, CountsLikelihoodsByChainsAndDraws) {
+  const ProblemSize size{.dimensions = 2.0, .largest = 2.0, .seconds_a_likelihood = 1e-3};
+  const Options options{.chains = 2, .threads = 1, .warmup = 1000, .draws = 500};
+  const RunCost cost = cost_of_sampling(size, options, kNoFolder);
+  EXPECT_DOUBLE_EQ(cost.likelihoods, 2.0 * (1000.0 + 4.0 * 500.0));
+  EXPECT_DOUBLE_EQ(cost.seconds, 1e-3 * cost.likelihoods);
+  EXPECT_EQ(cost.disk, 0.0);
+}
+
+TEST(RunCost, KeepsDrawsOnTheDiskAboveTheLimitOfMemory) {
+  const ProblemSize size{.largest = 10.0};
+  const Options options{.chains = 4, .warmup = 1000, .draws = 1'000'000};
+  const RunCost in_memory = cost_of_sampling(size, options, kNoFolder);
+  const RunCost on_disk = cost_of_sampling(size, options, 64e6);
+  EXPECT_EQ(in_memory.disk, 0.0);
+  EXPECT_GT(on_disk.disk, 4e6 * 8.0 * 10.0);
+  EXPECT_LT(on_disk.bytes, in_memory.bytes);
 }
 
 }  // namespace
