@@ -1,6 +1,7 @@
 #include "dynamics/step_check.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <utility>
 
 namespace wheeltap::dynamics {

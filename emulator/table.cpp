@@ -1,6 +1,7 @@
 #include "emulator/table.hpp"
 
 #include <algorithm>
+#include <functional>
 #include <stdexcept>
 
 namespace wheeltap::emulator {

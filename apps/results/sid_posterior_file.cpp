@@ -1,6 +1,7 @@
 #include "apps/results/sid_posterior_file.hpp"
 
 #include <algorithm>
+#include <cmath>
 
 #include "apps/results/posterior_file.hpp"
 #include "base/random.hpp"

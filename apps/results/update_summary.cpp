@@ -1,5 +1,7 @@
 #include "apps/results/update_summary.hpp"
 
+#include <cmath>
+
 #include "apps/draw_columns.hpp"
 #include "apps/text/answer.hpp"
 #include "apps/text/update_words.hpp"

@@ -1,5 +1,7 @@
 #include "apps/text/damage_words.hpp"
 
+#include <cmath>
+
 #include "apps/words.hpp"
 
 namespace wheeltap::apps {

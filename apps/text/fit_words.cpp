@@ -1,5 +1,6 @@
 #include "apps/text/fit_words.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "apps/words.hpp"

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "inference/diagnosis/convergence.hpp"
 #include "inference/engine/follow.hpp"

@@ -1,7 +1,9 @@
 #include "inference/exploration/starting_points.hpp"
 
+#include <cmath>
 #include <limits>
 #include <memory>
+#include <utility>
 
 #include "base/parallel.hpp"
 #include "base/parcel.hpp"

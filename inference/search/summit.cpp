@@ -1,5 +1,7 @@
 #include "inference/search/summit.hpp"
 
+#include <cmath>
+
 #include "base/constants.hpp"
 #include "base/eigen_solvers.hpp"
 

@@ -1,5 +1,6 @@
 #include "io/drawings/outline_file.hpp"
 
+#include <algorithm>
 #include <cmath>
 
 #include "io/bytes.hpp"

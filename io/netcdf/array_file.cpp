@@ -4,6 +4,7 @@
 #include <filesystem>
 #include <fstream>
 #include <optional>
+#include <utility>
 
 #include "base/constants.hpp"
 #include "io/netcdf/netcdf_classic.hpp"

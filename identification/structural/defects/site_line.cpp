@@ -1,6 +1,7 @@
 #include "identification/structural/defects/site_line.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <limits>
 #include <numeric>
 #include <stdexcept>
