@@ -16,8 +16,8 @@
 
 namespace wheeltap::inference {
 
-/// Effects of single components, one atlas per kind (null if there is none). Computed once and shared
-/// by all chains.
+/// Effects of single components, one atlas per kind (null if there is none). Computed once and
+/// shared by all chains.
 using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 [[nodiscard]] Atlases make_atlases(const Problem& problem, const Options& options,
                                    long& evaluations);
