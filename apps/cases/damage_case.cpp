@@ -280,7 +280,7 @@ void check_beam_modes(const CaseFile& f, DamageCase& out) {
   }
 }
 
-void check_modes(const CaseFile& f, DamageCase& out) {
+void check_damage_modes(const CaseFile& f, DamageCase& out) {
   if (out.structure) {
     check_structure_modes(f, out);
   } else {
@@ -375,7 +375,7 @@ void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
 SimulatedModes simulated_modes(const CaseFile& f, DamageCaseFile& parsed) {
   DamageCase& out = parsed.damage;
   take_data(f, out);
-  check_modes(f, out);
+  check_damage_modes(f, out);
   warn_of(out.structure ? implausible(out.structure->nominal) : implausible(out.beam));
   const Simulation& simulation = *out.simulation;
   out.data = explained(parsed, [&] { return simulate(out, simulation.seed); });
@@ -485,7 +485,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   } else if (json.contains("data")) {
     take_data(f, out);
   }
-  check_modes(f, out);
+  check_damage_modes(f, out);
   if (needs == Needs::structure || states) return parsed;
   if (out.data.frequencies_hz.empty()) simulate_data(f, parsed);
   finish_data(f, out);
