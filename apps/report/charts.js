@@ -11,6 +11,10 @@ const charts = (() => {
   const { responses } = recordCharts;
   const { marginal, pair, history, visits, running, acceptance } = samplingCharts;
 
+  // Charts of the results, in the order of the page: a chart maps a run to its figures, none if the
+  // run lacks their data.
+  const ofResults = [evidence, residuals, mac, shapes, responses];
+
   function figures(run) {
     if (run.summary.sweep) return sweep(run);
     const { summary, draws } = run;
@@ -30,8 +34,7 @@ const charts = (() => {
       const mapped = (summary.discovery?.laws || []).filter((law) => law.map?.length).map((law) => law.between.join(' – '));
       out.push(...chain(run), ...(summary.terms ? [] : laws(run)), ...loops(run).filter((f) => !(f.id.startsWith('restoring-force') && mapped.includes(f.group))));
     }
-    out.push(...evidence(run));
-    out.push(...residuals(run), ...mac(run), ...shapes(run), ...responses(run));
+    out.push(...ofResults.flatMap((chart) => chart(run)));
     // Draws that could not be written have no pictures.
     const drawn = draws.parameters || {};
     for (const [model, list] of Object.entries(drawn)) {
@@ -54,5 +57,5 @@ const charts = (() => {
     }
     return out;
   }
-  return { figures, themes, number, percent, probability, pValue, r2, bracketed };
+  return { figures, ofResults, themes, number, percent, probability, pValue, r2, bracketed };
 })();

@@ -9,7 +9,7 @@ const folder = path.join(__dirname, '../../apps/report');
 const files = fs.readFileSync(path.join(folder, 'assets.cmake'), 'utf8').match(/charts(_\w+)?\.js/g);
 const script = files.map((name) => fs.readFileSync(path.join(folder, name), 'utf8')).join('');
 // What is made within the script is copied: other prototypes are not equal.
-const { kit, modelCharts, chainCharts, recordCharts, samplingCharts } = vm.runInNewContext(script + '; ({ kit, modelCharts, chainCharts, recordCharts, samplingCharts })');
+const { charts, kit, modelCharts, chainCharts, recordCharts, samplingCharts } = vm.runInNewContext(script + '; ({ charts, kit, modelCharts, chainCharts, recordCharts, samplingCharts })');
 const copied = (x) => JSON.parse(JSON.stringify(x));
 const light = kit.themes.light;
 
@@ -160,4 +160,16 @@ test('the MAC of an update shows every pair that was compared, and no other', ()
   const shapes = modeCharts.shapes(run);
   assert.deepEqual(copied(shapes.map((s) => s.title)), ['Shape of mode 1', 'Shape of mode 3']);
   assert.deepEqual(copied(modeCharts.mac({ summary: { data: {} } })), []);
+});
+
+test('a chart that is added to the list is a figure of the page', () => {
+  const summary = { wheeltap: { case: {} }, models: [{ name: 'm', probability: 1 }], parameters: {}, diagnostics: { acceptance: {} } };
+  const run = { summary, draws: { pairs: {} }, unknowns: {}, responses: {} };
+  const added = (r) => [{ id: 'count', group: 'results', title: `${r.summary.models.length} model`, spec: () => ({}), table: () => [] }];
+  charts.ofResults.push(added);
+  try {
+    assert.deepEqual(copied(charts.figures(run).filter((f) => f.id === 'count').map((f) => f.title)), ['1 model']);
+  } finally {
+    charts.ofResults.pop();
+  }
 });
