@@ -78,9 +78,9 @@ MeasuredTable table_of(io::Columns columns, std::optional<double> stated, bool r
     }
   }
   if (time < 0 && !stated)
-    if (const std::optional<Sampling> said = said_sampling(record)) {
-      out.sampling = *said;
-      out.sample_rate_hz = said->rate_hz;
+    if (const std::optional<Sampling> stated_sampling = sampling_from_header(record)) {
+      out.sampling = *stated_sampling;
+      out.sample_rate_hz = stated_sampling->rate_hz;
     }
   for (std::size_t c = 0; c < record.columns.size(); ++c) {
     if (static_cast<int>(c) == time || record.columns[c].values.empty() ||

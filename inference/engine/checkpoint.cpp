@@ -76,7 +76,7 @@ struct CheckpointFields {
     a("name", m.name, "proposed", m.proposed, "accepted", m.accepted);
   }
   template <class A>
-  static void of(A& a, In<A, Lesson>& l) {
+  static void of(A& a, In<A, AdaptationState>& l) {
     a("steps", l.steps, "begun", l.begun, "ended", l.ended, "round_scans", l.round_scans, "scans",
       l.scans, "barrier", l.barrier, "learnt", l.learnt);
   }
@@ -84,7 +84,7 @@ struct CheckpointFields {
   static void of(A& a, In<A, ChainState>& c) {
     a("state", c.state, "iteration", c.iteration, "target", c.target, "ladder", c.ladder, "by_rung",
       c.by_rung, "models", c.models, "records", c.records, "kept", c.kept, "at_mode", c.at_mode,
-      "moves", c.moves, "proposed", c.proposed, "accepted", c.accepted, "lesson", c.lesson);
+      "moves", c.moves, "proposed", c.proposed, "accepted", c.accepted, "lesson", c.adaptation);
   }
   template <class A>
   static void of(A& a, In<A, Mode>& m) {
@@ -92,7 +92,7 @@ struct CheckpointFields {
       m.log_mass, "climbs", m.climbs);
   }
   template <class A>
-  static void of(A& a, In<A, WeightyModes>& w) {
+  static void of(A& a, In<A, CountedModes>& w) {
     a("modes", w.modes, "precisions", w.precisions, "shares", w.shares);
   }
   template <class A>
