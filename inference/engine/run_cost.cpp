@@ -17,7 +17,7 @@ constexpr double kThin = 4;
 // Beside likelihoods: proposals, mixtures and what is kept of an iteration, and of a run [s of
 // processor]. Measured on a core of 2.5 GHz (docs/scale.md).
 constexpr double kBesidesACall = 3e-6, kBesidesADimension = 2e-7, kBesidesARun = 0.3;
-constexpr double kSlices = 8.0;  // of a search, at the same time
+constexpr double kSearchSlices = 8.0;  // of a search, at the same time
 
 }  // namespace
 
@@ -54,7 +54,7 @@ void measure(RunCost& cost, const Problem& problem, const Options& options, doub
   const double drawing = (plan.tune + plan.sample + plan.evidence) * (time.middle + besides);
   cost.likelihoods = plan.calls();
   cost.seconds_a_likelihood = time.middle;
-  cost.seconds = cost.preparation + searching / std::min(threads, kSlices) +
+  cost.seconds = cost.preparation + searching / std::min(threads, kSearchSlices) +
                  drawing / std::min(threads, static_cast<double>(options.chains)) + kBesidesARun;
 }
 
