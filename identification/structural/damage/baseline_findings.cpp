@@ -92,7 +92,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
   }
 
   for (int m = 0; m < space.size(); ++m) {
-    std::vector<std::size_t> here;  // places in `weights`
+    std::vector<std::size_t> here;  // indices in `weights`
     std::vector<const double*> thetas;
     std::size_t at = 0;
     draws.for_each([&](std::size_t c, std::size_t i) {

@@ -19,7 +19,7 @@ using inference::ChainsOf;
 using inference::Posterior;
 using Component = DamageProblem::Component;
 
-// ---- where ---------------------------------------------------------------------------------
+// ---- places --------------------------------------------------------------------------------
 
 KindFinding where(const UnpackedDraws& draws, int kind) {
   const SiteLine& line = draws.problem().damage_case.kinds[static_cast<std::size_t>(kind)].line;
@@ -53,14 +53,14 @@ KindFinding where(const UnpackedDraws& draws, int kind) {
   return out;
 }
 
-// Stretches of beam that hold a tenth of a defect or more, from the expected number per element.
+// Stretches of beam with an expected number of defects of 0.1 or more, from that per element.
 std::vector<Place> places(const UnpackedDraws& draws, int kind,
                           const std::vector<double>& overall) {
   const DamageProblem& problem = draws.problem();
   const SiteLine& line = problem.damage_case.kinds[static_cast<std::size_t>(kind)].line;
   constexpr double kTenth = 0.1;
-  // What a uniform spread of the expected number would put on an element is background; joints and
-  // storeys are few, and each is told.
+  // A uniform spread of the expected number counts as background. Joints and storeys are few and
+  // have no background.
   const bool points = !line.is_beam() && line.stretches().front().size == 0.0;
   const double total = std::accumulate(overall.begin(), overall.end(), 0.0);
   const double background = points ? 0.0 : 2.0 * total / static_cast<double>(overall.size());
@@ -109,9 +109,9 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
   return list;
 }
 
-// ---- what the data cannot say --------------------------------------------------------------
+// ---- limits of the data --------------------------------------------------------------------
 
-// What stands on both sides of a component, given where all of them are.
+// Neighbours of a component on both sides, for these mean locations.
 std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& draws,
                                                          const std::vector<double>& means,
                                                          std::size_t component,
@@ -134,8 +134,8 @@ std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& dr
   return {below, above};
 }
 
-// Models with at least as many unknowns as data, and what they hide. Where shapes were measured,
-// too, frequencies are not all the data.
+// Reports models with at least as many unknowns as data, and the defects that they could hide. Does
+// not apply if shapes were measured, because frequencies are then not all the data.
 void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
                   std::vector<Remark>& remarks) {
   const DamageProblem& problem = draws.problem();
@@ -166,7 +166,7 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
       if (smaller < 0 || model.counts[k] < 2 || !kind.line.is_beam()) continue;
       const ModelFinding& other = models[static_cast<std::size_t>(smaller)];
       if (other.parameters.empty()) continue;
-      // The component that the smaller model explains least is the hidden one.
+      // The hidden component is the one farthest from all components of the smaller model.
       const auto location = [&](const ModelFinding& of, int n) -> const Marginal& {
         return *of.find(static_cast<int>(k), n, 0);
       };
@@ -194,12 +194,12 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
   }
 }
 
-// Draws from one evaluation of the emulator to the next, where all of them would take minutes.
+// Interval of draws between evaluations of a slow emulator; all draws would take minutes.
 long emulator_stride(const DamageProblem& problem) {
   return problem.emulator && !problem.exact() && problem.emulator->is_slow() ? 50 : 1;
 }
 
-// How well the best models reproduce the data, and whether they do at all.
+// Fit of the models to the data, and the verdict on it.
 std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
                               std::vector<Remark>& remarks) {
   const DamageProblem& problem = draws.problem();
@@ -217,7 +217,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   long all = 0;
   for (const auto& chain : posterior.chains) all += static_cast<long>(chain.model.size());
   if (problem.by_modes()) stride = std::max(1L, all / kSolved);  // each is solved again
-  // Of those visited, so many are remembered mode by mode.
+  // Interval of the draws whose values per mode are kept.
   const long kept_every = stride * std::max(1L, all / (stride * kKept));
   StructuralPredictor by_shapes(problem);
   ModeObservation::Scored scored;
@@ -246,7 +246,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
       mean_p += weight * chi_square_tail(std::max(score.freedoms, 1), score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
-      // In units of all that they may be off by: what the model leaves out is a part of it.
+      // Normalised by the full covariance, which includes the model discrepancy.
       std::vector<int> with;
       const Eigen::MatrixXd covariance =
           problem.modes().covariance(scored, problem.modal_noise(x), with);
@@ -305,7 +305,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   return out;
 }
 
-// Damage from changes, by a model whose frequencies are off.
+// Reports damage inferred from changes by a model with inaccurate frequencies.
 void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
                      std::vector<Remark>& remarks) {
   constexpr double kOff = 0.003;
@@ -329,7 +329,7 @@ void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>
     remarks.push_back(remark::ChangesTakenForExact{sum / weights});
 }
 
-// Severities that pile up at the upper bound of their prior, or counts at the largest allowed.
+// Reports severities at the upper bound of their prior, and counts at the largest allowed.
 void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
             std::vector<Remark>& remarks) {
   const auto& kinds = draws.problem().damage_case.kinds;
@@ -343,7 +343,7 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
     }
     const inference::Prior* severity = kinds[k].severity_prior();
     if (severity == nullptr || !std::isfinite(severity->upper())) continue;
-    // Shares and quantiles: some ten thousand draws are enough, millions are not held.
+    // For shares and quantiles some ten thousand draws suffice; millions do not fit into memory.
     constexpr std::size_t kEnough = 20'000;
     std::size_t all = 0;
     for (const inference::Chain& chain : draws.posterior().chains) all += chain.size();
@@ -362,8 +362,8 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
   }
 }
 
-// A place on a structure is told as the member (node, link) that it is on, and, of a member, how
-// far along: two findings in place of the one of the line's number.
+// Replaces the location on the line of a structure by the site (member, node, link) and, for a
+// member, by the position along it.
 void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
   const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
   for (std::size_t m = 0; m < models.size(); ++m) {
@@ -521,7 +521,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.emulator = emulator_finding(*problem.emulator, damage_case.data.sd_hz);
     out.emulator->exact = problem.exact();
     out.emulator->error_in_likelihood = damage_case.emulator->emulator_error;
-    // Some dozens of runs of a model that may cost minutes; of ours what a second buys.
+    // For an external model a few dozen runs, which may take minutes; for the FE solution more.
     constexpr int kOfOutside = 50;
     out.emulator->check = problem.program() != nullptr
                               ? check_emulator(problem, posterior, kOfOutside)

@@ -13,8 +13,8 @@ using inference::Posterior;
 
 namespace {
 
-/// Sd [Hz] of each measured frequency about the model's, where what the model leaves out is
-/// inferred: the mean over a few hundred draws, since each is solved again. 0 elsewhere.
+/// Sd [Hz] of each measured frequency about the model's for an inferred discrepancy: the mean over
+/// a few hundred draws, because each is solved again. Otherwise 0.
 std::vector<double> inferred_scatter(const DamageProblem& problem, const Posterior& posterior) {
   std::vector<double> out(static_cast<std::size_t>(problem.damage_case.data.modes()));
   const auto& modal = problem.damage_case.modal;
@@ -72,7 +72,7 @@ void SingleModes::pass(int model, double weight, std::span<const double> x,
   std::vector<int> with;
   const Eigen::MatrixXd c = observed.covariance(scored, noise, with);
   ModalData data = observed.data();
-  if (doubted_) data.doubt = 0.5;  // any: the matching has counted the true one
+  if (doubted_) data.doubt = 0.5;  // any value: the matching used the true one
   const Eigen::VectorXd l = observed.with_errors(noise)
                                 ? observed.single_mode_densities(scored, noise)
                                 : single_mode_densities(data, with, c, scored.score);
@@ -82,7 +82,7 @@ void SingleModes::pass(int model, double weight, std::span<const double> x,
 }
 
 void SingleModes::tell(int winner, FitFinding& out) const {
-  // A winner by its evidence alone: what leaving a mode out would make of it, draws cannot say.
+  // The draws have no information about the effect of a mode on a model that was not drawn.
   const bool drawn = std::ranges::find(models_, winner) != models_.end();
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
     FitFinding::Mode& mode = out.modes[m];

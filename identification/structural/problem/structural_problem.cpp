@@ -28,7 +28,7 @@ class StructuralLikelihood final : public inference::Likelihood {
     predicted_.frequencies_hz.resize(rows);
     if (!predictor_.predict(model, x, by_modes ? Quantity::modes : Quantity::frequencies,
                             predicted_)) {
-      // The likelihood of what is no structure is 0.
+      // An impossible structure has likelihood 0.
       if (by_modes) return out.prediction.assign(rows, kNowhere);
       std::ranges::fill(predicted_.frequencies_hz, kNowhere);
       predicted_.error_variance.clear();
@@ -184,7 +184,7 @@ bool StructuralPredictor::gradient_of_modes(std::span<const double> x, std::span
                          scratch_,
                          out.subspan(first, static_cast<std::size_t>(problem_.structural))))
     return false;
-  // Scatters move no mode: differences cost next to nothing.
+  // Scatters do not change the modes, so differences are cheap.
   std::vector<double> moved(x.begin(), x.end());
   const auto value = [&] {
     return problem_.modes().score(scratch_, problem_.modal_noise(moved)).log_likelihood;
