@@ -12,7 +12,7 @@
 namespace wheeltap::identification {
 namespace {
 
-// Chains of two draws each that say exactly what is asked.
+// Chains of two draws each with exactly known expected numbers.
 inference::Posterior posterior_of(const DamageProblem& problem,
                                   const std::vector<std::vector<double>>& draws,
                                   const std::vector<int>& models) {
@@ -49,7 +49,7 @@ TEST(DamageFindings, ExpectedNumbersAreThoseOfTheDraws) {
   EXPECT_DOUBLE_EQ(kind.places[0].from, 0.3);
   EXPECT_DOUBLE_EQ(kind.places[0].expected, 0.75);
   EXPECT_NEAR(kind.places[0].severity->mean, 0.3, 1e-12);
-  EXPECT_TRUE(found.folded.empty()) << "a cantilever is not its own mirror image";
+  EXPECT_TRUE(found.folded.empty()) << "a cantilever is not symmetric";
 }
 
 TEST(DamageFindings, OfASymmetricBeamPlacesAreFolded) {

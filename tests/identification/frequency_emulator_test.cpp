@@ -18,8 +18,7 @@ namespace {
 using test::TemporaryDirectory;
 using testing::HasSubstr;
 
-// A beam on two supports with up to `most` damages in it, and an emulator that is its own mirror
-// image.
+// A simply supported beam with up to `most` damages, and a mirror-symmetric emulator.
 DamageCase beam_case(int elements, int most, const EmulatorSpec& spec) {
   DamageCase out = small_beam(most);
   out.beam.elements = elements;
@@ -92,7 +91,7 @@ TEST(FrequencyEmulator, IsAskedAtElementMidpoints) {
   std::vector<double> a(4), b(4);
   emulator.evaluate(std::vector<fem::Damage>{{0.401, 0.3}}, a);
   emulator.evaluate(std::vector<fem::Damage>{{0.499, 0.3}}, b);
-  EXPECT_EQ(a, b) << "both lie in one element";
+  EXPECT_EQ(a, b) << "both are in one element";
   emulator.evaluate(std::vector<fem::Damage>{{0.501, 0.3}}, b);
   EXPECT_NE(a, b);
 }
@@ -153,7 +152,7 @@ TEST(FrequencyEmulator, NamesThePriorThatReachesOutsideItsBox) {
   EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->part, InvalidInput::Part::severity);
 }
 
-// A frequency is nearly linear in compliance: with the same levels the error must fall.
+// A frequency is nearly linear in compliance, so with the same levels the error must decrease.
 TEST(FrequencyEmulator, ComplianceAndEverySiteLeaveLittleError) {
   DamageCase c = emulated_case();
   c.beam.elements = 100;
@@ -169,7 +168,7 @@ TEST(FrequencyEmulator, ComplianceAndEverySiteLeaveLittleError) {
   }
 }
 
-// A symmetric beam cannot tell a place from its mirror image; sites that are not symmetric would.
+// For a symmetric beam, a place and its mirror image are equivalent; asymmetric sites break this.
 TEST(FrequencyEmulator, AnswersForMirrorImagesAlike) {
   DamageCase symmetrised = emulated_case();
   symmetrised.emulator->symmetrise = true;
@@ -194,7 +193,7 @@ TEST(FrequencyEmulator, VarianceIsHonestOnFreshRuns) {
   const FrequencyEmulator emulator = trained(well_measured);
   for (int count = 1; count <= 2; ++count) {
     for (const auto& z : emulator.error(count).standardised) {
-      EXPECT_NEAR(z.rms, 1.0, 1e-6) << "what the scale is fitted to";
+      EXPECT_NEAR(z.rms, 1.0, 1e-6) << "the scale is fitted to this";
       EXPECT_LT(z.beyond_two, 0.12);
     }
   }
@@ -249,7 +248,7 @@ TEST(FrequencyEmulator, GrowsUntilItIsAccurate) {
       EXPECT_LT(made.holdout(1)[i].rmse, accuracy * intact[i]);
       EXPECT_LT(made.holdout(1)[i].max_error, 2.0 * accuracy * intact[i]);
     }
-    EXPECT_EQ(made.runs(1) > 40, accuracy < 1e-3) << "and no more runs than that takes";
+    EXPECT_EQ(made.runs(1) > 40, accuracy < 1e-3) << "only as many runs as necessary";
   }
 }
 
@@ -269,7 +268,7 @@ TEST_P(ScatteredEmulator, IsTrainedStoredAndReadBack) {
   EXPECT_FALSE(made.reaches_outside(c.kinds[0]));
   made.save(where / "t.nc", {});
   const auto read = FrequencyEmulator::load(where / "t.nc", c.beam, 2, 4);
-  // The priors' corners are inside, in whatever order the damages come to the ends.
+  // The priors' corners are inside, for both orders of the damages.
   for (const auto& damages : std::vector<std::vector<fem::Damage>>{
            {{0.0, 0.0}, {1.0, 0.6}}, {{0.0, 0.6}, {0.0, 0.0}}, {{0.31, 0.2}, {0.8, 0.4}}}) {
     std::vector<double> a(4), b(4), u(4), v(4);
@@ -328,13 +327,13 @@ TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
   const fem::Reanalysis reanalysis(c.beam, 3);
   EXPECT_THROW((void)FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 3, {}),
                io::FileError)
-      << "no grid";
+      << "not a grid";
   test::put_bytes(where / "twice.csv", loose + "0.0251,0.0,1,2,3\n");
   const DamageCase twice =
       beam_case(20, 1, own_runs(where / "twice.csv", emulator::kGaussianProcess));
   EXPECT_THROW((void)FrequencyEmulator::train(reanalysis, *twice.emulator, c.kinds[0], 3, {}),
                io::FileError)
-      << "one element, one reduction, twice";
+      << "the same element and reduction twice";
 }
 
 TEST(FrequencyEmulator, PartsMakeTheWhole) {

@@ -12,7 +12,7 @@ namespace {
 using dynamics::Frame;
 using dynamics::Quantity;
 
-// Without noise; measured as asked.
+// The simulated record of the case, without noise.
 SidCase clean(SidCase c) {
   c.truth->noise.assign(c.responses().size(), 0.0);
   return simulated(c);
@@ -24,7 +24,7 @@ double largest(const std::vector<double>& x) {
   return out;
 }
 
-// T = k e + c ė + k3 e³ of the balance of forces is that of the law, at every sample.
+// T = k e + c ė + k3 e³ from the balance of forces equals that of the law at every sample.
 TEST(LinkPaths, TheTensionIsThatOfTheLaw) {
   const SidCase c = clean(small_sid_case());
   const auto problem = make_sid_problem(c);
@@ -40,8 +40,8 @@ TEST(LinkPaths, TheTensionIsThatOfTheLaw) {
   }
 }
 
-// A measured acceleration gives the tension whatever the model's laws: here of the linear model.
-// The record was simulated with finer steps than the noise of the case asks of the model.
+// A measured acceleration gives the tension for any laws of the model, here the linear model. The
+// simulation used finer steps than the case's noise requires of the model.
 TEST(LinkPaths, TheMeasuredTensionIsTheDatasNotTheModels) {
   SidCase c = small_sid_case();
   c.channels[1] = {.column = "acceleration [m/s^2]",
@@ -64,7 +64,7 @@ TEST(LinkPaths, TheMeasuredTensionIsTheDatasNotTheModels) {
   EXPECT_GT(apart, 0.1 * largest(truth.tension));
 }
 
-// Of a chain of two with a link to the ground each, and of one that closes a loop.
+// A chain of two masses; a second link to the ground closes a loop.
 TEST(LinkPaths, LinksThatCloseALoopAreNotTold) {
   SidCase c = small_sid_case();
   for (SidModel& model : c.models) {
@@ -85,7 +85,7 @@ TEST(LinkPaths, LinksThatCloseALoopAreNotTold) {
   EXPECT_TRUE(link_paths(*make_sid_problem(clean(c)), 1, theta).empty());
 }
 
-// A displacement of little noise is differentiated; one of much is left alone.
+// A displacement with little noise is differentiated; one with much noise is not.
 TEST(LinkPaths, AccelerationsAreDifferentiatedWhereTheNoiseLetsThem) {
   SidCase c = small_sid_case();
   c.truth->excitations = {{.mass = 1, .signal = TrueExcitation::Sine{10.0, 1.0, 0.0}}};

@@ -57,11 +57,11 @@ TEST(ModeContributions, WhatThePosteriorLosesIsTheDivergence) {
   EXPECT_TRUE(out.reliable);
   double mean = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) mean += out.weights[i] * x[i];
-  // Five standard errors; weights of a wider normal are worth half of the draws.
+  // Five standard errors; the effective number of draws for weights of a wider normal is half.
   EXPECT_NEAR(mean, b, 5.0 * std::sqrt(v / (0.5 * kDraws)));
   EXPECT_NEAR(out.information, exact, 5.0 / std::sqrt(static_cast<double>(kDraws)));
 
-  // Draws that count twice are as two of them.
+  // A draw of weight two equals two draws.
   const std::vector<double> once = {-1.0, -2.0, -2.0}, twice = {-1.0, -2.0};
   const WithoutMode plain = without_mode(once),
                     weighted = without_mode(twice, std::vector{1.0, 2.0});

@@ -21,7 +21,7 @@ double sum_of(const MatrixXd& costs, const std::vector<int>& columns) {
   return sum;
 }
 
-// Against every arrangement of up to 6 rows in 7 columns.
+// Compares with all assignments of up to 6 rows to 7 columns.
 TEST(LeastCostAssignment, IsTheBestOfAll) {
   base::Random random(5, 0, 0, base::Purpose::test);
   for (int trial = 0; trial < 300; ++trial) {

@@ -36,7 +36,7 @@ TEST(PriorBound, APriorThatIsLeftAsItWasDoesNotPileUp) {
   EXPECT_EQ(bound_of(inference::Prior(inference::Uniform{0.0, 1.0}), draws), PriorBound::none);
 }
 
-// Where nothing negative exists, zero is no bound that a prior could widen.
+// For a positive quantity, zero is not a bound of the prior.
 TEST(PriorBound, ZeroIsTheQuantitysOwnBound) {
   EXPECT_EQ(
       bound_of(inference::Prior(inference::Uniform{0.0, 1.0}), normal_draws(0.0, 0.01, 0.0, 1.0)),

@@ -12,7 +12,7 @@ namespace {
 using test::TemporaryDirectory;
 using testing::HasSubstr;
 
-/// y = (x_0 + x_1, x_0 x_1), until it has answered `last` times.
+/// y = (x_0 + x_1, x_0 x_1), for the first `last` calls; then it fails.
 class Sums final : public OutsideModel {
  public:
   explicit Sums(int last = 1'000'000) : left_(last) {}
@@ -53,7 +53,7 @@ TEST(RememberedModel, AnotherRunKnowsWhatThisOneWasTold) {
     RememberedModel model(std::make_shared<Sums>(), path, "sums");
     for (int i = 0; i < 20; ++i) static_cast<void>(ask(model, {0.1 * i, 1.0 / 3.0}));
   }
-  // As of a run that was killed while it wrote: the last record is cut, and asked for again.
+  // As after a run killed while writing: the last record is truncated and is computed again.
   const auto size = std::filesystem::file_size(path);
   std::filesystem::resize_file(path, size - 3);
   const auto sums = std::make_shared<Sums>();
@@ -81,7 +81,7 @@ TEST(RememberedModel, AFailureIsFinalAndSaysWhatIsKept) {
       EXPECT_THAT(error.what(), HasSubstr("gone; 3 answers are kept in "));
     }
   }
-  EXPECT_EQ(sums->calls, 4);  // not asked a second time
+  EXPECT_EQ(sums->calls, 4);  // not called again
   EXPECT_EQ(ask(model, {1.0, 2.0}), (std::vector<double>{3.0, 2.0}));
 }
 

@@ -13,7 +13,7 @@
 namespace wheeltap::identification {
 namespace {
 
-// What the linear model cannot explain is smooth; what the true one leaves is the noise.
+// The residuals of the linear model are smooth; those of the true model are the noise.
 TEST(SidResiduals, OrdersAreChosenModelByModel) {
   SidCase c = simulated(small_sid_case());
   for (SidModel& model : c.models) model.residuals.chosen_kind = &kAutoregressive;
@@ -45,8 +45,8 @@ TEST(SidResiduals, EveryKindOfTheListMakesItsModels) {
   }
 }
 
-/// A residual model that the program does not have: E[r_n r_{n+k}] = σ² exp(-k / τ), τ in samples.
-/// With ρ = exp(-1 / τ), r_n given r_{n-1} is N(ρ r_{n-1}, σ² (1 - ρ²)).
+/// A user-defined residual model: E[r_n r_{n+k}] = σ² exp(-k / τ), τ in samples. With ρ = exp(-1 /
+/// τ), r_n given r_{n-1} is N(ρ r_{n-1}, σ² (1 - ρ²)).
 class CorrelationTime final : public ResidualModel {
  public:
   ResidualWords words() const override { return {.article = "a", .name = "correlation time"}; }
@@ -80,7 +80,7 @@ const remark::ColouredResiduals* coloured(const SidFindings& findings, const std
   return nullptr;
 }
 
-// A new residual model needs its class alone: the Duffing record with correlated noise, ρ = 0.9.
+// A new residual model needs only its class: the Duffing record with correlated noise, ρ = 0.9.
 TEST(SidResiduals, AModelThatTheProgramDoesNotHaveIsIdentified) {
   constexpr double kTau = 9.5, kSd = 0.02;
   SidCase c = small_sid_case();
@@ -107,7 +107,7 @@ TEST(SidResiduals, AModelThatTheProgramDoesNotHaveIsIdentified) {
   engine.warmup = 1000;
   engine.draws = 1000;
   const SidRun run = run_sid(c, {.engine = engine});
-  // The same density as that of an autoregression of order 1.
+  // The density equals that of an autoregression of order 1.
   SidCase same = c;
   same.models[0].residuals.model = kAutoregressive.make(1);
   EXPECT_NEAR(log_likelihood(*run.problem, 0, {50.0, 1000.0, 0.02, kTau}),

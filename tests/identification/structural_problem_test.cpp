@@ -1,5 +1,5 @@
-// What a user adds without a change of the library: a forward model, a kind of observation. (A type
-// of defect: defect_kind_test.cpp.)
+// User extensions without changes of the library: a forward model, a kind of observation. (For a
+// type of defect see defect_kind_test.cpp.)
 #include "identification/structural/problem/structural_problem.hpp"
 
 #include <gtest/gtest.h>
@@ -73,8 +73,8 @@ TEST(StructuralProblem, AForwardModelOfOnesOwnUpdates) {
   EXPECT_EQ(found.modes.size(), 2U);
 }
 
-/// A beam whose i-th frequency falls by half of r sin²(i π x) for each loss r at x, with an error
-/// of a hundredth.
+/// A beam whose i-th frequency decreases by half of r sin²(i π x) for each loss r at x, with an
+/// error of one hundredth.
 class RayleighModel final : public ForwardModel {
  public:
   explicit RayleighModel(std::vector<double> intact_hz) : intact_hz_(std::move(intact_hz)) {}
@@ -189,11 +189,11 @@ TEST(StructuralProblem, AnObservationOfOnesOwnUpdates) {
     for (std::size_t i = 0; i < k2[c].size(); ++i)
       flexibility[c][i] = 1.0 / flexibility[c][i] + 1.0 / k2[c][i];
   EXPECT_NEAR(inference::mean(flexibility), measured, 5.0 * sd)
-      << "a tenth of what the frequencies alone know";
+      << "a tenth of the sd from frequencies alone";
   EXPECT_EQ(update_findings(*both, posterior, {}, 1).modes.size(), 2U);
 }
 
-/// The ratio of the second frequency to the first, by an instrument of unknown scatter.
+/// The ratio of the second to the first frequency, by an instrument of unknown scatter.
 class Ratio final : public Observation {
  public:
   explicit Ratio(double measured) : measured_(measured) {}

@@ -48,7 +48,7 @@ TEST(StructurePlausibility, AYoungsModulusInGigapascalsIsSaid) {
   EXPECT_EQ(light->property, Property::density);
   EXPECT_DOUBLE_EQ(light->converted, 7850.0);
   EXPECT_EQ(implausible_material("", 2.1e11, 7.85e-9)->unit, "t/mm³");
-  // A weight in kN/m³ is a density that only the speed of sound tells.
+  // A weight in kN/m³ used as a density is detected only by the speed of sound.
   EXPECT_EQ(implausible_material("", 2.1e11, 78.5)->property, Property::speed_of_sound);
   for (const auto& [young, density] : {std::pair{2.1e11, 7850.0},
                                        {7e10, 2700.0},
@@ -99,7 +99,7 @@ TEST(StructurePlausibility, MembersThatCrossWithoutAJointAreSaid) {
   const auto touching = implausible(AnyStructure(tee));
   ASSERT_NE(find_remark<remark::CrossingMembers>(touching), nullptr);
   EXPECT_EQ(find_remark<remark::CrossingMembers>(touching)->count, 1);
-  // Passing each other in space is no crossing.
+  // Members that pass each other in space do not cross.
   crossed.dimension = 3;
   crossed.nodes[3].at[2] = 0.1;
   EXPECT_EQ(find_remark<remark::CrossingMembers>(implausible(AnyStructure(crossed))), nullptr);
