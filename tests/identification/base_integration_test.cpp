@@ -34,7 +34,7 @@ SidCase moving(dynamics::Quantity quantity, double sensor_offset) {
 }
 
 // Regression: absolute laser velocities with a base acceleration were rejected.
-TEST(BaseIntegration, FindsTheBasesMotionWhateverItsSensorsOffset) {
+TEST(BaseIntegration, FindsTheBaseMotionForAnySensorOffset) {
   for (const auto quantity : {dynamics::Quantity::velocity, dynamics::Quantity::displacement}) {
     for (const double offset : {0.0, 0.05}) {
       SidCase c = moving(quantity, offset);
@@ -59,7 +59,7 @@ TEST(BaseIntegration, FindsTheBasesMotionWhateverItsSensorsOffset) {
   }
 }
 
-TEST(BaseIntegration, IsNotAskedForByRelativeMotion) {
+TEST(BaseIntegration, IsNotNeededForRelativeMotion) {
   SidCase c = moving(dynamics::Quantity::velocity, 0.0);
   c.channels[1].frame = dynamics::Frame::relative;
   EXPECT_FALSE(needs_integrated_base(c));

@@ -27,7 +27,7 @@ MatrixXd record_of_chain(double noise, std::uint64_t seed) {
 }
 
 // Compares ln p with -Σ ln |E| - Σ Fᴴ E⁻¹ F - n ln π from full matrices.
-TEST(BayesianModes, LikelihoodIsTheComplexNormals) {
+TEST(BayesianModes, LikelihoodIsTheComplexNormalDensity) {
   const ModalBand band{.lowest_hz = 2.0, .highest_hz = 3.2, .peaks_hz = {2.4, 2.8}};
   const MatrixXd records = record_of_chain(0.05, 3).leftCols(4000);
   const BandLines lines = band_lines(records, 1.0 / kStep, band);
@@ -59,7 +59,7 @@ TEST(BayesianModes, LikelihoodIsTheComplexNormals) {
 }
 
 // White noise of variance σ² has the one-sided density 2 σ² Δt.
-TEST(BayesianModes, LinesHaveTheScaleOfADensity) {
+TEST(BayesianModes, LinesAreScaledAsOneSidedDensity) {
   base::Random random(4, 0, 0, base::Purpose::test);
   MatrixXd white(2, 20000);
   for (double& v : white.reshaped()) v = random.normal();
@@ -72,7 +72,7 @@ TEST(BayesianModes, LinesHaveTheScaleOfADensity) {
 // For the chain of three masses, each mode's posterior agrees with the subspace method, and its
 // standard deviation with the long-data law, cov(f) = √(ζ/(2πN)), cov(ζ) = 1/√(2πζN) (Au 2017,
 // section 15).
-TEST(BayesianModes, AgreesWithTheSubspaceMethodAndTheLaw) {
+TEST(BayesianModes, AgreesWithTheSubspaceMethodAndTheLongDataLaw) {
   const MatrixXd records = record_of_chain(0.05, 11);
   const VectorXd truth = signals::chain(3, 1.0, 200.0).modes().frequencies_hz;
   const signals::ModalResult other =
@@ -142,7 +142,7 @@ TEST(BayesianModes, CloseModesShareABand) {
   }
 }
 
-TEST(BayesianModes, Misuse) {
+TEST(BayesianModes, RejectsInvalidInput) {
   const MatrixXd records = record_of_chain(0.05, 3).leftCols(2000);
   const auto refused = [&](const ModalBand& band) {
     EXPECT_THROW(static_cast<void>(BandProblem(band_lines(records, 1.0 / kStep, band), band)),

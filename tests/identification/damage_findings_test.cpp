@@ -52,7 +52,7 @@ TEST(DamageFindings, ExpectedNumbersAreThoseOfTheDraws) {
   EXPECT_TRUE(found.folded.empty()) << "a cantilever is not symmetric";
 }
 
-TEST(DamageFindings, OfASymmetricBeamPlacesAreFolded) {
+TEST(DamageFindings, FoldsPlacesOfASymmetricBeam) {
   DamageCase damage_case = small_beam(1);
   damage_case.beam.supports = fem::named_supports("simply-supported", 1.0);
   damage_case.data.frequencies_hz = elastic_frequencies(damage_case.beam, {}, 4);
@@ -72,7 +72,7 @@ TEST(DamageFindings, OfASymmetricBeamPlacesAreFolded) {
   }));
 }
 
-TEST(Unknowns, AreToldByPlaceAndNotByLabel) {
+TEST(Unknowns, AreIdentifiedByPositionAndNotByLabel) {
   DamageCase damage_case = small_beam(2);
   damage_case.kinds.push_back({.type = &defects::kSupport,
                                .name = "bearing",

@@ -56,7 +56,7 @@ TEST(DefectKind, ElementaryTypesPlaceOneDefect) {
 }
 
 // A user-defined type works in a complete run without other changes.
-TEST(DefectKind, ATypeOfOnesOwnIsFoundInABeam) {
+TEST(DefectKind, FindsAUserDefinedTypeInABeam) {
   DamageCase damage_case = small_beam(1, {.damages = {{0.425, 0.5}, {0.475, 0.5}}});
   damage_case.kinds[0].type = &kTwin;
   damage_case.kinds[0].name = "twin crack";
@@ -101,7 +101,7 @@ const DefectType kSoaked = {
         }};
 
 // The same for a frame, compared with the directly changed frame.
-TEST(DefectKind, ATypeOfOnesOwnIsFoundInAFrame) {
+TEST(DefectKind, FindsAUserDefinedTypeInAFrame) {
   const fem::Structure frame = modal::portal(8);
   const fem::Mesh mesh(frame);
   DamageCase damage_case;
@@ -140,7 +140,7 @@ TEST(DefectKind, ATypeOfOnesOwnIsFoundInAFrame) {
   EXPECT_GT(found.models[1].probability(), 0.9);
 }
 
-TEST(DefectKind, WhatCannotBeIsRefusedWithItsPlace) {
+TEST(DefectKind, RejectsInvalidCasesNamingThePart) {
   const auto refusal = [](DamageCase damage_case) -> std::pair<InvalidInput::Part, std::string> {
     try {
       (void)make_damage_problem(std::move(damage_case), {});

@@ -67,7 +67,7 @@ ModalData frequencies(std::vector<double> f, double cov) {
 
 // ---- a soft storey with an unknown stiffness ---------------------------------------------------
 
-TEST(ExactPosteriors, ASoftStoreyBesideAnUnknownStiffness) {
+TEST(ExactPosteriors, ASoftStoreyWithAnUnknownStiffness) {
   constexpr double kCov = 0.02, kMost = 0.9;
   const inference::Prior stiffness = inference::LogNormal{std::log(1300.0), 0.3};
   const std::vector<double> masses = {2.0, 1.0};

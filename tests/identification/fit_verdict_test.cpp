@@ -68,14 +68,14 @@ SidCase friction() {
   return c;
 }
 
-TEST(FitVerdict, ADashpotDoesNotExplainARecordOfFriction) {
+TEST(FitVerdict, ADashpotDoesNotExplainFriction) {
   const SidFindings f = found(measured(friction()));
   EXPECT_FALSE(f.fit_verdict.ok());
   EXPECT_TRUE(find<misfit::NotNoise>(f.fit_verdict.why) != nullptr ||
               find<misfit::Unexplained>(f.fit_verdict.why) != nullptr);
 }
 
-TEST(FitVerdict, TheTrueModelExplainsItsRecordAndWhatFollows) {
+TEST(FitVerdict, TheTrueModelExplainsItsRecordAndBeyond) {
   SidCase c = small_sid_case();
   c.truth->samples = 400;
   c.models.push_back(c.models[1]);
@@ -89,7 +89,7 @@ TEST(FitVerdict, TheTrueModelExplainsItsRecordAndWhatFollows) {
 
 // A stop that closes only after the window: there the linear model fails. The true model,
 // equivalent within the window, prevents a misfit in the headline.
-TEST(FitVerdict, AModelThatIsPossibleSpeaksForAll) {
+TEST(FitVerdict, APossibleModelThatFitsPreventsAMisfit) {
   SidCase c = small_sid_case();
   const dynamics::Link linear{
       .a = 0, .b = 1, .stiffness = Coefficient::of_parameter(0), .damping = 0.5, .laws = {}};
@@ -121,7 +121,7 @@ TEST(FitVerdict, AModelThatIsPossibleSpeaksForAll) {
   }));
 }
 
-TEST(FitVerdict, AResponseOfTheWrongSignIsNotExplained) {
+TEST(FitVerdict, AResponseOfWrongSignIsNotExplained) {
   SidCase c = small_sid_case();
   c.models.push_back(c.models[1]);
   c.models.back().name = "the same";
@@ -134,7 +134,7 @@ TEST(FitVerdict, AResponseOfTheWrongSignIsNotExplained) {
 }
 
 // Displacements of 0.3 m with noise of 3 m: the model is not wrong.
-TEST(FitVerdict, ARecordOfNoiseIsNoMisfit) {
+TEST(FitVerdict, ARecordOfNoiseIsNotAMisfit) {
   SidCase c = small_sid_case();
   c.truth->noise = {3.0};
   for (SidModel& model : c.models) model.noise = {3.0};
@@ -147,7 +147,7 @@ TEST(FitVerdict, ARecordOfNoiseIsNoMisfit) {
 }
 
 // A spring that doubles its stiffness at the end of the window.
-TEST(FitVerdict, AModelOfTheWindowAloneIsSeenBeyondIt) {
+TEST(FitVerdict, ReportsAModelThatFailsBeyondTheWindow) {
   SidCase c = small_sid_case();
   c.truth->samples = 400;
   c.truth->model = 0;
@@ -168,7 +168,7 @@ TEST(FitVerdict, AModelOfTheWindowAloneIsSeenBeyondIt) {
   EXPECT_GT(reason->beyond, 2.0 * reason->inside);
 }
 
-TEST(FreeCubic, FindsTheSpringsThatALinearModelLacks) {
+TEST(FreeCubic, FindsTheSpringsMissingInALinearModel) {
   SidCase c = small_sid_case();
   for (SidModel& model : c.models) model.noise = {1e-3};
   c.truth->noise = {1e-3};
@@ -197,7 +197,7 @@ DamageFindings damaged(const DamageCase& damage_case) {
   return damage_findings(*problem, posterior, {}, 1);
 }
 
-TEST(Plausibility, ALengthInMillimetresIsSaidBeforeAnythingIsSampled) {
+TEST(Plausibility, ReportsALengthInMillimetresBeforeSampling) {
   DamageCase c = small_beam(1);
   c.beam.length = 1000.0;
   c.kinds[0].location = inference::Uniform{0.0, 1000.0};
@@ -213,7 +213,7 @@ TEST(Plausibility, ALengthInMillimetresIsSaidBeforeAnythingIsSampled) {
   EXPECT_NE(find<misfit::BeyondNoise>(f.fit_verdict.why), nullptr);
 }
 
-TEST(Plausibility, NoiseInPerCentIsSaidBeforeAnythingIsSampled) {
+TEST(Plausibility, ReportsNoiseInPerCentBeforeSampling) {
   DamageCase c = small_beam(1);
   c.kinds[0].severity = inference::Prior(inference::Uniform{0.0, 0.3});
   c.data.cv = 5.0;
@@ -230,7 +230,7 @@ TEST(Plausibility, NoiseInPerCentIsSaidBeforeAnythingIsSampled) {
   EXPECT_NE(find<misfit::WithinNoise>(f.fit_verdict.why), nullptr);
 }
 
-TEST(Plausibility, AResponseInMillimetresIsSaidBeforeAnythingIsSampled) {
+TEST(Plausibility, ReportsAResponseInMillimetresBeforeSampling) {
   SidCase c = simulated(small_sid_case());
   EXPECT_TRUE(implausible(*make_sid_problem(c)).empty());
   for (double& y : c.channels[1].signal.samples) y *= 1e6;
@@ -240,7 +240,7 @@ TEST(Plausibility, AResponseInMillimetresIsSaidBeforeAnythingIsSampled) {
   EXPECT_EQ(doubt->channels.at(0).name, "displacement [m]");
 }
 
-TEST(Plausibility, ATruthThatItsPriorsExcludeIsSaidBeforeAnythingIsSampled) {
+TEST(Plausibility, ReportsATruthExcludedByItsPriorsBeforeSampling) {
   SidCase c = small_sid_case();
   c.parameters.push_back({"sigma", inference::LogUniform{1e-3, 1.0}});
   for (SidModel& model : c.models) model.noise = {dynamics::Coefficient::of_parameter(2)};
@@ -255,7 +255,7 @@ TEST(Plausibility, ATruthThatItsPriorsExcludeIsSaidBeforeAnythingIsSampled) {
   EXPECT_EQ(doubt->parameters[0].value, 2e4);
 }
 
-TEST(InitialState, IsInferredWhereTheWindowDoesNotStartAtRest) {
+TEST(InitialState, IsInferredIfTheWindowDoesNotStartAtRest) {
   SidCase c = small_sid_case();
   c.truth->noise = {1e-3};
   c.truth->samples = 400;

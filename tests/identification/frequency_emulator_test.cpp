@@ -85,7 +85,7 @@ TEST(FrequencyEmulator, IsTheFiniteElementSolutionAtItsNodes) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(out[i], exact[i], 1e-6 * exact[i]);
 }
 
-TEST(FrequencyEmulator, IsAskedAtElementMidpoints) {
+TEST(FrequencyEmulator, IsEvaluatedAtElementMidpoints) {
   const DamageCase c = emulated_case();
   const FrequencyEmulator emulator = trained(c);
   std::vector<double> a(4), b(4);
@@ -96,7 +96,7 @@ TEST(FrequencyEmulator, IsAskedAtElementMidpoints) {
   EXPECT_NE(a, b);
 }
 
-TEST(FrequencyEmulator, FewerModesThanTheTableHas) {
+TEST(FrequencyEmulator, UsesFewerModesThanTheTable) {
   const FrequencyEmulator emulator = trained(emulated_case());
   std::vector<double> all(4), two(2);
   const std::vector<fem::Damage> damage = {{0.3, 0.2}};
@@ -124,7 +124,7 @@ TEST(FrequencyEmulator, ReadsWhatItWrites) {
   EXPECT_THROW((void)FrequencyEmulator::load(where / "t.nc", other, 2, 4), io::FileError);
 }
 
-TEST(FrequencyEmulator, FingerprintSeesEveryPropertyOfTheBeam) {
+TEST(FrequencyEmulator, FingerprintDependsOnEveryPropertyOfTheBeam) {
   const fem::Beam beam = emulated_case().beam;
   std::vector<fem::Beam> others(8, beam);
   others[0].length *= 1.01;
@@ -138,7 +138,7 @@ TEST(FrequencyEmulator, FingerprintSeesEveryPropertyOfTheBeam) {
   for (const fem::Beam& other : others) EXPECT_NE(beam_fingerprint(other), beam_fingerprint(beam));
 }
 
-TEST(FrequencyEmulator, NamesThePriorThatReachesOutsideItsBox) {
+TEST(FrequencyEmulator, NamesThePriorOutsideItsBox) {
   DamageCase c = emulated_case();
   const FrequencyEmulator emulator = trained(c);
   EXPECT_FALSE(emulator.reaches_outside(c.kinds[0]));
@@ -153,7 +153,7 @@ TEST(FrequencyEmulator, NamesThePriorThatReachesOutsideItsBox) {
 }
 
 // A frequency is nearly linear in compliance, so with the same levels the error must decrease.
-TEST(FrequencyEmulator, ComplianceAndEverySiteLeaveLittleError) {
+TEST(FrequencyEmulator, ComplianceAndAllSitesReduceTheError) {
   DamageCase c = emulated_case();
   c.beam.elements = 100;
   c.emulator->sites = {std::vector<int>(100)};
@@ -169,7 +169,7 @@ TEST(FrequencyEmulator, ComplianceAndEverySiteLeaveLittleError) {
 }
 
 // For a symmetric beam, a place and its mirror image are equivalent; asymmetric sites break this.
-TEST(FrequencyEmulator, AnswersForMirrorImagesAlike) {
+TEST(FrequencyEmulator, PredictsMirrorImagesEqually) {
   DamageCase symmetrised = emulated_case();
   symmetrised.emulator->symmetrise = true;
   const FrequencyEmulator both = trained(symmetrised), one = trained(emulated_case());
@@ -187,7 +187,7 @@ TEST(FrequencyEmulator, AnswersForMirrorImagesAlike) {
   }
 }
 
-TEST(FrequencyEmulator, VarianceIsHonestOnFreshRuns) {
+TEST(FrequencyEmulator, VarianceIsCalibratedOnFreshRuns) {
   DamageCase well_measured = emulated_case();
   well_measured.emulator->holdout = 2000;
   const FrequencyEmulator emulator = trained(well_measured);
@@ -203,7 +203,7 @@ TEST(FrequencyEmulator, VarianceIsHonestOnFreshRuns) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(small[i], 0.02 * large[i]);
 }
 
-TEST(FrequencyEmulator, AnovaServesAnyCountFromTwoTables) {
+TEST(FrequencyEmulator, AnovaPredictsAnyCountFromTwoTables) {
   const TemporaryDirectory where;
   std::vector<int> every(20);
   std::iota(every.begin(), every.end(), 0);
@@ -234,7 +234,7 @@ TEST(FrequencyEmulator, AnovaServesAnyCountFromTwoTables) {
   EXPECT_THROW((void)FrequencyEmulator::load(where / "t.nc", c.beam, 5, 4), std::invalid_argument);
 }
 
-TEST(FrequencyEmulator, GrowsUntilItIsAccurate) {
+TEST(FrequencyEmulator, RefinesUntilItIsAccurate) {
   for (const double accuracy : {1e-2, 1e-4}) {
     EmulatorSpec spec = grid({0, 9, 19}, {0.0, 0.6});
     spec.interpolant = &emulator::kCubic;
@@ -289,7 +289,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ScatteredEmulator, testing::Values("gaussian-pro
                            return test.param == "delaunay" ? "Delaunay" : "GaussianProcess";
                          });
 
-TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
+TEST(FrequencyEmulator, TrainsOnTheUsersRuns) {
   const TemporaryDirectory where;
   const DamageCase plain = beam_case(20, 1, {});
   std::string full = "location[1] [m],reduction[1],f1 [Hz],f2 [Hz],f3 [Hz]\n", loose = full;
@@ -336,7 +336,7 @@ TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
       << "the same element and reduction twice";
 }
 
-TEST(FrequencyEmulator, PartsMakeTheWhole) {
+TEST(FrequencyEmulator, PartsCombineToTheWholeTable) {
   for (const EmulatorSpec& spec : {grid({0, 6, 19}, {0.0, 0.3, 0.6}, 20),
                                    scattered(EmulatorSpec::Runs::sobol, {20, 30}, 20)}) {
     const DamageCase c = beam_case(20, 2, spec);

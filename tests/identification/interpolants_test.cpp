@@ -128,7 +128,7 @@ TEST(Interpolants, EveryTypeIsFoundByItsNameAndTrained) {
 }
 
 // A user-defined type works in training, a file and a complete run without other changes.
-TEST(Interpolants, ATypeOfOnesOwnPredictsABeam) {
+TEST(Interpolants, AUserDefinedTypePredictsABeam) {
   const DamageCase damage_case = emulated_beam(every_tenth_of_a_reduction());
   const auto problem = make_damage_problem(damage_case, {});
   const FrequencyEmulator& made = *problem->emulator;
@@ -161,7 +161,7 @@ TEST(Interpolants, ATypeOfOnesOwnPredictsABeam) {
   EXPECT_NEAR(found.models[1].find(0, 0, 1)->q50, 0.6, 0.2);
 }
 
-TEST(Interpolants, ATypeOfOnesOwnJoinsScatteredRunsAndRefinesGrids) {
+TEST(Interpolants, AUserDefinedTypeWorksForScatteredRunsAndGrids) {
   EmulatorSpec spec;
   spec.interpolant = &kScattered;
   spec.runs = EmulatorSpec::Runs::sobol;

@@ -42,7 +42,7 @@ TEST(LinkPaths, TheTensionIsThatOfTheLaw) {
 
 // A measured acceleration gives the tension for any laws of the model, here the linear model. The
 // simulation used finer steps than the case's noise requires of the model.
-TEST(LinkPaths, TheMeasuredTensionIsTheDatasNotTheModels) {
+TEST(LinkPaths, TheMeasuredTensionDependsOnTheDataOnly) {
   SidCase c = small_sid_case();
   c.channels[1] = {.column = "acceleration [m/s^2]",
                    .role = SidChannel::Role::response,
@@ -65,7 +65,7 @@ TEST(LinkPaths, TheMeasuredTensionIsTheDatasNotTheModels) {
 }
 
 // A chain of two masses; a second link to the ground closes a loop.
-TEST(LinkPaths, LinksThatCloseALoopAreNotTold) {
+TEST(LinkPaths, OmitsLinksThatCloseALoop) {
   SidCase c = small_sid_case();
   for (SidModel& model : c.models) {
     model.chain.masses.push_back(1.0);
@@ -86,7 +86,7 @@ TEST(LinkPaths, LinksThatCloseALoopAreNotTold) {
 }
 
 // A displacement with little noise is differentiated; one with much noise is not.
-TEST(LinkPaths, AccelerationsAreDifferentiatedWhereTheNoiseLetsThem) {
+TEST(LinkPaths, DifferentiatesOnlyWithLittleNoise) {
   SidCase c = small_sid_case();
   c.truth->excitations = {{.mass = 1, .signal = TrueExcitation::Sine{10.0, 1.0, 0.0}}};
   const auto with_noise = [&](double sd) {

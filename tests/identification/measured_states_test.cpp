@@ -273,7 +273,7 @@ std::shared_ptr<const StructureModel> roller_beam() {
   return model;
 }
 
-TEST(MeasuredStates, ARollerBeamForetellsOtherPlaces) {
+TEST(MeasuredStates, ARollerBeamPredictsOtherPlaces) {
   SKIP_WITHOUT("dropbear-roller-beam");
   auto states = std::make_shared<ObservedStates>();
   states->model = roller_beam();

@@ -50,7 +50,7 @@ bool says_neighbours(const DamageFindings& found) {
 }
 
 // Regression: one damage of 30 mm on elements of 8 mm gave "two damages (> 99.9 %)" silently.
-TEST(MergedDamages, NeighboursThatOneLongerDamageExplainsCountAsOne) {
+TEST(MergedDamages, MergesNeighboursThatOneLongerDamageExplains) {
   const fem::Defects truth{.damages = {{0.305, 0.3}, {0.315, 0.3}, {0.325, 0.3}}, .supports = {}};
   const auto problem = make_damage_problem(fine_beam(truth), {});
   // The same flexibility in two elements: 10 mm with r / (1 - r) = 0.643 each.
@@ -75,7 +75,7 @@ TEST(MergedDamages, NeighboursThatOneLongerDamageExplainsCountAsOne) {
   EXPECT_TRUE(says_neighbours(found));
 }
 
-TEST(MergedDamages, DamagesFarApartStayTwo) {
+TEST(MergedDamages, DistantDamagesAreNotMerged) {
   const fem::Defects truth{.damages = {{0.205, 0.4}, {0.405, 0.4}}, .supports = {}};
   const auto problem = make_damage_problem(fine_beam(truth), {});
   const DamageFindings found = found_in(*problem, 2,
@@ -90,7 +90,7 @@ TEST(MergedDamages, DamagesFarApartStayTwo) {
   EXPECT_FALSE(says_neighbours(found));
 }
 
-TEST(MergedDamages, OfThreeTwoNeighboursAreOne) {
+TEST(MergedDamages, MergesTwoNeighboursOfThree) {
   const fem::Defects truth{.damages = {{0.205, 0.3}, {0.215, 0.3}, {0.605, 0.4}}, .supports = {}};
   const auto problem = make_damage_problem(fine_beam(truth), {});
   const std::vector<double> draw = {0.205, 0.3, 0.215, 0.3, 0.605, 0.4};
@@ -102,7 +102,7 @@ TEST(MergedDamages, OfThreeTwoNeighboursAreOne) {
   EXPECT_NEAR(merged->of(3)->location.q50, 0.21, 1e-6);
 }
 
-TEST(MergedDamages, AnInferredExtentNeedsNone) {
+TEST(MergedDamages, AnInferredExtentNeedsNoMerging) {
   DamageCase damage_case = fine_beam({});
   damage_case.kinds[0].extent_prior = inference::Uniform{0.0, 0.2};
   EXPECT_FALSE(has_fixed_extent(damage_case.kinds[0]));

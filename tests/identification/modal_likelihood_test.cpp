@@ -48,7 +48,7 @@ ModalData data_of(const std::vector<double>& frequencies_hz, double cov, const M
   return data;
 }
 
-TEST(ModalLikelihood, EigenvaluesOfFrequenciesLoseNoBit) {
+TEST(ModalLikelihood, EigenvaluesReproduceFrequenciesExactly) {
   double lambda = 1e-3;
   for (int i = 0; i < 20000; ++i, lambda *= 1.0021) {
     const double f = std::sqrt(lambda) / (2.0 * std::numbers::pi);
@@ -76,7 +76,7 @@ TEST(ModalLikelihood, GapsKeepTheNumbersOfOtherModes) {
   EXPECT_NEAR(score.chi_square, 0.0, 1e-12);
 }
 
-TEST(ModalLikelihood, AnEmulatorsErrorIsNoiseBesideTheMeasurements) {
+TEST(ModalLikelihood, AnEmulatorsErrorAddsToTheNoise) {
   const Modes modes = modes_of({1.02, 2.97, 5.0}, MatrixXd(0, 3));
   const ModalData data = data_of({1.0, kNaN, 5.1}, 0.01, {}, 0.0);
   ModalData wider = data;
@@ -89,7 +89,7 @@ TEST(ModalLikelihood, AnEmulatorsErrorIsNoiseBesideTheMeasurements) {
             ModalLikelihood(wider).score(modes, {}).log_likelihood);
 }
 
-TEST(ModalLikelihood, PullsAreTheSlopesByFrequencies) {
+TEST(ModalLikelihood, PullsAreDerivativesByFrequency) {
   ModalData data = data_of({1.0, kNaN, 5.1}, 0.01, {}, 0.0);
   data.covariance(0, 2) = data.covariance(2, 0) = 2e-4;
   const ModalLikelihood likelihood(data);
@@ -170,14 +170,14 @@ TEST(ModalLikelihood, CrossedModesAreMatchedByTheirShapes) {
   EXPECT_EQ(found.matches[1].computed, 0);
 }
 
-TEST(ModalLikelihood, FrequenciesAloneGoByTheirOrder) {
+TEST(ModalLikelihood, FrequenciesAloneAreMatchedByOrder) {
   const Modes modes = modes_of({1.0, 2.0, 3.0}, MatrixXd(0, 3));
   const auto found = ModalLikelihood(data_of({kNaN, 3.0}, 0.01, {}, 0.0)).score(modes, {});
   EXPECT_EQ(found.matches[1].computed, 1) << "not the nearest, but the second";
 }
 
 // Shapes of two approaching modes may rotate: the likelihood is continuous.
-TEST(ModalLikelihood, IsContinuousWhereModesComeClose) {
+TEST(ModalLikelihood, IsContinuousForApproachingModes) {
   const MatrixXd shapes = three_shapes();
   MatrixXd measured(1, 3);
   measured << (shapes.col(0) + 0.03 * shapes.col(1)).transpose();
@@ -193,7 +193,7 @@ TEST(ModalLikelihood, IsContinuousWhereModesComeClose) {
   }
 }
 
-TEST(ModalLikelihood, ShapesOfWrongSizeAreRefusedByTheirMode) {
+TEST(ModalLikelihood, RejectsShapesOfWrongSizeNamingTheMode) {
   ModalData data = data_of({1.0, 3.0}, 0.01, MatrixXd::Ones(2, 3), 0.02);
   data.shapes(1, 0) = data.shapes(1, 1) = kNaN;
   try {
@@ -210,7 +210,7 @@ double log_sum(double a, double b) {
 }
 
 // Closed form: 1/(1.5 f) for the frequency, and for the shape 1/2π on the half sphere.
-TEST(ModalLikelihood, ADoubtedModeIsAMixture) {
+TEST(ModalLikelihood, APossiblySpuriousModeIsAMixture) {
   const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, three_shapes());
   constexpr double kDoubt = 0.1;
   int doubted = 0;
@@ -234,7 +234,7 @@ TEST(ModalLikelihood, ADoubtedModeIsAMixture) {
 }
 
 // The computed mode is left to a measured mode of the structure.
-TEST(ModalLikelihood, ASpuriousModeTakesNoOthersPlace) {
+TEST(ModalLikelihood, ASpuriousModeDoesNotReplaceAnother) {
   const MatrixXd shapes = three_shapes();
   const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, shapes);
   MatrixXd measured(5, 3);
@@ -270,7 +270,7 @@ void expect_gradient_of_differences(const UpdateCase& update_case, const std::ve
   }
 }
 
-TEST(ModalLikelihood, GradientsOfDoubtedModesAreThoseOfDifferences) {
+TEST(ModalLikelihood, GradientsOfPossiblySpuriousModesAgreeWithDifferences) {
   for (const double second : {0.4, 0.62}) {  // matches well, matches hardly
     UpdateCase update_case = modal::two_storeys(0.01, 0.05);
     update_case.data.shapes(0, 0) = second;
@@ -279,13 +279,13 @@ TEST(ModalLikelihood, GradientsOfDoubtedModesAreThoseOfDifferences) {
   }
 }
 
-TEST(ModalLikelihood, DoubtGoesWithShapes) {
+TEST(ModalLikelihood, DoubtNeedsShapes) {
   ModalData data = data_of({1.0, 3.0}, 0.01, {}, 0.0);
   data.doubt = 0.1;
   EXPECT_THROW(ModalLikelihood{data}, std::invalid_argument);
 }
 
-TEST(ModalLikelihood, GradientsAreThoseOfDifferences) {
+TEST(ModalLikelihood, GradientsAgreeWithDifferences) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   update_case.data.discrepancy.prior = inference::LogUniform{1e-3, 1e-1};
   expect_gradient_of_differences(update_case, {1300.0, 1000.0, 0.02});

@@ -41,7 +41,7 @@ TEST(ModeContributions, OneModeGivenTheOthersIsTheRatioOfJointDensities) {
 
 // x ~ N(0, 1), two measurements y = x + e with variances s and t: all posteriors are normal, and
 // KL(N(a, u) ‖ N(b, v)) = ½ (u/v - 1 - ln(u/v) + (a - b)²/v).
-TEST(ModeContributions, WhatThePosteriorLosesIsTheDivergence) {
+TEST(ModeContributions, InformationIsTheDivergence) {
   const double y = 1.0, z = 0.4, s = 0.5, t = 2.0;
   const double u = 1.0 / (1.0 + 1.0 / s + 1.0 / t), a = u * (y / s + z / t);
   const double v = 1.0 / (1.0 + 1.0 / s), b = v * y / s;

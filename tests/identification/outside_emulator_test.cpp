@@ -50,7 +50,7 @@ TEST(OutsideEmulator, ItsBoxIsThatOfThePriors) {
 
 // Errors at 400 new points, standardised by the claimed variance, have mean square 1. 40 fresh runs
 // determine their variance to about a factor of 2; one value in 10^6 is beyond 4.75 sd of χ².
-TEST(OutsideEmulator, ClaimsTheErrorThatItHas) {
+TEST(OutsideEmulator, VarianceIsThatOfItsErrors) {
   for (const double waves : {3.0, 200.0}) {
     Smooth model(waves);
     const OutsideEmulator emulator(model, unknowns(), {.runs = 40, .holdout = 40}, 2);
@@ -67,7 +67,7 @@ TEST(OutsideEmulator, ClaimsTheErrorThatItHas) {
   }
 }
 
-TEST(OutsideEmulator, MayBeTrustedBlindly) {
+TEST(OutsideEmulator, ItsErrorCanBeDisabled) {
   Smooth model(3.0);
   const OutsideEmulator emulator(model, unknowns(), {.emulator_error = false}, 1);
   std::vector<double> y(2), variance(2, 1.0);
@@ -76,7 +76,7 @@ TEST(OutsideEmulator, MayBeTrustedBlindly) {
   EXPECT_NEAR(y[0], std::sqrt(1.5e4), 0.05 * std::sqrt(1.5e4));
 }
 
-TEST(OutsideEmulator, TheModelsFailureIsPassedOn) {
+TEST(OutsideEmulator, RethrowsTheModelsFailure) {
   Smooth model(3.0, 0.9);
   EXPECT_THROW(OutsideEmulator(model, unknowns(), {}, 2), OutsideModelError);
 }

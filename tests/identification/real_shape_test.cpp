@@ -31,7 +31,7 @@ MatrixXd some_covariance(int size) {
 }
 
 // A complex factor does not change the real shape and its covariance on the tangent plane.
-TEST(RealShape, DoesNotDependOnTheFactor) {
+TEST(RealShape, DoesNotDependOnTheComplexFactor) {
   const VectorXcd shape = nearly_real();
   const MatrixXd c = some_covariance(8);
   const RealShape plain = real_shape(shape, c, 0);
@@ -76,7 +76,7 @@ TEST(RealShape, CovarianceIsThatOfScatter) {
 }
 
 // A shape scaled to make one entry 1 has no scatter there; its density exists.
-TEST(RealShape, AnEntryThatIsTiedCountsForNone) {
+TEST(RealShape, AnEntryScaledToOneHasNoVariance) {
   MatrixXd c = some_covariance(8);
   for (const int tied : {2, 6}) {
     c.row(tied).setZero();
@@ -87,7 +87,7 @@ TEST(RealShape, AnEntryThatIsTiedCountsForNone) {
   EXPECT_NEAR(density.against(found.values).chi_square, 0.0, 1e-9);
 }
 
-TEST(RealShape, EstimatesAreRaisedAndFewBlocksKeepVariances) {
+TEST(RealShape, RaisesEstimatedCovariancesAndDropsCorrelationsForFewBlocks) {
   const MatrixXd c = some_covariance(8);
   const RealShape exact = real_shape(nearly_real(), c, 0);
   const RealShape estimated = real_shape(nearly_real(), c, 50);
@@ -98,7 +98,7 @@ TEST(RealShape, EstimatesAreRaisedAndFewBlocksKeepVariances) {
   EXPECT_EQ(few.covariance(0, 1), 0.0);
 }
 
-TEST(RealShape, Refusals) {
+TEST(RealShape, RejectsInvalidInput) {
   const VectorXcd shape = nearly_real();
   EXPECT_THROW((void)real_shape(shape.head(1), some_covariance(2), 0), std::invalid_argument);
   EXPECT_THROW((void)real_shape(shape, some_covariance(4), 0), std::invalid_argument);

@@ -36,7 +36,7 @@ std::vector<double> ask(RememberedModel& model, std::vector<double> x) {
   return y;
 }
 
-TEST(RememberedModel, AsksForAPointOnce) {
+TEST(RememberedModel, EvaluatesAPointOnce) {
   const auto sums = std::make_shared<Sums>();
   RememberedModel model(sums, {}, "");
   EXPECT_EQ(ask(model, {0.1, 0.2}), (std::vector<double>{0.1 + 0.2, 0.1 * 0.2}));
@@ -46,7 +46,7 @@ TEST(RememberedModel, AsksForAPointOnce) {
   EXPECT_EQ(model.asked(), 2);
 }
 
-TEST(RememberedModel, AnotherRunKnowsWhatThisOneWasTold) {
+TEST(RememberedModel, AnotherRunLoadsTheAnswers) {
   const TemporaryDirectory folder;
   const auto path = folder / "answers";
   {
@@ -67,7 +67,7 @@ TEST(RememberedModel, AnotherRunKnowsWhatThisOneWasTold) {
   EXPECT_THROW(RememberedModel(sums, path, "others"), io::FileError);
 }
 
-TEST(RememberedModel, AFailureIsFinalAndSaysWhatIsKept) {
+TEST(RememberedModel, AFailureIsFinalAndNamesTheKeptAnswers) {
   const TemporaryDirectory folder;
   const auto sums = std::make_shared<Sums>(3);
   RememberedModel model(sums, folder / "answers", "sums");

@@ -27,7 +27,7 @@ TEST(RivalPlaces, PlacesThatExcludeEachOtherAreAGroup) {
   EXPECT_THAT(exclusive_groups(nearly), ElementsAre(ElementsAre(2, 0)));
 }
 
-TEST(RivalPlaces, DamagesThatGoTogetherAreNoRivals) {
+TEST(RivalPlaces, DamagesThatOccurTogetherAreNoRivals) {
   auto both = exclusive({0.9, 0.0, 0.95});
   together(both, 0, 2, 0.86);
   EXPECT_THAT(exclusive_groups(both), IsEmpty());
@@ -37,7 +37,7 @@ TEST(RivalPlaces, DamagesThatGoTogetherAreNoRivals) {
   EXPECT_THAT(exclusive_groups(independent), IsEmpty());
 }
 
-TEST(RivalPlaces, WhatIsSureOrImprobableIsNotNamed) {
+TEST(RivalPlaces, OmitsCertainAndImprobablePlaces) {
   EXPECT_THAT(exclusive_groups(exclusive({0.96, 0.04})), IsEmpty());  // one place, below 5 %
   EXPECT_THAT(exclusive_groups(exclusive({0.2, 0.2})), IsEmpty());    // no damage is more probable
 }

@@ -80,7 +80,7 @@ TEST(ShapeDensity, ManySamplesHaveChiSquareOfOneFewerThanEntries) {
 }
 
 // For entries divided by one of them, the ratios are the measured values.
-TEST(ShapeDensity, AnEntryThatWasScaledToOneIsRatios) {
+TEST(ShapeDensity, AnEntryScaledToOneLeavesRatios) {
   MatrixXd sigma = isotropic(3, 0.02);
   sigma(1, 1) = 0.0;
   const VectorXd measured = vector({0.4, 1.0, -0.3}), computed = vector({0.82, 2.0, -0.64});
@@ -90,7 +90,7 @@ TEST(ShapeDensity, AnEntryThatWasScaledToOneIsRatios) {
   EXPECT_EQ(ShapeDensity(measured, sigma).freedoms(), 2);
 }
 
-TEST(ShapeDensity, AnUnknownScatterIsTheStatedOneScaled) {
+TEST(ShapeDensity, AnUnknownScatterScalesTheStatedOne) {
   const VectorXd measured = vector({0.4, 1.0, -0.3, 0.7}), computed = vector({0.5, 1.0, -0.2, 0.6});
   const double direct = ShapeDensity(measured, isotropic(4, 0.05)).against(computed).log_density;
   const ShapeDensity unit(measured, isotropic(4, 1.0));
@@ -99,7 +99,7 @@ TEST(ShapeDensity, AnUnknownScatterIsTheStatedOneScaled) {
   EXPECT_NEAR(unit.against(computed, 0.03 * 0.03, 0.04 * 0.04).log_density, direct, 1e-10);
 }
 
-TEST(ShapeDensity, WithoutATurnACloseModeChangesNothing) {
+TEST(ShapeDensity, WithoutRotationACloseModeChangesNothing) {
   const VectorXd first = vector({0.41, 1.01, -0.3, 0.68}), second = vector({1.0, -0.2, 0.3, -0.6}),
                  noise = vector({-1.0, -1.0, 0.5, 2.0});
   // The same noise in units of its sd, decreasing: the difference is of first order in it, because
@@ -115,7 +115,7 @@ TEST(ShapeDensity, WithoutATurnACloseModeChangesNothing) {
     EXPECT_NEAR(differences[i - 1] / differences[i], 2.0, 0.1) << i;
 }
 
-TEST(ShapeDensity, WhatNeitherModeExplainsIsNoTurn) {
+TEST(ShapeDensity, AShapeThatNeitherModeExplainsHasNoRotation) {
   // Orthogonal to both modes; the close mode does not move the sensors.
   const VectorXd measured = vector({0.0, 0.0, 1.0, 0.5}), first = vector({1.0, 0.5, 0.0, 0.0}),
                  second = vector({0.3, -1.0, 0.0, 0.0}), still = VectorXd::Zero(4);
@@ -141,7 +141,7 @@ TEST(ShapeDensity, TwinsAreComparedByTheirPlane) {
   EXPECT_LT(density.against(second).log_density, reference - 100.0);
 }
 
-TEST(ShapeDensity, ItsSlopeIsThatOfDifferences) {
+TEST(ShapeDensity, SlopeAgreesWithDifferences) {
   MatrixXd sigma = isotropic(4, 0.05);
   sigma(0, 1) = sigma(1, 0) = 0.001;
   const ShapeDensity density(vector({0.4, 1.0, -0.3, 0.7}), sigma);
@@ -159,7 +159,7 @@ TEST(ShapeDensity, ItsSlopeIsThatOfDifferences) {
   EXPECT_NEAR(slope.dot(computed), 0.0, 1e-10) << "its scale does not matter";
 }
 
-TEST(ShapeDensity, WhatIsNoScatterIsRefused) {
+TEST(ShapeDensity, RejectsInvalidCovariances) {
   const VectorXd shape = vector({1.0, 0.5, 0.2});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(ShapeDensity(vector({1.0}), isotropic(1, 0.1)), std::invalid_argument);
@@ -176,7 +176,7 @@ TEST(ShapeDensity, WhatIsNoScatterIsRefused) {
 }
 
 // Mixed modes add a covariance with one rank per mode.
-TEST(ShapeDensity, MixedModesAreNoiseAlongThem) {
+TEST(ShapeDensity, MixedModesAddNoiseAlongThem) {
   const VectorXd measured = vector({0.4, 1.0, -0.3, 0.7}), computed = vector({0.5, 0.9, -0.2, 0.8});
   MatrixXd others(4, 2);
   others << 1.0, 0.2, -0.4, 0.6, 0.3, -1.0, 0.8, 0.5;
@@ -194,7 +194,7 @@ TEST(ShapeDensity, MixedModesAreNoiseAlongThem) {
 }
 
 // Integral over all directions of two entries, with arc lengths r dθ at the shape's size.
-TEST(ShapeDensity, ALineThatMayPointAnywhereIsSomewhere) {
+TEST(ShapeDensity, TheUniformDensityIntegratesToOne) {
   double sum = 0.0;
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {

@@ -77,7 +77,7 @@ TEST(SidDiscovery, EverySubsetIsAModelWithItsPrior) {
   EXPECT_EQ(c.parameters_of(c.models[7]), (std::vector<int>{0, 1, 2, 3}));
 }
 
-TEST(SidDiscovery, TooManyTermsOrModelsAreRefused) {
+TEST(SidDiscovery, RejectsTooManyTermsOrModels) {
   SidCase two = asked_about({"cubic"});
   two.models.push_back(two.models.front());
   EXPECT_THROW(add_subsets(two), InvalidInput);
@@ -97,7 +97,7 @@ TEST(SidDiscovery, TermsAndTheirParametersAreNamedAfterTheirLaws) {
 }
 
 // For a sine all three sensors give the same: RMS A/√2, ωA/√2, and a force m ω² A/√2.
-TEST(SidDiscovery, AMotionIsTheSameWhateverMeasuresIt) {
+TEST(SidDiscovery, TheMotionDoesNotDependOnTheSensor) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   const double rms = amplitude / std::numbers::sqrt2;
   for (const auto quantity : {dynamics::Quantity::displacement, dynamics::Quantity::velocity,
@@ -114,7 +114,7 @@ TEST(SidDiscovery, AMotionIsTheSameWhateverMeasuresIt) {
 
 // Broadband noise of a sensor must not determine the scale: its second derivative would be mostly
 // noise.
-TEST(SidDiscovery, NoiseDoesNotSetTheScale) {
+TEST(SidDiscovery, NoiseDoesNotDetermineTheScale) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::displacement, amplitude, omega);
   base::Random random(3, 0, 0, base::Purpose::test);
@@ -125,7 +125,7 @@ TEST(SidDiscovery, NoiseDoesNotSetTheScale) {
 
 // A mass so heavy that it does not move, on a moving base: the extension of the link is the base
 // motion. Its tension follows from the mass's sensor, not from moving the mass with the base.
-TEST(SidDiscovery, ALinkToAMovedBaseIsStretchedByIt) {
+TEST(SidDiscovery, AMovingBaseExtendsTheLink) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   const double rms = amplitude / std::numbers::sqrt2;
   const double still = 1e-9 * amplitude;
@@ -143,7 +143,7 @@ TEST(SidDiscovery, ALinkToAMovedBaseIsStretchedByIt) {
 }
 
 // The upper of two storeys carries its mass, the lower both masses.
-TEST(SidDiscovery, ALinkCarriesWhatItHoldsToTheGround) {
+TEST(SidDiscovery, ALinkCarriesTheMassesThatItHoldsToTheGround) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::acceleration, amplitude, omega);
   dynamics::Chain& chain = c.models[0].chain;
@@ -158,7 +158,7 @@ TEST(SidDiscovery, ALinkCarriesWhatItHoldsToTheGround) {
 }
 
 // A shaker table as the base, 10⁶ times as heavy, and the force that moves it.
-TEST(SidDiscovery, ALinkThatFloatsCarriesWhatItsLighterEndAsksFor) {
+TEST(SidDiscovery, AFloatingLinkCarriesTheLoadOfItsLighterEnd) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::velocity, amplitude, omega);
   dynamics::Chain& chain = c.models[0].chain;
@@ -173,7 +173,7 @@ TEST(SidDiscovery, ALinkThatFloatsCarriesWhatItsLighterEndAsksFor) {
   EXPECT_NEAR(link_motions(c).front().tension, want, 0.03 * want);
 }
 
-TEST(SidDiscovery, ARecordThatStandsStillSetsNoScale) {
+TEST(SidDiscovery, RejectsAConstantRecord) {
   const SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::displacement, 0.0, 1.0);
   EXPECT_THROW(static_cast<void>(link_motions(c)), InvalidInput);
 }

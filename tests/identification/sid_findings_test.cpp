@@ -30,7 +30,7 @@ SidFindings found(const SidCase& c) {
   return sid_findings(run, predict(*run.problem, run.posterior));
 }
 
-TEST(SidFindings, SayWhichModelAndHowWellItFits) {
+TEST(SidFindings, ContainModelProbabilitiesAndFit) {
   const SidFindings f = found(simulated(small_sid_case()));
   EXPECT_GT(f.models[1].probability(), 0.99);
   ASSERT_TRUE(f.of_models[1].has_value());
@@ -55,7 +55,7 @@ TEST(SidFindings, SayWhichModelAndHowWellItFits) {
   EXPECT_EQ(find<remark::NoiseMisstated>(f), nullptr);
 }
 
-TEST(SidFindings, ModelsThatLeaveTheSameResidualsAreToldOfTogether) {
+TEST(SidFindings, ReportsModelsWithSimilarResidualsTogether) {
   SidCase c = simulated(small_sid_case());
   c.truth.reset();
   c.models[1] = c.models[0];
@@ -74,7 +74,7 @@ TEST(SidFindings, ModelsThatLeaveTheSameResidualsAreToldOfTogether) {
   EXPECT_GE(others, 1U);
 }
 
-TEST(SidFindings, NoiseThatIsNotAsStatedIsRemarkedOn) {
+TEST(SidFindings, ReportsMisstatedNoise) {
   SidCase c = small_sid_case();
   c.truth->noise = {0.1};
   const SidFindings f = found(simulated(c));
@@ -84,7 +84,7 @@ TEST(SidFindings, NoiseThatIsNotAsStatedIsRemarkedOn) {
   EXPECT_EQ(remark->channels[0].name, "displacement [m]");
 }
 
-TEST(SidFindings, AParameterAtTheEndOfItsPriorIsRemarkedOn) {
+TEST(SidFindings, ReportsAParameterAtABoundOfItsPrior) {
   SidCase c = small_sid_case();
   c.models.pop_back();
   c.truth->model = 0;
@@ -98,7 +98,7 @@ TEST(SidFindings, AParameterAtTheEndOfItsPriorIsRemarkedOn) {
 }
 
 // For a gap wider than the motion, the record gives only a lower bound; otherwise it gives the gap.
-TEST(SidFindings, AStopBeyondTheMotionIsRemarkedOn) {
+TEST(SidFindings, ReportsAStopBeyondTheMotion) {
   using dynamics::Coefficient;
   SidCase c = small_sid_case();
   c.models.pop_back();
@@ -131,7 +131,7 @@ TEST(SidFindings, AStopBeyondTheMotionIsRemarkedOn) {
 }
 
 // With a noise of 1e-5 of the response, the default Runge-Kutta steps are too long.
-TEST(SidRun, RepeatsWithBetterStepsWhereTheyWereTooLong) {
+TEST(SidRun, RepeatsWithBetterStepsIfTheyWereTooLong) {
   SidCase c = small_sid_case();
   c.truth->noise = {2e-6};
   for (SidModel& model : c.models) model.noise = {2e-6};
@@ -159,7 +159,7 @@ TEST(SidRun, RepeatsWithBetterStepsWhereTheyWereTooLong) {
 
 // With a noise of 1e-9 of the response, the default series steps are too long as well; this is
 // found before a run is repeated with them.
-TEST(SidRun, BetterStepsAreTriedOnTheBestDraw) {
+TEST(SidRun, TestsBetterStepsOnTheBestDraw) {
   SidCase c = small_sid_case();
   c.truth->noise = {1e-10};
   for (SidModel& model : c.models) model.noise = {1e-10};
@@ -207,13 +207,13 @@ TEST(SidPredictive, TheMedianWithoutNoiseIsAsSmoothAsTheMotion) {
   }
   const auto samples = static_cast<double>(truth.size());
   // Two parameters from 200 samples of noise 0.05 give 0.005; the bound is three times that. A
-  // median of 200 replicates has a scatter of 1.25 · 0.05 / √200 = 0.0044, its second differences √6
-  // times as much.
+  // median of 200 replicates has a scatter of 1.25 · 0.05 / √200 = 0.0044, its second differences
+  // √6 times as much.
   EXPECT_LT(std::sqrt(error / samples), 0.015);
   EXPECT_LT(std::sqrt(jagged / samples), 0.002);
 }
 
-TEST(SidRun, SpendsWhatALikelihoodLetsItAfford) {
+TEST(SidRun, ChoosesTheEffortByTheRunTimeOfALikelihood) {
   inference::Options asked;
   EXPECT_EQ(affordable(asked, 1e-6).warmup, 0) << "the engine's default";
   const inference::Options slow = affordable(asked, 1.0);

@@ -57,7 +57,7 @@ TEST(SidProblem, NoiseMayBeAParameter) {
               log_likelihood(*known, 1, {50.0, 1000.0}), 1e-9);
 }
 
-TEST(SidProblem, NoiseMayBeOneAChannel) {
+TEST(SidProblem, NoiseMayDifferBetweenChannels) {
   SidCase c = small_sid_case();
   c.channels.push_back({.column = "velocity [m/s]",
                         .role = SidChannel::Role::response,
@@ -77,7 +77,7 @@ TEST(SidProblem, NoiseMayBeOneAChannel) {
               gaussian(first, 200, 0.05) + gaussian(second, 200, 0.5), 1e-9);
 }
 
-TEST(SidProblem, AnUnknownScaleCarriesItsJacobian) {
+TEST(SidProblem, AnUnknownScaleHasItsJacobian) {
   SidCase c = small_sid_case();
   c.channels[1].signal.scale = 2.0;
   const auto known = make_sid_problem(simulated(c));
@@ -88,7 +88,7 @@ TEST(SidProblem, AnUnknownScaleCarriesItsJacobian) {
               log_likelihood(*known, 0, {50.0}) + 200 * std::log(2.0), 1e-8);
 }
 
-TEST(SidProblem, AutoregressionOfNoCorrelationIsWhite) {
+TEST(SidProblem, AutoregressionWithoutCorrelationIsWhite) {
   const auto white = make_sid_problem(simulated(small_sid_case()));
   SidCase c = with_parameter(small_sid_case(), "ar[1]", inference::Uniform{-1.0, 1.0}, 0.0);
   c = with_parameter(c, "ar[2]", inference::Uniform{-1.0, 1.0}, 0.0);
@@ -200,7 +200,7 @@ TEST(SidProblem, AContactOutOfReachChangesNothing) {
   EXPECT_NEAR(log_likelihood(*problem, 0, {50.0}), log_likelihood(*problem, 1, {50.0, 10.0}), 0.1);
 }
 
-TEST(SidProblem, AnInferredStartExplainsAWindowWithoutItsPast) {
+TEST(SidProblem, AnInferredInitialStateExplainsAWindow) {
   const auto rest = make_sid_problem(simulated(small_sid_case(), {.samples = std::pair(100, 200)}));
   const auto led = make_sid_problem(
       simulated(small_sid_case(), {.samples = std::pair(100, 200), .lead_in = 100}));
@@ -225,7 +225,7 @@ TEST(SidProblem, BandLimitedExcitationIsUpsampled) {
 }
 
 // Simulation and fit interpolate the excitation in the same way.
-TEST(SidSimulation, AnExcitationGoesBetweenSamplesAsTheRecordSays) {
+TEST(SidSimulation, InterpolatesTheExcitationAsDeclared) {
   SidCase c = small_sid_case();
   c.truth->noise = {1e-12};
   c.truth->excitations = {{.mass = 1, .signal = TrueExcitation::BandLimited{1.0, 35.0, 100.0}}};
@@ -249,7 +249,7 @@ TEST(SidSimulation, AnExcitationGoesBetweenSamplesAsTheRecordSays) {
   EXPECT_GT(off(8, false), 0.002);
 }
 
-TEST(SidProblem, NamesThePartThatCannotBe) {
+TEST(SidProblem, NamesTheInvalidPart) {
   const auto refused = [](const SidCase& c, InvalidInput::Part part, int index, const char* word) {
     try {
       static_cast<void>(make_sid_problem(simulated(c)));

@@ -14,7 +14,7 @@ namespace wheeltap::identification {
 namespace {
 
 // The residuals of the linear model are smooth; those of the true model are the noise.
-TEST(SidResiduals, OrdersAreChosenModelByModel) {
+TEST(SidResiduals, ChoosesOrdersPerModel) {
   SidCase c = simulated(small_sid_case());
   for (SidModel& model : c.models) model.residuals.chosen_kind = &kAutoregressive;
   choose_residuals(c, 1, 2);
@@ -27,7 +27,7 @@ TEST(SidResiduals, OrdersAreChosenModelByModel) {
   EXPECT_EQ(c.parameters[2].name, "ar[1]");
 }
 
-TEST(SidResiduals, AnOrderThatWasGivenStays) {
+TEST(SidResiduals, KeepsAGivenOrder) {
   SidCase c = simulated(small_sid_case());
   add_residuals(c, c.models[0], kAutoregressive.make(2));
   c.unite();
@@ -37,7 +37,7 @@ TEST(SidResiduals, AnOrderThatWasGivenStays) {
   EXPECT_EQ(before.size(), 3U);
 }
 
-TEST(SidResiduals, EveryKindOfTheListMakesItsModels) {
+TEST(SidResiduals, EveryKindMakesItsModels) {
   for (const ResidualKind* kind : residual_kinds()) {
     EXPECT_TRUE(kind->make(0)->is_white()) << kind->key;
     EXPECT_EQ(kind->make(kind->highest)->kind(), kind);
@@ -81,7 +81,7 @@ const remark::ColouredResiduals* coloured(const SidFindings& findings, const std
 }
 
 // A new residual model needs only its class: the Duffing record with correlated noise, ρ = 0.9.
-TEST(SidResiduals, AModelThatTheProgramDoesNotHaveIsIdentified) {
+TEST(SidResiduals, IdentifiesAUserDefinedModel) {
   constexpr double kTau = 9.5, kSd = 0.02;
   SidCase c = small_sid_case();
   c.truth->noise = {0.0};

@@ -81,7 +81,7 @@ TEST(SidUnits, VoltsStayVolts) {
   EXPECT_EQ(parameter_units(scaled).at("k"), "N/m");
 }
 
-TEST(SidUnits, NothingIsSaidWhereUsesOrChannelsDisagree) {
+TEST(SidUnits, AreEmptyIfUsesOrChannelsDisagree) {
   SidCase shared = rig("N", "m");
   shared.models[0].chain.links[0].damping = shared.models[0].chain.links[0].stiffness;
   EXPECT_EQ(parameter_units(shared).at("k"), "");

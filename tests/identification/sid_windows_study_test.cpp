@@ -139,7 +139,7 @@ std::array<Total, kUnknowns> study(int chains, int window) {
 
 // Required: the nominal 90 % interval of the whole holds 85 to 95 % of 200. Of 30, fewer than 20
 // would have a probability of one in a hundred at 85 %.
-TEST(SidWindowsStudy, IntervalsBetweenWindowsHoldWhereATermIsMissing) {
+TEST(SidWindowsStudy, IntervalsBetweenWindowsHoldIfATermIsMissing) {
   const bool all = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
   const int chains = all ? 200 : 30;
   for (const Total& t : study(chains, kGuides)) {

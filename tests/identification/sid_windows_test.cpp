@@ -38,7 +38,7 @@ SidCase windowed_case(double k3, std::uint64_t seed = 3) {
 
 const std::vector<double> kTruth = {50.0, 1.0, 0.01};
 
-TEST(SidWindows, PartTheScoredSamples) {
+TEST(SidWindows, PartitionTheScoredSamples) {
   SidCase c;
   c.begin = 100, c.end = 203, c.windows = 4;
   EXPECT_THAT(window_bounds(c), testing::ElementsAre(std::pair(100, 125), std::pair(125, 151),
@@ -65,7 +65,7 @@ TEST(SidWindows, LikelihoodsAreThePartsOfTheWhole) {
 }
 
 // For a correct model, windows scatter as their intervals state.
-TEST(SidWindows, OfARightModelScatterByTheirErrors) {
+TEST(SidWindows, ScatterByTheirErrorsForACorrectModel) {
   const auto problem = make_sid_problem(windowed_case(0.0));
   const ModelWindows w = fit_windows(*problem, 0, kTruth, 2);
   EXPECT_EQ(w.fitted, 8);
@@ -87,7 +87,7 @@ TEST(SidWindows, OfARightModelScatterByTheirErrors) {
 }
 
 // For a model that lacks a term, they scatter more, which is reported.
-TEST(SidWindows, OfAModelThatLacksATermScatterByMore) {
+TEST(SidWindows, ScatterMoreForAModelThatLacksATerm) {
   const auto problem = make_sid_problem(windowed_case(300.0));
   const ModelWindows w = fit_windows(*problem, 0, std::vector{60.0, 1.0, 0.03}, 2);
   ASSERT_TRUE(w.parameters[0].has_value());
@@ -108,7 +108,7 @@ TEST(SidWindows, DoNotDependOnThreads) {
 
 // Windows of several records count together: each record has the requested number, or one if none
 // is requested.
-TEST(SidWindows, OfSeveralRecordsAreSideBySide) {
+TEST(SidWindows, OfSeveralRecordsCountTogether) {
   SidCase c = windowed_case(0.0, 3);
   c.further = {windowed_case(0.0, 4), windowed_case(0.0, 5)};
   for (SidCase* record : {&c, &c.further[0], &c.further[1]}) record->windows = 0;

@@ -61,7 +61,7 @@ SiteSymmetries symmetries(const DamageCase& damage_case) {
   return make_damage_problem(damage_case, {})->symmetries;
 }
 
-TEST(SiteSymmetries, APortalIsItsOwnImage) {
+TEST(SiteSymmetries, APortalIsSymmetric) {
   const SiteSymmetries found = symmetries(cracked(portal()));
   EXPECT_THAT(found.maps, SizeIs(1));
   EXPECT_THAT(found.alike, ElementsAre(ElementsAre("left", "right")));
@@ -73,7 +73,7 @@ TEST(SiteSymmetries, APortalIsItsOwnImage) {
 }
 
 // The geometry is still symmetric.
-TEST(SiteSymmetries, ADifferenceInMassStiffnessSupportOrPriorIsSeen) {
+TEST(SiteSymmetries, DetectsDifferencesInMassStiffnessSupportOrPrior) {
   fem::Structure mass = portal(), stiffness = portal(), support = portal(), joint = portal();
   mass.masses = {{.node = 1, .mass = 0.01}};
   stiffness.members[0].pieces[0].material.young *= 1.0001;

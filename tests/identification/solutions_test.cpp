@@ -59,14 +59,14 @@ TEST(Solutions, TwoSeparateModesHaveTheirProbabilities) {
   EXPECT_LT(c(0, 0), 0.01);
 }
 
-TEST(Solutions, OneModeIsNoList) {
+TEST(Solutions, OneModeGivesAnEmptyList) {
   EXPECT_TRUE(solutions_of([](double a, double b) {
                 return -0.5 * (square(a / 0.1) + square(b));
               }).list.empty());
 }
 
 // A curved ridge is one solution.
-TEST(Solutions, ABananaIsOneSolution) {
+TEST(Solutions, ACurvedRidgeIsOneSolution) {
   EXPECT_TRUE(solutions_of([](double a, double b) {
                 return -0.5 * square((b - square(a) + 1.0) / 0.05);
               }).list.empty());

@@ -185,7 +185,7 @@ TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
 }
 
 // The joint density from the explicit covariance.
-TEST(StatesLikelihood, MixedModesErrInWhatDamageChanges) {
+TEST(StatesLikelihood, MixedModesChangeTheEffectOfDamage) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list.push_back(
       {.name = "worse", .data = frequencies_of_states({1.9, 6.1, 8.3}, 0.01), .damaged = true});
@@ -228,7 +228,7 @@ TEST(StatesLikelihood, MixedModesErrInWhatDamageChanges) {
 
 // For chains with stiffnesses drawn about the model's, the mixing of shapes and the effect of a
 // soft storey scatter as stated, within the validity of first order and of a random matrix.
-TEST(StatesLikelihood, MixingIsWhatARandomErrorOfStiffnessDoes) {
+TEST(StatesLikelihood, MixingIsTheEffectOfARandomStiffnessError) {
   const std::vector<double> masses = {1.0, 1.2, 0.8};
   const MatrixXd mass = modal::diagonal({1.0, std::sqrt(1.2), std::sqrt(0.8)});
   const auto stiffness = [&](double k1, double k2, double k3) {
@@ -280,7 +280,7 @@ TEST(StatesLikelihood, MixingIsWhatARandomErrorOfStiffnessDoes) {
 }
 
 // If an inaccurate model finds damage, the findings report the trusted assumption.
-TEST(StatesLikelihood, ChangesThatAreTakenForExactAreToldOf) {
+TEST(StatesLikelihood, ReportsChangesTakenForExact) {
   const std::vector<double> masses = {1.0, 1.2, 0.8};
   for (const double mixing : {0.0, 0.7}) {
     auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
@@ -313,7 +313,7 @@ TEST(StatesLikelihood, ChangesThatAreTakenForExactAreToldOf) {
 }
 
 // States with other specified coefficients have independent model errors.
-TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
+TEST(StatesLikelihood, StatesWithOtherCoefficientsHaveIndependentErrors) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->unknown = {0, 2};
   states->known = {1};
@@ -331,7 +331,7 @@ TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
 
 // A frame too large for dense solutions, with E and a spring unknown, and a crack: compared with
 // full solutions.
-TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
+TEST(StatesLikelihood, ModesOfAFrameAgreeWithFullSolutions) {
   const fem::Structure s = modal::portal(10);
   auto model = std::make_shared<StructureModel>();
   model->nominal = s;
@@ -370,7 +370,7 @@ TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
               1e3 * check.seconds_a_solution);
 }
 
-TEST(StatesLikelihood, RefusesMoreModesThanThereAre) {
+TEST(StatesLikelihood, RejectsMoreModesThanThereAre) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list[0].data = frequencies_of_states({1.0, 2.0, 3.0, 4.0}, 0.01);
   EXPECT_THROW(StatesLikelihood(states, {modal::soft_storey()}), std::invalid_argument);

@@ -28,7 +28,7 @@ double log_normal(const VectorXd& r, const MatrixXd& c) {
          0.5 * static_cast<double>(r.size()) * std::log(kTwoPi);
 }
 
-TEST(StiffnessErrors, IntegratedIsTheNormalOfAllTogether) {
+TEST(StiffnessErrors, IntegratedIsTheJointNormalDensity) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   const auto matrix = [&](Index rows, Index columns) {
@@ -47,7 +47,7 @@ TEST(StiffnessErrors, IntegratedIsTheNormalOfAllTogether) {
 }
 
 // A sampler may propose any value: an overflowing error is impossible, not an exception.
-TEST(StiffnessErrors, OneBeyondNumbersIsImpossible) {
+TEST(StiffnessErrors, AnOverflowingErrorIsImpossible) {
   StiffnessErrors errors(2);
   errors.add(MatrixXd::Constant(3, 2, 1.0), VectorXd::Constant(3, 1.0));
   for (const double sigma : {1e155, 1e300})
@@ -55,7 +55,7 @@ TEST(StiffnessErrors, OneBeyondNumbersIsImpossible) {
 }
 
 // Quarters of members and the spring at the foot hold all of the energy.
-TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
+TEST(StiffnessPieces, HoldTheEnergyForAnyMesh) {
   std::vector<double> coarse;
   for (const int elements : {8, 16}) {
     const fem::Mesh mesh(modal::portal(elements));
@@ -78,7 +78,7 @@ TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
 }
 
 // A loss with error u leaves q + u q (1 - q) of a strain instead of q.
-TEST(StiffnessPieces, LossesAreWhatTheirErrorsDo) {
+TEST(StiffnessPieces, LossesAreTheEffectOfTheirErrors) {
   const fem::Mesh mesh(modal::portal(8));
   const fem::Discretisation& d = mesh.discretisation();
   const StiffnessPieces pieces(d, &mesh);
@@ -132,7 +132,7 @@ ObservedStates two_states(double sigma) {
 
 // The density with errors of links integrated out, compared with quadrature over structures with
 // these errors; they agree to second order.
-TEST(StatesLikelihood, ErrorsOfPiecesAreIntegratedOut) {
+TEST(StatesLikelihood, IntegratesStiffnessErrorsOut) {
   const double sigma = 0.004;
   const std::vector<double>& x = kModel;
   const std::vector<PlacedDefect> soft = {{.kind = 0, .location = 1.5, .severity = 0.1}};
@@ -171,7 +171,7 @@ TEST(StatesLikelihood, ErrorsOfPiecesAreIntegratedOut) {
 }
 
 // ln p of a mode given the others: that of all minus that of the others.
-TEST(StatesLikelihood, AModeGivenTheOthersWherePiecesErr) {
+TEST(StatesLikelihood, AModeGivenTheOthersWithStiffnessErrors) {
   const double sigma = 0.05;
   const std::vector<double>& x = kModel;
   const std::vector<PlacedDefect> soft = {{.kind = 0, .location = 1.5, .severity = 0.3}};

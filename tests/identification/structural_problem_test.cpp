@@ -53,7 +53,7 @@ class TwoStoreyModel final : public ForwardModel {
   }
 };
 
-TEST(StructuralProblem, AForwardModelOfOnesOwnUpdates) {
+TEST(StructuralProblem, AUserDefinedForwardModelUpdates) {
   const UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   const auto own = make_update_problem(update_case, {.model = std::make_shared<TwoStoreyModel>()});
   const auto ours = make_update_problem(update_case);
@@ -110,7 +110,7 @@ class RayleighModel final : public ForwardModel {
   std::vector<double> intact_hz_;
 };
 
-TEST(StructuralProblem, AForwardModelOfOnesOwnFindsDamage) {
+TEST(StructuralProblem, AUserDefinedForwardModelFindsDamage) {
   const DamageCase damage_case = small_beam(1);
   const FrequencyData& data = damage_case.data;
   const auto model = std::make_shared<RayleighModel>(data.frequencies_hz);
@@ -167,7 +167,7 @@ class Flexibility final : public Observation {
 };
 
 // The flexibility of a chain's upper floor is 1/k₁ + 1/k₂.
-TEST(StructuralProblem, AnObservationOfOnesOwnUpdates) {
+TEST(StructuralProblem, AUserDefinedObservationUpdates) {
   const UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   const double measured = 1.0 / 1400.0 + 1.0 / 900.0, sd = 0.001 * measured;
   const auto alone = make_update_problem(update_case);
@@ -211,7 +211,7 @@ class Ratio final : public Observation {
   double measured_;
 };
 
-TEST(StructuralProblem, AnObservationWithNoiseOfItsOwnFindsDamage) {
+TEST(StructuralProblem, AUserDefinedObservationWithNoiseFindsDamage) {
   DamageCase damage_case = small_beam(1, {.damages = {{0.425, 0.5}}});
   damage_case.data.cv_prior = inference::LogUniform{1e-3, 1e-1};
   damage_case.data.sd_hz.clear();

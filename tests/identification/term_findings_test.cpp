@@ -83,7 +83,7 @@ std::vector<inference::Evidence> evidence_of_all(const inference::Problem& probl
   return out;
 }
 
-TEST(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
+TEST(TermFindings, InclusionAgreesWithTheEvidencesOfAllSubsets) {
   const SidCase c = duffing_asked_about(0.4, 0.04);
   const SidFindings f = found_terms(c);
   const auto problem = make_sid_problem(c);
@@ -123,7 +123,7 @@ TEST(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
 
 // Regression: climbs whose first differences were as wide as a prior did not leave the mode of the
 // model without the term, although the model with it had another mode.
-TEST(TermFindings, ATermIsFoundFromTheModeOfTheModelWithoutIt) {
+TEST(TermFindings, FindsATermFromTheModeOfTheModelWithoutIt) {
   const auto sid = make_sid_problem(duffing_asked_about(0.4, 0.04));
   const inference::Problem& problem = sid->problem;
   constexpr int kCubic = 1, kBoth = 4;
@@ -147,7 +147,7 @@ TEST(TermFindings, WithoutTheLikelihoodInclusionIsThePrior) {
 }
 
 // The averaged law contains the true one, and the force-state map scatters about it.
-TEST(TermFindings, TheAveragedLawHoldsTheTrueOne) {
+TEST(TermFindings, TheAveragedLawContainsTheTrueOne) {
   const SidFindings f = found_terms(duffing_asked_about(0.5, 0.002));
   ASSERT_EQ(f.discovery.laws.size(), 1U);
   const LinkLaw& law = f.discovery.laws.front();

@@ -108,7 +108,7 @@ void expect_moments(const Outcome& run, const Moments& exact) {
   near(moment([](const Vector2d& k) { return k[0] * k[1]; }), exact.covariance(0, 1), "covariance");
 }
 
-TEST(UpdateProblem, TwoStoreysFromFrequenciesAloneAreThoseOfQuadrature) {
+TEST(UpdateProblem, TwoStoreysFromFrequenciesAloneAgreeWithQuadrature) {
   const UpdateCase update_case = modal::two_storeys(0.01, 0.0);
   const ModalData data = update_case.data;
   const TwoStoreys chain;
@@ -125,7 +125,7 @@ TEST(UpdateProblem, TwoStoreysFromFrequenciesAloneAreThoseOfQuadrature) {
   expect_moments(run(update_case), quadrature(log_density, 800));
 }
 
-TEST(UpdateProblem, TwoStoreysWithShapesAreThoseOfQuadrature) {
+TEST(UpdateProblem, TwoStoreysWithShapesAgreeWithQuadrature) {
   const UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   const ModalData data = update_case.data;
   const TwoStoreys chain;
@@ -155,7 +155,7 @@ TEST(UpdateProblem, TwoStoreysWithShapesAreThoseOfQuadrature) {
 }
 
 // A parameter without effect on any mode keeps its prior, and is named.
-TEST(UpdateProblem, WhatTheDataCannotTellIsSaid) {
+TEST(UpdateProblem, NamesAParameterWithoutInformationInTheData) {
   UpdateCase update_case{
       .title = "three in a row",
       .structure = modal::chain({2.0, 1.0, 1e-4}, {inference::LogUniform{500.0, 3000.0},
@@ -174,7 +174,7 @@ TEST(UpdateProblem, WhatTheDataCannotTellIsSaid) {
 }
 
 // One shape entry of mode 2 is wrong: the mode must be named.
-TEST(UpdateProblem, AModeThatDoesNotFitIsNamed) {
+TEST(UpdateProblem, NamesAModeThatDoesNotFit) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.02);
   update_case.data.shapes(1, 0) = 2.5;
   const Outcome found = run(std::move(update_case));
@@ -238,13 +238,13 @@ void expect_same(const Outcome& a, const Outcome& b, const char* what) {
   }
 }
 
-TEST(UpdateProblem, ThePosteriorDoesNotMoveWithTheOrderOfModes) {
+TEST(UpdateProblem, ThePosteriorDoesNotDependOnTheOrderOfModes) {
   const UpdateCase all = four_storeys();
   expect_same(run(with_modes(all, {0, 1, 2, 3})), run(with_modes(all, {2, 0, 3, 1}), 2), "swapped");
 }
 
 // Effect of a spurious mode if it may be spurious, and the finding if it may not.
-TEST(UpdateProblem, ASpuriousModeMovesNothingOrIsNamed) {
+TEST(UpdateProblem, ASpuriousModeHasNoEffectOrIsNamed) {
   const UpdateCase all = four_storeys();
   const Outcome without = run(with_modes(all, {0, 2, 3}));
   UpdateCase spoilt = with_modes(all, {0, -1, 2, 3});
@@ -267,7 +267,7 @@ TEST(UpdateProblem, ASpuriousModeMovesNothingOrIsNamed) {
   }));
 }
 
-TEST(UpdateProblem, NothingUnknownIsRefused) {
+TEST(UpdateProblem, RejectsACaseWithoutUnknowns) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.0);
   auto known = std::make_shared<StructureModel>(*update_case.structure);
   known->parameters.clear();

@@ -63,7 +63,7 @@ UpdateCase four_storeys(double cov, double shape_sd) {
   return out;
 }
 
-TEST(UpdatingMeasured, FourStoreysPredictTheModesHeldOutOrAreFlagged) {
+TEST(UpdatingMeasured, FourStoreysPredictTheHeldOutModesOrAreFlagged) {
   SKIP_WITHOUT_DATA();
   for (const double cov : {0.01, 0.002}) {
     const UpdateFindings found = updated(four_storeys(cov, 0.02));
