@@ -11,7 +11,7 @@ constexpr std::chrono::milliseconds kBetweenLooks{50};
 
 }  // namespace
 
-void Job::tell(Progress progress) {
+void Job::publish(Progress progress) {
   const std::scoped_lock lock(mutex_);
   news_ = std::move(progress);
 }

@@ -33,7 +33,7 @@ class Job {
   [[nodiscard]] bool stopped() const { return stop_; }
   void stop() { stop_ = true; }
   /// Publishes the newest progress without waiting.
-  void tell(Progress progress);
+  void publish(Progress progress);
 
  private:
   friend void watched(const py::object&, const std::function<void(Job&)>&);

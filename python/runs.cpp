@@ -57,10 +57,10 @@ std::shared_ptr<Run> run(const MakeCaseRun& make, const std::string& path, const
 inference::Posterior JobWatch::sample(const inference::Problem& problem,
                                       inference::Options options) {
   options.progress = [&](const inference::Options::Progress& p) {
-    job_.tell({.stage = p.stage,
-               .fraction = p.fraction,
-               .evaluations = p.likelihood_evaluations,
-               .probabilities = p.model_probabilities});
+    job_.publish({.stage = p.stage,
+                  .fraction = p.fraction,
+                  .evaluations = p.likelihood_evaluations,
+                  .probabilities = p.model_probabilities});
     return !job_.stopped();
   };
   inference::Posterior posterior = inference::reversible_jump(problem, options);
@@ -77,7 +77,7 @@ inference::Posterior JobWatch::sample(const inference::Problem& problem,
 
 void JobWatch::show(const char* stage, double fraction, const std::string& /*detail*/) {
   if (job_.stopped()) throw Failure(Exit::interrupted, "stopped before sampling");
-  job_.tell({.stage = stage, .fraction = fraction});
+  job_.publish({.stage = stage, .fraction = fraction});
 }
 
 void bind_runs(py::module_& m) {

@@ -228,7 +228,7 @@ std::pair<double, double> intercept(std::span<const double> y) {
 }
 
 /// Adds remarks on implausible data of one channel.
-void doubt_channel(const SidCase& record, const SidChannel& channel,
+void check_channel(const SidCase& record, const SidChannel& channel,
                    remark::PeculiarWindow& peculiar, remark::UnknownUnits& unknown,
                    remark::LinearExcitation& linear) {
   if (channel.window && channel.window->difference_db >= kPeculiar * channel.window->expected_db) {
@@ -274,7 +274,7 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
   std::optional<double> moving;
   for (const SidCase* record : sid_case.records()) {
     for (const SidChannel& channel : record->channels) {
-      doubt_channel(*record, channel, peculiar, unknown, linear);
+      check_channel(*record, channel, peculiar, unknown, linear);
     }
     base_integrated = base_integrated || record->base_integrated;
     if (record->sampling.jitter > 0.0) out.emplace_back(remark::UnevenTime{record->sampling});

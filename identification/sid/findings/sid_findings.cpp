@@ -20,7 +20,7 @@ constexpr double kWorthJudging = 0.05;  // less probable models are not judged
 constexpr double kNotReached = 0.9;     // share of draws in which the gap never closes
 
 /// The models that remarks discuss.
-std::vector<int> told(const SidFindings& findings) {
+std::vector<int> judged_models(const SidFindings& findings) {
   std::vector<int> list;
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     if (findings.models[m].probability() >= kWorthJudging && findings.of_models[m]) {
@@ -38,7 +38,7 @@ const SidModelFinding& finding(const SidFindings& findings, int m) {
 /// and its mean lies between or beside the probable regions.
 void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
   const auto likelihood = problem.problem.likelihood();
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     const SidModelFinding& found = finding(findings, m);
     const double lost = likelihood->log_likelihood(m, found.best_draw) -
                         likelihood->log_likelihood(m, mean_draw(problem, posterior, m));
@@ -55,7 +55,7 @@ void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindi
 }
 
 /// Whether the fit verdict already names this response of the model.
-bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
+bool is_named(const FitVerdict& verdict, int model, const ChannelFit& fit) {
   const auto& why = verdict.instead_of == model ? verdict.why_not : verdict.why;
   return (verdict.model == model || verdict.instead_of == model) &&
          std::ranges::any_of(why, [&](const auto& reason) {
@@ -69,7 +69,7 @@ bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
 }
 
 /// Whether the residuals of two models are so similar that one remark covers both.
-bool much_the_same(const remark::ColouredResiduals& a, const remark::ColouredResiduals& b) {
+bool are_similar(const remark::ColouredResiduals& a, const remark::ColouredResiduals& b) {
   return a.residual_model == b.residual_model &&
          std::ranges::equal(a.channels, b.channels, [](const auto& x, const auto& y) {
            return x.name == y.name && x.lag == y.lag &&
@@ -78,10 +78,10 @@ bool much_the_same(const remark::ColouredResiduals& a, const remark::ColouredRes
          });
 }
 
-void tell(remark::ColouredResiduals coloured, std::vector<Remark>& remarks) {
-  for (Remark& told : remarks) {
-    auto* before = std::get_if<remark::ColouredResiduals>(&told);
-    if (before != nullptr && much_the_same(*before, coloured)) {
+void add_remark(remark::ColouredResiduals coloured, std::vector<Remark>& remarks) {
+  for (Remark& remark : remarks) {
+    auto* before = std::get_if<remark::ColouredResiduals>(&remark);
+    if (before != nullptr && are_similar(*before, coloured)) {
       before->others.push_back(std::move(coloured.model));
       return;
     }
@@ -92,7 +92,7 @@ void tell(remark::ColouredResiduals coloured, std::vector<Remark>& remarks) {
 /// Adds remarks on noise and residuals, from the forward runs of the important models.
 void judge_fits(const SidProblem& problem, SidFindings& findings) {
   const double n = static_cast<double>(problem.misfits.front().samples());
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
     remark::NoiseMisstated off{.model = model.name, .channels = {}};
     remark::ColouredResiduals coloured{.model = model.name, .channels = {}};
@@ -103,7 +103,7 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
     const std::vector<ChannelFit>& fits = finding(findings, m).at_best;
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const ChannelFit& fit = fits[c];
-      if (fit.whiteness && !fit.whiteness->white() && !is_told(findings.fit_verdict, m, fit)) {
+      if (fit.whiteness && !fit.whiteness->white() && !is_named(findings.fit_verdict, m, fit)) {
         coloured.channels.push_back({fit.channel, fit.whiteness->worst_lag, fit.whiteness->worst,
                                      fit.nrmse, fit.whiteness->test.p_value});
       }
@@ -117,7 +117,7 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
       }
     }
     if (!off.channels.empty()) findings.remarks.push_back(std::move(off));
-    if (!coloured.channels.empty()) tell(std::move(coloured), findings.remarks);
+    if (!coloured.channels.empty()) add_remark(std::move(coloured), findings.remarks);
   }
 }
 
@@ -149,7 +149,7 @@ double share_beyond(const SidProblem& problem, const Posterior& posterior, int m
 void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
   const auto& space = problem.problem.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     for (int p = 0; p < space[m].dimension; ++p) {
       const inference::Prior& prior = space.prior(m, p);
       std::vector<double> draws;
@@ -188,7 +188,7 @@ void judge_stops(const SidRun& run, SidFindings& findings) {
   const SidProblem& problem = *run.problem;
   const Posterior& posterior = run.posterior;
   if (run.engine.prior_only) return;
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     auto curves = finding(findings, m).links;
     if (!curves || !widen(problem, posterior, m, *curves)) continue;
     const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
@@ -226,7 +226,7 @@ void judge_windows(const SidRun& run, SidFindings& findings) {
   const SidProblem& problem = *run.problem;
   if (problem.sid_case.windows == 0 && problem.further.empty()) return;
   if (run.engine.quick || run.posterior.stopped_early || run.engine.prior_only) return;
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     ModelFinding& model = findings.models[static_cast<std::size_t>(m)];
     const ModelWindows windows =
         fit_windows(problem, m, finding(findings, m).best_draw, run.engine.threads);
@@ -242,7 +242,7 @@ void judge_windows(const SidRun& run, SidFindings& findings) {
 
 /// Reports integration steps so long that they change the posterior.
 void judge_integration(const SidProblem& problem, SidFindings& findings) {
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     const double error = finding(findings, m).step_error.value_or(0.0);
     if (error <= kLargestStepError) continue;
     findings.remarks.push_back(

@@ -102,7 +102,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
       }
       ++at;
     });
-    if (static_cast<double>(here.size()) < kWorthTelling * static_cast<double>(weights.size()))
+    if (static_cast<double>(here.size()) < kWorthReporting * static_cast<double>(weights.size()))
       continue;
     const std::vector<double> equal(here.size(), 1.0);
     for (int s = problem.common; s < space[m].dimension; ++s) {

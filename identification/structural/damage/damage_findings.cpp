@@ -146,10 +146,10 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
   const int data = damage_case.data.measured();
   for (std::size_t m = 0; m < models.size(); ++m) {
     const ModelFinding& model = models[m];
-    if (model.probability() < kWorthTelling || model.dimension < data || data == 0) continue;
+    if (model.probability() < kWorthReporting || model.dimension < data || data == 0) continue;
     if (model.parameters.empty()) continue;  // known by its evidence alone
     const bool simpler = std::ranges::any_of(models, [&](const ModelFinding& other) {
-      return other.dimension < model.dimension && other.probability() >= kWorthTelling;
+      return other.dimension < model.dimension && other.probability() >= kWorthReporting;
     });
     if (!simpler) {
       remarks.push_back(remark::FittedNotTested{model.name, model.dimension, data});
@@ -290,7 +290,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     if (measured && std::abs(residual) > 3.0 && doubted < 0.5)
       off.push_back(static_cast<int>(mode) + 1);
   }
-  single.tell(verdict.model, out);
+  single.write(verdict.model, out);
   if (problem.by_modes()) out.shapes = best_shapes(problem, posterior);
   if (out.posterior_predictive_p < kMisfit) {
     verdict.why.emplace_back(
@@ -364,14 +364,14 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
 
 // Replaces the location on the line of a structure by the site (member, node, link) and, for a
 // member, by the position along it.
-void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
+void split_locations(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
   const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
   for (std::size_t m = 0; m < models.size(); ++m) {
-    std::vector<ParameterFinding> told;
+    std::vector<ParameterFinding> split;
     for (ParameterFinding& p : models[m].parameters) {
       if (p.unknown.kind < 0 || p.unknown.parameter != 0 ||
           kinds[static_cast<std::size_t>(p.unknown.kind)].line.is_beam()) {
-        told.push_back(std::move(p));
+        split.push_back(std::move(p));
         continue;
       }
       const DefectKind& kind = kinds[static_cast<std::size_t>(p.unknown.kind)];
@@ -391,14 +391,14 @@ void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
       const std::size_t at = site.label.rfind(p.unknown.name);
       if (at != std::string::npos) site.label.replace(at, p.unknown.name.size(), site.name);
       site.unit = "1";
-      told.push_back({.unknown = site, .estimate = of_spot([](const SiteLine::Spot& spot) {
-                                         return static_cast<double>(spot.site);
-                                       })});
+      split.push_back({.unknown = site, .estimate = of_spot([](const SiteLine::Spot& spot) {
+                                          return static_cast<double>(spot.site);
+                                        })});
       if (kind.type->sites == DefectType::Sites::members)
-        told.push_back({.unknown = p.unknown,
-                        .estimate = of_spot([](const SiteLine::Spot& spot) { return spot.s; })});
+        split.push_back({.unknown = p.unknown,
+                         .estimate = of_spot([](const SiteLine::Spot& spot) { return spot.s; })});
     }
-    models[m].parameters = std::move(told);
+    models[m].parameters = std::move(split);
   }
 }
 
@@ -502,15 +502,15 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.kinds.back().places = places(draws, static_cast<int>(k), out.kinds.back().expected);
   }
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
-    constexpr double kWorthSaying = 0.2;
+    constexpr double kWorthRemark = 0.2;
     auto merged = merged_damages(draws, out.models, static_cast<int>(k));
     if (!merged) continue;
-    if (merged->merged > kWorthSaying)
+    if (merged->merged > kWorthRemark)
       remarks.push_back(remark::NeighbouringDamages{static_cast<int>(k)});
     out.merged.push_back(std::move(*merged));
   }
   if (problem.symmetric) out.folded = folded(draws);
-  tell_rivals(draws, symmetric, remarks);
+  add_rival_remarks(draws, symmetric, remarks);
 
   unidentified(draws, out.models, remarks);
   out.fit_verdict.model = static_cast<int>(out.by_probability()[0]);
@@ -537,7 +537,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
                                     (out.emulator->check ? out.emulator->check->draws : 0);
     for (const ModelFinding& model : out.models) {
       const auto count = static_cast<std::size_t>(model.counts[0]);
-      if (problem.exact() || model.probability() < kWorthTelling || count == 0 ||
+      if (problem.exact() || model.probability() < kWorthReporting || count == 0 ||
           count > out.emulator->counts.size()) {
         continue;
       }
@@ -550,7 +550,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   if (problem.states() != nullptr) out.baseline = baseline_findings(problem, posterior);
   out.remarks = std::move(remarks);
   conclude(out, draws.space(), evidence);
-  if (damage_case.structure) tell_sites(draws, out.models);
+  if (damage_case.structure) split_locations(draws, out.models);
   return out;
 }
 

@@ -24,14 +24,14 @@ class SingleModes {
   void pass(int model, double weight, std::span<const double> x,
             const ModeObservation::Scored& scored);
   /// Writes the results. `winner`: the most probable model.
-  void tell(int winner, FitFinding& out) const;
+  void write(int winner, FitFinding& out) const;
 
  private:
   const DamageProblem& problem_;
   std::vector<int> models_;
   std::vector<double> weights_;
   std::vector<std::vector<double>> densities_, macs_;  // per mode, at each draw
-  bool doubted_ = false, told_ = true;
+  bool may_be_spurious_ = false, comparable_ = true;
 };
 
 /// Returns a function that replicates the measured frequencies [Hz] at a draw (chain, draw) of the

@@ -21,7 +21,7 @@ std::string number_in_words(double x) {
 }
 
 // Whether each list of sites is mirror-symmetric; the emulator then is symmetric without averaging.
-bool mirrors_itself(const std::vector<Factor>& box, double length) {
+bool has_symmetric_sites(const std::vector<Factor>& box, double length) {
   for (std::size_t i = 0; i < box.size(); i += 2) {
     const auto& levels = box[i].levels;
     for (std::size_t j = 0; j < levels.size(); ++j) {
@@ -75,7 +75,7 @@ FrequencyEmulator FrequencyEmulator::train(const fem::Reanalysis& reanalysis,
     Table table = run_table(reanalysis, spec, kind, modes, count, options, trained.trained_runs_);
     table.attributes["interpolation"] = spec.interpolant->name;
     trained.symmetrised_ =
-        spec.symmetrise && !(table.is_grid() && mirrors_itself(table.factors, beam.length));
+        spec.symmetrise && !(table.is_grid() && has_symmetric_sites(table.factors, beam.length));
     table.attributes["symmetrised"] = trained.symmetrised_ ? "true" : "false";
     if (count == 2 && spec.anova) {
       table.attributes["anova"] = emulator::name(*spec.anova);

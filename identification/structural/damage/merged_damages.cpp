@@ -11,7 +11,7 @@ namespace {
 
 using Component = DamageProblem::Component;
 
-constexpr double kAsWell = 2.0;            // tolerated loss of ln likelihood
+constexpr double kToleratedLoss = 2.0;     // tolerated loss of ln likelihood
 constexpr double kLongestMerged = 0.25;    // relative to a member
 constexpr std::size_t kMergedDraws = 200;  // per model
 constexpr double kImprobable = 1e-4;       // less probable models do not affect the counts
@@ -107,7 +107,7 @@ class Merger {
       fewer[*best] = *joined(fewer[*best], fewer[*best + 1], longest(fewer[*best].stretch));
       fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(*best) + 1);
       const double then = log_likelihood(fewer);
-      if (!(then >= apart - kAsWell)) break;
+      if (!(then >= apart - kToleratedLoss)) break;
       out.damages = std::move(fewer);
       now = then;
     }

@@ -112,8 +112,8 @@ std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places)
   return groups;
 }
 
-void tell_rivals(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
-                 std::vector<Remark>& remarks) {
+void add_rival_remarks(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
+                       std::vector<Remark>& remarks) {
   const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
   std::vector<Site> sites = sites_of(draws.problem().damage_case);
   if (sites.empty()) return;

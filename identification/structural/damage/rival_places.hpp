@@ -22,7 +22,7 @@ struct PlaceProbabilities {
 
 /// Adds one remark per group of members, joints or storeys, over all kinds. Omits groups that
 /// consist only of a structure's images in `symmetry`.
-void tell_rivals(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
-                 std::vector<Remark>& remarks);
+void add_rival_remarks(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
+                       std::vector<Remark>& remarks);
 
 }  // namespace wheeltap::identification

@@ -112,9 +112,9 @@ SymmetryFinding symmetry(const UnpackedDraws& draws, const ChainsOf& difference,
     out.chains.push_back({left, right, inference::mcse_mean({difference[c]})});
     expected += (left + right) / static_cast<double>(difference.size());
   }
-  if (expected > kWorthTelling && problem.symmetries.empty())
+  if (expected > kWorthReporting && problem.symmetries.empty())
     remarks.push_back(remark::MirrorImages{out.emulated});
-  else if (expected > kWorthTelling)
+  else if (expected > kWorthReporting)
     remarks.push_back(remark::StructureImages{out.alike, out.turned});
   return out;
 }

@@ -11,7 +11,7 @@
 
 namespace wheeltap::identification {
 
-inline constexpr double kWorthTelling = 0.05;  ///< less probable counts are not described
+inline constexpr double kWorthReporting = 0.05;  ///< less probable counts are not described
 
 /// Unpacks the defects of single draws. Refers to both arguments; not thread-safe.
 class UnpackedDraws {

@@ -57,7 +57,7 @@ LineMap line_map(const fem::SelfMap& map, const DefectKind& kind) {
 }
 
 /// Whether the map moves no place, as for groups of members on both sides.
-bool moves_nothing(const std::vector<LineMap>& of_kinds) {
+bool is_identity(const std::vector<LineMap>& of_kinds) {
   return std::ranges::all_of(of_kinds, [](const LineMap& map) {
     for (std::size_t s = 0; s < map.stretch.size(); ++s)
       if (map.stretch[s] != static_cast<int>(s) || map.turned[s]) return false;
@@ -85,8 +85,8 @@ bool same_frequencies(const std::vector<double>& a, const std::vector<double>& b
 }
 
 /// Collects the sites that are images of each other, or reversed, over all maps and kinds.
-void tell_images(const std::vector<DefectKind>& kinds,
-                 const std::vector<std::vector<LineMap>>& maps, SiteSymmetries& out) {
+void collect_images(const std::vector<DefectKind>& kinds,
+                    const std::vector<std::vector<LineMap>>& maps, SiteSymmetries& out) {
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const auto& stretches = kinds[k].line.stretches();
     std::vector<int> group(stretches.size());
@@ -153,7 +153,7 @@ SiteSymmetries find_symmetries(const AnyStructure& structure, const std::vector<
       if (of_kinds.back().stretch.empty()) break;
       symmetry.parts.push_back({static_cast<int>(k), 0, image_on(kinds[k].line, of_kinds.back())});
     }
-    if (symmetry.parts.size() != kinds.size() || moves_nothing(of_kinds)) continue;
+    if (symmetry.parts.size() != kinds.size() || is_identity(of_kinds)) continue;
     if (frequencies.empty())
       for (const auto& trial : trials) frequencies.push_back(solve(trial));
     bool same = true;
@@ -166,7 +166,7 @@ SiteSymmetries find_symmetries(const AnyStructure& structure, const std::vector<
     out.maps.push_back(std::move(symmetry));
     kept.push_back(std::move(of_kinds));
   }
-  tell_images(kinds, kept, out);
+  collect_images(kinds, kept, out);
   return out;
 }
 
