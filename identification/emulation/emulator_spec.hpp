@@ -22,12 +22,11 @@ struct EmulatorSpec {
       sites;  ///< 0-based elements; list i is for damage i, the last list for all further damages
   std::vector<double> reductions;  ///< levels, increasing; for scattered runs the range, or empty
   bool compliance = false;         ///< interpolate in 1/(1-r) instead of r
-  std::optional<double> accuracy;  ///< grids are refined (sites and levels) until errors relative
-                                   ///< to the frequencies are below this
+  std::optional<double> accuracy;  ///< largest relative error at which grid refinement ends
   std::optional<emulator::Additive>
       anova;  ///< how more than two damages are summed from pairs; empty: one table per count
-  std::vector<int> design_runs;  ///< scattered designs: entry i for i + 1 damages, the last for all
-                                 ///< further counts
+  std::vector<int>
+      design_runs;  ///< scattered: entry i for i + 1 damages, the last for further ones
   std::uint64_t design_seed = 1;           ///< for scattered designs
   std::vector<std::filesystem::path> csv;  ///< the user's runs: file i has i + 1 damages
   bool symmetrise = false;     ///< average predictions over damages and their mirror images

@@ -24,8 +24,7 @@ namespace wheeltap::identification {
 /// …; responses: elastic frequencies [Hz]; attribute "interpolation": name of the interpolant.
 struct FrequencyTables {
   std::vector<emulator::Table> tables;  ///< entry i for i + 1 damages
-  std::vector<EmulatorError> errors;    ///< entry i for i + 1 damages; with ANOVA there are more
-                                        ///< entries than tables
+  std::vector<EmulatorError> errors;    ///< entry i for i + 1 damages; more than tables with ANOVA
   bool symmetrised = false;  ///< predictions are means over damages and their mirror images
   /// How more than two damages are summed; the table for two then holds the intact frequencies.
   std::optional<emulator::Additive> anova;

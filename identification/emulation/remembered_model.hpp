@@ -32,10 +32,8 @@ class RememberedModel final : public OutsideModel {
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;
 
-  [[nodiscard]] long asked() const { return asked_; }  ///< calls of the model
-  [[nodiscard]] long remembered() const {
-    return remembered_;
-  }  ///< answers loaded from the journal
+  [[nodiscard]] long asked() const { return asked_; }            ///< calls of the model
+  [[nodiscard]] long remembered() const { return remembered_; }  ///< from the journal
   [[nodiscard]] long slopes() const { return slopes_; }
 
  private:

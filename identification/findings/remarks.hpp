@@ -97,8 +97,7 @@ struct SensorsAtOnePlace {
 /// modes of measured to nearest predicted frequency.
 struct FrequenciesOutOfReach {
   double ratio;
-  double measured, lowest, highest;  ///< for the first of these modes: measured and predicted range
-                                     ///< [Hz]
+  double measured, lowest, highest;  ///< of the first such mode: measured, predicted range [Hz]
   int mode;                          ///< numbered from 1
 };
 /// The stated noise of every frequency exceeds the effect of the prior's damages, which is at most
@@ -252,8 +251,7 @@ struct InitialStateInferred {
 struct StepsTooLong {
   std::string model;
   double error;
-  bool fixed;  ///< the case fixes the integrator, so the run could not be repeated with smaller
-               ///< steps
+  bool fixed;  ///< the case fixes the steps, so the run could not be repeated
 };
 /// The parameters' means fit the record worse than the best draw: NRMSE of both per channel.
 struct MeansDoNotGoTogether {

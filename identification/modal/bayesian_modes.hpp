@@ -19,8 +19,7 @@ namespace wheeltap::identification {
 /// A frequency band and approximate frequencies of its modes, read from the spectra.
 struct ModalBand {
   double lowest_hz = 0.0, highest_hz = 0.0;
-  std::vector<double> peaks_hz = {};  ///< approximate frequency of each mode, ascending; one to
-                                      ///< three
+  std::vector<double> peaks_hz = {};  ///< approximate, ascending; one to three modes
 };
 
 /// Fourier lines of accelerations in a band.

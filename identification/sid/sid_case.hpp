@@ -69,8 +69,7 @@ struct SidChannel {
 
 /// An optional law of a link (sid_discovery.hpp).
 struct SidTerm {
-  std::string name = {};  ///< "cubic", "contact closing"; "cubic 0-1" if several links have
-                          ///< optional terms
+  std::string name = {};  ///< "cubic", "contact closing"; "cubic 0-1" if several links have terms
   int link = 0;           ///< index among the links of the base model
   dynamics::Law law = {};
   /// Indices of the law's coefficients that are parameters with default priors, set from the
@@ -114,8 +113,7 @@ struct SidModel {
   std::vector<dynamics::Coefficient> noise = {};  ///< sd, one per response channel
   SidResiduals residuals = {};
   std::vector<int> parameters = {};  ///< indices of the parameters that it uses, increasing
-  std::vector<int> terms = {};       ///< indices of the terms of SidCase::discovery that it has,
-                                     ///< increasing
+  std::vector<int> terms = {};       ///< indices of its terms in SidCase::discovery, increasing
 
   /// ResidualModel::log_density and innovations for response channel c.
   [[nodiscard]] double log_density(std::size_t c, std::span<const double> r,

@@ -21,8 +21,7 @@ struct RecordUse {
   /// False: they are linear between their samples.
   bool band_limited = false;
   bool resample = false;  ///< interpolate a record with uneven time steps at an even rate
-  std::optional<int> upsample =
-      {};  ///< empty: until linear interpolation loses 0.3 % of the amplitude
+  std::optional<int> upsample = {};  ///< factor; empty: linear interpolation may lose 0.3 %
 };
 
 /// Puts a record's rate, window and signals into the case, and compares the spectrum of each

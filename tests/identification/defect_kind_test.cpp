@@ -170,7 +170,7 @@ TEST(DefectKind, RejectsInvalidCasesNamingThePart) {
   EXPECT_EQ(refusal(negative).second, "a weight of -0.5: must be >= 0");
   DamageCase nothing = small_beam(1);
   nothing.kinds.clear();
-  EXPECT_EQ(refusal(nothing).second, "no kind of defect: nothing is asked");
+  EXPECT_EQ(refusal(nothing).second, "has no kind of defect: needs at least one");
 }
 
 }  // namespace

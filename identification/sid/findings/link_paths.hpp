@@ -9,8 +9,8 @@
 
 namespace wheeltap::identification {
 
-/// All links between masses a and b together, over the scored samples. With the extension e = z_b -
-/// z_a, their tension T pulls a towards b (dynamics/chain.hpp).
+/// All links between masses a and b together, over the scored samples. With the extension
+/// e = z_b - z_a, their tension T pulls a towards b (dynamics/chain.hpp).
 struct LinkPath {
   int a = 0, b = 0;
   std::vector<double> extension;  ///< e [m] of the model's motion

@@ -42,8 +42,7 @@ struct SidFindings : Findings {
   Discovery discovery;                  ///< empty if not requested
   std::optional<Look> look;             ///< if the run used only part of the record
   std::optional<StepsRefined> refined;  ///< if the run was repeated
-  long windows_evaluations =
-      0;  ///< likelihood evaluations of windows, each of a part of the record
+  long windows_evaluations = 0;         ///< likelihoods of windows, each of a part of the record
 };
 
 /// Computes the findings. The run must have at least 4 draws per chain and chains of equal length.

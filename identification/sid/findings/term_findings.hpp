@@ -15,8 +15,7 @@ struct TermFinding {
   std::string name;        ///< law and side: "contact closing"
   int a = 0, b = 0;        ///< masses that its link joins
   double prior = 0.5;      ///< prior inclusion probability
-  double inclusion = 0.0;  ///< posterior inclusion probability: the sum over the models that have
-                           ///< the term
+  double inclusion = 0.0;  ///< posterior inclusion probability: sum over models with the term
   double mcse = 0.0;       ///< its Monte Carlo standard error
   bool drawn = false;      ///< by any chain
   std::vector<ParameterFinding> parameters = {};  ///< its unknown coefficients, given inclusion

@@ -18,8 +18,7 @@ struct BaselineFindings {
   std::vector<Contraction> contractions = {};  ///< over all models
   std::vector<Marginal> marginals = {};        ///< one per contraction
   std::vector<std::string> priors = {};        ///< description of each prior
-  std::vector<Entangled> entangled = {};  ///< pairs of parameters of the intact structure, over all
-                                          ///< models
+  std::vector<Entangled> entangled = {};  ///< parameters of the intact structure, over all models
   std::vector<HiddenDamage> hidden = {};  ///< in models of 5 % or more
   StatesLikelihood::Check check = {};     ///< check of the modes against full solutions
 };

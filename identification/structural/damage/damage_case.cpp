@@ -75,7 +75,7 @@ void complete(DamageCase& damage_case) {
     complete_beam(damage_case);
   }
   if (damage_case.kinds.empty()) {
-    throw InvalidInput(Part::location, "no kind of defect: nothing is asked");
+    throw InvalidInput(Part::location, "has no kind of defect: needs at least one");
   }
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     DefectKind& kind = damage_case.kinds[k];

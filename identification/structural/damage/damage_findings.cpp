@@ -490,7 +490,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   if (problem.symmetric || !problem.symmetries.empty()) {
     const ChainsOf difference = left_less_right(draws);
     symmetric = symmetry(draws, difference, remarks);
-    watched.push_back({"left less right", [difference] { return difference; }});
+    watched.push_back({"left minus right", [difference] { return difference; }});
   }
   DamageFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior, watched), seed);

@@ -53,8 +53,7 @@ struct DamageProblemOptions {
   /// has shapes or correlated frequencies. It must match the case's structure, and cannot be
   /// emulated.
   std::shared_ptr<const ForwardModel> model = {};
-  std::vector<std::shared_ptr<const Observation>> observations =
-      {};  ///< in addition to the case's data
+  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
 };
 
 /// Names of the inputs of such a model: "location[1]", "reduction[1]" …, preceded by the kind's

@@ -28,10 +28,10 @@ struct ModalNoise {
 /// adjacent to it, if none does).
 [[nodiscard]] double eigenvalue_of(double frequency_hz);
 
-/// Sd of the mixing of mode k into mode j by the model error δK. δK changes a frequency by δ = φ_jᵀ
-/// δK φ_j / 2λ_j (relative), and mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j - λ_k). If off-diagonal
-/// entries φ_jᵀ δK φ_k / √(λ_j λ_k) are κ times as large as diagonal ones, the mixing is normal
-/// with sd
+/// Sd of the mixing of mode k into mode j by the model error δK. δK changes a frequency by
+/// δ = φ_jᵀ δK φ_j / 2λ_j (relative), and mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j - λ_k). If
+/// off-diagonal entries φ_jᵀ δK φ_k / √(λ_j λ_k) are κ times as large as diagonal ones, the mixing
+/// is normal with sd
 ///
 ///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
 ///

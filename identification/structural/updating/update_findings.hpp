@@ -89,8 +89,8 @@ struct PredictedMode {
 
 struct UpdateFit {
   double p = 1.0;  ///< posterior predictive p of χ²: P(replicate > data)
-  double best_p =
-      1.0;  ///< p of the best draw's χ², with freedoms reduced by the parameters; 1 if none left
+  /// p of the best draw's χ², with freedoms reduced by the parameters; 1 if none are left.
+  double best_p = 1.0;
   double r2 = 0.0;       ///< R² of the frequencies, at their posterior means; NaN for fewer than 2
   std::vector<int> off;  ///< modes that deviate
   std::vector<int> missed;  ///< held-out modes outside their band

@@ -42,8 +42,7 @@ struct UpdateProblemOptions {
   int threads = 1;                                   ///< to train the emulator
   /// Predicts the modes at the case's sensors; the structure is not used then.
   std::shared_ptr<const ForwardModel> model = {};
-  std::vector<std::shared_ptr<const Observation>> observations =
-      {};  ///< in addition to the case's data
+  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
 };
 
 /// Makes the problem and trains the reduced basis. Eigenvalues are accurate to a thousandth of the
