@@ -107,8 +107,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
       }
       if (other.discretisation.strains.size() != intact.discretisation.strains.size())
         throw std::invalid_argument(
-            "with a discrepancy of stiffness, the prior of a spring or an axial force must exclude "
-            "0");
+            "a discrepancy of stiffness: priors of springs and axial forces must exclude 0");
     }
     if (pieces) modes = std::min(available, modes + kOfPieces);
     if (matrices)
@@ -192,8 +191,7 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   // For the matching, allow approximately the effect of stiffness errors.
   ModalNoise wide = noise;
   if (pieces_.count() > 0) {
-    constexpr double kOfMode = 0.25;  // effect on a mode relative to the error of a piece; about
-                                      // four pieces matter to a mode
+    constexpr double kOfMode = 0.25;  // relative to a piece's error; about four affect a mode
     wide.discrepancy = std::hypot(noise.discrepancy, kOfMode * noise.stiffness_discrepancy);
     wide.shape_discrepancy =
         std::hypot(noise.shape_discrepancy, kOfMode * noise.stiffness_discrepancy);
