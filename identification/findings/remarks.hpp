@@ -97,7 +97,7 @@ struct SensorsAtOnePlace {
 /// modes of measured to nearest predicted frequency.
 struct FrequenciesOutOfReach {
   double ratio;
-  double measured, lowest, highest;  ///< of the first such mode: measured, predicted range [Hz]
+  double measured, lowest, highest;  ///< first such mode: measured, predicted range [Hz]
   int mode;                          ///< numbered from 1
 };
 /// The stated noise of every frequency exceeds the effect of the prior's damages, which is at most
