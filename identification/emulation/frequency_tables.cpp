@@ -47,7 +47,7 @@ EmulatorError error_of(const Table& table, int count, const std::filesystem::pat
 
 }  // namespace
 
-// JSON-like, keys in alphabetical order. Do not change: tables of earlier versions must stay valid.
+// As in JSON, keys in alphabetical order. Changes would invalidate tables of earlier versions.
 std::string beam_fingerprint(const fem::Beam& beam) {
   const auto number = [](double x) { return io::json_number(x); };
   const auto yes = [](bool flag) { return flag ? "true" : "false"; };

@@ -231,7 +231,7 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
   for (const auto& chain : counts) {
     for (const int n : chain) lowest = std::min(lowest, n), highest = std::max(highest, n);
   }
-  // The run time grows with the cube of the number of visited models.
+  // The run time per draw grows with the cube of the number of visited models.
   const int posterior_draws = out.models.size() <= kFewModelsTold ? 1000 : 100;
   Sampling& sampling = out.sampling;
   static_cast<inference::RunRecord&>(sampling) = posterior;

@@ -45,8 +45,8 @@ TEST(SidResiduals, EveryKindMakesItsModels) {
   }
 }
 
-/// A user-defined residual model: E[r_n r_{n+k}] = σ² exp(-k / τ), τ in samples. With ρ = exp(-1 /
-/// τ), r_n given r_{n-1} is N(ρ r_{n-1}, σ² (1 - ρ²)).
+/// A user-defined residual model: E[r_n r_{n+k}] = σ² exp(-k / τ), τ in samples.
+/// With ρ = exp(-1 / τ), r_n given r_{n-1} is N(ρ r_{n-1}, σ² (1 - ρ²)).
 class CorrelationTime final : public ResidualModel {
  public:
   ResidualWords words() const override { return {.article = "a", .name = "correlation time"}; }

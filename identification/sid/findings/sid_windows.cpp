@@ -15,9 +15,8 @@ namespace {
 
 using inference::GroupEstimate, inference::LineMixture;
 
-constexpr double kFurthest = 6.0;  // start points, in standard deviations of the prior
-constexpr double kWorthKeeping =
-    1e-3;  // smallest precision of the likelihood relative to the prior's
+constexpr double kFurthest = 6.0;       // start points, in standard deviations of the prior
+constexpr double kWorthKeeping = 1e-3;  // precision of the likelihood over that of the prior
 
 /// The whole record's mode and the inverse of the negative Hessian there; not finite if there is
 /// none.

@@ -521,7 +521,8 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.emulator = emulator_finding(*problem.emulator, damage_case.data.sd_hz);
     out.emulator->exact = problem.exact();
     out.emulator->error_in_likelihood = damage_case.emulator->emulator_error;
-    // For an external model a few dozen runs, which may take minutes; for the FE solution more.
+    // A few dozen runs of an external model may take minutes; the default, of FE solutions, a
+    // second.
     constexpr int kOfOutside = 50;
     out.emulator->check = problem.program() != nullptr
                               ? check_emulator(problem, posterior, kOfOutside)

@@ -99,7 +99,7 @@ struct Examined {
   std::vector<std::vector<double>> x;
   std::vector<double> log_likelihood;
   std::vector<ModalLikelihood::Score> scores;
-  std::vector<VectorXd> frequencies_hz;  // one per computed mode
+  std::vector<VectorXd> frequencies_hz;  // per draw, all computed modes
   std::size_t best = 0;
 };
 
