@@ -1,4 +1,4 @@
-// Input that cannot be used, and where in it.
+// The error for unusable input, with its place in the input.
 #pragma once
 
 #include <stdexcept>
@@ -6,8 +6,8 @@
 
 namespace wheeltap::identification {
 
-/// What is asked for contradicts itself or lies outside what is possible. The door that parsed the
-/// input (a case file, a caller's arguments) turns the place into one of its own.
+/// Thrown for input that contradicts itself or is out of range. The caller that parsed the input (a
+/// case file, function arguments) translates `part` into its own place, for example a JSON path.
 class InvalidInput : public std::invalid_argument {
  public:
   enum class Part {
@@ -20,9 +20,9 @@ class InvalidInput : public std::invalid_argument {
     models,
     model,       ///< `index`
     channel,     ///< `index`
-    excitation,  ///< `index` of the truth's
+    excitation,  ///< excitation `index` of the truth
     sample_rate,
-    samples,  ///< the window of the record
+    samples,  ///< window of the record
     lead_in,
     initial
   };

@@ -1,4 +1,4 @@
-// Numbers of ours as NumPy arrays that share their memory.
+// NumPy arrays that share memory with C++.
 #pragma once
 
 #include <pybind11/numpy.h>
@@ -10,7 +10,7 @@ namespace wheeltap::python {
 
 namespace py = pybind11;
 
-/// A read-only array over memory that `owner` keeps alive.
+/// A read-only view of memory that `owner` keeps alive.
 template <class Number>
 py::array view(const Number* data, std::vector<py::ssize_t> shape, const py::object& owner) {
   py::array_t<Number> array(std::move(shape), data, owner);
@@ -18,7 +18,7 @@ py::array view(const Number* data, std::vector<py::ssize_t> shape, const py::obj
   return array;
 }
 
-/// A read-only array that owns these values: they are moved, not copied.
+/// A read-only array that takes over these values without a copy.
 template <class Number>
 py::array owned(std::vector<Number> values, std::vector<py::ssize_t> shape) {
   auto kept = std::make_unique<std::vector<Number>>(std::move(values));

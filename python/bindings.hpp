@@ -1,4 +1,4 @@
-// The parts of the module, one a file.
+// The parts of the module, one per file.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -6,10 +6,10 @@
 namespace wheeltap::python {
 
 void bind_cases(pybind11::module_& module);   ///< modes, simulate, data, schemas
-void bind_engine(pybind11::module_& module);  ///< likelihoods of one's own
+void bind_engine(pybind11::module_& module);  ///< user-defined likelihoods
 void bind_modal(pybind11::module_& module);
-void bind_rig(pybind11::module_& module);   ///< chains with laws of one's own
-void bind_run(pybind11::module_& module);   ///< what a run leaves, and its draws
+void bind_rig(pybind11::module_& module);   ///< chains with user-defined laws
+void bind_run(pybind11::module_& module);   ///< a finished run and its draws
 void bind_runs(pybind11::module_& module);  ///< damage, update, sid
 
 }  // namespace wheeltap::python

@@ -1,4 +1,4 @@
-// What does not sample: natural frequencies, simulation, measured files, schemas.
+// Functions without sampling: natural frequencies, simulation, measured files, schemas.
 #include <pybind11/stl.h>
 
 #include "apps/cases/simulation.hpp"
@@ -13,7 +13,7 @@
 namespace wheeltap::python {
 namespace {
 
-/// {"columns": {name: array}, "units": {name: unit}, "sample_rate": Hz or None}.
+/// Returns {"columns": {name: array}, "units": {name: unit}, "sample_rate": Hz or None}.
 py::dict record_of(signals::Record record, std::optional<double> sample_rate) {
   py::dict columns, units;
   const int time = record.find_time();

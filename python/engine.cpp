@@ -1,4 +1,4 @@
-// Problems of Python's own: functions of parameters as likelihoods of the reversible-jump engine.
+// Python functions as likelihoods of the reversible-jump engine.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -15,15 +15,15 @@ namespace {
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// A model's function: of an (n, d) array, returning n log likelihoods, or (`batch` false) of a
-/// vector of d, returning one.
+/// A model's function: maps an (n, d) array to n log likelihoods or, if `batch` is false, a vector
+/// of d values to one.
 struct Function {
   std::string model;
   py::object function;
   bool batch = true;
 };
 
-/// Holds the GIL for the length of a call, not between.
+/// Holds the GIL during each call only.
 class PythonLikelihood : public inference::Likelihood {
  public:
   /// Both must outlive it.
@@ -42,7 +42,7 @@ class PythonLikelihood : public inference::Likelihood {
     const auto d = static_cast<py::ssize_t>(space_[model].dimension);
     const py::gil_scoped_acquire held;
     if (of.batch) {
-      // A copy: the function may keep it.
+      // a copy, because the function may keep it
       const py::array_t<double> x({n, d}, xs.data());
       const Array values = converted(of, of.function(x));
       if (values.ndim() != 1 || values.shape(0) != n)
@@ -98,7 +98,7 @@ std::vector<Function> functions_of(const apps::ProblemFile& parsed, const py::li
   return out;
 }
 
-/// {name: function of an array of probabilities}.
+/// Converts {name: function of an array of probabilities}.
 std::vector<apps::QuantilePrior> quantile_priors(const py::dict& quantiles) {
   std::vector<apps::QuantilePrior> out;
   for (const auto& [key, function] : quantiles) {
@@ -107,14 +107,14 @@ std::vector<apps::QuantilePrior> quantile_priors(const py::dict& quantiles) {
                      const auto n = static_cast<py::ssize_t>(u.size());
                      const Array x = Array::ensure(f(py::array_t<double>(n, u.data())));
                      if (!x || x.size() != n)
-                       throw py::value_error("a quantile function must return a number for each");
+                       throw py::value_error("a quantile function must return one number for each");
                      std::copy_n(x.data(), u.size(), u.begin());
                    }});
   }
   return out;
 }
 
-/// Keeps all that a likelihood refers to.
+/// Owns everything that a likelihood refers to.
 class Called {
  public:
   Called(apps::ProblemFile parsed, const py::list& functions, const std::vector<bool>& batch)
@@ -170,8 +170,8 @@ std::shared_ptr<Run> sample(const std::string& text, const py::list& functions,
 void bind_engine(py::module_& m) {
   m.def("sample", &sample, py::arg("problem"), py::arg("functions"), py::arg("batch"),
         py::arg("quantiles"), py::arg("options"), py::arg("progress"));
-  // What the engine calls, to be called from Python: bench/python/likelihood_bench.py.
-  py::class_<Called>(m, "Likelihood", "Functions as the engine calls them.")
+  // The engine's calls, callable from Python for bench/python/likelihood_bench.py.
+  py::class_<Called>(m, "Likelihood", "User functions as called by the engine.")
       .def(py::init([](const std::string& text, const py::list& functions,
                        const std::vector<bool>& batch) {
              return guarded("sample", [&] {

@@ -1,4 +1,4 @@
-// What Python hears of what goes wrong: the lines that the program ends with.
+// Translation of errors to Python exceptions with the program's messages.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -12,12 +12,12 @@ namespace wheeltap::python {
 
 namespace py = pybind11;
 
-/// Makes CaseError (a ValueError: invalid case or data), FileError (an OSError: missing,
-/// unreadable, cannot be written) and the translation of Failure to them by its exit code.
+/// Defines CaseError (a ValueError: invalid case or data) and FileError (an OSError: missing,
+/// unreadable, cannot be written), and translates Failure to them by its exit code.
 void bind_errors(py::module_& module);
 
-/// work(), with whatever it throws turned into a Failure; Python's own errors, and those of misuse
-/// (std::invalid_argument: a ValueError), go through.
+/// Calls work() and converts its exceptions to Failure, except Python errors and
+/// std::invalid_argument (misuse: a ValueError).
 template <class Work>
 auto guarded(const std::filesystem::path& case_path, const Work& work) {
   try {

@@ -11,7 +11,7 @@ constexpr std::chrono::milliseconds kBetweenLooks{50};
 
 }  // namespace
 
-void Job::tell(Progress progress) {
+void Job::publish(Progress progress) {
   const std::scoped_lock lock(mutex_);
   news_ = std::move(progress);
 }
@@ -31,7 +31,7 @@ void watched(const py::object& progress, const std::function<void(Job&)>& work) 
   std::exception_ptr failed;
   std::optional<py::error_already_set> raised;
   std::thread thread([&] {
-    // Python's state of this thread is made once: callbacks into Python then find it.
+    // Create this thread's Python state once, for all callbacks into Python.
     const py::gil_scoped_acquire held;
     {
       const py::gil_scoped_release released;

@@ -1,4 +1,4 @@
-// Work on a thread of its own, so that Python goes on hearing Ctrl-C and progress while it lasts.
+// Background threads for long work, so that Python still handles Ctrl-C and progress.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -18,26 +18,26 @@ namespace wheeltap::python {
 
 namespace py = pybind11;
 
-/// What is told of work that lasts.
+/// Progress of a job.
 struct Progress {
   std::string stage;
-  double fraction = 0.0;                   ///< of the stage
-  long evaluations = 0;                    ///< of the likelihood, so far
-  std::vector<double> probabilities = {};  ///< of the models, so far; empty before the draws
+  double fraction = 0.0;                   ///< completed share of the stage
+  long evaluations = 0;                    ///< likelihood evaluations so far
+  std::vector<double> probabilities = {};  ///< model probabilities so far; empty before sampling
 };
 
-/// One piece of work, as its own thread sees it.
+/// A job, from the perspective of its thread.
 class Job {
  public:
-  /// Whether it is to end as soon as it can. Any thread may ask.
+  /// Whether the job should stop. Thread-safe.
   [[nodiscard]] bool stopped() const { return stop_; }
   void stop() { stop_ = true; }
-  /// Hands over what is newest; nobody waits for anybody.
-  void tell(Progress progress);
+  /// Publishes the newest progress without waiting.
+  void publish(Progress progress);
 
  private:
   friend void watched(const py::object&, const std::function<void(Job&)>&);
-  /// Waits until the work has ended (true) or the time is over.
+  /// Waits until the job has ended (true) or the timeout.
   bool ended_within(std::chrono::milliseconds time);
   [[nodiscard]] std::optional<Progress> news();
 
@@ -48,10 +48,10 @@ class Job {
   std::optional<Progress> news_;
 };
 
-/// Calls work(job) on a thread with the GIL released, and waits for it. Meanwhile this thread runs
-/// Python's signal handlers and calls `progress`, unless it is None, with each Progress; where that
-/// returns False the job is stopped. What either raises stops the job, too, and is rethrown when
-/// it has ended, in place of what the job threw. Needs the GIL.
+/// Calls work(job) on a thread without the GIL and waits for it. Meanwhile this thread runs
+/// Python's signal handlers and calls `progress`, unless it is None, with each Progress. If
+/// `progress` returns False, the job stops. An exception in either also stops the job and is
+/// rethrown after its end, instead of the job's exception. Requires the GIL.
 void watched(const py::object& progress, const std::function<void(Job&)>& work);
 
 }  // namespace wheeltap::python

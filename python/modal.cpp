@@ -1,4 +1,4 @@
-// Modes from records.
+// Identification of modes from records.
 #include <pybind11/complex.h>
 #include <pybind11/eigen.h>
 #include <pybind11/stl.h>
@@ -16,13 +16,13 @@
 namespace wheeltap::python {
 namespace {
 
-/// Modes identified, with what they were asked with.
+/// Identified modes, with their case and options.
 struct Modal {
   apps::ModalRun run;
   apps::CommonOptions common;
 };
 
-/// Identifies on a thread of its own; there is nothing to stop: it takes seconds.
+/// Identifies on a separate thread. It takes seconds and cannot be stopped.
 template <class Make>
 std::shared_ptr<Modal> identified(const std::string& path, const py::dict& said, const Make& make) {
   apps::CommonOptions common = run_options(said).common;
@@ -42,7 +42,7 @@ std::shared_ptr<Modal> of_case(const std::string& path, const py::object& text,
   });
 }
 
-/// `text` is the modal case that says which of these columns is what.
+/// `text`: the modal case that assigns roles to these columns.
 std::shared_ptr<Modal> of_channels(const std::string& text,
                                    const std::map<std::string, std::vector<double>>& columns,
                                    const py::dict& said) {

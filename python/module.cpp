@@ -1,13 +1,12 @@
-// The module wheeltap._core: what the package `wheeltap` is a shell of.
+// The module wheeltap._core behind the package `wheeltap`.
 //
-// Cases and summaries cross as JSON text, numbers as arrays. It stands on apps, not on
-// identification alone, since a case is parsed and a run is written there: by one reader and one
-// writer, whoever asks.
+// Cases and summaries are passed as JSON text, numbers as arrays. The module uses apps, which has
+// the only parser of cases and the only writer of runs.
 #include "python/bindings.hpp"
 #include "python/errors.hpp"
 
 PYBIND11_MODULE(_core, m) {
-  m.doc() = "Wheeltap's libraries, bound.";
+  m.doc() = "Bindings of Wheeltap's libraries.";
   m.attr("__version__") = WHEELTAP_VERSION;
   wheeltap::python::bind_errors(m);
   wheeltap::python::bind_run(m);

@@ -1,4 +1,4 @@
-// Chains whose links pull as Python functions say, many parameter vectors at once.
+// Chains with force laws as Python functions, for many parameter vectors at once.
 #include <pybind11/numpy.h>
 #include <pybind11/stl.h>
 
@@ -21,7 +21,7 @@ struct Link {
   py::object tension;
 };
 
-/// M z̈ = f(t) - M ÿ_b(t) + what the links pull, by the classical Runge-Kutta method
+/// Integrates M z̈ = f(t) - M ÿ_b(t) + link forces by the classical Runge-Kutta method
 ///
 ///     0   |
 ///     1/2 | 1/2
@@ -29,7 +29,7 @@ struct Link {
 ///     1   |  0    0   1
 ///         | 1/6  1/3 1/3 1/6
 ///
-/// with f and ÿ_b linear between samples, from rest. Holds the GIL throughout.
+/// with f and ÿ_b linear between samples, from rest. Always holds the GIL.
 class Integrator {
  public:
   Integrator(const Array& mass, std::vector<Link> links, const Array& push, const Array& base)
@@ -85,7 +85,7 @@ class Integrator {
     out = out / mass_ - base;
   }
 
-  // y_b - y_a: an array of its own each time, since the function may keep it.
+  // y_b - y_a, in a new array each time, because the function may keep it.
   [[nodiscard]] Array across(const Link& link, const Motions& y) const {
     Array out(y.cols());
     Eigen::Map<Eigen::ArrayXd> e(out.mutable_data(), y.cols());

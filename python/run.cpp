@@ -11,7 +11,7 @@
 namespace wheeltap::python {
 namespace {
 
-/// One of a posterior's chains; the posterior lives as long as it.
+/// One chain of a posterior, which it keeps alive.
 struct ChainOfRun {
   std::shared_ptr<const inference::Posterior> posterior;
   std::size_t number = 0;
@@ -19,7 +19,7 @@ struct ChainOfRun {
   [[nodiscard]] const inference::Chain& chain() const { return posterior->chains[number]; }
 };
 
-/// {name: (array, dimensions, unit, names)} of the draws, arrays (chain, draw[, slot]).
+/// Returns {name: (array, dimensions, unit, names)} of the draws, arrays (chain, draw[, slot]).
 py::dict columns_of(const Run& run) {
   py::dict out;
   const auto chains = static_cast<py::ssize_t>(run.finished.posterior->chains.size());
@@ -58,20 +58,20 @@ auto member_of_chain(inference::DrawList<Number> inference::Chain::*member) {
 }  // namespace
 
 void bind_run(py::module_& m) {
-  py::class_<Progress>(m, "Progress", "How far a run is.")
+  py::class_<Progress>(m, "Progress", "Progress of a run.")
       .def_readonly("stage", &Progress::stage)
-      .def_readonly("fraction", &Progress::fraction, "of the stage")
-      .def_readonly("evaluations", &Progress::evaluations, "of the likelihood, so far")
-      .def_readonly("probabilities", &Progress::probabilities, "of the models, so far")
+      .def_readonly("fraction", &Progress::fraction, "Completed fraction of the stage.")
+      .def_readonly("evaluations", &Progress::evaluations, "Likelihood evaluations so far.")
+      .def_readonly("probabilities", &Progress::probabilities, "Model probabilities so far.")
       .def("__repr__", [](const Progress& p) {
         return "<Progress: " + p.stage + " " + std::to_string(static_cast<int>(100 * p.fraction)) +
                " %>";
       });
 
-  py::class_<ChainOfRun>(m, "Chain", "One chain's draws: the engine's own memory, read-only.")
+  py::class_<ChainOfRun>(m, "Chain", "Draws of one chain: a read-only view of the engine's memory.")
       .def("__len__", [](const ChainOfRun& self) { return self.chain().size(); })
       .def_property_readonly("model", member_of_chain(&inference::Chain::model),
-                             "number of each draw's model")
+                             "model index of each draw")
       .def_property_readonly("log_prior", member_of_chain(&inference::Chain::log_prior))
       .def_property_readonly("log_likelihood", member_of_chain(&inference::Chain::log_likelihood))
       .def_property_readonly("accepted", member_of_chain(&inference::Chain::accepted))
@@ -84,7 +84,7 @@ void bind_run(py::module_& m) {
                          static_cast<py::ssize_t>(of.posterior->dimension)},
                         self);
           },
-          "parameters of each draw's model (draws × largest dimension), NaN beyond its own");
+          "parameters of each draw's model (draws × largest dimension), NaN beyond its dimension");
 
   py::class_<Run, std::shared_ptr<Run>>(m, "Run", "A finished run.")
       .def_property_readonly("summary", [](const Run& run) { return run.finished.summary.dump(); })

@@ -1,4 +1,4 @@
-// A finished run as Python holds it.
+// A finished run, held by Python.
 #pragma once
 
 #include <string>
@@ -12,10 +12,10 @@ namespace wheeltap::python {
 
 struct Run {
   apps::FinishedRun finished;
-  std::vector<std::string> lines = {};  ///< notes and doubts that were told while it ran
+  std::vector<std::string> lines = {};  ///< notes and warnings issued during the run
 };
 
-/// Hands progress to a job and stops where the job is stopped.
+/// Passes progress to a job and stops when the job is stopped.
 class JobWatch : public apps::RunWatch {
  public:
   explicit JobWatch(Job& job) : job_(job) {}

@@ -1,4 +1,4 @@
-// What a Python caller may say of a run, held to the same bounds as the command line.
+// Options of a run from Python, with the same bounds as on the command line.
 #pragma once
 
 #include <pybind11/pybind11.h>
@@ -15,11 +15,11 @@ struct RunOptions {
   apps::SamplingOptions sampling;
 };
 
-/// From {"seed": 1, "chains": 4, …}. Throws std::invalid_argument, naming option, value and bound.
+/// Reads {"seed": 1, "chains": 4, …}. Throws std::invalid_argument, naming option, value and bound.
 [[nodiscard]] RunOptions run_options(const py::dict& said);
 
-/// A case: the file `path`, or, where `text` is not None, this JSON as if it stood there. Throws
-/// Failure.
+/// Reads a case from the file `path` or, if `text` is not None, from this JSON as if it were that
+/// file. Throws Failure.
 [[nodiscard]] apps::CaseFile case_of(const std::string& path, const py::object& text,
                                      const std::vector<std::string>& overrides);
 

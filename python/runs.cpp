@@ -1,4 +1,4 @@
-// Runs that sample: a function for each command that samples a kind of case.
+// Sampling runs: one function per command that samples.
 #include <pybind11/stl.h>
 
 #include <algorithm>
@@ -20,7 +20,7 @@ namespace {
 
 using namespace apps;
 
-/// The steps of run_case that leave no files.
+/// The steps of run_case that write no files.
 Run finished(CaseRun& run, JobWatch& watch) {
   const bool prepared = !run.estimate();
   run.prepare(watch);
@@ -28,7 +28,7 @@ Run finished(CaseRun& run, JobWatch& watch) {
   return {*run.sample(watch), watch.lines()};
 }
 
-/// The run of a case of one kind on a thread of its own.
+/// Runs a case of one kind on a separate thread.
 std::shared_ptr<Run> run(const MakeCaseRun& make, const std::string& path, const py::object& text,
                          const std::vector<std::string>& overrides, const py::dict& said,
                          const py::object& progress) {
@@ -44,8 +44,7 @@ std::shared_ptr<Run> run(const MakeCaseRun& make, const std::string& path, const
     watched(progress, [&](Job& job) {
       JobWatch watch(job);
       if (file.json.contains("sweep") && file.json.value("kind", Json()) == "sid")
-        file.refuse(Pointer("/sweep"),
-                    "a sweep is the program's: in Python, run the cases in a loop");
+        file.refuse(Pointer("/sweep"), "Python does not run sweeps: run the cases in a loop");
       const auto of_case = make(std::move(file), options.common, options.sampling);
       out = std::make_shared<Run>(finished(*of_case, watch));
     });
@@ -58,14 +57,14 @@ std::shared_ptr<Run> run(const MakeCaseRun& make, const std::string& path, const
 inference::Posterior JobWatch::sample(const inference::Problem& problem,
                                       inference::Options options) {
   options.progress = [&](const inference::Options::Progress& p) {
-    job_.tell({.stage = p.stage,
-               .fraction = p.fraction,
-               .evaluations = p.likelihood_evaluations,
-               .probabilities = p.model_probabilities});
+    job_.publish({.stage = p.stage,
+                  .fraction = p.fraction,
+                  .evaluations = p.likelihood_evaluations,
+                  .probabilities = p.model_probabilities});
     return !job_.stopped();
   };
   inference::Posterior posterior = inference::reversible_jump(problem, options);
-  // Chains that were stopped may differ in length.
+  // Stopped chains may differ in length.
   std::size_t shortest = posterior.chains.front().size();
   for (const auto& chain : posterior.chains) shortest = std::min(shortest, chain.size());
   constexpr std::size_t kFewest = 100;
@@ -77,8 +76,8 @@ inference::Posterior JobWatch::sample(const inference::Problem& problem,
 }
 
 void JobWatch::show(const char* stage, double fraction, const std::string& /*detail*/) {
-  if (job_.stopped()) throw Failure(Exit::interrupted, "stopped before anything was sampled");
-  job_.tell({.stage = stage, .fraction = fraction});
+  if (job_.stopped()) throw Failure(Exit::interrupted, "stopped before sampling");
+  job_.publish({.stage = stage, .fraction = fraction});
 }
 
 void bind_runs(py::module_& m) {
@@ -108,7 +107,7 @@ void bind_runs(py::module_& m) {
         });
       },
       py::arg("folder"), py::arg("summary"), py::arg("text"), py::arg("run"), py::arg("draws"),
-      "Writes the four files of a run into its folder, all of them or none.");
+      "Writes the four files of a run into its folder, all files or none.");
   m.def(
       "report_page",
       [](const std::string& summary, const std::string& draws) {

@@ -8,9 +8,9 @@ namespace {
 using Eigen::Index;
 using emulator::RowMatrix;
 
-constexpr double kLeastSeverity = 1e-3;  // keeps variances of vanishing damages above rounding
+constexpr double kLeastSeverity = 1e-3;  // keeps variances above rounding as r → 0
 
-// Σ r / (1 - r): the compliance that damages add, in units of an element's own.
+// Σ r / (1 - r): the compliance added by the damages, relative to that of an intact element.
 double severity(std::span<const fem::Damage> damages) {
   double sum = kLeastSeverity;
   for (const fem::Damage& d : damages) sum += d.reduction / (1.0 - d.reduction);

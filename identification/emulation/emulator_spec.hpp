@@ -1,4 +1,4 @@
-// What a case says of an emulator: which runs are made, and what joins them.
+// The design of a frequency emulator: training runs and interpolant.
 #pragma once
 
 #include <cstdint>
@@ -11,30 +11,30 @@
 
 namespace wheeltap::identification {
 
-/// The design of an emulator, or the file that holds one.
+/// The emulator section of a case: a design, or a file that holds a trained emulator.
 struct EmulatorSpec {
   enum class Runs { grid, latin_hypercube, sobol, csv };
 
-  std::optional<std::filesystem::path> table;  ///< a file; the rest then comes from it
+  std::optional<std::filesystem::path> table;  ///< file; replaces the design below
   Runs runs = Runs::grid;
   const emulator::InterpolantType* interpolant = &emulator::kMultilinear;
   std::vector<std::vector<int>>
-      sites;  ///< 0-based elements; list i serves damage i, the last one all further ones
-  std::vector<double> reductions;  ///< levels, increasing; of scattered runs the range, or empty
-  bool compliance = false;         ///< interpolate in 1/(1-r), else in r
-  std::optional<double>
-      accuracy;  ///< grids gain sites and levels until errors are below so much of the frequencies
+      sites;  ///< 0-based elements; list i is for damage i, the last list for all further damages
+  std::vector<double> reductions;  ///< levels, increasing; for scattered runs the range, or empty
+  bool compliance = false;         ///< interpolate in 1/(1-r) instead of r
+  std::optional<double> accuracy;  ///< largest relative error at which grid refinement ends
   std::optional<emulator::Additive>
-      anova;  ///< in which more than two damages are summed from pairs; none: a table each
-  std::vector<int> design_runs;   ///< scattered: entry i for i + 1 damages, the last beyond
-  std::uint64_t design_seed = 1;  ///< of scattered designs
-  std::vector<std::filesystem::path> csv;  ///< the user's own runs: file i has i + 1 damages
-  bool symmetrise = false;     ///< answer with the mean over damages and their mirror images
-  bool emulator_error = true;  ///< add its measured error to the noise
-  bool exact = false;          ///< screen proposals only: the posterior is the FE solution's
-  int holdout = 1000;          ///< fresh FE runs that measure it, a count
+      anova;  ///< how more than two damages are summed from pairs; empty: one table per count
+  std::vector<int>
+      design_runs;  ///< scattered: entry i for i + 1 damages, the last for further ones
+  std::uint64_t design_seed = 1;           ///< for scattered designs
+  std::vector<std::filesystem::path> csv;  ///< the user's runs: file i has i + 1 damages
+  bool symmetrise = false;     ///< average predictions over damages and their mirror images
+  bool emulator_error = true;  ///< add the measured emulator error to the noise
+  bool exact = false;  ///< use the emulator for proposals only; the posterior uses the FE solution
+  int holdout = 1000;  ///< number of fresh FE runs that measure the error
 
-  /// Tables that serve up to `max_count` damages, one a count: two at most with ANOVA.
+  /// Number of tables for up to `max_count` damages: one per count; with ANOVA at most two.
   [[nodiscard]] int tables(int max_count) const { return anova && max_count > 2 ? 2 : max_count; }
 };
 

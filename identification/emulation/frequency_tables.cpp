@@ -27,7 +27,7 @@ std::string error_name(int count) {
   return "error_" + table_name(count);
 }
 
-// What a table says of its own error.
+// The emulator error stored in a table.
 EmulatorError error_of(const Table& table, int count, const std::filesystem::path& path) {
   EmulatorError error;
   if (const auto e = table.parameters.find(error_name(count)); e != table.parameters.end()) {
@@ -40,14 +40,14 @@ EmulatorError error_of(const Table& table, int count, const std::filesystem::pat
   }
   if (error.holdout.empty()) {
     throw io::FileError(io::FileError::Kind::foreign, path,
-                        "does not say how wrong its emulator is");
+                        "has no holdout errors of its emulator");
   }
   return error;
 }
 
 }  // namespace
 
-// As JSON has it, keys in alphabetical order: tables made by earlier versions stay valid.
+// As in JSON, keys in alphabetical order. Changes would invalidate tables of earlier versions.
 std::string beam_fingerprint(const fem::Beam& beam) {
   const auto number = [](double x) { return io::json_number(x); };
   const auto yes = [](bool flag) { return flag ? "true" : "false"; };
@@ -84,7 +84,7 @@ FrequencyTables read_frequency_tables(const std::filesystem::path& path, const f
   if (const auto part = file.attributes.find("part"); part != file.attributes.end()) {
     throw io::FileError(
         io::FileError::Kind::corrupt, path,
-        "holds part " + part->second + " of a table: join the parts with wheeltap table --merge");
+        "holds part " + part->second + " of a table: merge the parts with wheeltap table --merge");
   }
   FrequencyTables out;
   for (int count = 1; count <= max_count; ++count) {
@@ -98,11 +98,11 @@ FrequencyTables read_frequency_tables(const std::filesystem::path& path, const f
     }
     if (table.values.cols() < modes) {
       throw std::invalid_argument(path.string() + " holds " + std::to_string(table.values.cols()) +
-                                  " modes, the data have " + std::to_string(modes));
+                                  " modes, but the data have " + std::to_string(modes));
     }
     if (table.factors.size() != static_cast<std::size_t>(2 * count)) {
       throw io::FileError(io::FileError::Kind::foreign, path,
-                          "is no table of damages and frequencies");
+                          "is not a table of damages and frequencies");
     }
     const auto symmetrised = table.attributes.find("symmetrised");
     out.symmetrised = symmetrised != table.attributes.end() && symmetrised->second == "true";
@@ -120,8 +120,8 @@ FrequencyTables read_frequency_tables(const std::filesystem::path& path, const f
   }
   if (static_cast<int>(out.errors.size()) < max_count) {
     throw std::invalid_argument(path.string() + " holds tables for up to " +
-                                std::to_string(out.errors.size()) + " damages, the case allows " +
-                                std::to_string(max_count));
+                                std::to_string(out.errors.size()) +
+                                " damages, but the case allows " + std::to_string(max_count));
   }
   return out;
 }

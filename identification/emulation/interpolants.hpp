@@ -1,5 +1,5 @@
-// The list of interpolants that a case may name. A new one is a file in emulator/, with its class
-// and its InterpolantType, and a line in interpolants.cpp.
+// The list of interpolants that a case may name. To add one, write a file in emulator/ with its
+// class and its InterpolantType, and add a line to interpolants.cpp.
 #pragma once
 
 #include <span>
@@ -12,16 +12,16 @@ namespace wheeltap::identification {
 
 using InterpolantTypes = std::span<const emulator::InterpolantType* const>;
 
-/// Every type there is. Delaunay interpolation is among them where its library was not built, too:
-/// training it then throws std::invalid_argument that says so.
+/// All types, including Delaunay interpolation even if its library was not built; training it then
+/// throws std::invalid_argument.
 [[nodiscard]] InterpolantTypes interpolant_types();
 
-/// nullptr where there is none of this name.
+/// Returns nullptr if no interpolant has this name.
 [[nodiscard]] const emulator::InterpolantType* find_interpolant_type(
     std::string_view name, InterpolantTypes types = interpolant_types());
 
-/// The names of those that take such runs: "multilinear", "cubic" and "monotone-cubic", with the
-/// quotation marks.
+/// Quoted names of the interpolants that accept such runs, as a list: "multilinear", "cubic" and
+/// "monotone-cubic".
 [[nodiscard]] std::string interpolant_names(emulator::InterpolantType::Runs runs,
                                             InterpolantTypes types = interpolant_types());
 

@@ -20,7 +20,7 @@ Factor factor_of(const inference::Parameter& unknown) {
     return std::isfinite(bound) ? bound : prior.from_standard_normal(z);
   };
   const double high = end(prior.upper(), kFarthestDesign);
-  // A density that reaches up from 0 without end has its scale in its quantiles.
+  // For a density on [0, ∞), quantiles give the scale.
   const bool half = prior.lower() == 0.0 && !std::isfinite(prior.upper());
   const double low =
       half ? prior.from_standard_normal(-kFarthestDesign) : end(prior.lower(), -kFarthestDesign);
@@ -31,7 +31,7 @@ Factor factor_of(const inference::Parameter& unknown) {
                                                      : emulator::Scale::linear};
 }
 
-/// The model's failure, out of what run_experiment makes of it.
+/// Rethrows the model's failure, which run_experiment wraps in another exception.
 template <class Work>
 auto unwrapped(const Work& work) {
   try {

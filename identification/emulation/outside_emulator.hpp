@@ -1,4 +1,4 @@
-// An emulator of a model of someone else's, over the box of its unknowns.
+// An emulator of an external model over the box of its unknowns.
 #pragma once
 
 #include <cstdint>
@@ -13,33 +13,33 @@
 
 namespace wheeltap::identification {
 
-/// What a case says of it.
+/// The emulator section of a case with an external model.
 struct OutsideEmulatorSpec {
-  int runs = 0;        ///< of the model, to train on; 0: 20 an unknown, 40 at least
-  int holdout = 0;     ///< fresh ones that measure the error; 0: a quarter of those, 10 at least
-  bool sobol = false;  ///< Sobol's points in place of a Latin hypercube's
-  bool emulator_error = true;  ///< add its measured error to the noise
-  std::uint64_t seed = 1;      ///< of both designs
+  int runs = 0;        ///< training runs; 0: 20 per unknown, at least 40
+  int holdout = 0;     ///< fresh runs that measure the error; 0: a quarter of `runs`, at least 10
+  bool sobol = false;  ///< Sobol points instead of a Latin hypercube
+  bool emulator_error = true;  ///< add the measured emulator error to the noise
+  std::uint64_t seed = 1;      ///< for both designs
 
   [[nodiscard]] int runs_for(int unknowns) const;
   [[nodiscard]] int holdout_for(int unknowns) const;
 };
 
-/// A Gaussian process for each response. The box has the ends of a prior's support or, where it
-/// has none, its quantiles at z = ±4; an unknown that is positive over more than a decade is taken
-/// by its logarithm. The variance of its error is the process's own times a factor >= 1 that makes
-/// it honest on the fresh runs (emulator_error.hpp).
+/// One Gaussian process per response. The box ends at the bounds of each prior's support or, if
+/// unbounded, at its quantiles z = ±4. An unknown that is positive over more than a decade enters
+/// by its logarithm. The error variance is the process variance times a factor >= 1 that calibrates
+/// it on the fresh runs (emulator_error.hpp).
 class OutsideEmulator {
  public:
-  /// Runs the model at both designs, on `threads` threads. Throws OutsideModelError, and
-  /// std::invalid_argument where a prior has no width.
+  /// Runs the model at both designs on `threads` threads. Throws OutsideModelError; throws
+  /// std::invalid_argument if a prior has zero width.
   OutsideEmulator(OutsideModel& model, const std::vector<inference::Parameter>& unknowns,
                   const OutsideEmulatorSpec& spec, int threads,
                   const std::function<void(double)>& progress = {});
 
   [[nodiscard]] bool contains(std::span<const double> x) const { return process_->contains(x); }
-  /// All responses and the variances of their errors (0 where the case switches them off), at an x
-  /// in the box.
+  /// Computes all responses and their error variances (0 if the case disables them) for x in the
+  /// box.
   void evaluate(std::span<const double> x, std::span<double> out, std::span<double> variance) const;
 
   [[nodiscard]] const EmulatorError& error() const { return error_; }

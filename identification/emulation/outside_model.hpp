@@ -1,4 +1,4 @@
-// A model of someone else's that predicts in place of ours: numbers in, numbers out.
+// The interface to an external model that replaces the built-in one.
 #pragma once
 
 #include <memory>
@@ -8,12 +8,12 @@
 
 namespace wheeltap::identification {
 
-/// A model that does not answer, or not as it should, after all that was tried.
+/// Thrown if an external model does not answer, or answers wrongly, after all retries.
 class OutsideModelError : public std::runtime_error {
  public:
   enum class Kind {
-    unreachable,  ///< there is no such program or server, or there is none any more
-    bad_answer    ///< it answers, but not with what was asked for
+    unreachable,  ///< the program or server does not exist or has stopped
+    bad_answer    ///< the answer does not have the required form
   };
   OutsideModelError(Kind kind, const std::string& line) : std::runtime_error(line), kind_(kind) {}
   [[nodiscard]] Kind kind() const { return kind_; }
@@ -22,17 +22,17 @@ class OutsideModelError : public std::runtime_error {
   Kind kind_;
 };
 
-/// y(x), R^inputs → R^outputs. It may cost hours. Called from several threads at once.
+/// y(x), R^inputs → R^outputs. A call may take hours. Must be thread-safe.
 class OutsideModel {
  public:
   virtual ~OutsideModel() = default;
 
   [[nodiscard]] virtual int inputs() const = 0;
   [[nodiscard]] virtual int outputs() const = 0;
-  /// All of y, finite. Throws OutsideModelError.
+  /// Computes all of y, finite. Throws OutsideModelError.
   virtual void evaluate(std::span<const double> x, std::span<double> y) = 0;
-  /// Optional: Σ_i sensitivity_i ∂y_i/∂x_j into slope_j. False where there are no derivatives.
-  /// Throws OutsideModelError.
+  /// Optional: writes Σ_i sensitivity_i ∂y_i/∂x_j into slope_j. Returns false if the model has no
+  /// derivatives. Throws OutsideModelError.
   virtual bool gradient(std::span<const double> /*x*/, std::span<const double> /*sensitivity*/,
                         std::span<double> /*slope*/) {
     return false;

@@ -1,4 +1,4 @@
-// A model of someone else's, with what stands in front of it.
+// An external model and, optionally, its emulator.
 #pragma once
 
 #include <algorithm>
@@ -9,10 +9,10 @@ namespace wheeltap::identification {
 
 struct OutsidePredictor {
   std::shared_ptr<OutsideModel> model;
-  std::shared_ptr<const OutsideEmulator> emulator = {};  ///< none: the model itself predicts
+  std::shared_ptr<const OutsideEmulator> emulator = {};  ///< empty: the model itself predicts
 
-  /// All responses and the variances of their errors: by the emulator, or, where there is none and
-  /// beyond its box (where likelihoods do not ask), by the model itself, exact. Throws
+  /// Computes all responses and their error variances: by the emulator within its box, otherwise by
+  /// the model itself, with zero variance. Likelihoods do not evaluate beyond the box. Throws
   /// OutsideModelError.
   void predict(std::span<const double> x, std::span<double> out, std::span<double> variance) const {
     if (emulator && emulator->contains(x)) return emulator->evaluate(x, out, variance);

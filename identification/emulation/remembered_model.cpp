@@ -19,7 +19,7 @@ RememberedModel::RememberedModel(std::shared_ptr<OutsideModel> model,
     : model_(std::move(model)), path_(journal) {
   if (path_.empty()) return;
   const auto in = static_cast<std::size_t>(inputs()), out = static_cast<std::size_t>(outputs());
-  // A record is x and then y.
+  // A record of the journal is x, then y.
   journal_.emplace(path_, identity, in + out, emulator::Journal::Use::shared);
   for (const auto& entry : journal_->entries()) {
     const std::span<const double> both(entry.response);
@@ -44,7 +44,7 @@ auto RememberedModel::asking(const Ask& ask) {
       if (journal_)
         line += "; " + std::to_string(answers_.size()) +
                 (answers_.size() == 1 ? " answer is" : " answers are") + " kept in " +
-                path_.string() + ", and --resume goes on from there";
+                path_.string() + "; --resume continues from them";
       failure_.emplace(error.kind(), line);
     }
     throw OutsideModelError(*failure_);
@@ -64,7 +64,7 @@ void RememberedModel::evaluate(std::span<const double> x, std::span<double> y) {
   ++asked_;
   const std::lock_guard lock(mutex_);
   const auto [kept, is_new] = answers_.try_emplace(std::move(key), y.begin(), y.end());
-  if (!is_new) {  // another thread asked the same meanwhile: every draw is of one answer
+  if (!is_new) {  // another thread computed it meanwhile; return one answer to all
     std::ranges::copy(kept->second, y.begin());
     return;
   }

@@ -1,4 +1,4 @@
-// What a dear model has said stays known, in this run and in the next.
+// A cache of an expensive external model, kept within a run and between runs.
 #pragma once
 
 #include <atomic>
@@ -13,25 +13,27 @@
 
 namespace wheeltap::identification {
 
-/// Asks another model for what it has not been asked yet, and keeps the answers, in memory and, as
-/// they come, in a journal. Once the other has failed no thread asks it again. Slopes are passed on
-/// and not kept.
+/// Evaluates another model at new inputs only. Keeps each answer in memory and immediately in a
+/// journal. After the first failure of the model no thread calls it again. Gradients are not
+/// cached.
 class RememberedModel final : public OutsideModel {
  public:
-  /// Takes the answers that `journal` has (empty: none, and none is kept). `identity` says what
-  /// they belong to. Throws io::FileError: foreign, mismatch, corrupt, unwritable.
+  /// Loads the answers of `journal`; an empty path disables the journal. `identity` identifies the
+  /// model that the answers belong to. Throws io::FileError: foreign, mismatch, corrupt,
+  /// unwritable.
   RememberedModel(std::shared_ptr<OutsideModel> model, const std::filesystem::path& journal,
                   const std::string& identity);
 
   [[nodiscard]] int inputs() const override { return model_->inputs(); }
   [[nodiscard]] int outputs() const override { return model_->outputs(); }
-  /// Throws as the model does, saying what is kept, and io::FileError.
+  /// Throws as the model does, with the number of answers kept in the message; throws
+  /// io::FileError.
   void evaluate(std::span<const double> x, std::span<double> y) override;
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;
 
-  [[nodiscard]] long asked() const { return asked_; }  ///< times that the other had to answer
-  [[nodiscard]] long remembered() const { return remembered_; }  ///< answers of before
+  [[nodiscard]] long asked() const { return asked_; }            ///< calls of the model
+  [[nodiscard]] long remembered() const { return remembered_; }  ///< from the journal
   [[nodiscard]] long slopes() const { return slopes_; }
 
  private:
@@ -41,7 +43,7 @@ class RememberedModel final : public OutsideModel {
   std::shared_ptr<OutsideModel> model_;
   std::filesystem::path path_;
   std::mutex mutex_;
-  std::unordered_map<std::string, std::vector<double>> answers_;  // by the bytes of x
+  std::unordered_map<std::string, std::vector<double>> answers_;  // key: the bytes of x
   std::optional<emulator::Journal> journal_;
   std::optional<OutsideModelError> failure_;
   std::atomic<long> asked_{0}, slopes_{0};

@@ -1,4 +1,4 @@
-// What the windows of a record, each by itself, say of one parameter.
+// One parameter, estimated from each window of a record separately.
 #pragma once
 
 #include <optional>
@@ -8,27 +8,25 @@
 
 namespace wheeltap::identification {
 
-/// A distribution in short: its quantiles of 2.5, 5, 50, 95 and 97.5 %.
+/// Mean, standard deviation and the 2.5, 5, 50, 95 and 97.5 % quantiles of a distribution.
 struct Interval {
   double mean = 0.0, sd = 0.0;
   double q2_5 = 0.0, q5 = 0.0, q50 = 0.0, q95 = 0.0, q97_5 = 0.0;
 };
 
 struct BetweenWindows {
-  /// What a further window of this length would give, found as the others were: the interval for a
-  /// record that was not used.
+  /// Prediction for one further window of this length: the interval for a record not used.
   Interval next;
-  /// What ever longer records would give, fitted as a whole: the best value of this one, with the
-  /// error that the windows' scores put on it (mean and sd are these two). None where the whole
-  /// has no normal about its mode.
+  /// Limit for ever longer records, fitted as a whole: mean is the best value of this record, sd
+  /// its error from the windows' scores. Empty if the whole record's posterior has no normal
+  /// approximation.
   std::optional<Interval> whole = {};
-  /// The windows' scatter in terms of what their own intervals allow for, and how likely these
-  /// alone would do so.
+  /// Birge ratio of the windows' scatter to their own intervals, and its p-value.
   inference::BirgeRatio scatter;
-  /// They scatter by half as much again or more, and not by chance: the run's own interval, from
-  /// residuals as its likelihood takes them, does not hold from one to the next.
+  /// Whether the ratio is at least 1.5 and not by chance. If so, the run's own interval, which
+  /// assumes the residuals of the likelihood, does not hold from one window to the next.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
-  /// Of each window: its own value and standard deviation; NaN where it has none.
+  /// Value and standard deviation per window; NaN for a failed window.
   std::vector<double> value, sd;
 };
 

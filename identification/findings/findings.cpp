@@ -29,10 +29,10 @@ std::vector<std::vector<int>> total_counts(const Posterior& posterior) {
   return out;
 }
 
-constexpr double kWorthDescribing = 0.05;  // models with less probability are not told of
+constexpr double kWorthDescribing = 0.05;  // less probable models are not described
 
-/// What posterior and prior share. The first parameter of components is in increasing order: of n
-/// of them, the i-th has the distribution of an order statistic, whose F is Beta(i, n + 1 - i).
+/// The overlap of posterior and prior. Components are sorted by their first parameter: for n
+/// components, the i-th is an order statistic whose F is Beta(i, n + 1 - i).
 double prior_overlap(const inference::Prior& prior, const ChainsOf& draws, int i, int n) {
   constexpr int kParts = 20;
   std::vector<double> tally(kParts);
@@ -53,7 +53,8 @@ double prior_overlap(const inference::Prior& prior, const ChainsOf& draws, int i
   return overlap;
 }
 
-/// Parameters of the models that matter of which the data say little.
+/// Lists the parameters of models above kWorthDescribing about which the data have little
+/// information.
 void judge_priors(Findings& findings) {
   remark::NearlyPrior nearly;
   for (const ModelFinding& model : findings.models) {
@@ -230,7 +231,7 @@ Findings run_findings(const Posterior& posterior, const inference::Verdict& verd
   for (const auto& chain : counts) {
     for (const int n : chain) lowest = std::min(lowest, n), highest = std::max(highest, n);
   }
-  // The cube of the models that were visited is what each costs.
+  // The run time per draw grows with the cube of the number of visited models.
   const int posterior_draws = out.models.size() <= kFewModelsTold ? 1000 : 100;
   Sampling& sampling = out.sampling;
   static_cast<inference::RunRecord&>(sampling) = posterior;

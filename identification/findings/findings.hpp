@@ -1,5 +1,5 @@
-// What a run found, whatever it was about: models, their parameters, evidences, and how far the
-// draws can be trusted. Terminal, summary and report are writers of it.
+// Results common to all kinds of runs: models, parameters, evidences and the reliability of the
+// draws. Terminal, summary and report write them.
 #pragma once
 
 #include <cstdint>
@@ -19,77 +19,77 @@
 
 namespace wheeltap::identification {
 
-/// A parameter of a model, told by its place and not by its label.
+/// A parameter of a model, identified by its position, not by its label.
 struct Unknown {
   std::string name;   ///< "location", "k"
-  std::string label;  ///< "location[1]"; with its kind's name before it where two kinds share it
-  int kind = -1;      ///< of the component it belongs to; -1: the model's own
-  int component = 0;  ///< which of that kind, 0-based
-  int parameter = 0;  ///< which of the component's parameters, or of the space's
-  std::string unit = {};  ///< "N/m", "1" of a plain number; empty where not known
+  std::string label;  ///< "location[1]"; preceded by the kind's name if two kinds share the label
+  int kind = -1;      ///< kind of the component it belongs to; -1: a parameter of the model itself
+  int component = 0;  ///< index within that kind, 0-based
+  int parameter = 0;  ///< index within the component's parameters, or the space's
+  std::string unit = {};  ///< "N/m"; "1" if dimensionless; empty if unknown
 
-  /// "k [N/m]": its label, and the unit where it has one.
+  /// Label and, if known, unit: "k [N/m]".
   [[nodiscard]] std::string with_unit() const {
     return unit.empty() || unit == "1" ? label : label + " [" + unit + "]";
   }
 };
 
-/// The parameters of a model in the order of its parameter vector.
+/// Parameters of a model in the order of its parameter vector.
 [[nodiscard]] std::vector<Unknown> unknowns(const inference::ModelSpace& space, int model);
 
 struct ParameterFinding {
   Unknown unknown;
   Marginal estimate;
-  std::optional<BetweenWindows> between_windows = {};  ///< where windows were asked for
-  /// The probability that posterior and prior share, Σ min over twenty parts of the prior: 1 where
-  /// the data said nothing. NaN where not computed.
+  std::optional<BetweenWindows> between_windows = {};  ///< if windows were requested
+  /// The overlap of posterior and prior, Σ min over twenty parts of the prior: 1 if the data have
+  /// no information. NaN if not computed.
   double prior_overlap = std::numeric_limits<double>::quiet_NaN();
 
-  /// A posterior that repeats what the case assumed.
+  /// Whether the posterior nearly repeats the prior.
   [[nodiscard]] bool is_nearly_prior() const { return prior_overlap > 0.85; }
 };
 
 struct ModelFinding {
   std::string name = {};
   double prior = 0.0;            ///< probability
-  std::vector<int> counts = {};  ///< of each kind of component; empty where models are a list
+  std::vector<int> counts = {};  ///< per kind of component; empty for a list of models
   int dimension = 0;
   inference::ModelStanding standing = {};
-  std::vector<ParameterFinding> parameters = {};  ///< empty where no draw was in it
+  std::vector<ParameterFinding> parameters = {};  ///< empty if the model has no draws
 
   [[nodiscard]] double probability() const { return standing.probability; }
   [[nodiscard]] bool drawn() const { return standing.visited > 0; }
-  /// Of a kind of component; nullptr where there is none.
+  /// The marginal of a component's parameter; nullptr if the model lacks it.
   [[nodiscard]] const Marginal* find(int kind, int component, int parameter) const;
-  /// Of one of the model's own parameters, by name.
+  /// The same for one of the model's own parameters, by name.
   [[nodiscard]] const Marginal* find(const std::string& name) const;
 };
 
 /// "tmcmc", "bridge", "laplace".
 [[nodiscard]] std::string method_name(EvidenceMethod method);
 
-/// Evidences by one method, one a model; NaN, with the reason as a warning, where it failed on a
-/// model: a finished run is worth more than a comparison.
+/// Evidences by one method, one per model. NaN, with a warning that gives the reason, if the method
+/// failed: a failure must not stop a finished run.
 struct MethodEvidence {
   EvidenceMethod method;
   std::vector<inference::Evidence> evidences;
 };
 
-/// The evidence of every model of the problem by every method; once `stopped` says so, by those
-/// alone that are done.
+/// Computes the evidence of every model by every method. Once `stopped` returns true, returns only
+/// the methods that are finished.
 [[nodiscard]] std::vector<MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<EvidenceMethod>& methods,
     std::uint64_t seed, int threads, const std::function<bool()>& stopped = {});
 
-/// What they imply beside what was sampled.
+/// The evidences of one method and the model probabilities that they imply.
 struct EvidenceFinding {
   EvidenceMethod method;
-  std::vector<inference::Evidence> evidences;  ///< one a model
+  std::vector<inference::Evidence> evidences;  ///< one per model
   inference::ImpliedProbabilities implied;
 };
 
-/// How the draws were made, and what they establish. `full_evaluations` counts those of an emulator
-/// as well; without a stand-in it is `likelihood_evaluations`.
+/// The sampling record and the convergence diagnosis. `full_evaluations` includes evaluations of an
+/// emulator; without a stand-in it equals `likelihood_evaluations`.
 struct Sampling : inference::RunRecord {
   inference::Verdict verdict;
   inference::ModelProbabilities stationary;
@@ -104,27 +104,25 @@ struct Findings {
   std::vector<EvidenceFinding> evidence;
   Sampling sampling;
   FitVerdict fit_verdict;
-  std::vector<Remark> remarks;  ///< beside what the verdict does not establish
+  std::vector<Remark> remarks;  ///< in addition to the limits in `verdict`
 
-  /// Models in the order of their probability.
+  /// Indices of the models, most probable first.
   [[nodiscard]] std::vector<std::size_t> by_probability() const;
 };
 
-/// The same of a list of them.
 [[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
-/// More models than these are not all told of in full: those of at least kWorthFull are.
+/// With more models than this, only those of at least kWorthFull are reported in full.
 inline constexpr std::size_t kFewModelsTold = 40;
 inline constexpr double kWorthFull = 0.005;
 [[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);
 
-/// The part of the findings that does not know what the models mean. All chains must be of one
-/// length, at least 4 draws.
+/// Computes the findings that do not depend on the meaning of the models. All chains must have the
+/// same length, at least 4 draws.
 [[nodiscard]] Findings run_findings(const inference::Posterior& posterior,
                                     const inference::Verdict& verdict, std::uint64_t seed);
 
-/// Adds what any run may have to say last: what the methods found, with remarks where it
-/// contradicts the draws or a method failed, that posteriors are nearly their priors, and that
-/// likelihoods were impossible.
+/// Adds the results of the evidence methods and the final remarks: methods that failed or
+/// contradict the draws, posteriors close to their priors, and impossible likelihoods.
 void conclude(Findings& findings, const inference::ModelSpace& space,
               const std::vector<MethodEvidence>& evidence);
 

@@ -1,6 +1,5 @@
-// Whether the models explain the data at all: what every answer has to begin with where they do
-// not. Measured rigs are never among the models; one that is far off can still be the most
-// probable of them.
+// Whether any model explains the data. Every report begins with this if none does: measured
+// structures are never exactly among the models, and the most probable model may still fit badly.
 #pragma once
 
 #include <limits>
@@ -12,60 +11,61 @@ namespace wheeltap::identification {
 
 namespace misfit {
 
-/// R² of a response is below 1/2, and what is left is no noise either.
+/// R² of a response is below 1/2 and its residual is not noise.
 struct Unexplained {
   std::string channel;
   double r2;
 };
-/// What is left of a response is correlated (portmanteau) or exceeds the stated noise (predictive
-/// p), and too large to be overlooked: above `kSmallResidual` of the response's RMS, or three times
-/// what a free cubic chain leaves.
+/// The residual of a response is autocorrelated (portmanteau test) or exceeds the stated noise
+/// (predictive p), and is not small: above `kSmallResidual` of the response's RMS, or above three
+/// times the residual of a free cubic chain.
 struct NotNoise {
   std::string channel;
-  double share;          ///< residual over response, root mean squares
-  double share_of_free;  ///< that of the free cubic chain; NaN where it was not asked
-  int lag;               ///< of the largest autocorrelation, and its value
+  double share;          ///< RMS of residual over RMS of response
+  double share_of_free;  ///< the same for the free cubic chain; NaN if not computed
+  int lag;               ///< lag of the largest autocorrelation
   double autocorrelation;
 };
-/// Beyond its window the model misses the record by more than twice as much as in it.
+/// Beyond its window, the model's error is more than twice that within the window.
 struct WorseBeyond {
   std::string channel;
-  double inside, beyond;  ///< residual over response, root mean squares
-  int samples;            ///< predicted
+  double inside, beyond;  ///< RMS of residual over RMS of response
+  int samples;            ///< number predicted
 };
-/// Frequencies are farther off than the stated noise lets them be.
+/// Frequencies deviate by more than the stated noise allows.
 struct BeyondNoise {
   double p;                ///< posterior predictive
-  std::vector<int> modes;  ///< off by more than 3 sd, from 1
-  bool emulated;           ///< an emulator predicts
+  std::vector<int> modes;  ///< deviate by more than 3 sd; numbered from 1
+  bool emulated;           ///< predictions are from an emulator
 };
-/// Frequencies are fitted closer than the stated noise lets them be.
+/// Frequencies are fitted more closely than the stated noise allows.
 struct WithinNoise {
   double p;   ///< posterior predictive
-  double cv;  ///< stated; NaN where it differs from mode to mode
+  double cv;  ///< stated; NaN if it differs between modes
 };
 
 using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, WithinNoise>;
 
 }  // namespace misfit
 
-/// Posterior predictive p and portmanteau tests below this speak against a model.
+/// Posterior predictive p and portmanteau p-values below this reject a model.
 inline constexpr double kMisfit = 1e-3;
-/// Residuals below this share of a response, if no noise, are told of but head nothing.
+/// Residuals below this share of a response, even if not noise, are reported but not in the
+/// heading.
 inline constexpr double kSmallResidual = 0.05;
-/// In terms of the residual that a free cubic chain leaves.
+/// Relative to the residual of a free cubic chain.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
-/// Of the most probable model that explains the data, of those that hold 5 % or more; of the most
-/// probable where none of these does.
+/// The verdict on the most probable model that explains the data, among models of at least 5 %; if
+/// none explains them, on the most probable model.
 struct FitVerdict {
-  int model = -1;                                        ///< -1: nothing was judged
-  double r2 = std::numeric_limits<double>::quiet_NaN();  ///< the least over the responses
-  /// Posterior predictive p, of χ²: P(of a replicate > of the data).
+  int model = -1;                                        ///< -1: no model was judged
+  double r2 = std::numeric_limits<double>::quiet_NaN();  ///< smallest over the responses
+  /// Posterior predictive p of χ²: P(replicate > data).
   double p = std::numeric_limits<double>::quiet_NaN();
   std::vector<misfit::Reason> why = {};
-  int instead_of = -1;  ///< the most probable model, where that fails and this one does not
-  std::vector<misfit::Reason> why_not = {};  ///< what speaks against it
+  int instead_of = -1;  ///< the most probable model, if it fails and `model` does not
+  std::vector<misfit::Reason> why_not = {};  ///< reasons against `instead_of`
 
   [[nodiscard]] bool ok() const { return why.empty(); }
 };

@@ -12,10 +12,9 @@ namespace {
 using inference::ChainsOf;
 using inference::Posterior;
 
-constexpr std::size_t kLeastDraws = 100;  // of a chain, for its convergence to be judged
+constexpr std::size_t kLeastDraws = 100;  // per chain, to diagnose convergence
 
-// The midpoint of the fullest bin, bins by Freedman & Diaconis's rule (1981). `weights` beside
-// `values`, or none.
+// The midpoint of the fullest bin, bins by Freedman & Diaconis (1981). `weights` may be empty.
 double histogram_mode(const std::vector<double>& values, const std::vector<double>& weights,
                       double low, double high, double interquartile) {
   if (!(high > low)) return low;
@@ -32,7 +31,7 @@ double histogram_mode(const std::vector<double>& values, const std::vector<doubl
   return low + (static_cast<double>(fullest) + 0.5) * (high - low) / static_cast<double>(bins);
 }
 
-// Chains cut to one length, evenly over the run; chains with too few draws are left out.
+// Thins chains evenly to the same length; omits chains with too few draws.
 ChainsOf equal_lengths(const ChainsOf& chains) {
   std::size_t n = std::numeric_limits<std::size_t>::max();
   for (const auto& chain : chains) {
@@ -58,7 +57,7 @@ double quantile(const std::vector<double>& sorted, double p) {
 
 double weighted_quantile(std::vector<std::pair<double, double>> draws, double p) {
   std::ranges::sort(draws);
-  // The middle of each draw's weight, from that of the first (0) to that of the last (1).
+  // The midpoint of each draw's weight, mapped so that the first is 0 and the last is 1.
   const double first = 0.5 * draws.front().second;
   double total = -first - 0.5 * draws.back().second;
   for (const auto& [x, w] : draws) total += w;

@@ -1,4 +1,4 @@
-// Draws in short: mean, spread, quantiles, and how well each is known.
+// Summary of draws: mean, spread, quantiles and their accuracy.
 #pragma once
 
 #include <string>
@@ -10,8 +10,8 @@
 
 namespace wheeltap::identification {
 
-/// One quantity, from all chains. Convergence is NaN where the chains are too short to judge it
-/// (fewer than 100 draws).
+/// Summary of one quantity over all chains. The convergence values are NaN for chains of fewer than
+/// 100 draws.
 struct Marginal {
   double mean = 0.0;
   double sd = 0.0;
@@ -21,25 +21,25 @@ struct Marginal {
   double mode = 0.0;  ///< midpoint of the fullest bin, bins by Freedman & Diaconis (1981)
   double ess_bulk = 0.0, ess_tail = 0.0, rhat = 0.0;
 
-  [[nodiscard]] double width() const { return q97_5 - q2_5; }  ///< of the 95 % interval
+  [[nodiscard]] double width() const { return q97_5 - q2_5; }  ///< width of the 95 % interval
 };
 
-/// `weights`, one a draw, may be empty: all alike. At least one draw.
+/// `weights`: one per draw; empty: all equal. Requires at least one draw.
 [[nodiscard]] Marginal marginal(const inference::ChainsOf& chains,
                                 const inference::ChainsOf& weights = {});
 
 /// Quantile of sorted draws, linear between order statistics.
 [[nodiscard]] double quantile(const std::vector<double>& sorted, double p);
-/// The same of weighted draws (value, weight), in any order; of equal weights it is the above.
+/// Weighted quantile of (value, weight) in any order; with equal weights, `quantile`.
 [[nodiscard]] double weighted_quantile(std::vector<std::pair<double, double>> draws, double p);
 
-/// What a draw of each model counts, 1 on average over the draws: not all alike only where models
-/// were balanced (Posterior::log_weight). Whatever is averaged over models must use it.
+/// Weight of a draw of each model, 1 on average over the draws; unequal only for balanced models
+/// (Posterior::log_weight). Every average over models must use it.
 [[nodiscard]] std::vector<double> model_weights(const inference::Posterior& posterior);
-/// The same of every draw; empty where all are alike.
+/// The weight of every draw; empty if all are equal.
 [[nodiscard]] inference::ChainsOf draw_weights(const inference::Posterior& posterior);
 
-/// Draws of something within one model: `value(chain, draw)` for every draw that is in it.
+/// Collects `value(chain, draw)` for every draw of one model.
 template <class Value>
 [[nodiscard]] inference::ChainsOf draws_in_model(const inference::Posterior& posterior, int model,
                                                  const Value& value) {
@@ -54,7 +54,7 @@ template <class Value>
   return out;
 }
 
-/// Draws of something that every draw has.
+/// Collects `value(chain, draw)` for every draw.
 template <class Value>
 [[nodiscard]] inference::ChainsOf all_draws(const inference::Posterior& posterior,
                                             const Value& value) {

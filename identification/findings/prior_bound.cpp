@@ -9,7 +9,7 @@
 namespace wheeltap::identification {
 namespace {
 
-constexpr double kOuter = 1.645;  // standard normal: the prior's outer twentieth
+constexpr double kOuter = 1.645;  // standard normal: the prior's outer 5 %
 constexpr double kShare = 0.25;
 constexpr double kTouches = 0.05;
 

@@ -1,4 +1,4 @@
-// What draws of the prior predict: the measure of whether a case can be meant.
+// Draws of the prior, used to judge whether a case is plausible.
 #pragma once
 
 #include <algorithm>
@@ -13,7 +13,7 @@ namespace wheeltap::identification {
 
 inline constexpr int kPriorDraws = 200;
 
-/// Draw `i` of the prior within a model, always the same.
+/// Draw `i` of the prior within a model; deterministic.
 [[nodiscard]] inline std::vector<double> prior_draw(const inference::ModelSpace& space, int model,
                                                     int i) {
   base::Random random(1, 0, static_cast<std::uint64_t>(i), base::Purpose::prediction);
@@ -24,12 +24,12 @@ inline constexpr int kPriorDraws = 200;
   return x;
 }
 
-/// Of one quantity, over these draws.
+/// The range of one quantity over these draws.
 struct PriorRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
   void take(double x) { low = std::min(low, x), high = std::max(high, x); }
-  /// The nearest of it to x > 0, in terms of ratios.
+  /// The value in the range nearest to x > 0 (as a ratio).
   [[nodiscard]] double nearest(double x) const { return std::clamp(x, low, high); }
 };
 

@@ -1,5 +1,4 @@
-// What a reader of the findings should keep in mind: each a type with its numbers. The words are
-// the writers'.
+// Remarks on the findings: each a type with its numbers. The writers provide the words.
 #pragma once
 
 #include <array>
@@ -14,25 +13,25 @@
 
 namespace wheeltap::identification {
 
-/// Ways to a model's evidence that are computed on request, each model on its own.
+/// Methods that compute the evidence of each model separately, on request.
 enum class EvidenceMethod { tmcmc, bridge, laplace };
 
 namespace remark {
 
-// ---- of any run ------------------------------------------------------------------------------
+// ---- all runs -----------------------------------------------------------------------------
 
-/// The likelihood was NaN or +∞ at `places` of `evaluated`, which count as impossible.
+/// The likelihood was NaN or +∞ at `places` of `evaluated` points, which count as impossible.
 struct ImpossibleLikelihoods {
   long places, evaluated;
 };
-/// A method found no evidence of a model.
+/// A method could not compute the evidence of a model.
 struct EvidenceFailed {
   EvidenceMethod method;
   std::string model;
   inference::EvidenceWarning why;
 };
-/// A method's evidences imply another probability of a model than the draws do, by more than 3 of
-/// their combined errors.
+/// The model probability implied by a method's evidences differs from that of the draws by more
+/// than 3 of their combined errors.
 struct EvidenceDisagrees {
   EvidenceMethod method;
   std::string model;
@@ -48,19 +47,19 @@ struct NearlyPrior {
   std::vector<Parameter> parameters;
 };
 
-// ---- of structures ---------------------------------------------------------------------------
+// ---- structures ---------------------------------------------------------------------------
 
-/// A material that no one builds with: most likely a number in another unit.
+/// A material outside the range of real ones: probably a number in another unit.
 struct ImplausibleMaterial {
   enum class Property { young, density, speed_of_sound };
 
   std::string of;  ///< "the beam", "member \"left post\""
   Property property;
   double value, lowest, highest;  ///< SI
-  std::string unit = {};          ///< in which the number would be plausible; empty: none known
-  double converted = 0.0;         ///< it then is, SI
+  std::string unit = {};          ///< unit in which the number would be plausible; empty: none
+  double converted = 0.0;         ///< the value in that unit, converted to SI
 };
-/// A section higher than its beam is long, or far higher than its member.
+/// A section higher than the beam's length, or far higher than the member's.
 struct DeepSection {
   std::string of;
   double height, length;  ///< [m]
@@ -68,22 +67,22 @@ struct DeepSection {
 struct TwinMembers {
   std::string first, second, from, to;
 };
-/// Joined by neither a member nor a spring.
+/// Nodes joined by neither a member nor a spring.
 struct UnusedNodes {
   std::vector<std::string> nodes = {};
 };
-/// Members that meet between their nodes, where the model does not join them.
+/// Members that intersect where the model has no common node.
 struct CrossingMembers {
   struct Pair {
     std::string first, second;
     std::array<double, 3> at;  ///< [m]
-    bool between;              ///< nodes, of one of them at least; else two nodes are in one place
+    bool between;  ///< the intersection is inside at least one member; else two nodes coincide
   };
   std::vector<Pair> pairs = {};  ///< the first few
-  int count = 0;                 ///< of all
+  int count = 0;                 ///< number of such pairs
   int dimension = 3;
 };
-/// Sensors, numbered from 1, of one place and direction.
+/// Sensors, numbered from 1, with the same place and direction.
 struct SensorsAtOnePlace {
   struct Pair {
     int first, second;
@@ -92,79 +91,79 @@ struct SensorsAtOnePlace {
   std::vector<Pair> pairs = {};
 };
 
-// ---- of damages ------------------------------------------------------------------------------
+// ---- damages ------------------------------------------------------------------------------
 
-/// Measured frequencies that no damage under the prior comes near: `ratio` is the median over the
-/// modes of measured to nearest predicted.
+/// Measured frequencies outside the range of the prior's damages: `ratio` is the median over the
+/// modes of measured to nearest predicted frequency.
 struct FrequenciesOutOfReach {
   double ratio;
-  double measured, lowest, highest;  ///< of the first of these modes, with what was predicted [Hz]
-  int mode;                          ///< from 1
+  double measured, lowest, highest;  ///< first such mode: measured, predicted range [Hz]
+  int mode;                          ///< numbered from 1
 };
-/// The stated noise of every frequency exceeds whatever the damages of the prior do to it: at most
-/// `effect` of it.
+/// The stated noise of every frequency exceeds the effect of the prior's damages, which is at most
+/// `effect`.
 struct NoiseHidesDamage {
-  double cv, effect;  ///< of the mode on which damage acts most, in terms of the noise
+  double cv, effect;  ///< for the mode most sensitive to damage; `effect` relative to its noise
 };
 
-/// Mirror images are equally good: what prefers a side all the same is the emulator.
+/// Mirror images are equally probable: any preference for one side comes from the emulator.
 struct MirrorImages {
   bool emulated;
 };
-/// The structure is its own image: what is alike, by name, and members that are turned upon
-/// themselves.
+/// The structure is symmetric: groups of equivalent parts, by name, and members that a symmetry
+/// reverses.
 struct StructureImages {
   std::vector<std::vector<std::string>> alike;
   std::vector<std::string> turned;
 };
-/// Places that exclude each other, the likeliest first: one of them is damaged, and the data do not
-/// say which.
+/// Places that exclude each other, most probable first: one of them is damaged, and the data do not
+/// determine which.
 struct RivalPlaces {
   struct Place {
-    int kind;  ///< its place in the case's list
+    int kind;  ///< index in the case's list
     std::string name;
     double probability;
   };
   std::vector<Place> places = {};
 };
-/// A model with at least as many unknowns as data, and no simpler one that counts.
+/// A model with at least as many unknowns as data, and no simpler model of notable probability.
 struct FittedNotTested {
   std::string model;
   int unknowns, frequencies;
 };
-/// What stands beside a place: an end of the beam, a support, a clamp, another defect.
+/// The neighbour of a place: an end of the beam, a support, a clamp or another defect.
 struct Landmark {
   enum class Kind { left_end, right_end, support, clamp, defect };
   Kind kind;
   double at;         ///< [m]
-  std::string name;  ///< of a defect's kind
+  std::string name;  ///< name of the defect's kind
 };
-/// A model with at least as many unknowns as data that cannot be excluded beside a simpler one;
-/// where a further defect of each kind would hide.
+/// A model with at least as many unknowns as data that cannot be excluded against a simpler one;
+/// `hidden`: where a further defect of each kind could be.
 struct CannotExclude {
   struct Hidden {
     std::string kind;
     Landmark below, above;
-    double from, to;  ///< its location's 95 % interval [m]
+    double from, to;  ///< 95 % interval of its location [m]
   };
   std::string model;
   double probability;
   int unknowns, frequencies;
   std::vector<Hidden> hidden;
 };
-/// Posterior predictive p below 0.005, and not so small that nothing was explained (FitVerdict).
-/// `off`: modes (from 1) that are off by more than 3 sd.
+/// Posterior predictive p below 0.005, but no failure to explain the data (FitVerdict). `off`:
+/// modes (from 1) that deviate by more than 3 sd.
 struct NoModelFits {
   std::vector<int> off;
   bool emulated;
 };
 /// Adjacent damages of a fixed extent act as one longer damage (MergedFinding).
 struct NeighbouringDamages {
-  int kind;  ///< its place in the case's list
+  int kind;  ///< index in the case's list
 };
 /// Half the probability or more is at the largest count allowed.
 struct LargestCount {
-  int kind;  ///< its place in the case's list
+  int kind;  ///< index in the case's list
   double probability;
 };
 /// A quarter of a kind's severities lie in the prior's upper 2.3 %.
@@ -176,12 +175,12 @@ struct EmulatorBlind {
   int damages;
   std::vector<int> modes;
 };
-/// By the FE solution the answer would be another; see EmulatorCheck.
+/// The FE solution would give another answer; see EmulatorCheck.
 struct EmulatorMoved {};
 
-// ---- of equations of motion ------------------------------------------------------------------
+// ---- equations of motion ------------------------------------------------------------------
 
-/// The record is simulated, with parameters that their priors exclude: no run can find them.
+/// A simulated record has parameters that their priors exclude.
 struct TruthOutsidePriors {
   struct Parameter {
     std::string name;
@@ -190,7 +189,7 @@ struct TruthOutsidePriors {
   };
   std::vector<Parameter> parameters;
 };
-/// Responses measured at a size that no draw of the prior comes near, in any model.
+/// Responses whose measured size is outside the range of the prior's draws in every model.
 struct ResponsesOutOfReach {
   struct Channel {
     std::string name;
@@ -198,11 +197,11 @@ struct ResponsesOutOfReach {
   };
   std::vector<Channel> channels;
 };
-/// A stated noise larger than the response itself.
+/// The stated noise is larger than the response itself.
 struct NoiseAboveResponse {
   struct Channel {
     std::string name;
-    double noise, response;  ///< sd and root mean square about the mean [SI]
+    double noise, response;  ///< standard deviation, and RMS about the mean [SI]
   };
   std::vector<Channel> channels;
 };
@@ -214,48 +213,47 @@ struct PeculiarWindow {
   };
   std::vector<Channel> channels;
 };
-/// An excitation loses this share of its amplitude by being linear between its samples.
+/// Linear interpolation between samples reduces an excitation's amplitude by this share.
 struct LinearExcitation {
   std::string channel;
   double loss;
 };
-/// Channels in units that are unknown, or of something else, whose numbers are used as they are.
+/// Channels with an unknown unit, or one of another dimension; their numbers are used unconverted.
 struct UnknownUnits {
   struct Channel {
     std::string name, unit, dimension, known;
   };
   std::vector<Channel> channels;
 };
-/// Time steps differ by less than what is refused.
+/// Time steps are uneven, but by less than the limit for rejection.
 struct UnevenTime {
   signals::Sampling sampling;
 };
-/// Responses are absolute, and the base's displacement was integrated from its acceleration.
+/// Responses are absolute: the base displacement was integrated from its acceleration.
 struct BaseIntegrated {};
-/// The most probable model does not explain the record, and another that is still possible does.
+/// The most probable model does not explain the record; a less probable one does.
 struct MostProbableFails {
   std::string model, other;
   std::vector<misfit::Reason> why;
 };
-/// A response that the best draw reproduces hardly at all, with residuals that are white: a record
-/// of noise.
+/// The best draw reproduces almost nothing of a response and the residuals are white: the record is
+/// mostly noise.
 struct MostlyNoise {
   std::string model, channel;
   double r2;
 };
-/// The window does not start at rest, so the initial state is unknown too.
+/// The window does not start at rest, so the initial state is inferred too.
 struct InitialStateInferred {
-  double share;  ///< of the response's RMS, in the window's first samples
+  double share;  ///< share of the response's RMS in the window's first samples
 };
 
-/// Steps a quarter as long change the best draw's response by `error` of the noise.
+/// With steps a quarter as long, the best draw's response changes by `error` of the noise.
 struct StepsTooLong {
   std::string model;
   double error;
-  bool fixed;  ///< the case says how to integrate: the run could not be repeated with better ones
+  bool fixed;  ///< the case fixes the steps, so the run could not be repeated
 };
-/// The means of the parameters miss the record by more than the best draw does: per channel, NRMSE
-/// of both.
+/// The parameters' means fit the record worse than the best draw: NRMSE of both per channel.
 struct MeansDoNotGoTogether {
   struct Channel {
     std::string name;
@@ -264,7 +262,7 @@ struct MeansDoNotGoTogether {
   std::string model;
   std::vector<Channel> channels;
 };
-/// Residuals are larger or smaller than the stated noise, by these factors.
+/// Residuals differ from the stated noise by these factors.
 struct NoiseMisstated {
   struct Channel {
     std::string name;
@@ -273,24 +271,23 @@ struct NoiseMisstated {
   std::string model;
   std::vector<Channel> channels;
 };
-/// Residuals are not white; those of `others`, less probable models, are much the same.
+/// Residuals are not white; those of `others`, less probable models, are similar.
 struct ColouredResiduals {
-  std::string residual_model = {};  ///< its name, if they are its innovations; empty: white
-  std::string remedy = {};          ///< that the residual model names, if any
+  std::string residual_model = {};  ///< name, if the residuals are its innovations; empty: white
+  std::string remedy = {};          ///< suggested by the residual model; may be empty
 
   struct Channel {
     std::string name;
-    int lag;  ///< of the largest autocorrelation, and its value
+    int lag;  ///< lag of the largest autocorrelation
     double autocorrelation;
-    double share;  ///< residual over response, root mean squares
+    double share;  ///< RMS of residual over RMS of response
     double p_value;
   };
   std::string model;
   std::vector<Channel> channels;
   std::vector<std::string> others = {};
 };
-/// Between the windows of a record, parameters scatter by more than each window's interval allows
-/// for, by these factors.
+/// Parameters scatter between windows by these factors more than each window's interval allows.
 struct ScatterBetweenWindows {
   struct Parameter {
     std::string name;
@@ -300,42 +297,42 @@ struct ScatterBetweenWindows {
   int windows;
   std::vector<Parameter> parameters;
 };
-/// Windows that could not be fitted, and parameters along which many a window's likelihood is far
-/// from the normal that stands for it.
+/// Windows whose fit failed, and parameters for which the normal approximation is inaccurate in
+/// many windows.
 struct WindowsUnsound {
   std::string model;
   int windows, failed;
   std::vector<std::string> rough;
 };
-/// A parameter leans on an end of its prior.
+/// The posterior of a parameter piles up at a bound of its prior.
 struct ParameterAtBound {
   std::string model, parameter, prior;
   bool upper;
 };
 
-/// The motion of all records ends before a law of one side begins to act, a stop for example: in
-/// `share` of the model's draws it begins beyond.
+/// In all records, the motion ends before a one-sided law (for example a stop) acts: in `share` of
+/// the model's draws the gap never closes.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< the masses that its link joins
-  bool opening;  ///< its side
-  double reach;  ///< the largest extension to that side, of the model's motion at its means [m]
+  bool opening;  ///< the side on which the law acts
+  double reach;  ///< largest extension to that side in the motion at the model's means [m]
   double share;
 };
 
-/// The model errs in every state alike, and what it says of changes is trusted all the same.
+/// The model has the same error in every state; estimated changes ignore it.
 struct ChangesTakenForExact {
-  double discrepancy;  ///< of frequencies, relative
+  double discrepancy;  ///< relative, of frequencies
 };
-/// A measured mode may be none of the structure's.
+/// A measured mode that may not belong to the structure.
 struct SpuriousMode {
-  int mode = 0;  ///< as measured, from 1
+  int mode = 0;  ///< measured mode, from 1
   double hz = 0.0, probability = 0.0;
 };
 
 }  // namespace remark
 
-/// From this probability on it is said.
+/// Reported from this probability on.
 inline constexpr double kSpurious = 0.05;
 
 using Remark =

@@ -16,11 +16,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using inference::Posterior;
 
-constexpr double kFarthest = 8.0;  // of a standard normal coordinate
+constexpr double kFarthest = 8.0;  // in standard normal coordinates
 constexpr double kGap = 3.0, kOfNeighbours = 0.95;
-constexpr std::size_t kCompared = 2000;  // draws, for gaps
+constexpr std::size_t kCompared = 2000;  // draws used to measure gaps
 constexpr double kLeastVariance = 1e-12;
-constexpr std::size_t kMostDraws = 200'000;  // of more, every n-th
+constexpr std::size_t kMostDraws = 200'000;  // longer runs are thinned to this
 
 /// Coordinates in which a covariance is the identity.
 class Metric {
@@ -35,11 +35,11 @@ class Metric {
   Eigen::LLT<MatrixXd> llt_;
 };
 
-/// The draws of a model in standard normal coordinates, a column each, and their log posterior.
+/// The draws of a model in standard normal coordinates, one per column, and their log posterior.
 struct Draws {
   MatrixXd z;
   std::vector<double> log_posterior;
-  std::vector<std::size_t> of_chain;  // where each chain begins, and the end
+  std::vector<std::size_t> of_chain;  // first draw of each chain, and the end
 };
 
 Draws draws_of_model(const Posterior& posterior, int model) {
@@ -78,7 +78,7 @@ VectorXd mean_of(const Draws& draws, const std::vector<int>& of, int which, doub
   return mean / std::max(1.0, count);
 }
 
-/// Of all draws about the mean of their own group.
+/// Covariance of all draws about the mean of their own group.
 MatrixXd covariance_within(const Draws& draws, const std::vector<int>& of, int groups) {
   MatrixXd sum = MatrixXd::Zero(draws.z.rows(), draws.z.rows());
   for (int k = 0; k < groups; ++k) {
@@ -93,8 +93,9 @@ MatrixXd covariance_within(const Draws& draws, const std::vector<int>& of, int g
   return sum / static_cast<double>(of.size());
 }
 
-/// Which mode each draw belongs to: the nearest in the covariance of draws about their own mode,
-/// which starts as that of all draws. Only modes that have draws are numbered, from 0.
+/// Assigns each draw to the nearest mode. The metric is the covariance of draws about their own
+/// mode; the iteration starts from the covariance of all draws. Only modes with draws are numbered,
+/// from 0.
 std::vector<int> nearest_modes(const Posterior& posterior, int model, const Draws& draws,
                                int& groups) {
   constexpr int kRounds = 8;
@@ -135,7 +136,7 @@ std::vector<int> nearest_modes(const Posterior& posterior, int model, const Draw
   return of;
 }
 
-/// Modes between which draws leave no gap are one: of each, the number of its solution.
+/// Joins modes without a gap between their draws; returns the solution number of each mode.
 std::vector<int> connected(const Draws& draws, const std::vector<int>& of, int groups) {
   const auto modes = static_cast<std::size_t>(groups);
   const Metric metric(covariance_within(draws, of, groups));
@@ -146,8 +147,8 @@ std::vector<int> connected(const Draws& draws, const std::vector<int>& of, int g
     points.emplace_back(metric.scaled(draws.z.col(static_cast<Index>(i))));
     mode.push_back(static_cast<std::size_t>(of[i]));
   }
-  // Of each draw the nearest other one of its mode, and of each pair of modes the nearest draws.
-  // Chains that stay where they are repeat draws, which are no neighbours.
+  // Distances from each draw to the nearest other draw of its mode, and between the nearest draws
+  // of each pair of modes. Repeated draws (rejected proposals) are not neighbours.
   std::vector<double> nearest(points.size(), kInfinity);
   std::vector<std::vector<double>> gap(modes, std::vector<double>(modes, kInfinity));
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -1,14 +1,14 @@
-// Separate solutions: regions of one model's posterior that explain the data by other parameter
-// values, with little probability between them.
+// Separate solutions: regions of one model's posterior with different parameter values and little
+// probability between them.
 //
-// Each draw belongs to the nearest mode of the search, in the covariance of draws about their own
-// mode; distances are in that, and coordinates are those in which the prior is standard normal. Two
-// modes are one solution where some of their draws are no further apart than
+// Coordinates: those in which the prior is standard normal. Metric: the covariance of draws about
+// their own mode. Each draw belongs to the nearest mode of the search. Two modes are one solution
+// if the smallest distance between their draws is at most
 //
-//   3 × the 95 % quantile of the distance of a draw to the nearest other one of its mode,
+//   3 × the 95 % quantile of the distance of a draw to the nearest other draw of its mode,
 //
-// the larger of the two: where the density between them falls to about a thirtieth of its height in
-// one dimension. So a curved or a rough ridge is one solution.
+// the larger of the two. In one dimension, two solutions then have a density between them below
+// about a thirtieth of the peak. A curved or rough ridge is one solution.
 #pragma once
 
 #include <vector>
@@ -20,23 +20,23 @@ namespace wheeltap::identification {
 
 struct Solution {
   double probability = 0.0, mcse = 0.0;   ///< share of the model's draws
-  std::vector<double> best = {};          ///< its most probable draw: parameters
-  std::vector<Marginal> parameters = {};  ///< of its draws, one a parameter
-  double chi_square = 0.0;                ///< of the data at `best`; NaN where it is not computed
+  std::vector<double> best = {};          ///< parameters of its most probable draw
+  std::vector<Marginal> parameters = {};  ///< marginals of its draws, one per parameter
+  double chi_square = 0.0;                ///< χ² of the data at `best`; NaN if not computed
 };
 
-/// Of less probability than this a solution is left out.
+/// Less probable solutions are omitted.
 inline constexpr double kWorthListing = 0.01;
 
 struct SeparateSolutions {
-  /// The most probable first; empty where there is one solution only.
+  /// Most probable first; empty if there is only one solution.
   std::vector<Solution> list = {};
-  /// Of all draws about the mean of their own solution, in standard normal coordinates: what is
-  /// uncertain within a solution. Empty where `list` is.
+  /// Covariance of draws about the mean of their own solution, in standard normal coordinates: the
+  /// uncertainty within a solution. Empty if `list` is.
   Eigen::MatrixXd covariance_within = {};
 };
 
-/// Of a model with parameters only, no components.
+/// Finds the solutions of a model that has parameters only, no components.
 [[nodiscard]] SeparateSolutions separate_solutions(const inference::Posterior& posterior,
                                                    int model);
 

@@ -28,14 +28,14 @@ using Small = Eigen::Matrix<Complex, Eigen::Dynamic, Eigen::Dynamic, 0, 3, 3>;
 using SmallVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, 3, 1>;
 
 constexpr double kLeastDamping = 1e-4, kMostDamping = 0.2;
-constexpr double kDecades = 1e-10;  // of S and S_e, below the largest they can be
+constexpr double kDecades =
+    1e-10;  // range of the priors of S and S_e, below their largest possible values
 
 [[noreturn]] void refuse(const std::string& name, double value, const std::string& bound) {
   throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);
 }
 
-/// The principal direction of Re Σ F Fᴴ over lines within half a per cent of the peak, three at
-/// least.
+/// The principal direction of Re Σ F Fᴴ over the lines within 0.5 % of the peak, at least three.
 VectorXd direction_at(const BandLines& lines, double peak_hz) {
   Index nearest = 0;
   (lines.frequencies_hz.array() - peak_hz).abs().minCoeff(&nearest);
@@ -46,7 +46,7 @@ VectorXd direction_at(const BandLines& lines, double peak_hz) {
   return Eigen::SelfAdjointEigenSolver<MatrixXd>(sum).eigenvectors().rightCols(1);
 }
 
-/// An orthonormal basis of what is orthogonal to u.
+/// An orthonormal basis of the complement of u.
 MatrixXd complement(const VectorXd& u) {
   const Eigen::HouseholderQR<MatrixXd> qr(u);
   const MatrixXd q = qr.householderQ();
@@ -80,7 +80,7 @@ BandLines band_lines(const Eigen::Ref<const MatrixXd>& records, double sample_ra
   const Index lines = std::max<Index>(0, last - first + 1);
   if (lines < BandProblem::kFewestLines * static_cast<Index>(band.peaks_hz.size()))
     refuse("lines", static_cast<double>(lines),
-           "must be at least 20 a mode: widen the band, or record for longer");
+           "must be at least 20 per mode: widen the band, or record for longer");
   BandLines out{.frequencies_hz = VectorXd::LinSpaced(lines, static_cast<double>(first) * step,
                                                       static_cast<double>(last) * step),
                 .transform = MatrixXcd(records.rows(), lines)};
@@ -108,11 +108,11 @@ BandProblem::BandProblem(BandLines lines, ModalBand band)
     if (band_.peaks_hz[i] < band_.lowest_hz || band_.peaks_hz[i] > band_.highest_hz)
       refuse("peak", band_.peaks_hz[i], "must lie within the band");
     if (i > 0 && !(band_.peaks_hz[i] > band_.peaks_hz[i - 1]))
-      refuse("peak", band_.peaks_hz[i], "must be above the one before");
+      refuse("peak", band_.peaks_hz[i], "must be above the peak before it");
   }
   if (lines_.frequencies_hz.size() < kFewestLines * static_cast<Index>(m))
     refuse("lines", static_cast<double>(lines_.frequencies_hz.size()),
-           "must be at least 20 a mode");
+           "must be at least 20 per mode");
   power_ = lines_.transform.squaredNorm();
   const double largest = lines_.transform.colwise().squaredNorm().maxCoeff();
   using namespace inference;
@@ -267,7 +267,7 @@ signals::ModalResult identify_bands(const Eigen::Ref<const MatrixXd>& records,
   std::ranges::sort(sorted, {}, &ModalBand::lowest_hz);
   for (std::size_t b = 0; b + 1 < sorted.size(); ++b)
     if (sorted[b].highest_hz > sorted[b + 1].lowest_hz)
-      refuse("band", sorted[b + 1].lowest_hz, "must begin where the one before has ended");
+      refuse("band", sorted[b + 1].lowest_hz, "must not overlap the band before it");
   std::vector<BayesianBand> found;
   Index count = 0;
   for (const ModalBand& band : sorted) {

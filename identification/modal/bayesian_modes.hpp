@@ -16,10 +16,10 @@
 
 namespace wheeltap::identification {
 
-/// A band and the modes that it holds, as a look at the spectra tells.
+/// A frequency band and approximate frequencies of its modes, read from the spectra.
 struct ModalBand {
   double lowest_hz = 0.0, highest_hz = 0.0;
-  std::vector<double> peaks_hz = {};  ///< about where each mode is, ascending; one to three
+  std::vector<double> peaks_hz = {};  ///< approximate, ascending; one to three modes
 };
 
 /// Fourier lines of accelerations in a band.
@@ -30,41 +30,49 @@ struct BandLines {
   Eigen::MatrixXcd transform;
 };
 
-/// `records`: a channel a row, freed of their means here. Throws std::invalid_argument for a band
-/// beyond what the sampling holds, and for fewer lines than `kFewestLines` a mode.
+/// Computes the lines of a band. `records`: one channel per row; means are removed here. Throws
+/// std::invalid_argument for a band beyond half the sampling rate, and for fewer lines than
+/// `kFewestLines` per mode.
 [[nodiscard]] BandLines band_lines(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                    double sample_rate_hz, const ModalBand& band);
 
-/// ln p(F | θ) = -Σ_k ln |E_k| - Σ_k F_kᴴ E_k⁻¹ F_k + const,
+/// The likelihood of a band,
 ///
+///   ln p(F | θ) = -Σ_k ln |E_k| - Σ_k F_kᴴ E_k⁻¹ F_k + const,
 ///   E_k = Φ diag(h_k) S diag(h_k)ᴴ Φᵀ + S_e I,   h_ik = 1 / (1 - β_ik² - 2 i ζ_i β_ik),
 ///   β_ik = f_i / f_k,
 ///
-/// of m modes with shapes Φ of unit length, modal forces (over modal mass) of spectral density S
-/// (m × m, Hermitian) and sensor noise S_e, both constant over the band. What the modes beyond the
-/// band do in it is noise here: bands should be where their own modes stand out.
+/// for m modes with shapes Φ of unit length. S: spectral density of the modal forces over modal
+/// mass (m × m, Hermitian); S_e: that of the sensor noise; both are constant over the band.
+/// Contributions of modes outside the band count as noise: a band should be dominated by its own
+/// modes.
 ///
-/// θ: f and ζ of each mode; its shape u + T b, scaled to unit length, b of n - 1 numbers, u the
-/// direction of the spectral matrix at the mode's peak and T what is orthogonal to it; the diagonal
-/// of S; its coherences as rows of a lower triangle, unit on the diagonal, scaled to unit length;
-/// S_e. Priors: f uniform in the band, ζ log-uniform on [1e-4, 0.2], b standard normal, what S and
-/// S_e scale with log-uniform over ten decades, the triangle's entries standard normal.
+/// Parameters θ:
+/// - f and ζ of each mode;
+/// - per mode n - 1 numbers b: the shape is u + T b, scaled to unit length, where u is the
+/// direction of the spectral matrix at the mode's peak and T its orthogonal complement;
+/// - the diagonal of S;
+/// - the coherences of S as rows of a lower triangle with unit diagonal, scaled to unit length;
+/// - S_e.
+///
+/// Priors: f uniform in the band, ζ log-uniform on [1e-4, 0.2], b standard normal, the scales of S
+/// and S_e log-uniform over ten decades, entries of the triangle standard normal.
 class BandProblem {
  public:
   static constexpr int kFewestLines = 20;
 
-  /// Throws std::invalid_argument for bands without modes, with more than three, with peaks that
-  /// lie outside or do not ascend, or with too few lines.
+  /// Throws std::invalid_argument for bands without modes or with more than three, for peaks
+  /// outside the band or not ascending, and for too few lines.
   BandProblem(BandLines lines, ModalBand band);
 
   [[nodiscard]] int modes() const { return static_cast<int>(band_.peaks_hz.size()); }
   [[nodiscard]] int channels() const { return static_cast<int>(lines_.transform.rows()); }
   [[nodiscard]] const std::vector<inference::Parameter>& parameters() const { return parameters_; }
-  /// -∞ where frequencies do not ascend.
+  /// Returns -∞ if frequencies do not ascend.
   [[nodiscard]] double log_likelihood(std::span<const double> x) const;
   /// n × m, each of unit length.
   [[nodiscard]] Eigen::MatrixXd shapes(std::span<const double> x) const;
-  /// One model. Refers to this object.
+  /// The problem, with one model. Refers to this object.
   [[nodiscard]] inference::Problem problem() const;
 
  private:
@@ -76,12 +84,12 @@ class BandProblem {
   double power_ = 0.0;                        // Σ |F|²
 };
 
-/// The posterior of a band's modes, in short.
+/// Summary of the posterior of a band's modes.
 struct BayesianBand {
   Eigen::VectorXd frequencies_hz, damping;         ///< means
-  Eigen::MatrixXd covariance;                      ///< of all frequencies, then all damping ratios
+  Eigen::MatrixXd covariance;                      ///< all frequencies, then all damping ratios
   Eigen::MatrixXd shapes;                          ///< n × m, largest entry 1: means of the draws
-  std::vector<Eigen::MatrixXd> shape_covariances;  ///< n × n, of shapes so scaled
+  std::vector<Eigen::MatrixXd> shape_covariances;  ///< n × n, for shapes in this scale
   bool converged = false;
   std::vector<std::string> not_established = {};
   long likelihood_evaluations = 0;
@@ -93,13 +101,14 @@ struct BayesianBandOptions {
   int threads = 0;
 };
 
-/// Samples the band's posterior with the engine of inference/.
+/// Samples the posterior of one band with the engine of inference/.
 [[nodiscard]] BayesianBand identify_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          double sample_rate_hz, const ModalBand& band,
                                          const BayesianBandOptions& options = {});
 
-/// All bands, one after another; modes by frequency. Those of different bands are independent.
-/// Throws as `band_lines` and BandProblem do, naming the band (from 0), and for bands that overlap.
+/// Identifies all bands in turn; modes are sorted by frequency, and those of different bands are
+/// independent. Throws as `band_lines` and BandProblem do, naming the band (from 0), and for bands
+/// that overlap.
 [[nodiscard]] signals::ModalResult identify_bands(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                                   double sample_rate_hz,
                                                   const std::vector<ModalBand>& bands,

@@ -5,7 +5,7 @@
 
 namespace wheeltap::identification {
 
-/// Of modes from so many measured numbers.
+/// Cost of identifying modes from this many measured numbers.
 [[nodiscard]] inline inference::RunCost cost_of_modes(double numbers) {
   // Measured: 2 s for eight channels of 61 440 samples, 90 s for twenty of a million.
   return {.bytes = 2e8 + 4.0 * 8.0 * numbers, .seconds = 1.0 + 4e-6 * numbers};

@@ -38,7 +38,7 @@ signals::ModalResult identify_by_method(const ModalRecord& r, std::uint64_t seed
 
 signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed) {
   signals::ModalResult result = identify_by_method(record, seed);
-  // A record that measures one quantity alone has the shapes of any other, but for a factor.
+  // Channels of one quantity only: shapes differ by a factor at most.
   signals::convert_shapes(result, record.orders);
   return result;
 }

@@ -1,4 +1,4 @@
-// A record of a structure in vibration, and its modes by any of the methods.
+// A vibration record of a structure, and identification of its modes by any method.
 #pragma once
 
 #include <cstdint>
@@ -13,26 +13,27 @@
 
 namespace wheeltap::identification {
 
-/// What is measured, and by which method modes are identified: the first of `responses` (pLSCF),
-/// `bands` (Bayesian), `spectral` (FDD, EFDD) and `decays` (ERA) that is given, else SSI-cov.
+/// Measured data and the method of identification: the first member given of `responses` (pLSCF),
+/// `bands` (Bayesian), `spectral` (FDD, EFDD) and `decays` (ERA); otherwise SSI-cov.
 struct ModalRecord {
-  Eigen::MatrixXd records = {};  ///< a response channel a row; empty where responses were measured
-  /// Orders of differentiation of the channels (0: displacements); empty where none is known.
+  Eigen::MatrixXd records = {};  ///< one response channel per row; empty if responses were measured
+  /// Orders of differentiation of the channels (0: displacement); empty if unknown.
   std::vector<int> orders = {};
   signals::ModalOptions options = {};
   std::optional<signals::FrequencyResponses> responses = {};
   std::vector<Eigen::MatrixXd> decays = {};  ///< pieces of the records
   std::vector<ModalBand> bands = {};
   std::optional<signals::ModalMethod> spectral = {};  ///< decomposition or enhanced
-  int segment = 0;  ///< of FDD and EFDD, as signals::DecompositionOptions has it
+  int segment = 0;  ///< for FDD and EFDD, as in signals::DecompositionOptions
 };
 
-/// Modes with shapes of one quantity (signals::convert_shapes). Throws signals::ChannelError for a
-/// channel that the method cannot use, and std::invalid_argument as the methods do.
+/// Identifies modes, with shapes of one quantity (signals::convert_shapes). Throws
+/// signals::ChannelError for a channel that the method cannot use; throws std::invalid_argument as
+/// the methods do.
 [[nodiscard]] signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed);
 
-/// What the record holds within the band of `result`: singular values where the method computed
-/// them, else frequency responses, else spectra of the channels.
+/// Spectral content within the band of `result`: singular values if the method computed them, else
+/// frequency responses, else spectra of the channels.
 [[nodiscard]] std::vector<signals::SpectralLevel> spectral_levels(
     const ModalRecord& record, const signals::ModalResult& result);
 

@@ -18,7 +18,7 @@ double estimated_covariance_factor(int numbers, int blocks) {
   if (blocks == 0) return 1.0;
   if (blocks < 2 * numbers + 3) return 0.0;
   const double n = blocks, p = numbers;
-  if (numbers < 2) return (n - 1.0) / (n - p - 2.0);  // nothing to weigh
+  if (numbers < 2) return (n - 1.0) / (n - p - 2.0);  // single numbers need no weighting
   const double inverse = (n - 1.0) / (n - p - 2.0);
   const double weights = (n - p - 2.0) / ((n - p - 1.0) * (n - p - 4.0));
   return inverse * (1.0 + weights * (p - 1.0));
@@ -30,12 +30,12 @@ RealShape real_shape(const VectorXcd& shape, const MatrixXd& covariance, int blo
     throw std::invalid_argument("a shape needs at least 2 entries, has " + std::to_string(m));
   if (covariance.rows() != 2 * m || covariance.cols() != 2 * m)
     throw std::invalid_argument("the covariance must be " + std::to_string(2 * m) + " x " +
-                                std::to_string(2 * m) + ", of real and imaginary parts");
+                                std::to_string(2 * m) + ": real, then imaginary parts");
   if (!shape.allFinite() || !covariance.allFinite())
     throw std::invalid_argument("a shape and its covariance must be finite");
   const std::complex<double> squares = (shape.transpose() * shape)(0, 0);
   if (!(shape.squaredNorm() > 0.0))
-    throw std::invalid_argument("a shape must not be zero throughout");
+    throw std::invalid_argument("a shape must have an entry other than 0");
   const std::complex<double> turn = std::polar(1.0, -0.5 * std::arg(squares));
   const VectorXcd turned = turn * shape;
   const double largest = turned.real().cwiseAbs().maxCoeff();
@@ -67,7 +67,7 @@ RealShape real_shape(const VectorXcd& shape, const MatrixXd& covariance, int blo
   }
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(out.covariance, Eigen::EigenvaluesOnly);
   if (!(solver.eigenvalues()[0] > 1e-13 * solver.eigenvalues()[m - 1]))
-    throw std::invalid_argument("its covariance must be positive definite");
+    throw std::invalid_argument("the covariance of a shape must be positive definite");
   return out;
 }
 

@@ -20,8 +20,8 @@ std::vector<double> in_si(const SidCase& sid_case, const SidChannel& channel) {
   const auto& [samples, scale, offset] = channel.signal;
   if (!scale.is_constant() || !offset.is_constant()) {
     throw InvalidInput(InvalidInput::Part::channel,
-                       "its scale and offset must be numbers, since the base's displacement is "
-                       "integrated from its acceleration; or give a channel with the role "
+                       "its scale and offset must be numbers, because the base displacement is "
+                       "integrated from this channel; otherwise add a channel with the role "
                        "\"base-displacement\"",
                        static_cast<int>(&channel - sid_case.channels.data()));
   }
@@ -30,7 +30,7 @@ std::vector<double> in_si(const SidCase& sid_case, const SidChannel& channel) {
   return out;
 }
 
-/// Velocity and displacement from rest of an acceleration that is linear between samples.
+/// Velocity and displacement, from rest, for an acceleration that is linear between samples.
 struct Integral {
   std::vector<double> velocity, displacement;
 };
@@ -48,7 +48,7 @@ Integral integrate(const std::vector<double>& a, double dt) {
 /// Least-squares polynomial of y over times n · dt, lowest power first.
 Eigen::VectorXd trend(const std::vector<double>& y, double dt, int degree) {
   const auto n = static_cast<Eigen::Index>(y.size());
-  const double length = static_cast<double>(n) * dt;  // powers of t / length stay of one size
+  const double length = static_cast<double>(n) * dt;  // scale, for powers of similar size
   Eigen::MatrixXd powers(n, degree + 1);
   for (Eigen::Index i = 0; i < n; ++i) {
     double power = 1.0;

@@ -1,4 +1,4 @@
-// A moving base of which only the acceleration was measured, where responses are absolute.
+// Displacement of a moving base of which only the acceleration was measured.
 #pragma once
 
 #include "identification/sid/sid_case.hpp"
@@ -9,18 +9,17 @@ namespace wheeltap::identification {
 /// absolute displacement or velocity.
 [[nodiscard]] bool needs_integrated_base(const SidCase& sid_case);
 
-/// Adds the base's displacement, twice the integral of its acceleration (exact for one that is
-/// linear between samples), as a channel of its own. What integration leaves open, and what a
-/// sensor's offset makes of it, is a polynomial in time,
+/// Adds the base displacement as a channel: twice the integral of the acceleration (exact if it is
+/// linear between samples) and a polynomial for the constants of integration and the sensor's
+/// offset,
 ///
-///   y_base(t) = ∬ a + p₀ + p₁ t + p₂ t²,
+///   y_base(t) = ∬ a + p₀ + p₁ t + p₂ t².
 ///
-/// which is chosen so that the responses relative to the base have no such trend themselves, by
-/// least squares over the window, the mean over the responses (p₁ and p₂ from velocities where no
-/// displacement is among them; p₀ then moves nothing). A rig that drifts so slowly is taken for one
-/// that does not. The window's continuation (SidCase::beyond) is given up: a polynomial tells
-/// nothing beyond. Throws InvalidInput (channel) where a scale or offset of these channels is a
-/// parameter.
+/// The coefficients remove the same trend from the responses relative to the base, by least squares
+/// over the window, averaged over the responses. Without a displacement response, p₁ and p₂ come
+/// from velocities and p₀ has no effect. A slow drift of the structure itself is therefore removed
+/// too. Clears SidCase::beyond, because the polynomial does not extrapolate. Throws InvalidInput
+/// (channel) if a scale or offset of these channels is a parameter.
 void integrate_base(SidCase& sid_case);
 
 }  // namespace wheeltap::identification

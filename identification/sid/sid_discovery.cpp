@@ -22,11 +22,11 @@ using dynamics::Link;
 using dynamics::Side;
 using Role = SidChannel::Role;
 
-constexpr double kBand = 0.99;        // of the displacement's power
-constexpr double kCrest = 3.0;        // of a motion whose displacement was not measured
-constexpr double kRunaway = 30.0;     // times what was seen: no draw of the posterior gets there
-constexpr double kStop = 10.0;        // how much stiffer a stop may be than its link
-constexpr double kYieldSpread = 1.0;  // ln
+constexpr double kBand = 0.99;     // share of the displacement's power
+constexpr double kCrest = 3.0;     // peak factor of a motion without measured displacement
+constexpr double kRunaway = 30.0;  // bound relative to the record; no posterior draw moves that far
+constexpr double kStop = 10.0;     // prior scale of a stop's stiffness relative to that of its link
+constexpr double kYieldSpread = 1.0;  // in ln
 
 const LawInfo& info_of(const Law& law) {
   return dynamics::law_infos()[static_cast<std::size_t>(law.kind)];
@@ -39,9 +39,9 @@ std::string suffix(const Law& law, const Link& link, bool several) {
   return out;
 }
 
-// ---- how links move ---------------------------------------------------------------------------
+// ---- motion of links ----------------------------------------------------------------------
 
-// Of one mass or link, relative to the base; what is not known is 0.
+// RMS motion of a mass or link, relative to the base; unknown values are 0.
 struct Motion {
   double displacement = 0.0, velocity = 0.0, acceleration = 0.0;  // RMS
   double highest = 0.0, lowest = 0.0;                             // displacement
@@ -55,8 +55,8 @@ struct Series {
   std::vector<double> samples = {};  // SI
 };
 
-// In SI units, every `stride`-th sample; of an unknown scale or offset the raw one, free of its
-// mean.
+// Every `stride`-th sample in SI units. With an unknown scale the raw value; with an unknown offset
+// the mean is removed.
 std::vector<double> discovery_in_si(const dynamics::Signal& signal, std::size_t stride = 1) {
   std::vector<double> out;
   const double scale = signal.scale.is_constant() ? signal.scale.value : 1.0;
@@ -79,7 +79,7 @@ Motion motion_of(const Series& series, double rate_hz) {
   signals::detrend(samples, 0);
   const auto spectrum =
       signals::welch(samples, rate_hz, {.segment = static_cast<int>(samples.size())});
-  // Integration blows up what is left of a trend at the lowest frequencies.
+  // Integration amplifies the remaining trend at the lowest frequencies.
   const std::size_t first = displacement ? 1 : 2;
   const int order = static_cast<int>(series.quantity);
   const double step = spectrum.frequencies_hz.size() > 1 ? spectrum.frequencies_hz[1] : 0.0;
@@ -127,7 +127,7 @@ class Motions {
     }
     if (!most_.known()) {
       throw InvalidInput(InvalidInput::Part::models,
-                         "the responses are constant: they set no scale for the terms' priors");
+                         "the responses are constant: the terms' priors have no scale");
     }
   }
 
@@ -151,7 +151,8 @@ class Motions {
     return best;
   }
 
-  // Of the best sensor on a mass, relative to the base where it is measured alike.
+  // The signal of the best sensor on a mass, relative to the base if the base has the same
+  // quantity.
   [[nodiscard]] Series series_of(int mass) const {
     const SidChannel* best = sensor_of(mass);
     if (best == nullptr) return {};
@@ -169,8 +170,8 @@ class Motions {
     return out;
   }
 
-  // A mass whose sensor knows nothing of a base that is displaced moves beside it as far as both
-  // together, in quadrature: how they go together is not known.
+  // Adds the base displacement in quadrature to the motion of a mass whose sensor does not measure
+  // it: their correlation is unknown.
   [[nodiscard]] Motion beside_the_base(int mass, Motion motion) const {
     const SidChannel* base = case_.find(Role::base_displacement);
     const SidChannel* sensor = sensor_of(mass);
@@ -185,7 +186,7 @@ class Motions {
     motion.displacement = std::hypot(motion.displacement, moved.displacement);
     motion.velocity = std::hypot(motion.velocity, moved.velocity);
     motion.acceleration = std::hypot(motion.acceleration, moved.acceleration);
-    const double away = motion.highest;  // of a motion without displacements: as far either way
+    const double away = motion.highest;  // without displacements: symmetric
     motion.highest = away - moved.lowest, motion.lowest = -away - moved.highest;
     motion.band_hz = std::max(motion.band_hz, moved.band_hz);
     return motion;
@@ -218,9 +219,9 @@ class Motions {
     return out;
   }
 
-  // Of a link, RMS [N]: what must act on all that would come off the ground with it. A chain that
-  // floats has two such parts, of which the lighter loaded one knows more: on a heavy one force and
-  // inertia nearly cancel. A link in a loop carries no less than either of its ends asks for.
+  // Tension of a link, RMS [N]: the load on the part of the chain that the link holds. For a
+  // floating chain both parts qualify; the smaller load is more accurate, because force and inertia
+  // nearly cancel on a heavy part. For a link in a loop: the larger load of its two ends.
   [[nodiscard]] double tension(const Link& link) const {
     const auto load_of = [this](const std::vector<int>& part) {
       double squares = 0.0;
@@ -235,7 +236,7 @@ class Motions {
     return std::min(load_of(a), load_of(b));
   }
 
-  // The masses that are tied to one without this link, itself among them; 0 is the ground.
+  // The masses connected to `mass` without this link, including itself; 0 is the ground.
   [[nodiscard]] std::vector<int> held_without(const Link& link, int mass) const {
     std::vector<int> out = {mass};
     for (std::size_t next = 0; next < out.size(); ++next) {
@@ -249,7 +250,7 @@ class Motions {
     return out;
   }
 
-  // What must act on a mass, RMS [N].
+  // Load on a mass: its inertia force and the excitation, RMS [N].
   [[nodiscard]] double load(int mass) const {
     if (mass == 0) return 0.0;
     const Motion& sensed = sensed_[static_cast<std::size_t>(mass)];
@@ -283,15 +284,15 @@ class Motions {
 
   const SidCase& case_;
   const dynamics::Chain& chain_;
-  std::vector<Series> series_;   // one a mass, from the ground on
-  std::vector<Motion> motions_;  // beside the base
-  std::vector<Motion> sensed_;   // as the sensor has it
+  std::vector<Series> series_;   // one per mass, from the ground on
+  std::vector<Motion> motions_;  // relative to the base
+  std::vector<Motion> sensed_;   // as measured by the sensor
   Motion most_;
 };
 
 // ---- priors -----------------------------------------------------------------------------------
 
-// A law that resists motion: it has a memory, or a tension without any extension.
+// Whether a law resists motion: it has memory, or a tension at zero extension.
 bool resists(const LawInfo& info) {
   if (info.memory) return true;
   std::vector<dynamics::Coefficient> ones;
@@ -322,18 +323,18 @@ void add_subsets(SidCase& sid_case) {
   const std::size_t n = asked.terms.size();
   if (sid_case.models.size() != 1) {
     throw InvalidInput(InvalidInput::Part::models,
-                       "must be one model, to which terms are added, not " +
+                       "must be one model, to which Wheeltap adds the terms, not " +
                            std::to_string(sid_case.models.size()));
   }
   if (n > kMostTerms) {
     throw InvalidInput(InvalidInput::Part::models,
                        std::to_string(n) + " terms have " + std::to_string(1UL << n) +
                            " subsets; at most " + std::to_string(kMostTerms) + " terms (" +
-                           std::to_string(1UL << kMostTerms) + " models) can compete");
+                           std::to_string(1UL << kMostTerms) + " models) are possible");
   }
   std::vector<unsigned long> subsets(1UL << n);
   for (std::size_t s = 0; s < subsets.size(); ++s) subsets[s] = s;
-  // Fewer terms first, and the case's first terms before its last.
+  // Fewer terms first; within one number of terms, in the order of the case.
   std::ranges::stable_sort(subsets, {}, [](unsigned long s) { return std::popcount(s); });
   const SidModel base = sid_case.models.front();
   sid_case.models.clear();
@@ -371,7 +372,7 @@ inference::Prior default_prior(const LawInfo& law, std::size_t coefficient, Side
   if (c.role.kind != dynamics::LawRole::Kind::factor) {
     throw std::invalid_argument(std::string(law.name) + "'s " + std::string(c.name) + " [" +
                                 std::string(c.unit) +
-                                "] has no scale in the record: give it a number, or a prior under "
+                                "] has no default prior: give it a number, or a prior under "
                                 "\"parameters\"");
   }
   const double scale =

@@ -13,7 +13,7 @@ namespace {
 
 using inference::Posterior;
 
-/// Of residuals, or of innovations of a model with `fitted` parameters of its own.
+/// Whiteness of residuals, or of innovations of a model with `fitted` parameters of its own.
 std::optional<ResidualWhiteness> whiteness(std::span<const double> white, bool of_innovations,
                                            int fitted) {
   const int lags = std::clamp(static_cast<int>(white.size()) / 5, 2, 20) + fitted;
@@ -29,7 +29,7 @@ std::optional<ResidualWhiteness> whiteness(std::span<const double> white, bool o
                            .worst = rho[static_cast<std::size_t>(worst)]};
 }
 
-/// What residuals r of a response y [SI] are worth.
+/// Fit statistics of the residuals r of a response y [SI].
 ChannelFit fit_of(const SidChannel& channel, std::span<const double> r, std::span<const double> y,
                   const SidModel& model, std::size_t c, std::span<const double> theta) {
   const auto n = static_cast<double>(r.size());

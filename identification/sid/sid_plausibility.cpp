@@ -12,9 +12,9 @@
 namespace wheeltap::identification {
 namespace {
 
-constexpr double kOtherSize = 30.0;  // of a response
+constexpr double kOtherSize = 30.0;  // factor between measured and predicted size of a response
 constexpr double kPlausibilitySeconds = 2.0;
-constexpr int kSamples = 2000;  // a size needs no more of them
+constexpr int kSamples = 2000;  // samples sufficient to estimate a size
 
 double rms_about_mean(std::span<const double> y) {
   const auto n = static_cast<double>(y.size());
@@ -24,8 +24,7 @@ double rms_about_mean(std::span<const double> y) {
   return std::sqrt(sum / n);
 }
 
-/// Root mean squares about their means of the responses that draws of the prior predict, all models
-/// in turn.
+/// RMS about the mean of the responses predicted by prior draws, alternating over all models.
 std::vector<PriorRange> predicted_sizes(const SidProblem& problem) {
   const auto& space = problem.problem.space;
   const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
@@ -51,7 +50,7 @@ std::vector<PriorRange> predicted_sizes(const SidProblem& problem) {
 void judge_sizes(const SidProblem& problem, std::vector<Remark>& remarks) {
   const auto responses = problem.sid_case.responses();
   const std::vector<PriorRange> predicted = predicted_sizes(problem);
-  // Offsets may be parameters; they count nothing about the mean.
+  // Offsets may be parameters, but do not affect values about the mean.
   const auto any = problem.theta(0, prior_draw(problem.problem.space, 0, 0));
   remark::ResponsesOutOfReach out_of_reach;
   remark::NoiseAboveResponse noisy;
@@ -83,7 +82,7 @@ void judge_truth(const SidCase& sid_case, std::vector<Remark>& remarks) {
   for (const int p : sid_case.parameters_of(model)) {
     const auto at = static_cast<std::size_t>(p);
     const inference::Parameter& parameter = sid_case.parameters[at];
-    // The noise that was added rules, whatever the parameter is said to be.
+    // For a noise parameter, the noise that was added counts, not the stated value.
     const auto noise = std::ranges::find(model.noise, p, &dynamics::Coefficient::parameter);
     const double value = noise == model.noise.end()
                              ? truth.theta[at]
@@ -97,7 +96,8 @@ void judge_truth(const SidCase& sid_case, std::vector<Remark>& remarks) {
 }  // namespace
 
 std::vector<Remark> implausible(const SidProblem& problem) {
-  // What the prior draws first are the dearest trajectories of a run: stiff, stuck, far away.
+  // The first prior draws have the most expensive trajectories of a run: stiff, sticking or
+  // distant.
   if (problem.misfits.front().samples() > kSamples) {
     return implausible(*make_sid_problem(shortened(problem.sid_case, kSamples)));
   }

@@ -1,5 +1,4 @@
-// What a case of chains says that can hardly be meant, seen before anything is sampled: channels of
-// another size than any model's.
+// Plausibility checks of a case before sampling, by the size of its responses.
 #pragma once
 
 #include <vector>
@@ -9,10 +8,9 @@
 
 namespace wheeltap::identification {
 
-/// Responses whose root mean square is 30 times, or a 30th of, what any of the prior's draws
-/// predicts in any model; a stated noise above the root mean square of its response. Of a
-/// long record the first 2000 scored samples tell. Of a simulated record, true parameters that
-/// their priors exclude.
+/// Reports responses whose RMS is 30 times, or a 30th of, that of any prior draw in any model,
+/// stated noise above the RMS of its response, and true parameters of a simulated record that their
+/// priors exclude. Uses the first 2000 scored samples of a long record.
 [[nodiscard]] std::vector<Remark> implausible(const SidProblem& problem);
 
 }  // namespace wheeltap::identification

@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxPredicted = 6'000'000;
 constexpr int kFewestDraws = 20;
 
-// Where the sum of the weights so far passes this share of them all: systematic resampling.
+// Index at which the cumulative weight exceeds this share of the total: systematic resampling.
 std::size_t reached(const std::vector<double>& weights, double share) {
   const double wanted = share * std::accumulate(weights.begin(), weights.end(), 0.0);
   double sum = 0.0;
@@ -77,7 +77,7 @@ std::vector<NoiseFree> noise_free(const SidProblem& problem, const inference::Po
   if (predictive.draws.empty()) return {};
   std::vector<NoiseFree> out(responses);
   for (std::size_t c = 0; c < responses; ++c) {
-    std::vector<std::vector<double>> at(samples);  // what each draw predicts, sample by sample
+    std::vector<std::vector<double>> at(samples);  // predictions of all draws, per sample
     for (const auto& d : predictive.draws) {
       const auto& chain = posterior.chains[d.chain];
       const auto theta =

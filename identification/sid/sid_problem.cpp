@@ -32,7 +32,7 @@ class RecordLikelihood final : public inference::Likelihood {
     return log_likelihood_above(kImpossible, m, x);
   }
 
-  /// What no record could exceed at these parameters: a perfect fit's. NaN where that is not known.
+  /// Upper bound over all records at these parameters: a perfect fit. NaN if unknown.
   double bound(int m, std::span<const double> x) {
     const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
     const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
@@ -75,7 +75,6 @@ class RecordLikelihood final : public inference::Likelihood {
       Likelihood::log_likelihoods(m, xs, out);
       return;
     }
-    // Parameter vectors advance together in SIMD lanes.
     const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
     const auto channels = static_cast<std::size_t>(misfit.channels());
     const std::size_t d = xs.size() / out.size();
@@ -104,7 +103,7 @@ class RecordLikelihood final : public inference::Likelihood {
     const std::size_t d = x.size();
     const auto each =
         static_cast<std::size_t>(misfit.channels()) * static_cast<std::size_t>(misfit.samples());
-    // x, and as many vectors displaced in one parameter of the response.
+    // x, and one vector per parameter of the response, displaced in that parameter.
     std::vector<std::size_t> moving;
     for (std::size_t i = 0; i < d; ++i)
       if (misfit.depends_on(model.parameters[i])) moving.push_back(i);
@@ -123,7 +122,7 @@ class RecordLikelihood final : public inference::Likelihood {
     std::ranges::fill(gradient, 0.0);
     std::ranges::fill(information, 0.0);
     add_noise(model, misfit, x, steps, gradient, information);
-    // J by differences, a row a parameter; then all of it whitened.
+    // J by differences, one row per parameter; then whitens everything.
     for (std::size_t k = 1; k < sets; ++k)
       for (std::size_t n = 0; n < each; ++n)
         residuals_[k * each + n] = done_[k] != 0 ? residuals_[k * each + n] - residuals_[n] : 0.0;
@@ -141,7 +140,7 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
  private:
-  /// ln p with white residuals of these sums of squares, one a channel; none: of a perfect fit.
+  /// ln p for white residuals with these sums of squares, one per channel; empty: a perfect fit.
   double white_density(const SidModel& model, const Misfit& misfit,
                        std::span<const double> sums) const {
     double sum = log_scales(misfit);
@@ -152,14 +151,14 @@ class RecordLikelihood final : public inference::Likelihood {
     return sum;
   }
 
-  /// Its density; adds the weights of the sums of squares, 1 / (2 σ²).
+  /// ln p of a perfect fit; also appends the weights of the sums of squares, 1 / (2 σ²).
   double perfect_fit(const SidModel& model, const Misfit& misfit) {
     for (const auto& noise : model.noise)
       weights_.push_back(0.5 / (noise.at(theta_) * noise.at(theta_)));
     return white_density(model, misfit, {});
   }
 
-  /// Those of the first `sets` vectors: innovations in units of their standard deviation.
+  /// Whitens the residuals of the first `sets` vectors: innovations in units of their sd.
   void whiten(const SidModel& model, const Misfit& misfit, std::size_t sets) {
     const auto channels = static_cast<std::size_t>(misfit.channels());
     const auto samples = static_cast<std::size_t>(misfit.samples());
@@ -174,13 +173,14 @@ class RecordLikelihood final : public inference::Likelihood {
     }
   }
 
-  /// What the parameters of noise and scales do to ln p, the residuals (the first of residuals_)
-  /// left as they are. A sd has the curvature of the chord to its best value given the residuals,
-  /// ln √(S/N) away; a parameter of the residual model that of second differences.
+  /// Adds the effect of noise and scale parameters on ln p for fixed residuals (the first of
+  /// residuals_). The curvature of an sd is that of the chord to its best value given the
+  /// residuals, ln √(S/N) away. The curvature of a residual model's parameter is that of second
+  /// differences.
   void add_noise(const SidModel& model, const Misfit& misfit, std::span<const double> x,
                  std::span<const double> steps, std::span<double> gradient,
                  std::span<double> information) {
-    constexpr double kLongest = 3.0;  // of ln sd
+    constexpr double kLongest = 3.0;  // in ln sd
     const auto channels = static_cast<std::size_t>(misfit.channels());
     const auto samples = static_cast<std::size_t>(misfit.samples());
     for (std::size_t i = 0; i < x.size(); ++i) {
@@ -206,7 +206,7 @@ class RecordLikelihood final : public inference::Likelihood {
           if (std::isfinite(up) && std::isfinite(down)) {
             slope += 0.5 * (up - down);
             bend += std::max(2.0 * here - up - down, 0.0);
-          } else {  // beside a cliff
+          } else {  // next to an impossible value
             slope += std::isfinite(down) ? here - down : std::isfinite(up) ? up - here : 0.0;
             bend += 1.0;
           }
@@ -241,7 +241,7 @@ class RecordLikelihood final : public inference::Likelihood {
   std::vector<char> done_;
 };
 
-/// Records of one rig are independent given the parameters.
+/// The records of one structure are independent given the parameters.
 class SumOfRecords final : public inference::Likelihood {
  public:
   explicit SumOfRecords(const SidProblem& first) {
@@ -257,7 +257,7 @@ class SumOfRecords final : public inference::Likelihood {
 
   double log_likelihood_above(double floor, int m, std::span<const double> x) override {
     bounds_.clear();
-    double rest = 0.0;  // the most that is left to come
+    double rest = 0.0;  // upper bound of the remaining records
     for (const auto& part : parts_) rest += bounds_.emplace_back(part->bound(m, x));
     double sum = 0.0;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
@@ -296,8 +296,8 @@ class SumOfRecords final : public inference::Likelihood {
   std::vector<double> bounds_, values_;
 };
 
-/// The largest extension of each link as far as displacements were measured, with which the steps
-/// of nonlinear laws are chosen; 0 where they were not.
+/// Largest extension of each link with measured displacements, used to choose the steps of
+/// nonlinear laws; 0 if not measured.
 std::vector<double> measured_extensions(const SidCase& sid_case, const dynamics::Chain& chain) {
   std::vector<const SidChannel*> of_mass(static_cast<std::size_t>(chain.size()) + 1, nullptr);
   bool base = false;
@@ -354,14 +354,14 @@ SidCase shortened(SidCase sid_case, int first) {
 
 namespace {
 
-/// Nanoseconds that a mass costs, about, in a Runge-Kutta step, a piece of a series and a step of
-/// the exact solution.
+/// Approximate run time per mass of a Runge-Kutta step, a piece of a series and a step of the exact
+/// solution.
 constexpr double kRungeKuttaNanoseconds = 12.0;
 constexpr double kSeriesNanoseconds = 40.0;
 constexpr double kExactNanoseconds = 3.0;
 
-/// Mean over the models, at the medians of their priors. Counted, not timed: the effort that is
-/// chosen by it must not depend on what else the machine does.
+/// Mean over the models, at the medians of their priors. Counted, not timed: the sampling effort
+/// depends on it and must not depend on the machine's load.
 double estimate_cost(const SidProblem& problem) {
   const SidCase& sid_case = problem.sid_case;
   double nanoseconds = 0.0;
@@ -398,7 +398,7 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
       listed.back().parameters.push_back(sid_case.parameters[static_cast<std::size_t>(p)].name);
     }
   }
-  // The truth alone may use a parameter; the space knows only what models use.
+  // Only parameters that a model uses; others may occur in the truth alone.
   std::vector<inference::Parameter> parameters;
   for (std::size_t p = 0; p < sid_case.parameters.size(); ++p) {
     if (std::ranges::any_of(sid_case.models, [&](const SidModel& model) {
@@ -441,7 +441,8 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
     return std::make_unique<SumOfRecords>(*problem);
   };
   out->problem.samples = out->misfits.front().samples();
-  // Every model's search asks for the same few lengths, and hundreds of models make a problem dear.
+  // Cached, because every model's search requests the same few lengths and a problem of hundreds of
+  // models is expensive to make.
   struct Parts {
     std::mutex mutex;
     std::map<long, std::shared_ptr<const SidProblem>> of_length;

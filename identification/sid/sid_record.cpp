@@ -14,11 +14,11 @@ namespace {
 using Part = InvalidInput::Part;
 using Role = SidChannel::Role;
 
-constexpr int kComparable = 128;        // samples of a window whose spectrum is worth comparing
-constexpr double kPeculiar = 3.0;       // differences of spectra, in terms of their scatter
-constexpr double kWorthWarning = 0.05;  // of an excitation's amplitude
-constexpr int kFewestBeyond = 64;       // samples after a window that are worth predicting
-/// Share of an excitation's amplitude that may be lost by holding it to first order.
+constexpr int kComparable = 128;        // fewest samples for a comparison of spectra
+constexpr double kPeculiar = 3.0;       // differences of spectra, relative to their scatter
+constexpr double kWorthWarning = 0.05;  // loss of an excitation's amplitude
+constexpr int kFewestBeyond = 64;       // fewest samples after a window for predictions
+/// Acceptable loss of an excitation's amplitude by linear interpolation.
 constexpr double kUpsampledLoss = 3e-3;
 constexpr int kMostUpsampling = 16;
 
@@ -50,7 +50,7 @@ class RecordTaker {
     const SidChannel* time = out_.find(Role::time);
     int column = time != nullptr ? columns_[static_cast<std::size_t>(time - out_.channels.data())]
                                  : record_.find_time();
-    // A column of that name which the case puts to another use is not time.
+    // A column named like time is not time if the case uses it as another channel.
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (out_.channels[i].role != Role::time && column == columns_[i]) column = -1;
     }
@@ -61,7 +61,7 @@ class RecordTaker {
           Part::sample_rate,
           "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
     }
-    // That one of time is, where the case says so; a record that was resampled is in seconds.
+    // Scale of the time column if the case gives one; a resampled record is in seconds.
     std::optional<double> seconds;
     if (time != nullptr && time->scale_given && !use_.resample) seconds = time->signal.scale.value;
     out_.sampling = {.rate_hz = use_.sample_rate_hz.value_or(0.0)};
@@ -90,12 +90,12 @@ class RecordTaker {
     }
     out_.lead_in = use_.lead_in;
     if (out_.lead_in > out_.begin) {
-      throw InvalidInput(Part::lead_in,
-                         "only " + std::to_string(out_.begin) + " samples stand before the window");
+      throw InvalidInput(Part::lead_in, "must be at most " + std::to_string(out_.begin) +
+                                            " samples, the part of the record before the window");
     }
   }
 
-  /// At most as many as the window has, all of them finite; 0 where there are too few.
+  /// At most as many as in the window, all finite; 0 if there are too few.
   [[nodiscard]] int samples_beyond() const {
     if (out_.simulated) return 0;
     int most = std::min(out_.end - out_.begin, record_.samples() - out_.end);
@@ -114,7 +114,7 @@ class RecordTaker {
     return signals::window(record_, columns_[channel], out_.begin - out_.lead_in, out_.end);
   }
 
-  /// Amplitude that the worst excitation loses between samples when held at `factor` times the
+  /// Largest loss of an excitation's amplitude when interpolated linearly at `factor` times the
   /// rate.
   [[nodiscard]] double loss(int factor) const {
     double most = 0.0;
@@ -136,7 +136,7 @@ class RecordTaker {
     return factor;
   }
 
-  /// A response that never changes is no measurement: any model that barely moves explains it.
+  /// Rejects a constant response: any model that barely moves would explain it.
   void refuse_constant(std::size_t i) const {
     const SidChannel& channel = out_.channels[i];
     const std::vector<double>& x = channel.signal.samples;
@@ -147,7 +147,7 @@ class RecordTaker {
                        "the response is " + base::number(x.front()) + " in every sample from " +
                            std::to_string(out_.begin - out_.lead_in) + " to " +
                            std::to_string(out_.end) +
-                           ": it says nothing of the motion. Choose other samples, give the "
+                           ": it has no information. Choose other samples, give the "
                            "channel the role \"ignore\", or repair its sensor",
                        static_cast<int>(i));
   }
@@ -173,7 +173,7 @@ class RecordTaker {
                 : signals::upsample(channel.signal.samples, 0, out_.end - begin, out_.stride);
     }
     if (out_.beyond == 0) return;
-    // With the window's last sample, from which an upsampled excitation goes on.
+    // Includes the window's last sample, at which an upsampled excitation continues.
     channel.beyond = signals::window(record_, columns_[i], out_.end - 1, out_.end + out_.beyond);
     if (channel.is_excitation() && use_.band_limited) {
       channel.beyond = whole ? signals::upsample(source.values, out_.end - 1,
@@ -186,10 +186,10 @@ class RecordTaker {
   SidCase& out_;
   const signals::Record& record_;
   const RecordUse& use_;
-  std::vector<int> columns_;  ///< of the record, one a channel
+  std::vector<int> columns_;  ///< in the record, one per channel
 };
 
-/// A signal's root mean square, and the root mean square frequency [rad/s] of its spectrum.
+/// RMS of a signal, and RMS frequency [rad/s] of its spectrum.
 struct RecordedMotion {
   double rms = 0.0, omega = 1.0;
 };
@@ -206,7 +206,7 @@ RecordedMotion motion_of(std::span<const double> centred, double sample_rate_hz)
           .omega = power > 0.0 ? std::sqrt(moment / power) : 1.0};
 }
 
-/// Where a least-squares line through samples starts, and its standard error.
+/// Value of a least-squares line at the first sample, and its standard error.
 std::pair<double, double> intercept(std::span<const double> y) {
   const auto n = static_cast<double>(y.size());
   const double middle = 0.5 * (n - 1.0);
@@ -227,8 +227,8 @@ std::pair<double, double> intercept(std::span<const double> y) {
   return {mean - slope * middle, std::sqrt(variance * (1.0 / n + middle * middle / spread))};
 }
 
-/// What one channel of a record makes one doubt.
-void doubt_channel(const SidCase& record, const SidChannel& channel,
+/// Adds remarks on implausible data of one channel.
+void check_channel(const SidCase& record, const SidChannel& channel,
                    remark::PeculiarWindow& peculiar, remark::UnknownUnits& unknown,
                    remark::LinearExcitation& linear) {
   if (channel.window && channel.window->difference_db >= kPeculiar * channel.window->expected_db) {
@@ -258,7 +258,7 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
   }
   const SidChannel* time = sid_case.find(Role::time);
   const int column = time != nullptr ? record.find(time->column) : record.find_time();
-  if (column < 0) throw InvalidInput(Part::sample_rate, "\"resample\" needs a column of times");
+  if (column < 0) throw InvalidInput(Part::sample_rate, "\"resample\" needs a time column");
   std::optional<double> seconds;
   if (time != nullptr && time->scale_given) seconds = time->signal.scale.value;
   RecordTaker(sid_case, signals::resampled(record, column, use.sample_rate_hz, seconds), use)
@@ -274,7 +274,7 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
   std::optional<double> moving;
   for (const SidCase* record : sid_case.records()) {
     for (const SidChannel& channel : record->channels) {
-      doubt_channel(*record, channel, peculiar, unknown, linear);
+      check_channel(*record, channel, peculiar, unknown, linear);
     }
     base_integrated = base_integrated || record->base_integrated;
     if (record->sampling.jitter > 0.0) out.emplace_back(remark::UnevenTime{record->sampling});
@@ -289,11 +289,11 @@ std::vector<Remark> record_remarks(const SidCase& sid_case) {
 }
 
 std::optional<double> moves_at_start(const SidCase& sid_case) {
-  constexpr double kStill = 0.1;  // of the root mean square
+  constexpr double kStill = 0.1;  // relative to the RMS
   std::optional<double> out;
   for (const SidChannel* channel : sid_case.responses()) {
     const std::vector<double>& y = channel->signal.samples;
-    // Offsets that the case states are no motion.
+    // Remove offsets that the case states.
     const double scale = channel->signal.scale.is_constant() ? channel->signal.scale.value : 1.0;
     const bool offset_known = channel->signal.offset.is_constant();
     const double rest = offset_known ? -channel->signal.offset.value / scale : 0.0;
@@ -341,7 +341,7 @@ void infer_initial(SidCase& sid_case, SidModel& model) {
     top_v = std::max(top_v, v[at]);
   }
   if (!(top_y > 0.0)) {
-    throw InvalidInput(Part::initial, "the responses are constant: nothing to infer from");
+    throw InvalidInput(Part::initial, "cannot be inferred: the responses are constant");
   }
   for (std::size_t i = 0; i < y.size(); ++i) {
     const std::string index =

@@ -1,5 +1,5 @@
-// From the columns of a record to the signals of a case: its window, its rate, and what stands
-// between its samples.
+// Conversion of a record's columns to the signals of a case: window, sampling rate and
+// interpolation.
 #pragma once
 
 #include <optional>
@@ -12,38 +12,38 @@
 
 namespace wheeltap::identification {
 
-/// Which part of a record to score, and how its excitations are to be taken.
+/// The part of a record to score, and the interpolation of its excitations.
 struct RecordUse {
   std::optional<double> sample_rate_hz = {};        ///< as stated; must agree with a time column
   std::optional<std::pair<int, int>> samples = {};  ///< scored: first, one past the last
-  int lead_in = 0;                                  ///< samples before those
-  /// Excitations held no frequency above half the rate: they are upsampled by a sinc. Else they are
-  /// linear between their samples.
+  int lead_in = 0;                                  ///< samples before the window
+  /// True: the excitations had no content above half the sampling rate and are upsampled by a sinc.
+  /// False: they are linear between their samples.
   bool band_limited = false;
-  bool resample = false;  ///< time steps are uneven: the record is interpolated at an even rate
-  std::optional<int> upsample =
-      {};  ///< none: until linear interpolation loses 0.3 % of the amplitude
+  bool resample = false;  ///< interpolate a record with uneven time steps at an even rate
+  std::optional<int> upsample = {};  ///< factor; empty: linear interpolation may lose 0.3 %
 };
 
 /// Puts a record's rate, window and signals into the case, and compares the spectrum of each
-/// channel's window with that of its whole. Throws InvalidInput (channel, sample_rate, samples,
-/// lead_in), and io::FileError for numbers that are missing in the window or uneven in time.
+/// channel's window with that of the whole record. Throws InvalidInput (channel, sample_rate,
+/// samples, lead_in); throws io::FileError for numbers that are missing in the window or times that
+/// are uneven.
 void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use);
 
-/// What the record itself makes one doubt: windows that are not like it, excitations that are not
-/// linear between their samples, units that nobody converts.
+/// Reports implausible data: windows with other spectra than the record, excitations that are not
+/// linear between their samples, and units without a conversion.
 [[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
-/// How far the responses show that the window does not start at rest; none where they show that it
-/// does, or nothing: a displacement or velocity (its first samples against its root mean square, by
-/// more than a tenth and three standard errors), an acceleration only where the window starts
-/// within the record (its first quarter of a period).
+/// How far the responses move at the window's start; empty if they start at rest or do not show it.
+/// Displacements and velocities: first samples relative to the RMS, if above a tenth and three
+/// standard errors. Accelerations: the first quarter of a period, only if the window starts within
+/// the record.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
-/// Makes the model's initial state unknown: normal priors about 0. Scales: the sd of the mass's own
-/// displacement, or that of a velocity or acceleration over ω or ω², ω the root mean square
-/// frequency of its spectrum; a mass without a sensor takes the largest of the others'. Throws
-/// InvalidInput (initial) where the responses are constant.
+/// Makes the model's initial state unknown, with normal priors about 0. Scales: the sd of the
+/// mass's displacement, or of its velocity over ω or acceleration over ω², with ω the RMS frequency
+/// of the spectrum; a mass without a sensor takes the largest scale of the others. Throws
+/// InvalidInput (initial) if the responses are constant.
 void infer_initial(SidCase& sid_case, SidModel& model);
 
 }  // namespace wheeltap::identification

@@ -9,7 +9,7 @@
 namespace wheeltap::identification {
 namespace {
 
-/// That the residuals of the model's best white fit ask for.
+/// The value that the residuals of the model's best white fit require.
 int value_of(const SidCase& sid_case, const SidModel& model, std::uint64_t seed, int threads) {
   SidCase alone = sid_case;
   alone.models = {model};

@@ -1,4 +1,4 @@
-// The residual models of a case: their parameters, and the choice where the case leaves it open.
+// Residual models of a case: their parameters and their automatic choice.
 #pragma once
 
 #include <cstdint>
@@ -7,16 +7,16 @@
 
 namespace wheeltap::identification {
 
-/// Gives each response of `model` this residual model, whose parameters become parameters of the
-/// case, the same in every model that has them.
+/// Gives each response of `model` this residual model. Its parameters become parameters of the
+/// case, shared by all models that have them.
 void add_residuals(SidCase& sid_case, SidModel& model,
                    std::shared_ptr<const ResidualModel> residuals);
 
-/// For every model that leaves its residual model open (SidResiduals::chosen_kind): fits it with
-/// white residuals (inference::search_modes, from 30 draws of the prior), and takes the largest of
-/// the values that its responses' residuals at the weightiest mode ask for (ResidualKind::choose);
-/// of several records it looks at the first. A model that fits nothing keeps white residuals. The
-/// choice comes from the record itself, so that probabilities between models are conditional on it.
+/// Chooses the residual model of every model with SidResiduals::chosen_kind. Fits the model with
+/// white residuals (inference::search_modes, from 30 draws of the prior) to the first record, and
+/// takes the largest value that its responses' residuals at the dominant mode require
+/// (ResidualKind::choose). A model without a fit keeps white residuals. The choice uses the record
+/// itself, so model probabilities are conditional on it.
 void choose_residuals(SidCase& sid_case, std::uint64_t seed, int threads);
 
 }  // namespace wheeltap::identification

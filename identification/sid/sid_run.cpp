@@ -12,22 +12,22 @@
 namespace wheeltap::identification {
 namespace {
 
-/// What the engine spends by default, in likelihoods (reversible_jump.cpp): enough for hard
-/// problems, too much for records that take milliseconds.
-constexpr double kDefaultWarmup = 70'000;  ///< a chain
-constexpr double kDefaultDraws = 25'000;   ///< a chain, four iterations each
+/// The engine's default effort, in likelihoods (reversible_jump.cpp): sufficient for hard problems,
+/// too much for records that take milliseconds.
+constexpr double kDefaultWarmup = 70'000;  ///< per chain
+constexpr double kDefaultDraws = 25'000;   ///< per chain, four iterations each
 constexpr double kAffordableSeconds = 60.0;
 constexpr double kFewestSidDraws = 3'000;
 constexpr double kFewestWarmup = 6'000;
 
-/// What repeated runs aim at (step_error), and how many there may be.
+/// Target of repeated runs (step_error), and their largest number.
 constexpr double kWantedStepError = 0.1;
 constexpr int kMostRepeats = 2;
-constexpr int kMostTried = 3;        // integrations on the best draws, before a run is repeated
-constexpr int kMostRefinement = 16;  // of the step limit, in one of them
-constexpr double kCounts = 0.05;     // models with a smaller share of the draws do not
+constexpr int kMostTried = 3;        // integrations of the best draws, before a run is repeated
+constexpr int kMostRefinement = 16;  // largest factor on the step limit, per trial
+constexpr double kCounts = 0.05;     // models with a smaller share of the draws are ignored
 
-/// Share of the draws of each model, by what they count.
+/// Weighted share of the draws of each model.
 std::vector<double> shares(const inference::Posterior& posterior) {
   const std::vector<double> weights = model_weights(posterior);
   std::vector<double> visits(weights.size());
@@ -44,9 +44,9 @@ std::vector<double> shares(const inference::Posterior& posterior) {
 }  // namespace
 
 inference::Options affordable(inference::Options engine, double seconds_a_likelihood) {
-  // Likelihoods that each chain can have on two cores, whatever this machine has.
+  // Likelihoods that each chain can evaluate on two cores, regardless of this machine.
   const double likelihoods = kAffordableSeconds * 2.0 / engine.chains / seconds_a_likelihood;
-  const double thin = engine.draws == 0 ? 2.0 : 4.0;  // the engine's own, of a record
+  const double thin = engine.draws == 0 ? 2.0 : 4.0;  // the engine's own thinning
   if (engine.prior_only || kDefaultWarmup + thin * kDefaultDraws <= likelihoods) return engine;
   engine.thin = 1;
   if (engine.warmup == 0) {
@@ -60,7 +60,7 @@ inference::Options affordable(inference::Options engine, double seconds_a_likeli
 
 namespace {
 
-// By the steps that the best draws were integrated with, as the problem has them.
+// Judged by the steps of the best draws in the problem.
 std::optional<dynamics::SimulatorOptions> finer_integration(const SidProblem& problem,
                                                             const inference::Posterior& posterior) {
   const std::vector<double> share = shares(posterior);
@@ -78,7 +78,7 @@ std::optional<dynamics::SimulatorOptions> finer_integration(const SidProblem& pr
       better.prefer_series = true;
       continue;
     }
-    // Steps come in few different numbers: halve the limit until there are enough of them.
+    // The number of steps takes few values: halve the limit until it is large enough.
     const auto theta = posterior_mean(problem, posterior, m);
     const double enough = simulator.substeps(theta) * std::pow(error / kWantedStepError, 0.25);
     int factor = 2;
@@ -105,7 +105,7 @@ std::optional<dynamics::SimulatorOptions> better_integration(
 }
 
 int samples_of_a_look(int samples, double seconds_a_likelihood) {
-  constexpr double kAffordable = 1.5e-4;  // seconds a likelihood, of some 20 000
+  constexpr double kAffordable = 1.5e-4;  // seconds per likelihood, for some 20 000
   constexpr int kFewest = 200;
   const double share = std::min(1.0, kAffordable / seconds_a_likelihood);
   return std::min(samples, std::max(kFewest, static_cast<int>(share * samples)));

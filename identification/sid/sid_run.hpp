@@ -1,5 +1,5 @@
-// A system identification from case to draws: as many as the record's length lets one afford, and
-// again with better steps where those of the integrator were too long for the noise.
+// A complete system identification: sampling effort suited to the record's length, and repetition
+// with shorter steps if the integration error was too large.
 #pragma once
 
 #include <functional>
@@ -12,30 +12,29 @@
 
 namespace wheeltap::identification {
 
-/// What a run was repeated with, since its steps were too long for the noise of the record.
+/// Integration settings of a repeated run.
 struct StepsRefined {
-  bool by_series = false;      ///< Taylor series, where there were none before
+  bool by_series = false;      ///< Taylor series replace the previous integrator
   double step_limit = 0.0;     ///< SimulatorOptions::step_limit
   bool prefer_series = false;  ///< SimulatorOptions::prefer_series
-  int repeats = 1;             ///< so far, this one included
+  int repeats = 1;             ///< including this one
 };
 
 struct SidRunOptions {
-  /// Those of the engine; warm-up and draws of 0 are chosen by what a likelihood costs.
+  /// Options of the engine; warm-up and draws of 0 are chosen by the run time of a likelihood.
   inference::Options engine = {};
-  /// What samples; reversible_jump by default.
+  /// Sampling function; default: reversible_jump.
   std::function<inference::Posterior(const inference::Problem&, const inference::Options&)> sample =
       {};
-  /// Told before anything is sampled what the case can hardly mean (sid_plausibility.hpp), if
-  /// anything.
+  /// Called before sampling with remarks on implausible input (sid_plausibility.hpp), if any.
   std::function<void(const std::vector<Remark>&)> doubt = {};
-  /// Told before a run is repeated.
+  /// Called before a run is repeated.
   std::function<void(const StepsRefined&)> repeat = {};
-  /// Goes on with a run that is being repeated like this.
+  /// Resumes a run that was being repeated with these settings.
   std::optional<StepsRefined> refined = {};
 };
 
-/// A quick look at a record that was taken at its first samples alone.
+/// A quick run that used only the first samples of a record.
 struct Look {
   int samples = 0, of = 0;
 };
@@ -44,30 +43,30 @@ struct SidRun {
   std::unique_ptr<const SidProblem> problem;
   inference::Options engine;  ///< as used
   inference::Posterior posterior;
-  std::optional<StepsRefined> refined;  ///< of the last repeat
-  std::optional<Look> look = {};        ///< where it was quick
-  std::vector<Remark> doubts = {};      ///< as told before it began
+  std::optional<StepsRefined> refined;  ///< settings of the last repeat
+  std::optional<Look> look = {};        ///< if it was a quick run on part of the record
+  std::vector<Remark> doubts = {};      ///< as passed to `doubt`
 };
 
-/// Of the scored samples, as many as a look can afford: its work is fixed, so is what one of its
-/// likelihoods may cost.
+/// Number of scored samples for a quick run, whose work and therefore time per likelihood are
+/// bounded.
 [[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
 
-/// Samples, and up to twice again with the better steps where the case does not fix them. A look is
-/// taken at the first samples alone where all of them would be expensive, and not repeated. Throws
-/// InvalidInput, and what `sample` does.
+/// Samples the posterior, and repeats the run up to twice with better steps unless the case fixes
+/// them. A quick run uses only the first samples if all of them would be expensive, and is not
+/// repeated. Throws InvalidInput, and the exceptions of `sample`.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 
-/// How to integrate where the steps were too long for the noise (step_error), or none where they
-/// were not: by series where a chain's laws let them, else by shorter steps, whose error goes with
-/// their fourth power; tried on the best draws, and made better still where a motion that
-/// multiplies errors asks for it.
+/// Better integrator settings if the steps were too long for the noise (step_error); empty if not.
+/// Uses series if the chain's laws allow them, else shorter steps, whose error is proportional to
+/// their fourth power. The settings are tested on the best draws, and refined again if necessary
+/// for a chaotic motion.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 
-/// The engine's options where a likelihood takes so long: its own defaults where they cost less
-/// than about a minute on two cores, else what that minute buys. Cores are never counted: they must
-/// not change a result.
+/// The engine's options for this run time per likelihood: the defaults if they take less than about
+/// a minute on two cores, else the number of draws possible in that minute. Independent of the
+/// number of cores, which must not change a result.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

@@ -13,10 +13,10 @@ namespace {
 
 using Role = SidChannel::Role;
 
-/// So many steps from data of a simulation that its error stays far below any noise.
+/// Step limit with an integration error far below any noise.
 constexpr double kTruthStepLimit = 0.05;
 
-/// What acts on one mass, or on the base [SI].
+/// An excitation of one mass or of the base [SI].
 struct Acting {
   Role role;
   int mass;
@@ -48,7 +48,7 @@ std::vector<double> samples_of(const TrueExcitation& excitation, const SidTruth&
   return std::visit(Maker{truth, noise}, excitation.signal);
 }
 
-/// Streams of their own, so that one more channel or excitation leaves the others as they were.
+/// Separate streams: an additional channel or excitation does not change the others.
 signals::Noise stream(std::uint64_t seed, std::uint64_t i) {
   return signals::Noise(seed * 4096 + i);
 }
@@ -96,7 +96,7 @@ dynamics::Excitation excitation_of(const std::vector<Acting>& acting, const SidT
   return out;
 }
 
-/// The true model's noiseless response. Throws InvalidInput where it cannot be had.
+/// The true model's noiseless response. Throws InvalidInput if it cannot be computed.
 dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excitation& excitation) {
   const SidTruth& truth = *sid_case.truth;
   const SidModel& model = sid_case.models[static_cast<std::size_t>(truth.model)];
@@ -120,17 +120,17 @@ dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excita
     case dynamics::Outcome::impossible:
       if (const std::string why = dynamics::impossibility(model.chain, truth.theta); !why.empty())
         refuse("the true model's parameters are impossible: " + why);
-      refuse("the true model's parameters are impossible: its frequencies are beyond all numbers");
+      refuse("the true model's parameters are impossible: its natural frequencies overflow");
       break;
     case dynamics::Outcome::diverged:
       refuse("the true model's response grows without bound, also with steps a quarter as long");
       break;
     case dynamics::Outcome::steps_too_long:
       refuse(
-          "the true model's response cannot be had to a thousandth: steps as short as they may be "
+          "the true model's response cannot be integrated to 0.1 %: the shortest permitted steps "
           "are too long for it (a law too stiff or a motion too fast for the sample rate, or a "
-          "chaotic one over so long a time). Raise \"sample_rate\", shorten the record, or take "
-          "responsibility for the steps by \"integration\": {\"substeps\": …}");
+          "chaotic one over so long a time). Raise \"sample_rate\", shorten the record, or fix the "
+          "steps yourself by \"integration\": {\"substeps\": …}");
       break;
   }
   return response;

@@ -1,4 +1,4 @@
-// The record that a case's truth produces.
+// Simulation of the record that a case's truth defines.
 #pragma once
 
 #include <cstdint>
@@ -8,8 +8,8 @@
 
 namespace wheeltap::identification {
 
-/// Time, excitations, and responses with Gaussian noise, one column a channel, in its raw units
-/// (x - offset) / scale. Throws InvalidInput where the case has no truth, an excitation is
+/// Returns time, excitations, and responses with Gaussian noise, one column per channel, in raw
+/// units (x - offset) / scale. Throws InvalidInput if the case has no truth, an excitation is
 /// impossible, or the true model's response grows without bound.
 [[nodiscard]] signals::Record simulate_record(const SidCase& sid_case, std::uint64_t seed);
 

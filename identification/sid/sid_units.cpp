@@ -10,7 +10,7 @@ namespace {
 
 using Role = SidChannel::Role;
 
-/// A unit in place of another: in brackets where a power behind it would be misread.
+/// Formats a unit as a factor: in brackets if a following power would be misread.
 std::string as_factor(const std::string& unit) {
   for (const char c : unit) {
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || (c & 0x80) != 0;
@@ -19,7 +19,7 @@ std::string as_factor(const std::string& unit) {
   return unit;
 }
 
-/// What the channels agree on so far: "" nothing yet.
+/// The unit that the channels agree on so far; "": none yet.
 struct Agreement {
   std::string unit;
   bool disagree = false;
@@ -30,14 +30,14 @@ struct Agreement {
   }
 };
 
-/// The length in which a motion is measured; empty where its unit names none.
+/// Unit of length of a motion; empty if its unit has none.
 std::string length_of(const SidChannel& channel) {
   const std::string foreign = channel.foreign_unit();
   if (foreign.empty()) return "m";
   return channel.dimension() == signals::Dimension::length ? foreign : "";
 }
 
-/// Gathers the unit of every use of a parameter.
+/// Collects the unit of every use of a parameter.
 class Uses {
  public:
   explicit Uses(std::size_t parameters) : of_(parameters) {}
@@ -78,7 +78,7 @@ std::optional<UnitSystem> unit_system(const SidCase& sid_case) {
   if (force.disagree || length.disagree) return {};
   UnitSystem out{.force = force.unit, .length = length.unit};
   if (force.unit.empty()) {
-    if (out.length != "m") return {};  // a force would be in kg V/s²: of no use to anyone
+    if (out.length != "m") return {};  // a force would be in kg V/s², which is useless
     out.force = "N";
   }
   return out;

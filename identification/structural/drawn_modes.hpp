@@ -11,11 +11,11 @@ namespace wheeltap::identification {
 struct DrawnModes {
   fem::StructureDrawing drawing;
   std::vector<double> frequencies_hz;              ///< without rigid-body modes
-  std::vector<std::vector<fem::Vector3>> motions;  ///< of each mode and point, the largest is 1
+  std::vector<std::vector<fem::Vector3>> motions;  ///< per mode and point, largest motion 1
 };
 
-/// At most `modes` modes, and 12 of them. Nothing for a structure without places or with more than
-/// 3000 points. Throws fem::InvalidStructure.
+/// Computes at most `modes` modes, and at most 12. Empty for a structure without coordinates or
+/// with more than 3000 points. Throws fem::InvalidStructure.
 [[nodiscard]] std::optional<DrawnModes> drawn_modes(const AnyStructure& structure, int modes);
 
 }  // namespace wheeltap::identification

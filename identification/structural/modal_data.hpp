@@ -1,4 +1,4 @@
-// What was measured of a structure's modes, and how far from the model's they may be.
+// Measured modes of a structure and their scatters.
 #pragma once
 
 #include <cmath>
@@ -12,13 +12,13 @@
 
 namespace wheeltap::identification {
 
-/// One motion that was measured.
+/// A measured motion.
 struct Sensor {
   std::string name;  ///< "B, x"
   fem::SparseRow motion;
 };
 
-/// A scatter: a number, or unknown, with a prior.
+/// A scatter: a number, or an unknown with a prior.
 struct Scatter {
   double value = 0.0;
   std::optional<inference::Prior> prior = {};
@@ -27,41 +27,39 @@ struct Scatter {
   [[nodiscard]] bool none() const { return known() && value == 0.0; }
 };
 
-/// Modes in the order in which they are given. Without shapes row i is mode i + 1 of the structure.
-/// A row without frequency and shape is a gap: it holds the number of a mode that was not measured,
-/// or that was measured and is not used.
+/// Measured modes in the order given. Without shapes, row i is mode i + 1 of the structure. A row
+/// without frequency and shape is a gap: a mode number that was not measured or is not used.
 struct ModalData {
-  std::vector<double> frequencies_hz = {};  ///< NaN where there is none
-  /// Of the frequencies [Hz²], modes × modes; of those that are NaN, anything. Empty where `cov` is
-  /// unknown.
+  std::vector<double> frequencies_hz = {};  ///< NaN if not measured
+  /// Covariance of the frequencies [Hz²], modes × modes; undefined for NaN frequencies. Empty if
+  /// `cov` is unknown.
   Eigen::MatrixXd covariance = {};
-  std::optional<inference::Prior> cov_prior = {};  ///< of the coefficient of variation
+  std::optional<inference::Prior> cov_prior = {};  ///< prior of the coefficient of variation
 
   std::vector<Sensor> sensors = {};
-  /// Modes × sensors, of any scale and sign; NaN where not measured. Empty: no shapes.
+  /// Modes × sensors, of any scale and sign; NaN if not measured. Empty: no shapes.
   Eigen::MatrixXd shapes = {};
-  /// Of each shape, scaled to a largest measured entry of 1: sensors × sensors. Where `shape_sd` is
-  /// unknown, of a scatter of 1.
+  /// Covariance of each shape, scaled to a largest measured entry of 1: sensors × sensors. If
+  /// `shape_sd` is unknown, for a scatter of 1.
   std::vector<Eigen::MatrixXd> shape_covariances = {};
   std::optional<inference::Prior> shape_sd_prior = {};
 
-  /// What the model itself leaves out, beside the noise: a coefficient of variation of each
-  /// frequency, independent from mode to mode, and an sd of shapes' entries.
+  /// Model errors in addition to the noise: a coefficient of variation of each frequency,
+  /// independent between modes, and an sd of shape entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
-  /// By how much the error that moves frequencies by `discrepancy` mixes modes: see ModalMixing.
+  /// Mixing of modes by the error that changes frequencies by `discrepancy`; see mixing_sd.
   Scatter mixing = {};
-  /// Sd of what each piece of the structure is stiffer or softer than the model has it, relative:
-  /// see StiffnessErrors.
+  /// Relative sd of the stiffness error of each piece of the structure; see StiffnessErrors.
   Scatter stiffness_discrepancy = {};
 
-  /// P, before the data, that a measured mode is none of the structure's (a harmonic, a pole of the
-  /// noise). Goes with shapes.
+  /// Prior probability that a measured mode is spurious (a harmonic, a noise pole). Requires
+  /// shapes.
   double doubt = 0.0;
 
-  int predict = 0;                       ///< further modes to be foretold
-  std::vector<double> held_out_hz = {};  ///< of these, what was measured; NaN where nothing was
-  bool simulated = false;                ///< made from the case's truth
-  std::string origin = {};               ///< in words
+  int predict = 0;                       ///< number of further modes to predict
+  std::vector<double> held_out_hz = {};  ///< measured values of these; NaN if not measured
+  bool simulated = false;                ///< simulated from the case's truth
+  std::string origin = {};               ///< description for texts
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] bool has_shapes() const { return shapes.size() > 0; }
@@ -69,13 +67,13 @@ struct ModalData {
     return std::isnan(frequencies_hz[static_cast<std::size_t>(mode)]) &&
            !(mode < shapes.rows() && (shapes.row(mode).array() == shapes.row(mode).array()).any());
   }
-  /// Rows that are no gaps.
+  /// Number of rows that are not gaps.
   [[nodiscard]] int measured_modes() const {
     int count = 0;
     for (int i = 0; i < modes(); ++i) count += is_gap(i) ? 0 : 1;
     return count;
   }
-  /// Modes that the structure must have: with shapes, gaps are matched to none.
+  /// Number of modes that the structure must have; with shapes, gaps are not matched.
   [[nodiscard]] int least_modes() const { return has_shapes() ? measured_modes() : modes(); }
 };
 

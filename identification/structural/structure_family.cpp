@@ -17,7 +17,7 @@ fem::StructureFamily family_of(std::shared_ptr<const StructureModel> model) {
 }
 
 MatrixScales scales_of(const StructureModel& model) {
-  // Without the matrices, whose copies would cost more than a solution.
+  // Omits the matrices, because copying them would take longer than a solution.
   auto light = std::make_shared<StructureModel>(model);
   auto& matrices = std::get<fem::MatrixStructure>(light->nominal);
   matrices.mass = {};

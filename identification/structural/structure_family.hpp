@@ -1,4 +1,4 @@
-// A structure with parameters, as the reduced bases of fem/ want it.
+// Conversion of a structure with parameters to the families of fem/ for reduced bases.
 #pragma once
 
 #include <functional>
@@ -11,16 +11,16 @@
 
 namespace wheeltap::identification {
 
-/// θ are the parameters in their order, θ₀ the medians of their priors. Matrices are told apart
-/// into their substructures. Keeps the model alive.
+/// θ are the parameters in their order, θ₀ the medians of their priors. Matrices are separated into
+/// substructures. Keeps the model alive.
 [[nodiscard]] fem::StructureFamily family_of(std::shared_ptr<const StructureModel> model);
 
-/// The scales of a model of matrices, 1 + α of each part; put together once, cheap to ask. Throws
-/// std::bad_variant_access for another structure.
+/// The scales of a model of matrices, 1 + α of each part; prepared once, cheap to evaluate. Throws
+/// std::bad_variant_access for other structures.
 using MatrixScales = std::function<std::vector<double>(std::span<const double> parameters)>;
 [[nodiscard]] MatrixScales scales_of(const StructureModel& model);
 
-/// Draws of the parameters' priors, reproducibly.
+/// Reproducible draws of the parameters' priors.
 [[nodiscard]] std::vector<std::vector<double>> prior_draws(const StructureModel& model, int count);
 
 }  // namespace wheeltap::identification

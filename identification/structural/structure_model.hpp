@@ -1,5 +1,5 @@
-// The structure of a case: of members, a chain, or another program's matrices, with coefficients
-// that may be unknown.
+// The structure of a case: members, a chain, or another program's matrices, with coefficients that
+// may be unknown.
 #pragma once
 
 #include <functional>
@@ -16,20 +16,20 @@ namespace wheeltap::identification {
 
 using AnyStructure = std::variant<fem::Structure, fem::LumpedChain, fem::MatrixStructure>;
 
-/// A structure with parameters: named unknowns that stand for one or several of its coefficients.
+/// A structure with parameters: named unknowns, each for one or several coefficients.
 struct StructureModel {
-  /// With every parameter at its nominal value (the median of its prior).
+  /// The structure at the nominal parameter values (medians of the priors).
   AnyStructure nominal;
-  /// Sorted by name; empty where everything is known.
+  /// Sorted by name; empty if all coefficients are known.
   std::vector<inference::Parameter> parameters = {};
-  /// Puts parameter i into every place that is nothing but its value.
+  /// Setter i writes parameter i to every coefficient that equals it.
   std::vector<std::function<void(AnyStructure&, double)>> setters = {};
-  /// Puts what depends on the parameters together into its place, after the setters: the
-  /// stiffnesses of a section whose sizes are unknown, say. Throws std::invalid_argument where
-  /// there is no such section.
+  /// Setters of coefficients that depend on several parameters, called after `setters`: the
+  /// stiffnesses of a section with unknown dimensions, for example. Throw std::invalid_argument for
+  /// an impossible section.
   std::vector<std::function<void(AnyStructure&, std::span<const double>)>> dependent = {};
 
-  /// The structure at these values of the parameters. Throws as `dependent` does.
+  /// The structure at these parameter values. Throws as `dependent` does.
   [[nodiscard]] AnyStructure at(std::span<const double> values) const {
     AnyStructure structure = nominal;
     for (std::size_t i = 0; i < values.size(); ++i) setters[i](structure, values[i]);

@@ -19,13 +19,13 @@ constexpr double kYoung[] = {5e8, 1.3e12};    // Pa: soft plastics to diamond
 constexpr double kDensity[] = {20.0, 2.5e4};  // kg/m³: foam to iridium
 constexpr double kFastest = 2e4;              // m/s: diamond has 17 000
 constexpr double kDeepMember = 3.0;           // height over length
-constexpr double kTouching = 1e-6;            // of the structure's size
+constexpr double kTouching = 1e-6;            // relative to the structure's size
 
 struct Unit {
   const char* name;
   double si;
 };
-// The likeliest first.
+// Most probable first.
 constexpr Unit kOfYoung[] = {{"GPa", 1e9}, {"MPa (N/mm²)", 1e6}, {"kPa", 1e3}, {"psi", 6894.757}};
 constexpr Unit kOfDensity[] = {{"g/cm³ (t/m³)", 1e3}, {"kg/mm³", 1e9}, {"t/mm³", 1e12}};
 
@@ -46,7 +46,7 @@ remark::ImplausibleMaterial outside(const std::string& of, Property property, do
   return out;
 }
 
-// Of a rectangle, its height.
+// Height of a rectangular section.
 double height_of(double second_moment, double area) {
   return std::sqrt(12.0 * second_moment / area);
 }
@@ -76,7 +76,7 @@ void judge_depths(const fem::Structure& structure, std::vector<Remark>& remarks)
       const double height = height_of(piece.section.second_moment_y, piece.section.area);
       if (!(height > kDeepMember * length)) continue;
       remarks.emplace_back(remark::DeepSection{"member \"" + m.name + "\"", height, length});
-      return;  // one says it
+      return;  // one remark suffices
     }
   }
 }
@@ -108,7 +108,7 @@ void judge_twins(const fem::Structure& structure, std::vector<Remark>& remarks) 
   }
 }
 
-// ---- members that meet between their nodes ------------------------------------------------------
+// ---- members that intersect between their nodes -------------------------------------------------
 
 struct Line {
   Vector3 from, to;
@@ -118,10 +118,10 @@ struct Line {
 };
 
 struct Nearest {
-  double distance, s, t;  ///< and the shares of both lines where they are nearest
+  double distance, s, t;  ///< distance, and relative positions on both lines
 };
 
-// Of two segments (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
+// Nearest points of two segments (Ericson 2005, Real-Time Collision Detection, section 5.1.9).
 Nearest nearest(const Line& p, const Line& q) {
   const Vector3 d1 = fem::difference(p.to, p.from), d2 = fem::difference(q.to, q.from),
                 r = fem::difference(p.from, q.from);
@@ -165,7 +165,7 @@ void judge_crossings(const fem::Structure& structure, std::vector<Remark>& remar
     for (std::size_t j = i + 1; j < lines.size() && lines[j].low() <= lines[i].high() + near; ++j) {
       const fem::Member &a = structure.members[lines[i].member],
                         &b = structure.members[lines[j].member];
-      // What shares a node meets there; two that share both are twins.
+      // Members with a common node meet there; those with two common nodes are twins.
       if (a.nodes[0] == b.nodes[0] || a.nodes[0] == b.nodes[1] || a.nodes[1] == b.nodes[0] ||
           a.nodes[1] == b.nodes[1])
         continue;
@@ -175,7 +175,7 @@ void judge_crossings(const fem::Structure& structure, std::vector<Remark>& remar
         const double length = fem::norm(fem::difference(line.to, line.from));
         return share * length > near && (1.0 - share) * length > near;
       };
-      // Nodes of both in one place are apart on purpose, or two names of one.
+      // Coincident nodes of both are either separate intentionally, or one node with two names.
       const bool between = inner(at.s, lines[i]) || inner(at.t, lines[j]);
       ++found.count;
       if (found.pairs.size() == kTold) continue;
@@ -196,7 +196,7 @@ void judge_crossings(const fem::Structure& structure, std::vector<Remark>& remar
 std::optional<remark::ImplausibleMaterial> implausible_material(const std::string& of,
                                                                 std::optional<double> young,
                                                                 std::optional<double> density) {
-  // A massless member of a huge modulus is a rigid link.
+  // A massless member with a very large modulus is a rigid link.
   const bool rigid_link = density && *density == 0.0 && young && *young > kYoung[1];
   if (young && !within(*young, kYoung) && !rigid_link)
     return outside(of, Property::young, *young, kYoung, kOfYoung);

@@ -1,5 +1,5 @@
-// What a case says of its structure that can hardly be meant: a Young's modulus in GPa, nodes that
-// nothing joins, members that cross without a joint. Needs no data.
+// Plausibility checks of a structure, without data: a Young's modulus in GPa, unconnected nodes,
+// members that cross without a joint.
 #pragma once
 
 #include <optional>
@@ -12,21 +12,21 @@
 
 namespace wheeltap::identification {
 
-/// Young's modulus outside 5e8 to 1.3e12 Pa, density outside 20 to 25 000 kg/m³ (0 is massless), or
-/// a speed of sound √(E/ρ) above 20 000 m/s, which no material has. A massless material of a larger
-/// modulus stands for a rigid link.
+/// Reports a Young's modulus outside 5e8 to 1.3e12 Pa, a density outside 20 to 25 000 kg/m³ (0 is
+/// massless), or a speed of sound √(E/ρ) above 20 000 m/s, which no material reaches. A massless
+/// material with a larger modulus counts as a rigid link.
 [[nodiscard]] std::optional<remark::ImplausibleMaterial> implausible_material(
     const std::string& of, std::optional<double> young, std::optional<double> density);
 
-/// The material, and a section higher than the beam is long.
+/// Checks the material, and the section height against the beam's length.
 [[nodiscard]] std::vector<Remark> implausible(const fem::Beam& beam);
 
-/// Of members: materials, sections more than three times as high as their member is long, members
-/// between the same nodes, nodes that neither a member nor a spring joins, members that cross or
-/// touch another between its nodes. Nothing of chains and matrices.
+/// Checks a structure of members: materials, section heights above three times the member's length,
+/// members between the same nodes, unconnected nodes, and members that cross or touch others
+/// between their nodes. Chains and matrices are not checked.
 [[nodiscard]] std::vector<Remark> implausible(const AnyStructure& structure);
 
-/// Sensors of one place and direction, whose shapes say the same twice.
+/// Reports sensors with the same place and direction, whose shape entries are redundant.
 [[nodiscard]] std::vector<Remark> implausible(const std::vector<Sensor>& sensors);
 
 }  // namespace wheeltap::identification

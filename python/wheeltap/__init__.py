@@ -1,10 +1,10 @@
-"""Wheeltap: how many damages, where, how bad; which equation of motion; what modes tell of parameters.
+"""Wheeltap: damage identification, model updating and system identification, by Bayesian model selection.
 
     import wheeltap as wt
     result = wt.damage("case.json", seed=1)
     print(result.answer, result.probabilities, result.draws["location"])
 
-Cases are files or dictionaries of the same content. The page docs/python.md shows every function at work.
+Cases are files or dictionaries of the same content. The page docs/python.md has an example of every function.
 """
 from ._compiled import require_compiled_module
 
@@ -30,7 +30,7 @@ __all__ = [
 
 
 def __getattr__(name: str):
-    if name == "plot":  # needs matplotlib, which nothing else does
+    if name == "plot":  # the only part that needs matplotlib
         import importlib
         return importlib.import_module(".plot", __name__)
     raise AttributeError(f"module {__name__!r} has no attribute {name!r}")

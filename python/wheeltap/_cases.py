@@ -1,4 +1,4 @@
-"""Cases: as files, or as dictionaries of the same content, and dictionaries that are their parts."""
+"""Cases as files or dictionaries, and functions that return parts of a case, such as priors."""
 from __future__ import annotations
 
 import json
@@ -14,12 +14,12 @@ Prior = Mapping[str, Any]
 
 
 def _plain(value: Any) -> Any:
-    """NumPy's arrays and numbers as JSON has them."""
+    """Converts NumPy arrays and numbers for JSON."""
     if isinstance(value, np.ndarray):
         return value.tolist()
     if isinstance(value, np.generic):
         return value.item()
-    raise TypeError(f"a case cannot hold a {type(value).__name__}")
+    raise TypeError(f"a case cannot contain a {type(value).__name__}: use numbers, strings, lists and dictionaries")
 
 
 def text_of(case: Mapping[str, Any], name: str = "case") -> str:
@@ -27,11 +27,11 @@ def text_of(case: Mapping[str, Any], name: str = "case") -> str:
     try:
         return json.dumps(case, default=_plain, allow_nan=False)
     except ValueError as error:
-        raise _core.CaseError(f"{name}: /: {error}: JSON has neither NaN nor infinities") from None
+        raise _core.CaseError(f"{name}: /: {error}: a case must not contain NaN or infinities") from None
 
 
 def located(case: Case, folder: Optional[Union[str, "os.PathLike[str]"]]) -> Tuple[str, Optional[str]]:
-    """A case as (path, text): None for the text of a file, "case" in `folder` for the path of a dictionary."""
+    """A case as (path, text). For a file, text is None; for a dictionary, the path is "case" in `folder`."""
     if isinstance(case, Mapping):
         path = "case" if folder is None else os.path.join(os.fspath(folder), "case")
         return path, text_of(case, path)
@@ -39,7 +39,7 @@ def located(case: Case, folder: Optional[Union[str, "os.PathLike[str]"]]) -> Tup
 
 
 def overriding(changes: Optional[Mapping[str, Any]]) -> Sequence[str]:
-    """{"data.cov": 0.01} as the command line's --set has it."""
+    """Converts {"data.cov": 0.01} to arguments of the command line's --set."""
     return [f"{key}={json.dumps(value, default=_plain)}" for key, value in (changes or {}).items()]
 
 
@@ -51,7 +51,7 @@ def beam(length: float, *, section: Mapping[str, Any], young: float, density: fl
 
 
 def rectangle(width: float, height: float) -> dict:
-    """A rectangular section [m]; it bends about its width."""
+    """A rectangular section [m]; the bending axis is parallel to its width."""
     return {"shape": "rectangle", "width": width, "height": height}
 
 
@@ -61,27 +61,27 @@ def uniform(lower: float, upper: float) -> dict:
 
 
 def log_uniform(lower: float, upper: float) -> dict:
-    """p(x) ∝ 1/x on [lower, upper], 0 < lower."""
+    """A prior p(x) ∝ 1/x on [lower, upper], 0 < lower."""
     return {"log_uniform": [lower, upper]}
 
 
 def normal(mean: float, sd: float) -> dict:
-    """N(mean, sd²)."""
+    """A normal prior N(mean, sd²)."""
     return {"normal": [mean, sd]}
 
 
 def log_normal(mu: float, sigma: float) -> dict:
-    """ln x ~ N(mu, sigma²)."""
+    """A log-normal prior, ln x ~ N(mu, sigma²)."""
     return {"log_normal": [mu, sigma]}
 
 
 def half_normal(sd: float) -> dict:
-    """|N(0, sd²)|."""
+    """A half-normal prior |N(0, sd²)|."""
     return {"half_normal": sd}
 
 
 def gamma(shape: float, scale: float) -> dict:
-    """A gamma prior of mean shape · scale."""
+    """A gamma prior with mean shape · scale."""
     return {"gamma": [shape, scale]}
 
 
@@ -91,22 +91,22 @@ def beta(a: float, b: float, on: Sequence[float] = (0.0, 1.0)) -> dict:
 
 
 def truncated_normal(mean: float, sd: float, lower: float, upper: float) -> dict:
-    """N(mean, sd²) cut to [lower, upper]."""
+    """A normal prior N(mean, sd²) truncated to [lower, upper]."""
     return {"truncated_normal": [mean, sd, lower, upper]}
 
 
 def inverse_gamma(shape: float, scale: float) -> dict:
-    """1/x has a gamma prior of mean shape / scale; the mean of x is scale / (shape - 1), shape > 1."""
+    """An inverse-gamma prior: 1/x has mean shape / scale, x has mean scale / (shape - 1) for shape > 1."""
     return {"inverse_gamma": [shape, scale]}
 
 
 def student_t(nu: float, location: float, scale: float) -> dict:
-    """Student's t of `nu` degrees of freedom: as a normal prior, with tails that forgive. nu = 1 is Cauchy's."""
+    """A Student t prior with `nu` degrees of freedom: heavy tails; nu = 1 is the Cauchy distribution."""
     return {"student_t": [nu, location, scale]}
 
 
 def table(x: Sequence[float], density: Sequence[float]) -> dict:
-    """A density of straight lines through (x, density), in any unit: an expert's sketch, or an earlier study's
+    """A piecewise linear density through (x, density), in any unit: an expert's estimate, or an earlier study's
     histogram. `x` increases; `density` is positive, or 0 at an end."""
     return {"table": {"x": [float(v) for v in x], "density": [float(v) for v in density]}}
 

@@ -1,11 +1,11 @@
-"""The compiled part of the package, _core, which a build makes beside these files."""
+"""Check of the compiled part of the package, _core, which the build places next to these files."""
 import importlib.machinery
 import pathlib
 import sys
 
 
 def require_compiled_module():
-    """Raises ImportError with the command that builds _core where it is missing for this interpreter."""
+    """Raises ImportError, with the command that builds _core, if it is missing for this interpreter."""
     folder = pathlib.Path(__file__).parent
     if any((folder / ("_core" + suffix)).exists() for suffix in importlib.machinery.EXTENSION_SUFFIXES):
         return

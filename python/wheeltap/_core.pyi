@@ -1,4 +1,4 @@
-"""Wheeltap's libraries, bound: cases and summaries cross as JSON text, numbers as arrays."""
+"""Bindings of Wheeltap's libraries: cases and summaries are JSON text, numbers are arrays."""
 from typing import Any, Callable, Dict, List, Optional, Sequence, Tuple, Union
 
 import numpy as np
@@ -10,22 +10,22 @@ class CaseError(ValueError): ...
 class FileError(OSError): ...
 
 class Progress:
-    """How far a run is."""
+    """Progress of a run."""
 
     @property
     def stage(self) -> str: ...
     @property
     def fraction(self) -> float:
-        """of the stage"""
+        """Completed fraction of the stage."""
     @property
     def evaluations(self) -> int:
-        """of the likelihood, so far"""
+        """Likelihood evaluations so far."""
     @property
     def probabilities(self) -> List[float]:
-        """of the models, so far"""
+        """Model probabilities so far."""
 
 class Chain:
-    """One chain's draws: the engine's own memory, read-only."""
+    """Draws of one chain: a read-only view of the engine's memory."""
 
     def __len__(self) -> int: ...
     @property
@@ -98,7 +98,7 @@ def sample(problem: str, functions: Sequence[Callable[..., Any]], batch: Sequenc
            quantiles: Dict[str, Callable[..., Any]], options: Dict[str, Any], progress: _Watch) -> Run: ...
 
 class Likelihood:
-    """Functions as the engine calls them."""
+    """User functions as called by the engine."""
 
     def __init__(self, problem: str, functions: Sequence[Callable[..., Any]], batch: Sequence[bool]) -> None: ...
     def __call__(self, model: int, rows: npt.NDArray[np.float64]) -> npt.NDArray[np.float64]: ...

@@ -1,4 +1,4 @@
-"""Likelihoods of one's own for the reversible-jump engine."""
+"""User-defined likelihoods for the reversible-jump engine."""
 from __future__ import annotations
 
 from dataclasses import dataclass
@@ -14,13 +14,13 @@ from ._runs import Result
 
 @dataclass(frozen=True)
 class Quantiles:
-    """A prior by its quantile function."""
+    """A prior, given by its quantile function."""
 
     ppf: Callable[[np.ndarray], Any]
 
 
 def from_quantiles(function: Callable[[np.ndarray], Any]) -> Quantiles:
-    """The prior of x = function(u), u uniform on [0, 1]: `function` takes and returns arrays, and must not decrease."""
+    """The prior of x = function(u), u uniform on [0, 1]. `function` maps arrays to arrays and must not decrease."""
     return Quantiles(function)
 
 
@@ -28,13 +28,13 @@ def from_quantiles(function: Callable[[np.ndarray], Any]) -> Quantiles:
 class Model:
     """A competing model.
 
-    parameters      priors by name: the same name in two models is the same parameter. A prior is a dictionary as in
-                    a case (wt.uniform, …), or anything with a method `ppf`, its quantile function over arrays of
+    parameters      priors by name. The same name in two models is the same parameter. A prior is a dictionary as in
+                    a case (wt.uniform, …), or an object with a method `ppf`, its quantile function for arrays of
                     probabilities: a distribution of scipy.stats, or wt.from_quantiles(function)
-    log_likelihood  ln p(data | parameters), every normaliser included, -inf where they are impossible: a function
-                    of an (n, d) array, a row a parameter vector in the order of `parameters`, that returns n
-                    numbers; with batch=False of one vector, returning one
-    prior           weight a priori, relative to the other models'
+    log_likelihood  function that returns ln p(data | parameters) with all normalisers, -inf for impossible
+                    parameters. Its argument is an (n, d) array, one row per parameter vector in the order of
+                    `parameters`; it returns n numbers. With batch=False: one vector, one number
+    prior           prior weight relative to the other models
     """
 
     name: str
@@ -45,7 +45,7 @@ class Model:
 
 
 def _in_place(quantiles: Mapping[int, Callable[..., Any]], log_likelihood: Callable[..., Any]) -> Callable[..., Any]:
-    """The likelihood of probabilities: columns of x (the engine's copy for this call) become quantiles."""
+    """Wraps a likelihood: converts columns of probabilities in x (a copy for this call) to quantiles."""
     if not quantiles:
         return log_likelihood
 
@@ -60,11 +60,11 @@ def _in_place(quantiles: Mapping[int, Callable[..., Any]], log_likelihood: Calla
 def sample(models: Union[Model, Sequence[Model]], *, title: str = "Which model?", seed: Optional[int] = None,
            chains: Optional[int] = None, warmup: Optional[int] = None, draws: Optional[int] = None, threads: int = 1,
            progress: Watcher = True, **options: Any) -> Result:
-    """Which model, with what parameters: each model is searched, its evidence computed, and all are sampled.
+    """Samples competing models and their parameters, after a mode search and an evidence estimate of each model.
 
-    The functions are called with many rows while models are searched and weighed, and with one row a step while
-    chains are drawn, since a chain's next state rests on this one. They are called under the GIL: more `threads`
-    pay only for functions that release it. An exception in one ends the run and is raised here.
+    The mode search and the evidence estimate call the functions with many rows. Sampling calls them with one row per
+    step, because the next state of a chain depends on the current one. All calls hold the GIL, so more `threads` help
+    only if the functions release it. An exception in a function ends the run and is raised here.
     """
     models = [models] if isinstance(models, Model) else list(models)
     for model in models:

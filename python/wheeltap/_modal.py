@@ -1,4 +1,4 @@
-"""Modes from records of a structure in operation."""
+"""Identification of modes from vibration records of a structure."""
 from __future__ import annotations
 
 import html
@@ -15,7 +15,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 class Modal:
-    """Modes with their uncertainty. Arrays are read-only views."""
+    """Identified modes with their uncertainty. Arrays are read-only views."""
 
     def __init__(self, core: "_core.Modal"):
         self._core = core
@@ -23,17 +23,17 @@ class Modal:
 
     @property
     def frequencies_hz(self) -> np.ndarray:
-        """[Hz]"""
+        """Natural frequencies [Hz]."""
         return self._core.frequencies_hz
 
     @property
     def frequencies_sd(self) -> np.ndarray:
-        """Standard deviations [Hz]."""
+        """Standard deviations of the frequencies [Hz]."""
         return np.sqrt(np.diag(self.covariance)[:len(self.frequencies_hz)])
 
     @property
     def frequency_covariance(self) -> np.ndarray:
-        """Of the frequencies [Hz²]: what `data.covariance` of a case takes."""
+        """Covariance of the frequencies [Hz²], as `data.covariance` of a case requires it."""
         n = len(self.frequencies_hz)
         return self.covariance[:n, :n]
 
@@ -44,22 +44,22 @@ class Modal:
 
     @property
     def covariance(self) -> np.ndarray:
-        """Of all frequencies [Hz], then all damping ratios."""
+        """Covariance of all frequencies [Hz], then all damping ratios."""
         return self._core.covariance
 
     @property
     def shapes(self) -> np.ndarray:
-        """Complex, sensors × modes, the largest entry of each 1."""
+        """Complex mode shapes, sensors × modes, each with largest entry 1."""
         return self._core.shapes
 
     @property
     def modes(self) -> Dict[str, Any]:
-        """As modes.json has them."""
+        """The content of modes.json."""
         return json.loads(self._core.modes_json)
 
     @property
     def text(self) -> str:
-        """What the program prints."""
+        """The terminal output of the program."""
         return self._core.text
 
     def __len__(self) -> int:
@@ -70,7 +70,7 @@ class Modal:
         self._core.keep(os.fspath(folder))
 
     def report(self, path: Optional[Path] = None) -> str:
-        """report.html as text, written to `path` where one is given."""
+        """Returns report.html as text, and writes it to `path` if given."""
         page = self._core.page()
         if path is not None:
             with open(path, "w", encoding="utf-8") as file:
@@ -89,15 +89,15 @@ def modal(case: Optional[Case] = None, *, channels: Optional[Mapping[str, Any]] 
           sample_rate: Optional[float] = None, band: Optional[Sequence[float]] = None,
           references: Sequence[str] = (), title: Optional[str] = None, threads: Optional[int] = None,
           changes: Optional[Mapping[str, Any]] = None, folder: Optional[Path] = None) -> Modal:
-    """Natural frequencies, damping ratios and shapes from a modal case, or from {name: samples} in `channels`.
+    """Identifies frequencies, damping ratios and shapes from a modal case, or from {name: samples} in `channels`.
 
-    sample_rate  [Hz], of `channels`
-    band         [lowest, highest] in Hz, where modes are looked for
-    references   names of the channels that covariances are taken with; all unless given
+    sample_rate  sampling rate of `channels` [Hz]
+    band         [lowest, highest] frequency of the modes [Hz]
+    references   names of the reference channels of the covariances; default: all
     """
     options = {"threads": threads}
     if (case is None) == (channels is None):
-        raise ValueError("modal: give either a case or channels")
+        raise ValueError("modal: needs either a case or channels, not both")
     if case is not None:
         path, text = located(case, folder)
         return Modal(_core.modal(path, text, overriding(changes), options))

@@ -1,4 +1,4 @@
-"""Natural frequencies and shapes."""
+"""Computed natural frequencies and mode shapes."""
 from __future__ import annotations
 
 import json
@@ -13,14 +13,14 @@ from ._cases import Case, located, overriding
 
 @dataclass(frozen=True)
 class Modes:
-    """The lowest modes of a beam or structure, rigid-body ones included."""
+    """The lowest modes of a beam or structure, including rigid-body modes."""
 
     frequencies_hz: np.ndarray
     rigid_body_modes: int
     certified: bool  #: no mode below the last is missing
-    x: Optional[np.ndarray]  #: of a beam's nodes [m]
-    shapes: Any  #: of a beam: (mode, node) deflections; of a structure: a list of {node: {direction: motion}}
-    report: Dict[str, Any]  #: all that `wheeltap modes --json --shapes` prints
+    x: Optional[np.ndarray]  #: positions of a beam's nodes [m]
+    shapes: Any  #: beam: (mode, node) deflections; structure: a list of {node: {direction: motion}}
+    report: Dict[str, Any]  #: the output of `wheeltap modes --json --shapes`
 
     def __len__(self) -> int:
         return len(self.frequencies_hz)
@@ -28,7 +28,7 @@ class Modes:
 
 def modes(case: Case, n: Optional[int] = None, *, truth: bool = False, changes: Optional[Mapping[str, Any]] = None,
           folder: Optional[str] = None) -> Modes:
-    """The n lowest modes of the case's beam or structure: intact, or as damaged as the case's truth says."""
+    """Computes the n lowest modes of the case's structure: intact, or with the defects of the case's truth."""
     path, text = located(case, folder)
     report = json.loads(_core.modes(path, text, overriding(changes), n, truth))
     x = np.array(report["x_m"]) if "x_m" in report else None

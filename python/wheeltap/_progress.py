@@ -1,4 +1,4 @@
-"""How far a run is, for whoever watches."""
+"""Progress display of a run."""
 from __future__ import annotations
 
 import sys
@@ -13,7 +13,7 @@ Watcher = Union[bool, Callable[[Progress], Any], None]
 
 @contextmanager
 def watching(progress: Watcher) -> Iterator[Optional[Callable[[Progress], Any]]]:
-    """What the core is to call: None, the caller's own function, or one that keeps a line on standard error."""
+    """Yields the progress function for the core: None, the caller's, or one that updates a line on standard error."""
     if callable(progress):
         yield progress
         return

@@ -14,12 +14,12 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 class Record(Mapping[str, np.ndarray]):
-    """Columns that were sampled together, by name; read-only arrays that share the memory they were read into."""
+    """Simultaneously sampled columns by name: read-only arrays without copies of the data read."""
 
     def __init__(self, columns: Mapping[str, Any], units: Mapping[str, str], sample_rate: Optional[float]):
         self._columns = dict(columns)
-        self.units = dict(units)  #: of each column; empty where none is known
-        self.sample_rate = sample_rate  #: [Hz]; None where no column is time and none was given
+        self.units = dict(units)  #: unit per column; empty if unknown
+        self.sample_rate = sample_rate  #: [Hz]; None without a time column and a given rate
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._columns:
@@ -46,21 +46,21 @@ def _record(found: Dict[str, Any]) -> Record:
 
 
 def read_record(path: Path, columns: Sequence[str] = (), sample_rate: Optional[float] = None) -> Record:
-    """A measured file (delimited text, MATLAB, universal): these columns and time, or all of them.
+    """Reads a measured file (delimited text, MATLAB, universal): the given columns and time, or all columns.
 
-    `sample_rate` [Hz] is for files without a column of time.
+    `sample_rate` [Hz] is for files without a time column.
     """
     return _record(_core.read_record(os.fspath(path), list(columns), sample_rate))
 
 
 def data(path: Path, sample_rate: Optional[float] = None) -> Dict[str, Any]:
-    """What a measured file holds, and what is odd about it: what `wheeltap data --json` prints."""
+    """Describes a measured file and its anomalies: the output of `wheeltap data --json`."""
     return json.loads(_core.data(os.fspath(path), sample_rate))
 
 
 def simulate(case: Case, *, seed: Optional[int] = None, changes: Optional[Mapping[str, Any]] = None,
              folder: Optional[Path] = None) -> Union[Record, Dict[str, Any]]:
-    """What the case's truth would measure, with noise: a Record of a sid case, else the case with its data."""
+    """Simulates noisy measurements of the case's truth: a Record for a sid case, else the case with its data."""
     path, text = located(case, folder)
     made = _core.simulate(path, text, overriding(changes), {"seed": seed})
     return json.loads(made) if isinstance(made, str) else _record(made)

@@ -1,4 +1,4 @@
-"""Chains of masses whose links pull as a Python function says."""
+"""Chains of masses with force laws of the links as Python functions."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -10,16 +10,16 @@ from . import _core
 from ._engine import Model
 
 Array = np.ndarray
-#: A number that is known, or the name of a parameter.
+#: A known number, or the name of a parameter.
 Coefficient = Union[float, str]
 
 
 @dataclass(frozen=True)
 class Link:
-    """What joins mass a to mass b (0: the ground, or the moving base), in the order (a, b).
+    """A link from mass a to mass b (0: the ground, or the moving base); `between` is (a, b).
 
-    tension(e, rate, p) is the force [N] that pulls a towards b, of the extension e = y_b - y_a [m] and its rate [m/s],
-    both arrays of n motions; p["name"] is the array of n values of a parameter. It returns n tensions.
+    tension(e, rate, p) returns the force [N] that pulls a towards b, for the extension e = y_b - y_a [m] and its rate
+    [m/s]. Both are arrays of n motions, p["name"] is the array of n values of a parameter, and it returns n tensions.
     """
 
     between: Tuple[int, int]
@@ -28,7 +28,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Response:
-    """What a sensor on a mass recorded, with normal noise: its standard deviation is a number or a parameter.
+    """The record of a sensor on a mass, with normal noise whose standard deviation is a number or a parameter.
 
     quantity    "displacement", "velocity" (both relative to a moving base) or "acceleration" (absolute)
     """
@@ -40,7 +40,7 @@ class Response:
 
 
 class _Named(Mapping[str, Array]):
-    """Columns by the names of their parameters; remembers which were asked for."""
+    """Columns of x by parameter name; records which were accessed."""
 
     def __init__(self, names: Sequence[str], x: Array):
         self._columns = {name: x[:, i] for i, name in enumerate(names)}
@@ -48,7 +48,7 @@ class _Named(Mapping[str, Array]):
 
     def __getitem__(self, name: str) -> Array:
         if name not in self._columns:
-            raise _core.CaseError(f"rig: \"{name}\" is no parameter of the model; there are: "
+            raise _core.CaseError(f"rig: \"{name}\" is not a parameter of the model; there are: "
                                   f"{', '.join(self._columns) or 'none'}")
         self.asked.add(name)
         return self._columns[name]
@@ -66,27 +66,27 @@ class _Named(Mapping[str, Array]):
 def _series(values: Any, what: str, samples: Optional[int]) -> Array:
     out = np.ascontiguousarray(values, dtype=float)
     if out.ndim != 1 or not np.isfinite(out).all():
-        raise _core.CaseError(f"rig: {what}: must be finite numbers, one a sample")
+        raise _core.CaseError(f"rig: {what}: must be finite numbers, one per sample")
     if samples is not None and len(out) != samples:
-        raise _core.CaseError(f"rig: {what}: {len(out)} samples, where what came before it has {samples}")
+        raise _core.CaseError(f"rig: {what}: has {len(out)} samples: must have {samples}, as the first response")
     return out
 
 
 @dataclass
 class Rig:
-    """Masses 1, 2, …, joined by links, and what was measured of them.
+    """A chain of masses 1, 2, …, joined by links, with measured excitations and responses.
 
         m_i z̈_i = f_i(t) - m_i ÿ_b(t) - Σ tensions of the links that begin at i, reversed, and end at i
 
-    z is the motion relative to the base (its own where nothing moves the base), from rest. Forces and ÿ_b are linear
-    between samples; the classical Runge-Kutta method takes `steps` steps from one sample to the next, for all parameter
-    vectors of a batch at once. Steps are not chosen for you: `step_error` says what they leave.
+    z is the motion relative to the base, from rest (absolute motion without base excitation). Forces and ÿ_b are
+    linear between samples. The classical Runge-Kutta method takes `steps` steps per sample, for all parameter vectors
+    of a batch together. The number of steps is fixed: check it with `step_error`.
 
     masses             [kg]: numbers or names of parameters
     links              Link(between, tension)
     responses          Response(mass, values, noise)
     sample_rate        [Hz]
-    forces             [N] on masses, by their numbers
+    forces             {mass: samples} [N]
     base_acceleration  ÿ_b [m/s²]
     """
 
@@ -101,7 +101,7 @@ class Rig:
     def __post_init__(self) -> None:
         n = len(self.masses)
         if not n or not self.links or not self.responses:
-            raise _core.CaseError("rig: needs masses, links and responses, one at least of each")
+            raise _core.CaseError("rig: needs at least one mass, one link and one response")
         if not self.sample_rate > 0:
             raise _core.CaseError(f"rig: sample_rate = {self.sample_rate}, must be above 0")
         if self.steps < 1:
@@ -127,23 +127,23 @@ class Rig:
                       _series(self.base_acceleration, "base_acceleration", samples))
 
     def _simulate(self, p: _Named, n: int, steps: int) -> Dict[str, Array]:
-        """{quantity: (samples, masses, n)}: _core.integrate has the equation and the method."""
+        """Computes {quantity: (samples, masses, n)} by _core.integrate."""
         mass = np.array([np.broadcast_to(p.of(m), n) for m in self.masses], dtype=float)
         laws = [lambda e, rate, tension=link.tension: tension(e, rate, p) for link in self.links]
-        with np.errstate(all="ignore"):  # what runs away is impossible, not a fault
+        with np.errstate(all="ignore"):  # a diverging motion is impossible, not an error
             found = _core.integrate(mass, [tuple(link.between) for link in self.links], laws, self._push, self._base,
                                     1.0 / (self.sample_rate * steps), steps)
         return dict(zip(("displacement", "velocity", "acceleration"), found))
 
     def simulate(self, parameters: Optional[Mapping[str, float]] = None, *, steps: Optional[int] = None) -> Dict[
             str, Array]:
-        """{"displacement", "velocity", "acceleration": (samples, masses) array} with these parameters."""
+        """Returns {"displacement", "velocity", "acceleration": (samples, masses) array} for these parameters."""
         names = list(parameters or {})
         p = _Named(names, np.array([[float((parameters or {})[name]) for name in names]]))
         return {name: values[:, :, 0] for name, values in self._simulate(p, 1, steps or self.steps).items()}
 
     def step_error(self, parameters: Mapping[str, float]) -> float:
-        """How far the responses move when steps are halved, over their RMS: the largest of all responses."""
+        """The largest RMS change of a response, relative to its RMS, if the steps are halved."""
         one, two = self.simulate(parameters), self.simulate(parameters, steps=2 * self.steps)
         worst = 0.0
         for response in self.responses:
@@ -152,9 +152,9 @@ class Rig:
         return worst
 
     def model(self, name: str, parameters: Mapping[str, Any], prior: float = 1.0) -> Model:
-        """This rig as a model for wt.sample: `parameters` are priors by name, as wt.Model has them.
+        """Returns this chain as a model for wt.sample; `parameters` are priors by name, as in wt.Model.
 
-        Raises CaseError for a parameter that no mass, law or noise asks for, or for one that is asked for and not there.
+        Raises CaseError for a parameter that no mass, law or noise uses, or that is used but not given.
         """
         names = list(parameters)
 
@@ -165,11 +165,11 @@ class Rig:
         self._log_likelihood(tried, 1)
         unused = [n for n in names if n not in tried.asked]
         if unused:
-            raise _core.CaseError(f"rig: \"{unused[0]}\" of model \"{name}\": no mass, law or noise asks for it")
+            raise _core.CaseError(f"rig: \"{unused[0]}\" of model \"{name}\": no mass, law or noise uses it")
         return Model(name, parameters, log_likelihood, prior)
 
     def _log_likelihood(self, p: _Named, n: int) -> Array:
-        """Σ over responses and samples of ln N(y; z(θ), σ²); -inf where the motion grows without bound."""
+        """Σ over responses and samples of ln N(y; z(θ), σ²); -inf if the motion grows without bound."""
         found = self._simulate(p, n, self.steps)
         total = np.zeros(n)
         for response, measured in zip(self.responses, self._measured):

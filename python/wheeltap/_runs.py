@@ -1,4 +1,4 @@
-"""Runs that sample, and what they leave."""
+"""Sampling runs and their results."""
 from __future__ import annotations
 
 import html
@@ -16,10 +16,10 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 class Draws(Mapping[str, np.ndarray]):
-    """The draws by name, as posterior.nc names them: read-only arrays (chain, draw) or (chain, draw, slot).
+    """The draws by name, as in posterior.nc: read-only arrays (chain, draw) or (chain, draw, slot).
 
-    An array is a view of memory that the run holds: asking again makes no copy. A parameter is NaN in draws of
-    models that do not have it, and in slots that a draw does not use.
+    An array is a view of the run's memory; access makes no copy. A parameter is NaN in draws of models that do not
+    have it, and in slots that a draw does not use.
     """
 
     def __init__(self, columns: Dict[str, Tuple[np.ndarray, Tuple[str, ...], str, str]]):
@@ -41,12 +41,12 @@ class Draws(Mapping[str, np.ndarray]):
         return self._columns[name][1]
 
     def unit(self, name: str) -> str:
-        """Unit of a parameter; empty where it has none, or none is known."""
+        """Unit of a parameter; empty if it has none or is unknown."""
         return self._columns[name][2]
 
     @property
     def models(self) -> List[str]:
-        """Names of the models, which draws["model"] numbers."""
+        """Names of the models, indexed by draws["model"]."""
         return self._columns["model"][3].split(";")
 
     def __repr__(self) -> str:
@@ -66,14 +66,14 @@ class Result:
         self._draws: Optional[Draws] = None
         self._posterior: Optional[bytes] = None
         self.summary: Dict[str, Any] = json.loads(summary)  #: all numbers, as in summary.json
-        self.text = text  #: what the program prints
+        self.text = text  #: the terminal output of the program
         self.run_id = run_id  #: the same for the same case, seed and options
         self.stopped_early = stopped_early
-        self.notes = lines  #: what was said while it ran
+        self.notes = lines  #: messages issued during the run
 
     @property
     def answer(self) -> str:
-        """The sentences that head a report, the caution first where the run cannot be trusted yet."""
+        """The first sentences of the report, preceded by a caution if the run has not converged."""
         said = self.summary.get("answer") or {}
         return " ".join(part for part in (said.get(key) for key in ("caution", "headline", "detail")) if part)
 
@@ -84,17 +84,17 @@ class Result:
 
     @property
     def models(self) -> List[Dict[str, Any]]:
-        """All that is known of each model: name, prior, probability, mcse, log_evidence, …"""
+        """All results of each model: name, prior, probability, mcse, log_evidence, …"""
         return self.summary["models"]
 
     @property
     def converged(self) -> bool:
-        """Whether the run may be relied on; `warnings` say why where it may not."""
+        """Whether the chains have converged; otherwise `warnings` give the reasons."""
         return bool(self.summary["diagnostics"]["converged"])
 
     @property
     def warnings(self) -> List[str]:
-        """What to keep in mind, the gravest first."""
+        """Warnings, most serious first."""
         return self.summary["diagnostics"]["warnings"]
 
     @property
@@ -107,15 +107,15 @@ class Result:
 
     @property
     def chains(self) -> "List[_core.Chain]":
-        """The engine's own memory, chain by chain: model, theta, log_prior, log_likelihood, accepted."""
+        """The engine's memory of each chain: model, theta, log_prior, log_likelihood, accepted."""
         if self._run is None:
-            raise ValueError("chains: a result from a pickle or a folder has its draws, not the engine's memory")
+            raise ValueError("chains: not available for a result from a pickle or a folder: use draws")
         return self._run.chains()
 
     def draws_of(self, parameter: str, model: Optional[str] = None) -> np.ndarray:
         """All draws of a parameter in one vector, e.g. draws_of("location[2]", "2 damages"); a copy.
 
-        Without a model, of all models that have it.
+        Without a model: the draws of all models that have it.
         """
         name, _, slot = parameter.partition("[")
         name = name.replace(" ", "_") if name not in self.draws else name
@@ -138,8 +138,8 @@ class Result:
         return self._posterior
 
     def to_xarray(self) -> Any:
-        """The groups of posterior.nc (posterior, sample_stats, …) as xarray has them: a DataTree, or, where xarray
-        has none yet, a dictionary of Datasets. Needs xarray and netCDF4."""
+        """The groups of posterior.nc (posterior, sample_stats, …) as an xarray DataTree or, in older versions of
+        xarray, a dictionary of Datasets. Needs xarray and netCDF4."""
         import netCDF4
         import xarray
 
@@ -155,11 +155,11 @@ class Result:
         return groups
 
     def save(self, folder: Path) -> None:
-        """Writes summary.json, posterior.nc, report.html and summary.txt, as the program does: all or none."""
+        """Writes summary.json, posterior.nc, report.html and summary.txt, like the program: all files or none."""
         _core.keep(os.fspath(folder), self._summary_json, self.text, self.run_id, self.posterior_nc)
 
     def report(self, path: Optional[Path] = None) -> str:
-        """report.html as text, written to `path` where one is given."""
+        """Returns report.html as text, and writes it to `path` if given."""
         page = _core.report_page(self._summary_json, self.posterior_nc)
         if path is not None:
             with open(path, "w", encoding="utf-8") as file:
@@ -195,21 +195,21 @@ def _run(work: Callable[..., "_core.Run"], case: Case, folder: Optional[Path], c
 def damage(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = None, warmup: Optional[int] = None,
            draws: Optional[int] = None, progress: Watcher = True, changes: Optional[Mapping[str, Any]] = None,
            folder: Optional[Path] = None, **options: Any) -> Result:
-    """How many damages, where, how bad.
+    """Identifies the number, places and severities of damages.
 
     case      a file, or a dictionary of the same content
-    seed      of the chains (1); the same seed gives the same draws, with any number of threads
+    seed      of the chains (default 1); the same seed gives the same draws, with any number of threads
     chains, warmup, draws
-              as the program's options: chosen by the engine unless given
-    progress  True: a line on standard error; a function of a Progress: called a few times a second, and the run
-              stops early, with what it has, where it returns False; False: nothing
-    changes   overrides the case: {"data.cov": 0.002}
-    folder    where files lie that a dictionary names (the current folder)
+              as the program's options; chosen by the engine by default
+    progress  True: a line on standard error; False: nothing; a function of a Progress: called a few times per second;
+              if it returns False, the run stops early and returns the draws so far
+    changes   changes of the case: {"data.cov": 0.002}
+    folder    folder of the files that a dictionary names (default: the current folder)
     options   threads, search, quick, prior_only, evidence ("tmcmc+bridge"), max_memory_gb, max_hours, allow_commands,
               allow_hosts (a list of names)
 
-    Ctrl-C ends the run within a moment, with KeyboardInterrupt and nothing kept. Raises CaseError for what is wrong
-    with the case, in the program's words, and FileError for a file that cannot be read.
+    Ctrl-C ends the run immediately with KeyboardInterrupt; its draws are lost. Raises CaseError for an invalid case,
+    with the program's message, and FileError for a file that cannot be read.
     """
     return _run(_core.damage, case, folder, changes, progress,
                 {"seed": seed, "chains": chains, "warmup": warmup, "draws": draws, **options})
@@ -218,7 +218,7 @@ def damage(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = No
 def update(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = None, warmup: Optional[int] = None,
            draws: Optional[int] = None, progress: Watcher = True, changes: Optional[Mapping[str, Any]] = None,
            folder: Optional[Path] = None, **options: Any) -> Result:
-    """A structure's parameters from its measured modes. Arguments as those of `damage`."""
+    """Identifies a structure's parameters from its measured modes. Arguments as for `damage`."""
     return _run(_core.update, case, folder, changes, progress,
                 {"seed": seed, "chains": chains, "warmup": warmup, "draws": draws, **options})
 
@@ -226,13 +226,13 @@ def update(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = No
 def sid(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = None, warmup: Optional[int] = None,
         draws: Optional[int] = None, progress: Watcher = True, changes: Optional[Mapping[str, Any]] = None,
         folder: Optional[Path] = None, **options: Any) -> Result:
-    """Which equation of motion a record obeys. Arguments as those of `damage`."""
+    """Identifies the equation of motion from a record. Arguments as for `damage`."""
     return _run(_core.sid, case, folder, changes, progress,
                 {"seed": seed, "chains": chains, "warmup": warmup, "draws": draws, **options})
 
 
 def load(folder: Path) -> Result:
-    """A finished run from the folder that the program, or `Result.save`, wrote. Needs netCDF4."""
+    """Loads a finished run from a folder written by the program or `Result.save`. Needs netCDF4."""
     import netCDF4
 
     def read(name: str, mode: str) -> Any:

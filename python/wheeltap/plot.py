@@ -1,6 +1,6 @@
 """The standard figures, with matplotlib: `wheeltap.plot.models(result)`, …
 
-Every function draws into `ax`, or into a new figure, and returns the axes that it drew into.
+Every function draws into `ax`, or into a new figure, and returns the axes.
 """
 from __future__ import annotations
 
@@ -28,7 +28,7 @@ def _probable(result: Any) -> str:
 
 
 def models(result: Any, ax: Any = None) -> Any:
-    """A bar a model: posterior probability with two Monte Carlo standard errors, and the prior as a line."""
+    """Posterior probability of each model, with two Monte Carlo standard errors; lines show the priors."""
     found = result.models
     ax = _plain(_axes(ax, 0.8 + 0.4 * len(found)))
     rows = np.arange(len(found))
@@ -44,10 +44,10 @@ def models(result: Any, ax: Any = None) -> Any:
 
 
 def inclusion(result: Any, ax: Any = None) -> Any:
-    """Along the beam, the posterior expected number of damages in each element."""
+    """Posterior expected number of damages in each element along the beam."""
     damage = result.summary.get("damage", {}).get("inclusion_by_element")
     if damage is None or "beam" not in result.summary:
-        raise ValueError("inclusion: this run is not one of a beam's damage")
+        raise ValueError("inclusion: needs a damage run of a beam")
     beam = result.summary["beam"]
     kinds = {"": damage} if "overall" in damage else damage
     ax = _plain(_axes(ax))
@@ -68,15 +68,14 @@ def inclusion(result: Any, ax: Any = None) -> Any:
 
 
 def where(result: Any, ax: Any = None) -> Any:
-    """Where the defects are. In a beam as `inclusion` has it; in any other structure a bar a place that has a name (a
-    member, joint, storey, spring, group): the posterior expected number of defects there, the 30 largest. Dots are the
-    truth of simulated data."""
+    """Places of the defects: for a beam as `inclusion`; for other structures the posterior expected number of defects
+    at each named place (member, joint, storey, spring, group), the 30 largest. Dots: the truth of simulated data."""
     summary = result.summary
     if "beam" in summary:
         return inclusion(result, ax)
     found = summary.get("damage", {}).get("inclusion_by_element")
     if found is None or "structure" not in summary:
-        raise ValueError("where: this run is not one of a structure's damage")
+        raise ValueError("where: needs a damage run of a structure")
     kinds = summary["kinds"]
     by_kind = {kinds[0]["name"]: found} if "overall" in found else found
     bars = []
@@ -101,7 +100,7 @@ def where(result: Any, ax: Any = None) -> Any:
 
 
 def pairs(result: Any, model: Optional[str] = None, parameters: Optional[Sequence[str]] = None) -> np.ndarray:
-    """Every two parameters of a model (the most probable one unless given) against each other."""
+    """Scatter plots of all pairs of parameters of a model (default: the most probable one)."""
     model = model or _probable(result)
     names: List[str] = list(parameters or result.summary["parameters"].get(model, {}))
     if not names:
@@ -133,7 +132,7 @@ def pairs(result: Any, model: Optional[str] = None, parameters: Optional[Sequenc
 
 
 def traces(result: Any, names: Optional[Sequence[str]] = None) -> np.ndarray:
-    """The chains over their draws: the model, and each parameter."""
+    """Trace plots of all chains: the model, and each parameter."""
     names = list(names or result.draws)
     columns = []
     for name in names:
@@ -154,7 +153,7 @@ def traces(result: Any, names: Optional[Sequence[str]] = None) -> np.ndarray:
 
 
 def frequencies(result: Any, ax: Any = None) -> Any:
-    """Measured less predicted frequencies in standard deviations of the measurement, a point a mode; bars are 95 %
+    """Measured minus predicted frequency of each mode, in standard deviations of the measurement; bars are 95 %
     intervals of the prediction."""
     found = result.summary.get("data", {}).get("modes")
     if not isinstance(found, list):
@@ -174,7 +173,7 @@ def frequencies(result: Any, ax: Any = None) -> Any:
 
 
 def record(result: Any, response: Optional[str] = None, ax: Any = None) -> Any:
-    """A measured response of a sid run within the 95 % band of what the posterior predicts. Needs xarray, netCDF4."""
+    """A measured response of a sid run and the 95 % posterior predictive band. Needs xarray and netCDF4."""
     groups = result.to_xarray()
     if "posterior_predictive" not in groups or "sample" not in groups["posterior_predictive"].dims:
         raise ValueError("record: this run has no record")

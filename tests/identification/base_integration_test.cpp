@@ -11,8 +11,8 @@ namespace {
 constexpr double kRate = 200.0;
 constexpr int kSamples = 2000;
 
-/// A base that moves y_b = A sin ωt, whose sensor has an offset, and a response of two quantities
-/// that moves with it and oscillates besides.
+/// A base motion y_b = A sin ωt measured with a sensor offset, and a response of two quantities:
+/// the base motion plus an oscillation.
 SidCase moving(dynamics::Quantity quantity, double sensor_offset) {
   const double omega = 2.0 * std::numbers::pi * 1.3, own = 2.0 * std::numbers::pi * 4.1;
   SidCase out;
@@ -33,8 +33,8 @@ SidCase moving(dynamics::Quantity quantity, double sensor_offset) {
   return out;
 }
 
-// A laser's absolute velocity with the base's acceleration used to be refused.
-TEST(BaseIntegration, FindsTheBasesMotionWhateverItsSensorsOffset) {
+// Regression: absolute laser velocities with a base acceleration were rejected.
+TEST(BaseIntegration, FindsTheBaseMotionForAnySensorOffset) {
   for (const auto quantity : {dynamics::Quantity::velocity, dynamics::Quantity::displacement}) {
     for (const double offset : {0.0, 0.05}) {
       SidCase c = moving(quantity, offset);
@@ -52,14 +52,14 @@ TEST(BaseIntegration, FindsTheBasesMotionWhateverItsSensorsOffset) {
         const double velocity = 0.5 * kRate * (y[at + 1] - y[at - 1]);
         worst = std::max(worst, std::abs(velocity - 0.02 * omega * std::cos(omega * t)));
       }
-      // The oscillation's own trend over its 41 periods is about its amplitude over as many, less
-      // than a twentieth of the base's 0.163 m/s; without the correction 0.05 m/s² make 0.5 m/s.
+      // The oscillation's trend over 41 periods is about its amplitude divided by 41, less than a
+      // twentieth of the base's 0.163 m/s; without the correction 0.05 m/s² give 0.5 m/s.
       EXPECT_LT(worst, 0.008) << offset;
     }
   }
 }
 
-TEST(BaseIntegration, IsNotAskedForByRelativeMotion) {
+TEST(BaseIntegration, IsNotNeededForRelativeMotion) {
   SidCase c = moving(dynamics::Quantity::velocity, 0.0);
   c.channels[1].frame = dynamics::Frame::relative;
   EXPECT_FALSE(needs_integrated_base(c));

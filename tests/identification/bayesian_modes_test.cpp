@@ -26,8 +26,8 @@ MatrixXd record_of_chain(double noise, std::uint64_t seed) {
   return signals::chain(3, 1.0, 200.0).accelerations(std::lround(kSeconds / kStep), noise, seed);
 }
 
-// ln p against -Σ ln |E| - Σ Fᴴ E⁻¹ F - n ln π by full matrices.
-TEST(BayesianModes, LikelihoodIsTheComplexNormals) {
+// Compares ln p with -Σ ln |E| - Σ Fᴴ E⁻¹ F - n ln π from full matrices.
+TEST(BayesianModes, LikelihoodIsTheComplexNormalDensity) {
   const ModalBand band{.lowest_hz = 2.0, .highest_hz = 3.2, .peaks_hz = {2.4, 2.8}};
   const MatrixXd records = record_of_chain(0.05, 3).leftCols(4000);
   const BandLines lines = band_lines(records, 1.0 / kStep, band);
@@ -59,7 +59,7 @@ TEST(BayesianModes, LikelihoodIsTheComplexNormals) {
 }
 
 // White noise of variance σ² has the one-sided density 2 σ² Δt.
-TEST(BayesianModes, LinesHaveTheScaleOfADensity) {
+TEST(BayesianModes, LinesAreScaledAsOneSidedDensity) {
   base::Random random(4, 0, 0, base::Purpose::test);
   MatrixXd white(2, 20000);
   for (double& v : white.reshaped()) v = random.normal();
@@ -69,9 +69,10 @@ TEST(BayesianModes, LinesHaveTheScaleOfADensity) {
   EXPECT_NEAR(lines.transform.squaredNorm() / count, 0.2, 4.0 * 0.2 / std::sqrt(count));
 }
 
-// On the chain of three masses each mode's posterior agrees with the subspace method, and its
-// scatter with the law of long data, cov(f) = √(ζ/(2πN)), cov(ζ) = 1/√(2πζN) (Au 2017, section 15).
-TEST(BayesianModes, AgreesWithTheSubspaceMethodAndTheLaw) {
+// For the chain of three masses, each mode's posterior agrees with the subspace method, and its
+// standard deviation with the long-data law, cov(f) = √(ζ/(2πN)), cov(ζ) = 1/√(2πζN) (Au 2017,
+// section 15).
+TEST(BayesianModes, AgreesWithTheSubspaceMethodAndTheLongDataLaw) {
   const MatrixXd records = record_of_chain(0.05, 11);
   const VectorXd truth = signals::chain(3, 1.0, 200.0).modes().frequencies_hz;
   const signals::ModalResult other =
@@ -108,7 +109,7 @@ TEST(BayesianModes, AgreesWithTheSubspaceMethodAndTheLaw) {
   }
 }
 
-// Two modes 2 % apart, as wide as that: one band with both, against the truth.
+// Two modes 2 % apart, with similar bandwidth, in one band: compared with the truth.
 TEST(BayesianModes, CloseModesShareABand) {
   signals::VibratingStructure structure = signals::chain(3, 1.0, 200.0);
   structure.stiffness << 204, -4, 0, -4, 204, 0, 0, 0, 600;
@@ -130,7 +131,7 @@ TEST(BayesianModes, CloseModesShareABand) {
     EXPECT_LT(std::abs(found.frequencies_hz[i] - f), 4.0 * sd) << i;
     EXPECT_LT(std::abs(found.damping[i] - kZeta), 4.0 * sd_zeta) << i;
     EXPECT_LT(sd, 0.005 * f) << i;
-    // A shape and its covariance, of all but the entry that is 1.
+    // A shape and its covariance, without the entry that is 1.
     Eigen::Index top = 0;
     found.shapes.col(i).cwiseAbs().maxCoeff(&top);
     const VectorXd off = found.shapes.col(i) - truth.shapes.col(i) / truth.shapes(top, i);
@@ -141,7 +142,7 @@ TEST(BayesianModes, CloseModesShareABand) {
   }
 }
 
-TEST(BayesianModes, Misuse) {
+TEST(BayesianModes, RejectsInvalidInput) {
   const MatrixXd records = record_of_chain(0.05, 3).leftCols(2000);
   const auto refused = [&](const ModalBand& band) {
     EXPECT_THROW(static_cast<void>(BandProblem(band_lines(records, 1.0 / kStep, band), band)),

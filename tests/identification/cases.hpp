@@ -1,4 +1,4 @@
-// A small beam that the tests share.
+// A small beam for several tests.
 #pragma once
 
 #include "fem/sections/section.hpp"
@@ -7,8 +7,8 @@
 
 namespace wheeltap::identification {
 
-/// A cantilever of 20 elements with up to `most` damages in it, of which `truth` is true: four
-/// modes without noise, taken for exact to 1 %.
+/// A cantilever of 20 elements with up to `most` damages, of which `truth` exist: four modes
+/// without noise, with a stated noise of 1 %.
 inline DamageCase small_beam(int most, const fem::Defects& truth = {}) {
   DamageCase out;
   out.beam = {.length = 1.0,

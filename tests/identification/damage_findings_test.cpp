@@ -12,7 +12,7 @@
 namespace wheeltap::identification {
 namespace {
 
-// Chains of two draws each that say exactly what is asked.
+// Chains of two draws each with exactly known expected numbers.
 inference::Posterior posterior_of(const DamageProblem& problem,
                                   const std::vector<std::vector<double>>& draws,
                                   const std::vector<int>& models) {
@@ -49,10 +49,10 @@ TEST(DamageFindings, ExpectedNumbersAreThoseOfTheDraws) {
   EXPECT_DOUBLE_EQ(kind.places[0].from, 0.3);
   EXPECT_DOUBLE_EQ(kind.places[0].expected, 0.75);
   EXPECT_NEAR(kind.places[0].severity->mean, 0.3, 1e-12);
-  EXPECT_TRUE(found.folded.empty()) << "a cantilever is not its own mirror image";
+  EXPECT_TRUE(found.folded.empty()) << "a cantilever is not symmetric";
 }
 
-TEST(DamageFindings, OfASymmetricBeamPlacesAreFolded) {
+TEST(DamageFindings, FoldsPlacesOfASymmetricBeam) {
   DamageCase damage_case = small_beam(1);
   damage_case.beam.supports = fem::named_supports("simply-supported", 1.0);
   damage_case.data.frequencies_hz = elastic_frequencies(damage_case.beam, {}, 4);
@@ -72,7 +72,7 @@ TEST(DamageFindings, OfASymmetricBeamPlacesAreFolded) {
   }));
 }
 
-TEST(Unknowns, AreToldByPlaceAndNotByLabel) {
+TEST(Unknowns, AreIdentifiedByPositionAndNotByLabel) {
   DamageCase damage_case = small_beam(2);
   damage_case.kinds.push_back({.type = &defects::kSupport,
                                .name = "bearing",

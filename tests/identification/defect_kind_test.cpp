@@ -14,7 +14,7 @@
 namespace wheeltap::identification {
 namespace {
 
-// A damage that spoils the two elements beside each other by the same share.
+// A damage that reduces the stiffness of two adjacent elements by the same share.
 const DefectType kTwin = {
     .name = "twin",
     .noun = "twin crack",
@@ -55,8 +55,8 @@ TEST(DefectKind, ElementaryTypesPlaceOneDefect) {
   }
 }
 
-// A type of one's own needs no more than itself: through the whole of a run.
-TEST(DefectKind, ATypeOfOnesOwnIsFoundInABeam) {
+// A user-defined type works in a complete run without other changes.
+TEST(DefectKind, FindsAUserDefinedTypeInABeam) {
   DamageCase damage_case = small_beam(1, {.damages = {{0.425, 0.5}, {0.475, 0.5}}});
   damage_case.kinds[0].type = &kTwin;
   damage_case.kinds[0].name = "twin crack";
@@ -79,8 +79,8 @@ TEST(DefectKind, ATypeOfOnesOwnIsFoundInABeam) {
   EXPECT_NEAR(found.models[1].find(0, 0, 1)->q50, 0.5, 0.2);
 }
 
-// A member that has lost a share of its stiffness over half a metre and carries 100 kg of water
-// there for each tenth of it.
+// A member that loses a share of its stiffness over half a metre and gains 100 kg of water for each
+// tenth of it.
 const DefectType kSoaked = {
     .name = "soaked",
     .noun = "soaked stretch",
@@ -100,8 +100,8 @@ const DefectType kSoaked = {
           out.defects.masses.push_back({spot.site, spot.s, 1000.0 * severity});
         }};
 
-// The same of a frame: its frequencies are those of the frame so changed.
-TEST(DefectKind, ATypeOfOnesOwnIsFoundInAFrame) {
+// The same for a frame, compared with the directly changed frame.
+TEST(DefectKind, FindsAUserDefinedTypeInAFrame) {
   const fem::Structure frame = modal::portal(8);
   const fem::Mesh mesh(frame);
   DamageCase damage_case;
@@ -140,7 +140,7 @@ TEST(DefectKind, ATypeOfOnesOwnIsFoundInAFrame) {
   EXPECT_GT(found.models[1].probability(), 0.9);
 }
 
-TEST(DefectKind, WhatCannotBeIsRefusedWithItsPlace) {
+TEST(DefectKind, RejectsInvalidCasesNamingThePart) {
   const auto refusal = [](DamageCase damage_case) -> std::pair<InvalidInput::Part, std::string> {
     try {
       (void)make_damage_problem(std::move(damage_case), {});
@@ -170,7 +170,7 @@ TEST(DefectKind, WhatCannotBeIsRefusedWithItsPlace) {
   EXPECT_EQ(refusal(negative).second, "a weight of -0.5: must be >= 0");
   DamageCase nothing = small_beam(1);
   nothing.kinds.clear();
-  EXPECT_EQ(refusal(nothing).second, "no kind of defect: nothing is asked");
+  EXPECT_EQ(refusal(nothing).second, "has no kind of defect: needs at least one");
 }
 
 }  // namespace

@@ -1,6 +1,6 @@
-// Posteriors of small structures against sums over grids that know nothing of the engine, nor of
-// the likelihoods: damage beside an unknown stiffness, four storeys with shapes, a symmetric beam
-// with shapes.
+// Posteriors of small structures compared with sums over grids that use neither the engine nor the
+// likelihoods: damage with an unknown stiffness, four storeys with shapes, a symmetric beam with
+// shapes.
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
@@ -23,7 +23,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Modes of masses in a row, the first joined to the ground, by the dense solver.
+/// Modes of masses in a row, the first joined to the ground, by a dense solver.
 struct ChainModes {
   VectorXd frequencies_hz;
   MatrixXd shapes;
@@ -51,7 +51,7 @@ double misfit(const std::vector<double>& observed, const VectorXd& computed, dou
   return sum;
 }
 
-/// χ² of a shape of any scale, equal scatter of its entries (Watson): largest entry of ψ 1.
+/// χ² of a shape of any scale with equal scatter of its entries (Watson); largest entry of ψ 1.
 double misfit(const VectorXd& psi, const VectorXd& phi, double sd) {
   const VectorXd p = psi / psi.cwiseAbs().maxCoeff();
   return (p.squaredNorm() - std::pow(p.dot(phi), 2) / phi.squaredNorm()) / (sd * sd);
@@ -65,9 +65,9 @@ ModalData frequencies(std::vector<double> f, double cov) {
   return out;
 }
 
-// ---- a soft storey beside an unknown stiffness -------------------------------------------------
+// ---- a soft storey with an unknown stiffness ---------------------------------------------------
 
-TEST(ExactPosteriors, ASoftStoreyBesideAnUnknownStiffness) {
+TEST(ExactPosteriors, ASoftStoreyWithAnUnknownStiffness) {
   constexpr double kCov = 0.02, kMost = 0.9;
   const inference::Prior stiffness = inference::LogNormal{std::log(1300.0), 0.3};
   const std::vector<double> masses = {2.0, 1.0};
@@ -104,7 +104,7 @@ TEST(ExactPosteriors, ASoftStoreyBesideAnUnknownStiffness) {
   for (Index i = 0; i < 4; ++i)
     damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal->covariance(i, i)));
 
-  // Over z of the stiffness, and the reduction of either storey.
+  // Grid over z of the stiffness and the reduction of either storey.
   constexpr int kStiffnesses = 300, kReductions = 300;
   double evidence[2] = {}, by_storey[2] = {}, sum = 0.0, sum_k = 0.0, sum_k2 = 0.0;
   for (int a = 0; a < kStiffnesses; ++a) {

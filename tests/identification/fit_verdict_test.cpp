@@ -26,8 +26,8 @@ const Kind* find(const List& list) {
   return nullptr;
 }
 
-// The record of the truth's model, as if it had been measured; then that model alone is taken away
-// from those that may explain it.
+// The record of the truth's model, declared as measured; the true model is then removed from the
+// candidates.
 SidCase measured(SidCase c, const RecordUse& use = {}) {
   c.simulated = true;
   const signals::Record record = simulate_record(c, c.truth->seed);
@@ -47,7 +47,7 @@ SidFindings found(const SidCase& c) {
   return sid_findings(run, predict(*run.problem, run.posterior));
 }
 
-// A mass that slips on dry friction under a force of twice its size, against a dashpot's model.
+// A mass that slips on dry friction under a force of twice its size; the model has a dashpot.
 SidCase friction() {
   SidCase c = small_sid_case();
   dynamics::Link slipping{.a = 0, .b = 1, .stiffness = 50.0, .damping = 0.0};
@@ -68,14 +68,14 @@ SidCase friction() {
   return c;
 }
 
-TEST(FitVerdict, ADashpotDoesNotExplainARecordOfFriction) {
+TEST(FitVerdict, ADashpotDoesNotExplainFriction) {
   const SidFindings f = found(measured(friction()));
   EXPECT_FALSE(f.fit_verdict.ok());
   EXPECT_TRUE(find<misfit::NotNoise>(f.fit_verdict.why) != nullptr ||
               find<misfit::Unexplained>(f.fit_verdict.why) != nullptr);
 }
 
-TEST(FitVerdict, TheTrueModelExplainsItsRecordAndWhatFollows) {
+TEST(FitVerdict, TheTrueModelExplainsItsRecordAndBeyond) {
   SidCase c = small_sid_case();
   c.truth->samples = 400;
   c.models.push_back(c.models[1]);
@@ -87,9 +87,9 @@ TEST(FitVerdict, TheTrueModelExplainsItsRecordAndWhatFollows) {
   EXPECT_GT(f.fit_verdict.r2, 0.8);
 }
 
-// A stop that the window does not reach and what follows does: the linear model fails there, and
-// the true one, which the window cannot tell from it, keeps misfit out of the headline.
-TEST(FitVerdict, AModelThatIsPossibleSpeaksForAll) {
+// A stop that closes only after the window: there the linear model fails. The true model,
+// equivalent within the window, prevents a misfit in the headline.
+TEST(FitVerdict, APossibleModelThatFitsPreventsAMisfit) {
   SidCase c = small_sid_case();
   const dynamics::Link linear{
       .a = 0, .b = 1, .stiffness = Coefficient::of_parameter(0), .damping = 0.5, .laws = {}};
@@ -102,7 +102,7 @@ TEST(FitVerdict, AModelThatIsPossibleSpeaksForAll) {
   for (SidModel& model : c.models) model.noise = {0.002};
   std::vector<double> force;
   for (int n = 0; n < 400; ++n) force.push_back((n < 200 ? 1.5 : 9.0) * std::sin(0.06 * n));
-  c.models.push_back(c.models[1]);  // the truth, which is taken away
+  c.models.push_back(c.models[1]);  // the truth, removed below
   c.truth = SidTruth{.model = 2,
                      .theta = {50.0, 0.14},
                      .noise = {0.002},
@@ -121,7 +121,7 @@ TEST(FitVerdict, AModelThatIsPossibleSpeaksForAll) {
   }));
 }
 
-TEST(FitVerdict, AResponseOfTheWrongSignIsNotExplained) {
+TEST(FitVerdict, AResponseOfWrongSignIsNotExplained) {
   SidCase c = small_sid_case();
   c.models.push_back(c.models[1]);
   c.models.back().name = "the same";
@@ -133,8 +133,8 @@ TEST(FitVerdict, AResponseOfTheWrongSignIsNotExplained) {
   EXPECT_LT(reason->r2, 0.5);
 }
 
-// Displacements of 0.3 m under noise of 3 m: nothing is wrong with the model.
-TEST(FitVerdict, ARecordOfNoiseIsNoMisfit) {
+// Displacements of 0.3 m with noise of 3 m: the model is not wrong.
+TEST(FitVerdict, ARecordOfNoiseIsNotAMisfit) {
   SidCase c = small_sid_case();
   c.truth->noise = {3.0};
   for (SidModel& model : c.models) model.noise = {3.0};
@@ -146,8 +146,8 @@ TEST(FitVerdict, ARecordOfNoiseIsNoMisfit) {
   EXPECT_NE(find<remark::MostlyNoise>(f.remarks), nullptr);
 }
 
-// A spring that doubles its stiffness at the window's end.
-TEST(FitVerdict, AModelOfTheWindowAloneIsSeenBeyondIt) {
+// A spring that doubles its stiffness at the end of the window.
+TEST(FitVerdict, ReportsAModelThatFailsBeyondTheWindow) {
   SidCase c = small_sid_case();
   c.truth->samples = 400;
   c.truth->model = 0;
@@ -168,7 +168,7 @@ TEST(FitVerdict, AModelOfTheWindowAloneIsSeenBeyondIt) {
   EXPECT_GT(reason->beyond, 2.0 * reason->inside);
 }
 
-TEST(FreeCubic, FindsTheSpringsThatALinearModelLacks) {
+TEST(FreeCubic, FindsTheSpringsMissingInALinearModel) {
   SidCase c = small_sid_case();
   for (SidModel& model : c.models) model.noise = {1e-3};
   c.truth->noise = {1e-3};
@@ -197,7 +197,7 @@ DamageFindings damaged(const DamageCase& damage_case) {
   return damage_findings(*problem, posterior, {}, 1);
 }
 
-TEST(Plausibility, ALengthInMillimetresIsSaidBeforeAnythingIsSampled) {
+TEST(Plausibility, ReportsALengthInMillimetresBeforeSampling) {
   DamageCase c = small_beam(1);
   c.beam.length = 1000.0;
   c.kinds[0].location = inference::Uniform{0.0, 1000.0};
@@ -205,7 +205,7 @@ TEST(Plausibility, ALengthInMillimetresIsSaidBeforeAnythingIsSampled) {
   const std::vector<Remark> doubts = implausible(*problem);
   const auto* doubt = find<remark::FrequenciesOutOfReach>(doubts);
   ASSERT_NE(doubt, nullptr);
-  // What a damage of 90 % lowers a frequency by is far less than the factor.
+  // A damage of 90 % lowers a frequency by far less than the factor.
   EXPECT_NEAR(std::log10(doubt->ratio), 6.0, 0.1);
   EXPECT_EQ(doubt->mode, 1);
   EXPECT_TRUE(implausible(*make_damage_problem(small_beam(1), {})).empty());
@@ -213,7 +213,7 @@ TEST(Plausibility, ALengthInMillimetresIsSaidBeforeAnythingIsSampled) {
   EXPECT_NE(find<misfit::BeyondNoise>(f.fit_verdict.why), nullptr);
 }
 
-TEST(Plausibility, NoiseInPerCentIsSaidBeforeAnythingIsSampled) {
+TEST(Plausibility, ReportsNoiseInPerCentBeforeSampling) {
   DamageCase c = small_beam(1);
   c.kinds[0].severity = inference::Prior(inference::Uniform{0.0, 0.3});
   c.data.cv = 5.0;
@@ -230,7 +230,7 @@ TEST(Plausibility, NoiseInPerCentIsSaidBeforeAnythingIsSampled) {
   EXPECT_NE(find<misfit::WithinNoise>(f.fit_verdict.why), nullptr);
 }
 
-TEST(Plausibility, AResponseInMillimetresIsSaidBeforeAnythingIsSampled) {
+TEST(Plausibility, ReportsAResponseInMillimetresBeforeSampling) {
   SidCase c = simulated(small_sid_case());
   EXPECT_TRUE(implausible(*make_sid_problem(c)).empty());
   for (double& y : c.channels[1].signal.samples) y *= 1e6;
@@ -240,11 +240,11 @@ TEST(Plausibility, AResponseInMillimetresIsSaidBeforeAnythingIsSampled) {
   EXPECT_EQ(doubt->channels.at(0).name, "displacement [m]");
 }
 
-TEST(Plausibility, ATruthThatItsPriorsExcludeIsSaidBeforeAnythingIsSampled) {
+TEST(Plausibility, ReportsATruthExcludedByItsPriorsBeforeSampling) {
   SidCase c = small_sid_case();
   c.parameters.push_back({"sigma", inference::LogUniform{1e-3, 1.0}});
   for (SidModel& model : c.models) model.noise = {dynamics::Coefficient::of_parameter(2)};
-  c.truth->theta.push_back(0.0);  // not given: the noise is
+  c.truth->theta.push_back(0.0);  // not given: the noise value is used
   EXPECT_TRUE(implausible(*make_sid_problem(simulated(c))).empty());
   c.truth->theta[1] = 2e4;
   const std::vector<Remark> doubts = implausible(*make_sid_problem(simulated(c)));
@@ -255,13 +255,13 @@ TEST(Plausibility, ATruthThatItsPriorsExcludeIsSaidBeforeAnythingIsSampled) {
   EXPECT_EQ(doubt->parameters[0].value, 2e4);
 }
 
-TEST(InitialState, IsInferredWhereTheWindowDoesNotStartAtRest) {
+TEST(InitialState, IsInferredIfTheWindowDoesNotStartAtRest) {
   SidCase c = small_sid_case();
   c.truth->noise = {1e-3};
   c.truth->samples = 400;
   const SidCase from_rest = measured(c);
   EXPECT_FALSE(moves_at_start(from_rest).has_value());
-  // Where the displacement is largest.
+  // At the largest displacement.
   const auto& y = from_rest.channels[1].signal.samples;
   const int at = static_cast<int>(std::ranges::max_element(y.begin() + 50, y.begin() + 200, {},
                                                            [](double x) { return std::abs(x); }) -

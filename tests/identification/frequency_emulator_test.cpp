@@ -18,8 +18,7 @@ namespace {
 using test::TemporaryDirectory;
 using testing::HasSubstr;
 
-// A beam on two supports with up to `most` damages in it, and an emulator that is its own mirror
-// image.
+// A simply supported beam with up to `most` damages, and a mirror-symmetric emulator.
 DamageCase beam_case(int elements, int most, const EmulatorSpec& spec) {
   DamageCase out = small_beam(most);
   out.beam.elements = elements;
@@ -86,18 +85,18 @@ TEST(FrequencyEmulator, IsTheFiniteElementSolutionAtItsNodes) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_NEAR(out[i], exact[i], 1e-6 * exact[i]);
 }
 
-TEST(FrequencyEmulator, IsAskedAtElementMidpoints) {
+TEST(FrequencyEmulator, IsEvaluatedAtElementMidpoints) {
   const DamageCase c = emulated_case();
   const FrequencyEmulator emulator = trained(c);
   std::vector<double> a(4), b(4);
   emulator.evaluate(std::vector<fem::Damage>{{0.401, 0.3}}, a);
   emulator.evaluate(std::vector<fem::Damage>{{0.499, 0.3}}, b);
-  EXPECT_EQ(a, b) << "both lie in one element";
+  EXPECT_EQ(a, b) << "both are in one element";
   emulator.evaluate(std::vector<fem::Damage>{{0.501, 0.3}}, b);
   EXPECT_NE(a, b);
 }
 
-TEST(FrequencyEmulator, FewerModesThanTheTableHas) {
+TEST(FrequencyEmulator, UsesFewerModesThanTheTable) {
   const FrequencyEmulator emulator = trained(emulated_case());
   std::vector<double> all(4), two(2);
   const std::vector<fem::Damage> damage = {{0.3, 0.2}};
@@ -125,7 +124,7 @@ TEST(FrequencyEmulator, ReadsWhatItWrites) {
   EXPECT_THROW((void)FrequencyEmulator::load(where / "t.nc", other, 2, 4), io::FileError);
 }
 
-TEST(FrequencyEmulator, FingerprintSeesEveryPropertyOfTheBeam) {
+TEST(FrequencyEmulator, FingerprintDependsOnEveryPropertyOfTheBeam) {
   const fem::Beam beam = emulated_case().beam;
   std::vector<fem::Beam> others(8, beam);
   others[0].length *= 1.01;
@@ -139,7 +138,7 @@ TEST(FrequencyEmulator, FingerprintSeesEveryPropertyOfTheBeam) {
   for (const fem::Beam& other : others) EXPECT_NE(beam_fingerprint(other), beam_fingerprint(beam));
 }
 
-TEST(FrequencyEmulator, NamesThePriorThatReachesOutsideItsBox) {
+TEST(FrequencyEmulator, NamesThePriorOutsideItsBox) {
   DamageCase c = emulated_case();
   const FrequencyEmulator emulator = trained(c);
   EXPECT_FALSE(emulator.reaches_outside(c.kinds[0]));
@@ -153,8 +152,8 @@ TEST(FrequencyEmulator, NamesThePriorThatReachesOutsideItsBox) {
   EXPECT_EQ(emulator.reaches_outside(c.kinds[0])->part, InvalidInput::Part::severity);
 }
 
-// A frequency is nearly linear in compliance: with the same levels the error must fall.
-TEST(FrequencyEmulator, ComplianceAndEverySiteLeaveLittleError) {
+// A frequency is nearly linear in compliance, so with the same levels the error must decrease.
+TEST(FrequencyEmulator, ComplianceAndAllSitesReduceTheError) {
   DamageCase c = emulated_case();
   c.beam.elements = 100;
   c.emulator->sites = {std::vector<int>(100)};
@@ -169,8 +168,8 @@ TEST(FrequencyEmulator, ComplianceAndEverySiteLeaveLittleError) {
   }
 }
 
-// A symmetric beam cannot tell a place from its mirror image; sites that are not symmetric would.
-TEST(FrequencyEmulator, AnswersForMirrorImagesAlike) {
+// For a symmetric beam, a place and its mirror image are equivalent; asymmetric sites break this.
+TEST(FrequencyEmulator, PredictsMirrorImagesEqually) {
   DamageCase symmetrised = emulated_case();
   symmetrised.emulator->symmetrise = true;
   const FrequencyEmulator both = trained(symmetrised), one = trained(emulated_case());
@@ -188,13 +187,13 @@ TEST(FrequencyEmulator, AnswersForMirrorImagesAlike) {
   }
 }
 
-TEST(FrequencyEmulator, VarianceIsHonestOnFreshRuns) {
+TEST(FrequencyEmulator, VarianceIsCalibratedOnFreshRuns) {
   DamageCase well_measured = emulated_case();
   well_measured.emulator->holdout = 2000;
   const FrequencyEmulator emulator = trained(well_measured);
   for (int count = 1; count <= 2; ++count) {
     for (const auto& z : emulator.error(count).standardised) {
-      EXPECT_NEAR(z.rms, 1.0, 1e-6) << "what the scale is fitted to";
+      EXPECT_NEAR(z.rms, 1.0, 1e-6) << "the scale is fitted to this";
       EXPECT_LT(z.beyond_two, 0.12);
     }
   }
@@ -204,7 +203,7 @@ TEST(FrequencyEmulator, VarianceIsHonestOnFreshRuns) {
   for (std::size_t i = 0; i < 4; ++i) EXPECT_LT(small[i], 0.02 * large[i]);
 }
 
-TEST(FrequencyEmulator, AnovaServesAnyCountFromTwoTables) {
+TEST(FrequencyEmulator, AnovaPredictsAnyCountFromTwoTables) {
   const TemporaryDirectory where;
   std::vector<int> every(20);
   std::iota(every.begin(), every.end(), 0);
@@ -235,7 +234,7 @@ TEST(FrequencyEmulator, AnovaServesAnyCountFromTwoTables) {
   EXPECT_THROW((void)FrequencyEmulator::load(where / "t.nc", c.beam, 5, 4), std::invalid_argument);
 }
 
-TEST(FrequencyEmulator, GrowsUntilItIsAccurate) {
+TEST(FrequencyEmulator, RefinesUntilItIsAccurate) {
   for (const double accuracy : {1e-2, 1e-4}) {
     EmulatorSpec spec = grid({0, 9, 19}, {0.0, 0.6});
     spec.interpolant = &emulator::kCubic;
@@ -249,7 +248,7 @@ TEST(FrequencyEmulator, GrowsUntilItIsAccurate) {
       EXPECT_LT(made.holdout(1)[i].rmse, accuracy * intact[i]);
       EXPECT_LT(made.holdout(1)[i].max_error, 2.0 * accuracy * intact[i]);
     }
-    EXPECT_EQ(made.runs(1) > 40, accuracy < 1e-3) << "and no more runs than that takes";
+    EXPECT_EQ(made.runs(1) > 40, accuracy < 1e-3) << "only as many runs as necessary";
   }
 }
 
@@ -269,7 +268,7 @@ TEST_P(ScatteredEmulator, IsTrainedStoredAndReadBack) {
   EXPECT_FALSE(made.reaches_outside(c.kinds[0]));
   made.save(where / "t.nc", {});
   const auto read = FrequencyEmulator::load(where / "t.nc", c.beam, 2, 4);
-  // The priors' corners are inside, in whatever order the damages come to the ends.
+  // The priors' corners are inside, for both orders of the damages.
   for (const auto& damages : std::vector<std::vector<fem::Damage>>{
            {{0.0, 0.0}, {1.0, 0.6}}, {{0.0, 0.6}, {0.0, 0.0}}, {{0.31, 0.2}, {0.8, 0.4}}}) {
     std::vector<double> a(4), b(4), u(4), v(4);
@@ -290,7 +289,7 @@ INSTANTIATE_TEST_SUITE_P(Kinds, ScatteredEmulator, testing::Values("gaussian-pro
                            return test.param == "delaunay" ? "Delaunay" : "GaussianProcess";
                          });
 
-TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
+TEST(FrequencyEmulator, TrainsOnTheUsersRuns) {
   const TemporaryDirectory where;
   const DamageCase plain = beam_case(20, 1, {});
   std::string full = "location[1] [m],reduction[1],f1 [Hz],f2 [Hz],f3 [Hz]\n", loose = full;
@@ -328,16 +327,16 @@ TEST(FrequencyEmulator, LearnsFromTheUsersOwnRuns) {
   const fem::Reanalysis reanalysis(c.beam, 3);
   EXPECT_THROW((void)FrequencyEmulator::train(reanalysis, *c.emulator, c.kinds[0], 3, {}),
                io::FileError)
-      << "no grid";
+      << "not a grid";
   test::put_bytes(where / "twice.csv", loose + "0.0251,0.0,1,2,3\n");
   const DamageCase twice =
       beam_case(20, 1, own_runs(where / "twice.csv", emulator::kGaussianProcess));
   EXPECT_THROW((void)FrequencyEmulator::train(reanalysis, *twice.emulator, c.kinds[0], 3, {}),
                io::FileError)
-      << "one element, one reduction, twice";
+      << "the same element and reduction twice";
 }
 
-TEST(FrequencyEmulator, PartsMakeTheWhole) {
+TEST(FrequencyEmulator, PartsCombineToTheWholeTable) {
   for (const EmulatorSpec& spec : {grid({0, 6, 19}, {0.0, 0.3, 0.6}, 20),
                                    scattered(EmulatorSpec::Runs::sobol, {20, 30}, 20)}) {
     const DamageCase c = beam_case(20, 2, spec);

@@ -18,7 +18,7 @@ using emulator::InterpolantType;
 using emulator::RowMatrix;
 using testing::HasSubstr;
 
-// The responses of the run that is nearest, every range mapped to [0, 1].
+// The responses of the nearest run, with every range mapped to [0, 1].
 class NearestRun final : public emulator::Interpolant {
  public:
   explicit NearestRun(const emulator::Table& table)
@@ -82,7 +82,7 @@ TEST(Interpolants, EveryTypeIsFoundByItsNameAndTrained) {
   std::set<std::string_view> names;
   for (const InterpolantType* type : interpolant_types()) {
     EXPECT_EQ(find_interpolant_type(type->name), type);
-    EXPECT_TRUE(names.insert(type->name).second) << type->name << " stands twice";
+    EXPECT_TRUE(names.insert(type->name).second) << type->name << " occurs twice";
     EXPECT_FALSE(type->words.empty());
     EXPECT_GE(type->most_factors, 2U) << "a damage has two";
     ASSERT_NE(type->train, nullptr);
@@ -127,8 +127,8 @@ TEST(Interpolants, EveryTypeIsFoundByItsNameAndTrained) {
             "\"multilinear\", \"cubic\" and \"monotone-cubic\"");
 }
 
-// A type of one's own needs no more than itself: through training, a file and the whole of a run.
-TEST(Interpolants, ATypeOfOnesOwnPredictsABeam) {
+// A user-defined type works in training, a file and a complete run without other changes.
+TEST(Interpolants, AUserDefinedTypePredictsABeam) {
   const DamageCase damage_case = emulated_beam(every_tenth_of_a_reduction());
   const auto problem = make_damage_problem(damage_case, {});
   const FrequencyEmulator& made = *problem->emulator;
@@ -149,9 +149,9 @@ TEST(Interpolants, ATypeOfOnesOwnPredictsABeam) {
   EXPECT_EQ(u, v);
   try {
     (void)FrequencyEmulator::load(where / "t.nc", damage_case.beam, 1, 4);
-    ADD_FAILURE() << "the program's list has no such interpolant";
+    ADD_FAILURE() << "the program's list does not have this interpolant";
   } catch (const io::FileError& error) {
-    EXPECT_THAT(error.what(), HasSubstr("interpolation \"nearest-run\" is not known"));
+    EXPECT_THAT(error.what(), HasSubstr("interpolation \"nearest-run\" is unknown"));
   }
 
   const auto posterior =
@@ -161,7 +161,7 @@ TEST(Interpolants, ATypeOfOnesOwnPredictsABeam) {
   EXPECT_NEAR(found.models[1].find(0, 0, 1)->q50, 0.6, 0.2);
 }
 
-TEST(Interpolants, ATypeOfOnesOwnJoinsScatteredRunsAndRefinesGrids) {
+TEST(Interpolants, AUserDefinedTypeWorksForScatteredRunsAndGrids) {
   EmulatorSpec spec;
   spec.interpolant = &kScattered;
   spec.runs = EmulatorSpec::Runs::sobol;

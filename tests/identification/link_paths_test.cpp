@@ -12,7 +12,7 @@ namespace {
 using dynamics::Frame;
 using dynamics::Quantity;
 
-// Without noise; measured as asked.
+// The simulated record of the case, without noise.
 SidCase clean(SidCase c) {
   c.truth->noise.assign(c.responses().size(), 0.0);
   return simulated(c);
@@ -24,7 +24,7 @@ double largest(const std::vector<double>& x) {
   return out;
 }
 
-// T = k e + c ė + k3 e³ of the balance of forces is that of the law, at every sample.
+// T = k e + c ė + k3 e³ from the balance of forces equals that of the law at every sample.
 TEST(LinkPaths, TheTensionIsThatOfTheLaw) {
   const SidCase c = clean(small_sid_case());
   const auto problem = make_sid_problem(c);
@@ -40,9 +40,9 @@ TEST(LinkPaths, TheTensionIsThatOfTheLaw) {
   }
 }
 
-// A measured acceleration gives the tension whatever the model's laws: here of the linear model.
-// The record was simulated with finer steps than the noise of the case asks of the model.
-TEST(LinkPaths, TheMeasuredTensionIsTheDatasNotTheModels) {
+// A measured acceleration gives the tension for any laws of the model, here the linear model. The
+// simulation used finer steps than the case's noise requires of the model.
+TEST(LinkPaths, TheMeasuredTensionDependsOnTheDataOnly) {
   SidCase c = small_sid_case();
   c.channels[1] = {.column = "acceleration [m/s^2]",
                    .role = SidChannel::Role::response,
@@ -64,8 +64,8 @@ TEST(LinkPaths, TheMeasuredTensionIsTheDatasNotTheModels) {
   EXPECT_GT(apart, 0.1 * largest(truth.tension));
 }
 
-// Of a chain of two with a link to the ground each, and of one that closes a loop.
-TEST(LinkPaths, LinksThatCloseALoopAreNotTold) {
+// A chain of two masses; a second link to the ground closes a loop.
+TEST(LinkPaths, OmitsLinksThatCloseALoop) {
   SidCase c = small_sid_case();
   for (SidModel& model : c.models) {
     model.chain.masses.push_back(1.0);
@@ -85,8 +85,8 @@ TEST(LinkPaths, LinksThatCloseALoopAreNotTold) {
   EXPECT_TRUE(link_paths(*make_sid_problem(clean(c)), 1, theta).empty());
 }
 
-// A displacement of little noise is differentiated; one of much is left alone.
-TEST(LinkPaths, AccelerationsAreDifferentiatedWhereTheNoiseLetsThem) {
+// A displacement with little noise is differentiated; one with much noise is not.
+TEST(LinkPaths, DifferentiatesOnlyWithLittleNoise) {
   SidCase c = small_sid_case();
   c.truth->excitations = {{.mass = 1, .signal = TrueExcitation::Sine{10.0, 1.0, 0.0}}};
   const auto with_noise = [&](double sd) {

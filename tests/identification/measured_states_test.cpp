@@ -1,6 +1,6 @@
-// Measured structures of ../shared/data in several states: the four masses of Los Alamos with a
-// softened storey or an added mass, and the steel beam whose roller moves. Skipped where the data
-// are absent.
+// Measured structures of ../shared/data in several states: the four-mass structure of Los Alamos
+// with a softened storey or an added mass, and the steel beam with a moving roller. Skipped if the
+// data are absent.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -25,7 +25,7 @@ namespace {
 
 const std::filesystem::path kShared = std::filesystem::path(WHEELTAP_SHARED_DIR) / "data";
 
-/// Rows of a CSV file without quotes, its header left out.
+/// Rows of a CSV file without quotes, without the header.
 std::vector<std::vector<std::string>> rows_of(const std::filesystem::path& path) {
   std::ifstream stream(path);
   std::vector<std::vector<std::string>> out;
@@ -47,8 +47,8 @@ ModalData measured_frequencies(std::vector<double> f, const std::vector<double>&
 
 // ---- four masses -------------------------------------------------------------------------------
 
-/// Medians of the second and third flexible mode; the scatter of a median of n lines, twice (lines
-/// of a periodogram cluster within a record).
+/// Medians of the second and third flexible mode. The scatter is twice that of a median of n lines,
+/// because lines of a periodogram cluster within a record.
 std::map<int, ModalData> lanl_states() {
   std::map<int, ModalData> out;
   for (const auto& row : rows_of(kShared / "lanl-3story-features/state_summary.csv")) {
@@ -62,8 +62,7 @@ std::map<int, ModalData> lanl_states() {
   return out;
 }
 
-/// The chain with its published masses, base free, and the stiffness of each storey unknown to 15
-/// %.
+/// The chain with its published masses, free base, and 15 % uncertainty of each storey's stiffness.
 std::shared_ptr<const StructureModel> lanl_chain() {
   auto model = std::make_shared<StructureModel>();
   fem::LumpedChain chain{.masses = {6.2016, 7.5042, 8.2248, 7.6557}, .links = {}};
@@ -98,10 +97,10 @@ DefectKind kind_of(const DefectType& type, std::string name, const std::vector<s
 struct Lanl {
   DamageFindings found;
   double soft = 0.0, heavy = 0.0;    ///< P(a soft storey), P(an added mass)
-  std::vector<double> storeys = {};  ///< expected soft storeys
+  std::vector<double> storeys = {};  ///< expected number of soft storeys
 };
 
-/// State `damaged` against the healthy ones.
+/// State `damaged` compared with the healthy states.
 Lanl lanl(int damaged, const std::vector<int>& healthy, const std::map<int, int>& added,
           bool masses) {
   const auto data = lanl_states();
@@ -159,17 +158,18 @@ Lanl lanl(int damaged, const std::vector<int>& healthy, const std::map<int, int>
 }
 
 #define SKIP_WITHOUT(folder) \
-  if (!std::filesystem::exists(kShared / (folder))) GTEST_SKIP() << (folder) << " is not there"
+  if (!std::filesystem::exists(kShared / (folder))) GTEST_SKIP() << (folder) << " does not exist"
 
-/// The reduction of the model with one soft storey and nothing else.
+/// The reduction in the model with one soft storey only.
 const Marginal& reduction_of(const Lanl& run) {
   for (const ModelFinding& m : run.found.models)
     if (m.counts[0] == 1) return *m.find(0, 0, 1);
   throw std::logic_error("no such model");
 }
 
-// A column of half the thickness takes .219 of a storey's stiffness, two .4375. By two frequencies
-// the lowest storey is like the highest, the chain being nearly its own image: both are named.
+// A column of half the thickness removes .219 of a storey's stiffness, two remove .4375. With two
+// frequencies the lowest and the highest storey are indistinguishable, because the chain is nearly
+// symmetric: both are named.
 TEST(MeasuredStates, SoftStoreysOfTheFourMasses) {
   SKIP_WITHOUT("lanl-3story-features");
   for (const auto& [state, truth] : std::map<int, double>{{4, 0.21875}, {5, 0.4375}}) {
@@ -189,8 +189,8 @@ TEST(MeasuredStates, SoftStoreysOfTheFourMasses) {
   }
 }
 
-// The healthy frame, learnt with 1.2 kg on its base and on its first floor, has no damage without
-// them; nor does a bumper change it that is hardly touched.
+// The healthy frame, with 1.2 kg on its base and on its first floor in the reference states, has no
+// damage without them; a bumper that is barely touched does not change this.
 TEST(MeasuredStates, TheHealthyFourMasses) {
   SKIP_WITHOUT("lanl-3story-features");
   const Lanl bare = lanl(1, {2, 3}, {{2, 0}, {3, 1}}, true);
@@ -201,7 +201,7 @@ TEST(MeasuredStates, TheHealthyFourMasses) {
   EXPECT_LT(bumper.heavy, 0.2);
 }
 
-// 1.2 kg on the base or on the first floor: told from softening, or both are listed.
+// 1.2 kg on the base or on the first floor: distinguished from softening, or both are listed.
 TEST(MeasuredStates, AddedMassesOfTheFourMasses) {
   SKIP_WITHOUT("lanl-3story-features");
   for (const int state : {2, 3}) {
@@ -217,8 +217,8 @@ struct Roller {
   double place_mm, f1, f2;
 };
 
-/// Steel, clamped by a rotational spring; the roller's zero, E, the spring, and mass and place of
-/// the sensors are unknown.
+/// A steel beam, clamped by a rotational spring. Unknown: the roller's zero, E, the spring, and
+/// mass and place of the sensors.
 std::shared_ptr<const StructureModel> roller_beam() {
   auto model = std::make_shared<StructureModel>();
   const fem::Material steel{.young = 200e9, .poisson = 0.3, .density = 7800.0};
@@ -273,7 +273,7 @@ std::shared_ptr<const StructureModel> roller_beam() {
   return model;
 }
 
-TEST(MeasuredStates, ARollerBeamForetellsOtherPlaces) {
+TEST(MeasuredStates, ARollerBeamPredictsOtherPlaces) {
   SKIP_WITHOUT("dropbear-roller-beam");
   auto states = std::make_shared<ObservedStates>();
   states->model = roller_beam();

@@ -12,7 +12,7 @@
 namespace wheeltap::identification {
 namespace {
 
-// A cantilever of 100 elements of 10 mm, four modes known to 0.1 %.
+// A cantilever of 100 elements of 10 mm, with four modes known to 0.1 %.
 DamageCase fine_beam(const fem::Defects& truth) {
   DamageCase out = small_beam(3);
   out.beam.elements = 100;
@@ -21,7 +21,7 @@ DamageCase fine_beam(const fem::Defects& truth) {
   return out;
 }
 
-// Chains of equal draws of one model, the likeliest by far.
+// Chains of equal draws of one model, which is by far the most probable.
 DamageFindings found_in(const DamageProblem& problem, int model,
                         const std::vector<std::vector<double>>& draws) {
   inference::Posterior posterior;
@@ -36,7 +36,7 @@ DamageFindings found_in(const DamageProblem& problem, int model,
       chain.theta.append(draws[i].begin(), draws[i].end());
       chain.theta.resize((i + 1) * static_cast<std::size_t>(posterior.dimension), std::nan(""));
       chain.log_prior.push_back(0.0);
-      chain.log_likelihood.push_back(-1.0);  // none of them 0: a run with data
+      chain.log_likelihood.push_back(-1.0);  // not 0: a run with data
     }
     posterior.chains.push_back(std::move(chain));
   }
@@ -49,11 +49,11 @@ bool says_neighbours(const DamageFindings& found) {
   });
 }
 
-// Fault: one damage of 30 mm on elements of 8 mm was "two damages (> 99.9 %)", without a word.
-TEST(MergedDamages, NeighboursThatOneLongerDamageExplainsCountAsOne) {
+// Regression: one damage of 30 mm on elements of 8 mm gave "two damages (> 99.9 %)" silently.
+TEST(MergedDamages, MergesNeighboursThatOneLongerDamageExplains) {
   const fem::Defects truth{.damages = {{0.305, 0.3}, {0.315, 0.3}, {0.325, 0.3}}, .supports = {}};
   const auto problem = make_damage_problem(fine_beam(truth), {});
-  // The same flexibility in two elements: 10 mm of r / (1 - r) = 0.643 each.
+  // The same flexibility in two elements: 10 mm with r / (1 - r) = 0.643 each.
   const DamageFindings found = found_in(*problem, 2,
                                         {{0.305, 0.39, 0.325, 0.39},
                                          {0.303, 0.4, 0.327, 0.39},
@@ -69,13 +69,13 @@ TEST(MergedDamages, NeighboursThatOneLongerDamageExplainsCountAsOne) {
   EXPECT_EQ(model->count, 1);
   EXPECT_NEAR(model->location.q50, 0.315, 0.002);
   EXPECT_NEAR(model->fixed, 0.01, 1e-12);
-  // L²/12 = 10² + 10²/12 mm² of those 20 mm apart.
+  // L²/12 = 10² + 10²/12 mm² for damages 20 mm apart.
   EXPECT_NEAR(model->length.q50, std::sqrt(12.0) * 0.01 * std::sqrt(1.0 + 1.0 / 12.0), 2e-3);
   EXPECT_LT(std::abs(model->gain), 0.5);
   EXPECT_TRUE(says_neighbours(found));
 }
 
-TEST(MergedDamages, DamagesFarApartStayTwo) {
+TEST(MergedDamages, DistantDamagesAreNotMerged) {
   const fem::Defects truth{.damages = {{0.205, 0.4}, {0.405, 0.4}}, .supports = {}};
   const auto problem = make_damage_problem(fine_beam(truth), {});
   const DamageFindings found = found_in(*problem, 2,
@@ -90,7 +90,7 @@ TEST(MergedDamages, DamagesFarApartStayTwo) {
   EXPECT_FALSE(says_neighbours(found));
 }
 
-TEST(MergedDamages, OfThreeTwoNeighboursAreOne) {
+TEST(MergedDamages, MergesTwoNeighboursOfThree) {
   const fem::Defects truth{.damages = {{0.205, 0.3}, {0.215, 0.3}, {0.605, 0.4}}, .supports = {}};
   const auto problem = make_damage_problem(fine_beam(truth), {});
   const std::vector<double> draw = {0.205, 0.3, 0.215, 0.3, 0.605, 0.4};
@@ -102,7 +102,7 @@ TEST(MergedDamages, OfThreeTwoNeighboursAreOne) {
   EXPECT_NEAR(merged->of(3)->location.q50, 0.21, 1e-6);
 }
 
-TEST(MergedDamages, AnInferredExtentNeedsNone) {
+TEST(MergedDamages, AnInferredExtentNeedsNoMerging) {
   DamageCase damage_case = fine_beam({});
   damage_case.kinds[0].extent_prior = inference::Uniform{0.0, 0.2};
   EXPECT_FALSE(has_fixed_extent(damage_case.kinds[0]));

@@ -1,4 +1,4 @@
-// Structures with measured modes that the tests of updating share.
+// Structures with measured modes for several tests.
 #pragma once
 
 #include <cmath>
@@ -13,7 +13,7 @@
 
 namespace wheeltap::identification::modal {
 
-/// A chain from the ground: masses [kg], and a stiffness parameter a link.
+/// A chain from the ground: masses [kg], and one stiffness parameter per link.
 inline std::shared_ptr<const StructureModel> chain(const std::vector<double>& masses,
                                                    const std::vector<inference::Prior>& priors) {
   fem::LumpedChain chain{.masses = masses, .links = {}};
@@ -47,8 +47,8 @@ inline Eigen::MatrixXd diagonal(const std::vector<double>& sds) {
   return c;
 }
 
-/// The two-storey chain of the tests, its frequencies at `cov`, and shapes at both floors where
-/// `shape_sd` > 0.
+/// The two-storey chain of the tests, with noise `cov` of its frequencies and, if `shape_sd` > 0,
+/// shapes at both floors.
 inline UpdateCase two_storeys(double cov, double shape_sd) {
   UpdateCase out{.title = "two storeys",
                  .structure = chain({2.0, 1.0}, {inference::Uniform{500.0, 3000.0},
@@ -60,7 +60,7 @@ inline UpdateCase two_storeys(double cov, double shape_sd) {
   return out;
 }
 
-/// Posts clamped and sprung at their feet, and a beam.
+/// A portal: posts that are clamped or elastically supported at their feet, and a beam.
 inline fem::Structure portal(int elements) {
   const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
   const fem::MemberSection section{
@@ -83,13 +83,13 @@ inline fem::Structure portal(int elements) {
   return s;
 }
 
-/// From the ground, each stiffness unknown by 20 %.
+/// A chain from the ground, with a standard deviation of 20 % of each stiffness.
 inline std::shared_ptr<const StructureModel> three_storeys() {
   const inference::Prior k = inference::LogNormal{std::log(1000.0), 0.2};
   return chain({1.0, 1.2, 0.8}, {k, k, k});
 }
 
-/// At most one, anywhere.
+/// At most one soft storey, anywhere.
 inline DefectKind soft_storey() {
   SiteLine line = SiteLine::of_points({0, 1, 2}, {"storey 1", "storey 2", "storey 3"});
   DefectKind kind{.type = &defects::kStorey,

@@ -48,7 +48,7 @@ ModalData data_of(const std::vector<double>& frequencies_hz, double cov, const M
   return data;
 }
 
-TEST(ModalLikelihood, EigenvaluesOfFrequenciesLoseNoBit) {
+TEST(ModalLikelihood, EigenvaluesReproduceFrequenciesExactly) {
   double lambda = 1e-3;
   for (int i = 0; i < 20000; ++i, lambda *= 1.0021) {
     const double f = std::sqrt(lambda) / (2.0 * std::numbers::pi);
@@ -56,7 +56,7 @@ TEST(ModalLikelihood, EigenvaluesOfFrequenciesLoseNoBit) {
   }
 }
 
-// A gap keeps the numbers of the modes that follow; with shapes it takes no computed mode.
+// A gap keeps the numbers of the following modes; with shapes it is not matched.
 TEST(ModalLikelihood, GapsKeepTheNumbersOfOtherModes) {
   const Modes modes = modes_of({1.0, 3.0, 5.0, 7.0}, three_shapes());
   const ModalLikelihood numbered(data_of({1.0, kNaN, 5.0}, 0.01, MatrixXd(), 0.0));
@@ -76,7 +76,7 @@ TEST(ModalLikelihood, GapsKeepTheNumbersOfOtherModes) {
   EXPECT_NEAR(score.chi_square, 0.0, 1e-12);
 }
 
-TEST(ModalLikelihood, AnEmulatorsErrorIsNoiseBesideTheMeasurements) {
+TEST(ModalLikelihood, AnEmulatorsErrorAddsToTheNoise) {
   const Modes modes = modes_of({1.02, 2.97, 5.0}, MatrixXd(0, 3));
   const ModalData data = data_of({1.0, kNaN, 5.1}, 0.01, {}, 0.0);
   ModalData wider = data;
@@ -89,7 +89,7 @@ TEST(ModalLikelihood, AnEmulatorsErrorIsNoiseBesideTheMeasurements) {
             ModalLikelihood(wider).score(modes, {}).log_likelihood);
 }
 
-TEST(ModalLikelihood, PullsAreTheSlopesByFrequencies) {
+TEST(ModalLikelihood, PullsAreDerivativesByFrequency) {
   ModalData data = data_of({1.0, kNaN, 5.1}, 0.01, {}, 0.0);
   data.covariance(0, 2) = data.covariance(2, 0) = 2e-4;
   const ModalLikelihood likelihood(data);
@@ -101,7 +101,7 @@ TEST(ModalLikelihood, PullsAreTheSlopesByFrequencies) {
       moved[i] += step;
       return likelihood.score(modes_of(moved, MatrixXd(0, 3)), {}).log_likelihood;
     };
-    // Quadratic: central differences are exact but for rounding.
+    // Quadratic: central differences are exact to rounding.
     EXPECT_NEAR(pulls[i], (at(1e-4) - at(-1e-4)) / 2e-4, 1e-5 * (1.0 + std::abs(pulls[i]))) << i;
   }
 }
@@ -131,7 +131,7 @@ TEST(ModalLikelihood, AnUnknownCovHasItsNormaliser) {
       stated, 1e-10);
 }
 
-// Swapped rows, one missing in the middle: the posterior must not notice.
+// Permuting rows, with one missing in the middle, must not change the posterior.
 TEST(ModalLikelihood, TheOrderOfMeasuredModesDoesNotMatter) {
   const MatrixXd shapes = three_shapes();
   const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, shapes);
@@ -158,8 +158,8 @@ TEST(ModalLikelihood, AModeMayBeMissingInTheMiddle) {
   EXPECT_NEAR(found.chi_square, 0.0, 1e-9);
 }
 
-// Two modes that crossed: their shapes tell which is which, although the frequencies are as near to
-// one as to the other.
+// Two modes that crossed: their shapes identify them, although the frequencies are equally close to
+// both.
 TEST(ModalLikelihood, CrossedModesAreMatchedByTheirShapes) {
   const MatrixXd shapes = three_shapes();
   const Modes modes = modes_of({2.0, 2.2, 3.0, 4.0}, shapes);
@@ -170,14 +170,14 @@ TEST(ModalLikelihood, CrossedModesAreMatchedByTheirShapes) {
   EXPECT_EQ(found.matches[1].computed, 0);
 }
 
-TEST(ModalLikelihood, FrequenciesAloneGoByTheirOrder) {
+TEST(ModalLikelihood, FrequenciesAloneAreMatchedByOrder) {
   const Modes modes = modes_of({1.0, 2.0, 3.0}, MatrixXd(0, 3));
   const auto found = ModalLikelihood(data_of({kNaN, 3.0}, 0.01, {}, 0.0)).score(modes, {});
   EXPECT_EQ(found.matches[1].computed, 1) << "not the nearest, but the second";
 }
 
-// As two modes come closer their shapes may be turned: no jump anywhere.
-TEST(ModalLikelihood, IsContinuousWhereModesComeClose) {
+// Shapes of two approaching modes may rotate: the likelihood is continuous.
+TEST(ModalLikelihood, IsContinuousForApproachingModes) {
   const MatrixXd shapes = three_shapes();
   MatrixXd measured(1, 3);
   measured << (shapes.col(0) + 0.03 * shapes.col(1)).transpose();
@@ -193,12 +193,12 @@ TEST(ModalLikelihood, IsContinuousWhereModesComeClose) {
   }
 }
 
-TEST(ModalLikelihood, ShapesOfWrongSizeAreRefusedByTheirMode) {
+TEST(ModalLikelihood, RejectsShapesOfWrongSizeNamingTheMode) {
   ModalData data = data_of({1.0, 3.0}, 0.01, MatrixXd::Ones(2, 3), 0.02);
   data.shapes(1, 0) = data.shapes(1, 1) = kNaN;
   try {
     const ModalLikelihood likelihood(data);
-    FAIL() << "one entry is no shape";
+    FAIL() << "one entry is not a shape";
   } catch (const std::invalid_argument& error) {
     EXPECT_NE(std::string(error.what()).find("mode 2"), std::string::npos) << error.what();
   }
@@ -209,8 +209,8 @@ double log_sum(double a, double b) {
   return std::max(a, b) + std::log1p(std::exp(-std::abs(a - b)));
 }
 
-// By hand: 1/(1.5 f) for the frequency, and for the line 1/2π on the half sphere.
-TEST(ModalLikelihood, ADoubtedModeIsAMixture) {
+// Closed form: 1/(1.5 f) for the frequency, and for the shape 1/2π on the half sphere.
+TEST(ModalLikelihood, APossiblySpuriousModeIsAMixture) {
   const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, three_shapes());
   constexpr double kDoubt = 0.1;
   int doubted = 0;
@@ -233,8 +233,8 @@ TEST(ModalLikelihood, ADoubtedModeIsAMixture) {
   EXPECT_LT(doubted, 4);
 }
 
-// It leaves its place to one that is the structure's.
-TEST(ModalLikelihood, ASpuriousModeTakesNoOthersPlace) {
+// The computed mode is left to a measured mode of the structure.
+TEST(ModalLikelihood, ASpuriousModeDoesNotReplaceAnother) {
   const MatrixXd shapes = three_shapes();
   const Modes modes = modes_of({1.0, 2.0, 3.0, 4.0}, shapes);
   MatrixXd measured(5, 3);
@@ -270,8 +270,8 @@ void expect_gradient_of_differences(const UpdateCase& update_case, const std::ve
   }
 }
 
-TEST(ModalLikelihood, GradientsOfDoubtedModesAreThoseOfDifferences) {
-  for (const double second : {0.4, 0.62}) {  // fits, hardly
+TEST(ModalLikelihood, GradientsOfPossiblySpuriousModesAgreeWithDifferences) {
+  for (const double second : {0.4, 0.62}) {  // matches well, matches hardly
     UpdateCase update_case = modal::two_storeys(0.01, 0.05);
     update_case.data.shapes(0, 0) = second;
     update_case.data.doubt = 0.2;
@@ -279,13 +279,13 @@ TEST(ModalLikelihood, GradientsOfDoubtedModesAreThoseOfDifferences) {
   }
 }
 
-TEST(ModalLikelihood, DoubtGoesWithShapes) {
+TEST(ModalLikelihood, DoubtNeedsShapes) {
   ModalData data = data_of({1.0, 3.0}, 0.01, {}, 0.0);
   data.doubt = 0.1;
   EXPECT_THROW(ModalLikelihood{data}, std::invalid_argument);
 }
 
-TEST(ModalLikelihood, GradientsAreThoseOfDifferences) {
+TEST(ModalLikelihood, GradientsAgreeWithDifferences) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   update_case.data.discrepancy.prior = inference::LogUniform{1e-3, 1e-1};
   expect_gradient_of_differences(update_case, {1300.0, 1000.0, 0.02});

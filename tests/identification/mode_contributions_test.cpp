@@ -41,7 +41,7 @@ TEST(ModeContributions, OneModeGivenTheOthersIsTheRatioOfJointDensities) {
 
 // x ~ N(0, 1), two measurements y = x + e with variances s and t: all posteriors are normal, and
 // KL(N(a, u) ‖ N(b, v)) = ½ (u/v - 1 - ln(u/v) + (a - b)²/v).
-TEST(ModeContributions, WhatThePosteriorLosesIsTheDivergence) {
+TEST(ModeContributions, InformationIsTheDivergence) {
   const double y = 1.0, z = 0.4, s = 0.5, t = 2.0;
   const double u = 1.0 / (1.0 + 1.0 / s + 1.0 / t), a = u * (y / s + z / t);
   const double v = 1.0 / (1.0 + 1.0 / s), b = v * y / s;
@@ -57,11 +57,11 @@ TEST(ModeContributions, WhatThePosteriorLosesIsTheDivergence) {
   EXPECT_TRUE(out.reliable);
   double mean = 0.0;
   for (std::size_t i = 0; i < x.size(); ++i) mean += out.weights[i] * x[i];
-  // Five standard errors; weights of a wider normal are worth half of the draws.
+  // Five standard errors; the effective number of draws for weights of a wider normal is half.
   EXPECT_NEAR(mean, b, 5.0 * std::sqrt(v / (0.5 * kDraws)));
   EXPECT_NEAR(out.information, exact, 5.0 / std::sqrt(static_cast<double>(kDraws)));
 
-  // Draws that count twice are as two of them.
+  // A draw of weight two equals two draws.
   const std::vector<double> once = {-1.0, -2.0, -2.0}, twice = {-1.0, -2.0};
   const WithoutMode plain = without_mode(once),
                     weighted = without_mode(twice, std::vector{1.0, 2.0});

@@ -21,8 +21,8 @@ double sum_of(const MatrixXd& costs, const std::vector<int>& columns) {
   return sum;
 }
 
-// Against every arrangement of up to 6 rows in 7 columns.
-TEST(LeastCostAssignment, IsTheBestOfAll) {
+// Compares with all assignments of up to 6 rows to 7 columns.
+TEST(LeastCostAssignment, HasTheLeastCostOfAll) {
   base::Random random(5, 0, 0, base::Purpose::test);
   for (int trial = 0; trial < 300; ++trial) {
     const int columns = 1 + random.index(7), rows = 1 + random.index(std::min(columns, 6));
@@ -49,7 +49,7 @@ TEST(LeastCostAssignment, ForbiddenPairsAreAvoided) {
   EXPECT_EQ(least_cost_assignment(costs), (std::vector<int>{1, 0}));
 }
 
-TEST(LeastCostAssignment, MisuseIsRefused) {
+TEST(LeastCostAssignment, RejectsInvalidCosts) {
   EXPECT_THROW(least_cost_assignment(MatrixXd::Zero(3, 2)), std::invalid_argument);
   EXPECT_THROW(least_cost_assignment(MatrixXd::Constant(1, 1, std::nan(""))),
                std::invalid_argument);

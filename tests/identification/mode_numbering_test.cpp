@@ -10,7 +10,7 @@
 namespace wheeltap::identification {
 namespace {
 
-/// Five storeys of 16 N/m and 1 kg, each stiffness unknown by a factor.
+/// Five storeys of 16 N/m and 1 kg, each stiffness log-normal.
 std::shared_ptr<const StructureModel> five_storeys(double log_sd) {
   const inference::Prior k = inference::LogNormal{std::log(16.0), log_sd};
   return modal::chain({1.0, 1.0, 1.0, 1.0, 1.0}, {k, k, k, k, k});
@@ -20,7 +20,7 @@ double true_hz(int mode) {
   return 8.0 / kTwoPi * std::sin((2 * mode - 1) * kPi / 22.0);
 }
 
-/// `modes`: in each row, which of the structure's it is; 0 for a gap.
+/// `modes`: the structure's mode for each row; 0 for a gap.
 ModalData data_of(const std::vector<int>& modes) {
   ModalData data;
   std::vector<double> sds;
@@ -57,7 +57,7 @@ TEST(ModeNumbering, AMissingModeBetweenOthersIsFound) {
   EXPECT_EQ(found.likeliest.modes, (std::vector<int>{1, 3, 4, 5}));
 }
 
-// One frequency and a stiffness that may be anything: only what was assumed speaks.
+// One frequency and a stiffness with a wide prior: the data have no information about the number.
 TEST(ModeNumbering, OneFrequencyUnderAWidePriorKeepsItsNumber) {
   const NumberingFinding found = judged({1}, 2.0);
   EXPECT_GT(found.probability, 0.8);

@@ -41,19 +41,20 @@ TEST(NoiseModel, LikelihoodIsThatOfTheMeasuredModes) {
   EXPECT_NEAR(residuals[1], 1.0 / noise.sd(2, 0.0, 0.0), 1e-12);
 }
 
-// The report's bars could contradict its p-value: replicates had the measurement's noise alone.
+// Regression: replicates had only the measurement's noise, so the report's bars contradicted its
+// p-value.
 TEST(NoiseModel, ReplicatesHaveTheNoiseOfTheLikelihood) {
   FrequencyData data = two_of_three();
   const NoiseModel known(data);
   EXPECT_EQ(known.replicate_sd(0, 10.7, 0.0, 0.04), known.sd(0, 0.0, 0.04));
-  EXPECT_TRUE(std::isnan(known.replicate_sd(1, 20.0, 0.0, 0.0))) << "nothing says how exactly";
+  EXPECT_TRUE(std::isnan(known.replicate_sd(1, 20.0, 0.0, 0.0))) << "the accuracy is unknown";
   data.sd_hz.clear();
   data.cv_prior = inference::LogUniform{1e-4, 1e-1};
   const NoiseModel inferred(data);
   const std::vector<double> x = {0.01, 0.5};
   EXPECT_EQ(inferred.cv(x), 0.01);
   EXPECT_EQ(inferred.replicate_sd(0, 10.7, 0.01, 0.04), inferred.sd(0, 0.01, 0.04));
-  // Where a mode was not measured, of the frequency predicted.
+  // For a mode that was not measured, relative to the predicted frequency.
   EXPECT_NEAR(inferred.replicate_sd(1, 20.0, 0.01, 0.0), std::hypot(0.2, 0.4), 1e-15);
 }
 

@@ -10,7 +10,7 @@ namespace {
 
 using inference::Parameter;
 
-/// y = (√(x_0 (1 + x_1)), waves of x_1), or a failure beyond x_1 = `wall`.
+/// y = (√(x_0 (1 + x_1)), oscillation in x_1); fails beyond x_1 = `wall`.
 class Smooth final : public OutsideModel {
  public:
   explicit Smooth(double waves, double wall = 1e9) : waves_(waves), wall_(wall) {}
@@ -36,7 +36,7 @@ std::vector<Parameter> unknowns() {
 TEST(OutsideEmulator, ItsBoxIsThatOfThePriors) {
   Smooth model(3.0);
   const OutsideEmulator emulator(model, unknowns(), {}, 2);
-  EXPECT_EQ(model.calls, 50);  // 20 an unknown, and a quarter
+  EXPECT_EQ(model.calls, 50);  // 20 per unknown, and a quarter for the holdout
   const auto& box = emulator.box();
   EXPECT_NEAR(box[0].low(), 1e4 * std::exp(-3.2), 1e-6 * box[0].low());
   EXPECT_NEAR(box[0].high(), 1e4 * std::exp(3.2), 1e-6 * box[0].high());
@@ -48,10 +48,9 @@ TEST(OutsideEmulator, ItsBoxIsThatOfThePriors) {
   EXPECT_FALSE(emulator.contains(std::vector<double>{1e6, 0.5}));
 }
 
-// Errors at 400 points that it has never seen, standardised by the variance that it claims: 1 in
-// the mean. 40 fresh runs know their variance to about a factor of 2, and beyond 4.75 sd of χ² lies
-// one in 10^6.
-TEST(OutsideEmulator, ClaimsTheErrorThatItHas) {
+// Errors at 400 new points, standardised by the claimed variance, have mean square 1. 40 fresh runs
+// determine their variance to about a factor of 2; one value in 10^6 is beyond 4.75 sd of χ².
+TEST(OutsideEmulator, VarianceIsThatOfItsErrors) {
   for (const double waves : {3.0, 200.0}) {
     Smooth model(waves);
     const OutsideEmulator emulator(model, unknowns(), {.runs = 40, .holdout = 40}, 2);
@@ -68,7 +67,7 @@ TEST(OutsideEmulator, ClaimsTheErrorThatItHas) {
   }
 }
 
-TEST(OutsideEmulator, MayBeTrustedBlindly) {
+TEST(OutsideEmulator, ItsErrorCanBeDisabled) {
   Smooth model(3.0);
   const OutsideEmulator emulator(model, unknowns(), {.emulator_error = false}, 1);
   std::vector<double> y(2), variance(2, 1.0);
@@ -77,7 +76,7 @@ TEST(OutsideEmulator, MayBeTrustedBlindly) {
   EXPECT_NEAR(y[0], std::sqrt(1.5e4), 0.05 * std::sqrt(1.5e4));
 }
 
-TEST(OutsideEmulator, TheModelsFailureIsPassedOn) {
+TEST(OutsideEmulator, RethrowsTheModelsFailure) {
   Smooth model(3.0, 0.9);
   EXPECT_THROW(OutsideEmulator(model, unknowns(), {}, 2), OutsideModelError);
 }

@@ -24,20 +24,20 @@ TEST(PriorBound, ANarrowPosteriorNearABoundKeepsAwayFromIt) {
   EXPECT_EQ(bound_of(wide, normal_draws(9.9, 0.01, -0.999, 10.0)), PriorBound::none);
 }
 
-TEST(PriorBound, APosteriorThatTheBoundEndsPilesUp) {
+TEST(PriorBound, APosteriorCutOffByTheBoundPilesUp) {
   const inference::Prior wide = inference::Uniform{-0.999, 10.0};
   EXPECT_EQ(bound_of(wide, normal_draws(-0.999, 0.013, -0.999, 10.0)), PriorBound::lower);
   EXPECT_EQ(bound_of(wide, normal_draws(10.2, 0.2, -0.999, 10.0)), PriorBound::upper);
 }
 
-TEST(PriorBound, APriorThatIsLeftAsItWasDoesNotPileUp) {
+TEST(PriorBound, AnUnchangedPriorDoesNotPileUp) {
   std::vector<double> draws;
   for (int i = 0; i < 1000; ++i) draws.push_back((i + 0.5) / 1000.0);
   EXPECT_EQ(bound_of(inference::Prior(inference::Uniform{0.0, 1.0}), draws), PriorBound::none);
 }
 
-// Where nothing negative exists, zero is no bound that a prior could widen.
-TEST(PriorBound, ZeroIsTheQuantitysOwnBound) {
+// For a positive quantity, zero is not a bound of the prior.
+TEST(PriorBound, ZeroIsNotABoundOfThePrior) {
   EXPECT_EQ(
       bound_of(inference::Prior(inference::Uniform{0.0, 1.0}), normal_draws(0.0, 0.01, 0.0, 1.0)),
       PriorBound::none);

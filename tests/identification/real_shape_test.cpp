@@ -30,8 +30,8 @@ MatrixXd some_covariance(int size) {
   return root * root.transpose() + 1e-7 * MatrixXd::Identity(size, size);
 }
 
-// Any complex factor leaves the line, and its covariance on the tangent plane.
-TEST(RealShape, DoesNotDependOnTheFactor) {
+// A complex factor does not change the real shape and its covariance on the tangent plane.
+TEST(RealShape, DoesNotDependOnTheComplexFactor) {
   const VectorXcd shape = nearly_real();
   const MatrixXd c = some_covariance(8);
   const RealShape plain = real_shape(shape, c, 0);
@@ -46,7 +46,7 @@ TEST(RealShape, DoesNotDependOnTheFactor) {
   EXPECT_NEAR(plain.values.cwiseAbs().maxCoeff(), 1.0, 1e-15);
 }
 
-// The covariance is that of the line: by differences over draws of the complex shape.
+// Compares the covariance with the scatter of draws of the complex shape.
 TEST(RealShape, CovarianceIsThatOfScatter) {
   VectorXcd shape = nearly_real();
   shape.imag() << 0.4, 0.3, 0.0, -0.5;
@@ -75,8 +75,8 @@ TEST(RealShape, CovarianceIsThatOfScatter) {
   EXPECT_LT((across * sum * across - expected).norm(), 0.03 * expected.norm());
 }
 
-// A shape that was scaled to make one entry 1 has no scatter there; the density of its line exists.
-TEST(RealShape, AnEntryThatIsTiedCountsForNone) {
+// A shape scaled to make one entry 1 has no scatter there; its density exists.
+TEST(RealShape, AnEntryScaledToOneHasNoVariance) {
   MatrixXd c = some_covariance(8);
   for (const int tied : {2, 6}) {
     c.row(tied).setZero();
@@ -87,7 +87,7 @@ TEST(RealShape, AnEntryThatIsTiedCountsForNone) {
   EXPECT_NEAR(density.against(found.values).chi_square, 0.0, 1e-9);
 }
 
-TEST(RealShape, EstimatesAreRaisedAndFewBlocksKeepVariances) {
+TEST(RealShape, RaisesEstimatedCovariancesAndDropsCorrelationsForFewBlocks) {
   const MatrixXd c = some_covariance(8);
   const RealShape exact = real_shape(nearly_real(), c, 0);
   const RealShape estimated = real_shape(nearly_real(), c, 50);
@@ -98,7 +98,7 @@ TEST(RealShape, EstimatesAreRaisedAndFewBlocksKeepVariances) {
   EXPECT_EQ(few.covariance(0, 1), 0.0);
 }
 
-TEST(RealShape, Refusals) {
+TEST(RealShape, RejectsInvalidInput) {
   const VectorXcd shape = nearly_real();
   EXPECT_THROW((void)real_shape(shape.head(1), some_covariance(2), 0), std::invalid_argument);
   EXPECT_THROW((void)real_shape(shape, some_covariance(4), 0), std::invalid_argument);
@@ -106,7 +106,7 @@ TEST(RealShape, Refusals) {
   EXPECT_THROW((void)real_shape(shape, MatrixXd::Zero(8, 8), 0), std::invalid_argument);
 }
 
-// GLS with an estimated covariance, raised so: its stated variance is that of its scatter.
+// GLS with the raised estimated covariance: the stated variance is that of its scatter.
 TEST(RealShape, RaisedCovariancesStateTheScatterOfEstimates) {
   constexpr int kNumbers = 11, kBlocks = 50, kDraws = 4000;
   base::Random random(2, 0, 0, base::Purpose::test);
@@ -127,7 +127,7 @@ TEST(RealShape, RaisedCovariancesStateTheScatterOfEstimates) {
     errors += estimate * estimate / kDraws;
     stated += 1.0 / weights.sum() / kDraws;
   }
-  // χ² of 4000 scatters by 2.2 %; the correction is of first order.
+  // χ² of 4000 has a scatter of 2.2 %; the correction is of first order.
   EXPECT_NEAR(errors / stated, 1.0, 0.1);
   EXPECT_EQ(estimated_covariance_factor(kNumbers, 2 * kNumbers + 2), 0.0);
   EXPECT_NEAR(estimated_covariance_factor(1, 5), 2.0, 1e-15);

@@ -12,7 +12,7 @@ namespace {
 using test::TemporaryDirectory;
 using testing::HasSubstr;
 
-/// y = (x_0 + x_1, x_0 x_1), until it has answered `last` times.
+/// y = (x_0 + x_1, x_0 x_1), for the first `last` calls; then it fails.
 class Sums final : public OutsideModel {
  public:
   explicit Sums(int last = 1'000'000) : left_(last) {}
@@ -36,7 +36,7 @@ std::vector<double> ask(RememberedModel& model, std::vector<double> x) {
   return y;
 }
 
-TEST(RememberedModel, AsksForAPointOnce) {
+TEST(RememberedModel, EvaluatesAPointOnce) {
   const auto sums = std::make_shared<Sums>();
   RememberedModel model(sums, {}, "");
   EXPECT_EQ(ask(model, {0.1, 0.2}), (std::vector<double>{0.1 + 0.2, 0.1 * 0.2}));
@@ -46,14 +46,14 @@ TEST(RememberedModel, AsksForAPointOnce) {
   EXPECT_EQ(model.asked(), 2);
 }
 
-TEST(RememberedModel, AnotherRunKnowsWhatThisOneWasTold) {
+TEST(RememberedModel, AnotherRunLoadsTheAnswers) {
   const TemporaryDirectory folder;
   const auto path = folder / "answers";
   {
     RememberedModel model(std::make_shared<Sums>(), path, "sums");
     for (int i = 0; i < 20; ++i) static_cast<void>(ask(model, {0.1 * i, 1.0 / 3.0}));
   }
-  // As of a run that was killed while it wrote: the last record is cut, and asked for again.
+  // As after a run killed while writing: the last record is truncated and is computed again.
   const auto size = std::filesystem::file_size(path);
   std::filesystem::resize_file(path, size - 3);
   const auto sums = std::make_shared<Sums>();
@@ -67,7 +67,7 @@ TEST(RememberedModel, AnotherRunKnowsWhatThisOneWasTold) {
   EXPECT_THROW(RememberedModel(sums, path, "others"), io::FileError);
 }
 
-TEST(RememberedModel, AFailureIsFinalAndSaysWhatIsKept) {
+TEST(RememberedModel, AFailureIsFinalAndNamesTheKeptAnswers) {
   const TemporaryDirectory folder;
   const auto sums = std::make_shared<Sums>(3);
   RememberedModel model(sums, folder / "answers", "sums");
@@ -81,7 +81,7 @@ TEST(RememberedModel, AFailureIsFinalAndSaysWhatIsKept) {
       EXPECT_THAT(error.what(), HasSubstr("gone; 3 answers are kept in "));
     }
   }
-  EXPECT_EQ(sums->calls, 4);  // not asked a second time
+  EXPECT_EQ(sums->calls, 4);  // not called again
   EXPECT_EQ(ask(model, {1.0, 2.0}), (std::vector<double>{3.0, 2.0}));
 }
 

@@ -1,4 +1,4 @@
-// Places of which one is damaged and the data do not say which.
+// Tests of mutually exclusive places.
 #include "identification/structural/damage/rival_places.hpp"
 
 #include <gmock/gmock.h>
@@ -10,7 +10,7 @@ namespace {
 using ::testing::ElementsAre;
 using ::testing::IsEmpty;
 
-/// n places with these probabilities, no two at once but as `also` says.
+/// n places with these probabilities, mutually exclusive except as in `also`.
 PlaceProbabilities exclusive(std::vector<double> each) {
   const std::size_t n = each.size();
   return {std::move(each), std::vector(n, std::vector<double>(n))};
@@ -23,23 +23,23 @@ void together(PlaceProbabilities& places, std::size_t a, std::size_t b, double p
 TEST(RivalPlaces, PlacesThatExcludeEachOtherAreAGroup) {
   EXPECT_THAT(exclusive_groups(exclusive({0.44, 0.0, 0.56})), ElementsAre(ElementsAre(2, 0)));
   auto nearly = exclusive({0.44, 0.01, 0.56});
-  together(nearly, 0, 2, 0.04);  // a tenth of the rarer
+  together(nearly, 0, 2, 0.04);  // a tenth of the less probable
   EXPECT_THAT(exclusive_groups(nearly), ElementsAre(ElementsAre(2, 0)));
 }
 
-TEST(RivalPlaces, DamagesThatGoTogetherAreNoRivals) {
+TEST(RivalPlaces, DamagesThatOccurTogetherAreNoRivals) {
   auto both = exclusive({0.9, 0.0, 0.95});
   together(both, 0, 2, 0.86);
   EXPECT_THAT(exclusive_groups(both), IsEmpty());
-  // Independent ones neither.
+  // Independent places are not a group.
   auto independent = exclusive({0.5, 0.5});
   together(independent, 0, 1, 0.25);
   EXPECT_THAT(exclusive_groups(independent), IsEmpty());
 }
 
-TEST(RivalPlaces, WhatIsSureOrImprobableIsNotNamed) {
+TEST(RivalPlaces, OmitsCertainAndImprobablePlaces) {
   EXPECT_THAT(exclusive_groups(exclusive({0.96, 0.04})), IsEmpty());  // one place, below 5 %
-  EXPECT_THAT(exclusive_groups(exclusive({0.2, 0.2})), IsEmpty());    // an intact one is likelier
+  EXPECT_THAT(exclusive_groups(exclusive({0.2, 0.2})), IsEmpty());    // no damage is more probable
 }
 
 // Two damages, each at one of two places.

@@ -37,11 +37,11 @@ TEST(ShapeDensity, ScaleAndSignOfEitherShapeDoNotMatter) {
   }
 }
 
-// On the circle of directions of two entries, the density integrates to 1 over half a turn.
+// For two entries, the density integrates to 1 over half the circle of directions.
 TEST(ShapeDensity, IntegratesToOneOverTheDirectionsOfTwoEntries) {
   MatrixXd correlated(2, 2);
   correlated << 0.0009, 0.0004, 0.0004, 0.0004;
-  // Of first order in the noise (sd 3 % of the shape's size): the next term is its square, .0009,
+  // First order in the noise (sd 3 % of the shape's size): the next term is its square, .0009,
   // times a curvature of a few.
   for (const MatrixXd& sigma : {isotropic(2, 0.03), correlated}) {
     const VectorXd computed = vector({0.6, 0.8});
@@ -73,14 +73,14 @@ TEST(ShapeDensity, ManySamplesHaveChiSquareOfOneFewerThanEntries) {
     sum += chi_square / kSamples;
     squares += chi_square * chi_square / kSamples;
   }
-  // χ² of 4: mean 4, variance 8; its mean's standard error 0.02. Scaling the largest entry to 1
-  // scales the noise by 1 %.
+  // χ² of 4 degrees of freedom: mean 4, variance 8; standard error of the mean 0.02. Scaling the
+  // largest entry to 1 scales the noise by 1 %.
   EXPECT_NEAR(sum, 4.0, 5.0 * 0.02 + 0.04);
   EXPECT_NEAR(squares - sum * sum, 8.0, 0.6);
 }
 
-// Entries divided by one of them: the ratios are all that was measured.
-TEST(ShapeDensity, AnEntryThatWasScaledToOneIsRatios) {
+// For entries divided by one of them, the ratios are the measured values.
+TEST(ShapeDensity, AnEntryScaledToOneLeavesRatios) {
   MatrixXd sigma = isotropic(3, 0.02);
   sigma(1, 1) = 0.0;
   const VectorXd measured = vector({0.4, 1.0, -0.3}), computed = vector({0.82, 2.0, -0.64});
@@ -90,20 +90,20 @@ TEST(ShapeDensity, AnEntryThatWasScaledToOneIsRatios) {
   EXPECT_EQ(ShapeDensity(measured, sigma).freedoms(), 2);
 }
 
-TEST(ShapeDensity, AnUnknownScatterIsTheStatedOneScaled) {
+TEST(ShapeDensity, AnUnknownScatterScalesTheStatedOne) {
   const VectorXd measured = vector({0.4, 1.0, -0.3, 0.7}), computed = vector({0.5, 1.0, -0.2, 0.6});
   const double direct = ShapeDensity(measured, isotropic(4, 0.05)).against(computed).log_density;
   const ShapeDensity unit(measured, isotropic(4, 1.0));
   EXPECT_NEAR(unit.against(computed, 0.05 * 0.05).log_density, direct, 1e-10);
-  // And what the model leaves out adds to it.
+  // The model error adds to it.
   EXPECT_NEAR(unit.against(computed, 0.03 * 0.03, 0.04 * 0.04).log_density, direct, 1e-10);
 }
 
-TEST(ShapeDensity, WithoutATurnACloseModeChangesNothing) {
+TEST(ShapeDensity, WithoutRotationACloseModeChangesNothing) {
   const VectorXd first = vector({0.41, 1.01, -0.3, 0.68}), second = vector({1.0, -0.2, 0.3, -0.6}),
                  noise = vector({-1.0, -1.0, 0.5, 2.0});
-  // The same noise in units of its sd, ever smaller: the difference is of first order in it, as the
-  // angle's own scatter changes with the angle.
+  // The same noise in units of its sd, decreasing: the difference is of first order in it, because
+  // the scatter of the angle changes with the angle.
   std::vector<double> differences;
   for (const double sd : {0.02, 0.01, 0.005}) {
     const ShapeDensity density(first + sd * noise, isotropic(4, sd));
@@ -115,8 +115,8 @@ TEST(ShapeDensity, WithoutATurnACloseModeChangesNothing) {
     EXPECT_NEAR(differences[i - 1] / differences[i], 2.0, 0.1) << i;
 }
 
-TEST(ShapeDensity, WhatNeitherModeExplainsIsNoTurn) {
-  // Across both modes, and the close one does not move the sensors at all.
+TEST(ShapeDensity, AShapeThatNeitherModeExplainsHasNoRotation) {
+  // Orthogonal to both modes; the close mode does not move the sensors.
   const VectorXd measured = vector({0.0, 0.0, 1.0, 0.5}), first = vector({1.0, 0.5, 0.0, 0.0}),
                  second = vector({0.3, -1.0, 0.0, 0.0}), still = VectorXd::Zero(4);
   const ShapeDensity density(measured, isotropic(4, 0.01));
@@ -127,7 +127,7 @@ TEST(ShapeDensity, WhatNeitherModeExplainsIsNoTurn) {
             density.against(first).log_density);
 }
 
-// Twins have no shapes of their own: any two of their plane are as good, and so is the density.
+// Any two modes of the plane of twins are equivalent and give the same density.
 TEST(ShapeDensity, TwinsAreComparedByTheirPlane) {
   const VectorXd measured = vector({0.4, 1.0, -0.3, 0.7}), first = vector({0.41, 1.01, -0.3, 0.68}),
                  second = vector({1.0, -0.2, 0.3, -0.6});
@@ -141,7 +141,7 @@ TEST(ShapeDensity, TwinsAreComparedByTheirPlane) {
   EXPECT_LT(density.against(second).log_density, reference - 100.0);
 }
 
-TEST(ShapeDensity, ItsSlopeIsThatOfDifferences) {
+TEST(ShapeDensity, SlopeAgreesWithDifferences) {
   MatrixXd sigma = isotropic(4, 0.05);
   sigma(0, 1) = sigma(1, 0) = 0.001;
   const ShapeDensity density(vector({0.4, 1.0, -0.3, 0.7}), sigma);
@@ -159,7 +159,7 @@ TEST(ShapeDensity, ItsSlopeIsThatOfDifferences) {
   EXPECT_NEAR(slope.dot(computed), 0.0, 1e-10) << "its scale does not matter";
 }
 
-TEST(ShapeDensity, WhatIsNoScatterIsRefused) {
+TEST(ShapeDensity, RejectsInvalidCovariances) {
   const VectorXd shape = vector({1.0, 0.5, 0.2});
   const double nan = std::numeric_limits<double>::quiet_NaN();
   EXPECT_THROW(ShapeDensity(vector({1.0}), isotropic(1, 0.1)), std::invalid_argument);
@@ -175,8 +175,8 @@ TEST(ShapeDensity, WhatIsNoScatterIsRefused) {
   EXPECT_THROW(ShapeDensity(shape, lopsided), std::invalid_argument);
 }
 
-// Mixed modes are a covariance of rank as many.
-TEST(ShapeDensity, MixedModesAreNoiseAlongThem) {
+// Mixed modes add a covariance with one rank per mode.
+TEST(ShapeDensity, MixedModesAddNoiseAlongThem) {
   const VectorXd measured = vector({0.4, 1.0, -0.3, 0.7}), computed = vector({0.5, 0.9, -0.2, 0.8});
   MatrixXd others(4, 2);
   others << 1.0, 0.2, -0.4, 0.6, 0.3, -1.0, 0.8, 0.5;
@@ -193,8 +193,8 @@ TEST(ShapeDensity, MixedModesAreNoiseAlongThem) {
   EXPECT_NEAR(found.chi_square, expected.chi_square, 1e-9);
 }
 
-// Over all lines of two entries, in arc lengths r dθ at the shape's own size.
-TEST(ShapeDensity, ALineThatMayPointAnywhereIsSomewhere) {
+// Integral over all directions of two entries, with arc lengths r dθ at the shape's size.
+TEST(ShapeDensity, TheUniformDensityIntegratesToOne) {
   double sum = 0.0;
   constexpr int kSteps = 20000;
   for (int i = 0; i < kSteps; ++i) {

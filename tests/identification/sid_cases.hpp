@@ -1,4 +1,4 @@
-// A small chain that the tests share.
+// A small chain for several tests.
 #pragma once
 
 #include "identification/sid/sid_problem.hpp"
@@ -7,8 +7,8 @@
 
 namespace wheeltap::identification {
 
-/// Linear against Duffing, 200 samples at 100 Hz of a Duffing oscillator under white noise: k is
-/// parameter 0, k3 parameter 1. Without its record.
+/// Linear and Duffing models for 200 samples at 100 Hz of a Duffing oscillator under white noise: k
+/// is parameter 0, k3 parameter 1. Without its record.
 inline SidCase small_sid_case() {
   using dynamics::Coefficient;
   const dynamics::Link linear{
@@ -39,7 +39,7 @@ inline SidCase small_sid_case() {
   return out;
 }
 
-/// With the record that its truth gives, of which `use` is scored.
+/// Adds the record of the case's truth, of which `use` is scored.
 inline SidCase simulated(SidCase sid_case, const RecordUse& use = {}) {
   sid_case.simulated = true;
   take_record(sid_case, simulate_record(sid_case, sid_case.truth.value().seed), use);

@@ -19,7 +19,8 @@ const dynamics::LawInfo& info(std::string_view name) {
   return *std::ranges::find(dynamics::law_infos(), name, &dynamics::LawInfo::name);
 }
 
-// One mass of 2 kg on a spring to the ground, asked about these laws; parameter 0 is its stiffness.
+// One mass of 2 kg on a spring to the ground, with these optional laws; parameter 0 is its
+// stiffness.
 SidCase asked_about(const std::vector<std::string>& laws, double inclusion = 0.5) {
   SidCase out;
   out.parameters = {{"k", inference::Uniform{0.0, 100.0}}};
@@ -38,7 +39,7 @@ SidCase asked_about(const std::vector<std::string>& laws, double inclusion = 0.5
   return out;
 }
 
-// A motion A sin(ωt) as a sensor of this quantity has it, 1000 samples at 100 Hz.
+// A motion A sin(ωt) as measured by a sensor of this quantity, 1000 samples at 100 Hz.
 SidCase moving(SidCase sid_case, dynamics::Quantity quantity, double amplitude, double omega) {
   SidChannel channel{.column = "y", .role = SidChannel::Role::response, .mass = 1};
   channel.quantity = quantity;
@@ -71,12 +72,12 @@ TEST(SidDiscovery, EverySubsetIsAModelWithItsPrior) {
   }
   EXPECT_NEAR(inclusion, 0.2, 1e-15);
   EXPECT_NEAR(all, 1.0, 1e-15);
-  // The same term's coefficient is the same parameter.
+  // The coefficient of a term is the same parameter in all models.
   EXPECT_EQ(c.parameters_of(c.models[1]), (std::vector<int>{0, 1}));
   EXPECT_EQ(c.parameters_of(c.models[7]), (std::vector<int>{0, 1, 2, 3}));
 }
 
-TEST(SidDiscovery, TooManyTermsOrModelsAreRefused) {
+TEST(SidDiscovery, RejectsTooManyTermsOrModels) {
   SidCase two = asked_about({"cubic"});
   two.models.push_back(two.models.front());
   EXPECT_THROW(add_subsets(two), InvalidInput);
@@ -95,8 +96,8 @@ TEST(SidDiscovery, TermsAndTheirParametersAreNamedAfterTheirLaws) {
   EXPECT_EQ(term_parameter(stop, 1, link, false), "contact gap closing");
 }
 
-// Of a sine all three sensors say the same: RMS A/√2, ωA/√2, and m ω² A/√2 of force.
-TEST(SidDiscovery, AMotionIsTheSameWhateverMeasuresIt) {
+// For a sine all three sensors give the same: RMS A/√2, ωA/√2, and a force m ω² A/√2.
+TEST(SidDiscovery, TheMotionDoesNotDependOnTheSensor) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   const double rms = amplitude / std::numbers::sqrt2;
   for (const auto quantity : {dynamics::Quantity::displacement, dynamics::Quantity::velocity,
@@ -111,8 +112,9 @@ TEST(SidDiscovery, AMotionIsTheSameWhateverMeasuresIt) {
   }
 }
 
-// Broadband noise on a sensor must not set the scale: its second derivative would be mostly noise.
-TEST(SidDiscovery, NoiseDoesNotSetTheScale) {
+// Broadband noise of a sensor must not determine the scale: its second derivative would be mostly
+// noise.
+TEST(SidDiscovery, NoiseDoesNotDetermineTheScale) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::displacement, amplitude, omega);
   base::Random random(3, 0, 0, base::Purpose::test);
@@ -121,9 +123,9 @@ TEST(SidDiscovery, NoiseDoesNotSetTheScale) {
   EXPECT_NEAR(link_motions(c).front().tension, want, 0.05 * want);
 }
 
-// A mass so heavy that it stays where it is, on a base that is moved: the link is stretched as far
-// as the base goes, and carries what the mass's sensor says, not what would move it with the base.
-TEST(SidDiscovery, ALinkToAMovedBaseIsStretchedByIt) {
+// A mass so heavy that it does not move, on a moving base: the extension of the link is the base
+// motion. Its tension follows from the mass's sensor, not from moving the mass with the base.
+TEST(SidDiscovery, AMovingBaseExtendsTheLink) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   const double rms = amplitude / std::numbers::sqrt2;
   const double still = 1e-9 * amplitude;
@@ -140,8 +142,8 @@ TEST(SidDiscovery, ALinkToAMovedBaseIsStretchedByIt) {
   EXPECT_NEAR(m.tension, force, 0.03 * force);
 }
 
-// The upper of two storeys carries its mass, the lower one both.
-TEST(SidDiscovery, ALinkCarriesWhatItHoldsToTheGround) {
+// The upper of two storeys carries its mass, the lower both masses.
+TEST(SidDiscovery, ALinkCarriesTheMassesThatItHoldsToTheGround) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::acceleration, amplitude, omega);
   dynamics::Chain& chain = c.models[0].chain;
@@ -155,8 +157,8 @@ TEST(SidDiscovery, ALinkCarriesWhatItHoldsToTheGround) {
   EXPECT_NEAR(link_motions(c)[1].tension, upper, 0.03 * upper);
 }
 
-// A shaker's table that stands for the base, 10⁶ times as heavy, and the force that moves it.
-TEST(SidDiscovery, ALinkThatFloatsCarriesWhatItsLighterEndAsksFor) {
+// A shaker table as the base, 10⁶ times as heavy, and the force that moves it.
+TEST(SidDiscovery, AFloatingLinkCarriesTheLoadOfItsLighterEnd) {
   const double amplitude = 0.03, omega = 2.0 * std::numbers::pi * 4.0;
   SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::velocity, amplitude, omega);
   dynamics::Chain& chain = c.models[0].chain;
@@ -171,12 +173,12 @@ TEST(SidDiscovery, ALinkThatFloatsCarriesWhatItsLighterEndAsksFor) {
   EXPECT_NEAR(link_motions(c).front().tension, want, 0.03 * want);
 }
 
-TEST(SidDiscovery, ARecordThatStandsStillSetsNoScale) {
+TEST(SidDiscovery, RejectsAConstantRecord) {
   const SidCase c = moving(asked_about({"cubic"}), dynamics::Quantity::displacement, 0.0, 1.0);
   EXPECT_THROW(static_cast<void>(link_motions(c)), InvalidInput);
 }
 
-// At the RMS motion a term at its scale carries the link's RMS tension.
+// At the RMS motion, a term at its scale has the RMS tension of the link.
 TEST(SidDiscovery, DefaultPriorsAreScaledByTheMotion) {
   const LinkMotion m{
       .extension = 0.02, .rate = 0.5, .tension = 3.0, .opening = 0.05, .closing = 0.07};
@@ -199,7 +201,7 @@ TEST(SidDiscovery, DefaultPriorsAreScaledByTheMotion) {
                std::invalid_argument);
 }
 
-// Every law of the list has a default for what it must be given.
+// Every law of the list has a default prior for its required coefficients.
 TEST(SidDiscovery, EveryLawHasDefaultPriors) {
   const LinkMotion m{
       .extension = 0.02, .rate = 0.5, .tension = 3.0, .opening = 0.05, .closing = 0.05};

@@ -30,7 +30,7 @@ SidFindings found(const SidCase& c) {
   return sid_findings(run, predict(*run.problem, run.posterior));
 }
 
-TEST(SidFindings, SayWhichModelAndHowWellItFits) {
+TEST(SidFindings, ContainModelProbabilitiesAndFit) {
   const SidFindings f = found(simulated(small_sid_case()));
   EXPECT_GT(f.models[1].probability(), 0.99);
   ASSERT_TRUE(f.of_models[1].has_value());
@@ -42,12 +42,12 @@ TEST(SidFindings, SayWhichModelAndHowWellItFits) {
   EXPECT_EQ(duffing.best_draw.size(), 2U);
   ASSERT_TRUE(duffing.links && duffing.links->size() == 1U);
   EXPECT_EQ(duffing.links->front().extension.size(), duffing.links->front().q50.size());
-  // ω = √(k / m), ζ = c / (2 m ω), of the median k.
+  // ω = √(k / m), ζ = c / (2 m ω), at the median k.
   ASSERT_EQ(duffing.modes.size(), 1U);
   const double omega = std::sqrt(f.models[1].find("k")->q50 / 0.5);
   EXPECT_NEAR(duffing.modes[0].frequency_hz.q50 * 2.0 * M_PI / omega, 1.0, 1e-3);
   EXPECT_NEAR(duffing.modes[0].damping_ratio.q50 / (0.1 / omega), 1.0, 1e-3);
-  // 97 % of 200 samples, five standard deviations of a binomial below.
+  // 97 % of 200 samples, minus five standard deviations of a binomial.
   EXPECT_GT(f.coverage[0], 0.91);
   ASSERT_EQ(f.bayes_factors.size(), 1U);
   ASSERT_TRUE(f.bayes_factors[0].log.has_value());
@@ -55,7 +55,7 @@ TEST(SidFindings, SayWhichModelAndHowWellItFits) {
   EXPECT_EQ(find<remark::NoiseMisstated>(f), nullptr);
 }
 
-TEST(SidFindings, ModelsThatLeaveTheSameResidualsAreToldOfTogether) {
+TEST(SidFindings, ReportsModelsWithSimilarResidualsTogether) {
   SidCase c = simulated(small_sid_case());
   c.truth.reset();
   c.models[1] = c.models[0];
@@ -74,7 +74,7 @@ TEST(SidFindings, ModelsThatLeaveTheSameResidualsAreToldOfTogether) {
   EXPECT_GE(others, 1U);
 }
 
-TEST(SidFindings, NoiseThatIsNotAsStatedIsRemarkedOn) {
+TEST(SidFindings, ReportsMisstatedNoise) {
   SidCase c = small_sid_case();
   c.truth->noise = {0.1};
   const SidFindings f = found(simulated(c));
@@ -84,7 +84,7 @@ TEST(SidFindings, NoiseThatIsNotAsStatedIsRemarkedOn) {
   EXPECT_EQ(remark->channels[0].name, "displacement [m]");
 }
 
-TEST(SidFindings, AParameterAtTheEndOfItsPriorIsRemarkedOn) {
+TEST(SidFindings, ReportsAParameterAtABoundOfItsPrior) {
   SidCase c = small_sid_case();
   c.models.pop_back();
   c.truth->model = 0;
@@ -97,8 +97,8 @@ TEST(SidFindings, AParameterAtTheEndOfItsPriorIsRemarkedOn) {
   EXPECT_TRUE(remark->upper);
 }
 
-// Of a gap wider than the motion a record says that it is wider; of one within it, what it is.
-TEST(SidFindings, AStopBeyondTheMotionIsRemarkedOn) {
+// For a gap wider than the motion, the record gives only a lower bound; otherwise it gives the gap.
+TEST(SidFindings, ReportsAStopBeyondTheMotion) {
   using dynamics::Coefficient;
   SidCase c = small_sid_case();
   c.models.pop_back();
@@ -119,7 +119,7 @@ TEST(SidFindings, AStopBeyondTheMotionIsRemarkedOn) {
   SidCase touched = c;
   touched.truth->theta = {50.0, 0.5 * reach};
   EXPECT_EQ(find<remark::StopNotReached>(found(simulated(touched))), nullptr);
-  // A further record, driven harder, tells as well.
+  // A further record with larger excitation counts too.
   c.truth->theta = {50.0, 2.0 * reach};
   SidCase both = simulated(c);
   SidCase harder = c;
@@ -130,8 +130,8 @@ TEST(SidFindings, AStopBeyondTheMotionIsRemarkedOn) {
   EXPECT_NEAR(f.models[0].find("gap")->q50, 2.0 * reach, 0.1 * reach);
 }
 
-// At a noise of a hundred-thousandth of the response Runge-Kutta's own steps are too long.
-TEST(SidRun, RepeatsWithBetterStepsWhereTheyWereTooLong) {
+// With a noise of 1e-5 of the response, the default Runge-Kutta steps are too long.
+TEST(SidRun, RepeatsWithBetterStepsIfTheyWereTooLong) {
   SidCase c = small_sid_case();
   c.truth->noise = {2e-6};
   for (SidModel& model : c.models) model.noise = {2e-6};
@@ -157,9 +157,9 @@ TEST(SidRun, RepeatsWithBetterStepsWhereTheyWereTooLong) {
       nullptr);
 }
 
-// At a noise of 1e-9 of the response, series in their usual pieces are too coarse as well, which is
-// found out before a run is repeated with them.
-TEST(SidRun, BetterStepsAreTriedOnTheBestDraw) {
+// With a noise of 1e-9 of the response, the default series steps are too long as well; this is
+// found before a run is repeated with them.
+TEST(SidRun, TestsBetterStepsOnTheBestDraw) {
   SidCase c = small_sid_case();
   c.truth->noise = {1e-10};
   for (SidModel& model : c.models) model.noise = {1e-10};
@@ -182,8 +182,8 @@ TEST(SidRun, BetterStepsAreTriedOnTheBestDraw) {
   EXPECT_GT(error_with(dynamics::SimulatorOptions{}.step_limit), kLargestStepError);
 }
 
-// Replicates scatter by the noise, so that their median is as jagged as a hundredth of it and has a
-// noise floor in every spectrum; what the chain does without noise is smooth.
+// Replicates contain noise, so their median is jagged by a hundredth of it and has a noise floor in
+// every spectrum; the motion without noise is smooth.
 TEST(SidPredictive, TheMedianWithoutNoiseIsAsSmoothAsTheMotion) {
   const SidCase c = simulated(small_sid_case());
   const SidRun run = run_sid(c, {.engine = short_run()});
@@ -206,15 +206,16 @@ TEST(SidPredictive, TheMedianWithoutNoiseIsAsSmoothAsTheMotion) {
     jagged += std::pow(off(n) - 2.0 * off(n - 1) + off(n - 2), 2);
   }
   const auto samples = static_cast<double>(truth.size());
-  // Two parameters from 200 samples of noise 0.05: 0.005, three times that. A median of 200
-  // replicates scatters by 1.25 · 0.05 / √200 = 0.0044, its second differences by √6 as much.
+  // Two parameters from 200 samples of noise 0.05 give 0.005; the bound is three times that. A
+  // median of 200 replicates has a scatter of 1.25 · 0.05 / √200 = 0.0044, its second differences
+  // √6 times as much.
   EXPECT_LT(std::sqrt(error / samples), 0.015);
   EXPECT_LT(std::sqrt(jagged / samples), 0.002);
 }
 
-TEST(SidRun, SpendsWhatALikelihoodLetsItAfford) {
+TEST(SidRun, ChoosesTheEffortByTheRunTimeOfALikelihood) {
   inference::Options asked;
-  EXPECT_EQ(affordable(asked, 1e-6).warmup, 0) << "the engine's own";
+  EXPECT_EQ(affordable(asked, 1e-6).warmup, 0) << "the engine's default";
   const inference::Options slow = affordable(asked, 1.0);
   EXPECT_GT(slow.draws, 0);
   EXPECT_LT(slow.draws, affordable(asked, 1e-3).draws);

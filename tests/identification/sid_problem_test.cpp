@@ -21,7 +21,7 @@ double gaussian(double squares, int n, double sigma) {
          0.5 * squares / (sigma * sigma);
 }
 
-/// The case with a parameter more, which all models use.
+/// The case with one more parameter, which all models use.
 SidCase with_parameter(SidCase c, const std::string& name, const inference::Prior& prior,
                        double truth) {
   c.parameters.push_back({name, prior});
@@ -40,7 +40,7 @@ TEST(SidProblem, LogLikelihoodIsGaussianInTheResiduals) {
   double squares = 0.0;
   for (const double r : residuals) squares += r * r;
   EXPECT_NEAR(log_likelihood(*problem, 1, {50.0, 1000.0}), gaussian(squares, 200, 0.05), 1e-9);
-  // At the truth only the noise is left: χ² of 200 degrees of freedom, sd 20, five sd wide.
+  // At the truth only the noise remains: χ² with 200 degrees of freedom, sd 20; five sd.
   EXPECT_NEAR(squares / (0.05 * 0.05), 200.0, 100.0);
   // The linear model is the Duffing model without its cubic spring. Its exact solution and the
   // Runge-Kutta steps of the other differ by (ωh)⁴/120 of a frequency: 1e-6 here.
@@ -57,7 +57,7 @@ TEST(SidProblem, NoiseMayBeAParameter) {
               log_likelihood(*known, 1, {50.0, 1000.0}), 1e-9);
 }
 
-TEST(SidProblem, NoiseMayBeOneAChannel) {
+TEST(SidProblem, NoiseMayDifferBetweenChannels) {
   SidCase c = small_sid_case();
   c.channels.push_back({.column = "velocity [m/s]",
                         .role = SidChannel::Role::response,
@@ -77,7 +77,7 @@ TEST(SidProblem, NoiseMayBeOneAChannel) {
               gaussian(first, 200, 0.05) + gaussian(second, 200, 0.5), 1e-9);
 }
 
-TEST(SidProblem, AnUnknownScaleCarriesItsJacobian) {
+TEST(SidProblem, AnUnknownScaleHasItsJacobian) {
   SidCase c = small_sid_case();
   c.channels[1].signal.scale = 2.0;
   const auto known = make_sid_problem(simulated(c));
@@ -88,7 +88,7 @@ TEST(SidProblem, AnUnknownScaleCarriesItsJacobian) {
               log_likelihood(*known, 0, {50.0}) + 200 * std::log(2.0), 1e-8);
 }
 
-TEST(SidProblem, AutoregressionOfNoCorrelationIsWhite) {
+TEST(SidProblem, AutoregressionWithoutCorrelationIsWhite) {
   const auto white = make_sid_problem(simulated(small_sid_case()));
   SidCase c = with_parameter(small_sid_case(), "ar[1]", inference::Uniform{-1.0, 1.0}, 0.0);
   c = with_parameter(c, "ar[2]", inference::Uniform{-1.0, 1.0}, 0.0);
@@ -103,7 +103,7 @@ TEST(SidProblem, AutoregressionOfNoCorrelationIsWhite) {
   EXPECT_NE(log_likelihood(*coloured, 0, {50.0, 0.5, 0.0}), log_likelihood(*white, 0, {50.0}));
 }
 
-/// Slopes by Likelihood::gauss_newton beside central differences of ln p.
+/// Compares slopes of Likelihood::gauss_newton with central differences of ln p.
 void expect_slopes(const SidProblem& problem, int model, const std::vector<double>& x,
                    double tolerance) {
   const std::size_t d = x.size();
@@ -138,7 +138,7 @@ TEST(SidProblem, GaussNewtonHasTheSlopesOfTheLikelihood) {
   expect_slopes(*coloured, 1, {49.0, 1100.0, 0.06, 2.01, 0.5, -0.2}, 1e-3);
 }
 
-// Of a sd, with the residuals as they are: one Newton step leads to √(S/N).
+// For an sd and fixed residuals: one Newton step leads to √(S/N).
 TEST(SidProblem, GaussNewtonLeadsToTheBestNoise) {
   SidCase c = with_parameter(small_sid_case(), "sigma", inference::HalfNormal{0.1}, 0.05);
   for (SidModel& model : c.models) model.noise = {Coefficient::of_parameter(2)};
@@ -156,8 +156,8 @@ TEST(SidProblem, GaussNewtonLeadsToTheBestNoise) {
   EXPECT_EQ(information[1], 0.0);
 }
 
-// Records of one rig: their log likelihoods add up, whichever way they are asked for, and early
-// rejection may not reject what is above the floor.
+// Log likelihoods of several records add up, for every way of evaluation, and early rejection must
+// not reject a value above the floor.
 TEST(SidProblem, SeveralRecordsAddTheirLikelihoods) {
   SidCase c = small_sid_case();
   SidCase second = small_sid_case();
@@ -182,7 +182,7 @@ TEST(SidProblem, SeveralRecordsAddTheirLikelihoods) {
   EXPECT_NEAR(out[0], sum, 1e-9 * std::abs(sum));
   EXPECT_GT(out[1], out[0]);
   expect_slopes(*both, 1, x, 1e-3);
-  // A shorter problem shortens all of them.
+  // A shortened problem shortens all records.
   const auto part = both->problem.shortened(100);
   const auto part_of = [&](const SidProblem& p) {
     return p.problem.shortened(100)->likelihood()->log_likelihood(1, x);
@@ -200,7 +200,7 @@ TEST(SidProblem, AContactOutOfReachChangesNothing) {
   EXPECT_NEAR(log_likelihood(*problem, 0, {50.0}), log_likelihood(*problem, 1, {50.0, 10.0}), 0.1);
 }
 
-TEST(SidProblem, AnInferredStartExplainsAWindowWithoutItsPast) {
+TEST(SidProblem, AnInferredInitialStateExplainsAWindow) {
   const auto rest = make_sid_problem(simulated(small_sid_case(), {.samples = std::pair(100, 200)}));
   const auto led = make_sid_problem(
       simulated(small_sid_case(), {.samples = std::pair(100, 200), .lead_in = 100}));
@@ -224,8 +224,8 @@ TEST(SidProblem, BandLimitedExcitationIsUpsampled) {
   EXPECT_TRUE(std::isfinite(log_likelihood(*make_sid_problem(c), 0, {50.0})));
 }
 
-// What is simulated between samples is what is fitted there.
-TEST(SidSimulation, AnExcitationGoesBetweenSamplesAsTheRecordSays) {
+// Simulation and fit interpolate the excitation in the same way.
+TEST(SidSimulation, InterpolatesTheExcitationAsDeclared) {
   SidCase c = small_sid_case();
   c.truth->noise = {1e-12};
   c.truth->excitations = {{.mass = 1, .signal = TrueExcitation::BandLimited{1.0, 35.0, 100.0}}};
@@ -244,16 +244,16 @@ TEST(SidSimulation, AnExcitationGoesBetweenSamplesAsTheRecordSays) {
   };
   EXPECT_LT(off(8, true), 1e-5);
   EXPECT_LT(off(1, false), 1e-4);
-  // At the 3 Hz that move it a straight line keeps sinc²(3 / 100) = 0.997 of the force.
+  // At the dominant 3 Hz, linear interpolation keeps sinc²(3 / 100) = 0.997 of the force.
   EXPECT_GT(off(1, true), 0.002);
   EXPECT_GT(off(8, false), 0.002);
 }
 
-TEST(SidProblem, NamesThePartThatCannotBe) {
+TEST(SidProblem, NamesTheInvalidPart) {
   const auto refused = [](const SidCase& c, InvalidInput::Part part, int index, const char* word) {
     try {
       static_cast<void>(make_sid_problem(simulated(c)));
-      FAIL() << "not refused: " << word;
+      FAIL() << "not rejected: " << word;
     } catch (const InvalidInput& error) {
       EXPECT_EQ(error.part(), part) << error.what();
       EXPECT_EQ(error.index(), index);
@@ -272,7 +272,7 @@ TEST(SidProblem, NamesThePartThatCannotBe) {
   const signals::Record record = simulate_record(small_sid_case(), 1);
   try {
     take_record(c, record, {});
-    FAIL() << "not refused";
+    FAIL() << "not rejected";
   } catch (const InvalidInput& error) {
     EXPECT_EQ(error.part(), InvalidInput::Part::channel);
     EXPECT_THAT(error.what(), HasSubstr("force [N]"));

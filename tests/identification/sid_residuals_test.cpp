@@ -13,8 +13,8 @@
 namespace wheeltap::identification {
 namespace {
 
-// What the linear model cannot explain is smooth; what the true one leaves is the noise.
-TEST(SidResiduals, OrdersAreChosenModelByModel) {
+// The residuals of the linear model are smooth; those of the true model are the noise.
+TEST(SidResiduals, ChoosesOrdersPerModel) {
   SidCase c = simulated(small_sid_case());
   for (SidModel& model : c.models) model.residuals.chosen_kind = &kAutoregressive;
   choose_residuals(c, 1, 2);
@@ -27,7 +27,7 @@ TEST(SidResiduals, OrdersAreChosenModelByModel) {
   EXPECT_EQ(c.parameters[2].name, "ar[1]");
 }
 
-TEST(SidResiduals, AnOrderThatWasGivenStays) {
+TEST(SidResiduals, KeepsAGivenOrder) {
   SidCase c = simulated(small_sid_case());
   add_residuals(c, c.models[0], kAutoregressive.make(2));
   c.unite();
@@ -37,7 +37,7 @@ TEST(SidResiduals, AnOrderThatWasGivenStays) {
   EXPECT_EQ(before.size(), 3U);
 }
 
-TEST(SidResiduals, EveryKindOfTheListMakesItsModels) {
+TEST(SidResiduals, EveryKindMakesItsModels) {
   for (const ResidualKind* kind : residual_kinds()) {
     EXPECT_TRUE(kind->make(0)->is_white()) << kind->key;
     EXPECT_EQ(kind->make(kind->highest)->kind(), kind);
@@ -45,7 +45,7 @@ TEST(SidResiduals, EveryKindOfTheListMakesItsModels) {
   }
 }
 
-/// A residual model that the program does not have: E[r_n r_{n+k}] = σ² exp(-k / τ), τ in samples.
+/// A user-defined residual model: E[r_n r_{n+k}] = σ² exp(-k / τ), τ in samples.
 /// With ρ = exp(-1 / τ), r_n given r_{n-1} is N(ρ r_{n-1}, σ² (1 - ρ²)).
 class CorrelationTime final : public ResidualModel {
  public:
@@ -80,8 +80,8 @@ const remark::ColouredResiduals* coloured(const SidFindings& findings, const std
   return nullptr;
 }
 
-// A new residual model needs its class alone: the Duffing record with correlated noise, ρ = 0.9.
-TEST(SidResiduals, AModelThatTheProgramDoesNotHaveIsIdentified) {
+// A new residual model needs only its class: the Duffing record with correlated noise, ρ = 0.9.
+TEST(SidResiduals, IdentifiesAUserDefinedModel) {
   constexpr double kTau = 9.5, kSd = 0.02;
   SidCase c = small_sid_case();
   c.truth->noise = {0.0};
@@ -107,7 +107,7 @@ TEST(SidResiduals, AModelThatTheProgramDoesNotHaveIsIdentified) {
   engine.warmup = 1000;
   engine.draws = 1000;
   const SidRun run = run_sid(c, {.engine = engine});
-  // The same density as that of an autoregression of order 1.
+  // The density equals that of an autoregression of order 1.
   SidCase same = c;
   same.models[0].residuals.model = kAutoregressive.make(1);
   EXPECT_NEAR(log_likelihood(*run.problem, 0, {50.0, 1000.0, 0.02, kTau}),

@@ -1,4 +1,4 @@
-// Units of parameters follow from where they are used and from the channels' own.
+// Units of parameters from their uses and from the channels' units.
 #include "identification/sid/sid_units.hpp"
 
 #include <gtest/gtest.h>
@@ -11,8 +11,8 @@ namespace {
 using dynamics::Coefficient;
 using Role = SidChannel::Role;
 
-/// One mass with friction, a stop and hysteresis; a parameter for each coefficient. The channels'
-/// headers are in these units.
+/// One mass with friction, a stop and hysteresis; one parameter per coefficient. The channels'
+/// headers have these units.
 SidCase rig(const std::string& force, const std::string& displacement) {
   SidCase c;
   const auto p = [&](const char* name) { return c.parameter(name, inference::Uniform{0.0, 1.0}); };
@@ -40,7 +40,7 @@ SidCase rig(const std::string& force, const std::string& displacement) {
 
 using Units = std::map<std::string, std::string>;
 
-// Issue 14, finding 7: k, c and k3 had no units.
+// Regression (issue 14, finding 7): k, c and k3 had no units.
 TEST(SidUnits, FollowFromTheUse) {
   for (const char* displacement : {"m", "mm", ""}) {
     EXPECT_EQ(parameter_units(rig("kN", displacement)), (Units{{"m", "kg"},
@@ -65,7 +65,7 @@ TEST(SidUnits, FollowFromTheUse) {
   }
 }
 
-// Issue 14, finding 7: volts were labelled m and N.
+// Regression (issue 14, finding 7): volts were labelled m and N.
 TEST(SidUnits, VoltsStayVolts) {
   const Units units = parameter_units(rig("V", "V"));
   EXPECT_EQ(units.at("m"), "V s^2/V");
@@ -81,7 +81,7 @@ TEST(SidUnits, VoltsStayVolts) {
   EXPECT_EQ(parameter_units(scaled).at("k"), "N/m");
 }
 
-TEST(SidUnits, NothingIsSaidWhereUsesOrChannelsDisagree) {
+TEST(SidUnits, AreEmptyIfUsesOrChannelsDisagree) {
   SidCase shared = rig("N", "m");
   shared.models[0].chain.links[0].damping = shared.models[0].chain.links[0].stiffness;
   EXPECT_EQ(parameter_units(shared).at("k"), "");
@@ -96,14 +96,14 @@ TEST(SidUnits, NothingIsSaidWhereUsesOrChannelsDisagree) {
   EXPECT_EQ(units.at("k"), "");
   EXPECT_EQ(units.at("sigma"), "");
   EXPECT_EQ(units.at("zero"), "V");
-  // A velocity in V names no length.
+  // A velocity in V determines no unit of length.
   SidCase velocity = rig("N", "V");
   velocity.channels[1].quantity = dynamics::Quantity::velocity;
   EXPECT_EQ(parameter_units(velocity).at("k"), "");
   EXPECT_EQ(parameter_units(velocity).at("sigma"), "V");
 }
 
-// Nothing but a base drives the chain: forces follow from the masses in kg.
+// Only a base drives the chain: forces follow from the masses in kg.
 TEST(SidUnits, AChainOnAMovingBaseIsInSi) {
   SidCase c = rig("N", "m");
   c.channels[0].role = Role::base_acceleration;

@@ -1,6 +1,6 @@
-// How often intervals between windows hold what they say where the models lack a term of the truth:
-// 30 chains here, 200 with WHEELTAP_LONG_TESTS (scripts/windows-study), which prints what they
-// held; there also with windows of 2.5 s, shorter than the guide asks for.
+// Coverage of the intervals between windows for models that lack a term of the truth: 30 chains
+// here. With WHEELTAP_LONG_TESTS (scripts/windows-study) 200 chains, with printed coverage, also
+// for windows of 2.5 s, shorter than the guide recommends.
 #include <gmock/gmock.h>
 
 #include <array>
@@ -21,8 +21,8 @@ using dynamics::Coefficient, dynamics::make_law;
 
 constexpr int kWindows = 8;
 constexpr int kGuides = 800,
-              kShortWindow = 250;  // samples a window: 8 s, ten periods and more; 2.5 s
-constexpr int kLong = 100000;      // samples of the record that the best values come from
+              kShortWindow = 250;  // samples per window: 8 s, at least ten periods; 2.5 s
+constexpr int kLong = 100000;      // samples of the record for the best values
 constexpr int kUnknowns = 2;       // k and c
 
 struct Truth {
@@ -30,8 +30,8 @@ struct Truth {
   dynamics::Law lacking;
 };
 
-/// A hardening spring that adds 3 to 20 % of stiffness, or quadratic or Coulomb's damping that adds
-/// as much as a tenth to all of the linear one.
+/// A hardening spring that adds 3 to 20 % of stiffness, or quadratic or Coulomb damping that adds
+/// up to a tenth of the linear damping.
 Truth random_truth(int chain) {
   base::Random random(2019, static_cast<std::uint64_t>(chain), 0, base::Purpose::test);
   const double k = 30.0 + 50.0 * random.uniform(), c = 0.5 + 1.5 * random.uniform();
@@ -46,7 +46,7 @@ Truth random_truth(int chain) {
   }
 }
 
-/// Stiffness, damping and noise unknown of a linear model, and a record that the truth made.
+/// A linear model with unknown stiffness, damping and noise, and a record of the truth.
 SidCase record_of(const Truth& truth, int samples, std::uint64_t seed) {
   SidCase out = small_sid_case();
   out.parameters = {{"k", inference::LogUniform{5.0, 500.0}},
@@ -73,8 +73,8 @@ struct Held {
   std::array<int, kUnknowns> next{}, of{};
 };
 
-/// What the intervals from one record hold: the best values of a far longer one, and the values of
-/// the windows of another.
+/// Whether the intervals from one record contain the best values of a far longer record and the
+/// values of the windows of another record.
 Held held(int chain, int window) {
   const Truth truth = random_truth(chain);
   const auto seed = static_cast<std::uint64_t>(1000 + 10 * chain);
@@ -117,7 +117,7 @@ struct Total {
   int whole = 0, run = 0, next = 0, of = 0;
 };
 
-/// Of k and of c, over so many chains; prints them.
+/// Totals for k and c over these chains; prints them.
 std::array<Total, kUnknowns> study(int chains, int window) {
   std::vector<Held> all(static_cast<std::size_t>(chains));
   base::parallel_for(
@@ -137,9 +137,9 @@ std::array<Total, kUnknowns> study(int chains, int window) {
   return out;
 }
 
-// Nominal 90 % of the whole are to hold 85 to 95 %: of 200 that is what is asked for, of 30 fewer
-// than 20 would be a chance of one in a hundred at 85 %.
-TEST(SidWindowsStudy, IntervalsBetweenWindowsHoldWhereATermIsMissing) {
+// Required: the nominal 90 % interval of the whole holds 85 to 95 % of 200. Of 30, fewer than 20
+// would have a probability of one in a hundred at 85 %.
+TEST(SidWindowsStudy, IntervalsBetweenWindowsHoldIfATermIsMissing) {
   const bool all = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
   const int chains = all ? 200 : 30;
   for (const Total& t : study(chains, kGuides)) {

@@ -12,7 +12,7 @@ namespace {
 using dynamics::Coefficient;
 
 /// A damped oscillator with unknown stiffness, damping and noise, 2000 samples, 8 windows. The
-/// truth has a cubic spring of its own, which the one model has not.
+/// truth has a cubic spring, the model does not.
 SidCase windowed_case(double k3, std::uint64_t seed = 3) {
   SidCase out = small_sid_case();
   out.parameters = {{"k", inference::LogUniform{5.0, 500.0}},
@@ -38,14 +38,14 @@ SidCase windowed_case(double k3, std::uint64_t seed = 3) {
 
 const std::vector<double> kTruth = {50.0, 1.0, 0.01};
 
-TEST(SidWindows, PartTheScoredSamples) {
+TEST(SidWindows, PartitionTheScoredSamples) {
   SidCase c;
   c.begin = 100, c.end = 203, c.windows = 4;
   EXPECT_THAT(window_bounds(c), testing::ElementsAre(std::pair(100, 125), std::pair(125, 151),
                                                      std::pair(151, 177), std::pair(177, 203)));
 }
 
-// Each window's likelihood is its part of the whole's, upsampled excitation and lead-in included.
+// Each window's likelihood is its part of the whole's, with upsampled excitation and lead-in.
 TEST(SidWindows, LikelihoodsAreThePartsOfTheWhole) {
   for (const bool upsampled : {false, true}) {
     SidCase c = small_sid_case();
@@ -64,8 +64,8 @@ TEST(SidWindows, LikelihoodsAreThePartsOfTheWhole) {
   }
 }
 
-// A model that is right: windows scatter as their own intervals say.
-TEST(SidWindows, OfARightModelScatterByTheirErrors) {
+// For a correct model, windows scatter as their intervals state.
+TEST(SidWindows, ScatterByTheirErrorsForACorrectModel) {
   const auto problem = make_sid_problem(windowed_case(0.0));
   const ModelWindows w = fit_windows(*problem, 0, kTruth, 2);
   EXPECT_EQ(w.fitted, 8);
@@ -79,14 +79,15 @@ TEST(SidWindows, OfARightModelScatterByTheirErrors) {
     EXPECT_GT(b.whole->q97_5, kTruth[i]);
     EXPECT_LT(b.next.q2_5, b.whole->q2_5);
     EXPECT_GT(b.next.q97_5, b.whole->q97_5);
-    EXPECT_LT(b.next.sd, 3.0 * b.sd[3]);  // some 1.2 of it, and what eight windows leave open
+    EXPECT_LT(b.next.sd,
+              3.0 * b.sd[3]);  // some 1.2 of it, plus the uncertainty from only eight windows
     EXPECT_EQ(b.value.size(), 8U);
   }
   EXPECT_THAT(window_remarks(*problem, 0, w), testing::IsEmpty());
 }
 
-// A model that lacks a term: they scatter by more, which is told.
-TEST(SidWindows, OfAModelThatLacksATermScatterByMore) {
+// For a model that lacks a term, they scatter more, which is reported.
+TEST(SidWindows, ScatterMoreForAModelThatLacksATerm) {
   const auto problem = make_sid_problem(windowed_case(300.0));
   const ModelWindows w = fit_windows(*problem, 0, std::vector{60.0, 1.0, 0.03}, 2);
   ASSERT_TRUE(w.parameters[0].has_value());
@@ -105,9 +106,9 @@ TEST(SidWindows, DoNotDependOnThreads) {
   EXPECT_EQ(one.parameters[1]->next.q95, three.parameters[1]->next.q95);
 }
 
-// Several records are windows side by side, each with as many as there are, and one where none are
-// asked for.
-TEST(SidWindows, OfSeveralRecordsAreSideBySide) {
+// Windows of several records count together: each record has the requested number, or one if none
+// is requested.
+TEST(SidWindows, OfSeveralRecordsCountTogether) {
   SidCase c = windowed_case(0.0, 3);
   c.further = {windowed_case(0.0, 4), windowed_case(0.0, 5)};
   for (SidCase* record : {&c, &c.further[0], &c.further[1]}) record->windows = 0;
@@ -122,10 +123,10 @@ TEST(SidWindows, OfSeveralRecordsAreSideBySide) {
   EXPECT_EQ(w.windows, 3);
   ASSERT_EQ(w.parameters.size(), 5U);
   EXPECT_EQ(w.parameters[0]->value.size(), 3U);
-  EXPECT_FALSE(w.parameters[4].has_value());  // a record's own start
+  EXPECT_FALSE(w.parameters[4].has_value());  // the initial state of one record
 }
 
-// The state at the record's start is no property of the rig.
+// The state at the record's start is not a property of the structure.
 TEST(SidWindows, LeaveTheInitialStateOut) {
   SidCase c = windowed_case(0.0);
   infer_initial(c, c.models[0]);

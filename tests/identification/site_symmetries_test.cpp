@@ -1,4 +1,4 @@
-// What a structure's symmetry hides, found from its frequencies.
+// Tests of a structure's symmetries, found from its frequencies.
 #include "identification/structural/defects/site_symmetries.hpp"
 
 #include <gmock/gmock.h>
@@ -15,7 +15,7 @@ using testing::ElementsAre;
 using testing::IsEmpty;
 using testing::SizeIs;
 
-/// Two posts and a beam between them, joined semi-rigidly.
+/// A portal: two posts and a beam, joined semi-rigidly.
 fem::Structure portal() {
   const fem::Material steel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
   const fem::MemberSection section{
@@ -61,7 +61,7 @@ SiteSymmetries symmetries(const DamageCase& damage_case) {
   return make_damage_problem(damage_case, {})->symmetries;
 }
 
-TEST(SiteSymmetries, APortalIsItsOwnImage) {
+TEST(SiteSymmetries, APortalIsSymmetric) {
   const SiteSymmetries found = symmetries(cracked(portal()));
   EXPECT_THAT(found.maps, SizeIs(1));
   EXPECT_THAT(found.alike, ElementsAre(ElementsAre("left", "right")));
@@ -72,8 +72,8 @@ TEST(SiteSymmetries, APortalIsItsOwnImage) {
   for (const double x : {0.0, 0.3, 1.7, 2.49, 3.5}) EXPECT_NEAR(image(image(x)), x, 1e-9);
 }
 
-// The shape is still symmetric.
-TEST(SiteSymmetries, ADifferenceInMassStiffnessSupportOrPriorIsSeen) {
+// The geometry is still symmetric.
+TEST(SiteSymmetries, DetectsDifferencesInMassStiffnessSupportOrPrior) {
   fem::Structure mass = portal(), stiffness = portal(), support = portal(), joint = portal();
   mass.masses = {{.node = 1, .mass = 0.01}};
   stiffness.members[0].pieces[0].material.young *= 1.0001;
@@ -113,7 +113,7 @@ TEST(SiteSymmetries, ChainsBetweenWalls) {
   EXPECT_THAT(find(901.0).alike, IsEmpty());
 }
 
-// Every image is listed, as likely as the truth.
+// Every image is listed, with the same probability as the truth.
 TEST(SiteSymmetries, TheImageOfACrackIsFound) {
   const auto problem = make_damage_problem(cracked(portal()), {});
   inference::Options options;

@@ -53,20 +53,20 @@ TEST(Solutions, TwoSeparateModesHaveTheirProbabilities) {
   EXPECT_NEAR(found.list[0].parameters[0].q50, 1.0, 0.02);
   EXPECT_NEAR(found.list[1].parameters[0].q50, -1.0, 0.02);
   EXPECT_NEAR(found.list[1].best[0], -1.0, 0.05);
-  // Between the solutions a and b correlate, within each they do not as much.
+  // a and b are correlated between the solutions, but less within each.
   const Eigen::MatrixXd& c = found.covariance_within;
   EXPECT_LT(std::abs(c(0, 1)) / std::sqrt(c(0, 0) * c(1, 1)), 0.8);
   EXPECT_LT(c(0, 0), 0.01);
 }
 
-TEST(Solutions, OneModeIsNoList) {
+TEST(Solutions, OneModeGivesAnEmptyList) {
   EXPECT_TRUE(solutions_of([](double a, double b) {
                 return -0.5 * (square(a / 0.1) + square(b));
               }).list.empty());
 }
 
-// A ridge that bends is one solution.
-TEST(Solutions, ABananaIsOneSolution) {
+// A curved ridge is one solution.
+TEST(Solutions, ACurvedRidgeIsOneSolution) {
   EXPECT_TRUE(solutions_of([](double a, double b) {
                 return -0.5 * square((b - square(a) + 1.0) / 0.05);
               }).list.empty());

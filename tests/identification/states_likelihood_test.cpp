@@ -80,7 +80,7 @@ TEST(StatesLikelihood, IsTheSumOfItsStates) {
   EXPECT_EQ(likelihood.place(4).mode, 1);
 }
 
-// A workspace keeps what was solved last; the answer is a fresh one's to the bit all the same.
+// A workspace caches the last solution; results equal those of a new workspace to the bit.
 TEST(StatesLikelihood, AUsedWorkspaceChangesNothing) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   const StatesLikelihood likelihood(states, {modal::soft_storey()});
@@ -103,7 +103,7 @@ TEST(StatesLikelihood, AUsedWorkspaceChangesNothing) {
   }
 }
 
-// The masses that a state has count in it alone, and so does its temperature.
+// Masses and temperature of a state affect only that state.
 TEST(StatesLikelihood, MassesAndTemperatures) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list[1].damaged = false;
@@ -125,7 +125,7 @@ TEST(StatesLikelihood, MassesAndTemperatures) {
   }
 }
 
-// Coefficients that the states set are no unknowns.
+// Coefficients specified by the states are not unknowns.
 TEST(StatesLikelihood, KnownCoefficients) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->unknown = {0, 2};
@@ -141,8 +141,8 @@ TEST(StatesLikelihood, KnownCoefficients) {
   EXPECT_NEAR(std::sqrt(modes[1].eigenvalues[0]) / kTwoPi, second[0], 1e-9);
 }
 
-// What the model does wrong by a factor of a mode it does wrong in all states: with a large
-// discrepancy ratios count, and nothing else.
+// A model error that is a factor per mode is the same in all states: with a large discrepancy only
+// ratios have an effect.
 TEST(StatesLikelihood, ADiscrepancyIsCommonToAllStates) {
   const auto f = full(chain_of(1000.0, 1000.0, 1000.0, {1.0, 1.2, 0.8}));
   const auto at = [&](double factor, double only_damaged, double discrepancy) {
@@ -158,10 +158,10 @@ TEST(StatesLikelihood, ADiscrepancyIsCommonToAllStates) {
   };
   EXPECT_GT(at(1.05, 1.0, 0.0), 1000.0);
   EXPECT_NEAR(at(1.05, 1.0, 1.0), at(1.0, 1.0, 1.0), 0.1);
-  EXPECT_GT(at(1.0, 0.99, 1.0), at(1.0, 1.0, 1.0) + 30.0) << "a change is none of the model's";
+  EXPECT_GT(at(1.0, 0.99, 1.0), at(1.0, 1.0, 1.0) + 30.0) << "a change is not a model error";
 }
 
-// The joint density by its covariance, written out.
+// The joint density from the explicit covariance.
 TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   const StatesLikelihood likelihood(states, {modal::soft_storey()});
@@ -184,8 +184,8 @@ TEST(StatesLikelihood, TheCommonDiscrepancyHasItsNormaliser) {
   EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
 }
 
-// The joint density by its covariance, written out.
-TEST(StatesLikelihood, MixedModesErrInWhatDamageChanges) {
+// The joint density from the explicit covariance.
+TEST(StatesLikelihood, MixedModesChangeTheEffectOfDamage) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list.push_back(
       {.name = "worse", .data = frequencies_of_states({1.9, 6.1, 8.3}, 0.01), .damaged = true});
@@ -226,9 +226,9 @@ TEST(StatesLikelihood, MixedModesErrInWhatDamageChanges) {
   EXPECT_NEAR(score.log_likelihood, expected, 1e-8 * std::abs(expected));
 }
 
-// Stiffnesses of chains drawn about the model's: the shapes' mixing and what a soft storey changes
-// scatter as they are said to, within what first order and a random matrix allow.
-TEST(StatesLikelihood, MixingIsWhatARandomErrorOfStiffnessDoes) {
+// For chains with stiffnesses drawn about the model's, the mixing of shapes and the effect of a
+// soft storey scatter as stated, within the validity of first order and of a random matrix.
+TEST(StatesLikelihood, MixingIsTheEffectOfARandomStiffnessError) {
   const std::vector<double> masses = {1.0, 1.2, 0.8};
   const MatrixXd mass = modal::diagonal({1.0, std::sqrt(1.2), std::sqrt(0.8)});
   const auto stiffness = [&](double k1, double k2, double k3) {
@@ -247,7 +247,7 @@ TEST(StatesLikelihood, MixingIsWhatARandomErrorOfStiffnessDoes) {
   MatrixXd mixed = MatrixXd::Zero(3, 3), changed = MatrixXd::Zero(3, 3);
   constexpr int kDraws = 4000;
   for (int draw = 0; draw < kDraws; ++draw) {
-    MatrixXd g(3, 3);  // 2δ on the diagonal, and κ times that beside it
+    MatrixXd g(3, 3);  // 2δ on the diagonal, κ times that off the diagonal
     for (Index i = 0; i < 3; ++i)
       for (Index j = 0; j <= i; ++j)
         g(i, j) = g(j, i) = 2.0 * noise.discrepancy * (i == j ? 1.0 : noise.mixing) *
@@ -279,8 +279,8 @@ TEST(StatesLikelihood, MixingIsWhatARandomErrorOfStiffnessDoes) {
   EXPECT_LT((changed - expected).norm(), 0.12 * expected.norm()) << changed << "\n" << expected;
 }
 
-// Damage found by a model that is off is told with what was trusted.
-TEST(StatesLikelihood, ChangesThatAreTakenForExactAreToldOf) {
+// If an inaccurate model finds damage, the findings report the trusted assumption.
+TEST(StatesLikelihood, ReportsChangesTakenForExact) {
   const std::vector<double> masses = {1.0, 1.2, 0.8};
   for (const double mixing : {0.0, 0.7}) {
     auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
@@ -312,8 +312,8 @@ TEST(StatesLikelihood, ChangesThatAreTakenForExactAreToldOf) {
   }
 }
 
-// Where a coefficient is set anew, the model errs anew.
-TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
+// States with other specified coefficients have independent model errors.
+TEST(StatesLikelihood, StatesWithOtherCoefficientsHaveIndependentErrors) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->unknown = {0, 2};
   states->known = {1};
@@ -329,9 +329,9 @@ TEST(StatesLikelihood, StatesOfOtherCoefficientsErrByThemselves) {
   EXPECT_NEAR(likelihood.score(modes, noise).log_likelihood, apart, 1e-9 * std::abs(apart));
 }
 
-// A frame too large for dense solutions, with E and a spring unknown, cracked: against full
-// solutions.
-TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
+// A frame too large for dense solutions, with E and a spring unknown, and a crack: compared with
+// full solutions.
+TEST(StatesLikelihood, ModesOfAFrameAgreeWithFullSolutions) {
   const fem::Structure s = modal::portal(10);
   auto model = std::make_shared<StructureModel>();
   model->nominal = s;
@@ -370,7 +370,7 @@ TEST(StatesLikelihood, ModesOfAFrameAreThoseOfFullSolutions) {
               1e3 * check.seconds_a_solution);
 }
 
-TEST(StatesLikelihood, RefusesMoreModesThanThereAre) {
+TEST(StatesLikelihood, RejectsMoreModesThanThereAre) {
   auto states = std::make_shared<ObservedStates>(healthy_and_damaged());
   states->list[0].data = frequencies_of_states({1.0, 2.0, 3.0, 4.0}, 0.01);
   EXPECT_THROW(StatesLikelihood(states, {modal::soft_storey()}), std::invalid_argument);

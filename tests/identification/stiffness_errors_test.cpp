@@ -28,7 +28,7 @@ double log_normal(const VectorXd& r, const MatrixXd& c) {
          0.5 * static_cast<double>(r.size()) * std::log(kTwoPi);
 }
 
-TEST(StiffnessErrors, IntegratedIsTheNormalOfAllTogether) {
+TEST(StiffnessErrors, IntegratedIsTheJointNormalDensity) {
   std::mt19937_64 random(1);
   std::normal_distribution<double> normal;
   const auto matrix = [&](Index rows, Index columns) {
@@ -46,16 +46,16 @@ TEST(StiffnessErrors, IntegratedIsTheNormalOfAllTogether) {
   EXPECT_NEAR(gain.chi_square, r.squaredNorm() - r.dot(c.inverse() * r), 1e-12);
 }
 
-// A sampler may ask for any: an error beyond numbers is impossible, not a fault.
-TEST(StiffnessErrors, OneBeyondNumbersIsImpossible) {
+// A sampler may propose any value: an overflowing error is impossible, not an exception.
+TEST(StiffnessErrors, AnOverflowingErrorIsImpossible) {
   StiffnessErrors errors(2);
   errors.add(MatrixXd::Constant(3, 2, 1.0), VectorXd::Constant(3, 1.0));
   for (const double sigma : {1e155, 1e300})
     EXPECT_EQ(errors.integrated(sigma).log_density, -std::numeric_limits<double>::infinity());
 }
 
-// Quarters of members and the foot's spring hold all of the energy, each its share.
-TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
+// Quarters of members and the spring at the foot hold all of the energy.
+TEST(StiffnessPieces, HoldTheEnergyForAnyMesh) {
   std::vector<double> coarse;
   for (const int elements : {8, 16}) {
     const fem::Mesh mesh(modal::portal(elements));
@@ -77,8 +77,8 @@ TEST(StiffnessPieces, HoldTheEnergyWhateverTheMesh) {
   }
 }
 
-// A loss that errs by u leaves q + u q (1 - q) of a strain, q before.
-TEST(StiffnessPieces, LossesAreWhatTheirErrorsDo) {
+// A loss with error u leaves q + u q (1 - q) of a strain instead of q.
+TEST(StiffnessPieces, LossesAreTheEffectOfTheirErrors) {
   const fem::Mesh mesh(modal::portal(8));
   const fem::Discretisation& d = mesh.discretisation();
   const StiffnessPieces pieces(d, &mesh);
@@ -97,10 +97,11 @@ TEST(StiffnessPieces, LossesAreWhatTheirErrorsDo) {
   const auto before = energies(q), after = energies(q + u * q * (1.0 - q));
   for (std::size_t p = 0; p < losses.size(); ++p)
     EXPECT_LT(((after[p] - before[p]) / u - losses[p]).norm(), 1e-6 * modes.eigenvalues[2]) << p;
-  EXPECT_GT(losses[2].norm(), 1e-3 * modes.eigenvalues[0]);  // of the sixth of eight elements
+  EXPECT_GT(losses[2].norm(), 1e-3 * modes.eigenvalues[0]);  // loss of the sixth of eight elements
 }
 
-// Healthy and damaged, with shapes at all floors: of a chain not quite the model's at `kModel`.
+// Healthy and damaged states with shapes at all floors, of a chain slightly different from the
+// model `kModel`.
 const std::vector<double> kModel = {1000.0, 1100.0, 900.0};
 
 ObservedStates two_states(double sigma) {
@@ -129,9 +130,9 @@ ObservedStates two_states(double sigma) {
   return out;
 }
 
-// The whole density with errors of links integrated out by quadrature over structures that have
-// them: to second order in these.
-TEST(StatesLikelihood, ErrorsOfPiecesAreIntegratedOut) {
+// The density with errors of links integrated out, compared with quadrature over structures with
+// these errors; they agree to second order.
+TEST(StatesLikelihood, IntegratesStiffnessErrorsOut) {
   const double sigma = 0.004;
   const std::vector<double>& x = kModel;
   const std::vector<PlacedDefect> soft = {{.kind = 0, .location = 1.5, .severity = 0.1}};
@@ -144,7 +145,7 @@ TEST(StatesLikelihood, ErrorsOfPiecesAreIntegratedOut) {
   ASSERT_TRUE(likelihood.solve(x, soft, workspace, modes));
   const ModalNoise noise{.discrepancy = 0.001, .stiffness_discrepancy = sigma};
   const double integrated = likelihood.score(modes, noise).log_likelihood;
-  // Gauss and Hermite's five points: exact to the ninth degree.
+  // Five-point Gauss-Hermite rule: exact to the ninth degree.
   const std::array<double, 5> at = {-2.85697001387280, -1.35562617997427, 0.0, 1.35562617997427,
                                     2.85697001387280};
   const std::array<double, 5> weight = {0.0112574113277207, 0.222075922005613, 0.533333333333333,
@@ -155,7 +156,7 @@ TEST(StatesLikelihood, ErrorsOfPiecesAreIntegratedOut) {
     const std::array<std::size_t, 4> i = {n % 5, n / 5 % 5, n / 25 % 5, n / 125};
     std::vector<double> wrong = x;
     for (std::size_t p = 0; p < 3; ++p) wrong[p] *= 1.0 + sigma * at[i[p]];
-    // What is left errs by the product of what is lost and what is left.
+    // The error of the remaining stiffness is the product of the lost and the remaining share.
     std::vector<PlacedDefect> lost = soft;
     lost[0].severity -= sigma * at[i[3]] * lost[0].severity * (1.0 - lost[0].severity);
     ASSERT_TRUE(exact.solve(wrong, lost, other, modes));
@@ -166,11 +167,11 @@ TEST(StatesLikelihood, ErrorsOfPiecesAreIntegratedOut) {
     if (n == 312) nominal = ln;
   }
   EXPECT_NEAR(std::log(sum), 0.0, 0.02);
-  EXPECT_GT(std::abs(nominal - integrated), 0.2);  // or it would be no test
+  EXPECT_GT(std::abs(nominal - integrated), 0.2);  // otherwise the test has no power
 }
 
-// A mode given the others is what all say less what the others say.
-TEST(StatesLikelihood, AModeGivenTheOthersWherePiecesErr) {
+// ln p of a mode given the others: that of all minus that of the others.
+TEST(StatesLikelihood, AModeGivenTheOthersWithStiffnessErrors) {
   const double sigma = 0.05;
   const std::vector<double>& x = kModel;
   const std::vector<PlacedDefect> soft = {{.kind = 0, .location = 1.5, .severity = 0.3}};

@@ -1,5 +1,5 @@
-// What a user adds without a change of the library: a forward model, a kind of observation. (A type
-// of defect: defect_kind_test.cpp.)
+// User extensions without changes of the library: a forward model, a kind of observation. (For a
+// type of defect see defect_kind_test.cpp.)
 #include "identification/structural/problem/structural_problem.hpp"
 
 #include <gtest/gtest.h>
@@ -53,7 +53,7 @@ class TwoStoreyModel final : public ForwardModel {
   }
 };
 
-TEST(StructuralProblem, AForwardModelOfOnesOwnUpdates) {
+TEST(StructuralProblem, AUserDefinedForwardModelUpdates) {
   const UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   const auto own = make_update_problem(update_case, {.model = std::make_shared<TwoStoreyModel>()});
   const auto ours = make_update_problem(update_case);
@@ -73,8 +73,8 @@ TEST(StructuralProblem, AForwardModelOfOnesOwnUpdates) {
   EXPECT_EQ(found.modes.size(), 2U);
 }
 
-/// A beam whose i-th frequency falls by half of r sin²(i π x) for each loss r at x, with an error
-/// of a hundredth.
+/// A beam whose i-th frequency decreases by half of r sin²(i π x) for each loss r at x, with an
+/// error of one hundredth.
 class RayleighModel final : public ForwardModel {
  public:
   explicit RayleighModel(std::vector<double> intact_hz) : intact_hz_(std::move(intact_hz)) {}
@@ -110,7 +110,7 @@ class RayleighModel final : public ForwardModel {
   std::vector<double> intact_hz_;
 };
 
-TEST(StructuralProblem, AForwardModelOfOnesOwnFindsDamage) {
+TEST(StructuralProblem, AUserDefinedForwardModelFindsDamage) {
   const DamageCase damage_case = small_beam(1);
   const FrequencyData& data = damage_case.data;
   const auto model = std::make_shared<RayleighModel>(data.frequencies_hz);
@@ -167,7 +167,7 @@ class Flexibility final : public Observation {
 };
 
 // The flexibility of a chain's upper floor is 1/k₁ + 1/k₂.
-TEST(StructuralProblem, AnObservationOfOnesOwnUpdates) {
+TEST(StructuralProblem, AUserDefinedObservationUpdates) {
   const UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   const double measured = 1.0 / 1400.0 + 1.0 / 900.0, sd = 0.001 * measured;
   const auto alone = make_update_problem(update_case);
@@ -189,11 +189,11 @@ TEST(StructuralProblem, AnObservationOfOnesOwnUpdates) {
     for (std::size_t i = 0; i < k2[c].size(); ++i)
       flexibility[c][i] = 1.0 / flexibility[c][i] + 1.0 / k2[c][i];
   EXPECT_NEAR(inference::mean(flexibility), measured, 5.0 * sd)
-      << "a tenth of what the frequencies alone know";
+      << "a tenth of the sd from frequencies alone";
   EXPECT_EQ(update_findings(*both, posterior, {}, 1).modes.size(), 2U);
 }
 
-/// The ratio of the second frequency to the first, by an instrument of unknown scatter.
+/// The ratio of the second to the first frequency, by an instrument of unknown scatter.
 class Ratio final : public Observation {
  public:
   explicit Ratio(double measured) : measured_(measured) {}
@@ -211,7 +211,7 @@ class Ratio final : public Observation {
   double measured_;
 };
 
-TEST(StructuralProblem, AnObservationWithNoiseOfItsOwnFindsDamage) {
+TEST(StructuralProblem, AUserDefinedObservationWithNoiseFindsDamage) {
   DamageCase damage_case = small_beam(1, {.damages = {{0.425, 0.5}}});
   damage_case.data.cv_prior = inference::LogUniform{1e-3, 1e-1};
   damage_case.data.sd_hz.clear();

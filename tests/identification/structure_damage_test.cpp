@@ -1,5 +1,5 @@
-// Damage of a frame: posteriors against a brute-force sum over (member, s, severities) that knows
-// nothing of the engine.
+// Damage of a frame: posteriors compared with brute-force sums over (member, s, severities) that do
+// not use the engine.
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -88,16 +88,16 @@ DamageCase crack_and_joint(const fem::Structure& structure) {
 }
 
 /// log of the integral of exp(f) over a box, by midpoints of cells that are halved in every
-/// direction wherever they count; `change` is what the last halving moved the sum by.
+/// direction where they contribute. `change`: the change of the sum by the last halving.
 struct Sum {
-  double log_integral, change;  // log of the sum, and the last halving's log ratio
+  double log_integral, change;  // log of the sum, and log ratio of the last halving
 };
 template <class F>
 Sum integrate(const F& f, const std::vector<std::pair<double, double>>& box,
               const std::vector<int>& first_cells, int halvings) {
   struct Cell {
     std::vector<double> low, width;
-    double log_value;  // at the middle, times the volume
+    double log_value;  // at the midpoint, times the volume
   };
   const std::size_t d = box.size();
   const auto value = [&](Cell& cell) {
@@ -134,7 +134,7 @@ Sum integrate(const F& f, const std::vector<std::pair<double, double>>& box,
   double before = total(), now = before;
   for (int h = 0; h < halvings; ++h) {
     before = now;
-    // Neighbours of what counts may hide a peak between midpoints: a generous margin at first.
+    // Neighbours of contributing cells may hide a peak between midpoints: use a wide margin first.
     const double worth =
         before - (h < 1 ? 25.0 : 6.0) - std::log(static_cast<double>(cells.size()));
     std::vector<Cell> finer;
@@ -181,7 +181,7 @@ TEST(StructureDamage, ACrackAndALooseJointInAFrameOfTenMembers) {
   double all_length = 0.0;
   for (int m = 0; m < 10; ++m) all_length += mesh.member_length(m);
 
-  // Evidences of: nothing, a joint, a crack, both; and how much of the last two is on each member.
+  // Evidences of: no damage, a joint, a crack, both; and the share of the last two on each member.
   double evidence[4] = {};
   evidence[0] = std::exp(log_likelihood({}));
   double moved[4] = {};  // by the last halving
@@ -226,7 +226,7 @@ TEST(StructureDamage, ACrackAndALooseJointInAFrameOfTenMembers) {
   const double before = sum - moved[0] - moved[1] - moved[2] - moved[3];
   for (int model = 0; model < 4; ++model) {
     EXPECT_NEAR((evidence[model] - moved[model]) / before, evidence[model] / sum, 1e-3)
-        << "the reference moves";
+        << "the reference has not converged";
   }
 
   const auto problem = make_damage_problem(damage_case, {});
@@ -237,7 +237,7 @@ TEST(StructureDamage, ACrackAndALooseJointInAFrameOfTenMembers) {
     const double exact = evidence[2 * model.counts[0] + model.counts[1]] / sum;
     EXPECT_NEAR(model.probability(), exact, 4.0 * model.standing.mcse + 2e-3) << model.name;
   }
-  // Where the crack is: the expected number on each member.
+  // Place of the crack: the expected number on each member.
   const KindFinding& cracks = found.kinds[0];
   const SiteLine& line = damage_case.kinds[0].line;
   std::map<int, double> expected;
@@ -250,7 +250,7 @@ TEST(StructureDamage, ACrackAndALooseJointInAFrameOfTenMembers) {
   }
 }
 
-/// A chain of storeys: which is soft, against the sum over storeys and reductions.
+/// A chain of storeys, compared with the sum over storeys and reductions.
 TEST(StructureDamage, ASoftStorey) {
   fem::LumpedChain chain{.masses = {1.0, 1.1, 0.9, 1.0}, .links = {}};
   for (int i = 0; i < 4; ++i)

@@ -34,7 +34,7 @@ fem::Structure square_frame(const std::vector<std::array<int, 2>>& members) {
   return out;
 }
 
-TEST(StructurePlausibility, AYoungsModulusInGigapascalsIsSaid) {
+TEST(StructurePlausibility, ReportsAYoungsModulusInGigapascals) {
   using Property = remark::ImplausibleMaterial::Property;
   const auto odd = implausible_material("the beam", 210.0, 7850.0);
   ASSERT_TRUE(odd);
@@ -48,7 +48,7 @@ TEST(StructurePlausibility, AYoungsModulusInGigapascalsIsSaid) {
   EXPECT_EQ(light->property, Property::density);
   EXPECT_DOUBLE_EQ(light->converted, 7850.0);
   EXPECT_EQ(implausible_material("", 2.1e11, 7.85e-9)->unit, "t/mm³");
-  // A weight in kN/m³ is a density that only the speed of sound tells.
+  // A weight in kN/m³ used as a density is detected only by the speed of sound.
   EXPECT_EQ(implausible_material("", 2.1e11, 78.5)->property, Property::speed_of_sound);
   for (const auto& [young, density] : {std::pair{2.1e11, 7850.0},
                                        {7e10, 2700.0},
@@ -60,7 +60,7 @@ TEST(StructurePlausibility, AYoungsModulusInGigapascalsIsSaid) {
     EXPECT_FALSE(implausible_material("", young, density)) << young << " " << density;
 }
 
-TEST(StructurePlausibility, ABeamInMillimetresIsSaid) {
+TEST(StructurePlausibility, ReportsABeamInMillimetres) {
   fem::Beam beam = small_beam(1).beam;
   EXPECT_TRUE(implausible(beam).empty());
   beam.section = fem::section(fem::Rectangle{.width = 25.0, .height = 6.0}, 0.3);
@@ -70,7 +70,7 @@ TEST(StructurePlausibility, ABeamInMillimetresIsSaid) {
   EXPECT_NE(find_remark<remark::ImplausibleMaterial>(implausible(beam)), nullptr);
 }
 
-TEST(StructurePlausibility, TwinMembersAndUnusedNodesAreSaid) {
+TEST(StructurePlausibility, ReportsTwinMembersAndUnusedNodes) {
   EXPECT_TRUE(implausible(AnyStructure(square_frame({{0, 1}, {1, 2}, {2, 3}, {3, 0}}))).empty());
   const auto remarks = implausible(AnyStructure(square_frame({{0, 1}, {1, 2}, {1, 0}})));
   const auto* twins = find_remark<remark::TwinMembers>(remarks);
@@ -82,7 +82,7 @@ TEST(StructurePlausibility, TwinMembersAndUnusedNodesAreSaid) {
   EXPECT_EQ(unused->nodes, std::vector<std::string>{"D"});
 }
 
-TEST(StructurePlausibility, MembersThatCrossWithoutAJointAreSaid) {
+TEST(StructurePlausibility, ReportsMembersThatCrossWithoutAJoint) {
   fem::Structure crossed = square_frame({{0, 1}, {1, 2}, {2, 3}, {3, 0}, {0, 2}, {1, 3}});
   const auto remarks = implausible(AnyStructure(crossed));
   const auto* found = find_remark<remark::CrossingMembers>(remarks);
@@ -99,13 +99,13 @@ TEST(StructurePlausibility, MembersThatCrossWithoutAJointAreSaid) {
   const auto touching = implausible(AnyStructure(tee));
   ASSERT_NE(find_remark<remark::CrossingMembers>(touching), nullptr);
   EXPECT_EQ(find_remark<remark::CrossingMembers>(touching)->count, 1);
-  // Passing each other in space is no crossing.
+  // Members that pass each other in space do not cross.
   crossed.dimension = 3;
   crossed.nodes[3].at[2] = 0.1;
   EXPECT_EQ(find_remark<remark::CrossingMembers>(implausible(AnyStructure(crossed))), nullptr);
 }
 
-TEST(StructurePlausibility, SensorsAtOnePlaceAreSaid) {
+TEST(StructurePlausibility, ReportsSensorsAtOnePlace) {
   const std::vector<Remark> remarks =
       implausible(std::vector<Sensor>{{"B, x", {}}, {"C, x", {}}, {"B, x", {}}});
   const auto* same = find_remark<remark::SensorsAtOnePlace>(remarks);

@@ -18,8 +18,8 @@ namespace {
 
 using dynamics::Coefficient;
 
-// A Duffing oscillator, 120 samples, asked about three terms of which the cubic one is there and
-// the friction is too weak to be certain of.
+// A Duffing oscillator, 120 samples, with three optional terms: the cubic term exists, and the
+// friction is too weak to be certain.
 SidCase duffing_asked_about(double inclusion, double noise = 0.05) {
   SidCase c = small_sid_case();
   c.models[0].noise = {noise};
@@ -55,9 +55,9 @@ SidFindings found_terms(const SidCase& c, bool prior_only = false) {
   return sid_findings(run, predict(*run.problem, run.posterior));
 }
 
-// ln Z of every subset by itself: importance sampling from normals about the modes that many climbs
-// find, and from the prior. (Annealing each from its prior says the same for a hundred times the
-// calls, most of them of trajectories that run away.)
+// ln Z of every subset separately: importance sampling from the prior and from normals about the
+// modes of many climbs. (Annealing each from its prior agrees, with a hundred times the calls,
+// mostly of diverging trajectories.)
 std::vector<inference::Evidence> evidence_of_all(const inference::Problem& problem) {
   std::vector<inference::Evidence> out;
   for (int m = 0; m < problem.space.size(); ++m) {
@@ -65,8 +65,8 @@ std::vector<inference::Evidence> evidence_of_all(const inference::Problem& probl
     const auto found = inference::search_modes(problem, m, {.seed = 11, .climbs = 100});
     std::vector<inference::NormalMixture::Component> components = {
         {0.1, Eigen::VectorXd::Zero(d), Eigen::MatrixXd::Identity(d, d)}};
-    // Wider ones besides: where a coefficient that is not negative may be nothing at all, its
-    // posterior has the prior's tail.
+    // Also wider normals: if a non-negative coefficient may be zero, its posterior has the prior's
+    // tail.
     for (const inference::Mode& mode : found.modes) {
       for (const double wider : {1.5, 6.0, 24.0, 96.0}) {
         components.push_back({std::exp(mode.log_mass - found.modes.front().log_mass),
@@ -83,7 +83,7 @@ std::vector<inference::Evidence> evidence_of_all(const inference::Problem& probl
   return out;
 }
 
-TEST(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
+TEST(TermFindings, InclusionAgreesWithTheEvidencesOfAllSubsets) {
   const SidCase c = duffing_asked_about(0.4, 0.04);
   const SidFindings f = found_terms(c);
   const auto problem = make_sid_problem(c);
@@ -114,16 +114,16 @@ TEST(TermFindings, InclusionIsThatOfTheEvidencesOfAllSubsets) {
     EXPECT_EQ(term.prior, 0.4);
     least_decided = std::min(least_decided, std::abs(want - 0.5));
   }
-  EXPECT_LT(least_decided, 0.49);  // or this would show little
+  EXPECT_LT(least_decided, 0.49);  // otherwise the test has no power
   EXPECT_TRUE(f.discovery.terms[0].is_in()) << f.discovery.terms[0].inclusion;
   ASSERT_EQ(f.discovery.terms[0].parameters.size(), 1U);
   const Marginal& cubic = f.discovery.terms[0].parameters[0].estimate;
   EXPECT_NEAR(cubic.mean, 1000.0, 4.0 * cubic.sd);
 }
 
-// Fault: climbs whose first differences were a prior's wide did not leave the mode of the model
-// without the term, though the one with it had its mode elsewhere.
-TEST(TermFindings, ATermIsFoundFromTheModeOfTheModelWithoutIt) {
+// Regression: climbs whose first differences were as wide as a prior did not leave the mode of the
+// model without the term, although the model with it had another mode.
+TEST(TermFindings, FindsATermFromTheModeOfTheModelWithoutIt) {
   const auto sid = make_sid_problem(duffing_asked_about(0.4, 0.04));
   const inference::Problem& problem = sid->problem;
   constexpr int kCubic = 1, kBoth = 4;
@@ -146,8 +146,8 @@ TEST(TermFindings, WithoutTheLikelihoodInclusionIsThePrior) {
   }
 }
 
-// The law over all models holds the true one, and the map of forces scatters about it.
-TEST(TermFindings, TheAveragedLawHoldsTheTrueOne) {
+// The averaged law contains the true one, and the force-state map scatters about it.
+TEST(TermFindings, TheAveragedLawContainsTheTrueOne) {
   const SidFindings f = found_terms(duffing_asked_about(0.5, 0.002));
   ASSERT_EQ(f.discovery.laws.size(), 1U);
   const LinkLaw& law = f.discovery.laws.front();
@@ -157,14 +157,14 @@ TEST(TermFindings, TheAveragedLawHoldsTheTrueOne) {
     const double e = law.at_rest.extension[i], truth = 50.0 * e + 1000.0 * e * e * e;
     held += truth >= law.at_rest.q2_5[i] && truth <= law.at_rest.q97_5[i] ? 1 : 0;
   }
-  EXPECT_GT(held, 20);  // of 41: points of one curve stand or fall together
+  EXPECT_GT(held, 20);  // of 41 correlated points of one curve
   ASSERT_FALSE(law.map.empty());
   double squares = 0.0, misses = 0.0;
   for (const LinkLaw::Point& p : law.map) {
     squares += p.tension * p.tension;
     misses += std::pow(p.tension - (50.0 * p.extension + 1000.0 * std::pow(p.extension, 3)), 2);
   }
-  EXPECT_LT(misses, 0.1 * squares);  // noise over differences, and what damping carries
+  EXPECT_LT(misses, 0.1 * squares);  // noise amplified by differences, and the damping force
 }
 
 }  // namespace

@@ -1,5 +1,4 @@
-// Posteriors against quadrature: a reference of the test's own, which knows neither the engine nor
-// its likelihood.
+// Posteriors compared with quadrature that uses neither the engine nor its likelihood.
 #include "identification/structural/updating/update_problem.hpp"
 
 #include <gtest/gtest.h>
@@ -19,15 +18,15 @@ namespace {
 using Eigen::Matrix2d;
 using Eigen::Vector2d;
 
-/// Frequencies and shapes of the two-storey chain, by hand: λ² m₁m₂ - λ (m₁k₂ + m₂(k₁ + k₂)) +
-/// k₁k₂ = 0.
+/// Frequencies and shapes of the two-storey chain in closed form: λ² m₁m₂ - λ (m₁k₂ + m₂(k₁ + k₂))
+/// + k₁k₂ = 0.
 struct TwoStoreys {
   double m1 = 2.0, m2 = 1.0;
   [[nodiscard]] std::array<double, 2> eigenvalues(double k1, double k2) const {
     const double b = m1 * k2 + m2 * (k1 + k2), root = std::sqrt(b * b - 4.0 * m1 * m2 * k1 * k2);
     return {(b - root) / (2.0 * m1 * m2), (b + root) / (2.0 * m1 * m2)};
   }
-  /// Of the second floor over the first.
+  /// Motion of the second floor relative to the first.
   [[nodiscard]] double ratio(double k1, double k2, double lambda) const {
     return (k1 + k2 - lambda * m1) / k2;
   }
@@ -38,7 +37,7 @@ struct Moments {
   Matrix2d covariance = Matrix2d::Zero();
 };
 
-/// By the midpoint rule over the box of the uniform priors, refined about where the posterior is.
+/// Midpoint rule over the box of the uniform priors, refined around the posterior.
 template <class LogDensity>
 Moments quadrature(const LogDensity& log_density, int steps) {
   Eigen::Vector4d box(500.0, 3000.0, 300.0, 2500.0);
@@ -63,7 +62,7 @@ Moments quadrature(const LogDensity& log_density, int steps) {
       }
     out.mean = mean / sum;
     out.covariance = second / sum - out.mean * out.mean.transpose();
-    // All modes stay inside: twelve sd, never beyond the priors.
+    // All modes remain inside: twelve sd, within the priors.
     for (int d = 0; d < 2; ++d) {
       const double sd = std::sqrt(out.covariance(d, d)) + (d == 0 ? h1 : h2);
       box[2 * d] = std::max(box[2 * d], out.mean[d] - 12.0 * sd);
@@ -88,7 +87,7 @@ Outcome run(UpdateCase update_case, std::uint64_t seed = 1) {
   return out;
 }
 
-/// Means, spreads and the correlation, each within five of its Monte Carlo errors.
+/// Means, standard deviations and the correlation, each within five Monte Carlo errors.
 void expect_moments(const Outcome& run, const Moments& exact) {
   const auto first = run.posterior.draws_of("k1", 0), second = run.posterior.draws_of("k2", 0);
   const auto moment = [&](auto value) {
@@ -109,7 +108,7 @@ void expect_moments(const Outcome& run, const Moments& exact) {
   near(moment([](const Vector2d& k) { return k[0] * k[1]; }), exact.covariance(0, 1), "covariance");
 }
 
-TEST(UpdateProblem, TwoStoreysFromFrequenciesAloneAreThoseOfQuadrature) {
+TEST(UpdateProblem, TwoStoreysFromFrequenciesAloneAgreeWithQuadrature) {
   const UpdateCase update_case = modal::two_storeys(0.01, 0.0);
   const ModalData data = update_case.data;
   const TwoStoreys chain;
@@ -122,11 +121,11 @@ TEST(UpdateProblem, TwoStoreysFromFrequenciesAloneAreThoseOfQuadrature) {
     }
     return sum;
   };
-  // Two frequencies have two chains, stiff below and stiff above.
+  // Two frequencies correspond to two chains, stiff below or stiff above.
   expect_moments(run(update_case), quadrature(log_density, 800));
 }
 
-TEST(UpdateProblem, TwoStoreysWithShapesAreThoseOfQuadrature) {
+TEST(UpdateProblem, TwoStoreysWithShapesAgreeWithQuadrature) {
   const UpdateCase update_case = modal::two_storeys(0.01, 0.05);
   const ModalData data = update_case.data;
   const TwoStoreys chain;
@@ -137,7 +136,7 @@ TEST(UpdateProblem, TwoStoreysWithShapesAreThoseOfQuadrature) {
       const auto at = static_cast<std::size_t>(i);
       const double f = std::sqrt(lambda[at]) / (2.0 * std::numbers::pi);
       sum -= 0.5 * std::pow((data.frequencies_hz[at] - f) / (0.01 * data.frequencies_hz[at]), 2);
-      // Of two entries, the sine of the angle between them is all there is.
+      // For two entries, only the angle between them counts, by its sine.
       const Vector2d computed(1.0, chain.ratio(k1, k2, lambda[at]));
       Vector2d measured = data.shapes.row(i).transpose();
       measured /= measured.cwiseAbs().maxCoeff();
@@ -155,8 +154,8 @@ TEST(UpdateProblem, TwoStoreysWithShapesAreThoseOfQuadrature) {
   }
 }
 
-// A parameter that no mode feels stays what it was, and is named.
-TEST(UpdateProblem, WhatTheDataCannotTellIsSaid) {
+// A parameter without effect on any mode keeps its prior, and is named.
+TEST(UpdateProblem, NamesAParameterWithoutInformationInTheData) {
   UpdateCase update_case{
       .title = "three in a row",
       .structure = modal::chain({2.0, 1.0, 1e-4}, {inference::LogUniform{500.0, 3000.0},
@@ -174,8 +173,8 @@ TEST(UpdateProblem, WhatTheDataCannotTellIsSaid) {
   EXPECT_EQ(found.findings.untouched[0].weights[0].first, "k3");
 }
 
-// The last floor was measured at twice its frequency: it must be named.
-TEST(UpdateProblem, AModeThatDoesNotFitIsNamed) {
+// One shape entry of mode 2 is wrong: the mode must be named.
+TEST(UpdateProblem, NamesAModeThatDoesNotFit) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.02);
   update_case.data.shapes(1, 0) = 2.5;
   const Outcome found = run(std::move(update_case));
@@ -196,7 +195,7 @@ UpdateCase four_storeys() {
   return out;
 }
 
-/// The modes with these numbers, from 0, in this order; -1 for one that is none of the structure's.
+/// The modes with these numbers, from 0, in this order; -1 for a spurious mode.
 UpdateCase with_modes(const UpdateCase& from, const std::vector<int>& order) {
   UpdateCase out = from;
   const auto n = static_cast<Eigen::Index>(order.size());
@@ -219,7 +218,7 @@ UpdateCase with_modes(const UpdateCase& from, const std::vector<int>& order) {
   return out;
 }
 
-/// Means and spreads of all stiffnesses agree within five Monte Carlo errors.
+/// Means and standard deviations of all stiffnesses agree within five Monte Carlo errors.
 void expect_same(const Outcome& a, const Outcome& b, const char* what) {
   for (const char* k : {"k1", "k2", "k3", "k4"}) {
     const auto first = a.posterior.draws_of(k, 0), second = b.posterior.draws_of(k, 0);
@@ -239,17 +238,17 @@ void expect_same(const Outcome& a, const Outcome& b, const char* what) {
   }
 }
 
-TEST(UpdateProblem, ThePosteriorDoesNotMoveWithTheOrderOfModes) {
+TEST(UpdateProblem, ThePosteriorDoesNotDependOnTheOrderOfModes) {
   const UpdateCase all = four_storeys();
   expect_same(run(with_modes(all, {0, 1, 2, 3})), run(with_modes(all, {2, 0, 3, 1}), 2), "swapped");
 }
 
-// What a spurious mode does where it may be one, and what is said where it may not.
-TEST(UpdateProblem, ASpuriousModeMovesNothingOrIsNamed) {
+// Effect of a spurious mode if it may be spurious, and the finding if it may not.
+TEST(UpdateProblem, ASpuriousModeHasNoEffectOrIsNamed) {
   const UpdateCase all = four_storeys();
   const Outcome without = run(with_modes(all, {0, 2, 3}));
   UpdateCase spoilt = with_modes(all, {0, -1, 2, 3});
-  UpdateCase more = with_modes(all, {0, 1, -1, 2, 3});  // than the structure has
+  UpdateCase more = with_modes(all, {0, 1, -1, 2, 3});  // more than the structure has
   more.data.doubt = 0.05;
   EXPECT_NO_THROW((void)make_update_problem(more));
   const Outcome trusted = run(spoilt, 2);
@@ -268,7 +267,7 @@ TEST(UpdateProblem, ASpuriousModeMovesNothingOrIsNamed) {
   }));
 }
 
-TEST(UpdateProblem, NothingUnknownIsRefused) {
+TEST(UpdateProblem, RejectsACaseWithoutUnknowns) {
   UpdateCase update_case = modal::two_storeys(0.01, 0.0);
   auto known = std::make_shared<StructureModel>(*update_case.structure);
   known->parameters.clear();

@@ -1,5 +1,5 @@
-// Measured structures of ../shared/data/updating-structures: what their modes tell, and what they
-// do not. Skipped where the data are absent.
+// Model updating of measured structures of ../shared/data/updating-structures. Skipped if the data
+// are absent.
 #include <gtest/gtest.h>
 
 #include <chrono>
@@ -24,10 +24,10 @@ using Eigen::MatrixXd;
 
 const std::filesystem::path kData =
     std::filesystem::path(WHEELTAP_SHARED_DIR) / "data/updating-structures";
-constexpr double kNewtonsPerMetre = 175.127;  // a lbf/in
+constexpr double kNewtonsPerMetre = 175.127;  // per lbf/in
 
 #define SKIP_WITHOUT_DATA() \
-  if (!std::filesystem::exists(kData)) GTEST_SKIP() << kData << " is not there"
+  if (!std::filesystem::exists(kData)) GTEST_SKIP() << kData << " does not exist"
 
 UpdateFindings updated(UpdateCase update_case) {
   const auto problem = make_update_problem(std::move(update_case));
@@ -63,19 +63,19 @@ UpdateCase four_storeys(double cov, double shape_sd) {
   return out;
 }
 
-TEST(UpdatingMeasured, FourStoreysPredictTheModesHeldOutOrAreFlagged) {
+TEST(UpdatingMeasured, FourStoreysPredictTheHeldOutModesOrAreFlagged) {
   SKIP_WITHOUT_DATA();
   for (const double cov : {0.01, 0.002}) {
     const UpdateFindings found = updated(four_storeys(cov, 0.02));
     report(found);
     ASSERT_EQ(found.predictions.size(), 2u);
     const bool inside = !found.predictions[0].misses() && !found.predictions[1].misses();
-    EXPECT_TRUE(inside || !found.fit.ok()) << "a band that misses must be flagged";
+    EXPECT_TRUE(inside || !found.fit.ok()) << "a wrong band must be flagged";
     EXPECT_TRUE(found.sampling.verdict.converged);
   }
 }
 
-/// A shear chain of the nominal proportions, stiffness and mass scaled by thirds.
+/// A shear chain with nominal proportions, whose stiffness and mass are scaled by thirds.
 UpdateCase eighteen_storeys() {
   const std::vector<double> stiffness = {1155, 1092, 1073, 1028, 1028, 990, 963, 938, 876,
                                          840,  824,  788,  712,  660,  619, 562, 491, 363};
@@ -132,7 +132,7 @@ TEST(UpdatingMeasured, AShearChainOfEighteenStoreysIsFlagged) {
   keep_modes(three.data, 3, 0.005, 0.03);
   const UpdateFindings all = updated(three);
   report(all);
-  EXPECT_FALSE(all.fit.ok()) << "nor can it fit all three";
+  EXPECT_FALSE(all.fit.ok()) << "it cannot fit all three";
 }
 
 TEST(UpdatingMeasured, AnInferredDiscrepancyWidensTheBandOfEighteenStoreys) {
@@ -177,7 +177,7 @@ std::shared_ptr<const StructureModel> bridge() {
 /// A thousandth of the bridge's smallest scatter.
 constexpr double kTolerance = 9e-6;
 
-/// 100 points, or as many as WHEELTAP_RANDOM_POINTS says (2000: some minutes).
+/// 100 points, or the number in WHEELTAP_RANDOM_POINTS (2000: some minutes).
 int random_points() {
   const char* text = std::getenv("WHEELTAP_RANDOM_POINTS");
   return text != nullptr ? std::atoi(text) : 100;
@@ -203,7 +203,7 @@ TEST(UpdatingMeasured, TheBridgesModesAreWithinTheirBounds) {
   fem::ParametricModes::Modes found;
   double error = 0.0, bound = 0.0, shape = 0.0, full_seconds = 0.0, seconds = 0.0;
   int uncertified = 0;
-  // Points that the training has not seen.
+  // Points outside the training set.
   const auto points = prior_draws(*model, 200 + random_points());
   for (std::size_t i = 200; i < points.size(); ++i) {
     const auto start = std::chrono::steady_clock::now();
@@ -237,8 +237,8 @@ TEST(UpdatingMeasured, TheBridgesModesAreWithinTheirBounds) {
   EXPECT_EQ(t.miscounted, 0);
   EXPECT_EQ(uncertified, 0);
   EXPECT_LE(bound, kTolerance);
-  // The training ends when its own 200 points are within the tolerance; of new ones, some are not,
-  // and cost a full solution each: of one in 25 there are 8 or more of 100 with probability .05.
+  // The training ends when its 200 points are within the tolerance; some new points are not and
+  // need a full solution each. For one in 25, 8 or more of 100 have a probability of .05.
   EXPECT_LE(workspace.solved_in_full(), 2.0 / 25 * random_points());
   // The nominal model of the source.
   reduced.solve(std::vector<double>(17, 0.0), workspace, found);

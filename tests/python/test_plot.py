@@ -37,7 +37,7 @@ class Plot(unittest.TestCase):
         values = ax.patches[0].get_data().values
         self.assertEqual(len(values), 40)
         self.assertAlmostEqual(values.sum(), self.damage.draws["k"].mean(), delta=0.02)
-        with self.assertRaisesRegex(ValueError, "not one of a beam's damage"):
+        with self.assertRaisesRegex(ValueError, "needs a damage run of a beam"):
             wt.plot.inclusion(self.sid)
 
     def test_where(self):
@@ -55,7 +55,7 @@ class Plot(unittest.TestCase):
                  for one in kind["truth"]]
         dots = {ax.get_yticklabels()[int(row)].get_text() for row in ax.lines[0].get_ydata()}
         self.assertEqual(dots, {f"{kind}: {place}" for kind, place in truth})
-        with self.assertRaisesRegex(ValueError, "not one of a structure's damage"):
+        with self.assertRaisesRegex(ValueError, "needs a damage run of a structure"):
             wt.plot.where(self.sid)
 
     def test_pairs(self):

@@ -107,7 +107,7 @@ class Rigs(unittest.TestCase):
         good = {"k": wt.uniform(1, 1000), "k3": wt.uniform(0, 1e6), "q": wt.uniform(0, 100)}
         record = self.record
         refused("\"k9\" of model \"m\": no mass", lambda: rig(record).model("m", {**good, "k9": wt.uniform(0, 1)}))
-        refused("\"q\" is no parameter", lambda: rig(record).model("m", {n: good[n] for n in ("k", "k3")}))
+        refused("\"q\" is not a parameter", lambda: rig(record).model("m", {n: good[n] for n in ("k", "k3")}))
         refused("mass 3", lambda: rig(record, forces={3: record["force"]}))
         refused("between (0, 5)", lambda: rig(record, links=[wt.Link((0, 5), lower)]))
         refused("399 samples", lambda: rig(record, forces={2: record["force"][1:]}))
@@ -115,7 +115,7 @@ class Rigs(unittest.TestCase):
         refused("quantity \"place\"", lambda: rig(record, responses=[wt.Response(1, record["y1"], 1.0, "place")]))
         refused("steps = 0", lambda: rig(record, steps=0))
         refused("sample_rate", lambda: rig(record, sample_rate=0.0))
-        refused("one at least", lambda: rig(record, links=[]))
+        refused("at least one", lambda: rig(record, links=[]))
 
 
 if __name__ == "__main__":

@@ -1,4 +1,4 @@
-// Natural frequencies and damping ratios that the draws give a chain.
+// Posterior natural frequencies and damping ratios of a chain.
 #pragma once
 
 #include <vector>
@@ -13,8 +13,8 @@ struct ChainMode {
   Marginal frequency_hz, damping_ratio;
 };
 
-/// Of a drawn model, in the order of their frequency; at most 500 draws a chain, evenly spread.
-/// Empty where draws have different numbers of modes.
+/// Modes of a drawn model, sorted by frequency; at most 500 draws per chain, evenly spread. Empty
+/// if the number of modes differs between draws.
 [[nodiscard]] std::vector<ChainMode> chain_modes(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 

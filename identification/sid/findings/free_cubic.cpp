@@ -12,15 +12,15 @@ namespace {
 
 using dynamics::Coefficient;
 
-constexpr int kMostSteps = 40;   // of the minimisation
-constexpr double kStep = 1e-5;   // of the differences, in units of the terms' own scales
-constexpr double kFailed = 1e3;  // a residual, in terms of its response, where the motion fails
+constexpr int kMostSteps = 40;   // steps of the minimisation
+constexpr double kStep = 1e-5;   // step of the differences, relative to the terms' scales
+constexpr double kFailed = 1e3;  // residual relative to its response, if the simulation fails
 
 double rms(const Eigen::VectorXd& x) {
   return std::sqrt(x.squaredNorm() / static_cast<double>(x.size()));
 }
 
-/// Residuals over their responses, r_n / ‖y - ȳ‖, of the model and its added springs.
+/// Residuals relative to their responses, r_n / ‖y - ȳ‖, for the model with added springs.
 struct Residuals : Eigen::DenseFunctor<double> {
   Residuals(const dynamics::Misfit& model, std::vector<double> known, std::vector<double> units,
             std::vector<double> response_norms)
@@ -47,7 +47,7 @@ struct Residuals : Eigen::DenseFunctor<double> {
     return 0;
   }
 
-  /// Its Jacobian, by forward differences.
+  /// The Jacobian, by forward differences.
   int df(const Eigen::VectorXd& x, Eigen::MatrixXd& jacobian) const {
     Eigen::VectorXd here, there, moved = x;
     (*this)(x, here);
@@ -78,8 +78,8 @@ std::vector<double> norms_of(const SidProblem& problem, std::span<const double> 
   return out;
 }
 
-/// One of each term at which it matters as much as inertia: with ω the ratio of a link's root mean
-/// square speed and extension e, m the smaller mass at its ends, k = m ω², c = m ω, k₂ = m ω² / e,
+/// Scales at which each term is as large as the inertia force. With ω the ratio of a link's RMS
+/// speed and extension e, and m the smaller mass at its ends: k = m ω², c = m ω, k₂ = m ω² / e,
 /// k₃ = m ω² / e².
 std::vector<double> natural_scales(const SidProblem& problem, int m,
                                    std::span<const double> theta) {

@@ -1,5 +1,4 @@
-// What a chain that may choose its springs leaves of a record: the yardstick for models that
-// leave little.
+// The residual of a chain with free cubic springs: the reference for models with small residuals.
 #pragma once
 
 #include <span>
@@ -9,15 +8,15 @@
 
 namespace wheeltap::identification {
 
-/// ‖y - ŷ‖ / ‖y - ȳ‖ of each response under the free cubic chain: the model at `theta` (parameters
-/// of the case) with, beside each of its links,
+/// Returns ‖y - ŷ‖ / ‖y - ȳ‖ of each response for the free cubic chain: the model at `theta`
+/// (parameters of the case) with, parallel to each link,
 ///
-///   T = k e + c ė + k₂ e² + k₃ e³,
+///   T = k e + c ė + k₂ e² + k₃ e³.
 ///
-/// all four free, which minimise Σ over responses of that ratio squared by Levenberg & Marquardt's
-/// method (Moré 1978) from zero. A local minimum is an upper bound of what could be left. Empty
-/// where the model's response fails, a response is constant, or the chain has too many laws to be
-/// integrated with these.
+/// The four coefficients per link minimise the sum over responses of the squared ratio, by
+/// Levenberg & Marquardt's method (Moré 1978) from zero. A local minimum is an upper bound of the
+/// smallest residual. Empty if the model's response fails, a response is constant, or the chain has
+/// too many laws to integrate with these.
 [[nodiscard]] std::vector<double> free_cubic_residual(const SidProblem& problem, int model,
                                                       std::span<const double> theta);
 

@@ -14,7 +14,7 @@ namespace {
 constexpr std::size_t kMostLawDraws = 400;
 constexpr int kPoints = 41;
 
-// Parameters of the case for draws of a model, evenly spread over the chains.
+// Parameters of the case for draws of one model, evenly spread over the chains.
 std::vector<std::vector<double>> draws_of(const SidProblem& problem,
                                           const inference::Posterior& posterior, int model) {
   std::vector<std::pair<std::size_t, std::size_t>> at;
@@ -49,7 +49,7 @@ Eigen::MatrixXd motion(const SidProblem& problem, int model, const std::vector<d
       .values;
 }
 
-// Of a link, from that of the masses.
+// Extension or its rate for a link, from the motion of the masses.
 Eigen::VectorXd of_link(const Eigen::MatrixXd& z, const dynamics::Link& link) {
   const auto mass = [&](int i) -> Eigen::VectorXd {
     return i == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(z.rows()))
@@ -62,7 +62,7 @@ struct Band {
   std::vector<double> at, q2_5, q50, q97_5;
 };
 
-// Quantiles over `draws` of value(draw, x) at points evenly spread over those of `along`.
+// Quantiles of value(draw, x) over `draws`, at points x evenly spread over the range of `along`.
 template <class Value>
 Band band(std::size_t draws, const Eigen::VectorXd& along, const Value& value) {
   const double low = along.minCoeff(), high = along.maxCoeff();
@@ -89,13 +89,12 @@ LinkCurve curve(const dynamics::Link& link, Band band) {
           .q97_5 = std::move(band.q97_5)};
 }
 
-// A draw's model, and its parameters of the case.
 struct Drawn {
   int model = 0;
   std::vector<double> theta;
 };
 
-// Of all models, each as often as its draws count: evenly spread over their summed weights.
+// Draws of all models, in proportion to their weights: evenly spaced over the cumulative weight.
 std::vector<Drawn> draws_of_all(const SidProblem& problem, const inference::Posterior& posterior) {
   const std::vector<double> weights = model_weights(posterior);
   double all = 0.0;
@@ -117,7 +116,7 @@ std::vector<Drawn> draws_of_all(const SidProblem& problem, const inference::Post
   return out;
 }
 
-// ẋ by central differences over `step` samples to either side; as much shorter at the ends.
+// ẋ by central differences over ±`step` samples; shorter steps at the ends.
 Eigen::VectorXd derivative(const Eigen::VectorXd& x, double rate_hz, Eigen::Index step) {
   const Eigen::Index n = x.size();
   Eigen::VectorXd out(n);
@@ -128,7 +127,7 @@ Eigen::VectorXd derivative(const Eigen::VectorXd& x, double rate_hz, Eigen::Inde
   return out;
 }
 
-// ẍ likewise by second differences.
+// ẍ by second differences over ±`step` samples.
 Eigen::VectorXd second_derivative(const Eigen::VectorXd& x, double rate_hz, Eigen::Index step) {
   const Eigen::Index n = x.size();
   Eigen::VectorXd out(n);
@@ -140,8 +139,8 @@ Eigen::VectorXd second_derivative(const Eigen::VectorXd& x, double rate_hz, Eige
   return out;
 }
 
-// Differences over a step h magnify noise by 1/h² and lose (ωh)²/12 of a second derivative: the
-// longest step with ωh <= 1/2, ω that of the motion.
+// Differences over a step h amplify noise by 1/h² and reduce a second derivative by (ωh)²/12.
+// Returns the longest step with ωh <= 1/2, ω that of the motion.
 Eigen::Index difference_step(const Eigen::VectorXd& extension, const Eigen::VectorXd& rate,
                              double rate_hz) {
   const double omega = (rate.array() - rate.mean()).matrix().norm() /
@@ -151,7 +150,7 @@ Eigen::Index difference_step(const Eigen::VectorXd& extension, const Eigen::Vect
   return static_cast<Eigen::Index>(std::clamp(std::isfinite(step) ? step : 1.0, 1.0, most));
 }
 
-// The samples of an excitation where responses were taken.
+// An excitation at the sampling times of the responses.
 Eigen::VectorXd driven(const SidProblem& problem, const SidChannel& channel,
                        std::span<const double> theta, Eigen::Index n) {
   const double scale = channel.signal.scale.at(theta), offset = channel.signal.offset.at(theta);
@@ -164,7 +163,7 @@ Eigen::VectorXd driven(const SidProblem& problem, const SidChannel& channel,
   return out;
 }
 
-// ∫f dt, and ∫∫f dt² with `twice`, of what is straight between samples.
+// ∫f dt or, if `twice`, ∫∫f dt², for f linear between samples.
 Eigen::VectorXd integral(const Eigen::VectorXd& f, double rate_hz, bool twice) {
   const double dt = 1.0 / rate_hz;
   Eigen::VectorXd once = Eigen::VectorXd::Zero(f.size()), both = once;
@@ -175,7 +174,7 @@ Eigen::VectorXd integral(const Eigen::VectorXd& f, double rate_hz, bool twice) {
   return twice ? both : once;
 }
 
-// The map of forces over states that a link's mass went through (LinkLaw::map).
+// The force-state map (LinkLaw::map).
 std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dynamics::Chain& chain,
                                             const dynamics::Link& link,
                                             const std::vector<double>& theta,
@@ -185,7 +184,7 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
   const int mass = std::max(link.a, link.b);
   const auto holds = [&](const dynamics::Link& l) { return l.a == mass || l.b == mass; };
   if (std::min(link.a, link.b) != 0 || std::ranges::count_if(chain.links, holds) != 1) return {};
-  const double sign = link.b == mass ? 1.0 : -1.0;  // of e = y_b - y_a
+  const double sign = link.b == mass ? 1.0 : -1.0;  // e = y_b - y_a
   const bool moving = sid_case.find(Role::base_acceleration) != nullptr ||
                       sid_case.find(Role::base_displacement) != nullptr;
   const SidChannel* sensor = nullptr;
@@ -207,8 +206,8 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
   const Eigen::Index step = difference_step(extension, rate, hz);
   const bool relative = !moving || sensor->frame == dynamics::Frame::relative;
   if (sensor->quantity != dynamics::Quantity::acceleration && !relative) return {};
-  // Differences of a response average its acceleration over their steps: the same of the integrals
-  // of what drives it average that alike.
+  // Differences average the acceleration over their steps. Differences of the integrated excitation
+  // apply the same averaging.
   const auto as_accelerations = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     return sensor->quantity == dynamics::Quantity::displacement ? second_derivative(x, hz, step)
            : sensor->quantity == dynamics::Quantity::velocity   ? derivative(x, hz, step)
@@ -238,7 +237,7 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
   const Eigen::Index first = sid_case.lead_in, scored = n - first;
   const Eigen::Index each = std::max<Eigen::Index>(1, (scored + kMostPoints - 1) / kMostPoints);
   std::vector<LinkLaw::Point> out;
-  // The link pulls mass b back: its tension is what the rest asks for, with b's sign.
+  // The tension of the link acts on mass b with negative sign.
   for (Eigen::Index i = first; i < n; i += each) {
     out.push_back({extension(i), rate(i), sign * force(i)});
   }

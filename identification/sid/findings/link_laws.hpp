@@ -1,4 +1,4 @@
-// The laws of a chain's links as curves: what a system identification found, drawn.
+// Force laws of a chain's links, as curves.
 #pragma once
 
 #include <optional>
@@ -9,39 +9,40 @@
 
 namespace wheeltap::identification {
 
-/// The tension at rest [N] (dynamics/link_tension.hpp) that a model's draws give a link, over the
-/// extensions [m] that it goes through at the posterior mean.
+/// The posterior of a link's static tension [N] (dynamics/link_tension.hpp) under one model, over
+/// the extensions [m] of the motion at the posterior mean.
 struct LinkCurve {
-  int a = 0, b = 0;  ///< the masses it joins
+  int a = 0, b = 0;  ///< masses that it joins
   std::vector<double> extension;
-  std::vector<double> q2_5, q50, q97_5;  ///< of the tension
+  std::vector<double> q2_5, q50, q97_5;  ///< quantiles of the tension
 };
 
-/// One a link of a drawn model, but for links that no draw can move; none where the model's
-/// response fails at the posterior mean. At most 400 draws, evenly spread over the chains.
+/// One curve per link of a drawn model, except links with the same law in every draw. Empty if the
+/// model's response fails at the posterior mean. At most 400 draws, evenly spread over the chains.
 [[nodiscard]] std::optional<std::vector<LinkCurve>> link_laws(const SidProblem& problem,
                                                               const inference::Posterior& posterior,
                                                               int model);
 
-/// A link's law whatever the model: draws of all models by what they count, each with its own laws.
+/// A link's law averaged over the models: weighted draws of all models, each with its own laws.
 struct LinkLaw {
-  LinkCurve at_rest;  ///< over the extensions of the most probable model's posterior mean
-  /// At the extension 0 [N] over the rates [m/s] of that motion. Laws with memory count nothing.
+  LinkCurve at_rest;  ///< over the extensions at the posterior mean of the most probable model
+  /// The tension at zero extension [N] over the rates [m/s] of that motion; laws with memory
+  /// contribute nothing.
   std::vector<double> rate, q2_5, q50, q97_5;
-  /// Masri & Caughey's map (1979, J. Appl. Mech. 46:433) of a link between the ground and a mass
-  /// that no other link holds: the tension Σ F - m ÿ that its measured motion asks for, the mass at
-  /// its posterior mean, beside its extension and rate. Each of the three is measured, or the
-  /// difference of what is, over steps as long as the motion's frequency allows (half a radian);
-  /// what a sensor cannot give by differences is the model's. Empty for other links; at most 500
-  /// points.
+  /// Force-state map (Masri & Caughey 1979, J. Appl. Mech. 46:433) of a link between the ground and
+  /// a mass without other links: the tension Σ F - m ÿ from the measured motion, with m at its
+  /// posterior mean, over extension and rate. Extension, rate and acceleration are measured, or
+  /// differences of measured values over steps as long as the motion's frequency allows (half a
+  /// radian); values that the sensor cannot provide come from the model. Empty for other links; at
+  /// most 500 points.
   struct Point {
     double extension = 0.0, rate = 0.0, tension = 0.0;
   };
   std::vector<Point> map;
 };
 
-/// Of the links of these indices. At most 400 draws; empty where the response of the most probable
-/// model (`shown`, drawn) fails at its posterior mean.
+/// Averaged laws of the links with these indices. At most 400 draws. Empty if the response of the
+/// most probable drawn model, `shown`, fails at its posterior mean.
 [[nodiscard]] std::vector<LinkLaw> averaged_laws(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int shown,
                                                  const std::vector<int>& links);

@@ -15,12 +15,12 @@ namespace {
 using dynamics::Frame;
 using dynamics::Quantity;
 
-constexpr double kMostNoise = 0.1;   // of the range of a tension
-constexpr double kUnused = 1e-9;     // a mass with this share in a tension has none
-constexpr std::size_t kReach = 4;    // samples on each side of a derivative of order eight
+constexpr double kMostNoise = 0.1;   // relative to the range of the tension
+constexpr double kUnused = 1e-9;     // a smaller coefficient of a mass counts as zero
+constexpr std::size_t kReach = 4;    // samples on each side of an eighth-order difference
 constexpr std::size_t kFewest = 16;  // samples
 
-// Central differences of order eight (Fornberg 1988, table 1): the weights of samples 0, ±1, … ±4.
+// Central differences of order eight (Fornberg 1988, table 1): weights of samples 0, ±1, … ±4.
 constexpr std::array<double, kReach + 1> kFirst = {0.0, 4.0 / 5, -1.0 / 5, 4.0 / 105, -1.0 / 280};
 constexpr std::array<double, kReach + 1> kSecond = {-205.0 / 72, 8.0 / 5, -1.0 / 5, 8.0 / 315,
                                                     -1.0 / 560};
@@ -32,8 +32,8 @@ struct Noisy {
   bool differentiated = false;
 };
 
-// White noise of variance σ² has sixth differences of variance C(12, 6) σ²; a motion sampled ten
-// times a period or more leaves little in them.
+// Sixth differences of white noise of variance σ² have variance C(12, 6) σ²; a motion sampled ten
+// times per period or more contributes little.
 double noise_sd(const std::vector<double>& y) {
   double sum = 0.0;
   for (std::size_t n = 3; n + 3 < y.size(); ++n) {
@@ -44,7 +44,7 @@ double noise_sd(const std::vector<double>& y) {
   return std::sqrt(sum / (924.0 * static_cast<double>(y.size() - 6)));
 }
 
-// A derivative of `order` 1 or 2, NaN at the ends.
+// Derivative of `order` 1 or 2; NaN at the ends.
 Noisy derivative(const std::vector<double>& y, int order, double rate) {
   const auto& weights = order == 1 ? kFirst : kSecond;
   const double sign = order == 1 ? -1.0 : 1.0, scale = std::pow(rate, order);
@@ -60,7 +60,7 @@ Noisy derivative(const std::vector<double>& y, int order, double rate) {
   return out;
 }
 
-// An excitation channel's scored samples [SI].
+// The scored samples of an excitation channel [SI].
 std::vector<double> scored(const SidCase& sid_case, const SidChannel& channel, std::size_t samples,
                            std::span<const double> theta) {
   const auto stride = static_cast<std::size_t>(sid_case.stride);
@@ -73,7 +73,7 @@ std::vector<double> scored(const SidCase& sid_case, const SidChannel& channel, s
   return out;
 }
 
-// What the record says of each mass's motion.
+// The measured motion of each mass.
 class Record {
  public:
   Record(const SidProblem& problem, std::span<const double> theta, std::size_t samples)
@@ -83,7 +83,7 @@ class Record {
     driven_ = base_ != nullptr || c.find(SidChannel::Role::base_displacement) != nullptr;
   }
 
-  // Absolute.
+  // Absolute acceleration.
   [[nodiscard]] std::optional<Noisy> acceleration(int mass) const {
     for (const Quantity q : {Quantity::acceleration, Quantity::velocity, Quantity::displacement}) {
       const auto [channel, response] = find(mass, q);
@@ -103,7 +103,7 @@ class Record {
     return {};
   }
 
-  // Relative to the base.
+  // Displacement relative to the base.
   [[nodiscard]] std::vector<double> displacement(int mass) const {
     if (mass == 0) return std::vector<double>(samples_);
     const auto [channel, response] = find(mass, Quantity::displacement);
@@ -129,7 +129,7 @@ class Record {
   bool driven_ = false;
 };
 
-// T = Σ_j W_j (m_j ÿ_j - F_j) with measured ÿ_j; empty where one is missing or too noisy.
+// T = Σ_j W_j (m_j ÿ_j - F_j) with measured ÿ_j; empty if one is missing or too noisy.
 Noisy measured_tension(const Record& record, const Eigen::RowVectorXd& weights,
                        std::span<const double> masses, const Eigen::MatrixXd& forces,
                        double range) {
@@ -170,7 +170,7 @@ std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
     out.emplace_back();
     out.back().a = link.a, out.back().b = link.b;
   }
-  // Σ ±T = B T: +T on a, -T on b.
+  // Balance of forces Σ ±T = B T: +T on a, -T on b.
   Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(out.size()));
   for (std::size_t p = 0; p < out.size(); ++p) {
     if (out[p].a > 0) pull(out[p].a - 1, static_cast<Eigen::Index>(p)) = 1.0;

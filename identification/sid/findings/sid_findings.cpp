@@ -16,11 +16,11 @@ namespace {
 
 using inference::Posterior;
 
-constexpr double kWorthJudging = 0.05;  // models with less probability are not judged
-constexpr double kNotReached = 0.9;     // of draws, whose stop lies beyond the motion
+constexpr double kWorthJudging = 0.05;  // less probable models are not judged
+constexpr double kNotReached = 0.9;     // share of draws in which the gap never closes
 
-/// The models that remarks are about.
-std::vector<int> told(const SidFindings& findings) {
+/// The models that remarks discuss.
+std::vector<int> judged_models(const SidFindings& findings) {
   std::vector<int> list;
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     if (findings.models[m].probability() >= kWorthJudging && findings.of_models[m]) {
@@ -34,16 +34,16 @@ const SidModelFinding& finding(const SidFindings& findings, int m) {
   return *findings.of_models[static_cast<std::size_t>(m)];
 }
 
-/// Where the mean of the parameters is itself no good set of parameters: it lies in a valley of a
-/// posterior that has several peaks, or on the inside of a bend.
+/// Reports models whose mean parameters fit badly: the posterior has several peaks or is curved,
+/// and its mean lies between or beside the probable regions.
 void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
   const auto likelihood = problem.problem.likelihood();
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     const SidModelFinding& found = finding(findings, m);
     const double lost = likelihood->log_likelihood(m, found.best_draw) -
                         likelihood->log_likelihood(m, mean_draw(problem, posterior, m));
     const auto dimension = static_cast<double>(found.best_draw.size());
-    if (lost < 10.0 + 3.0 * dimension) continue;  // of a normal: about d / 2
+    if (lost < 10.0 + 3.0 * dimension) continue;  // for a normal posterior: about d / 2
     remark::MeansDoNotGoTogether remark{.model = problem.problem.space[m].name, .channels = {}};
     for (std::size_t c = 0; c < found.at_mean.size(); ++c) {
       const ChannelFit &mean = found.at_mean[c], &best = found.at_best[c];
@@ -54,8 +54,8 @@ void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindi
   }
 }
 
-/// The verdict on fit names this response of the model already.
-bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
+/// Whether the fit verdict already names this response of the model.
+bool is_named(const FitVerdict& verdict, int model, const ChannelFit& fit) {
   const auto& why = verdict.instead_of == model ? verdict.why_not : verdict.why;
   return (verdict.model == model || verdict.instead_of == model) &&
          std::ranges::any_of(why, [&](const auto& reason) {
@@ -68,8 +68,8 @@ bool is_told(const FitVerdict& verdict, int model, const ChannelFit& fit) {
          });
 }
 
-/// Residuals of two models that a reader need not be told of twice.
-bool much_the_same(const remark::ColouredResiduals& a, const remark::ColouredResiduals& b) {
+/// Whether the residuals of two models are so similar that one remark covers both.
+bool are_similar(const remark::ColouredResiduals& a, const remark::ColouredResiduals& b) {
   return a.residual_model == b.residual_model &&
          std::ranges::equal(a.channels, b.channels, [](const auto& x, const auto& y) {
            return x.name == y.name && x.lag == y.lag &&
@@ -78,10 +78,10 @@ bool much_the_same(const remark::ColouredResiduals& a, const remark::ColouredRes
          });
 }
 
-void tell(remark::ColouredResiduals coloured, std::vector<Remark>& remarks) {
-  for (Remark& told : remarks) {
-    auto* before = std::get_if<remark::ColouredResiduals>(&told);
-    if (before != nullptr && much_the_same(*before, coloured)) {
+void add_remark(remark::ColouredResiduals coloured, std::vector<Remark>& remarks) {
+  for (Remark& remark : remarks) {
+    auto* before = std::get_if<remark::ColouredResiduals>(&remark);
+    if (before != nullptr && are_similar(*before, coloured)) {
       before->others.push_back(std::move(coloured.model));
       return;
     }
@@ -89,10 +89,10 @@ void tell(remark::ColouredResiduals coloured, std::vector<Remark>& remarks) {
   remarks.emplace_back(std::move(coloured));
 }
 
-/// What the forward runs of the models that matter say about the data.
+/// Adds remarks on noise and residuals, from the forward runs of the important models.
 void judge_fits(const SidProblem& problem, SidFindings& findings) {
   const double n = static_cast<double>(problem.misfits.front().samples());
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
     remark::NoiseMisstated off{.model = model.name, .channels = {}};
     remark::ColouredResiduals coloured{.model = model.name, .channels = {}};
@@ -103,7 +103,7 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
     const std::vector<ChannelFit>& fits = finding(findings, m).at_best;
     for (std::size_t c = 0; c < fits.size(); ++c) {
       const ChannelFit& fit = fits[c];
-      if (fit.whiteness && !fit.whiteness->white() && !is_told(findings.fit_verdict, m, fit)) {
+      if (fit.whiteness && !fit.whiteness->white() && !is_named(findings.fit_verdict, m, fit)) {
         coloured.channels.push_back({fit.channel, fit.whiteness->worst_lag, fit.whiteness->worst,
                                      fit.nrmse, fit.whiteness->test.p_value});
       }
@@ -117,11 +117,11 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
       }
     }
     if (!off.channels.empty()) findings.remarks.push_back(std::move(off));
-    if (!coloured.channels.empty()) tell(std::move(coloured), findings.remarks);
+    if (!coloured.channels.empty()) add_remark(std::move(coloured), findings.remarks);
   }
 }
 
-/// Of the model's draws, the share in which the law acts beyond `reach` only; 0 for laws without a
+/// The share of the model's draws in which the law acts only beyond `reach`; 0 for laws without a
 /// threshold.
 double share_beyond(const SidProblem& problem, const Posterior& posterior, int m,
                     const dynamics::Law& law, double reach) {
@@ -145,11 +145,11 @@ double share_beyond(const SidProblem& problem, const Posterior& posterior, int m
   return share;
 }
 
-/// Posteriors that pile up at a bound of their prior.
+/// Reports posteriors that pile up at a bound of their prior.
 void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
   const auto& space = problem.problem.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     for (int p = 0; p < space[m].dimension; ++p) {
       const inference::Prior& prior = space.prior(m, p);
       std::vector<double> draws;
@@ -167,8 +167,7 @@ void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFind
   }
 }
 
-/// Widens the curves' first and last extensions to those of the further records; false where a
-/// response fails.
+/// Extends the curves to the extensions in the further records; false if a response fails.
 bool widen(const SidProblem& problem, const Posterior& posterior, int m,
            std::vector<LinkCurve>& curves) {
   for (const auto& record : problem.further) {
@@ -184,12 +183,12 @@ bool widen(const SidProblem& problem, const Posterior& posterior, int m,
   return true;
 }
 
-/// Stops beyond all motion: of them the data say how wide the gap must be and nothing else.
+/// Reports stops that the motion never reaches: the data give only a lower bound of the gap.
 void judge_stops(const SidRun& run, SidFindings& findings) {
   const SidProblem& problem = *run.problem;
   const Posterior& posterior = run.posterior;
   if (run.engine.prior_only) return;
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     auto curves = finding(findings, m).links;
     if (!curves || !widen(problem, posterior, m, *curves)) continue;
     const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];
@@ -222,12 +221,12 @@ std::vector<std::vector<ChannelFit>> further_fits(const SidProblem& problem, int
   return out;
 }
 
-/// What the windows say by themselves, and whether it goes together.
+/// Fits the windows separately and reports how far they agree.
 void judge_windows(const SidRun& run, SidFindings& findings) {
   const SidProblem& problem = *run.problem;
   if (problem.sid_case.windows == 0 && problem.further.empty()) return;
   if (run.engine.quick || run.posterior.stopped_early || run.engine.prior_only) return;
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     ModelFinding& model = findings.models[static_cast<std::size_t>(m)];
     const ModelWindows windows =
         fit_windows(problem, m, finding(findings, m).best_draw, run.engine.threads);
@@ -241,9 +240,9 @@ void judge_windows(const SidRun& run, SidFindings& findings) {
   }
 }
 
-/// Steps so long that they move the posterior.
+/// Reports integration steps so long that they change the posterior.
 void judge_integration(const SidProblem& problem, SidFindings& findings) {
-  for (const int m : told(findings)) {
+  for (const int m : judged_models(findings)) {
     const double error = finding(findings, m).step_error.value_or(0.0);
     if (error <= kLargestStepError) continue;
     findings.remarks.push_back(
@@ -253,8 +252,8 @@ void judge_integration(const SidProblem& problem, SidFindings& findings) {
   }
 }
 
-/// From the probabilities; from the evidences where either probability rests on them, since these
-/// keep what probabilities lose below the smallest number.
+/// From the probabilities or, if either probability was computed from evidences, from these, which
+/// do not underflow.
 std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
                                        const std::vector<ModelFinding>& models) {
   const inference::ModelSpace& space = *posterior.space;
@@ -275,7 +274,7 @@ std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
     } else if (!by_evidence && one.probability > 0.0 && first.probability > 0.0) {
       factor.log = std::log(one.probability) - std::log(first.probability) -
                    (space[m].log_prior - space[0].log_prior);
-      // Shares of one sum are not independent: the library knows how they go together.
+      // Shares of one sum are correlated; the library accounts for that.
       factor.error = inference::log_bayes_factor(posterior, m, 0).mcse;
     }
     out.push_back(factor);
@@ -283,7 +282,7 @@ std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
   return out;
 }
 
-/// The terms, and the laws of their links as all models together have them.
+/// The terms, and the laws of their links averaged over all models.
 Discovery discovered(const SidProblem& problem, const Posterior& posterior,
                      const Findings& findings) {
   Discovery out{.terms = term_findings(problem.sid_case, posterior, findings), .laws = {}};

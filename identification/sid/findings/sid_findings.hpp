@@ -1,5 +1,4 @@
-// What a system identification found: which model, with what parameters, and how well it explains
-// the record.
+// Results of a system identification: models, parameters and fit to the record.
 #pragma once
 
 #include <optional>
@@ -15,38 +14,38 @@
 
 namespace wheeltap::identification {
 
-/// Of a drawn model, beside what every run knows of it.
+/// Results of a drawn model, in addition to those of every run.
 struct SidModelFinding {
   std::vector<double> best_draw;  ///< in the order of its parameters
   std::vector<ChannelFit> at_mean, at_best;
-  std::vector<std::vector<ChannelFit>> further;  ///< at the best draw, of each further record
-  int substeps = 0;  ///< of a sample, at the posterior mean (Simulator::substeps)
+  std::vector<std::vector<ChannelFit>> further;  ///< at the best draw, for each further record
+  int substeps = 0;  ///< per sample, at the posterior mean (Simulator::substeps)
   std::optional<double> step_error;
-  // Of a model of at least 5 %:
+  // For models of at least 5 %:
   std::optional<std::vector<LinkCurve>> links;
-  std::vector<ChainMode> modes;  ///< of its linear part
+  std::vector<ChainMode> modes;  ///< modes of the linear part
 };
 
 /// ln (p(data | model) / p(data | against)).
 struct BayesFactor {
   int model = 0, against = 0;
-  std::optional<double> log;  ///< none where nothing is known of one of them
-  double error = 0.0;         ///< Monte Carlo standard error; NaN where not known
+  std::optional<double> log;  ///< empty if either evidence is unknown
+  double error = 0.0;         ///< Monte Carlo standard error; NaN if unknown
   inference::Basis basis = inference::Basis::draws;
 };
 
 struct SidFindings : Findings {
-  std::vector<std::optional<SidModelFinding>> of_models;  ///< none where no draw was in it
-  std::vector<BayesFactor> bayes_factors;  ///< of each further model against the first
-  std::vector<double> coverage;            ///< of each response by the predictive band, a share
+  std::vector<std::optional<SidModelFinding>> of_models;  ///< empty for models without draws
+  std::vector<BayesFactor> bayes_factors;                 ///< each further model against the first
+  std::vector<double> coverage;  ///< share of each response's samples within the predictive band
   int predictive_draws = 0;
-  Discovery discovery;                  ///< empty where the case asks for none
-  std::optional<Look> look;             ///< where it was at a part of the record alone
-  std::optional<StepsRefined> refined;  ///< where the run was repeated
-  long windows_evaluations = 0;         ///< likelihoods of windows, each a part of the record's
+  Discovery discovery;                  ///< empty if not requested
+  std::optional<Look> look;             ///< if the run used only part of the record
+  std::optional<StepsRefined> refined;  ///< if the run was repeated
+  long windows_evaluations = 0;         ///< likelihoods of windows, each of a part of the record
 };
 
-/// The run must have at least 4 draws a chain, all chains the same.
+/// Computes the findings. The run must have at least 4 draws per chain and chains of equal length.
 [[nodiscard]] SidFindings sid_findings(const SidRun& run, const SidPredictive& predictive,
                                        const std::vector<MethodEvidence>& evidence = {});
 

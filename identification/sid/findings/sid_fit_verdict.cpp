@@ -12,13 +12,13 @@ namespace {
 
 using inference::Posterior;
 
-// Of a stop that the window does not reach few draws have the gap that the rest of the record
-// needs.
+// Many, because few draws have the gap that the rest of the record requires if the window never
+// closes it.
 constexpr std::size_t kDrawsBeyond = 400;
 constexpr double kStillPossible = 0.05;  // probability
 
-/// P(χ² of a replicate > χ² of the data), χ² that of the innovations, over a model's draws; NaN
-/// where none was kept.
+/// P(χ² of a replicate > χ² of the data) for the innovations, over a model's draws; NaN if no draw
+/// was kept.
 double predictive_p(const SidProblem& problem, const Posterior& posterior,
                     const SidPredictive& predictive, int model) {
   const SidModel& m = problem.sid_case.models[static_cast<std::size_t>(model)];
@@ -47,7 +47,7 @@ double predictive_p(const SidProblem& problem, const Posterior& posterior,
   return draws > 0.0 ? sum / draws : std::nan("");
 }
 
-/// No white noise, as far as there are samples enough to tell.
+/// Whether the residuals are not white; false if there are too few samples.
 bool is_coloured(const std::optional<ResidualWhiteness>& whiteness) {
   return !whiteness || whiteness->test.p_value < kMisfit;
 }
@@ -66,7 +66,7 @@ void judge_residuals(const SidProblem& problem, const std::vector<ChannelFit>& f
     const bool loud = verdict.p < kMisfit;
     const bool coloured = fit.plain_whiteness && fit.plain_whiteness->test.p_value < kMisfit;
     if (!loud && !coloured) continue;
-    // An autoregression takes whatever a model leaves for noise, be it most of the response.
+    // An autoregression whitens any misfit, even most of the response.
     const bool taken_for_noise = !loud && fit.whiteness && fit.whiteness->test.p_value >= kMisfit;
     const bool large = fit.nrmse > kSmallResidual && !taken_for_noise;
     if (!large && !asked) {
@@ -85,7 +85,7 @@ void judge_residuals(const SidProblem& problem, const std::vector<ChannelFit>& f
   }
 }
 
-/// Draws of a model, evenly spread over what was kept of it.
+/// Draws of a model, evenly spread over the kept ones.
 std::vector<std::vector<double>> some_draws(const SidProblem& problem, const Posterior& posterior,
                                             const SidPredictive& predictive, int model) {
   std::vector<std::vector<double>> all;

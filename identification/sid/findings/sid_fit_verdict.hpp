@@ -6,17 +6,16 @@
 
 namespace wheeltap::identification {
 
-/// Of the most probable model that was drawn, by its best draw:
+/// Judges the most probable drawn model by its best draw. Reasons for a misfit:
 ///
-/// - R² of a response below 1/2, and its residuals not white (a response that is mostly the
-/// sensor's
-///   noise is no misfit);
-/// - a residual that is no noise (portmanteau or predictive p below kMisfit) and above
-///   kSmallResidual of its response, or kMuchMoreThanFree times what a free cubic chain leaves
-///   (free_cubic.hpp); the latter alone where an autoregression whitens it;
-/// - a residual beyond the window (SidCase::beyond) more than twice that in it, absolutely and in
-///   terms of the response, and above kSmallResidual, under every one of some twenty draws: what
-///   the window alone leaves open is no misfit.
+/// - R² of a response is below 1/2 and its residuals are not white (a response that is mostly
+///   sensor noise is no misfit);
+/// - a residual is not noise (portmanteau or predictive p below kMisfit) and is above
+///   kSmallResidual of its response, or above kMuchMoreThanFree times that of a free cubic chain
+///   (free_cubic.hpp); if an autoregression whitens it, only the latter counts;
+/// - beyond the window (SidCase::beyond) a residual is more than twice that within the window,
+///   absolutely and relative to the response, and above kSmallResidual, for every one of some
+///   twenty draws. Only an error that no draw of the window avoids is a misfit.
 ///
 /// `findings` must have models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,

@@ -15,10 +15,10 @@ namespace {
 
 using inference::GroupEstimate, inference::LineMixture;
 
-constexpr double kFurthest = 6.0;       // of a start, in standard deviations of the prior
-constexpr double kWorthKeeping = 1e-3;  // precision of the likelihood beside the prior's
+constexpr double kFurthest = 6.0;       // start points, in standard deviations of the prior
+constexpr double kWorthKeeping = 1e-3;  // precision of the likelihood over that of the prior
 
-/// The whole record's mode, and the inverse of minus the Hessian there; not finite where there is
+/// The whole record's mode and the inverse of the negative Hessian there; not finite if there is
 /// none.
 struct WholeFit {
   std::vector<double> z;
@@ -26,17 +26,16 @@ struct WholeFit {
   long likelihood_evaluations = 0;
 };
 
-/// One window's posterior of a model's parameters, normal about its mode.
+/// One window's posterior of a model's parameters, in normal approximation.
 struct WindowFit {
-  inference::GroupScore at_whole;  ///< its likelihood about the whole's mode
+  inference::GroupScore at_whole;  ///< its likelihood around the whole record's mode
   bool normal = false;
   std::vector<double> z, variance;
   std::vector<bool> rough;
   long likelihood_evaluations = 0;
 };
 
-/// Whether ln π falls otherwise than a normal's, two standard deviations of parameter i from the
-/// mode.
+/// Whether ln π differs from a normal's two standard deviations of parameter i from the mode.
 bool is_rough(inference::ModelPosterior& posterior, const inference::Laplace& at, double top,
               Eigen::Index i) {
   for (const double side : {-2.0, 2.0}) {
@@ -63,8 +62,8 @@ WholeFit fit_whole(const SidProblem& problem, int model, std::vector<double> sta
   }
 }
 
-/// The likelihood about the whole's mode, by differences over three tenths of what one parameter
-/// alone could be off by.
+/// Score and information of the likelihood at the whole record's mode, by differences over 0.3
+/// conditional standard deviations of each parameter.
 inference::GroupScore whole_score(inference::ModelPosterior& posterior, const WholeFit& whole) {
   const auto d = static_cast<Eigen::Index>(whole.z.size());
   const Eigen::VectorXd h = 0.3 * whole.covariance.inverse().diagonal().cwiseSqrt().cwiseInverse();
@@ -76,7 +75,7 @@ inference::GroupScore whole_score(inference::ModelPosterior& posterior, const Wh
   };
   const double top = at(0, 0.0, 0, 0.0);
   inference::GroupScore out{.score = Eigen::VectorXd(d), .information = Eigen::MatrixXd(d, d)};
-  Eigen::VectorXd both(d);  // rises to either side
+  Eigen::VectorXd both(d);  // second differences
   for (Eigen::Index i = 0; i < d; ++i) {
     const double up = at(i, 1.0, i, 0.0), down = at(i, -1.0, i, 0.0);
     both[i] = up + down - 2.0 * top;
@@ -112,12 +111,12 @@ WindowFit fit_window(const SidCase& sid_case, int model, const WholeFit& whole) 
     }
     out.likelihood_evaluations = at.evidence.likelihood_evaluations + posterior.evaluations();
   } catch (const inference::LikelihoodError&) {
-    out.normal = false;  // this window cannot be under the model, not near `start`
+    out.normal = false;  // the model cannot reproduce this window near `start`
   }
   return out;
 }
 
-/// The likelihood's part of a window's posterior N(z, variance) under the prior N(0, 1).
+/// Removes the prior N(0, 1) from a window's posterior N(z, variance).
 GroupEstimate without_prior(double z, double variance) {
   const double precision = 1.0 / variance - 1.0;
   if (precision < kWorthKeeping) return {0.0, std::numeric_limits<double>::infinity()};
@@ -137,7 +136,7 @@ Interval physical(const LineMixture& z, const inference::Prior& prior) {
           .q97_5 = x(z.quantile(0.975))};
 }
 
-/// The error of the whole's mode; empty where a window's likelihood cannot be told about it.
+/// Error of the whole record's mode; empty if a window's likelihood has no score there.
 std::vector<inference::GroupedError> whole_errors(const WholeFit& whole,
                                                   const std::vector<WindowFit>& fits) {
   const auto d = static_cast<Eigen::Index>(whole.z.size());

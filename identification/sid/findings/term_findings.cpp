@@ -15,8 +15,8 @@ bool has(const SidModel& model, int term) {
   return std::ranges::binary_search(model.terms, term);
 }
 
-// Of the indicator of the models that have a term, each draw with what it counts; no better than
-// one effective draw of the model more or less would leave it.
+// Standard error of the mean indicator of models with the term, over weighted draws; at least the
+// change by one effective draw of the model.
 double error_of_draws(const SidCase& sid_case, const Posterior& posterior, int term,
                       const std::vector<double>& weights, double inclusion, double ess_model) {
   const auto indicator = all_draws(posterior, [&](std::size_t c, std::size_t i) {
@@ -28,7 +28,7 @@ double error_of_draws(const SidCase& sid_case, const Posterior& posterior, int t
   return std::max(std::isfinite(error) ? error : 0.0, least);
 }
 
-// The term's unknown coefficients, from the draws of every model that has it.
+// The term's unknown coefficients, from the draws of all models that have it.
 std::vector<ParameterFinding> coefficients(const SidCase& sid_case, const Posterior& posterior,
                                            int term, const std::vector<double>& weights) {
   const SidTerm& asked = sid_case.discovery->terms[static_cast<std::size_t>(term)];

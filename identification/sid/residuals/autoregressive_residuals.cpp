@@ -17,7 +17,7 @@ class Autoregressive final : public ResidualModel {
     return {.article = "an",
             .name = "autoregression",
             .detail = " of order " + std::to_string(order_),
-            .remedy = "let its order be chosen (\"residuals\": {\"ar\": \"auto\"})"};
+            .remedy = "let Wheeltap choose its order (\"residuals\": {\"ar\": \"auto\"})"};
   }
   const ResidualKind* kind() const override { return &kAutoregressive; }
   int value() const override { return order_; }
@@ -34,7 +34,7 @@ class Autoregressive final : public ResidualModel {
   void standardise(Span r, Span c, std::span<double> out) const override {
     signals::ar_innovations(r, c, out);
   }
-  /// All but the first p, of variance σ² ∏ (1 - π_j²).
+  /// All but the first p, with variance σ² ∏ (1 - π_j²).
   Innovations innovations(Span r, double sigma, Span c) const override {
     Innovations out{.values = {}, .variance = std::pow(sigma, 2)};
     for (const double pi : c) out.variance *= 1.0 - std::pow(pi, 2);
@@ -56,11 +56,11 @@ class Autoregressive final : public ResidualModel {
 const ResidualKind kAutoregressive = {
     .key = "ar",
     .description =
-        "{\"ar\": p}: residuals follow an autoregression of order p, or of one that is "
-        "chosen: {\"ar\": \"auto\"}",
+        "{\"ar\": p}: the residuals are an autoregression of order p; {\"ar\": \"auto\"}: "
+        "Wheeltap chooses the order",
     .value_description =
-        "the order, 0 to 20, or \"auto\": chosen from what the best fit with white "
-        "residuals leaves, by BIC",
+        "the order, 0 to 20, or \"auto\": chosen by BIC from the residuals of the best fit "
+        "with white residuals",
     .highest = 20,
     .make = [](int order) -> std::shared_ptr<const ResidualModel> {
       if (order == 0) return white_residuals();

@@ -1,7 +1,8 @@
 // Models of the residuals r = (measured - predicted) [SI] of one response.
 //
-// A new residual model is one file in this folder. If case files may name it, it has a ResidualKind
-// in that file and a line in residual_list.cpp; schema, parser, summary and texts read them.
+// To add a residual model, write one file in this folder. If case files may name it, give it a
+// ResidualKind in that file and a line in residual_list.cpp; schema, parser, summary and texts read
+// them.
 #pragma once
 
 #include <memory>
@@ -16,19 +17,19 @@ namespace wheeltap::identification {
 
 struct ResidualKind;
 
-/// A parameter of a residual model, beside the standard deviation σ that each response has.
+/// A parameter of a residual model, in addition to the standard deviation σ of each response.
 struct ResidualParameter {
   std::string name;
   inference::Prior prior;
-  std::string_view unit;  ///< SI; "1": none
+  std::string_view unit;  ///< SI; "1": dimensionless
 };
 
-/// How texts name a residual model: "an" "autoregression" " of order 2".
+/// Parts of a residual model's name in texts: "an" "autoregression" " of order 2".
 struct ResidualWords {
   std::string_view article = {};
   std::string_view name = {};
   std::string detail = {};
-  std::string_view remedy = {};  ///< what a user can do if the innovations are not white
+  std::string_view remedy = {};  ///< advice to the user if the innovations are not white
 };
 
 /// Independent and N(0, variance) if the residual model holds.
@@ -38,17 +39,17 @@ struct Innovations {
 };
 
 /// The joint density p(r | σ, c) of the N residuals of a response, Gaussian. σ is the standard
-/// deviation of each r_n alone, which predictive bands use; `c` are the values of its parameters.
+/// deviation of each single r_n, used by predictive bands; `c` are the parameter values.
 class ResidualModel {
  public:
   virtual ~ResidualModel() = default;
 
   [[nodiscard]] virtual ResidualWords words() const = 0;
-  /// The kind that a case names, and the value there; none, and 0, if a case cannot name it.
+  /// The kind and its value in a case file; null and 0 if a case cannot name it.
   [[nodiscard]] virtual const ResidualKind* kind() const { return nullptr; }
   [[nodiscard]] virtual int value() const { return 0; }
-  /// Its parameters for one response, in the order of `c`. `channel` ("[2]"; empty if the case has
-  /// one response) is part of each name, so that names of two responses differ.
+  /// The parameters for one response, in the order of `c`. `channel` ("[2]"; empty if the case has
+  /// one response) is part of each name, so that names are unique.
   [[nodiscard]] virtual std::vector<ResidualParameter> parameters(
       const std::string& channel) const = 0;
   /// True: p(r | σ) = ∏ N(r_n | 0, σ²), which needs only Σ r_n².
@@ -61,8 +62,8 @@ class ResidualModel {
   /// `out` may be `residuals`.
   virtual void standardise(std::span<const double> residuals, std::span<const double> c,
                            std::span<double> out) const = 0;
-  /// Innovations for tests of whiteness, linear in r; a model may leave out the first ones. By
-  /// default those of standardise, of variance σ².
+  /// Innovations for tests of whiteness, linear in r; a model may omit the first ones. Default:
+  /// those of standardise, with variance σ².
   [[nodiscard]] virtual Innovations innovations(std::span<const double> residuals, double sigma,
                                                 std::span<const double> c) const;
 };
@@ -70,22 +71,22 @@ class ResidualModel {
 /// Independent residuals, the default.
 [[nodiscard]] std::shared_ptr<const ResidualModel> white_residuals();
 
-/// Residual models that a case file names by {"residuals": {key: value}}: the value 0 stands for
-/// white residuals, and "auto" leaves it to `choose`.
+/// Residual models that a case file names by {"residuals": {key: value}}. The value 0 means white
+/// residuals; "auto" calls `choose`.
 struct ResidualKind {
   std::string_view key;
-  std::string_view description;        ///< of the object, for the schema
-  std::string_view value_description;  ///< of the value, for the schema
-  int highest;                         ///< value
+  std::string_view description;        ///< description of the object, for the schema
+  std::string_view value_description;  ///< description of the value, for the schema
+  int highest;                         ///< highest value
   std::shared_ptr<const ResidualModel> (*make)(int value);
-  /// The value that the residuals of one response need, from the best fit with white residuals.
+  /// The value that fits the residuals of one response, from the best fit with white residuals.
   int (*choose)(std::span<const double> residuals);
-  std::string_view criterion;  ///< of the choice
+  std::string_view criterion;  ///< criterion of `choose`
 };
 [[nodiscard]] std::span<const ResidualKind* const> residual_kinds();
 
-/// Stationary autoregressions of order `value`, whose partial autocorrelations in (-1, 1) are the
-/// parameters "ar[1]" …, each with the prior U(-1, 1).
+/// Stationary autoregressions of order `value`. Their parameters "ar[1]" … are the partial
+/// autocorrelations in (-1, 1), each with the prior U(-1, 1).
 extern const ResidualKind kAutoregressive;
 
 }  // namespace wheeltap::identification

@@ -28,7 +28,7 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
   if (baseline.modes() < modes)
     throw InvalidInput(InvalidInput::Part::data,
                        "the baseline has " + std::to_string(baseline.modes()) +
-                           " modes: must have those of the data, " + std::to_string(modes));
+                           " modes: must be at least those of the data, " + std::to_string(modes));
   const std::vector<double> model = undamaged_frequencies(damage_case, modes);
   ModalData modal = damage_case.modal ? *damage_case.modal : ModalData{};
   damage_case.baseline = Baseline{};
@@ -43,10 +43,10 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
       data.frequencies_hz[i] = kNaN;
     } else if (!(factor > 1.0 / kMostFactor && factor < kMostFactor)) {
       throw InvalidInput(InvalidInput::Part::data,
-                         "mode " + std::to_string(i + 1) + " of the baseline is at " +
-                             base::significant(measured, 4) + " Hz, and of the model at " +
+                         "mode " + std::to_string(i + 1) + " has " +
+                             base::significant(measured, 4) + " Hz in the baseline but " +
                              base::significant(model[i], 4) +
-                             " Hz: check units and the numbering of modes");
+                             " Hz in the model: check units and mode numbers");
     }
     if (std::isnan(data.frequencies_hz[i])) {
       if (!data.sd_hz.empty()) data.sd_hz[i] = kNaN;
@@ -61,7 +61,7 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
       data.sd_hz[i] = std::hypot(data.sd_hz[i] / factor, relative * data.frequencies_hz[i]);
     }
   }
-  // Of an unknown noise, the baseline's own stands beside it.
+  // With unknown noise, the baseline's noise enters as discrepancy.
   if (used > 0)
     data.discrepancy_cv = std::hypot(data.discrepancy_cv, std::sqrt(unknown_noise / used));
   if (!damage_case.modal) return;

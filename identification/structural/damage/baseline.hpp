@@ -1,4 +1,4 @@
-// The undamaged structure as measured: damage is then what has changed.
+// Comparison of damage data with a measured baseline of the undamaged structure.
 #pragma once
 
 #include <vector>
@@ -7,19 +7,18 @@
 
 namespace wheeltap::identification {
 
-/// Compares the data with the measured baseline b rather than with the model's own intact
-/// frequencies m: the model of a damaged structure predicts f(θ) b/m, mode by mode, so that
+/// Compares the data with the measured baseline b instead of the model's intact frequencies m. The
+/// model of a damaged structure then predicts f(θ) b/m for each mode:
 ///
 ///   f_obs m/b ~ N(f(θ), (f_obs m/b)² (s² + s_b²)),
 ///
-/// s and s_b being the relative standard deviations of data and baseline. What the model does wrong
-/// by a factor of each mode (moduli, densities, lengths; to first order whatever is small and not
-/// where the damage is) cancels. The i-th frequency of the baseline is that of the i-th elastic
-/// mode of the intact model; modes that it lacks (NaN) are left out of the data. Shapes stay as
-/// they are.
+/// with s and s_b the relative standard deviations of data and baseline. Model errors that are a
+/// factor per mode cancel (moduli, densities, lengths; to first order any small error away from the
+/// damage). The i-th baseline frequency belongs to the i-th elastic mode of the intact model; modes
+/// without a baseline (NaN) are removed from the data. Shapes do not change.
 ///
-/// Call it on a complete case, once. Throws InvalidInput (data): fewer modes in the baseline than
-/// in the data, and factors that no model would excuse (below 1/2, above 2).
+/// Call this once on a complete case. Throws InvalidInput (data) if the baseline has fewer modes
+/// than the data, and for implausible factors b/m (below 1/2, above 2).
 void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baseline);
 
 }  // namespace wheeltap::identification

@@ -92,7 +92,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
   }
 
   for (int m = 0; m < space.size(); ++m) {
-    std::vector<std::size_t> here;  // places in `weights`
+    std::vector<std::size_t> here;  // indices in `weights`
     std::vector<const double*> thetas;
     std::size_t at = 0;
     draws.for_each([&](std::size_t c, std::size_t i) {
@@ -102,7 +102,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
       }
       ++at;
     });
-    if (static_cast<double>(here.size()) < kWorthTelling * static_cast<double>(weights.size()))
+    if (static_cast<double>(here.size()) < kWorthReporting * static_cast<double>(weights.size()))
       continue;
     const std::vector<double> equal(here.size(), 1.0);
     for (int s = problem.common; s < space[m].dimension; ++s) {

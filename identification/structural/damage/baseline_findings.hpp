@@ -1,4 +1,4 @@
-// What the data say of the intact structure's parameters beside its damage.
+// Posterior of the intact structure's parameters, and their correlation with damage.
 #pragma once
 
 #include "identification/structural/damage/damage_problem.hpp"
@@ -7,27 +7,29 @@
 
 namespace wheeltap::identification {
 
-/// A parameter of the intact structure and a severity that cannot be told apart in a model: the
-/// correlation of their standard normal coordinates, beyond `kEntangled`.
+/// A parameter of the intact structure and a severity that the data cannot distinguish in a model:
+/// the correlation of their standard normal coordinates exceeds `kEntangled`.
 struct HiddenDamage {
   std::string model, parameter, severity;
   double correlation = 0.0;
 };
 
 struct BaselineFindings {
-  std::vector<Contraction> contractions = {};  ///< of all models together
-  std::vector<Marginal> marginals = {};        ///< one a contraction
-  std::vector<std::string> priors = {};        ///< in words
-  std::vector<Entangled> entangled = {};       ///< of the intact structure, all models together
-  std::vector<HiddenDamage> hidden = {};       ///< in models of 5 % or more
-  StatesLikelihood::Check check = {};          ///< of the modes, against full solutions
+  std::vector<Contraction> contractions = {};  ///< over all models
+  std::vector<Marginal> marginals = {};        ///< one per contraction
+  std::vector<std::string> priors = {};        ///< description of each prior
+  std::vector<Entangled> entangled = {};  ///< parameters of the intact structure, over all models
+  std::vector<HiddenDamage> hidden = {};  ///< in models of 5 % or more
+  StatesLikelihood::Check check = {};     ///< check of the modes against full solutions
 };
 
-/// Of a problem with `states`, from draws of which every chain has as many, at least 4.
+/// Computes the findings of a problem with `states`. All chains must have the same number of draws,
+/// at least 4.
 [[nodiscard]] BaselineFindings baseline_findings(const DamageProblem& problem,
                                                  const inference::Posterior& posterior);
 
-/// 1 - variance and mean of z, and at which bound of the prior the draws x pile up.
+/// Computes 1 - variance and the mean of z, and the bound of the prior at which the draws x pile
+/// up.
 [[nodiscard]] Contraction contraction_of(std::string name, const inference::Prior& prior,
                                          std::span<const double> x, std::span<const double> z,
                                          std::span<const double> weights);

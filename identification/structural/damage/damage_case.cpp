@@ -36,7 +36,7 @@ void complete_beam(DamageCase& damage_case) {
     throw InvalidInput(Part::beam, error.what());
   }
   if (free_degrees_of_freedom(damage_case.beam) < 1) {
-    throw InvalidInput(Part::beam, "nothing is left to vibrate");
+    throw InvalidInput(Part::beam, "the supports leave no free degree of freedom");
   }
   damage_case.rigid_body_modes = rigid_body_modes(damage_case.beam);
   for (DefectKind& kind : damage_case.kinds) {
@@ -55,11 +55,12 @@ void complete_structure(DamageCase& damage_case) {
     const DefectKind& kind = damage_case.kinds[k];
     if (kind.type != nullptr && kind.type->place_in_structure == nullptr) {
       throw InvalidInput(InvalidInput::Part::severity,
-                         "\"" + std::string(kind.type->name) + "\" is not for structures",
+                         "\"" + std::string(kind.type->name) + "\" is for beams only",
                          static_cast<int>(k));
     }
     if (kind.line.empty()) {
-      throw InvalidInput(InvalidInput::Part::location, "has nowhere to be", static_cast<int>(k));
+      throw InvalidInput(InvalidInput::Part::location, "has no possible place",
+                         static_cast<int>(k));
     }
   }
 }
@@ -74,7 +75,7 @@ void complete(DamageCase& damage_case) {
     complete_beam(damage_case);
   }
   if (damage_case.kinds.empty()) {
-    throw InvalidInput(Part::location, "no kind of defect: nothing is asked");
+    throw InvalidInput(Part::location, "has no kind of defect: needs at least one");
   }
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
     DefectKind& kind = damage_case.kinds[k];
@@ -91,7 +92,7 @@ void complete(DamageCase& damage_case) {
     if (kind.weights.size() != counts) {
       throw InvalidInput(Part::location,
                          std::to_string(kind.weights.size()) + " weights, must be " +
-                             std::to_string(counts) + ", one a count",
+                             std::to_string(counts) + ", one per count",
                          index);
     }
     if (kind.location.lower() < 0.0 || kind.location.upper() > kind.line.length()) {
@@ -126,12 +127,12 @@ void complete(DamageCase& damage_case) {
   }
   const FrequencyData& data = damage_case.data;
   if (data.measured() == 0 && !(damage_case.modal && damage_case.modal->has_shapes()))
-    throw InvalidInput(Part::data, "not one frequency is given");
+    throw InvalidInput(Part::data, "has no frequency");
   if (!data.cv_prior && data.sd_hz.size() != data.frequencies_hz.size()) {
     throw InvalidInput(Part::data, std::to_string(data.sd_hz.size()) +
                                        " standard deviations, must be " +
                                        std::to_string(data.frequencies_hz.size()) +
-                                       ", one a mode, or an unknown coefficient of variation");
+                                       ", one per mode, or an unknown coefficient of variation");
   }
   for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i) {
     const double f = data.frequencies_hz[i];
@@ -192,8 +193,9 @@ Eigen::MatrixXd simulated_shapes(const DamageCase& damage_case, int modes, std::
         return std::ranges::any_of(kind.truth,
                                    [](const auto& t) { return std::isinf(t.severity); });
       }))
-    throw InvalidInput(InvalidInput::Part::truth,
-                       "shapes of a structure with a rigid support are not simulated");
+    throw InvalidInput(
+        InvalidInput::Part::truth,
+        "cannot simulate shapes of a structure with a rigid support: give the support a stiffness");
   const auto rigid = static_cast<int>(damaged.rigid_motions.cols());
   const fem::StructureModes found = fem::structure_modes(damaged, modes + rigid);
   base::Random random(seed, 0, 1, base::Purpose::simulation);

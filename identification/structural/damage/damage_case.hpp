@@ -1,5 +1,5 @@
-// What is asked of a damaged beam: the intact beam, the measured frequencies, what may be wrong
-// with it, and what predicts.
+// The case of a damage identification: intact structure, measured modes, kinds of defects and
+// emulator.
 #pragma once
 
 #include <cstdint>
@@ -19,16 +19,16 @@
 
 namespace wheeltap::identification {
 
-/// A simulation asked for by the case.
+/// The simulation that a case defines.
 struct Simulation {
   int modes = 10;
   double cv = 0.0;  ///< noise: sd = cv · true frequency
   std::uint64_t seed = 1;
-  double shape_sd = 0.0;  ///< of entries, shapes scaled to a largest entry of 1; 0: no shapes
+  double shape_sd = 0.0;  ///< sd of shape entries, with a largest entry of 1; 0: no shapes
 };
 
-/// The undamaged structure's frequencies [Hz], measured (NaN where not) and as the model has them;
-/// see identification/structural/damage/baseline.hpp.
+/// Measured (NaN if not) and computed frequencies [Hz] of the undamaged structure; see
+/// identification/structural/damage/baseline.hpp.
 struct Baseline {
   std::vector<double> measured_hz = {}, model_hz = {};
 };
@@ -36,59 +36,59 @@ struct Baseline {
 struct DamageCase {
   std::string title = {};
   bool balance = false;                                  ///< sample models evenly and reweight
-  fem::Beam beam = {};                                   ///< where there is no structure
-  double beam_depth = 0.0;                               ///< height of its section, for cracks
-  std::shared_ptr<const StructureModel> structure = {};  ///< in place of the beam
-  int rigid_body_modes = 0;  ///< of the intact beam; data and predictions leave them out
-  FrequencyData data = {};   ///< empty frequencies where it is to be simulated
-  /// Where shapes were measured, or frequencies have a covariance: all that was measured, and
-  /// `data` is the part of it that is frequencies. Shapes belong to the structure that is solved.
+  fem::Beam beam = {};                                   ///< if there is no structure
+  double beam_depth = 0.0;                               ///< height of the section, for cracks
+  std::shared_ptr<const StructureModel> structure = {};  ///< replaces the beam
+  int rigid_body_modes = 0;  ///< number for the intact beam; data and predictions omit them
+  FrequencyData data = {};   ///< no frequencies before a simulation
+  /// All measured data if shapes were measured or frequencies have a covariance; `data` is then
+  /// their frequency part. Shapes belong to the structure that is solved.
   std::shared_ptr<const ModalData> modal = {};
-  std::optional<Baseline> baseline = {};  ///< that `data` are compared with already
-  /// Where coefficients of the intact structure are unknown, or several states were measured: all
-  /// that was measured; `modal` and `data` are then that in a row.
+  std::optional<Baseline> baseline = {};  ///< to which `data` are already compared
+  /// All measured data if coefficients of the intact structure are unknown or several states were
+  /// measured; `modal` and `data` are then their concatenation.
   std::shared_ptr<const ObservedStates> states = {};
   std::optional<Simulation> simulation = {};
   std::vector<DefectKind> kinds = {};
-  std::optional<EmulatorSpec> emulator = {};  ///< none: the FE solution itself
+  std::optional<EmulatorSpec> emulator = {};  ///< empty: the FE solution is used directly
 
-  /// Modes that predictions are needed for.
+  /// Number of modes that must be predicted.
   [[nodiscard]] int modes() const {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }
   [[nodiscard]] fem::Defects true_defects() const;
-  /// A structure, or a beam with defects that only structures know (a crack, a mass, an extent), or
-  /// with shapes.
+  /// Whether the case needs a structure: it has one, or has shapes, or its beam has defects that
+  /// only structures support (a crack, a mass, an extent).
   [[nodiscard]] bool solved_as_structure() const;
-  /// What is solved then. Throws std::invalid_argument.
+  /// The structure to solve. Throws std::invalid_argument.
   [[nodiscard]] AnyStructure solved_structure() const;
 };
 
-/// What the truth makes of a case that is solved as a structure.
+/// The true structure of a case that is solved as a structure.
 [[nodiscard]] fem::Discretisation true_structure(const DamageCase& damage_case);
-/// Shapes with noise as `Simulation` has it, at the sensors of `modal`: a row a mode, largest entry
-/// 1 before the noise. Throws InvalidInput.
+/// Shapes with noise (`Simulation`) at the sensors of `modal`: one row per mode, largest entry 1
+/// before the noise. Throws InvalidInput.
 [[nodiscard]] Eigen::MatrixXd simulated_shapes(const DamageCase& damage_case, int modes,
                                                std::uint64_t seed);
-/// Its elastic frequencies [Hz] by the full solve, `modes` of them.
+/// The `modes` lowest elastic frequencies [Hz] of the true structure, by the full solution.
 [[nodiscard]] std::vector<double> true_frequencies(const DamageCase& damage_case, int modes);
 
-/// Degrees of freedom that rigid supports leave.
+/// Degrees of freedom that rigid supports leave free.
 [[nodiscard]] int free_degrees_of_freedom(const fem::Beam& beam);
-/// Motions of the intact beam that cost no energy.
+/// Number of rigid-body modes of the intact beam.
 [[nodiscard]] int rigid_body_modes(const fem::Beam& beam);
 
-/// Fills in what follows from the rest (rigid-body modes, equal weights of counts where none are
-/// given) and checks that a run is possible. Throws InvalidInput.
+/// Adds derived members (rigid-body modes, equal weights of counts by default) and checks the case.
+/// Throws InvalidInput.
 void complete(DamageCase& damage_case);
 
-/// The elastic frequencies [Hz] of the beam under these defects, by the full solve, `modes` of
-/// them.
+/// The `modes` lowest elastic frequencies [Hz] of the beam with these defects, by the full
+/// solution.
 [[nodiscard]] std::vector<double> elastic_frequencies(const fem::Beam& beam,
                                                       const fem::Defects& defects, int modes);
 
-/// Frequencies of the true structure with Gaussian noise, sd = cv · true frequency. Throws
-/// InvalidInput where the case has no truth, or no number for the noise.
+/// Simulates frequencies of the true structure with Gaussian noise, sd = cv · true frequency.
+/// Throws InvalidInput if the case has no truth, or no number for the noise.
 [[nodiscard]] FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed);
 
 }  // namespace wheeltap::identification

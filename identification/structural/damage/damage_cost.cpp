@@ -43,7 +43,7 @@ inference::RunCost cost_of_damages(const DamageCase& damage_case, const inferenc
   if (damage_case.states) return cost;
   const double likelihoods = cost.seconds;
   if (kept < n) {
-    // The lowest modes; then, once a place, four vectors that the others yield.
+    // The lowest modes; then, per place, four vectors computed from all others.
     cost.seconds += 3.3e-6 * n * kept + 1.2e-6 * n * n;
     cost.bytes += 32.0 * n * kept + 2e3 * n +
                   std::min(32.0 * n * n, double{fem::StructureReanalysis::kResidualMemory});

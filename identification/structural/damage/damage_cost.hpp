@@ -6,14 +6,14 @@
 
 namespace wheeltap::identification {
 
-/// Of a run with FE solutions throughout: emulators take less. The model space and the beam's
-/// spectrum are not built for that. `most_in_memory` as in inference::cost_of_sampling. Throws
-/// fem::InvalidStructure or std::invalid_argument where states do not fit their structure.
+/// Cost of a run that uses FE solutions only; emulators need less. Does not build the model space
+/// or the beam's spectrum. `most_in_memory` as in inference::cost_of_sampling. Throws
+/// fem::InvalidStructure; throws std::invalid_argument if states do not fit their structure.
 [[nodiscard]] inference::RunCost cost_of_damages(const DamageCase& damage_case,
                                                  const inference::Options& options,
                                                  double most_in_memory);
 
-/// Of the FE runs that train the emulator; none for finished tables and without an emulator.
+/// Cost of the FE runs that train the emulator; empty for finished tables and without an emulator.
 [[nodiscard]] inference::RunCost cost_of_tables(const DamageCase& damage_case);
 
 }  // namespace wheeltap::identification

@@ -19,7 +19,7 @@ using inference::ChainsOf;
 using inference::Posterior;
 using Component = DamageProblem::Component;
 
-// ---- where ---------------------------------------------------------------------------------
+// ---- places --------------------------------------------------------------------------------
 
 KindFinding where(const UnpackedDraws& draws, int kind) {
   const SiteLine& line = draws.problem().damage_case.kinds[static_cast<std::size_t>(kind)].line;
@@ -53,14 +53,14 @@ KindFinding where(const UnpackedDraws& draws, int kind) {
   return out;
 }
 
-// Stretches of beam that hold a tenth of a defect or more, from the expected number per element.
+// Stretches of beam with an expected number of defects of 0.1 or more, from that per element.
 std::vector<Place> places(const UnpackedDraws& draws, int kind,
                           const std::vector<double>& overall) {
   const DamageProblem& problem = draws.problem();
   const SiteLine& line = problem.damage_case.kinds[static_cast<std::size_t>(kind)].line;
   constexpr double kTenth = 0.1;
-  // What a uniform spread of the expected number would put on an element is background; joints and
-  // storeys are few, and each is told.
+  // A uniform spread of the expected number counts as background. Joints and storeys are few and
+  // have no background.
   const bool points = !line.is_beam() && line.stretches().front().size == 0.0;
   const double total = std::accumulate(overall.begin(), overall.end(), 0.0);
   const double background = points ? 0.0 : 2.0 * total / static_cast<double>(overall.size());
@@ -109,9 +109,9 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
   return list;
 }
 
-// ---- what the data cannot say --------------------------------------------------------------
+// ---- limits of the data --------------------------------------------------------------------
 
-// What stands on both sides of a component, given where all of them are.
+// Neighbours of a component on both sides, for these mean locations.
 std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& draws,
                                                          const std::vector<double>& means,
                                                          std::size_t component,
@@ -134,8 +134,8 @@ std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& dr
   return {below, above};
 }
 
-// Models with at least as many unknowns as data, and what they hide. Where shapes were measured,
-// too, frequencies are not all the data.
+// Reports models with at least as many unknowns as data, and the defects that they could hide. Does
+// not apply if shapes were measured, because frequencies are then not all the data.
 void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
                   std::vector<Remark>& remarks) {
   const DamageProblem& problem = draws.problem();
@@ -146,10 +146,10 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
   const int data = damage_case.data.measured();
   for (std::size_t m = 0; m < models.size(); ++m) {
     const ModelFinding& model = models[m];
-    if (model.probability() < kWorthTelling || model.dimension < data || data == 0) continue;
+    if (model.probability() < kWorthReporting || model.dimension < data || data == 0) continue;
     if (model.parameters.empty()) continue;  // known by its evidence alone
     const bool simpler = std::ranges::any_of(models, [&](const ModelFinding& other) {
-      return other.dimension < model.dimension && other.probability() >= kWorthTelling;
+      return other.dimension < model.dimension && other.probability() >= kWorthReporting;
     });
     if (!simpler) {
       remarks.push_back(remark::FittedNotTested{model.name, model.dimension, data});
@@ -166,7 +166,7 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
       if (smaller < 0 || model.counts[k] < 2 || !kind.line.is_beam()) continue;
       const ModelFinding& other = models[static_cast<std::size_t>(smaller)];
       if (other.parameters.empty()) continue;
-      // The component that the smaller model explains least is the hidden one.
+      // The hidden component is the one farthest from all components of the smaller model.
       const auto location = [&](const ModelFinding& of, int n) -> const Marginal& {
         return *of.find(static_cast<int>(k), n, 0);
       };
@@ -194,12 +194,12 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
   }
 }
 
-// Draws from one evaluation of the emulator to the next, where all of them would take minutes.
+// Interval of draws between evaluations of a slow emulator; all draws would take minutes.
 long emulator_stride(const DamageProblem& problem) {
   return problem.emulator && !problem.exact() && problem.emulator->is_slow() ? 50 : 1;
 }
 
-// How well the best models reproduce the data, and whether they do at all.
+// Fit of the models to the data, and the verdict on it.
 std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
                               std::vector<Remark>& remarks) {
   const DamageProblem& problem = draws.problem();
@@ -217,7 +217,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   long all = 0;
   for (const auto& chain : posterior.chains) all += static_cast<long>(chain.model.size());
   if (problem.by_modes()) stride = std::max(1L, all / kSolved);  // each is solved again
-  // Of those visited, so many are remembered mode by mode.
+  // Interval of the draws whose values per mode are kept.
   const long kept_every = stride * std::max(1L, all / (stride * kKept));
   StructuralPredictor by_shapes(problem);
   ModeObservation::Scored scored;
@@ -246,7 +246,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
       mean_p += weight * chi_square_tail(std::max(score.freedoms, 1), score.chi_square);
       for (std::size_t mode = 0; mode < modes; ++mode)
         spurious[mode] += weight * score.matches[mode].spurious;
-      // In units of all that they may be off by: what the model leaves out is a part of it.
+      // Normalised by the full covariance, which includes the model discrepancy.
       std::vector<int> with;
       const Eigen::MatrixXd covariance =
           problem.modes().covariance(scored, problem.modal_noise(x), with);
@@ -290,7 +290,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
     if (measured && std::abs(residual) > 3.0 && doubted < 0.5)
       off.push_back(static_cast<int>(mode) + 1);
   }
-  single.tell(verdict.model, out);
+  single.write(verdict.model, out);
   if (problem.by_modes()) out.shapes = best_shapes(problem, posterior);
   if (out.posterior_predictive_p < kMisfit) {
     verdict.why.emplace_back(
@@ -305,7 +305,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   return out;
 }
 
-// Damage from changes, by a model whose frequencies are off.
+// Reports damage inferred from changes by a model with inaccurate frequencies.
 void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
                      std::vector<Remark>& remarks) {
   constexpr double kOff = 0.003;
@@ -329,7 +329,7 @@ void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>
     remarks.push_back(remark::ChangesTakenForExact{sum / weights});
 }
 
-// Severities that pile up at the upper bound of their prior, or counts at the largest allowed.
+// Reports severities at the upper bound of their prior, and counts at the largest allowed.
 void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
             std::vector<Remark>& remarks) {
   const auto& kinds = draws.problem().damage_case.kinds;
@@ -343,7 +343,7 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
     }
     const inference::Prior* severity = kinds[k].severity_prior();
     if (severity == nullptr || !std::isfinite(severity->upper())) continue;
-    // Shares and quantiles: some ten thousand draws are enough, millions are not held.
+    // For shares and quantiles some ten thousand draws suffice; millions do not fit into memory.
     constexpr std::size_t kEnough = 20'000;
     std::size_t all = 0;
     for (const inference::Chain& chain : draws.posterior().chains) all += chain.size();
@@ -362,16 +362,16 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
   }
 }
 
-// A place on a structure is told as the member (node, link) that it is on, and, of a member, how
-// far along: two findings in place of the one of the line's number.
-void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
+// Replaces the location on the line of a structure by the site (member, node, link) and, for a
+// member, by the position along it.
+void split_locations(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
   const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
   for (std::size_t m = 0; m < models.size(); ++m) {
-    std::vector<ParameterFinding> told;
+    std::vector<ParameterFinding> split;
     for (ParameterFinding& p : models[m].parameters) {
       if (p.unknown.kind < 0 || p.unknown.parameter != 0 ||
           kinds[static_cast<std::size_t>(p.unknown.kind)].line.is_beam()) {
-        told.push_back(std::move(p));
+        split.push_back(std::move(p));
         continue;
       }
       const DefectKind& kind = kinds[static_cast<std::size_t>(p.unknown.kind)];
@@ -391,14 +391,14 @@ void tell_sites(const UnpackedDraws& draws, std::vector<ModelFinding>& models) {
       const std::size_t at = site.label.rfind(p.unknown.name);
       if (at != std::string::npos) site.label.replace(at, p.unknown.name.size(), site.name);
       site.unit = "1";
-      told.push_back({.unknown = site, .estimate = of_spot([](const SiteLine::Spot& spot) {
-                                         return static_cast<double>(spot.site);
-                                       })});
+      split.push_back({.unknown = site, .estimate = of_spot([](const SiteLine::Spot& spot) {
+                                          return static_cast<double>(spot.site);
+                                        })});
       if (kind.type->sites == DefectType::Sites::members)
-        told.push_back({.unknown = p.unknown,
-                        .estimate = of_spot([](const SiteLine::Spot& spot) { return spot.s; })});
+        split.push_back({.unknown = p.unknown,
+                         .estimate = of_spot([](const SiteLine::Spot& spot) { return spot.s; })});
     }
-    models[m].parameters = std::move(told);
+    models[m].parameters = std::move(split);
   }
 }
 
@@ -490,7 +490,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   if (problem.symmetric || !problem.symmetries.empty()) {
     const ChainsOf difference = left_less_right(draws);
     symmetric = symmetry(draws, difference, remarks);
-    watched.push_back({"left less right", [difference] { return difference; }});
+    watched.push_back({"left minus right", [difference] { return difference; }});
   }
   DamageFindings out;
   static_cast<Findings&>(out) = run_findings(posterior, inference::judge(posterior, watched), seed);
@@ -502,15 +502,15 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.kinds.back().places = places(draws, static_cast<int>(k), out.kinds.back().expected);
   }
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
-    constexpr double kWorthSaying = 0.2;
+    constexpr double kWorthRemark = 0.2;
     auto merged = merged_damages(draws, out.models, static_cast<int>(k));
     if (!merged) continue;
-    if (merged->merged > kWorthSaying)
+    if (merged->merged > kWorthRemark)
       remarks.push_back(remark::NeighbouringDamages{static_cast<int>(k)});
     out.merged.push_back(std::move(*merged));
   }
   if (problem.symmetric) out.folded = folded(draws);
-  tell_rivals(draws, symmetric, remarks);
+  add_rival_remarks(draws, symmetric, remarks);
 
   unidentified(draws, out.models, remarks);
   out.fit_verdict.model = static_cast<int>(out.by_probability()[0]);
@@ -521,7 +521,8 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.emulator = emulator_finding(*problem.emulator, damage_case.data.sd_hz);
     out.emulator->exact = problem.exact();
     out.emulator->error_in_likelihood = damage_case.emulator->emulator_error;
-    // Some dozens of runs of a model that may cost minutes; of ours what a second buys.
+    // A few dozen runs of an external model may take minutes; the default, of FE solutions, a
+    // second.
     constexpr int kOfOutside = 50;
     out.emulator->check = problem.program() != nullptr
                               ? check_emulator(problem, posterior, kOfOutside)
@@ -537,7 +538,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
                                     (out.emulator->check ? out.emulator->check->draws : 0);
     for (const ModelFinding& model : out.models) {
       const auto count = static_cast<std::size_t>(model.counts[0]);
-      if (problem.exact() || model.probability() < kWorthTelling || count == 0 ||
+      if (problem.exact() || model.probability() < kWorthReporting || count == 0 ||
           count > out.emulator->counts.size()) {
         continue;
       }
@@ -550,7 +551,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
   if (problem.states() != nullptr) out.baseline = baseline_findings(problem, posterior);
   out.remarks = std::move(remarks);
   conclude(out, draws.space(), evidence);
-  if (damage_case.structure) tell_sites(draws, out.models);
+  if (damage_case.structure) split_locations(draws, out.models);
   return out;
 }
 

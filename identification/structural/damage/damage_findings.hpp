@@ -1,4 +1,4 @@
-// What a damage run found: how many, where on the beam and how bad, and what the data cannot say.
+// Results of a damage identification: number, places and severities of defects, limits of the data.
 #pragma once
 
 #include <algorithm>
@@ -17,62 +17,62 @@
 
 namespace wheeltap::identification {
 
-/// A stretch of beam, or of one member, that holds a tenth of a defect or more.
+/// A stretch of beam, or of one member, with an expected number of defects of 0.1 or more.
 struct Place {
-  int stretch = 0;  ///< of the kind's line: which member, joint, storey
+  int stretch = 0;  ///< index in the kind's line: member, joint or storey
   double from, to;  ///< [m]
-  double expected;  ///< number of defects
+  double expected;  ///< expected number of defects
   Marginal location;
-  std::optional<Marginal> severity;     ///< where it is not known
-  std::optional<Marginal> extent = {};  ///< [m], where it is not known
+  std::optional<Marginal> severity;     ///< if unknown
+  std::optional<Marginal> extent = {};  ///< [m], if unknown
 };
 
-/// Where the defects of one kind are.
+/// Places of the defects of one kind.
 struct KindFinding {
-  std::vector<double> expected;                    ///< number of defects in each element
-  std::map<int, std::vector<double>> given_count;  ///< the same where there are so many (> 0)
+  std::vector<double> expected;                    ///< expected number of defects in each element
+  std::map<int, std::vector<double>> given_count;  ///< the same given the count (> 0)
   std::vector<Place> places;
 };
 
-/// A beam that is its own mirror image, or a structure that is its own image: frequencies cannot
-/// tell x from L - x, or what is alike.
+/// Effects of a symmetric beam or structure: frequencies cannot distinguish x from L - x, or
+/// equivalent parts.
 struct SymmetryFinding {
   struct Chain {
     double left, right;  ///< expected number of defects before and beyond their images on the line
     double mcse_of_difference;
   };
-  double center;  ///< [m], of a beam
-  bool emulated;  ///< an emulator takes part in the likelihood
+  double center;  ///< [m], for a beam
+  bool emulated;  ///< the likelihood uses an emulator
   std::vector<Chain> chains;
-  std::vector<std::vector<std::string>> alike = {};  ///< of a structure; as SiteSymmetries
+  std::vector<std::vector<std::string>> alike = {};  ///< for a structure, as in SiteSymmetries
   std::vector<std::string> turned = {};
 };
 
 struct FitFinding {
   struct Mode {
-    double observed, sd;           ///< [Hz]; NaN where not measured, or where the noise is inferred
-    double mean, q2_5, q97_5;      ///< predicted [Hz]
-    double standardised_residual;  ///< posterior mean; NaN where not measured
-    std::string state = {};        ///< where there are several
-    int mode = 0;                  ///< as measured in its state, from 1
-    std::optional<Marginal> mac = {};  ///< of its shape and the model's, over the draws
-    /// What the posterior would lose without this mode: KL(posterior ‖ without) [nats], and the
-    /// probability that the most probable model would have. `reliable`: the draws can be reweighted
-    /// so. NaN where it was not measured.
+    double observed, sd;               ///< [Hz]; NaN if not measured, or if the noise is inferred
+    double mean, q2_5, q97_5;          ///< predicted [Hz]
+    double standardised_residual;      ///< posterior mean; NaN if not measured
+    std::string state = {};            ///< empty if there is only one
+    int mode = 0;                      ///< measured mode in its state, from 1
+    std::optional<Marginal> mac = {};  ///< MAC of measured and computed shape, over the draws
+    /// Effect of leaving out this mode: KL(posterior ‖ without) [nats], and the resulting
+    /// probability of the most probable model. `reliable`: the importance weights are adequate. NaN
+    /// if not measured.
     double information = std::numeric_limits<double>::quiet_NaN();
     double probability_without = std::numeric_limits<double>::quiet_NaN();
     bool reliable = true;
   };
   std::vector<Mode> modes;
-  std::vector<ShapesBeside> shapes = {};  ///< of each state with shapes, at the best draw
-  /// P(χ² of a replicate > χ² of the data), both about the model: small where nothing fits.
+  std::vector<ShapesBeside> shapes = {};  ///< per state with shapes, at the best draw
+  /// P(χ² of a replicate > χ² of the data); small if no model fits.
   double posterior_predictive_p = 0.0;
 };
 
 struct EmulatorFinding {
   struct Mode {
     double rmse, max_error, q2, relative_rmse;
-    double noise;                         ///< sd [Hz]; NaN: not known
+    double noise;                         ///< sd [Hz]; NaN if unknown
     std::optional<double> leave_one_out;  ///< RMSE
     std::optional<emulator::StandardisedResiduals> standardised;
   };
@@ -81,11 +81,11 @@ struct EmulatorFinding {
     long runs;
     std::vector<Mode> modes;
     std::vector<int> blind;  ///< modes (from 1) that it cannot predict
-    int worst_mode = 0;      ///< by RMSE in terms of the noise; 0 where that is not known
+    int worst_mode = 0;      ///< by RMSE relative to the noise; 0 if the noise is unknown
     double rmse_to_noise = 0.0, largest_to_noise = 0.0;
   };
   std::vector<Count> counts;  ///< entry i for i + 1 damages
-  // Of a run:
+  // For a run:
   bool exact = false;
   bool error_in_likelihood = true;
   long training_calls = 0, validation_calls = 0, likelihood_calls = 0;
@@ -94,53 +94,54 @@ struct EmulatorFinding {
 
 struct DamageFindings : Findings {
   std::vector<KindFinding> kinds;
-  /// For a symmetric beam, one entry a model: locations counted from the nearer end, and the
-  /// components ordered by that, since the plain estimates average over mirror images.
+  /// For a symmetric beam, one entry per model: locations are measured from the nearer end and
+  /// components are sorted by them, because plain estimates average over mirror images.
   std::vector<std::vector<ParameterFinding>> folded;
-  std::vector<MergedFinding> merged;  ///< of kinds whose damages cover a fixed length
+  std::vector<MergedFinding> merged;  ///< for kinds whose damages cover a fixed length
   std::optional<SymmetryFinding> symmetry;
   std::optional<FitFinding> fit;
   std::optional<EmulatorFinding> emulator;
-  std::optional<BaselineFindings> baseline;    ///< where there are states
-  std::optional<DrawnModes> drawn_modes = {};  ///< of the intact structure, for figures
+  std::optional<BaselineFindings> baseline;    ///< if there are states
+  std::optional<DrawnModes> drawn_modes = {};  ///< modes of the intact structure, for figures
 
-  /// Of one kind; nullptr where there is nothing to merge.
+  /// The merged damages of a kind; nullptr if there are none.
   [[nodiscard]] const MergedFinding* merged_of(int kind) const {
     const auto found = std::ranges::find(merged, kind, &MergedFinding::kind);
     return found == merged.end() ? nullptr : &*found;
   }
-  /// Estimates of a model's defects to be shown: folded where there are any.
+  /// Estimates of a model's defects to report: folded if available.
   [[nodiscard]] const std::vector<ParameterFinding>& shown(std::size_t model) const {
     return !folded.empty() && !folded[model].empty() ? folded[model] : models[model].parameters;
   }
 };
 
-/// Errors of an emulator on held-out FE runs, per count and mode. `noise` [Hz] is the measurement's
-/// sd of each mode, empty where not known.
+/// Errors of an emulator on held-out FE runs, per count and mode. `noise`: measurement sd [Hz] of
+/// each mode, empty if unknown.
 [[nodiscard]] EmulatorFinding emulator_finding(const FrequencyEmulator& emulator,
                                                const std::vector<double>& noise);
-/// The measurement's sd [Hz] of each mode: the data's, or cv times `intact` where there are none
-/// yet; empty where neither is known.
+/// Measurement sd [Hz] of each mode: that of the data or, before there are data, cv times `intact`;
+/// empty if both are unknown.
 [[nodiscard]] std::vector<double> measurement_noise(const DamageCase& damage_case,
                                                     std::span<const double> intact);
 
-/// Variances [Hz²] of the emulator's error at one draw after another, one a mode; empty where none
-/// takes part in the likelihood. A slow emulator is asked at every 50th draw and where a model is
-/// new, and what it said last of a model stands for those between. Refers to the problem.
+/// Error variances [Hz²] of the emulator for consecutive draws, one per mode; empty if the
+/// likelihood uses no emulator. A slow emulator is evaluated at every 50th draw and for each new
+/// model; in between, the last result for the model is reused. Refers to the problem.
 class EmulatorVariances {
  public:
   explicit EmulatorVariances(const DamageProblem& problem);
-  /// Of the next draw; good until the one after.
+  /// Variances for the next draw; valid until the next call.
   [[nodiscard]] std::span<const double> next(int model, std::span<const double> x);
 
  private:
   std::optional<StructuralPredictor> predictor_;
   long stride_, visited_ = 0;
   Prediction predicted_;
-  std::vector<std::vector<double>> last_;  // of each model
+  std::vector<std::vector<double>> last_;  // per model
 };
 
-/// `posterior` must have at least 4 draws a chain, all chains the same.
+/// Computes the findings. `posterior` must have at least 4 draws per chain and chains of equal
+/// length.
 [[nodiscard]] DamageFindings damage_findings(const DamageProblem& problem,
                                              const inference::Posterior& posterior,
                                              const std::vector<MethodEvidence>& evidence,

@@ -13,8 +13,8 @@ using inference::Posterior;
 
 namespace {
 
-/// Sd [Hz] of each measured frequency about the model's, where what the model leaves out is
-/// inferred: the mean over a few hundred draws, since each is solved again. 0 elsewhere.
+/// Sd [Hz] of each measured frequency about the model's for an inferred discrepancy: the mean over
+/// a few hundred draws, because each is solved again. Otherwise 0.
 std::vector<double> inferred_scatter(const DamageProblem& problem, const Posterior& posterior) {
   std::vector<double> out(static_cast<std::size_t>(problem.damage_case.data.modes()));
   const auto& modal = problem.damage_case.modal;
@@ -53,10 +53,10 @@ SingleModes::SingleModes(const DamageProblem& problem)
       densities_(static_cast<std::size_t>(problem.damage_case.data.modes())),
       macs_(densities_.size()) {
   if (problem.states() == nullptr) return;
-  const auto doubted = [](const ObservedState& s) { return s.data.doubt > 0.0; };
+  const auto may_be_spurious = [](const ObservedState& s) { return s.data.doubt > 0.0; };
   const auto& list = problem.states()->states().list;
-  doubted_ = std::ranges::any_of(list, doubted);
-  told_ = !doubted_ || std::ranges::all_of(list, doubted);
+  may_be_spurious_ = std::ranges::any_of(list, may_be_spurious);
+  comparable_ = !may_be_spurious_ || std::ranges::all_of(list, may_be_spurious);
 }
 
 void SingleModes::pass(int model, double weight, const std::vector<double>& log_densities) {
@@ -72,7 +72,7 @@ void SingleModes::pass(int model, double weight, std::span<const double> x,
   std::vector<int> with;
   const Eigen::MatrixXd c = observed.covariance(scored, noise, with);
   ModalData data = observed.data();
-  if (doubted_) data.doubt = 0.5;  // any: the matching has counted the true one
+  if (may_be_spurious_) data.doubt = 0.5;  // any value: the matching used the true one
   const Eigen::VectorXd l = observed.with_errors(noise)
                                 ? observed.single_mode_densities(scored, noise)
                                 : single_mode_densities(data, with, c, scored.score);
@@ -81,14 +81,14 @@ void SingleModes::pass(int model, double weight, std::span<const double> x,
     if (const auto& shape = scored.score.matches[m].shape) macs_[m].push_back(shape->mac);
 }
 
-void SingleModes::tell(int winner, FitFinding& out) const {
-  // A winner by its evidence alone: what leaving a mode out would make of it, draws cannot say.
+void SingleModes::write(int winner, FitFinding& out) const {
+  // The draws have no information about the effect of a mode on a model that was not drawn.
   const bool drawn = std::ranges::find(models_, winner) != models_.end();
   for (std::size_t m = 0; m < out.modes.size(); ++m) {
     FitFinding::Mode& mode = out.modes[m];
     const bool shaped = !macs_[m].empty() && macs_[m].size() == weights_.size();
     if (shaped) mode.mac = marginal({macs_[m]}, {weights_});
-    if (!told_ || !drawn || (std::isnan(mode.observed) && !shaped)) continue;
+    if (!comparable_ || !drawn || (std::isnan(mode.observed) && !shaped)) continue;
     const WithoutMode without = without_mode(densities_[m], weights_);
     mode.information = without.information;
     mode.reliable = without.reliable;

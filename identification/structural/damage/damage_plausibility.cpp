@@ -9,8 +9,8 @@
 namespace wheeltap::identification {
 namespace {
 
-constexpr double kApart = 0.1;         // of a frequency
-constexpr double kApartInNoise = 5.0;  // sd
+constexpr double kApart = 0.1;         // relative difference of a frequency
+constexpr double kApartInNoise = 5.0;  // difference in sd
 constexpr double kHidden = 0.5;        // effect over noise
 
 double median(std::vector<double> x) {
@@ -30,7 +30,7 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
   const FrequencyData& data = problem.damage_case.data;
   const auto& space = problem.problem.space;
   const auto modes = static_cast<std::size_t>(data.modes());
-  // A model of someone else's is asked no more than it must be.
+  // Evaluate an external model as rarely as possible.
   StructuralPredictor predictor(
       problem, problem.program() != nullptr ? problem.predicting() : *problem.model);
   std::vector<PriorRange> predicted(modes);

@@ -1,5 +1,5 @@
-// What a case of damage says that can hardly be meant, seen before anything is sampled: lengths in
-// millimetres, noise in per cent.
+// Plausibility checks of a damage case before sampling, for example lengths in millimetres or noise
+// in per cent.
 #pragma once
 
 #include <vector>
@@ -9,9 +9,9 @@
 
 namespace wheeltap::identification {
 
-/// What structure_plausibility.hpp finds; frequencies that are farther from what 200 draws of the
-/// prior predict than a tenth of themselves and 5 sd, in at least half of the modes; a stated noise
-/// of which the damages of these draws move no frequency by half.
+/// Adds the remarks of structure_plausibility.hpp. Also reports frequencies that differ from those
+/// predicted by 200 prior draws by more than a tenth and 5 sd in at least half of the modes.
+/// Reports a stated noise so large that no damage of these draws changes a frequency by half of it.
 [[nodiscard]] std::vector<Remark> implausible(const DamageProblem& problem);
 
 }  // namespace wheeltap::identification

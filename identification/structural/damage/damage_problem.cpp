@@ -17,7 +17,7 @@ namespace {
 
 using inference::Prior;
 
-// Same density at x and L - x, tried at quantiles from the bulk to the tails.
+// Whether the density is equal at x and L - x, tested at quantiles from the bulk to the tails.
 bool is_mirror_symmetric(const Prior& prior, double length) {
   for (double z = -4.0; z <= 4.0; z += 0.5) {
     const double here = prior.from_standard_normal(z);
@@ -27,8 +27,9 @@ bool is_mirror_symmetric(const Prior& prior, double length) {
   return true;
 }
 
-// What the intact structure's symmetry cannot tell apart, and the moves from one to the other.
-// Where the data tell the images apart the moves remain: shapes of 1 % leave each image its share.
+// Finds the images that the structure's symmetry makes indistinguishable, and adds moves between
+// them. The moves remain if the data distinguish the images: with shapes of 1 %, each image keeps
+// some probability.
 void find_images(DamageProblem& problem, bool told_apart) {
   const DamageCase& damage_case = problem.damage_case;
   const ForwardModel::AllFrequencies all_frequencies = problem.model->all_frequencies();
@@ -44,7 +45,7 @@ void find_images(DamageProblem& problem, bool told_apart) {
   if (!told_apart && problem.as_case) problem.symmetries = std::move(found);
 }
 
-// Every combination of the kinds' counts, the last kind running fastest, with product weights.
+// All combinations of the kinds' counts, the last kind varying fastest; weights are products.
 std::vector<inference::ModelSpace::Counts> combinations(const std::vector<DefectKind>& kinds) {
   std::vector<inference::ModelSpace::Counts> list = {{{}, 1.0}};
   for (const DefectKind& kind : kinds) {
@@ -59,7 +60,6 @@ std::vector<inference::ModelSpace::Counts> combinations(const std::vector<Defect
     }
     list = std::move(longer);
   }
-  // A model with no prior weight is no candidate.
   std::erase_if(list, [](const auto& entry) { return !(entry.weight > 0.0); });
   return list;
 }
@@ -76,12 +76,12 @@ std::vector<inference::ComponentKind> component_kinds(const DamageCase& damage_c
   return kinds;
 }
 
-/// The scatters of measured modes; none where frequencies are numbered.
+/// The scatters of measured modes; empty for numbered frequencies.
 UnknownScatters scatters_of(const DamageCase& damage_case) {
   return UnknownScatters(damage_case.modal ? *damage_case.modal : ModalData{});
 }
 
-/// A structure, or a beam whose modes or defects need one.
+/// Sets up a structure, or a beam whose modes or defects require one.
 void observe_assembled(DamageProblem& problem) {
   const DamageCase& damage_case = problem.damage_case;
   const AnyStructure structure = damage_case.solved_structure();
@@ -102,7 +102,7 @@ void observe_assembled(DamageProblem& problem) {
       structure, damage_case.kinds, rigid + observed->of(0).candidates(elastic), rigid, motions);
 }
 
-/// What predicts: states of a structure, one structure, or a beam, which is returned.
+/// Sets up the forward model: states of a structure, one structure, or a beam, which is returned.
 std::shared_ptr<const BeamModel> observe(DamageProblem& problem) {
   const DamageCase& damage_case = problem.damage_case;
   problem.observed = std::make_shared<const FrequencyObservation>(damage_case.data);
@@ -143,7 +143,8 @@ void add_symmetries(DamageProblem& problem, bool mirrored) {
   if (damage_case.structure) find_images(problem, told_apart);
 }
 
-// Two damages in one element are hard to tell from one that compounds them, but far from it.
+// Two damages in one element resemble one damage with their combined stiffness, but are distant in
+// parameter space.
 void add_split_merges(DamageProblem& problem) {
   using inference::SplitMerge;
   for (int k = 0; k < static_cast<int>(problem.damage_case.kinds.size()); ++k) {
@@ -173,7 +174,7 @@ void make_emulator(DamageProblem& problem, const fem::Reanalysis& reanalysis,
                           .model = options.outside ? outside_model(*options.outside, kind.max_count)
                                                    : emulator::ModelFactory()}));
   } catch (const emulator::RunError& error) {
-    std::rethrow_if_nested(error);  // of a model of someone else's
+    std::rethrow_if_nested(error);  // from an external model
     throw;
   } catch (const std::invalid_argument& error) {
     throw InvalidInput(InvalidInput::Part::emulator, error.what());
@@ -210,7 +211,7 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   if (options.outside) {
     if (!beam)
       throw InvalidInput(InvalidInput::Part::data,
-                         "a predictor of one's own goes with a beam and its frequencies: "
+                         "an external predictor needs a beam and its frequencies: "
                          "there must be no shapes, states or structure");
     out->model = std::make_shared<const ProgramModel>(options.outside, damage_case.kinds);
   }
@@ -218,7 +219,7 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
   if (options.model && damage_case.emulator)
     throw InvalidInput(
         InvalidInput::Part::emulator,
-        "is trained on the case's structure: it does not go with a model of one's own");
+        "is trained on the case's structure and cannot be combined with a model of your own");
   out->as_case = !options.outside && !options.model && options.observations.empty();
   const std::vector<inference::Parameter> common = out->place_parameters(
       StructuralProblem::First::noise,

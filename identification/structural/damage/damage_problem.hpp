@@ -1,5 +1,4 @@
-// From what is asked of a damaged beam to a problem for the engine: model space, likelihood and
-// symmetries.
+// Conversion of a damage case to a problem for the engine: model space, likelihood and symmetries.
 #pragma once
 
 #include <functional>
@@ -13,30 +12,30 @@
 
 namespace wheeltap::identification {
 
-/// A damage case as a problem. Parameters that all models have: scatters, then those of the intact
-/// structure, then the noise of observations that were added.
+/// A damage case as a problem. All models share these parameters: scatters, then those of the
+/// intact structure, then the noise of added observations.
 struct DamageProblem : StructuralProblem {
   DamageCase damage_case = {};
-  std::shared_ptr<const FrequencyEmulator> emulator = {};  ///< before a forward model; or null
-  std::shared_ptr<const ForwardModel> emulated = {};       ///< the two together; or null
-  inference::LikelihoodFactory fe_likelihood = {};  ///< of the FE solution, whatever predicts
-  /// The intact beam and the location priors equal their mirror images, and nothing that was
-  /// measured tells them apart, as shapes do.
+  std::shared_ptr<const FrequencyEmulator> emulator = {};  ///< emulates a forward model; or null
+  std::shared_ptr<const ForwardModel> emulated = {};       ///< the emulated forward model; or null
+  inference::LikelihoodFactory fe_likelihood = {};         ///< uses the FE solution always
+  /// The intact beam and the location priors are mirror-symmetric, and no data (such as shapes)
+  /// distinguish the sides.
   bool symmetric = false;
-  SiteSymmetries symmetries = {};  ///< of a structure, likewise
-  int common = 0;                  ///< parameters that all models have
-  /// Nothing predicts but the case's structure, and nothing was observed but the case's data.
+  SiteSymmetries symmetries = {};  ///< symmetries of a structure, under the same condition
+  int common = 0;                  ///< number of parameters that all models share
+  /// No external or user model predicts, and only the case's data are observed.
   bool as_case = true;
 
-  /// A program or a server predicts in place of the FE solution; or null.
+  /// The external program or server that replaces the FE solution; or null.
   [[nodiscard]] const ProgramModel* program() const {
     return dynamic_cast<const ProgramModel*>(model.get());
   }
 
   using Component = PlacedDefect;
-  /// The emulator screens proposals only.
+  /// Whether the emulator only screens proposals.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
-  /// What the likelihood predicts with.
+  /// The forward model that the likelihood uses.
   [[nodiscard]] const ForwardModel& predicting() const {
     return emulated && !exact() ? *emulated : *model;
   }
@@ -46,35 +45,34 @@ struct DamageProblem : StructuralProblem {
 struct DamageProblemOptions {
   int threads = 1;
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> table_progress = {};
-  /// Predicts a beam's elastic frequencies [Hz] in place of the FE solution: from the place [m] and
-  /// severity (and extent [m], where it is unknown) of each defect, of each kind as many as there
-  /// may be at the most, those that there are first, in order of place, and then zeros.
+  /// Predicts a beam's elastic frequencies [Hz] instead of the FE solution. Inputs: place [m] and
+  /// severity (and extent [m], if unknown) of each defect. Each kind has as many inputs as its
+  /// largest count: first the existing defects in order of place, then zeros.
   std::shared_ptr<OutsideModel> outside = {};
-  /// Predicts in place of the FE solution: the lowest elastic frequencies [Hz], or modes where the
-  /// case has shapes or correlated frequencies. It is trusted to know the case's structure, and
-  /// goes without an emulator.
+  /// Predicts the lowest elastic frequencies [Hz] instead of the FE solution, or modes if the case
+  /// has shapes or correlated frequencies. It must match the case's structure, and cannot be
+  /// emulated.
   std::shared_ptr<const ForwardModel> model = {};
-  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< beside the case's data
+  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
 };
 
-/// Inputs that such a model has, by name: "location[1]", "reduction[1]" …, with a kind's name
-/// before where there are several.
+/// Names of the inputs of such a model: "location[1]", "reduction[1]" …, preceded by the kind's
+/// name if there are several kinds.
 [[nodiscard]] std::vector<std::string> outside_inputs(const DamageCase& damage_case);
 
-/// Completes the case, and trains or reads the emulator where it asks for one. The log likelihood
-/// is
+/// Completes the case, and trains or reads the emulator if it requests one. The log likelihood is
 ///
 ///   Σ over measured modes of  -½ ((f_obs - f) / sd)² - ln(sd √2π),
 ///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
-/// the second term where an emulator predicts and its error is not switched off. Where the emulator
-/// screens only ("exact"), this likelihood with it is the problem's `screen`, and its `likelihood`
-/// is that of the FE solution.
+/// the second term only if an emulator predicts and its error is enabled. If the emulator only
+/// screens ("exact"), this likelihood is the problem's `screen`, and its `likelihood` is that of
+/// the FE solution.
 ///
-/// The FE solution's likelihood offers its gradient, with slopes along places as BeamModel has
-/// them: not the derivative of a likelihood that is piecewise constant in a damage's place, but
-/// the way uphill. An emulator's offers none, nor does a model's of someone else's, whose mirror
-/// images are not taken for the same. Throws InvalidInput, OutsideModelError.
+/// The FE likelihood has a gradient. Along places it uses the slopes of BeamModel: an ascent
+/// direction and not the derivative, because the likelihood is piecewise constant in a place.
+/// Emulators and external models have no gradient, and the mirror images of an external model count
+/// as different. Throws InvalidInput, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);
 

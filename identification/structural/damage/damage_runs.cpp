@@ -49,7 +49,7 @@ std::vector<Factor> factors(int count, const std::function<std::vector<double>(i
   return list;
 }
 
-// Runs with damages in order of location, at midpoints, none twice.
+// Sorts the damages of each run by location, moves them to midpoints and removes duplicates.
 Design tidied(Design design, const fem::Beam& beam) {
   std::set<std::vector<double>> points;
   Index kept = 0;
@@ -66,7 +66,7 @@ Design tidied(Design design, const fem::Beam& beam) {
   return design;
 }
 
-// The user's own runs, as a grid where they are one.
+// The user's runs, as a grid if they form one.
 Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
   const auto& file = spec.csv[static_cast<std::size_t>(count - 1)];
   std::vector<Factor> columns;
@@ -87,7 +87,7 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
     const bool location = f.unit == "m";
     if (f.low() < 0.0 || f.high() > (location ? beam.length : 1.0) ||
         (!location && f.high() >= 1.0)) {
-      refuse("column \"" + f.name + "\" reaches from " + run_number(f.low()) + " to " +
+      refuse("column \"" + f.name + "\" ranges from " + run_number(f.low()) + " to " +
              run_number(f.high()) + ", but " +
              (location ? "the beam is " + run_number(beam.length) + " m long"
                        : "a reduction lies in [0, 1)"));
@@ -103,7 +103,7 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
     auto grid = emulator::as_grid(table);
     if (!grid) {
       refuse(
-          "the runs are no full grid, which " + interpolant_names(InterpolantType::Runs::grid) +
+          "the runs are not a full grid, which " + interpolant_names(InterpolantType::Runs::grid) +
           " need: use \"interpolation\": " + interpolant_names(InterpolantType::Runs::scattered));
     }
     rename(*grid);
@@ -115,7 +115,7 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
     refuse("two runs have the same damages (in the elements of the case's beam)");
   }
   table.points = tidy.points;
-  // Sorting by location mixes the columns: every location may have all of them, reductions alike.
+  // Sorting by location permutes the columns, so all locations share one range, and all reductions.
   for (std::size_t kind = 0; kind < 2; ++kind) {
     double low = table.points.col(static_cast<Index>(kind)).minCoeff();
     double high = table.points.col(static_cast<Index>(kind)).maxCoeff();
@@ -130,7 +130,7 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
   return table;
 }
 
-// Of these the modes that are wanted.
+// The requested modes of the user's runs.
 Table own_table(const fem::Beam& beam, const EmulatorSpec& spec, int modes, int count) {
   if (static_cast<std::size_t>(count) > spec.csv.size()) {
     throw std::invalid_argument("\"runs_csv\" has no runs with " + std::to_string(count) +
@@ -139,18 +139,18 @@ Table own_table(const fem::Beam& beam, const EmulatorSpec& spec, int modes, int 
   Table table = own_runs(beam, spec, count);
   if (table.values.cols() < modes) {
     throw std::invalid_argument(spec.csv[static_cast<std::size_t>(count - 1)].string() + " holds " +
-                                std::to_string(table.values.cols()) + " modes, the data have " +
+                                std::to_string(table.values.cols()) + " modes, but the data have " +
                                 std::to_string(modes));
   }
   table.values = RowMatrix(table.values.leftCols(modes));
   return table;
 }
 
-// The values at a design's points, from runs made before.
+// The values at a design's points, from previous runs.
 RowMatrix values_from(const Table& runs, const Design& design, int modes, int count) {
   if (runs.values.cols() != modes) {
     throw std::invalid_argument("the parts have " + std::to_string(runs.values.cols()) +
-                                " modes, the case asks for " + std::to_string(modes));
+                                " modes, but the case needs " + std::to_string(modes));
   }
   const Design made = runs.design();
   std::map<std::vector<double>, Index> rows;
@@ -174,7 +174,7 @@ RowMatrix values_from(const Table& runs, const Design& design, int modes, int co
     throw std::invalid_argument("the parts lack " + std::to_string(missing) + " of the " +
                                 std::to_string(design.runs()) + " runs for " +
                                 std::to_string(count) + (count == 1 ? " damage" : " damages") +
-                                ": they are not all there, or belong to another case");
+                                ": a part is missing, or belongs to another case");
   }
   return values;
 }
@@ -205,7 +205,7 @@ Table frequency_table(std::vector<Factor> factors, RowMatrix points, RowMatrix v
           .parameters = {}};
 }
 
-// The table of the grid that `spec` starts from, with the sites and levels that its accuracy needs.
+// The table of the grid of `spec`, refined by sites and levels until it has the required accuracy.
 Table refined(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const DefectKind& kind,
               int modes, int count, const RunOptions& options, long& made) {
   const fem::Beam& beam = reanalysis.beam();
@@ -229,10 +229,11 @@ Table refined(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const
   auto grid = emulator::refine_grid(start, modes, model_of(reanalysis, options), refinement);
   made += grid.model_runs;
   if (!grid.reached) {
-    throw std::invalid_argument("an accuracy of " + run_number(*spec.accuracy) + " with " +
-                                std::to_string(count) + (count == 1 ? " damage" : " damages") +
-                                " needs more than a million runs, or more sites than there are "
-                                "elements: ask for less, or use \"coordinate\": \"compliance\"");
+    throw std::invalid_argument(
+        "an accuracy of " + run_number(*spec.accuracy) + " with " + std::to_string(count) +
+        (count == 1 ? " damage" : " damages") +
+        " needs more than a million runs, or more sites than there are "
+        "elements: choose a lower accuracy, or use \"coordinate\": \"compliance\"");
   }
   return frequency_table(std::move(grid.factors), {}, std::move(grid.values));
 }
@@ -282,7 +283,7 @@ emulator::ModelFactory model_of(const fem::Reanalysis& reanalysis, const RunOpti
   return options.model ? options.model : fe_model(reanalysis);
 }
 
-// An end within rounding of a node gives room to nothing.
+// Excludes an element that the prior enters only by rounding.
 std::pair<int, int> elements_of(const inference::Prior& location, const fem::Beam& beam) {
   const double low = location.lower();
   const double high = std::max(low, location.upper() - 1e-6 * beam.element_length());
@@ -310,7 +311,9 @@ Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec, const Defe
     return emulator::full_factorial(std::move(box));
   }
   const auto [first, last] = elements_of(kind.location, beam);
-  if (first == last) throw std::invalid_argument("the location prior leaves one element only");
+  if (first == last)
+    throw std::invalid_argument(
+        "the location prior covers one element only: choose a wider prior, or \"fe\"");
   std::vector<double> reductions = {kind.severity_prior()->lower(), kind.severity_prior()->upper()};
   if (!spec.reductions.empty()) reductions = {spec.reductions.front(), spec.reductions.back()};
   const std::vector<double> ends = {beam.element_midpoint(first), beam.element_midpoint(last)};
@@ -336,7 +339,7 @@ Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, con
   if (options.runs != nullptr) {
     const auto found = options.runs->tables.find(table_name(count));
     if (found == options.runs->tables.end()) {
-      throw std::invalid_argument("the parts hold no runs with " + std::to_string(count) +
+      throw std::invalid_argument("the parts have no runs with " + std::to_string(count) +
                                   " damages");
     }
     table.values = values_from(found->second, design, modes, count);

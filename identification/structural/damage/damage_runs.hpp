@@ -1,4 +1,4 @@
-// Runs of the FE model with damages: which are made to train an emulator, and the making of them.
+// FE runs with damages that train an emulator: design and execution.
 #pragma once
 
 #include <functional>
@@ -15,51 +15,50 @@ namespace wheeltap::identification {
 
 struct RunOptions {
   int threads = 1;
-  std::uint64_t seed = 1;                   ///< of the held-out runs
-  std::filesystem::path journal_stem = {};  ///< runs are remembered in STEM.count_K; empty: nowhere
+  std::uint64_t seed = 1;                   ///< for the held-out runs
+  std::filesystem::path journal_stem = {};  ///< runs are saved in STEM.count_K; empty: not saved
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
-  /// In place of the FE solution: frequencies at a run's point, or, at one without numbers, of the
-  /// intact beam.
+  /// Replaces the FE solution: frequencies at a run's point; at an empty point, of the intact beam.
   emulator::ModelFactory model = {};
-  /// Runs made before, by `run_part`: nothing of the design is run again.
+  /// Runs already made by `run_part`; the design is not run again.
   const emulator::TableFile* runs = nullptr;
 };
 
-/// A run's point is location_1 [m], reduction_1, location_2 …
+/// The damages of a run's point location_1 [m], reduction_1, location_2 …, sorted by location.
 [[nodiscard]] std::vector<fem::Damage> sorted_damages(std::span<const double> point);
 
-/// Whether a frequency waves along each factor of `count` damages: along their places it does.
+/// Whether a frequency oscillates along each factor of `count` damages: it does along locations.
 [[nodiscard]] std::vector<bool> waves(int count);
 
-/// The elastic frequencies [Hz] at such a point.
+/// The elastic frequencies [Hz] at a run's point, by the FE solution.
 [[nodiscard]] emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis);
 
-/// Those of a model of someone else's, which takes as many damages as there may be at the most
-/// (DamageProblemOptions::outside). Whatever it throws, passes.
+/// The same by an external model that takes as many damages as the largest count
+/// (DamageProblemOptions::outside). Its exceptions pass through.
 [[nodiscard]] emulator::ModelFactory outside_model(OutsideModel& model, int max_count);
 
-/// `options.model`, or the FE solution where there is none.
+/// `options.model`, or by default the FE solution.
 [[nodiscard]] emulator::ModelFactory model_of(const fem::Reanalysis& reanalysis,
                                               const RunOptions& options);
 
-/// The first and the last element that a prior gives room to.
+/// The first and the last element within the prior's support.
 [[nodiscard]] std::pair<int, int> elements_of(const inference::Prior& location,
                                               const fem::Beam& beam);
 
-/// The runs with `count` damages that `spec` asks for: a grid, or points scattered over the priors
-/// of `kind` with damages in order of location, at midpoints, none twice. Throws
-/// std::invalid_argument for more than 10 million runs, and a place prior of one element.
+/// The design of `spec` for `count` damages: a grid, or points scattered over the priors of `kind`,
+/// with damages sorted by location, at midpoints, without duplicates. Throws std::invalid_argument
+/// for more than 10 million runs, and for a location prior of one element.
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
-/// The table of these runs: made now, or before (`options.runs`), or the user's own (`spec.csv`),
-/// or as many as an accuracy needs. Adds those made now to `made`. Throws std::invalid_argument,
-/// and io::FileError for the user's own.
+/// The table of these runs: new, previous (`options.runs`) or the user's (`spec.csv`), or as many
+/// as an accuracy requires. Adds the number of new runs to `made`. Throws std::invalid_argument;
+/// throws io::FileError for the user's runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);
 
-/// Part `part` (0-based) of `parts` of all runs that training makes. Throws alike.
+/// Makes part `part` (0-based) of `parts` of all training runs. Throws as `run_table`.
 [[nodiscard]] emulator::TableFile run_part(const fem::Reanalysis& reanalysis,
                                            const EmulatorSpec& spec, const DefectKind& kind,
                                            int modes, int part, int parts,

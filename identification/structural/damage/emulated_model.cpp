@@ -26,7 +26,8 @@ class EmulatedModel::EmulatedSolver final : public Solver {
         model_.emulator_->evaluate(placed_.damages, f);
       if (std::ranges::none_of(f, [](double one) { return std::isnan(one); })) return true;
     }
-    // No damage needs no emulator; nor does a sum of ANOVA that is no frequency have one.
+    // Without damages the emulator is not needed; an invalid ANOVA sum is replaced by the exact
+    // model.
     std::ranges::fill(out.error_variance, 0.0);
     return exact_->predict(theta, defects, quantity, out);
   }

@@ -1,4 +1,4 @@
-// A beam with an emulator of its frequencies in front of what predicts them.
+// A forward model with an emulator of its frequencies.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@
 
 namespace wheeltap::identification {
 
-/// Frequencies with the variances of the emulator's error (0 where `errs` is false). Without
-/// damages, and where ANOVA's sum is no frequency, those of `exact`.
+/// Predicts frequencies and error variances (0 if `errs` is false) by the emulator. Uses `exact`
+/// without damages, and if the ANOVA sum is not a valid frequency.
 class EmulatedModel final : public ForwardModel {
  public:
   EmulatedModel(std::shared_ptr<const FrequencyEmulator> emulator,

@@ -14,10 +14,10 @@ struct Checked {
   int model;
   std::span<const double> theta;
   double plain;   // weight in the posterior, normalised
-  double weight;  // in the FE's
+  double weight;  // weight in the FE posterior
 };
 
-// Σ w (f - mean)² of the reweighted mean and of the plain one, for the error of their difference.
+// Σ w (f - mean)² for the reweighted and the plain mean, for the error of their difference.
 struct Means {
   double plain = 0.0, weighted = 0.0, error = 0.0;
 };
@@ -29,7 +29,7 @@ Means means(const std::vector<Checked>& draws, const Value& value) {
     m.plain += d.plain * value(d);
     m.weighted += d.weight * value(d);
   }
-  // ratio estimator's delta method, for the difference (w - plain)(f - weighted mean)
+  // delta method for the ratio estimator, for the difference (w - plain)(f - weighted mean)
   for (const Checked& d : draws) {
     const double term = (d.weight - d.plain) * (value(d) - m.weighted);
     m.error += term * term;
@@ -47,7 +47,7 @@ constexpr double kSure = 3.0;        // standard errors
 
 std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
                                             const inference::Posterior& posterior, int most) {
-  // Without the likelihood there is nothing that an emulator could move.
+  // Without a likelihood an emulator has no effect.
   if (!problem.emulator || problem.exact() || posterior.likelihood_evaluations == 0) return {};
   const FrequencyData& data = problem.damage_case.data;
   const auto modes = static_cast<std::size_t>(data.modes());

@@ -20,8 +20,8 @@ std::string number_in_words(double x) {
   return base::significant(x, 6);
 }
 
-// Whether each list of sites is its own mirror image: the emulator then is symmetric by itself.
-bool mirrors_itself(const std::vector<Factor>& box, double length) {
+// Whether each list of sites is mirror-symmetric; the emulator then is symmetric without averaging.
+bool has_symmetric_sites(const std::vector<Factor>& box, double length) {
   for (std::size_t i = 0; i < box.size(); i += 2) {
     const auto& levels = box[i].levels;
     for (std::size_t j = 0; j < levels.size(); ++j) {
@@ -33,13 +33,13 @@ bool mirrors_itself(const std::vector<Factor>& box, double length) {
   return true;
 }
 
-// The type that a table was trained for. Those of the first version do not say.
+// The interpolant type of a table. Tables of the first version have no such attribute.
 const InterpolantType& type_of(const Table& table, InterpolantTypes types) {
   const auto written = table.attributes.find("interpolation");
   const std::string name = written == table.attributes.end() ? "multilinear" : written->second;
   const InterpolantType* type = find_interpolant_type(name, types);
   if (type == nullptr) {
-    throw std::invalid_argument("interpolation \"" + name + "\" is not known");
+    throw std::invalid_argument("interpolation \"" + name + "\" is unknown");
   }
   return *type;
 }
@@ -75,7 +75,7 @@ FrequencyEmulator FrequencyEmulator::train(const fem::Reanalysis& reanalysis,
     Table table = run_table(reanalysis, spec, kind, modes, count, options, trained.trained_runs_);
     table.attributes["interpolation"] = spec.interpolant->name;
     trained.symmetrised_ =
-        spec.symmetrise && !(table.is_grid() && mirrors_itself(table.factors, beam.length));
+        spec.symmetrise && !(table.is_grid() && has_symmetric_sites(table.factors, beam.length));
     table.attributes["symmetrised"] = trained.symmetrised_ ? "true" : "false";
     if (count == 2 && spec.anova) {
       table.attributes["anova"] = emulator::name(*spec.anova);
@@ -110,7 +110,8 @@ void FrequencyEmulator::measure(const fem::Reanalysis& reanalysis, int count, In
     if (contains(sorted_damages(fresh.point(i)))) fresh.points.row(kept++) = fresh.points.row(i);
   }
   if (kept < 2) {
-    throw std::invalid_argument("the runs leave no room for fresh ones between them");
+    throw std::invalid_argument(
+        "the training runs cover all possible points, so no fresh runs can measure the error");
   }
   fresh.points.conservativeResize(kept, Eigen::NoChange);
   const RowMatrix truth = emulator::run_experiment(fresh, modes_, model_of(reanalysis, options),
@@ -164,7 +165,7 @@ void FrequencyEmulator::save(const std::filesystem::path& path,
 }
 
 const Factor& FrequencyEmulator::factor(int count, std::size_t i) const {
-  // ANOVA asks both tables for any of the damages; theirs are the same.
+  // ANOVA combines both tables, which have the same factors.
   return count <= tables() ? part(count).table.factors[i] : part(tables()).table.factors[i % 2];
 }
 
@@ -194,7 +195,7 @@ bool FrequencyEmulator::is_slow() const {
 }
 
 double FrequencyEmulator::midpoint(double location, const Factor& factor) const {
-  // The priors' ends lie in elements whose midpoints may be the box's very ends.
+  // Priors may end beyond the midpoints of their outermost elements, where the box ends.
   return std::clamp(beam_.element_midpoint(beam_.element_at(location)), factor.low(),
                     factor.high());
 }
@@ -314,7 +315,7 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
       }
     }
     if (!part(count).type->within_hull) continue;
-    // The corners of the priors' box, damages in order: where they are inside, all of it is.
+    // If the corners of the priors' box, damages sorted, are inside, so is the whole box.
     for (unsigned corner = 0; corner < 1U << static_cast<unsigned>(2 * count); ++corner) {
       std::vector<double> point;
       for (int i = 0; i < count; ++i) {

@@ -11,10 +11,10 @@ namespace {
 
 using Component = DamageProblem::Component;
 
-constexpr double kAsWell = 2.0;            // ln likelihood
-constexpr double kLongestMerged = 0.25;    // of a member
-constexpr std::size_t kMergedDraws = 200;  // of a model
-constexpr double kImprobable = 1e-4;       // models below this change no count
+constexpr double kToleratedLoss = 2.0;     // tolerated loss of ln likelihood
+constexpr double kLongestMerged = 0.25;    // relative to a member
+constexpr std::size_t kMergedDraws = 200;  // per model
+constexpr double kImprobable = 1e-4;       // less probable models do not affect the counts
 
 /// A loss of stiffness over a length of a member or beam [m].
 struct Stretched {
@@ -25,8 +25,8 @@ struct Stretched {
   [[nodiscard]] double flexibility() const { return length * reduction / (1.0 - reduction); }
 };
 
-/// The one that adds the same flexibility as both, about the same centre and as far spread; none
-/// where it would be too long.
+/// One damage with the summed flexibility, centre and spread of both; empty if it would be too
+/// long.
 std::optional<Stretched> joined(const Stretched& a, const Stretched& b, double longest) {
   if (a.stretch != b.stretch) return {};
   const bool same_place = std::abs(a.middle - b.middle) < 1e-9 * a.length && a.length == b.length;
@@ -48,7 +48,7 @@ std::optional<Stretched> joined(const Stretched& a, const Stretched& b, double l
   return out;
 }
 
-/// The case with an extent of the kind that a draw states, and any count up to the largest.
+/// The case with an extent parameter for the kind, and all counts up to the largest.
 std::unique_ptr<const DamageProblem> with_extents(const DamageProblem& problem, int kind) {
   DamageCase changed = problem.damage_case;
   changed.emulator.reset();
@@ -107,7 +107,7 @@ class Merger {
       fewer[*best] = *joined(fewer[*best], fewer[*best + 1], longest(fewer[*best].stretch));
       fewer.erase(fewer.begin() + static_cast<std::ptrdiff_t>(*best) + 1);
       const double then = log_likelihood(fewer);
-      if (!(then >= apart - kAsWell)) break;
+      if (!(then >= apart - kToleratedLoss)) break;
       out.damages = std::move(fewer);
       now = then;
     }
@@ -120,7 +120,7 @@ class Merger {
     return kLongestMerged * kind_.line.stretches()[static_cast<std::size_t>(stretch)].size;
   }
 
-  // The first of the two neighbours that one damage could be, of the shortest such.
+  // First of two adjacent damages that can be merged; the pair with the shortest result.
   [[nodiscard]] std::optional<std::size_t> nearest(const std::vector<Stretched>& sorted) const {
     std::optional<std::size_t> best;
     double shortest = 0.0;
@@ -208,7 +208,7 @@ Marginal over(const std::vector<Stretched>& list, const Of& of) {
   return marginal({values});
 }
 
-/// What the merged draws of a model have in common.
+/// Summary of the merged draws of a model.
 MergedModel summarised(int model, const std::vector<Merger::Outcome>& outcomes,
                        const DamageProblem& problem, const DefectKind& kind) {
   const double beam_length = problem.damage_case.beam.length;

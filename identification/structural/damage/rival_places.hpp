@@ -1,4 +1,4 @@
-// Places of which one is damaged, and the data do not say which.
+// Mutually exclusive places of damage that the data do not distinguish.
 #pragma once
 
 #include <optional>
@@ -9,20 +9,20 @@
 
 namespace wheeltap::identification {
 
-/// How often each place holds a defect, and each two of them at once.
+/// Probability of a defect at each place, and at both places of each pair.
 struct PlaceProbabilities {
   std::vector<double> each;               ///< n
-  std::vector<std::vector<double>> both;  ///< n × n, symmetric; its diagonal is not read
+  std::vector<std::vector<double>> both;  ///< n × n, symmetric; the diagonal is not used
 };
 
-/// Groups of places that exclude each other: every one with at least 5 %, any two at once in at
-/// most a tenth of what the rarer has, and half or more in all of them together. The likeliest
-/// first, in groups and among them; a place is in one group at most.
+/// Finds groups of places that exclude each other. Each place has at least 5 %, each pair at most a
+/// tenth of the less probable place, and the group together at least half. Groups and places are
+/// sorted, most probable first; a place is in at most one group.
 [[nodiscard]] std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places);
 
-/// One remark a group of members, joints or storeys, of all kinds; none where a structure's own
-/// images, as `symmetry` lists them, are all there is to a group.
-void tell_rivals(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
-                 std::vector<Remark>& remarks);
+/// Adds one remark per group of members, joints or storeys, over all kinds. Omits groups that
+/// consist only of a structure's images in `symmetry`.
+void add_rival_remarks(const UnpackedDraws& draws, const std::optional<SymmetryFinding>& symmetry,
+                       std::vector<Remark>& remarks);
 
 }  // namespace wheeltap::identification

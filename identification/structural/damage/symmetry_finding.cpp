@@ -11,8 +11,8 @@ using Component = DamageProblem::Component;
 
 namespace {
 
-// A symmetry that is its own inverse, so that as many defects are before their images on the line
-// as are beyond; the first of any where there is none such.
+// A symmetry that is its own inverse, so that equal numbers of defects are before and beyond their
+// images on the line; otherwise the first symmetry.
 const inference::Symmetry& mirror_of(const DamageProblem& problem) {
   const auto& maps = problem.symmetries.maps;
   const auto is_its_inverse = [&](const inference::Symmetry& map) {
@@ -28,7 +28,7 @@ const inference::Symmetry& mirror_of(const DamageProblem& problem) {
   return found == maps.end() ? maps.front() : *found;
 }
 
-// -1 for a defect before its image, 1 beyond.
+// -1 for a defect before its image, 1 beyond it.
 std::function<double(const Component&)> side(const DamageProblem& problem) {
   if (problem.symmetries.empty()) {
     return [middle = 0.5 * problem.damage_case.beam.length](const Component& c) {
@@ -112,9 +112,9 @@ SymmetryFinding symmetry(const UnpackedDraws& draws, const ChainsOf& difference,
     out.chains.push_back({left, right, inference::mcse_mean({difference[c]})});
     expected += (left + right) / static_cast<double>(difference.size());
   }
-  if (expected > kWorthTelling && problem.symmetries.empty())
+  if (expected > kWorthReporting && problem.symmetries.empty())
     remarks.push_back(remark::MirrorImages{out.emulated});
-  else if (expected > kWorthTelling)
+  else if (expected > kWorthReporting)
     remarks.push_back(remark::StructureImages{out.alike, out.turned});
   return out;
 }

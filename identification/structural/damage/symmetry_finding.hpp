@@ -1,4 +1,4 @@
-// What a structure's symmetry makes of a posterior.
+// Effect of a structure's symmetry on the posterior.
 #pragma once
 
 #include <vector>
@@ -8,15 +8,15 @@
 
 namespace wheeltap::identification {
 
-/// Locations counted from the nearer end, and the components ordered by that: for a symmetric beam
-/// the plain summaries average over mirror images. One table a model.
+/// Estimates with locations measured from the nearer end and components sorted by them, because
+/// plain summaries of a symmetric beam average over mirror images. One table per model.
 [[nodiscard]] std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws);
 
-/// Expected number of defects before their images less that beyond, draw by draw: a quantity that
-/// mirrors must balance.
+/// Expected number of defects before their images minus that beyond, per draw. It must be balanced
+/// if the chains mix between images.
 [[nodiscard]] inference::ChainsOf left_less_right(const UnpackedDraws& draws);
 
-/// `difference` as `left_less_right` has it; adds a remark where there is something to tell.
+/// Summarises `difference` (`left_less_right`), and adds remarks if necessary.
 [[nodiscard]] SymmetryFinding symmetry(const UnpackedDraws& draws,
                                        const inference::ChainsOf& difference,
                                        std::vector<Remark>& remarks);

@@ -1,4 +1,4 @@
-// The draws of a damage problem as defects.
+// Draws of a damage problem as lists of defects.
 #pragma once
 
 #include <cstddef>
@@ -11,15 +11,15 @@
 
 namespace wheeltap::identification {
 
-inline constexpr double kWorthTelling = 0.05;  ///< counts with less probability are not described
+inline constexpr double kWorthReporting = 0.05;  ///< less probable counts are not described
 
-/// The defects of one draw after another. Refers to both; of one thread.
+/// Unpacks the defects of single draws. Refers to both arguments; not thread-safe.
 class UnpackedDraws {
  public:
   UnpackedDraws(const DamageProblem& problem, const inference::Posterior& posterior)
       : problem_(problem), posterior_(posterior), weights_(model_weights(posterior)) {}
 
-  /// Good until it is asked again.
+  /// Valid until the next call.
   [[nodiscard]] std::span<const DamageProblem::Component> at(std::size_t chain,
                                                              std::size_t draw) const {
     const auto width = static_cast<std::size_t>(posterior_.dimension);
@@ -32,7 +32,7 @@ class UnpackedDraws {
   [[nodiscard]] int model(std::size_t chain, std::size_t draw) const {
     return posterior_.chains[chain].model[draw];
   }
-  /// What it counts in averages over models, 1 on average.
+  /// Weight of the draw in averages over models, 1 on average.
   [[nodiscard]] double weight(std::size_t chain, std::size_t draw) const {
     return weights_[static_cast<std::size_t>(model(chain, draw))];
   }
@@ -49,7 +49,7 @@ class UnpackedDraws {
   const DamageProblem& problem_;
   const inference::Posterior& posterior_;
   std::vector<double> weights_;
-  mutable std::vector<DamageProblem::Component> components_;  // of the draw last asked for
+  mutable std::vector<DamageProblem::Component> components_;  // defects of the last draw unpacked
 };
 
 }  // namespace wheeltap::identification

@@ -1,4 +1,4 @@
-// An open edge crack across a member: a rotational spring by fracture mechanics.
+// An open edge crack in a member, modelled as a rotational spring by fracture mechanics.
 #pragma once
 
 #include <cmath>

@@ -1,5 +1,4 @@
-// What may be wrong with a beam or a structure: the types of defect that there are, and so many of
-// one of them as a case allows.
+// Types of defects of beams and structures, and the kinds of defects that a case allows.
 #pragma once
 
 #include <limits>
@@ -18,70 +17,67 @@ namespace wheeltap::identification {
 
 struct DefectKind;
 
-/// What defects do to a structure: places on members, nodes and the like, and what is a change of
-/// strains already.
+/// Effects of defects on a structure: defects at places on members and nodes, and direct changes of
+/// strains.
 struct StructureEffects {
   fem::StructureDefects defects = {};
   fem::StructureChange change = {};
 };
 
-/// A type of defect: somewhere on the beam or structure, and so severe. Everything that is
-/// particular to it stands here; identification/defects/ has a file for each, and `defect_types`
-/// lists them.
+/// A type of defect, with a location and a severity. Holds all properties of the type;
+/// identification/structural/defects/ has one file per type, and `defect_types` lists them.
 struct DefectType {
   std::string_view name;            ///< "kind" in a case
-  std::string_view noun;            ///< what it is called where the case does not say
-  std::string_view several = {};    ///< of them; the noun and an s where not given
-  std::string_view severity;        ///< name of its severity, a key in a case
-  std::string_view severity_words;  ///< heads a column: "stiffness lost"
-  std::string_view effect_words;    ///< before the severity in a sentence: "stiffness reduced by"
+  std::string_view noun;            ///< default name
+  std::string_view several = {};    ///< plural; default: the noun and an s
+  std::string_view severity;        ///< name of the severity, a key in a case
+  std::string_view severity_words;  ///< column heading: "stiffness lost"
+  std::string_view effect_words;    ///< precedes the severity in a sentence: "stiffness reduced by"
   bool percent = false;             ///< a share, shown in per cent
   double lower = 0.0;               ///< bounds of the severity
   double upper = std::numeric_limits<double>::infinity();
   std::string_view bounds_words;  ///< "a reduction is in [0, 1)"
-  /// The severity may be a number, or missing (rigid, ∞), rather than a prior.
+  /// The severity may be a number, or omitted (rigid, ∞), instead of a prior.
   bool may_be_known = false;
   bool may_be_rotational = false;
   /// Unit of the severity, "" for a share.
   std::string_view (*unit)(const DefectKind&);
-  /// Adds what a defect at `location` [m] of this severity does to a beam; none where it is not for
-  /// beams.
+  /// Adds the effect of a defect at `location` [m] to a beam; null if the type is not for beams.
   void (*place)(const DefectKind&, double location, double severity, fem::Defects& out) = nullptr;
-  /// The same of a structure; none where it is not for structures.
+  /// The same for a structure; null if the type is not for structures.
   void (*place_in_structure)(const DefectKind&, const SiteLine::Spot&, double severity,
                              StructureEffects& out) = nullptr;
-  /// What it may be found on in a structure.
+  /// Possible sites in a structure.
   enum class Sites { members, nodes, links, substructures };
   Sites sites = Sites::members;
-  /// A beam has no nodes or links that a case names.
   [[nodiscard]] std::string noun_plural() const {
     return several.empty() ? std::string(noun) + "s" : std::string(several);
   }
   [[nodiscard]] bool is_for_beams() const { return sites == Sites::members; }
-  /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport: the
-  /// solver's gradients are those of the defect.
+  /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport, so the
+  /// solver's gradients apply to the defect.
   bool is_elementary = false;
-  /// What it does to a structure is of low rank: the reanalysis takes it. What it is not is solved
-  /// by StatesLikelihood.
+  /// The change of the structure is of low rank, as the reanalysis requires; StatesLikelihood
+  /// solves the others.
   bool has_low_rank = true;
-  /// Two in one element compound, 1 - r = (1 - r₁)(1 - r₂): they can be split and merged.
+  /// Two defects in one element combine as 1 - r = (1 - r₁)(1 - r₂) and can be split and merged.
   bool compounds = false;
 };
 
-/// Every type that a case may name. A new one is a file in identification/defects/ and a line in
-/// defect_kind.cpp.
+/// All types that a case may name. To add one, write a file in identification/structural/defects/
+/// and add a line to defect_kind.cpp.
 [[nodiscard]] const std::vector<const DefectType*>& defect_types();
-/// nullptr where there is none of this name.
+/// Returns nullptr if no type has this name.
 [[nodiscard]] const DefectType* find_defect_type(std::string_view name);
 
-/// A kind of defect that a case allows: so many of a type, each somewhere, each so severe.
+/// A kind of defect in a case: a type, its possible counts and the priors of place and severity.
 struct DefectKind {
   struct Rigid {};
   using Severity = std::variant<Rigid, double, inference::Prior>;
   struct True {
     double location;      ///< [m]
     double severity;      ///< ∞: rigid
-    double extent = 0.0;  ///< [m], where the kind's is unknown
+    double extent = 0.0;  ///< [m], if the kind's is unknown
   };
 
   const DefectType* type = nullptr;
@@ -91,20 +87,20 @@ struct DefectKind {
   std::vector<double> weights = {};  ///< prior of min_count … max_count, sums to 1
   inference::Prior location;         ///< [m]
   Severity severity = Rigid{};
-  bool rotation = false;  ///< a support that holds the rotation
-  SiteLine line = {};     ///< where it may be; `location` is a prior on it
+  bool rotation = false;  ///< for a support: holds the rotation
+  SiteLine line = {};     ///< possible places; `location` is a prior on it
   const fem::CrackLaw* crack_law = &fem::crack_laws()[0];
-  std::optional<double> extent = {};  ///< of a reduction [m]; an element where there is none
-  std::optional<inference::Prior> extent_prior = {};  ///< in place of it, where it is unknown
-  fem::Direction direction = fem::Direction::y;       ///< of a support in a structure
-  /// Members of each substructure, where its parts are members.
+  std::optional<double> extent = {};  ///< length of a reduction [m]; empty: an element
+  std::optional<inference::Prior> extent_prior = {};  ///< replaces `extent` if it is unknown
+  fem::Direction direction = fem::Direction::y;       ///< direction of a support in a structure
+  /// Members of each substructure, if substructures are groups of members.
   std::vector<std::vector<int>> groups = {};
-  std::vector<True> truth = {};  ///< what simulations use, by increasing location
+  std::vector<True> truth = {};  ///< true defects for simulations, by increasing location
 
   [[nodiscard]] const inference::Prior* severity_prior() const {
     return std::get_if<inference::Prior>(&severity);
   }
-  /// "member", "node", "link" or "substructure": what its line consists of, in a structure.
+  /// Name of the sites on the line in a structure: "member", "node", "link" or "substructure".
   [[nodiscard]] std::string site_name() const {
     switch (type->sites) {
       case DefectType::Sites::nodes:
@@ -119,11 +115,11 @@ struct DefectKind {
   }
   [[nodiscard]] std::string severity_name() const { return std::string(type->severity); }
   [[nodiscard]] std::string severity_unit() const { return std::string(type->unit(*this)); }
-  /// Parameters of one defect: its location, its severity and its extent where they are unknown.
+  /// Number of parameters of one defect: location, and severity and extent if unknown.
   [[nodiscard]] int parameters() const {
     return 1 + (severity_prior() ? 1 : 0) + (extent_prior ? 1 : 0);
   }
-  /// The severity where it is known: a number, or ∞.
+  /// The severity if it is known: a number, or ∞.
   [[nodiscard]] double known_severity() const {
     const double* number = std::get_if<double>(&severity);
     return number ? *number : std::numeric_limits<double>::infinity();

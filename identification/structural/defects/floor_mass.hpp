@@ -1,4 +1,4 @@
-// Mass that was added to one of a chain's masses: what `mass` is of a chain.
+// Mass added to a mass of a chain: the equivalent of `mass` for chains.
 #pragma once
 
 #include <limits>

@@ -1,4 +1,4 @@
-// A joint, or a rotational support, that has come loose.
+// A loose joint or rotational support.
 #pragma once
 
 #include "identification/structural/defects/lost_share.hpp"
@@ -6,8 +6,8 @@
 namespace wheeltap::identification::defects {
 
 inline const DefectType kJoint = [] {
-  DefectType type = lost_share("joint", "loose joint",
-                               "a reduction lies in [0, 1): 0 is intact, 1 would be a hinge");
+  DefectType type =
+      lost_share("joint", "loose joint", "a reduction lies in [0, 1): 0 is intact, 1 is a hinge");
   type.place_in_structure = [](const DefectKind&, const SiteLine::Spot& spot, double severity,
                                StructureEffects& out) {
     out.defects.joints.push_back({spot.site, severity});

@@ -1,4 +1,4 @@
-// What the types of defect have in common whose severity is a share of stiffness lost.
+// Common properties of defect types whose severity is a share of stiffness lost.
 #pragma once
 
 #include <cmath>
@@ -7,8 +7,8 @@
 
 namespace wheeltap::identification::defects {
 
-/// A severity r in [0, 1), called "reduction"; `bounds_words` says what 1 would be. The rest is for
-/// the type to fill in.
+/// A severity r in [0, 1), called "reduction"; `bounds_words` explains the bound 1. The caller sets
+/// the other members.
 [[nodiscard]] inline DefectType lost_share(std::string_view name, std::string_view noun,
                                            std::string_view bounds_words) {
   return {.name = name,

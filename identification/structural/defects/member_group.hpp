@@ -1,4 +1,4 @@
-// Lost stiffness of a named group of members: a storey's columns, a chord, a batch of one steel.
+// Stiffness reduction of a named group of members: a storey's columns, a chord, a batch of steel.
 #pragma once
 
 #include <limits>
@@ -7,11 +7,11 @@
 
 namespace wheeltap::identification::defects {
 
-/// Every member of the group keeps 1 - r of its stiffness in every strain, all along. A case says
-/// "substructure", as of the parts of another program's matrices.
+/// All strains of all members of the group keep 1 - r of their stiffness. The case key is
+/// "substructure", as for parts of another program's matrices.
 inline const DefectType kMemberGroup = [] {
   DefectType type = lost_share("substructure", "soft substructure",
-                               "a reduction lies in [0, 1): 0 is intact, 1 would be gone");
+                               "a reduction lies in [0, 1): 0 is intact, 1 has no stiffness");
   type.place_in_structure = [](const DefectKind& kind, const SiteLine::Spot& spot, double severity,
                                StructureEffects& out) {
     for (const int member : kind.groups[static_cast<std::size_t>(spot.site)])

@@ -15,7 +15,7 @@ fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
     const DefectKind& kind = kinds[static_cast<std::size_t>(d.kind)];
     SiteLine::Spot spot = kind.line.spot(d.location);
     spot.extent = kind.extent.value_or(d.extent);
-    if (kind.line.is_beam()) {  // which of the members between supports
+    if (kind.line.is_beam()) {  // member between supports
       while (spot.site + 1 < static_cast<int>(mesh->structure().members.size()) &&
              spot.s >= mesh->member_length(spot.site)) {
         spot.s -= mesh->member_length(spot.site++);

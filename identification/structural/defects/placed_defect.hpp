@@ -1,4 +1,4 @@
-// Defects of a structure, each at a place on the line of its kind, and what they do together.
+// Defects of a structure at places on the lines of their kinds, and their combined effect.
 #pragma once
 
 #include <vector>
@@ -13,10 +13,10 @@ struct PlacedDefect {
   int kind;
   double location;  ///< on the kind's line
   double severity;
-  double extent = 0.0;  ///< [m], where the kind's is unknown
+  double extent = 0.0;  ///< [m], if the kind's is unknown
 };
 
-/// What they do to the structure. `mesh`: where it is of members.
+/// The change of the structure by these defects. `mesh`: null for structures without members.
 [[nodiscard]] fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
                                                     const std::vector<PlacedDefect>& defects,
                                                     const fem::Mesh* mesh);

@@ -1,5 +1,5 @@
-// Lost stiffness: the element that contains x keeps (1 - r) of its EI and κGA; in a structure of
-// its other stiffnesses, too, or over a stated length.
+// Stiffness reduction: the element at x keeps (1 - r) of its EI and κGA; in a structure also of its
+// other stiffnesses, or over a given length.
 #pragma once
 
 #include "identification/structural/defects/lost_share.hpp"
@@ -7,8 +7,8 @@
 namespace wheeltap::identification::defects {
 
 inline const DefectType kReduction = [] {
-  DefectType type = lost_share("reduction", "damage",
-                               "a reduction lies in [0, 1): 0 is intact, 1 would be broken");
+  DefectType type =
+      lost_share("reduction", "damage", "a reduction lies in [0, 1): 0 is intact, 1 is broken");
   type.place = [](const DefectKind&, double location, double severity, fem::Defects& out) {
     out.damages.push_back({location, severity});
   };

@@ -12,7 +12,7 @@
 namespace wheeltap::identification {
 namespace {
 
-/// Of a stretch: nearer to a boundary counts as it.
+/// Distance, relative to a stretch, below which a place counts as a boundary.
 constexpr double kSamePlace = 1e-9;
 
 }  // namespace
@@ -72,7 +72,6 @@ int SiteLine::cell_at(double x) const {
                                 base::number(length()) + "]");
   const auto above = std::upper_bound(bounds_.begin() + 1, bounds_.end() - 1, x);
   auto cell = static_cast<int>(above - bounds_.begin()) - 1;
-  // A place that is a boundary but for rounding counts as it.
   if (above != bounds_.end() && cell + 1 < cells() && *above - x <= kSamePlace * length()) ++cell;
   return cell;
 }

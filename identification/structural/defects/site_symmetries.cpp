@@ -19,13 +19,13 @@ constexpr double kSameWithLostMass = 1e-6;  // see fem::StructureReanalysis
 constexpr double kSameExtent = 1e-9;
 constexpr std::uint64_t kSeed = 1;
 
-/// The image of each stretch of a line, and whether it arrives turned.
+/// The image of each stretch of a line, and whether the image is reversed.
 struct LineMap {
   std::vector<int> stretch;
   std::vector<bool> turned;
 };
 
-/// The group whose members are the images of this one's; -1 where there is none.
+/// Index of the group that is the image of this one; -1 if there is none.
 int image_of_group(const fem::SelfMap& map, const std::vector<std::vector<int>>& groups,
                    const std::vector<int>& group) {
   std::vector<int> image;
@@ -36,7 +36,7 @@ int image_of_group(const fem::SelfMap& map, const std::vector<std::vector<int>>&
   return found == groups.end() ? -1 : static_cast<int>(found - groups.begin());
 }
 
-/// None where the line is not taken to itself.
+/// Empty if the map does not take the line to itself.
 LineMap line_map(const fem::SelfMap& map, const DefectKind& kind) {
   const auto& stretches = kind.line.stretches();
   LineMap out;
@@ -56,8 +56,8 @@ LineMap line_map(const fem::SelfMap& map, const DefectKind& kind) {
   return out;
 }
 
-/// No place has an image but itself: groups of members that lie on both sides.
-bool moves_nothing(const std::vector<LineMap>& of_kinds) {
+/// Whether the map moves no place, as for groups of members on both sides.
+bool is_identity(const std::vector<LineMap>& of_kinds) {
   return std::ranges::all_of(of_kinds, [](const LineMap& map) {
     for (std::size_t s = 0; s < map.stretch.size(); ++s)
       if (map.stretch[s] != static_cast<int>(s) || map.turned[s]) return false;
@@ -79,14 +79,14 @@ std::function<double(double)> image_on(const SiteLine& line, const LineMap& map)
 bool same_frequencies(const std::vector<double>& a, const std::vector<double>& b,
                       double tolerance) {
   if (a.size() != b.size()) return false;
-  for (std::size_t i = 0; i < a.size(); ++i)  // rigid-body modes may be held by a hair
+  for (std::size_t i = 0; i < a.size(); ++i)  // rigid-body modes may have tiny stiffnesses
     if (std::abs(a[i] - b[i]) > tolerance * std::max(a[i], 1e-6 * a.back())) return false;
   return true;
 }
 
-/// What is each other's image, or its own turned, over all maps and kinds.
-void tell_images(const std::vector<DefectKind>& kinds,
-                 const std::vector<std::vector<LineMap>>& maps, SiteSymmetries& out) {
+/// Collects the sites that are images of each other, or reversed, over all maps and kinds.
+void collect_images(const std::vector<DefectKind>& kinds,
+                    const std::vector<std::vector<LineMap>>& maps, SiteSymmetries& out) {
   for (std::size_t k = 0; k < kinds.size(); ++k) {
     const auto& stretches = kinds[k].line.stretches();
     std::vector<int> group(stretches.size());
@@ -153,7 +153,7 @@ SiteSymmetries find_symmetries(const AnyStructure& structure, const std::vector<
       if (of_kinds.back().stretch.empty()) break;
       symmetry.parts.push_back({static_cast<int>(k), 0, image_on(kinds[k].line, of_kinds.back())});
     }
-    if (symmetry.parts.size() != kinds.size() || moves_nothing(of_kinds)) continue;
+    if (symmetry.parts.size() != kinds.size() || is_identity(of_kinds)) continue;
     if (frequencies.empty())
       for (const auto& trial : trials) frequencies.push_back(solve(trial));
     bool same = true;
@@ -166,7 +166,7 @@ SiteSymmetries find_symmetries(const AnyStructure& structure, const std::vector<
     out.maps.push_back(std::move(symmetry));
     kept.push_back(std::move(of_kinds));
   }
-  tell_images(kinds, kept, out);
+  collect_images(kinds, kept, out);
   return out;
 }
 

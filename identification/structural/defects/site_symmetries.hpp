@@ -1,4 +1,4 @@
-// What a structure's symmetry means for where defects may be.
+// Symmetries of a structure, applied to the places of defects.
 #pragma once
 
 #include <functional>
@@ -12,11 +12,11 @@
 
 namespace wheeltap::identification {
 
-/// Maps of the structure onto itself under which all of its frequencies stay, whatever the defects:
-/// what frequencies cannot tell apart.
+/// Maps of the structure onto itself that preserve all frequencies for any defects: frequencies
+/// cannot distinguish a place from its image.
 struct SiteSymmetries {
-  std::vector<inference::Symmetry> maps;  ///< of the kinds' lines, parameter 0; with their inverses
-  /// Sites that are each other's images: of members, nodes, links, in the case's order.
+  std::vector<inference::Symmetry> maps;  ///< on the kinds' lines, parameter 0; with their inverses
+  /// Groups of sites that are images of each other: members, nodes, links, in the case's order.
   std::vector<std::vector<std::string>> alike;
   /// Members on which s is the image of L - s.
   std::vector<std::string> turned;
@@ -24,13 +24,13 @@ struct SiteSymmetries {
   [[nodiscard]] bool empty() const { return maps.empty(); }
 };
 
-/// Solves the damaged structure: its frequencies [Hz]. Empty where there is no such structure.
+/// Computes the frequencies [Hz] of the damaged structure; empty if the structure is impossible.
 using SolveDefects = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
 
-/// Looks at every map of the shape (fem::self_maps) that takes every kind's line to itself with its
-/// prior weights, and keeps those under which the frequencies agree to 1e-9 relative (1e-6 where
-/// mass may be lost): with one defect on each stretch of each line in turn, and with one on all of
-/// them at once. The places and severities are drawn from the priors with a fixed seed.
+/// Tests all geometric self-maps (fem::self_maps) that take every kind's line to itself with its
+/// prior weights, and keeps those that preserve the frequencies to 1e-9 relative (1e-6 if mass may
+/// be lost). Tests one defect on each stretch of each line in turn, and one on all of them
+/// together. Places and severities are drawn from the priors with a fixed seed.
 [[nodiscard]] SiteSymmetries find_symmetries(const AnyStructure& structure,
                                              const std::vector<DefectKind>& kinds,
                                              const SolveDefects& solve);

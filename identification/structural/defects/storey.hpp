@@ -1,4 +1,4 @@
-// Lost stiffness of a chain's link: a soft storey.
+// Stiffness reduction of a chain's link: a soft storey.
 #pragma once
 
 #include "identification/structural/defects/lost_share.hpp"
@@ -6,8 +6,8 @@
 namespace wheeltap::identification::defects {
 
 inline const DefectType kStorey = [] {
-  DefectType type = lost_share("storey", "soft storey",
-                               "a reduction lies in [0, 1): 0 is intact, 1 would be broken");
+  DefectType type =
+      lost_share("storey", "soft storey", "a reduction lies in [0, 1): 0 is intact, 1 is broken");
   type.several = "soft storeys";
   type.place_in_structure = [](const DefectKind&, const SiteLine::Spot& spot, double severity,
                                StructureEffects& out) {

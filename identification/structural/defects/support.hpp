@@ -1,5 +1,5 @@
-// A support that should not be there: a spring to ground at x, on the deflection [N/m] or the
-// rotation [N m/rad], or rigid.
+// An unintended support: a spring to ground at x, on the deflection [N/m] or the rotation [N
+// m/rad], or a rigid one.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ inline const DefectType kSupport = {
     },
     .place =
         [](const DefectKind& kind, double location, double severity, fem::Defects& out) {
-          // Priors near 0 may underflow, and a spring of 1e-200 is as good as none.
+          // Priors near 0 may underflow to 0; a spring of 1e-200 has no effect.
           out.supports.push_back({location, std::max(severity, 1e-200), kind.rotation});
         },
     .place_in_structure =

@@ -1,4 +1,4 @@
-// A structure of members, a building or matrices, by the reanalysis of a few defects.
+// Forward model of a structure (members, building or matrices), by reanalysis of a few defects.
 #pragma once
 
 #include "fem/structures/reanalysis/structure_reanalysis.hpp"
@@ -9,8 +9,8 @@ namespace wheeltap::identification {
 
 class AssembledModel final : public ForwardModel {
  public:
-  /// `modes`: all that are computed, rigid-body ones included. `motions`: of the sensors at which
-  /// modes are wanted. Throws fem::InvalidStructure, std::invalid_argument.
+  /// `modes`: number computed, including rigid-body modes. `motions`: those of the sensors, if
+  /// modes are needed. Throws fem::InvalidStructure, std::invalid_argument.
   AssembledModel(const AnyStructure& structure, std::vector<DefectKind> kinds, int modes,
                  int rigid_body_modes, std::vector<fem::SparseRow> motions = {});
 
@@ -22,7 +22,7 @@ class AssembledModel final : public ForwardModel {
   class AssembledSolver;
 
   std::vector<DefectKind> kinds_;
-  std::shared_ptr<const fem::Mesh> mesh_;  ///< of a structure of members
+  std::shared_ptr<const fem::Mesh> mesh_;  ///< for a structure of members
   fem::StructureReanalysis reanalysis_;
   std::size_t modes_, rigid_;
   std::vector<fem::SparseRow> motions_;

@@ -58,7 +58,6 @@ class BeamModel::BeamSolver final : public Solver {
     const std::size_t first = copy_elastic(out.frequencies_hz), wanted = out.frequencies_hz.size();
     out.by_location.resize(wanted * defects.size());
     out.by_severity.resize(wanted * defects.size());
-    // Each defect is one damage or one support, in the order of `defects`.
     std::size_t damage = 0, support = 0;
     for (std::size_t d = 0; d < defects.size(); ++d) {
       const DefectKind& kind = model_.kinds_[static_cast<std::size_t>(defects[d].kind)];

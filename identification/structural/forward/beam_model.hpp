@@ -1,4 +1,4 @@
-// A beam, by the exact reanalysis of a few defects.
+// Forward model of a beam, by exact reanalysis of a few defects.
 #pragma once
 
 #include "fem/beam/reanalysis.hpp"
@@ -6,11 +6,11 @@
 
 namespace wheeltap::identification {
 
-/// Slopes are those of fem::Reanalysis: exact in reductions and stiffnesses, by two more solutions
-/// along places; there are none where a kind of defect is not elementary (DefectType).
+/// Slopes as in fem::Reanalysis: exact for reductions and stiffnesses, by two further solutions for
+/// places. No slopes if a kind of defect is not elementary (DefectType).
 class BeamModel final : public ForwardModel {
  public:
-  /// `modes`: elastic ones. Throws std::invalid_argument as fem::Reanalysis does.
+  /// `modes`: number of elastic modes. Throws std::invalid_argument as fem::Reanalysis does.
   BeamModel(const fem::Beam& beam, std::vector<DefectKind> kinds, int modes, int rigid_body_modes);
 
   [[nodiscard]] std::unique_ptr<Solver> make_solver() const override;
@@ -24,7 +24,7 @@ class BeamModel final : public ForwardModel {
   std::size_t modes_, rigid_;
 };
 
-/// What the defects are to a beam.
+/// Adds the defects to a beam.
 void place_in_beam(const std::vector<DefectKind>& kinds, const std::vector<PlacedDefect>& defects,
                    fem::Defects& out);
 

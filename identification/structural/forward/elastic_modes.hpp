@@ -1,4 +1,4 @@
-// Which of a structure's frequencies are elastic.
+// Separation of elastic from rigid-body frequencies.
 #pragma once
 
 #include <cstddef>
@@ -6,8 +6,8 @@
 
 namespace wheeltap::identification {
 
-/// The first elastic one of ascending frequencies, of which at most `rigid` are of rigid-body
-/// motions: supports hold such motions, so there may be fewer than without them.
+/// Index of the first elastic frequency. `frequencies_hz` ascend; at most `rigid` of them belong to
+/// rigid-body modes (fewer if supports prevent such motions).
 [[nodiscard]] inline std::size_t first_elastic(const std::vector<double>& frequencies_hz,
                                                std::size_t rigid) {
   std::size_t first = 0;

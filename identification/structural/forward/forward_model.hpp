@@ -1,4 +1,4 @@
-// What predicts the vibration of one structure with defects.
+// Interface of forward models: the vibration of one structure with defects.
 #pragma once
 
 #include <functional>
@@ -12,42 +12,43 @@
 
 namespace wheeltap::identification {
 
-/// The vibration of a structure at one parameter vector. The caller owns it and passes it again:
-/// then no prediction allocates memory.
+/// Predicted vibration at one parameter vector. The caller reuses the object, so that predictions
+/// do not allocate memory.
 struct Prediction {
-  std::vector<double> frequencies_hz = {};  ///< the lowest elastic ones
-  /// ∂f/∂location [Hz/m] and ∂f/∂severity of each defect: row-major, a row a frequency, a column a
-  /// defect.
+  std::vector<double> frequencies_hz = {};  ///< lowest elastic frequencies
+  /// ∂f/∂location [Hz/m] and ∂f/∂severity of each defect: row-major, one row per frequency, one
+  /// column per defect.
   std::vector<double> by_location = {}, by_severity = {};
-  /// Elastic modes at the sensors, of each state.
+  /// Elastic modes at the sensors, per state.
   std::vector<fem::ParametricModes::Modes> modes = {};
-  /// Of what the model gets wrong [Hz²], one a frequency; empty: it is exact.
+  /// Error variance of the model [Hz²], one per frequency; empty: exact.
   std::vector<double> error_variance = {};
 };
 
-/// A structure whose elastic frequencies (and modes at sensors) follow from its parameters and its
-/// defects. Immutable: threads share it, each with a solver of its own, which refers to it.
+/// Computes elastic frequencies (and modes at sensors) of a structure from its parameters and
+/// defects. Immutable and shared by threads; each thread has its own solver, which refers to the
+/// model.
 class ForwardModel {
  public:
   virtual ~ForwardModel() = default;
 
   enum class Quantity {
     frequencies,  ///< `frequencies_hz`, as many as the prediction holds
-    slopes,       ///< these, `by_location` and `by_severity`
+    slopes,       ///< frequencies, `by_location` and `by_severity`
     modes         ///< `modes`
   };
 
-  /// The scratch memory of one thread.
+  /// Working memory of one thread.
   class Solver {
    public:
     virtual ~Solver() = default;
-    /// `theta`: parameters of the intact structure, where it has some. Fills in `quantity` and,
-    /// where the model errs, `error_variance`, which is empty before. False, whatever `out` then
-    /// holds, where parameters and defects leave no structure or the model has no such quantity.
+    /// Computes `quantity` and, for an inexact model, `error_variance` (empty before the call).
+    /// `theta`: parameters of the intact structure, if any. Returns false, with `out` undefined, if
+    /// the structure is impossible or the model does not provide the quantity.
     virtual bool predict(std::span<const double> theta, const std::vector<PlacedDefect>& defects,
                          Quantity quantity, Prediction& out) = 0;
-    /// Optional: ∂ ln p/∂θ_i into slope[i], of a structure without defects, and its modes, which
-    /// `likelihood` says that of, into `out`. False, whatever these then hold, where there is none.
+    /// Optional: for a structure without defects, writes ∂ ln p/∂θ_i of `likelihood` into slope[i]
+    /// and the modes into `out`. Returns false, with both undefined, if there is no gradient.
     virtual bool gradient(std::span<const double> /*theta*/, const ModalLikelihood& /*likelihood*/,
                           const ModalNoise& /*noise*/, Prediction& /*out*/,
                           std::span<double> /*slope*/) {
@@ -56,14 +57,13 @@ class ForwardModel {
   };
   [[nodiscard]] virtual std::unique_ptr<Solver> make_solver() const = 0;
 
-  /// All computed frequencies [Hz] of a structure with these defects, for its symmetries, at
-  /// parameters of the intact structure that are no special place; empty where they leave none.
-  /// Refers to the model, and is for one thread. Null of models that have no symmetries to look
-  /// for.
+  /// Computes all frequencies [Hz] of a structure with these defects, to test its symmetries, at
+  /// generic parameters of the intact structure; empty if the structure is impossible. Refers to
+  /// the model; not thread-safe. Null for models without symmetries.
   using AllFrequencies = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
   [[nodiscard]] virtual AllFrequencies all_frequencies() const { return {}; }
 
-  /// A prediction takes milliseconds to hours: of a program or a server.
+  /// Whether a prediction takes milliseconds to hours, as by a program or a server.
   [[nodiscard]] virtual bool is_expensive() const { return false; }
 };
 

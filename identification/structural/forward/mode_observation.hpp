@@ -1,4 +1,4 @@
-// What measured modes, which are matched and not numbered, say of a structure.
+// Observation of measured modes, which are matched to computed modes and not numbered.
 #pragma once
 
 #include <memory>
@@ -12,12 +12,12 @@
 
 namespace wheeltap::identification {
 
-/// Of one structure, or of several states of one.
+/// Modes of one structure, or of several states of one.
 class ModeObservation : public Observation {
  public:
   explicit ModeObservation(UnknownScatters scatters) : scatters_(std::move(scatters)) {}
 
-  /// Modes of each state, and how the measured ones match them.
+  /// Computed modes per state, and the matching of the measured modes.
   struct Scored : Prediction {
     ModalLikelihood::Score score = {};
   };
@@ -28,24 +28,26 @@ class ModeObservation : public Observation {
   }
   double log_density(const Prediction& predicted, std::span<const double> noise,
                      inference::Evaluation& out) const override;
-  /// The same with the errors of the prediction, where it has some, in place of those of `noise`.
+  /// The same for measured modes; error variances of the prediction, if any, replace those of
+  /// `noise`.
   [[nodiscard]] ModalLikelihood::Score score(const Prediction& predicted, ModalNoise noise) const;
 
-  /// All measured modes in a row.
+  /// All measured modes of all states, concatenated.
   [[nodiscard]] virtual const ModalData& data() const = 0;
   [[nodiscard]] virtual int states() const = 0;
   [[nodiscard]] virtual const ModalLikelihood& of(int state) const = 0;
-  /// The covariance [Hz²] of the measured frequencies; `with` says which modes of the row they are.
+  /// Covariance [Hz²] of the measured frequencies; `with` receives their indices in the
+  /// concatenation.
   [[nodiscard]] virtual Eigen::MatrixXd covariance(const Scored& scored, const ModalNoise& noise,
                                                    std::vector<int>& with) const = 0;
-  /// Whether pieces of the structure err (StiffnessErrors), and ln p(a mode | all others, x) of
-  /// each mode of the row where they do.
+  /// Whether stiffness errors are included (StiffnessErrors); if so, ln p(mode | all others, x) for
+  /// each mode of the concatenation.
   [[nodiscard]] virtual bool with_errors(const ModalNoise& /*noise*/) const { return false; }
   [[nodiscard]] virtual Eigen::VectorXd single_mode_densities(const Scored& /*scored*/,
                                                               const ModalNoise& /*noise*/) const {
     return {};
   }
-  /// Null, or the likelihood of several states.
+  /// The likelihood of several states, or null.
   [[nodiscard]] virtual const StatesLikelihood* several_states() const { return nullptr; }
 
  private:
@@ -55,15 +57,15 @@ class ModeObservation : public Observation {
   UnknownScatters scatters_;
 };
 
-/// Modes of one structure. Throws as ModalLikelihood does.
+/// Observes modes of one structure. Throws as ModalLikelihood does.
 [[nodiscard]] std::shared_ptr<const ModeObservation> observe_structure(const ModalData& data,
                                                                        UnknownScatters scatters);
 
-/// Modes of several states.
+/// Observes modes of several states.
 [[nodiscard]] std::shared_ptr<const ModeObservation> observe_states(
     std::shared_ptr<const StatesLikelihood> likelihood, UnknownScatters scatters);
 
-/// What predicts them.
+/// The forward model of several states.
 class StatesModel final : public ForwardModel {
  public:
   explicit StatesModel(std::shared_ptr<const StatesLikelihood> states)

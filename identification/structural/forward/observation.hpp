@@ -1,4 +1,4 @@
-// One kind of data, with its noise.
+// Interface of observations: one kind of data with its noise.
 #pragma once
 
 #include <span>
@@ -11,23 +11,23 @@
 
 namespace wheeltap::identification {
 
-/// Data of one kind, independent of all others given what the model predicts. Immutable: threads
-/// share it.
+/// Data of one kind, independent of all others given the prediction. Immutable and shared by
+/// threads.
 class Observation {
  public:
   virtual ~Observation() = default;
 
-  /// The unknown parameters of its noise.
+  /// Unknown noise parameters.
   [[nodiscard]] virtual std::vector<inference::Parameter> parameters() const { return {}; }
-  /// ln p(data | prediction, noise), every normaliser included. `noise`: the values of
-  /// `parameters`. `predicted` holds frequencies where the problem's first observation is of
-  /// numbered frequencies, modes where it is of modes. Standardised residuals may be appended to
-  /// those of `out`; the rest of `out` is the first observation's.
+  /// Returns ln p(data | prediction, noise), with all normalisers. `noise`: values of `parameters`.
+  /// `predicted` holds frequencies or modes, depending on the problem's first observation. May
+  /// append standardised residuals to those of `out`; only the first observation may change the
+  /// rest of `out`.
   virtual double log_density(const Prediction& predicted, std::span<const double> noise,
                              inference::Evaluation& out) const = 0;
 };
 
-/// The lowest elastic frequencies, numbered: see NoiseModel.
+/// Numbered lowest elastic frequencies; see NoiseModel.
 class FrequencyObservation final : public Observation {
  public:
   explicit FrequencyObservation(FrequencyData data) : data_(std::move(data)) {}

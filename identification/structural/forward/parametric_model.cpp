@@ -20,7 +20,7 @@ class BasisSolver final : public ForwardModel::Solver {
     } catch (const std::invalid_argument&) {
       return false;
     } catch (const std::runtime_error&) {
-      return false;  // so near to a mechanism that the solver gives up
+      return false;  // the solver does not converge near a mechanism
     }
     return modes.eigenvalues.allFinite() && modes.eigenvalues.minCoeff() > 0.0;
   }

@@ -1,4 +1,4 @@
-// One structure with parameters, whose modes a reduced basis or a model of someone else's predicts.
+// Forward models of a structure with parameters: reduced basis or external model.
 #pragma once
 
 #include <memory>
@@ -9,7 +9,7 @@
 
 namespace wheeltap::identification {
 
-/// Modes at sensors by a reduced basis, with their gradient where it has one.
+/// Modes at sensors by a reduced basis, with their gradient if the basis provides it.
 class BasisModel final : public ForwardModel {
  public:
   explicit BasisModel(std::shared_ptr<const fem::ParametricModes> basis)
@@ -22,9 +22,9 @@ class BasisModel final : public ForwardModel {
   std::shared_ptr<const fem::ParametricModes> basis_;
 };
 
-/// Modes without shapes by a program or a server, or by the emulator in front of it, with the
-/// variance of its error. No structure beyond the emulator's box: it cuts priors off, and searches
-/// go beyond it far too often to ask the model itself there.
+/// Frequencies by an external program or server, or by its emulator with the error variance. Beyond
+/// the emulator's box the prediction fails: the box truncates the priors, and searches leave it too
+/// often to run the model there.
 class OutsideModes final : public ForwardModel {
  public:
   explicit OutsideModes(OutsidePredictor predictor) : predictor_(std::move(predictor)) {}

@@ -1,4 +1,4 @@
-// A beam's frequencies by a model of someone else's: a program or a server.
+// Forward model of a beam by an external program or server.
 #pragma once
 
 #include "identification/emulation/outside_model.hpp"
@@ -6,9 +6,9 @@
 
 namespace wheeltap::identification {
 
-/// Asks for the elastic frequencies [Hz] with the place [m] and severity (and extent [m], where it
-/// is unknown) of each defect: of each kind as many as there may be at the most, those that there
-/// are first, in order of place, and then zeros.
+/// Requests the elastic frequencies [Hz]. Inputs: place [m] and severity (and extent [m], if
+/// unknown) of each defect. Each kind has as many inputs as its largest count: first the existing
+/// defects in order of place, then zeros.
 class ProgramModel final : public ForwardModel {
  public:
   ProgramModel(std::shared_ptr<OutsideModel> model, std::vector<DefectKind> kinds)

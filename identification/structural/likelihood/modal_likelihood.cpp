@@ -18,7 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Modes = fem::ParametricModes::Modes;
 
-/// Computed modes beyond the number measured that measured ones may be.
+/// Additional computed modes that may match measured ones.
 constexpr int kFurtherModes = 3;
 
 double frequency_of(const Modes& modes, Index i) {
@@ -30,7 +30,7 @@ struct Turn {
   double tau = 0.0;
 };
 
-/// The closest other mode, and how far it may have turned into this one.
+/// The closest other mode, and the sd of the rotation towards it.
 Turn closest(const Modes& modes, Index i) {
   Turn turn;
   double least = ModalLikelihood::kClose;
@@ -43,7 +43,7 @@ Turn closest(const Modes& modes, Index i) {
     turn.mode = k;
   }
   if (turn.mode < 0) return turn;
-  // 1/gap² of twins is as good as any that is uniform.
+  // For twin modes, any large value is equivalent to a uniform angle.
   const double gap = std::max(least, 1e-2 * ModalLikelihood::kMixing);
   turn.tau =
       ModalLikelihood::kMixing *
@@ -56,7 +56,7 @@ Turn closest(const Modes& modes, Index i) {
 double eigenvalue_of(double frequency_hz) {
   const double omega = kTwoPi * frequency_hz;
   const double lambda = omega * omega;
-  // λ has twice as many neighbours as f has: one of the nearest few is it.
+  // λ has twice the resolution of f: search the nearest few values.
   constexpr double kUp = std::numeric_limits<double>::infinity();
   double low = lambda, high = lambda;
   for (int i = 0; i < 8; ++i) {
@@ -85,11 +85,10 @@ ModalLikelihood::ModalLikelihood(ModalData data) : data_(std::move(data)) {
       with_frequency_.push_back(i);
   if (!(data_.doubt >= 0.0 && data_.doubt < 1.0))
     throw std::invalid_argument("doubt must be in [0, 1)");
-  if (!data_.has_shapes() && data_.doubt > 0.0)
-    throw std::invalid_argument("doubt goes with shapes");
+  if (!data_.has_shapes() && data_.doubt > 0.0) throw std::invalid_argument("doubt needs shapes");
   if (!data_.has_shapes()) return;
   if (data_.shapes.rows() != n || data_.shapes.cols() != static_cast<Index>(data_.sensors.size()))
-    throw std::invalid_argument("shapes must have one row a mode and one column a sensor");
+    throw std::invalid_argument("shapes must have one row per mode and one column per sensor");
   for (int i = 0; i < n; ++i) {
     auto& entries = entries_[static_cast<std::size_t>(i)];
     for (Index s = 0; s < data_.shapes.cols(); ++s)
@@ -168,7 +167,7 @@ ModalLikelihood::ShapeErrors ModalLikelihood::shape_errors(const Modes& modes, i
   } else {
     mixing.others.resize(shape.size(), 0);
   }
-  // ∂φ_j/∂a_p = Σ_k φ_k φ_kᵀ K_p φ_j / (λ_j - λ_k) of the modes that there are.
+  // ∂φ_j/∂a_p = Σ_k φ_k φ_kᵀ K_p φ_j / (λ_j - λ_k) over the computed modes.
   MatrixXd moved = MatrixXd::Zero(shape.size(), static_cast<Index>(modes.pieces.size()));
   for (Index k = 0; k < lambda.size(); ++k) {
     if (k == computed) continue;
@@ -193,7 +192,7 @@ std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& cova
   if (!data_.has_shapes()) return out;
   const Index computed = modes.eigenvalues.size();
   const bool doubt = data_.doubt > 0.0;
-  // Gaps take no computed mode.
+  // Gaps are not matched.
   std::vector<int> rows;
   for (int i = 0; i < n; ++i)
     if (!data_.is_gap(i)) rows.push_back(i);
@@ -216,7 +215,7 @@ std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& cova
   for (std::size_t k = 0; k < rows.size(); ++k)
     out[static_cast<std::size_t>(rows[k])] = assigned[k];
   if (!doubt) return out;
-  // A mode that is none of them is compared with the one that is left and comes nearest.
+  // A spurious mode is compared with the nearest unmatched computed mode.
   std::vector<bool> taken(static_cast<std::size_t>(computed));
   for (const int j : assigned)
     if (j < computed) taken[static_cast<std::size_t>(j)] = true;
@@ -357,7 +356,7 @@ bool ModalLikelihood::slope(const Modes& modes, const fem::ParametricModes::Slop
   const auto computed = [&](int i) {
     return static_cast<Index>(matched[static_cast<std::size_t>(i)]);
   };
-  // Of a mode that may be spurious, the share that is not.
+  // Probability that a mode is not spurious.
   VectorXd real = VectorXd::Ones(data_.modes());
   if (data_.doubt > 0.0) {
     const Score found = score_with_doubt(modes, noise);

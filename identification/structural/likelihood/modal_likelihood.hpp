@@ -1,4 +1,4 @@
-// The likelihood of measured modes: frequencies and shapes, matched to the computed ones.
+// The likelihood of measured modes: frequencies and shapes, matched to computed modes.
 #pragma once
 
 #include <memory>
@@ -15,87 +15,88 @@ namespace wheeltap::identification {
 
 /// The scatters of one state.
 struct ModalNoise {
-  double cov = 0.0;       ///< of frequencies, where it is unknown
-  double shape_sd = 1.0;  ///< multiplies the shapes' sd, where it is unknown
+  double cov = 0.0;       ///< coefficient of variation of frequencies, if unknown
+  double shape_sd = 1.0;  ///< factor on the shapes' sd, if unknown
   double discrepancy = 0.0, shape_discrepancy = 0.0;
-  double mixing = 0.0;                 ///< κ, of `mixing_sd`
-  double stiffness_discrepancy = 0.0;  ///< σ of `StiffnessErrors`
-  /// Of what an emulator gets wrong [Hz²], one a measured mode; empty: it is exact.
+  double mixing = 0.0;                 ///< κ in `mixing_sd`
+  double stiffness_discrepancy = 0.0;  ///< σ in `StiffnessErrors`
+  /// Error variance of an emulator [Hz²], one per measured mode; empty: exact.
   std::vector<double> emulator_variance = {};
 };
 
-/// The eigenvalue [rad²/s²] whose frequency, √λ / 2π in floating point, is f [Hz] to the last bit
-/// (or next to it, where none is).
+/// The eigenvalue [rad²/s²] for which √λ / 2π in floating point equals f [Hz] exactly (or is
+/// adjacent to it, if none does).
 [[nodiscard]] double eigenvalue_of(double frequency_hz);
 
-/// What the model leaves out of K, δK, moves a frequency by δ = φ_jᵀ δK φ_j / 2λ_j, relative, and
-/// mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j - λ_k). With entries φ_jᵀ δK φ_k / √(λ_j λ_k) off the
-/// diagonal κ times as large as those on it, this is normal with sd
+/// Sd of the mixing of mode k into mode j by the model error δK. δK changes a frequency by
+/// δ = φ_jᵀ δK φ_j / 2λ_j (relative), and mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j - λ_k). If
+/// off-diagonal entries φ_jᵀ δK φ_k / √(λ_j λ_k) are κ times as large as diagonal ones, the mixing
+/// is normal with sd
 ///
 ///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
 ///
-/// at most 1, where first order ends (Fox & Kapoor 1968, AIAA J. 6:2426, for the expansion). For
-/// entries of a random symmetric matrix κ = 1/√2.
+/// limited to 1, the end of first-order validity (expansion: Fox & Kapoor 1968, AIAA J. 6:2426).
+/// For entries of a random symmetric matrix κ = 1/√2.
 [[nodiscard]] double mixing_sd(const ModalNoise& noise, double first, double second);
 
-/// With A the matching of measured to computed modes,
+/// The likelihood of measured modes. With A the matching of measured to computed modes,
 ///
 ///   ln p(data | θ) = ln N(f_obs; f_A(θ), C) + Σ ln p(ψ_i | φ_A(i)(θ)),
 ///   C = C_noise + δ² diag(f_obs²) + diag(σ²_emulator),
 ///   C_noise = C of the data, or cov² diag(f_obs²),
 ///
-/// shapes' densities as in shape_density.hpp, δ the discrepancy: what the model leaves out moves
-/// each frequency by N(0, (δ f)²), which is integrated out, so that δ may be inferred from the
+/// with the shape densities of shape_density.hpp. The discrepancy δ: the model error changes each
+/// frequency by N(0, (δ f)²), which is integrated out, so that δ can be inferred from the
 /// residuals.
 ///
-/// Where no shape was measured, the i-th frequency is the i-th elastic mode. Where some were, A is
-/// the assignment of least cost among the `candidates` lowest modes, of frequencies and shapes
-/// together: modes may be missing from the data, or stand in another order; correlations of
-/// frequencies count once A is known. It takes the best matching for the true one: where another
-/// comes near, modes are close and both are alike.
+/// Matching: without shapes, the i-th frequency is the i-th elastic mode. With shapes, A is the
+/// assignment of least cost among the `candidates` lowest modes, for frequencies and shapes
+/// together, so that data may omit or reorder modes. Correlations of frequencies enter after the
+/// matching. Only the best matching counts: if another is nearly as good, the modes are close and
+/// similar.
 ///
-/// With mixing (κ > 0) a shape's Σ has φ_A(i) mixed with every other computed mode by `mixing_sd`;
-/// that takes the place of the turn, whose τ is added to that of the closest.
+/// Mixing (κ > 0): Σ of a shape includes the mixing of φ_A(i) with every other computed mode by
+/// `mixing_sd`. This replaces the rotation, whose τ is added to that of the closest mode.
 ///
-/// Where the data may hold modes that are none of the structure's, each with probability ε
-/// (`ModalData::doubt`), frequencies' correlations are left out and
+/// Spurious modes: if each measured mode may be spurious with probability ε (`ModalData::doubt`),
+/// frequencies count as uncorrelated and
 ///
 ///   p(mode i | θ) = (1 - ε) N(f_i; f_A(i), C_ii) p(ψ_i | φ_A(i)) + ε p₀(f_i) p₀(ψ_i),
 ///
-/// p₀ uniform over frequencies up to `kBand` times the highest measured, and over all lines. Beside
-/// the computed modes A then has "none" to offer to each.
+/// with p₀ uniform over frequencies up to `kBand` times the highest measured one, and over all
+/// shape directions. A may then leave a measured mode unmatched.
 ///
-/// Modes whose eigenvalues are closer than `kClose` may have turned in their common plane by
-/// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), gap relative: what a change of K by a
-/// thousandth does to them. Of more than two such modes, each with the closest.
+/// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
+/// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with the relative gap: the effect of a
+/// change of K by a thousandth. With more than two such modes, each is rotated with the closest.
 class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;
   static constexpr double kMixing = 1e-3;
   static constexpr double kBand = 1.5;
 
-  /// Throws std::invalid_argument for data that do not fit together, naming the mode (from 1).
+  /// Throws std::invalid_argument for inconsistent data, naming the mode (from 1).
   explicit ModalLikelihood(ModalData data);
 
-  /// Of one mode, as matched.
+  /// One matched mode.
   struct Match {
-    int computed = 0;           ///< 0-based, of the elastic modes
+    int computed = 0;           ///< 0-based index of the elastic mode
     double frequency_hz = 0.0;  ///< computed
     std::optional<ShapeDensity::Comparison> shape = {};
-    double spurious = 0.0;        ///< P that it is none of the structure's, given θ
-    double log_likelihood = 0.0;  ///< of this mode alone, where modes are doubted
+    double spurious = 0.0;        ///< probability that it is spurious, given θ
+    double log_likelihood = 0.0;  ///< single mode, if modes may be spurious
   };
   struct Score {
     double log_likelihood = 0.0;
-    double chi_square = 0.0;  ///< of frequencies and shapes; more likely spurious ones left out
-    int freedoms = 0;         ///< numbers that it is of
+    double chi_square = 0.0;  ///< of frequencies and shapes, without probably spurious modes
+    int freedoms = 0;         ///< degrees of freedom of `chi_square`
     std::vector<Match> matches;
   };
   [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
                             const ModalNoise& noise) const;
-  /// What a measured shape has to say of errors of pieces: the comparison without these, the
-  /// residual in units of the noise, and how it moves with each piece's error, m × pieces. Close
-  /// modes are mixed as they may turn.
+  /// Comparison of a measured shape as input to stiffness errors: without them, the residual in
+  /// units of the noise, and its sensitivity to each piece's error, m × pieces. Close modes are
+  /// mixed by the sd of their rotation.
   struct ShapeErrors {
     ShapeDensity::Comparison without;
     Eigen::VectorXd residual;
@@ -103,24 +104,24 @@ class ModalLikelihood {
   };
   [[nodiscard]] ShapeErrors shape_errors(const fem::ParametricModes::Modes& modes, int mode,
                                          Eigen::Index computed, const ModalNoise& noise) const;
-  /// ∂ ln p/∂θ_j at a given matching. False where modes may have turned or mixed.
+  /// Computes ∂ ln p/∂θ_j for the current matching. Returns false if modes may be rotated or mixed.
   [[nodiscard]] bool slope(const fem::ParametricModes::Modes& modes,
                            const fem::ParametricModes::Slopes& slopes, const ModalNoise& noise,
                            std::span<double> out) const;
-  /// ∂ ln p/∂f of each computed mode at a given matching, where no shape was measured.
+  /// ∂ ln p/∂f of each computed mode for the current matching, without measured shapes.
   [[nodiscard]] std::vector<double> pulls(const fem::ParametricModes::Modes& modes,
                                           const ModalNoise& noise) const;
 
-  /// C, and its part of a mode.
+  /// The covariance C.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
   [[nodiscard]] const ModalData& data() const { return data_; }
-  /// Numbers measured, scales not counted.
+  /// Number of measured values, without the scales of shapes.
   [[nodiscard]] int measured() const;
   [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const {
     return shapes_[static_cast<std::size_t>(mode)];
   }
-  /// Modes that must be computed: those measured, further ones that they may be, and those to be
-  /// foretold; at most `available`.
+  /// Number of modes to compute: measured modes, additional candidates and predicted modes; at most
+  /// `available`.
   [[nodiscard]] int candidates(int available) const;
 
  private:
@@ -135,7 +136,7 @@ class ModalLikelihood {
   [[nodiscard]] std::vector<int> match(const fem::ParametricModes::Modes& modes,
                                        const Eigen::MatrixXd& covariance,
                                        const ModalNoise& noise) const;
-  /// ln ε p₀(f) p₀(ψ) of a mode.
+  /// ln ε p₀(f) p₀(ψ) for a mode.
   [[nodiscard]] double log_spurious(int mode) const;
   [[nodiscard]] Score score_with_doubt(const fem::ParametricModes::Modes& modes,
                                        const ModalNoise& noise) const;

@@ -16,7 +16,7 @@ using Eigen::VectorXd;
 
 namespace {
 
-/// Reweighted draws that are worth fewer than this say little.
+/// Smallest adequate effective number of reweighted draws.
 constexpr double kFewDraws = 50.0;
 
 }  // namespace
@@ -82,7 +82,7 @@ ShapesBeside shapes_beside(const ModalLikelihood& likelihood,
                            const fem::ParametricModes::Modes& modes,
                            std::span<const ModalLikelihood::Match> matches) {
   const ModalData& data = likelihood.data();
-  // More modes may have been computed than those that the measured ones may be.
+  // More modes may be computed than the measured ones can match.
   const Index compared = likelihood.candidates(static_cast<int>(modes.shapes.cols()));
   const MatrixXd shapes = modes.shapes.leftCols(compared);
   ShapesBeside out{.mac = MatrixXd::Constant(data.modes(), shapes.cols(), kNaN),

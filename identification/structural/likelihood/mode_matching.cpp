@@ -22,7 +22,7 @@ std::vector<int> least_cost_assignment(const Eigen::MatrixXd& costs) {
     const double c = costs(i, j);
     return std::isfinite(c) ? c : forbidden;
   };
-  // Column 0 holds the row that looks for a place.
+  // Column 0 holds the row to assign.
   const auto size = static_cast<std::size_t>(columns) + 1;
   std::vector<double> of_row(static_cast<std::size_t>(rows) + 1), of_column(size);
   std::vector<int> owner(size), before(size);

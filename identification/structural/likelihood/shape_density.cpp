@@ -16,13 +16,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// In terms of the smallest other sd, what stands for an sd of 0: small enough to tie the scale,
-/// and large enough for double precision.
+/// Replaces an sd of 0, relative to the smallest other sd: small enough to fix the scale, large
+/// enough for double precision.
 constexpr double kTied = 1e-3;
 
 /// ln of the normal density of variance v, wrapped at π, at α in (-π/2, π/2].
 double log_wrapped_normal(double alpha, double v) {
-  // Beyond this it is uniform to rounding: the first Fourier coefficient is 2 exp(-2 v).
+  // Above this, uniform to rounding: the first Fourier coefficient is 2 exp(-2 v).
   constexpr double kUniform = 20.0;
   if (v > kUniform) return -std::log(kPi);
   const int reach = 1 + static_cast<int>(6.0 * std::sqrt(v) / kPi);
@@ -48,12 +48,12 @@ ShapeDensity::ShapeDensity(VectorXd values, const MatrixXd& covariance)
   if (m < 2) refuse("a shape needs at least 2 entries, has " + std::to_string(m));
   if (!values_.allFinite()) refuse("a shape's entries must be finite");
   const double largest = values_.cwiseAbs().maxCoeff();
-  if (!(largest > 0.0)) refuse("a shape must not be zero throughout");
+  if (!(largest > 0.0)) refuse("a shape must have an entry other than 0");
   values_ /= largest;
   if (covariance.rows() != m || covariance.cols() != m)
     refuse("the covariance is " + std::to_string(covariance.rows()) + " x " +
            std::to_string(covariance.cols()) + ": must be " + std::to_string(m) + " x " +
-           std::to_string(m) + ", as the shape has entries");
+           std::to_string(m) + ", by the number of shape entries");
   if (!covariance.allFinite()) refuse("the covariance's entries must be finite");
   if ((covariance - covariance.transpose()).cwiseAbs().maxCoeff() >
       1e-8 * covariance.cwiseAbs().maxCoeff())
@@ -67,8 +67,8 @@ ShapeDensity::ShapeDensity(VectorXd values, const MatrixXd& covariance)
     if (variance == 0.0) {
       if (tied >= 0 || sigma.row(i).cwiseAbs().maxCoeff() > 0.0)
         refuse(
-            "the covariance must be positive definite (one entry, which the shape was scaled "
-            "by, may have no scatter)");
+            "the covariance must be positive definite (except one entry with variance 0, by which "
+            "the shape was scaled)");
       tied = i;
     } else if (smallest == 0.0 || variance < smallest) {
       smallest = variance;
@@ -146,7 +146,7 @@ ShapeDensity::Comparison ShapeDensity::fitted(const VectorXd& shape, const Vecto
                                               double log_normaliser) const {
   const double size = computed.squaredNorm();
   Comparison out;
-  // A mode that does not move the sensors explains nothing of the shape.
+  // A mode without motion at the sensors explains nothing of the shape.
   out.chi_square = size > 0.0 ? (measured - measured.dot(computed) / size * computed).squaredNorm()
                               : measured.squaredNorm();
   out.log_density = log_normaliser - 0.5 * out.chi_square;
@@ -162,22 +162,22 @@ ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Vect
   const VectorXd second = w.cwiseProduct(axes_.transpose() * close);
   const double size = first.squaredNorm();
   const VectorXd across = size > 0.0 ? second - first.dot(second) / size * first : second;
-  // Sensors that cannot tell the two apart see no turn.
+  // Not applicable if both modes have the same motion at the sensors.
   if (!(size > 0.0) || !(across.squaredNorm() > 1e-12 * second.squaredNorm()))
     return against(shape, scale, more);
   const double by_close = measured.dot(across) / across.squaredNorm();
   const double by_first = measured.dot(first) / size - by_close * first.dot(second) / size;
   const double amplitude = std::hypot(by_first, by_close);
   Comparison out;
-  // An angle of period π; a shape that neither explains has none.
+  // The angle has period π; it is 0 if neither mode fits the shape.
   out.turn = by_first != 0.0 ? std::atan(by_close / by_first) : by_close != 0.0 ? 0.5 * kPi : 0.0;
   out.chi_square = (measured - by_first * first - by_close * second).squaredNorm();
-  // How the fit moves with the angle, across itself.
+  // Change of the fit with the angle, orthogonal to the fit.
   const VectorXd fit = std::cos(out.turn) * first + std::sin(out.turn) * second;
   VectorXd moves = std::cos(out.turn) * second - std::sin(out.turn) * first;
   moves -= moves.dot(fit) / fit.squaredNorm() * fit;
-  // The mean of exp(-(α - α̂)²/2s²) over the turns, and so at most 1; it is 1 where the shape is
-  // lost in the noise, and no angle fits better than another.
+  // The mean of exp(-(α - α̂)²/2s²) over the angles: at most 1, and 1 if the noise hides the shape
+  // so that all angles fit equally well.
   const double s = 1.0 / (amplitude * moves.norm());
   const double mean =
       0.5 * std::log(2.0 * kPi) + std::log(s) + log_wrapped_normal(out.turn, tau * tau + s * s);

@@ -20,9 +20,9 @@ using Modes = fem::ParametricModes::Modes;
 
 namespace {
 
-constexpr int kTraining = 200;      // structures that a reduced basis is tried on
-constexpr int kTriedForPieces = 8;  // draws of the priors that must have the medians' strains
-constexpr int kOfPieces = 8;  // modes beyond those that are compared, for what pieces do to shapes
+constexpr int kTraining = 200;      // structures on which a reduced basis is tested
+constexpr int kTriedForPieces = 8;  // prior draws that must have the same strains as the medians
+constexpr int kOfPieces = 8;  // additional modes for the sensitivity of shapes to stiffness errors
 
 bool same_masses(const ObservedState& a, const ObservedState& b) {
   return std::ranges::equal(a.masses, b.masses, [](const auto& x, const auto& y) {
@@ -31,7 +31,7 @@ bool same_masses(const ObservedState& a, const ObservedState& b) {
   });
 }
 
-/// A thousandth of the smallest scatter of a frequency, for its square.
+/// Relative tolerance of eigenvalues: a thousandth of the smallest scatter of a frequency, doubled.
 double tolerance_of(const ObservedStates& states) {
   double cov = 1e-3;
   for (const ObservedState& s : states.list)
@@ -54,7 +54,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
   const bool pieces = !joined_.stiffness_discrepancy.none();
   if (pieces && matrices)
     throw std::invalid_argument(
-        "a discrepancy of stiffness goes with members and chains: matrices have no pieces");
+        "a discrepancy of stiffness needs members or a chain: matrices have no pieces");
   for (std::size_t s = 0; s < states_->list.size(); ++s) {
     const ObservedState& state = states_->list[s];
     const auto kin = std::ranges::find(states_->list, state.known, &ObservedState::known);
@@ -103,11 +103,11 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
       try {
         assemble(states_->values(draw(i).x, state), other);
       } catch (const std::invalid_argument&) {
-        continue;  // no such structure
+        continue;  // impossible structure
       }
       if (other.discretisation.strains.size() != intact.discretisation.strains.size())
         throw std::invalid_argument(
-            "a discrepancy of stiffness: no parameter of a spring or an axial force may be zero");
+            "a discrepancy of stiffness: priors of springs and axial forces must exclude 0");
     }
     if (pieces) modes = std::min(available, modes + kOfPieces);
     if (matrices)
@@ -188,10 +188,10 @@ MatrixXd StatesLikelihood::covariance(const ModalNoise& noise) const {
 ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
                                                const ModalNoise& noise) const {
   ModalLikelihood::Score out;
-  // To be matched, modes may be as far off as pieces move them, about.
+  // For the matching, allow approximately the effect of stiffness errors.
   ModalNoise wide = noise;
   if (pieces_.count() > 0) {
-    constexpr double kOfMode = 0.25;  // of an error of pieces, four of which matter to a mode
+    constexpr double kOfMode = 0.25;  // relative to a piece's error; about four affect a mode
     wide.discrepancy = std::hypot(noise.discrepancy, kOfMode * noise.stiffness_discrepancy);
     wide.shape_discrepancy =
         std::hypot(noise.shape_discrepancy, kOfMode * noise.stiffness_discrepancy);
@@ -214,7 +214,7 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   }
   if (noise.discrepancy == 0.0 || likelihoods_.size() == 1) return out;
 
-  // Frequencies of all states at once, with what they have in common.
+  // Frequencies of all states together, with their common errors.
   std::vector<int> with;
   const MatrixXd c = covariance_of_noise(modes, noise, out, with);
   const auto n = static_cast<Index>(with.size());
@@ -262,8 +262,8 @@ MatrixXd StatesLikelihood::frequency_sensitivities(const std::vector<Modes>& mod
   return out;
 }
 
-// Everything measured with what the parts say of errors of pieces; shapes are compared anew, with
-// close modes mixed, not turned.
+// All measured data with their sensitivities to stiffness errors; shapes are compared again, with
+// close modes mixed instead of rotated.
 StatesLikelihood::Parts StatesLikelihood::parts(const std::vector<Modes>& modes,
                                                 const ModalNoise& noise,
                                                 const ModalLikelihood::Score& score) const {
@@ -384,7 +384,7 @@ void StatesLikelihood::add_common(const std::vector<Modes>& modes, const ModalNo
     if (&*first != &healthy) continue;
     const VectorXd& before =
         modes[static_cast<std::size_t>(first - states_->list.begin())].eigenvalues;
-    // √|Δλ| of a mode in a damaged state; 0 elsewhere.
+    // √|Δλ| of a mode in a damaged state; otherwise 0.
     const auto change = [&](Index state, Index mode) {
       const VectorXd& after = modes[static_cast<std::size_t>(state)].eigenvalues;
       return mode < after.size() ? std::sqrt(std::abs(after[mode] - before[mode])) : 0.0;
@@ -418,7 +418,7 @@ fem::Discretisation StatesLikelihood::structure(std::span<const double> x,
 
 void StatesLikelihood::assemble(const std::vector<double>& values, Workspace::Intact& out) const {
   if (out.values == values) return;
-  out.values.reset();  // in case there is no such structure
+  out.values.reset();  // in case the structure is impossible
   out.mesh.reset();
   const AnyStructure at = states_->model->at(values);
   if (const auto* members = std::get_if<fem::Structure>(&at))
@@ -480,7 +480,7 @@ bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
       if (!group.solver->solve(d, found)) return false;
       if (pieces_.count() > 0) {
         out.pieces = pieces_.energies(d, found.shapes);
-        // A rigid support takes degrees of freedom away, and with them what the rows are of.
+        // With a rigid support fewer degrees of freedom remain, and the rows no longer match.
         const bool same = d.size() == intact.discretisation.size();
         std::ranges::move(pieces_.losses(intact.discretisation,
                                          same ? change : fem::StructureChange{}, found.shapes),
@@ -499,9 +499,9 @@ bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
         }
     }
   } catch (const std::invalid_argument&) {
-    return false;  // no such structure
+    return false;  // impossible structure
   } catch (const std::runtime_error&) {
-    return false;  // so near to a mechanism that the solver gives up
+    return false;  // the solver does not converge near a mechanism
   }
   if (!damaged) own.values = values;
   return true;

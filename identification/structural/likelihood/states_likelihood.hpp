@@ -1,4 +1,4 @@
-// The likelihood of the modes of all states together, at the parameters of the intact structure and
+// The joint likelihood of the modes of all states, given the parameters of the intact structure and
 // the damages.
 #pragma once
 
@@ -18,40 +18,42 @@
 
 namespace wheeltap::identification {
 
-/// With s the states, θ the intact structure and d the damages (of those states that have them),
+/// The likelihood for states s, parameters θ of the intact structure and damages d (in the damaged
+/// states),
 ///
 ///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
 ///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + Σ_{j<k} τ_jk² ℓ_jk ℓ_jkᵀ,
 ///
-/// f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere: what the model
-/// does wrong by a factor of a mode (discrepancy δ) it does wrong in all of these, so that it does
-/// not pass for damage. With one state this is ModalLikelihood.
+/// with f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere. A model
+/// error that is a factor per mode (discrepancy δ) is common to these states, so that it is not
+/// mistaken for damage. For one state this equals ModalLikelihood.
 ///
-/// What damage does to a frequency goes by the shapes, and these err at first order where the
-/// frequencies do at second. If the model's error mixes c φ_k into φ_j and -c φ_j into φ_k,
-/// c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d moves λ_j by 2c φ_jᵀ δK_d φ_k more and λ_k by
-/// as much less. For a loss along one strain (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k; for others it is less.
-/// So, with Δλ from the first healthy state with the same `known` to a damaged one,
+/// The effect of damage on a frequency depends on the shapes, whose errors are of first order when
+/// those of the frequencies are of second order. If the model error mixes c φ_k into φ_j and -c φ_j
+/// into φ_k, c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d changes λ_j by an additional 2c φ_jᵀ
+/// δK_d φ_k, and λ_k by its negative. For a loss along one strain (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k;
+/// otherwise it is less. With Δλ from the first healthy state with the same `known` to a damaged
+/// one,
 ///
-///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, less as much at mode k.
+///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
+///   negative at mode k.
 ///
-/// Where pieces of the structure may be stiffer or softer than the model has them
-/// (`ModalData::stiffness_discrepancy`), that is integrated out of frequencies and shapes of all
-/// states with the same `known` together: see StiffnessErrors.
+/// Stiffness errors of pieces of the structure (`ModalData::stiffness_discrepancy`) are integrated
+/// out of frequencies and shapes of all states with the same `known` together; see StiffnessErrors.
 ///
 /// Each state's structure is assembled at θ, changed by its damages and masses, and solved by
-/// SubspaceModes. States that differ by temperature alone share a solution. Matrices of another
-/// program, K = Σ q_j K_j, are solved by ParametricModes: what changes are the q_j, by θ and by the
-/// damages, whatever the rank of K_j.
+/// SubspaceModes. States that differ only in temperature share a solution. Matrices of another
+/// program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change only the q_j, for
+/// any rank of K_j.
 class StatesLikelihood {
  public:
-  /// `kinds`: of the damages; none in an update. Throws std::invalid_argument for data that do not
-  /// fit together, naming state and mode; fem::InvalidStructure.
+  /// `kinds`: of the damages; empty for an update. Throws std::invalid_argument for inconsistent
+  /// data, naming state and mode; throws fem::InvalidStructure.
   StatesLikelihood(std::shared_ptr<const ObservedStates> states, std::vector<DefectKind> kinds);
 
   [[nodiscard]] const ObservedStates& states() const { return *states_; }
   [[nodiscard]] int modes() const { return static_cast<int>(joined_.frequencies_hz.size()); }
-  /// All frequencies in a row; a mode's state and its place there.
+  /// All frequencies, concatenated. `place` gives a mode's state and its index there.
   [[nodiscard]] const ModalData& data() const { return joined_; }
   struct Place {
     int state = 0, mode = 0;
@@ -60,34 +62,34 @@ class StatesLikelihood {
   [[nodiscard]] const ModalLikelihood& of(int state) const {
     return likelihoods_[static_cast<std::size_t>(state)];
   }
-  /// Numbers measured, scales not counted.
+  /// Number of measured values, without the scales of shapes.
   [[nodiscard]] int measured() const;
-  /// C without what states have in common, modes × modes.
+  /// C without common errors of states, modes × modes.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
 
-  /// The matches of all states in a row. `modes`: of each state.
+  /// The score of all states, with concatenated matches. `modes`: per state.
   [[nodiscard]] ModalLikelihood::Score score(const std::vector<fem::ParametricModes::Modes>& modes,
                                              const ModalNoise& noise) const;
 
-  /// C of the measured frequencies, with what the states have in common where it is counted; `with`
-  /// says which modes of the row they are.
+  /// C of the measured frequencies, including common errors if present; `with` receives their
+  /// indices in the concatenation.
   [[nodiscard]] Eigen::MatrixXd frequency_covariance(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
 
-  /// Whether pieces err.
+  /// Whether stiffness errors are included.
   [[nodiscard]] bool with_errors(const ModalNoise& noise) const {
     return pieces_.count() > 0 && noise.stiffness_discrepancy > 0.0;
   }
-  /// ln p(a mode | all others, θ) of each mode of the row, where pieces err.
+  /// ln p(mode | all others, θ) for each mode of the concatenation, with stiffness errors.
   [[nodiscard]] Eigen::VectorXd single_mode_densities(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score) const;
 
-  /// Scratch memory of one thread. What was assembled and solved last is kept: moves of damages
-  /// leave the intact structure as it was.
+  /// Working memory of one thread. It caches the last assembly and solution, because moves of
+  /// damages do not change the intact structure.
   struct Workspace {
-    /// An intact structure, of all groups with the same `known`.
+    /// The intact structure of all groups with the same `known`.
     struct Intact {
       std::optional<std::vector<double>> values = {};  ///< its parameters
       std::optional<fem::Mesh> mesh = {};
@@ -95,7 +97,7 @@ class StatesLikelihood {
     };
     struct Group {
       std::optional<fem::ParametricModes::Workspace> reduced = {};
-      std::optional<std::vector<double>> values = {};  ///< `found` is theirs, without damages
+      std::optional<std::vector<double>> values = {};  ///< parameters of `found`, without damages
       fem::ParametricModes::Modes found = {};
     };
     std::vector<Intact> intact;
@@ -103,30 +105,30 @@ class StatesLikelihood {
   };
   [[nodiscard]] Workspace make_workspace() const;
 
-  /// The modes of each state. False where there is no such structure. `x`: as
+  /// Computes the modes of each state. Returns false if the structure is impossible. `x`: as in
   /// `ObservedStates::parameters`.
   bool solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
              Workspace& workspace, std::vector<fem::ParametricModes::Modes>& out) const;
 
-  /// All computed frequencies [Hz] at a draw of the priors that is no special place: what is alike
-  /// there is alike. Empty where there is no such structure.
+  /// All frequencies [Hz] at a generic prior draw, where only true symmetries give equal
+  /// frequencies. Empty if the structure is impossible.
   [[nodiscard]] std::vector<double> frequencies_anywhere(
       const std::vector<PlacedDefect>& defects) const;
 
-  /// Largest relative error of a frequency against full solutions at `points` draws of the priors,
-  /// defects of each kind among them, and how many modes Sturm's count misses.
+  /// Largest relative error of a frequency compared with full solutions at `points` prior draws
+  /// with defects of each kind, and the number of modes missed by Sturm's count.
   struct Check {
     double largest_error = 0.0;
     int points = 0, missed = 0;
-    double seconds_a_solution = 0.0;  ///< of all states
+    double seconds_a_solution = 0.0;  ///< for all states
   };
   [[nodiscard]] Check check(int points) const;
 
  private:
-  /// Unknown errors: of each piece, and of what damage takes from it.
+  /// Number of unknown errors: one per piece, and one for the damage's effect on it.
   [[nodiscard]] int errors() const { return 2 * pieces_.count(); }
-  /// What the density of all states is made of where pieces err: frequencies with their covariance
-  /// and sensitivities, and shapes, one a mode of the row.
+  /// Ingredients of the joint density with stiffness errors: frequencies with covariance and
+  /// sensitivities, and shapes, one per mode of the concatenation.
   struct Parts {
     std::vector<int> with;
     Eigen::MatrixXd covariance, sensitivities;
@@ -138,28 +140,28 @@ class StatesLikelihood {
   struct Joint {
     double log_density = 0.0, chi_square = 0.0;
   };
-  /// Errors of pieces integrated out of all modes, or of all but one.
+  /// Integrates stiffness errors out of all modes, or of all but mode `without` (-1: none).
   [[nodiscard]] Joint joint(const Parts& parts, const ModalNoise& noise, int without) const;
-  /// ∂f/∂a_p of the frequencies `with`, by the pieces of states with one `known` after the other.
+  /// ∂f/∂a_p of the frequencies `with`; columns: the pieces, repeated for each `known`.
   [[nodiscard]] Eigen::MatrixXd frequency_sensitivities(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalLikelihood::Score& score,
       const std::vector<int>& with) const;
-  /// C, without errors of pieces.
+  /// C without stiffness errors.
   [[nodiscard]] Eigen::MatrixXd covariance_of_noise(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
-  /// Where C has what states have in common: `with` are the modes that were measured.
+  /// Adds the common errors of states to C; `with`: indices of measured modes.
   void add_common(const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
                   const ModalLikelihood::Score& score, const std::vector<int>& with,
                   Eigen::MatrixXd& covariance) const;
   struct Group {
-    std::vector<int> states;  // that differ by temperature alone
-    std::size_t intact = 0;   // of Workspace
+    std::vector<int> states;  // states that differ only in temperature
+    std::size_t intact = 0;   // index in Workspace
     std::shared_ptr<const fem::SubspaceModes> solver = {};
-    std::shared_ptr<const fem::ParametricModes> reduced = {};  // in its place, of matrices
+    std::shared_ptr<const fem::ParametricModes> reduced = {};  // for matrices, instead of `solver`
   };
-  /// A draw of the priors, every fourth without damages, the others with 1, 2, … of each kind; the
-  /// medians at -1.
+  /// A prior draw, every fourth without damages, the others with 1, 2, … of each kind; i = -1: the
+  /// medians.
   struct Draw {
     std::vector<double> x;
     std::vector<PlacedDefect> defects;
@@ -167,17 +169,17 @@ class StatesLikelihood {
   [[nodiscard]] Draw draw(int i) const;
   [[nodiscard]] std::shared_ptr<const fem::ParametricModes> reduced_basis(const Group& group,
                                                                           int modes) const;
-  /// Modes of the structure of a group, shapes at the sensors of its states one after the other.
+  /// Solves the structure of a group; shapes at the sensors of its states, concatenated.
   bool solve(const Group& group, std::span<const double> x,
              const std::vector<PlacedDefect>& defects, Workspace& workspace,
              Workspace::Group& own) const;
-  /// Assembles it where `values` are others. Throws std::invalid_argument.
+  /// Assembles the structure if `values` have changed. Throws std::invalid_argument.
   void assemble(const std::vector<double>& values, Workspace::Intact& out) const;
   /// q_j of each matrix.
   [[nodiscard]] std::vector<double> scales(std::span<const double> x,
                                            const std::vector<PlacedDefect>& defects,
                                            const ObservedState& state) const;
-  /// The structure of a state, changed. Throws ImpossibleChange, std::invalid_argument.
+  /// The changed structure of a state. Throws ImpossibleChange, std::invalid_argument.
   [[nodiscard]] fem::Discretisation structure(std::span<const double> x,
                                               const std::vector<PlacedDefect>& defects,
                                               const ObservedState& state) const;
@@ -194,9 +196,9 @@ class StatesLikelihood {
   std::vector<ModalLikelihood> likelihoods_;
   std::vector<Place> places_;
   std::vector<Group> groups_;
-  MatrixScales scales_;  // of matrices
+  MatrixScales scales_;  // for matrices
   StiffnessPieces pieces_;
-  std::vector<int> family_;  // of each state: those with the same `known` err alike
+  std::vector<int> family_;  // per state: states with the same `known` have common errors
 };
 
 }  // namespace wheeltap::identification

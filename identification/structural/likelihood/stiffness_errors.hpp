@@ -1,4 +1,4 @@
-// What the model leaves out of K, piece by piece, and what that does to modes.
+// Stiffness errors of pieces of the structure, and their effect on modes.
 #pragma once
 
 #include <vector>
@@ -9,26 +9,26 @@
 
 namespace wheeltap::identification {
 
-/// Pieces of a structure that may each be stiffer or softer than the model has them: the quarters
-/// of a member, about (its ends, where joints give, and its middle), and every spring, tie or link
-/// by itself. They do not depend on how finely members are meshed, once that is by four elements.
-/// What an axial force does (geometric stiffness) is none.
+/// Pieces of a structure with independent stiffness errors: approximately the quarters of each
+/// member (its ends, where joints are flexible, and its middle), and each spring, tie and link.
+/// Independent of the mesh if members have at least four elements. Geometric stiffness of axial
+/// forces is not a piece.
 class StiffnessPieces {
  public:
   static constexpr int kOfMember = 4;
 
   StiffnessPieces() = default;
-  /// `mesh`: of members; nullptr of a chain, whose links are its pieces.
+  /// `mesh`: of a structure with members; nullptr for a chain, whose links are its pieces.
   StiffnessPieces(const fem::Discretisation& d, const fem::Mesh* mesh);
 
   [[nodiscard]] int count() const { return count_; }
-  /// φ_jᵀ K_p φ_k by the strains, modes × modes each, of a structure with these strains and perhaps
-  /// more (springs of damages are no pieces). `shapes`: n × modes.
+  /// φ_jᵀ K_p φ_k from the strains, modes × modes each, for a structure with these strains and
+  /// possibly further ones (springs of damages, which are not pieces). `shapes`: n × modes.
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
-  /// How φᵀ K φ moves with a relative error of what defects lost each piece: of a softening that
-  /// leaves q of a strain, q (1 - q) times its energy before. (A piece whose flexibility is 1 + a
-  /// of the model's and whose sound part is lost loses (1 - q) a less of its stiffness.)
+  /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each
+  /// piece: for a softening that leaves q of a strain, q (1 - q) times its previous energy. (A
+  /// piece with a flexibility 1 + a times the model's loses (1 - q) a less of its stiffness.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;
@@ -38,23 +38,23 @@ class StiffnessPieces {
   std::vector<int> of_strain_;
 };
 
-/// With pieces' stiffnesses (1 + a_p) K_p, a_p ~ N(0, σ²), eigenvalues move by φ_jᵀ K_p φ_j a_p and
-/// shapes by Σ_k φ_k φ_kᵀ K_p φ_j a_p / (λ_j - λ_k), to first order (Fox & Kapoor 1968, AIAA J.
-/// 6:2426): all modes of all states by the same a_p, so that what a wrong stiffness does to a
-/// structure does not pass for damage; and what a damage takes from a piece errs by as much, by an
-/// error of its own (`StiffnessPieces::losses`). Integrated out: with residuals r in units of the
-/// noise and their sensitivities X, ln p gains
+/// Integrates stiffness errors out of the likelihood. With stiffnesses (1 + a_p) K_p, a_p ~ N(0,
+/// σ²), eigenvalues change by φ_jᵀ K_p φ_j a_p and shapes by Σ_k φ_k φ_kᵀ K_p φ_j a_p / (λ_j -
+/// λ_k), to first order (Fox & Kapoor 1968, AIAA J. 6:2426). All modes of all states share the a_p,
+/// so that stiffness errors are not mistaken for damage. The stiffness that a damage removes from a
+/// piece has a separate error of the same size (`StiffnessPieces::losses`). With residuals r in
+/// units of the noise and their sensitivities X, ln p gains
 ///
 ///   ½ bᵀ (A + I/σ²)⁻¹ b - ½ ln |I + σ² A|,   A = XᵀX, b = Xᵀr
 ///
-/// (the matrix inversion lemma), which is gathered from as many r and X as there are.
+/// (matrix inversion lemma), accumulated over all r and X.
 class StiffnessErrors {
  public:
   explicit StiffnessErrors(int pieces);
 
   /// X: numbers × pieces.
   void add(const Eigen::MatrixXd& sensitivities, const Eigen::VectorXd& residual);
-  /// What to add to ln p, and to take from χ². σ > 0.
+  /// Amount to add to ln p and to subtract from χ². σ > 0.
   struct Gain {
     double log_density = 0.0, chi_square = 0.0;
   };

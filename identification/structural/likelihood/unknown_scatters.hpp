@@ -1,4 +1,4 @@
-// The scatters of measured modes that are parameters.
+// Unknown scatters of measured modes as parameters.
 #pragma once
 
 #include <span>
@@ -9,25 +9,25 @@
 
 namespace wheeltap::identification {
 
-/// Those of `data` that have a prior, in this order: "cov", "shape_sd", "discrepancy",
-/// "shape_discrepancy", "mixing", "stiffness_discrepancy". The others are known.
+/// The scatters of `data` with a prior, in this order: "cov", "shape_sd", "discrepancy",
+/// "shape_discrepancy", "mixing", "stiffness_discrepancy". The others are constants.
 class UnknownScatters {
  public:
   explicit UnknownScatters(const ModalData& data);
 
   [[nodiscard]] const std::vector<inference::Parameter>& parameters() const { return parameters_; }
-  /// The scatters of a state with these values of the parameters.
+  /// The scatters of a state for these parameter values.
   [[nodiscard]] ModalNoise noise(std::span<const double> values) const;
-  /// Whether this one is a parameter: `contains(&ModalNoise::cov)`.
+  /// Whether a scatter is a parameter: `contains(&ModalNoise::cov)`.
   [[nodiscard]] bool contains(double ModalNoise::*scatter) const;
 
  private:
   std::vector<inference::Parameter> parameters_;
-  std::vector<double ModalNoise::*> places_;  // of each parameter
+  std::vector<double ModalNoise::*> places_;  // member for each parameter
   ModalNoise known_;
 };
 
-/// Names that scatters have as parameters of an update.
+/// Parameter names of scatters in an update.
 [[nodiscard]] const std::vector<std::string>& scatter_names();
 
 }  // namespace wheeltap::identification

@@ -2,13 +2,13 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
+
+#include "base/constants.hpp"
 
 namespace wheeltap::identification {
 namespace {
 
 using Quantity = ForwardModel::Quantity;
-constexpr double kNowhere = std::numeric_limits<double>::infinity();
 
 class StructuralLikelihood final : public inference::Likelihood {
  public:
@@ -16,7 +16,7 @@ class StructuralLikelihood final : public inference::Likelihood {
       : problem_(problem), predictor_(problem, model) {}
 
   double log_likelihood(int model, std::span<const double> x) override {
-    evaluate(-kNowhere, model, x, own_);
+    evaluate(-kInfinity, model, x, own_);
     return own_.log_likelihood;
   }
 
@@ -28,9 +28,9 @@ class StructuralLikelihood final : public inference::Likelihood {
     predicted_.frequencies_hz.resize(rows);
     if (!predictor_.predict(model, x, by_modes ? Quantity::modes : Quantity::frequencies,
                             predicted_)) {
-      // The likelihood of what is no structure is 0.
-      if (by_modes) return out.prediction.assign(rows, kNowhere);
-      std::ranges::fill(predicted_.frequencies_hz, kNowhere);
+      // An impossible structure has likelihood 0.
+      if (by_modes) return out.prediction.assign(rows, kInfinity);
+      std::ranges::fill(predicted_.frequencies_hz, kInfinity);
       predicted_.error_variance.clear();
     }
     for (const auto& placed : problem_.observations) {
@@ -38,7 +38,7 @@ class StructuralLikelihood final : public inference::Likelihood {
           placed.observation->log_density(predicted_, problem_.noise_of(placed, x), out);
       const bool first = &placed == &problem_.observations.front();
       out.log_likelihood = first ? part : out.log_likelihood + part;
-      if (out.log_likelihood == -kNowhere) return;
+      if (out.log_likelihood == -kInfinity) return;
     }
   }
 
@@ -130,14 +130,14 @@ bool StructuralPredictor::score(int model, std::span<const double> x,
 }
 
 void StructuralPredictor::solve(int model, std::span<const double> x, std::span<double> out) {
-  const auto nowhere = [&] { std::ranges::fill(out, kNowhere); };
+  const auto set_infinite = [&] { std::ranges::fill(out, kInfinity); };
   if (problem_.by_modes()) {
-    if (!score(model, x, scratch_)) return nowhere();
+    if (!score(model, x, scratch_)) return set_infinite();
     for (std::size_t i = 0; i < out.size(); ++i) out[i] = scratch_.score.matches[i].frequency_hz;
     return;
   }
   scratch_.frequencies_hz.resize(out.size());
-  if (!predict(model, x, Quantity::frequencies, scratch_)) return nowhere();
+  if (!predict(model, x, Quantity::frequencies, scratch_)) return set_infinite();
   std::ranges::copy(scratch_.frequencies_hz, out.begin());
 }
 
@@ -184,7 +184,7 @@ bool StructuralPredictor::gradient_of_modes(std::span<const double> x, std::span
                          scratch_,
                          out.subspan(first, static_cast<std::size_t>(problem_.structural))))
     return false;
-  // Scatters move no mode: differences cost next to nothing.
+  // Scatters do not change the modes, so differences are cheap.
   std::vector<double> moved(x.begin(), x.end());
   const auto value = [&] {
     return problem_.modes().score(scratch_, problem_.modal_noise(moved)).log_likelihood;

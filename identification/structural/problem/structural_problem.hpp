@@ -1,5 +1,5 @@
-// From a structure, its observations and its kinds of defects to a problem for the engine. Updating
-// is the identification of damage without any kind of defect.
+// Conversion of a structure, its observations and kinds of defects to a problem for the engine.
+// Updating is damage identification without defects.
 #pragma once
 
 #include <memory>
@@ -15,39 +15,40 @@
 
 namespace wheeltap::identification {
 
-/// What damage identification and updating share, kept together because the problem's likelihood
-/// refers to it. The log likelihood is Σ ln p(data | prediction, noise) over the observations.
+/// Common data of damage identification and updating, kept together because the problem's
+/// likelihood refers to them. The log likelihood is Σ ln p(data | prediction, noise) over the
+/// observations.
 struct StructuralProblem {
   using Numbered = std::shared_ptr<const FrequencyObservation>;
   using Matched = std::shared_ptr<const ModeObservation>;
 
   std::shared_ptr<const ForwardModel> model = {};
-  /// The first observation: of frequencies, which are numbered, or of modes, which are matched.
+  /// The first observation: numbered frequencies, or matched modes.
   std::variant<Numbered, Matched> observed = {};
-  std::vector<DefectKind> kinds = {};  ///< of defects; none in an update
+  std::vector<DefectKind> kinds = {};  ///< of defects; empty for an update
   inference::Problem problem = {};
-  /// An observation, and where the parameters of its noise stand in a parameter vector.
+  /// An observation, and the position of its noise parameters in a parameter vector.
   struct Placed {
     std::shared_ptr<const Observation> observation = {};
     std::size_t first = 0, count = 0;
   };
-  std::vector<Placed> observations = {};  ///< the first, and those that were added
-  /// Where the parameters of the intact structure, θ, stand in a parameter vector, and how many.
+  std::vector<Placed> observations = {};  ///< the first, then added ones
+  /// Position and number of the intact structure's parameters θ in a parameter vector.
   int first_theta = 0, structural = 0;
 
-  /// Modes are matched, and not numbered.
+  /// Whether modes are matched instead of numbered.
   [[nodiscard]] bool by_modes() const { return std::holds_alternative<Matched>(observed); }
-  /// Throws std::bad_variant_access where frequencies are numbered.
+  /// Throws std::bad_variant_access for numbered frequencies.
   [[nodiscard]] const ModeObservation& modes() const { return *std::get<Matched>(observed); }
-  /// Of modes in several states; or null.
+  /// Modes in several states; or null.
   [[nodiscard]] const StatesLikelihood* states() const {
     return by_modes() ? modes().several_states() : nullptr;
   }
-  /// Rows of the first observation.
+  /// Number of rows of the first observation.
   [[nodiscard]] int rows() const {
     return by_modes() ? modes().data().modes() : std::get<Numbered>(observed)->data().modes();
   }
-  /// The state of a row, empty where there is one state, and its number there, from 1.
+  /// The state of a row (empty if there is only one), and the mode number there, from 1.
   struct Row {
     std::string state = {};
     int mode = 0;
@@ -57,33 +58,35 @@ struct StructuralProblem {
   [[nodiscard]] std::span<const double> theta(std::span<const double> x) const {
     return x.subspan(static_cast<std::size_t>(first_theta), static_cast<std::size_t>(structural));
   }
-  /// The parameters of an observation's noise.
+  /// The noise parameters of an observation.
   [[nodiscard]] std::span<const double> noise_of(const Placed& placed,
                                                  std::span<const double> x) const {
     return x.subspan(placed.first, placed.count);
   }
-  /// The scatters of the state x. Throws std::bad_variant_access where frequencies are numbered.
+  /// The scatters at x. Throws std::bad_variant_access for numbered frequencies.
   [[nodiscard]] ModalNoise modal_noise(std::span<const double> x) const {
     return modes().scatters().noise(noise_of(observations.front(), x));
   }
-  /// Of the measured frequencies [Hz²], all rows. Throws as `modes`, as the next two do.
+  /// Covariance of the measured frequencies [Hz²], all rows. This and the next two throw as
+  /// `modes`.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
   [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const;
-  /// Numbers measured, scales of shapes not counted.
+  /// Number of measured values, without the scales of shapes.
   [[nodiscard]] int measured() const;
 
-  /// The defects of a parameter vector of a model, in the order of kinds.
+  /// The defects in a parameter vector of model m, in the order of kinds.
   [[nodiscard]] std::vector<PlacedDefect> components(int m, std::span<const double> x) const {
     std::vector<PlacedDefect> list;
     components(m, x, list);
     return list;
   }
-  /// The same, in place of what `to` held.
+  /// The same, written to `to`.
   void components(int m, std::span<const double> x, std::vector<PlacedDefect>& to) const;
 
   enum class First { noise, structure };
-  /// Fills in `observations` and the places of parameters. Returns the parameters that all models
-  /// have: θ = `intact` and the noise of `observed`, one of them first, then that of `added`.
+  /// Sets `observations` and the positions of parameters. Returns the parameters common to all
+  /// models: `intact` (θ) and the noise of `observed` in the order of `first`, then the noise of
+  /// `added`.
   std::vector<inference::Parameter> place_parameters(
       First first, const std::vector<inference::Parameter>& intact,
       const std::vector<std::shared_ptr<const Observation>>& added);
@@ -94,19 +97,19 @@ class StructuralPredictor {
  public:
   explicit StructuralPredictor(const StructuralProblem& problem)
       : StructuralPredictor(problem, *problem.model) {}
-  /// By `model`, in place of the problem's.
+  /// Uses `model` instead of the problem's.
   StructuralPredictor(const StructuralProblem& problem, const ForwardModel& model)
       : problem_(problem), solver_(model.make_solver()) {}
 
-  /// As ForwardModel::Solver has it.
+  /// As ForwardModel::Solver::predict.
   bool predict(int model, std::span<const double> x, ForwardModel::Quantity quantity,
                Prediction& out);
-  /// Modes, and what the data say of them. False where there is no such structure.
+  /// Computes modes and their score. Returns false if the structure is impossible.
   bool score(int model, std::span<const double> x, ModeObservation::Scored& out);
-  /// The frequencies [Hz]: the `out.size()` lowest elastic ones, or those that match the measured
-  /// modes. ∞ where there is no such structure.
+  /// Computes frequencies [Hz]: the `out.size()` lowest elastic ones, or those matched to the
+  /// measured modes; ∞ if the structure is impossible.
   void solve(int model, std::span<const double> x, std::span<double> out);
-  /// ∂ ln p(first observation | x)/∂x. False where there is none.
+  /// ∂ ln p(first observation | x)/∂x. Returns false if it is not available.
   bool gradient(int model, std::span<const double> x, std::span<double> out);
 
  private:
@@ -119,7 +122,7 @@ class StructuralPredictor {
   ModeObservation::Scored scratch_;
 };
 
-/// The likelihood of all observations, `model` predicting. Refers to both.
+/// The likelihood of all observations, predicted by `model`. Refers to both.
 [[nodiscard]] inference::LikelihoodFactory likelihood_of(const StructuralProblem& problem,
                                                          const ForwardModel& model);
 

@@ -23,7 +23,7 @@ constexpr std::size_t kMostOthers = 20'000;  // numberings that are compared
 constexpr int kNumberingDraws = 400, kFewNumberingDraws = 60;
 constexpr double kNumberingSeconds = 2.0;
 
-/// All numberings, the one that is used first, with ln of their weights before the data.
+/// All numberings, starting with the assumed one, and ln of their prior weights.
 struct Numberings {
   std::vector<std::vector<int>> list;
   std::vector<double> log_weight;
@@ -114,7 +114,7 @@ std::optional<NumberingFinding> numbering_of(const StructureModel& model, const 
       const VectorXd f = fem::structure_modes(d, rigid + modes).frequencies_hz.tail(modes);
       if (f.allFinite() && f.minCoeff() > 0.0) found.emplace_back(f.array().log());
     } catch (const std::exception&) {
-      continue;  // no such structure
+      continue;  // impossible structure
     }
   }
   if (static_cast<int>(found.size()) < std::max(kFewNumberingDraws, 3 * modes) ||

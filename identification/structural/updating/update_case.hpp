@@ -1,4 +1,4 @@
-// What is asked of a structure whose parameters are to be learnt from its modes.
+// The case of a model update: a structure with unknown parameters and its measured modes.
 #pragma once
 
 #include <cstdint>
@@ -14,12 +14,12 @@
 
 namespace wheeltap::identification {
 
-/// Modes that the case has simulated.
+/// The simulation that a case defines.
 struct ModalSimulation {
   std::vector<double> parameters;  ///< in the order of the structure's
   int modes = 0;
   double cov = 0.0;       ///< sd of a frequency = cov · true frequency
-  double shape_sd = 0.0;  ///< of entries, shapes scaled to a largest entry of 1; 0: no shapes
+  double shape_sd = 0.0;  ///< sd of shape entries, with a largest entry of 1; 0: no shapes
   std::uint64_t seed = 1;
 };
 
@@ -28,13 +28,13 @@ struct UpdateCase {
   std::shared_ptr<const StructureModel> structure = {};
   ModalData data = {};
   std::optional<ModalSimulation> simulation = {};
-  /// Where several states were measured; `data` are then their frequencies in a row.
+  /// If several states were measured; `data` are then their concatenated frequencies.
   std::shared_ptr<const ObservedStates> states = {};
 };
 
-/// The lowest elastic modes of the structure with these parameters, by the full solve: frequencies
-/// [Hz], and shapes at the sensors (sensors × modes, largest entry 1). Throws
-/// fem::InvalidStructure, std::invalid_argument.
+/// The lowest elastic modes of the structure with these parameters, by the full solution:
+/// frequencies [Hz], and shapes at the sensors (sensors × modes, largest entry 1). `true_modes`
+/// throws fem::InvalidStructure, std::invalid_argument.
 struct TrueModes {
   std::vector<double> frequencies_hz;
   Eigen::MatrixXd shapes;
@@ -42,11 +42,11 @@ struct TrueModes {
 [[nodiscard]] TrueModes true_modes(const UpdateCase& update_case,
                                    std::span<const double> parameters, int modes);
 
-/// Fills in the data from the truth: Gaussian noise on the frequencies and on the shapes' entries,
-/// scatters as the truth has them unless the data say their own. Throws as `true_modes`.
+/// Simulates the data: Gaussian noise on frequencies and shape entries, with the truth's scatters
+/// unless the data specify them. Throws as `true_modes`.
 void simulate(UpdateCase& update_case, std::uint64_t seed);
 
-/// What the structure and its sensors can hardly be meant to be (structure_plausibility.hpp).
+/// Plausibility of the structure and its sensors (structure_plausibility.hpp).
 [[nodiscard]] std::vector<Remark> implausible(const UpdateCase& update_case);
 
 }  // namespace wheeltap::identification

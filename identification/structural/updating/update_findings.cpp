@@ -19,11 +19,10 @@ using Eigen::VectorXd;
 using inference::ChainsOf;
 using inference::Posterior;
 
-/// Draws that are looked at again, with their shapes.
+/// Draws that are solved again, with shapes.
 constexpr std::size_t kExamined = 2000;
 
-/// Draws in standard normal coordinates, one a row: all of them, of more than a million
-/// every n-th.
+/// Draws in standard normal coordinates, one per row; thinned above a million draws.
 MatrixXd coordinates(const UpdateProblem& problem, const Posterior& posterior) {
   const auto& space = problem.problem.space;
   constexpr std::size_t kEnough = 1 << 20;
@@ -72,7 +71,8 @@ void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
   }
   for (Index a = 0; a < z.cols(); ++a)
     for (Index b = a + 1; b < z.cols(); ++b) {
-      // Separate solutions correlate parameters that each of them tells apart.
+      // Between separate solutions, parameters are correlated even if each solution determines
+      // them.
       const MatrixXd& c = within.size() > 0 ? within : covariance;
       const double r = c(a, b) / std::sqrt(c(a, a) * c(b, b));
       if (std::abs(r) > kEntangled) out.entangled.push_back({name(a), name(b), r});
@@ -99,7 +99,7 @@ struct Examined {
   std::vector<std::vector<double>> x;
   std::vector<double> log_likelihood;
   std::vector<ModalLikelihood::Score> scores;
-  std::vector<VectorXd> frequencies_hz;  // of all computed modes
+  std::vector<VectorXd> frequencies_hz;  // per draw, all computed modes
   std::size_t best = 0;
 };
 
@@ -123,7 +123,7 @@ Examined examine(const UpdateProblem& problem, const Posterior& posterior, Updat
     for (std::size_t i = 0; i < posterior.chains[c].model.size(); i += stride)
       add(posterior.theta(c, i));
   out.examined = static_cast<int>(seen.x.size());
-  // The best of all draws, last: it counts in no average.
+  // Last, the best of all draws; it is not included in averages.
   const auto [chain, draw] = posterior.best_draw();
   add(posterior.theta(chain, draw));
   seen.best = seen.x.size() - 1;
@@ -224,7 +224,7 @@ void judge_update_fit(const UpdateProblem& problem, const Examined& seen, Update
   UpdateFit& fit = out.fit;
   fit.p = 0.0;
   double least = std::numeric_limits<double>::infinity();
-  int numbers = 0;  // of the best
+  int numbers = 0;  // freedoms of the draw with the smallest χ²
   for (std::size_t s = 0; s < seen.scores.size(); ++s) {
     const ModalLikelihood::Score& score = seen.scores[s];
     if (score.chi_square < least) {
@@ -234,7 +234,7 @@ void judge_update_fit(const UpdateProblem& problem, const Examined& seen, Update
     if (s < static_cast<std::size_t>(out.examined))
       fit.p += chi_square_tail(score.freedoms, score.chi_square) / out.examined;
   }
-  // Parameters that the data move, each its share of one.
+  // Effective number of parameters: sum of the contractions.
   double used = 0.0;
   for (int p = 0; p < problem.structural; ++p)
     used += std::clamp(out.contractions[static_cast<std::size_t>(p)].contraction, 0.0, 1.0);
@@ -258,8 +258,8 @@ void judge_update_fit(const UpdateProblem& problem, const Examined& seen, Update
     if (p.misses()) fit.missed.push_back(p.mode);
 }
 
-/// What the residuals of the other states say of a mode's, whose model is wrong by the same factor:
-/// mean and variance of f_obs - f, the measurement's noise left out.
+/// Mean and variance of f_obs - f of a mode without measurement noise, given the residuals of the
+/// same mode in the other states, which share the model error.
 struct Conditional {
   double mean = 0.0, variance = 0.0;
 };
@@ -296,7 +296,7 @@ Conditional conditional(const UpdateProblem& problem, const ModalLikelihood::Sco
   return out;
 }
 
-/// Of the measured frequencies, relative, on average.
+/// Mean relative variance of the measured frequencies.
 double relative_variance(const ModalData& data, const MatrixXd& covariance) {
   double sum = 0.0, count = 0.0;
   for (int i = 0; i < data.modes(); ++i)
@@ -305,7 +305,7 @@ double relative_variance(const ModalData& data, const MatrixXd& covariance) {
   return sum / std::max(1.0, count);
 }
 
-/// The band of replicates of a mode, and what was held out of `data` of it.
+/// Sets the band of a mode's replicates, and the held-out measurement in `data`.
 void set_band(std::vector<double>& replicates, const ModalData& data, std::size_t mode,
               PredictedMode& p) {
   std::ranges::sort(replicates);
@@ -315,7 +315,8 @@ void set_band(std::vector<double>& replicates, const ModalData& data, std::size_
     p.measured_hz = data.held_out_hz[mode];
 }
 
-/// Modes of states in which no frequency was measured, as well known as the others are on average.
+/// Predicts modes in states without measured frequencies, with the average measurement noise of the
+/// others.
 void predict_states(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
                     UpdateFindings& out) {
   const ModalData& data = problem.update_case.data;
@@ -343,12 +344,11 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
   }
 }
 
-/// The next modes after those that the measured ones are matched to.
+/// Predicts the modes that follow those matched to measured ones.
 void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
                    UpdateFindings& out) {
   if (problem.states() != nullptr) return predict_states(problem, seen, seed, out);
   const ModalData& data = problem.update_case.data;
-  // The lowest elastic modes that are computed.
   const auto candidates = static_cast<int>(seen.frequencies_hz.front().size());
   int first = 0;
   for (const ModeFinding& m : out.modes)
@@ -358,7 +358,7 @@ void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint
     const Index at = first + k;
     PredictedMode p{.mode = first + k + 1};
     p.frequency_hz = marginal_of(out, [&](std::size_t s) { return seen.frequencies_hz[s][at]; });
-    // As well as the modes measured are known, on average.
+    // With the average relative noise of the measured modes.
     std::vector<double> replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
       const double relative = relative_variance(data, problem.covariance(problem.noise(seen.x[s])));
@@ -371,7 +371,7 @@ void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint
   }
 }
 
-/// Shapes at the best draw beside the measured ones, and the MAC of all pairs.
+/// Measured and computed shapes at the best draw, and the MAC of all pairs.
 void show_shapes(const UpdateProblem& problem, const Examined& seen, UpdateFindings& out) {
   out.best_draw = seen.x[seen.best];
   if (!problem.update_case.data.has_shapes()) return;
@@ -423,7 +423,7 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
   judge_update_fit(problem, seen, out);
   show_shapes(problem, seen, out);
   conclude(out, problem.problem.space, evidence);
-  // Contractions say it more sharply.
+  // Contractions are a more sensitive measure.
   std::erase_if(out.remarks, [](const Remark& remark) {
     return std::holds_alternative<remark::NearlyPrior>(remark);
   });

@@ -1,4 +1,4 @@
-// What the modes of a structure say of its parameters, and what they do not.
+// Results of a model update: information of the modes about each parameter, fit and predictions.
 #pragma once
 
 #include <cmath>
@@ -14,84 +14,85 @@
 
 namespace wheeltap::identification {
 
-/// Of one parameter, in its standard normal coordinate z, in which every prior has variance 1.
+/// Change from prior to posterior of one parameter, in its standard normal coordinate z, for which
+/// every prior has variance 1.
 struct Contraction {
   std::string name;
   double contraction = 0.0;  ///< 1 - Var(z | data)
-  double shift = 0.0;        ///< mean of z: how many prior sd the posterior has moved
+  double shift = 0.0;        ///< mean of z: shift of the posterior in prior sd
   using Bound = PriorBound;
-  Bound bound = Bound::none;  ///< of its prior, at which the draws pile up
+  Bound bound = Bound::none;  ///< bound of its prior at which the draws pile up
 
-  /// The data leave it at the prior.
+  /// Whether the posterior equals the prior.
   [[nodiscard]] bool at_prior() const;
 };
 
-/// Two parameters that cannot be told apart: their correlation, of z, within one solution.
+/// Two parameters that the data cannot distinguish: the correlation of their z within one solution.
 struct Entangled {
   std::string a, b;
   double correlation = 0.0;
 };
 
-/// A combination of parameters' z of which the data say next to nothing: an eigenvector of
-/// Cov(z | data) whose contraction is below `kUntouched`.
+/// A combination of parameters' z about which the data have little information: an eigenvector of
+/// Cov(z | data) with a contraction below `kUntouched`.
 struct UntouchedDirection {
   double contraction = 0.0;
-  std::vector<std::pair<std::string, double>> weights = {};  ///< the largest, of |w| >= 0.3
+  std::vector<std::pair<std::string, double>> weights = {};  ///< largest weights, |w| >= 0.3
 };
 inline constexpr double kUntouched = 0.05;
 inline constexpr double kEntangled = 0.95;
 
-/// A measured mode against the posterior.
+/// A measured mode compared with the posterior.
 struct ModeFinding {
-  int mode = 0;                           ///< as measured, from 1
-  double measured_hz = 0.0, sd_hz = 0.0;  ///< NaN where only a shape was measured
-  Marginal frequency_hz = {};             ///< of the computed one
-  double residual = 0.0;                  ///< of the frequency, in sd: mean over the draws
-  int computed = 0;                       ///< the computed mode it is matched to most, from 1
-  double matched = 1.0;                   ///< share of the draws in which it is that one
-  double spurious = 0.0;  ///< P that it is none of the structure's, where modes are doubted
+  int mode = 0;                           ///< measured mode, from 1
+  double measured_hz = 0.0, sd_hz = 0.0;  ///< NaN if only a shape was measured
+  Marginal frequency_hz = {};             ///< frequency of the computed mode
+  double residual = 0.0;                  ///< frequency residual in sd: mean over the draws
+  int computed = 0;                       ///< computed mode most often matched, from 1
+  double matched = 1.0;                   ///< share of the draws with that match
+  double spurious = 0.0;                  ///< probability that it is spurious, if modes may be
   bool has_shape = false;
   Marginal mac = {};              ///< over the draws
   double shape_chi_square = 0.0;  ///< mean over the draws
   int shape_freedoms = 0;
-  double shape_p = 1.0;  ///< of a replicate, mean over the draws
-  /// What the posterior would lose without this mode: KL(posterior ‖ without) [nats], the parameter
-  /// that would move most, and by how many posterior sd. `reliable`: the draws can be reweighted
-  /// so.
+  double shape_p = 1.0;  ///< p-value of the shape, mean over the draws
+  /// Effect of leaving out this mode: KL(posterior ‖ without) [nats], the parameter that would
+  /// change most, and by how many posterior sd. `reliable`: the importance weights are adequate.
   double information = 0.0;
   std::string moves = {};
   double moved = 0.0;
   bool reliable = true;
-  std::string state = {};  ///< where there are several
-  int mode_of_state = 0;   ///< as measured in it, from 1
+  std::string state = {};  ///< empty if there is only one
+  int mode_of_state = 0;   ///< measured mode in that state, from 1
 
-  /// A gap (ModalData) is none.
+  /// False for a gap (ModalData).
   [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
-  /// Off by more than the stated scatter allows: 3 sd, or p below 1e-3; spurious ones are not.
+  /// Whether it deviates by more than the stated scatter allows: 3 sd, or p below 1e-3. False for
+  /// spurious modes.
   [[nodiscard]] bool is_off() const;
 };
 
-/// A mode that was not used.
+/// A prediction of a mode that was not used.
 struct PredictedMode {
-  int mode = 0;  ///< elastic, computed, from 1
+  int mode = 0;  ///< elastic mode, from 1
   Marginal frequency_hz = {};
-  double low_hz = 0.0, high_hz = 0.0;  ///< 95 % of a measurement, noise and discrepancy included
-  std::optional<double> measured_hz = {};  ///< held out
-  std::string state = {};                  ///< where it is one of a state's: `mode` is then its own
+  double low_hz = 0.0, high_hz = 0.0;  ///< 95 % band of a measurement, with noise and discrepancy
+  std::optional<double> measured_hz = {};  ///< held-out measurement
+  std::string state = {};  ///< if there are several states; `mode` is then the number in that state
 
   [[nodiscard]] bool misses() const {
     return measured_hz && (*measured_hz < low_hz || *measured_hz > high_hz);
   }
-  /// A band that says nothing: wider than half of the frequency.
+  /// Whether the band is wider than half of the frequency.
   [[nodiscard]] bool useless() const { return high_hz - low_hz > 0.5 * frequency_hz.q50; }
 };
 
 struct UpdateFit {
-  double p = 1.0;  ///< posterior predictive, of χ²: P(of a replicate > of the data)
-  double best_p =
-      1.0;          ///< of the best draw's χ², with one freedom a parameter less; 1 if none left
-  double r2 = 0.0;  ///< of the frequencies, at the posterior mean of each; NaN of fewer than 2
-  std::vector<int> off;     ///< modes
+  double p = 1.0;  ///< posterior predictive p of χ²: P(replicate > data)
+  /// p of the best draw's χ², with freedoms reduced by the parameters; 1 if none are left.
+  double best_p = 1.0;
+  double r2 = 0.0;       ///< R² of the frequencies, at their posterior means; NaN for fewer than 2
+  std::vector<int> off;  ///< modes that deviate
   std::vector<int> missed;  ///< held-out modes outside their band
 
   [[nodiscard]] bool ok() const;
@@ -101,22 +102,22 @@ struct UpdateFindings : Findings {
   std::vector<Contraction> contractions;
   std::vector<Entangled> entangled;
   std::vector<UntouchedDirection> untouched;
-  /// Separate regions of the posterior, the most probable first; empty where there is one.
+  /// Separate regions of the posterior, most probable first; empty if there is only one.
   std::vector<Solution> solutions;
   std::vector<ModeFinding> modes;
-  std::optional<NumberingFinding> numbering;  ///< of data without shapes, where it was judged
+  std::optional<NumberingFinding> numbering;  ///< for data without shapes, if checked
   Eigen::MatrixXd mac;  ///< measured × computed modes, at the best draw; empty without shapes
-  /// Modes × sensors, at the best draw, scaled to the measured ones; NaN where not measured.
+  /// Modes × sensors, at the best draw, scaled to the measured ones; NaN if not measured.
   Eigen::MatrixXd best_shapes;
   std::vector<double> best_draw;
   std::vector<PredictedMode> predictions;
   UpdateFit fit;
-  int numbers = 0;   ///< measured
-  long in_full = 0;  ///< of `examined` draws, those that the basis had no answer for
+  int numbers = 0;   ///< number of measured values
+  long in_full = 0;  ///< among `examined` draws, those that the basis could not solve
   int examined = 0;
 };
 
-/// The run must have at least 4 draws a chain, all chains of the same length.
+/// Computes the findings. The run must have at least 4 draws per chain and chains of equal length.
 [[nodiscard]] UpdateFindings update_findings(const UpdateProblem& problem,
                                              const inference::Posterior& posterior,
                                              const std::vector<MethodEvidence>& evidence,

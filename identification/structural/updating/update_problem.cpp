@@ -12,8 +12,8 @@
 namespace wheeltap::identification {
 namespace {
 
-/// How exactly modes are to be computed: to a thousandth of the smallest scatter of a frequency,
-/// and a fifth of that of a shape, by their bounds (errors are far below them).
+/// Tolerances of computed modes, as error bounds: a thousandth of the smallest scatter of a
+/// frequency, a fifth of that of a shape. Actual errors are far smaller.
 struct Tolerances {
   double eigenvalue = 1e-6, shape = 1e-3;
 };
@@ -27,7 +27,7 @@ Tolerances tolerances_of(const ModalLikelihood& likelihood) {
       cov = std::min(cov, std::sqrt(data.covariance(i, i)) / f);
     if (likelihood.shape(i) && !data.shape_sd_prior) sd = std::min(sd, likelihood.shape(i)->sd());
   }
-  // The lower end of what an unknown scatter may be.
+  // A low quantile of an unknown scatter.
   if (data.cov_prior) cov = data.cov_prior->from_standard_normal(-2.0);
   if (data.shape_sd_prior) sd = data.shape_sd_prior->from_standard_normal(-2.0);
   // λ ∝ f².
@@ -65,7 +65,7 @@ std::shared_ptr<const fem::ParametricModes> reduced_basis(const UpdateCase& upda
   if (data.has_shapes())
     for (const Sensor& sensor : data.sensors) motions.push_back(sensor.motion);
   const Tolerances tolerances = tolerances_of(likelihood);
-  // Of modes that are doubted there may be more than the structure has.
+  // Spurious modes may make the data exceed the modes of the structure.
   const int candidates = likelihood.candidates(available);
   return std::make_shared<const fem::ParametricModes>(
       std::move(structure), draws,
@@ -84,13 +84,13 @@ OutsidePredictor predictor_in_front(const UpdateCase& update_case,
   const auto must = [](const char* what, int has, int wanted) {
     if (has != wanted)
       throw std::invalid_argument(std::string("the model has ") + std::to_string(has) + " " + what +
-                                  ", must have " + std::to_string(wanted));
+                                  ": must be " + std::to_string(wanted));
   };
   must("inputs", options.outside->inputs(), static_cast<int>(unknowns.size()));
   must("outputs", options.outside->outputs(), data.modes() + data.predict);
   if (data.has_shapes() || update_case.states)
     throw std::invalid_argument(
-        "the model predicts frequencies: there must be no shapes or states");
+        "the model predicts frequencies only: shapes and states are not allowed");
   OutsidePredictor out{.model = options.outside};
   if (options.emulator)
     out.emulator = std::make_shared<const OutsideEmulator>(
@@ -116,7 +116,7 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
                                                          const UpdateProblemOptions& options) {
   auto out = std::make_unique<UpdateProblem>();
   ModalData scatters = update_case.data;
-  scatters.stiffness_discrepancy = {};  // goes with damage
+  scatters.stiffness_discrepancy = {};  // applies to damage only
   const auto states = update_case.states ? std::make_shared<const StatesLikelihood>(
                                                update_case.states, std::vector<DefectKind>{})
                                          : nullptr;
@@ -125,7 +125,7 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   const std::vector<inference::Parameter> structural =
       states ? update_case.states->parameters() : update_case.structure->parameters;
   if (structural.empty())
-    throw std::invalid_argument("parameters is empty: there is nothing to be learnt");
+    throw std::invalid_argument("parameters is empty: must have at least one unknown");
   const std::vector<inference::Parameter> parameters =
       out->place_parameters(StructuralProblem::First::structure, structural, options.observations);
   std::vector<std::string> names;

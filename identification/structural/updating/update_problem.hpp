@@ -1,4 +1,4 @@
-// From a structure and its measured modes to a problem for the engine.
+// Conversion of a structure and its measured modes to a problem for the engine.
 #pragma once
 
 #include <functional>
@@ -11,21 +11,21 @@
 
 namespace wheeltap::identification {
 
-/// An update as a problem: one model, whose parameters are those of the structure and then, where
-/// they are unknown, "cov", "shape_sd", "discrepancy", "shape_discrepancy" and "mixing", and the
-/// noise of observations that were added.
+/// An update as a problem: one model, with the parameters of the structure, then the unknown ones
+/// of "cov", "shape_sd", "discrepancy", "shape_discrepancy" and "mixing", then the noise of added
+/// observations.
 struct UpdateProblem : StructuralProblem {
   UpdateCase update_case = {};
-  double seconds_a_likelihood = 0.0;  ///< about, on this machine now
+  double seconds_a_likelihood = 0.0;  ///< estimate, on this machine now
 
-  /// Scatters of the state x, the emulator's error there included.
+  /// Scatters at x, with the emulator's error there.
   [[nodiscard]] ModalNoise noise(std::span<const double> x) const;
-  /// The reduced basis that predicts; null where something else does.
+  /// The reduced basis that predicts; null if another model predicts.
   [[nodiscard]] const fem::ParametricModes* basis() const {
     const auto* by = dynamic_cast<const BasisModel*>(model.get());
     return by == nullptr ? nullptr : &by->basis();
   }
-  /// The program or server that predicts, likewise.
+  /// The external program or server that predicts; null if another model predicts.
   [[nodiscard]] const OutsidePredictor* program() const {
     const auto* by = dynamic_cast<const OutsideModes*>(model.get());
     return by == nullptr ? nullptr : &by->predictor();
@@ -33,22 +33,22 @@ struct UpdateProblem : StructuralProblem {
 };
 
 struct UpdateProblemOptions {
-  int training = 200;  ///< draws of the prior that the reduced basis is made for
+  int training = 200;  ///< prior draws that train the reduced basis
   std::function<void(double)> progress = {};
-  /// Predicts the frequencies [Hz] of the modes measured and of those to be foretold, from the
-  /// parameters of the structure in their order; that structure is not looked at then.
+  /// Predicts the frequencies [Hz] of the measured modes and of those to be predicted, from the
+  /// parameters of the structure in their order. The structure is not used then.
   std::shared_ptr<OutsideModel> outside = {};
-  std::optional<OutsideEmulatorSpec> emulator = {};  ///< in front of it
-  int threads = 1;                                   ///< that train the emulator
-  /// Predicts the modes at the case's sensors in place of the structure, which is not looked at.
+  std::optional<OutsideEmulatorSpec> emulator = {};  ///< emulates `outside`
+  int threads = 1;                                   ///< to train the emulator
+  /// Predicts the modes at the case's sensors; the structure is not used then.
   std::shared_ptr<const ForwardModel> model = {};
-  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< beside the case's data
+  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
 };
 
-/// Trains the reduced basis: eigenvalues are then known to a thousandth of the smallest scatter of
-/// a frequency (1e-8 to 1e-5, relative), shapes to a fifth of theirs, or the structure is solved in
-/// full. Throws std::invalid_argument for data that do not fit together and
-/// more modes than there are, fem::InvalidStructure, OutsideModelError.
+/// Makes the problem and trains the reduced basis. Eigenvalues are accurate to a thousandth of the
+/// smallest scatter of a frequency (1e-8 to 1e-5, relative) and shapes to a fifth of theirs;
+/// otherwise the structure is solved in full. Throws std::invalid_argument for inconsistent data
+/// and for more modes than the structure has; throws fem::InvalidStructure, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
     UpdateCase update_case, const UpdateProblemOptions& options = {});
 
