@@ -8,11 +8,11 @@
 
 namespace wheeltap::base {
 
-/// What the shell returns where there is no such program, or where it cannot be run.
+/// Exit codes of the shell if it does not find a program, or cannot run it.
 inline constexpr int kProgramNotFound = 127, kNotRunnable = 126;
 
 struct ProgramStart {
-  const char* file;                        ///< sought along PATH where it has no "/"
+  const char* file;                        ///< without a "/", searched for in PATH
   std::vector<std::string> words;          ///< the first is the program's name
   std::vector<std::string> environment{};  ///< "NAME=VALUE"; none: that of this process
   std::string directory = ".";             ///< where it runs

@@ -18,7 +18,7 @@ struct TextLayout {
   std::optional<int> units_row = {};   ///< line of the column units; 0: there is none
   std::string time_format =
       {};                  ///< format of time stamps (io/text/time_stamp.hpp); empty: detected
-  std::string sheet = {};  ///< of a workbook; empty: the first that is not hidden
+  std::string sheet = {};  ///< a workbook's sheet; empty: the first that is not hidden
 
   bool operator==(const TextLayout&) const = default;
 };
