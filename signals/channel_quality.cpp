@@ -13,7 +13,7 @@ constexpr long kClippedRun = 3;
 constexpr double kSpike = 12.0;  // robust standard deviations
 constexpr double kMadToSd = 1.4826;
 constexpr std::size_t kBlock = 500;   // samples
-constexpr double kMostSpikes = 1e-3;  // of all samples
+constexpr double kMostSpikes = 1e-3;  // share of all samples
 constexpr int kDriftBlocks = 20;
 
 double median_of(std::vector<double> values) {
