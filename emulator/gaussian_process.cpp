@@ -153,7 +153,7 @@ struct GaussianProcess::Impl {
   RowMatrix unit_points;
   RowMatrix values;  // standardised: (value - offset) / size
   Eigen::RowVectorXd offset, size;
-  std::vector<double> low, range;  // of the scale coordinates
+  std::vector<double> low, range;  // range of each scale coordinate
   std::vector<Group> groups;
 
   Impl(std::vector<Factor> f, const RowMatrix& points, const RowMatrix& y, Kernel k)
