@@ -17,7 +17,7 @@ constexpr double kThin = 4;
 // Beside likelihoods: proposals, mixtures and what is kept of an iteration, and of a run [s of
 // processor]. Measured on a core of 2.5 GHz (docs/scale.md).
 constexpr double kBesidesACall = 3e-6, kBesidesADimension = 2e-7, kBesidesARun = 0.3;
-constexpr double kSlices = 8.0;  // of a search, at the same time
+constexpr double kSlices = 8.0;  // slices of a search that run at the same time
 
 }  // namespace
 

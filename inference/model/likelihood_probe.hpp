@@ -1,4 +1,4 @@
-// What a likelihood takes, measured.
+// Measured run time of a likelihood.
 #pragma once
 
 #include "inference/model/target.hpp"
