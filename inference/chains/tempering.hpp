@@ -115,8 +115,9 @@ class TemperedChain {
 /// Checks that every model with prior weight has a finite likelihood at one draw from its prior at
 /// least. Throws LikelihoodError, naming the model, after 100 000 draws without one, or after 5000
 /// if the problem can be shortened. All but the first 200 of these are tested on its first 50
-/// samples first. `goes_on`, if any, is called before every try with the completed share of the
-/// largest possible number of tries; if it returns false, the remaining models are not checked.
+/// samples first. The function `goes_on`, if any, is called before every try with the completed
+/// share of the largest possible number of tries; if it returns false, the remaining models are not
+/// checked.
 void check_models(Target& target, std::uint64_t seed,
                   const std::function<bool(double tried)>& goes_on = {});
 

@@ -1,7 +1,7 @@
-// What every fuzzing target needs. A target is one function that takes bytes and must return for
-// any: errors that the code under test promises are caught, everything else is a finding. Built
-// with clang's fuzzer by the preset "fuzz" (scripts/fuzz); by any compiler it replays stored
-// inputs.
+// Common parts of the fuzzing targets. A target is one function that takes bytes and must return
+// for any. It catches the errors that the code under test documents; all else is a finding. The
+// preset "fuzz" (scripts/fuzz) builds targets with clang's fuzzer; with other compilers they replay
+// stored inputs.
 #pragma once
 
 #include <unistd.h>

@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       std::abort();
     (void)io::universal_columns(file, "fuzzed.uff");
   } catch (const io::FileError& error) {
-    // What was read can be written in a form that reads.
+    // The content that was read can be written, and the new file can be read.
     if (error.path() == "written.uff") std::abort();
   }
   return 0;

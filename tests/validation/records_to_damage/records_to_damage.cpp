@@ -1,13 +1,14 @@
-// From raw accelerations to damage by the program's own commands, on random frames whose truths are
-// drawn from the case's priors: whether intervals cover, and from which damage on it is seen.
+// Coverage of credible intervals and detection limit of damage identification from raw
+// accelerations by the program's commands, on random frames with truths drawn from the case's
+// priors.
 //
 //   records_to_damage --program WHEELTAP [--seed N] [--cases N] [--first N] [--keep FILE]
 //                     [--files DIR] [--sampling "--warmup N …"] [--check]
 //
-// --keep appends each case's row to FILE, one JSON line each, and skips those that FILE holds: a
-// study goes on where it was stopped. --files keeps records, cases and results there. --check ends
-// with 1 where an intact frame is called damaged, a damage that moves a frequency by 1 % is not
-// seen, or a truth lies beyond the central 99.9 % of its posterior.
+// --keep appends one JSON line per case to FILE and skips the cases that FILE contains, so that a
+// stopped study resumes. Option --files keeps records, cases and results in DIR. Option --check
+// returns 1 if an intact frame is diagnosed as damaged, if a damage that changes a frequency by 1 %
+// is not detected, or if a truth lies outside the central 99.9 % of its posterior.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>

@@ -1,11 +1,11 @@
-// Random structures with 0 to 3 defects, truths drawn from their priors: whether intervals cover
-// and probabilities are calibrated. Prints a line a case, then the tables.
+// Coverage of intervals and calibration of probabilities on random structures with 0 to 3 defects,
+// with truths drawn from their priors. Prints one line per case, then the tables.
 //
 //   structure_coverage [--seed N] [--cases N] [--first N] [--warmup N] [--draws N] [--searches N]
 //                      [--keep FILE] [--check]
 //
-// --keep appends each case's row to FILE, one JSON line each, and skips those that FILE holds: a
-// study goes on where it was stopped. --check ends with 1 where chance does not explain the tables.
+// --keep appends one JSON line per case to FILE and skips the cases that FILE contains, so that a
+// stopped study resumes. --check returns 1 if chance does not explain the tables.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
