@@ -98,7 +98,7 @@ Trend trend(const Cholesky& factor, const RowMatrix& y) {
   return t;
 }
 
-/// The gradient stays 0 where it is not asked for: it is most of the work.
+/// The gradient, which is most of the work, stays 0 without `with_gradient`.
 LogLikelihood log_likelihood(const RowMatrix& unit_points, const RowMatrix& values,
                              const Correlation& c, bool with_gradient) {
   const Index n = unit_points.rows(), d = unit_points.cols(), m = values.cols();

@@ -209,7 +209,7 @@ std::vector<FoundFault> channel_faults(const ChannelQuality& q, bool is_record) 
     out.push_back({drift, q.drift, 1.0});
   else
     judge(wander, q.wander, 0.3);
-  // A bound of the mean and the step themselves: the standard deviation may be 0.
+  // Without division, since the standard deviation may be 0.
   if (std::abs(q.mean) > 3.0 * q.sd) out.push_back({offset, std::abs(q.mean) / q.sd, 3.0});
   if (q.step > 0.05 * q.sd) out.push_back({coarse, q.step / q.sd, 0.05});
   return out;

@@ -33,8 +33,8 @@ struct StructureDrawing {
   std::vector<DofName> names;           ///< one per degree of freedom
 };
 
-/// A structure, its matrices, and what is drawn of it. Matrices have no places: they are degrees of
-/// freedom by name, and nothing is drawn. A chain is drawn upwards, one metre per mass, moving
+/// A structure's matrices and drawing. A structure given as matrices has named degrees of freedom
+/// without places, and no drawing. A chain is drawn upwards, one metre per mass, moving
 /// along x.
 struct DrawnStructure {
   Discretisation discretisation;
@@ -45,7 +45,7 @@ struct DrawnStructure {
 [[nodiscard]] DrawnStructure drawn(const LumpedChain& chain);
 [[nodiscard]] DrawnStructure drawn(const MatrixStructure& matrices);
 
-/// Displacement of every point in a shape, the largest scaled to 1 (all 0 where nothing moves).
+/// Displacement of every point in a shape, the largest scaled to 1 (all 0 for a shape of zeros).
 [[nodiscard]] std::vector<Vector3> point_motions(const StructureDrawing& drawing,
                                                  const Eigen::VectorXd& shape);
 

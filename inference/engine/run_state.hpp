@@ -47,8 +47,8 @@ struct ChainState {
   AdaptationState adaptation{};
 };
 
-/// Position in the run: what it does next. After a restart, work between two positions is repeated
-/// from the first of them with the same result.
+/// Position in the run: the next step. A restarted run repeats the work from its last stored
+/// position with the same result.
 struct Position {
   enum class Stage { explore, tune, sample };
   enum class Explore { begin, climb, look, search, anneal };

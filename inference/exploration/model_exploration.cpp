@@ -471,7 +471,7 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
   if (problem.space[model].dimension == 0) return;
   Reporter report(options);
   Matrix draws = options.draws;
-  // If likelihoods are cheap, SMC runs in full, since it may find what no climb did.
+  // If likelihoods are cheap, SMC runs in full, since it may find modes that the climbs missed.
   const bool settled = problem.shortened && found.settled();
   if (settled || how == Annealing::brief) {
     const Annealed brief = anneal(problem, model, options, true, report, found);

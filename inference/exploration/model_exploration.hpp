@@ -88,8 +88,8 @@ struct ModelExploration {
 /// The first part: climbs, and importance sampling about their modes.
 [[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
                                             const ExplorationOptions& options);
-/// The second part, for a model after survey_model: SMC as `how` says (brief only, or as long as
-/// needed).
+/// The second part, for a model after survey_model: SMC, brief only or as long as needed
+/// (`how`).
 enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);

@@ -1,4 +1,4 @@
-// The posterior over models and their parameters, prior and likelihood kept apart.
+// The posterior over models and their parameters, with separate prior and likelihood.
 #pragma once
 
 #include <functional>

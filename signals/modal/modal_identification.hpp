@@ -13,7 +13,7 @@ struct ModalOptions {
   double sample_rate_hz = 1.0;
   double lowest_hz = 0.0, highest_hz = 0.0;  ///< the band; 0: up to 0.45 of the rate
   int largest_order = 0;                     ///< 0: 10 per channel, from 20 to 80
-  int lags = 0;    ///< p + q; 0: what the orders need, and a period of the lowest mode
+  int lags = 0;    ///< p + q; 0: enough for the orders and a period of the lowest mode
   int blocks = 0;  ///< n_b; 0: 50, fewer if the blocks would be too short
   std::vector<int> references = {};  ///< channels; all if empty
   int threads = 0;

@@ -20,7 +20,7 @@ inline std::string text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// For readers that take a path: one file a process, in memory where there is /dev/shm.
+/// For readers that take a path: one file per process, in /dev/shm if it exists.
 class InFile {
  public:
   InFile(const std::string& bytes, const std::string& ending)

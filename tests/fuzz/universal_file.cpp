@@ -1,4 +1,4 @@
-// Any bytes are a universal file, or a FileError; what is one is written, and read the same again.
+// Any bytes are a universal file or give a FileError; writing and reading a file preserves it.
 #include "io/universal/universal_file.hpp"
 
 #include <cstdlib>

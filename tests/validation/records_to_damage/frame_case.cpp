@@ -205,8 +205,8 @@ FrameCase frame_case(std::uint64_t seed, int number) {
     out.state_damaged = state(parsed.damage, motions);
   }
 
-  // The band ends in the widest gap behind one of its last modes: what a look at the spectra would
-  // choose.
+  // The band ends in the widest gap behind one of its last modes, as an
+  // engineer would choose from the spectra.
   const Eigen::VectorXd& hz = out.state_healthy.frequencies_hz;
   Eigen::Index most = 1;
   while (most < kMostModes && hz[most] < kHighest) ++most;

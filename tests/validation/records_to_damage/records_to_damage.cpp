@@ -25,14 +25,14 @@ int main(int argc, char** argv) {
   std::string keep, files;
   bool check = false;
   CLI::App app("From accelerations of random frames to damage.");
-  app.add_option("--program", options.program, "wheeltap, by its path");
-  app.add_option("--seed", options.seed, "of the study; rows of one seed go into one file");
-  app.add_option("--cases", cases, "how many")->check(CLI::NonNegativeNumber);
-  app.add_option("--first", first, "number of the first")->check(CLI::NonNegativeNumber);
+  app.add_option("--program", options.program, "path of wheeltap");
+  app.add_option("--seed", options.seed, "random seed; one file holds rows of one seed");
+  app.add_option("--cases", cases, "number of cases")->check(CLI::NonNegativeNumber);
+  app.add_option("--first", first, "number of the first case")->check(CLI::NonNegativeNumber);
   app.add_option("--keep", keep, "file of rows");
   app.add_option("--files", files, "folder of the cases' files");
   app.add_option("--sampling", options.sampling, "options of wheeltap damage");
-  app.add_flag("--check", check, "exit code 1 where there are faults");
+  app.add_flag("--check", check, "exit code 1 if there are faults");
   CLI11_PARSE(app, argc, argv);
   options.keep_records = !files.empty();
   if (options.program.find('/') != std::string::npos)

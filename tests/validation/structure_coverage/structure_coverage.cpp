@@ -20,14 +20,14 @@ int main(int argc, char** argv) {
   std::string keep;
   bool check = false;
   CLI::App app("Coverage of random structures with random defects.");
-  app.add_option("--seed", seed, "of the study; rows of one seed go into one file");
-  app.add_option("--cases", cases, "how many")->check(CLI::NonNegativeNumber);
-  app.add_option("--first", first, "number of the first")->check(CLI::NonNegativeNumber);
-  app.add_option("--warmup", warmup, "iterations a chain; 0: as the engine chooses");
-  app.add_option("--draws", draws, "a chain; 0: as the engine chooses");
-  app.add_option("--searches", searches, "climbs a model; 0: as the engine chooses");
+  app.add_option("--seed", seed, "random seed; one file holds rows of one seed");
+  app.add_option("--cases", cases, "number of cases")->check(CLI::NonNegativeNumber);
+  app.add_option("--first", first, "number of the first case")->check(CLI::NonNegativeNumber);
+  app.add_option("--warmup", warmup, "iterations per chain; 0: chosen by the engine");
+  app.add_option("--draws", draws, "draws per chain; 0: chosen by the engine");
+  app.add_option("--searches", searches, "climbs per model; 0: chosen by the engine");
   app.add_option("--keep", keep, "file of rows");
-  app.add_flag("--check", check, "exit code 1 where there are faults");
+  app.add_flag("--check", check, "exit code 1 if there are faults");
   CLI11_PARSE(app, argc, argv);
 
   std::vector<Row> rows;

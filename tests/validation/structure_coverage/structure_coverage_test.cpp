@@ -1,4 +1,4 @@
-// Six random structures, and whether the study's score tells a calibrated posterior from others.
+// Six random structures; the study's score must separate a calibrated posterior from others.
 // 200 cases: `structure_coverage --keep rows.jsonl`.
 #include <gmock/gmock.h>
 
