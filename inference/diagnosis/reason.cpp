@@ -21,7 +21,7 @@ std::string share_of(double share) {
   return base::readable(100.0 * share, 2) + " %";
 }
 
-// A model without draws; a jump may have entered it between two draws that were kept.
+// Of a model in no draw: some jump may have entered it between two draws that were kept.
 std::string jumps(long proposed) {
   return proposed > 0 ? "has no draws after " + base::grouped(proposed) + " proposals"
                       : "has no draws";
@@ -31,7 +31,7 @@ std::string implied(const Estimate& p) {
   return "; its evidence puts it at P ≈ " + plus_minus(p);
 }
 
-// A sentence, or a clause for ChainsDisagree and TooFewEffectiveDraws.
+// A sentence, but of ChainsDisagree and TooFewEffectiveDraws a clause of one.
 struct VerdictSentence {
   const ModelSpace& space;
 
@@ -74,16 +74,16 @@ struct VerdictSentence {
            " by its draws, but its evidence implies " + plus_minus(r.by_evidence) + ".";
   }
   std::string operator()(const DrawsBeyondMixture& r) const {
-    return share_of(r.share) + " of the draws of model " + quoted(r.model) +
-           " lie outside the support of the global proposals, in " + base::readable(r.visits, 2) +
+    return "Of the draws of model " + quoted(r.model) + " " + share_of(r.share) +
+           " lie where no proposal but small steps leads, in " + base::readable(r.visits, 2) +
            " effective visits (must exceed " + base::readable(r.limit, 3) +
-           "): the chains may have missed as much again.";
+           "): as much again may not have been found.";
   }
   std::string operator()(const AnnealingDrawsBeyond& r) const {
-    return share_of(r.annealed) + " of the SMC draws of model " + quoted(r.model) +
-           " lie in a region that has " + share_of(r.drawn) +
-           " of the chains' draws, and chains started there stay there: the chains miss a part of "
-           "its posterior.";
+    return "Of model " + quoted(r.model) + " annealing drew " + share_of(r.annealed) +
+           " where the chains have " + share_of(r.drawn) +
+           " of their draws, and chains started there stay: a part of its posterior is missing "
+           "from them.";
   }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " is " + base::readable(r.rhat, 4) + " (must be below " +
@@ -109,7 +109,7 @@ struct VerdictSentence {
     return "The run was stopped early.";
   }
   std::string operator()(const QuickLook& /*unused*/) const {
-    return "This is a quick run: modes, the evidence of normals about them and short chains; not "
+    return "This is a quick look: modes, the evidence of normals about them and short chains; not "
            "a posterior.";
   }
 };

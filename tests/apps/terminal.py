@@ -51,7 +51,7 @@ def main(program, case):
 
         # A look: marked, and never converged.
         look = subprocess.run(run + ["--quick"], capture_output=True, check=True)
-        assert b"quick run" in look.stdout and b"NOT CONVERGED" in look.stdout.splitlines()[-1]
+        assert b"quick look" in look.stdout and b"NOT CONVERGED" in look.stdout.splitlines()[-1]
         with open(os.path.join(run[-1], "summary.json")) as f:
             summary = json.load(f)
         assert summary["diagnostics"]["quick"] and not summary["diagnostics"]["converged"]

@@ -64,13 +64,13 @@ TEST(VerdictWords, OfEachReason) {
             "Model 'two' has P = 0.3 ± 0.004 by its draws, but its evidence implies 0.42 ± 0.003. "
             "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(DrawsBeyondMixture{.model = 0, .share = 0.07, .visits = 27.3, .limit = 100.0}),
-            "7 % of the draws of model 'one' lie outside the support of the global proposals, in "
-            "27 effective visits (must exceed 100): the chains may have missed as much again. Run "
-            "longer (--warmup, --draws).");
+            "Of the draws of model 'one' 7 % lie where no proposal but small steps leads, in 27 "
+            "effective visits (must exceed 100): as much again may not have been found. Run longer "
+            "(--warmup, --draws).");
   EXPECT_EQ(sentence(AnnealingDrawsBeyond{.model = 0, .annealed = 0.061, .drawn = 0.003}),
-            "6.1 % of the SMC draws of model 'one' lie in a region that has 0.3 % of the chains' "
-            "draws, and chains started there stay there: the chains miss a part of its posterior. "
-            "Run longer (--warmup, --draws).");
+            "Of model 'one' annealing drew 6.1 % where the chains have 0.3 % of their draws, and "
+            "chains started there stay: a part of its posterior is missing from them. Run longer "
+            "(--warmup, --draws).");
   EXPECT_EQ(
       sentence(ParameterDisagrees{.model = 1, .parameter = "a", .rhat = 1.23456, .limit = 1.01}),
       "Within model 'two' the chains disagree about a (R-hat 1.235). Run longer (--warmup, "
@@ -84,7 +84,7 @@ TEST(VerdictWords, OfEachReason) {
             "posterior (10 are needed). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(StoppedEarly{}), "The run was stopped early. Run it to its end.");
   EXPECT_EQ(sentence(QuickLook{}),
-            "This is a quick run: modes, the evidence of normals about them and short chains; not "
+            "This is a quick look: modes, the evidence of normals about them and short chains; not "
             "a posterior. Run without --quick.");
 }
 

@@ -203,8 +203,8 @@ TEST(Answer, TwoKindsInOneModel) {
   EXPECT_EQ(answer(run).headline, "Most likely two damages and one support (90 %).");
 }
 
-// A kind with any name keeps its own severity. Fault: a bearing in a case with cracks had the
-// crack's reduction.
+// A kind with any name keeps its severity. Fault: a bearing beside cracks had the reduction of the
+// crack.
 TEST(Answer, AKindCalledAnythingHasItsOwnSeverity) {
   MadeUp run = damage_run({0.1, 0.9});
   run.damage_case.kinds = {kind(defects::kReduction), kind(defects::kSupport)};

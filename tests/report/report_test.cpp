@@ -1,4 +1,4 @@
-// Escaping of input in the page, and directories that are not runs.
+// Escaping of input in the page, and directories without a run.
 #include "apps/report/report.hpp"
 
 #include <gmock/gmock.h>
