@@ -64,7 +64,7 @@ struct FoundFault {
 };
 
 /// Lists the faults in the order above. A constant channel can only have missing samples besides; a
-/// counter has no other fault. If the channel is not a record of a vibration (`is_record`), only
+/// counter has no other fault. Without `is_record`, the channel is not a vibration record, and only
 /// missing samples are checked.
 [[nodiscard]] std::vector<FoundFault> channel_faults(const ChannelQuality& quality, bool is_record);
 

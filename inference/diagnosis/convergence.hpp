@@ -18,8 +18,8 @@ struct ConvergenceLimits {
   double known = 0.001;          ///< error of a probability that is negligible
   double worth_knowing = 0.004;  ///< error of a probability that is small enough to stop
   double expected_visits = 10.0;  ///< effective visits expected; none would have probability e⁻¹⁰
-  double sigmas = 4.5;            ///< least significant difference: false-alarm rate 7e-6
-  double chance = 1e-6;           ///< false-alarm rate of disagreement between chains
+  double sigmas = 4.5;   ///< least significant difference, in errors: false-alarm rate 7e-6
+  double chance = 1e-6;  ///< false-alarm rate of disagreement between chains
   double slack_probability = 0.005;  ///< difference of probabilities that is never significant
   double slack_nats = 0.5;
   double probable_model = 0.05;

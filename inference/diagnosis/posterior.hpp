@@ -69,7 +69,7 @@ struct Calls {
   long weigh = 0;     ///< importance sampling from the results of both
   long tune = 0;      ///< fitting the proposals, and a ladder if the draws need one
   long sample = 0;    ///< the draws
-  long evidence = 0;  ///< checking the mixtures that the draws are compared with
+  long evidence = 0;  ///< evidence by the mixtures that the draws are compared with
 };
 
 /// Decisions of the engine that the options do not state.
