@@ -402,8 +402,7 @@ class MpiRanks final : public Ranks {
 }  // namespace
 }  // namespace wheeltap::base
 
-/// Entry point that the program looks up in the module. The caller deletes the result at program
-/// end.
+/// Entry point of the module for the program. The caller deletes the result at program end.
 extern "C" wheeltap::base::Ranks* wheeltap_join_ranks() {
   return new wheeltap::base::MpiRanks;
 }

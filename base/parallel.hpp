@@ -72,8 +72,8 @@ void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
       carriage);
 }
 
-/// Whether the run is to stop, as far as this thread knows. Where all ranks must do the same, their
-/// common decision; within a shared unit, the request of any rank; without ranks, `wish`.
+/// True if the run must stop, as far as this thread knows. The result is the common decision of the
+/// ranks; within a shared unit, `wish` or the request of any rank; without ranks, `wish`.
 [[nodiscard]] inline bool is_to_stop(bool wish) {
   const Ranks* all = ranks();
   if (all == nullptr) return wish;

@@ -1,4 +1,4 @@
-// Another program in a process of its own.
+// Starting another program as a process.
 #pragma once
 
 #include <sys/types.h>
@@ -8,27 +8,27 @@
 
 namespace wheeltap::base {
 
-/// What the shell returns where there is no such program, or where it cannot be run.
+/// Exit codes of the shell if it does not find a program, or cannot run it.
 inline constexpr int kProgramNotFound = 127, kNotRunnable = 126;
 
 struct ProgramStart {
-  const char* file;                        ///< sought along PATH where it has no "/"
+  const char* file;                        ///< without a "/", searched for in PATH
   std::vector<std::string> words;          ///< the first is the program's name
   std::vector<std::string> environment{};  ///< "NAME=VALUE"; none: that of this process
-  std::string directory = ".";             ///< where it runs
+  std::string directory = ".";             ///< working directory
   /// File descriptors: its standard input, output and error. This process should have opened them
   /// with O_CLOEXEC.
   int input, output, error;
 };
 
-/// Starts it in a process group of its own, so that a terminal's Ctrl-C does not reach it, with
-/// default signal handlers; the system kills it where this process ends. Returns its process
-/// identifier, or -1 with errno where no process can be made. A program that is missing ends with
-/// kProgramNotFound, one that cannot be run with kNotRunnable.
+/// Starts the program with default signal handlers and in its own process group, so that a
+/// terminal's Ctrl-C does not reach it. The system kills it when this process ends. Returns its
+/// process identifier, or -1 with errno if the system creates no process. A missing program ends
+/// with kProgramNotFound, one that cannot be run with kNotRunnable.
 [[nodiscard]] pid_t start_program(ProgramStart start);
 
-/// Waits for the end of a child process. Returns its status as waitpid has it; -1 with errno where
-/// it is no child of this process.
+/// Waits for the end of a child process. Returns its status as waitpid does; -1 with errno if
+/// it is not a child of this process.
 [[nodiscard]] int wait_for(pid_t child);
 
 }  // namespace wheeltap::base

@@ -6,9 +6,9 @@
 
 namespace wheeltap::base {
 
-/// Ctrl-C, `kill`, and a closed terminal; signals that mpirun forwards to its ranks, and that
-/// clusters send before the end of a job's time (Slurm optionally, Grid Engine and LSF SIGUSR2);
-/// and the signal at the limit of processor time, repeated every second (setrlimit(2)).
+/// Ctrl-C, `kill` and a closed terminal; the two user signals, which mpirun forwards to its ranks
+/// and clusters send before the end of a job's time (Slurm optionally; Grid Engine and LSF:
+/// SIGUSR2). SIGXCPU marks the limit of processor time and repeats every second (setrlimit(2)).
 inline constexpr std::array kStopSignals{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
 
 }  // namespace wheeltap::base

@@ -59,7 +59,7 @@ struct Task {
   bool paced = false;    ///< some law has a rate that grows with the speed of its link
   double pace = 0.0;     ///< largest product of their rates and a step
   int most_steps = 1;    ///< per lane and sample
-  int degree = 0;        ///< of the Taylor series, 2 … kMaxDegree
+  int degree = 0;        ///< degree of the Taylor series, 2 … kMaxDegree
   int halvings = 0;  ///< number of halvings of the step in the exponential of the exact solution
   double bound = 0.0;
   int initial_slot = 0;  ///< displacements, then velocities; masses are slots 0, 1, …

@@ -35,27 +35,27 @@ enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
 
-/// What a coefficient c is to its law, from which the motion of a link gives c a scale.
+/// Role of a coefficient in its law. With it, the motion of a link gives the coefficient a scale.
 struct LawRole {
   enum class Kind {
     other,      ///< no scale
-    factor,     ///< of a tension c eᵖ ėᵍ
+    factor,     ///< c in a tension c eᵖ ėᵍ
     extension,  ///< an extension of the link
   } kind = Kind::other;
-  int p = 0, q = 0;  ///< of a factor
+  int p = 0, q = 0;  ///< powers, for a factor
 };
 
 constexpr LawRole factor_of(int p, int q = 0) {
   return {.kind = LawRole::Kind::factor, .p = p, .q = q};
 }
 
-/// How one coefficient of a law is called in a case file, its SI unit, its role, what it is when
-/// left out, within which bounds the law makes sense, and what a reader is told of it.
+/// One coefficient of a law: its name in a case file, SI unit, role, default value, the bounds
+/// within which the law makes sense, and texts for readers.
 struct LawCoefficient {
   std::string_view name;
   std::string_view unit;
   LawRole role = {};
-  double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< NaN: must be given
+  double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< default; NaN: required
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
   bool above_lower = false;      ///< `lower` itself is excluded (the law divides by it)
@@ -64,7 +64,7 @@ struct LawCoefficient {
   double example = 1.0;          ///< for a spring of 2000 N/m and motions of a centimetre
 
   [[nodiscard]] constexpr bool required() const { return otherwise != otherwise; }
-  /// Whether the value is finite and within the bounds.
+  /// True if the value is finite and within the bounds.
   [[nodiscard]] constexpr bool allows(double value) const {
     return value >= lower && value <= upper && !(above_lower && value == lower) &&
            value - value == 0.0;
@@ -104,7 +104,7 @@ template <class... Laws>
 struct TypeList {
   static constexpr int kSize = static_cast<int>(sizeof...(Laws));
 
-  /// Calls visit(Law{}) for the law at `kind`; returns whether there is one.
+  /// Calls visit(Law{}) for the law at `kind`; returns false if there is none.
   template <class Visitor>
   [[gnu::always_inline]] static constexpr bool visit(int kind, Visitor&& visitor) {
     int i = 0;
@@ -118,7 +118,7 @@ struct TypeList {
   }
 };
 
-/// One law on a link: `kind` indexes the list in laws/list.hpp; laws.hpp makes laws.
+/// One law on a link: `kind` indexes the list in laws/list.hpp; laws.hpp creates laws.
 struct Law {
   int kind = 0;
   std::array<Coefficient, kMaxLawCoefficients> coefficients{};

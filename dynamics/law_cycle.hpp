@@ -12,7 +12,7 @@ struct Cycle {
   double amplitude = 0.01;  ///< A [m]
   double period = 1.0;      ///< T [s]
   int before = 2;           ///< preceding cycles, for a law with memory to become steady
-  int points = 240;         ///< of the returned cycle, both ends included
+  int points = 240;         ///< in the returned cycle, both ends included
 };
 
 struct CyclePoint {

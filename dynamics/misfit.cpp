@@ -25,7 +25,7 @@ Misfit::Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in) {
   const Simulator::Impl& simulation = *impl->simulator.impl_;
   const int samples = impl->simulator.samples();
   if (impl->observed.size() != simulation.sensors.size())
-    fail(std::to_string(impl->observed.size()) + " observed signals, must be one a sensor (" +
+    fail(std::to_string(impl->observed.size()) + " observed signals, must be one per sensor (" +
          std::to_string(simulation.sensors.size()) + ")");
   if (lead_in < 0 || lead_in >= samples)
     fail("lead-in = " + std::to_string(lead_in) + " samples, must be in [0, " +

@@ -135,10 +135,10 @@ struct Response {
 /// share one.
 class Simulator {
  public:
-  /// Throws std::invalid_argument for an invalid chain, excitation signals of unequal length or
-  /// with values that are not finite, masses that do not exist, an absolute displacement or
-  /// velocity of a base-driven chain without base displacement, or an exact solution of a nonlinear
-  /// chain.
+  /// Throws std::invalid_argument for an invalid chain, masses that do not exist, an exact solution
+  /// of a nonlinear chain, and excitation signals of unequal length or with values that are not
+  /// finite. Also for an absolute displacement or velocity of a base-driven chain without base
+  /// displacement.
   Simulator(Chain chain, Excitation excitation, std::vector<Sensor> sensors,
             InitialState initial = {}, SimulatorOptions options = {});
 
@@ -147,7 +147,7 @@ class Simulator {
   /// The integrator in use; never `automatic`.
   [[nodiscard]] Integrator integrator() const;
   [[nodiscard]] const std::vector<Sensor>& sensors() const;
-  [[nodiscard]] int samples() const;     ///< of the response
+  [[nodiscard]] int samples() const;     ///< number in the response
   [[nodiscard]] int parameters() const;  ///< minimum length of a parameter vector
   /// Steps (or pieces) per sample for these parameters; 0 for the exact solution, -1 for infeasible
   /// ones.

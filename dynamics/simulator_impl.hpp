@@ -83,7 +83,7 @@ struct Simulator::Impl {
   kernel::Task task;
   std::vector<const kernel::Kernel*> kernels;
   Integrator integrator = Integrator::runge_kutta;
-  int samples = 0;  ///< of the excitation
+  int samples = 0;  ///< number in the excitation
   int parameters = 0;
   int no_offset = 0;  ///< slots (1, 0)
 

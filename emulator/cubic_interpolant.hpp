@@ -13,17 +13,17 @@ enum class AxisRule {
   monotone_cubic  ///< the same, with slopes limited so that no piece overshoots its two end values
 };
 
-/// Interpolates along the last factor first, on every line of the local stencil, then along the one
-/// before it, and so on. In one dimension, between levels s_0 < s_1 a distance h apart,
+/// Interpolates along the last factor first, on every line of the local stencil, then along the
+/// preceding one, and so on. In one dimension, between levels s_0 < s_1 a distance h apart,
 ///   p(t) = y_0 + t h [d_0 + t (3Δ - 2d_0 - d_1 + t (d_0 + d_1 - 2Δ))],  Δ = (y_1 - y_0)/h,
-/// with d the parabolas' slopes (one-sided at the ends of the range). monotone_cubic sets d to 0
-/// where the secants on its sides differ in sign, and limits it to three times the smaller secant,
-/// which suffices for a monotone piece (Fritsch & Carlson 1980, Monotone piecewise cubic
-/// interpolation, section 3). Exact at nodes; cubic reproduces parabolas, monotone_cubic those that
-/// need no limit. The error is of third order in the spacing for smooth data, and of second order
-/// where monotone_cubic flattens an extremum: use cubic along a factor with oscillating responses.
-/// A factor exactly on a level costs nothing. Evaluations do not allocate and may run in several
-/// threads at once.
+/// with d the parabolas' slopes (one-sided at the ends of the range). The rule monotone_cubic sets
+/// d to 0 where the secants on its sides differ in sign, and limits it to three times the smaller
+/// secant, which suffices for a monotone piece (Fritsch & Carlson 1980, Monotone piecewise cubic
+/// interpolation, section 3). The result is exact at
+/// nodes. The rule cubic reproduces parabolas, monotone_cubic those that need no limit. The error
+/// is of third order in the spacing for smooth data, and of second order where monotone_cubic
+/// flattens an extremum: use cubic along a factor with oscillating responses. A factor exactly on a
+/// level costs nothing. Evaluations do not allocate and may run in several threads at once.
 class CubicInterpolant final : public Interpolant {
  public:
   /// Largest number of stencil nodes (4 per cubic factor, 2 per linear one) in an evaluation.

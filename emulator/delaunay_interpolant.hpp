@@ -50,7 +50,7 @@ class DelaunayInterpolant final : public Interpolant {
   [[nodiscard]] std::size_t hint(const Coordinates& u) const;
 
   std::vector<Factor> factors_;
-  std::vector<double> low_, range_;  // of the scale coordinates
+  std::vector<double> low_, range_;  // range of each scale coordinate
   RowMatrix unit_points_;
   RowMatrix values_;
   std::vector<std::int32_t> simplices_;   // d + 1 runs each

@@ -98,7 +98,7 @@ Trend trend(const Cholesky& factor, const RowMatrix& y) {
   return t;
 }
 
-/// The gradient stays 0 where it is not asked for: it is most of the work.
+/// The gradient, which is most of the work, stays 0 without `with_gradient`.
 LogLikelihood log_likelihood(const RowMatrix& unit_points, const RowMatrix& values,
                              const Correlation& c, bool with_gradient) {
   const Index n = unit_points.rows(), d = unit_points.cols(), m = values.cols();
@@ -153,7 +153,7 @@ struct GaussianProcess::Impl {
   RowMatrix unit_points;
   RowMatrix values;  // standardised: (value - offset) / size
   Eigen::RowVectorXd offset, size;
-  std::vector<double> low, range;  // of the scale coordinates
+  std::vector<double> low, range;  // range of each scale coordinate
   std::vector<Group> groups;
 
   Impl(std::vector<Factor> f, const RowMatrix& points, const RowMatrix& y, Kernel k)

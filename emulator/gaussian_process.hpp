@@ -14,7 +14,7 @@ enum class Kernel {
   squared_exponential  ///< exp(-r²/2): infinitely smooth
 };
 
-/// What a Gaussian process is told about covariance, less its variance.
+/// Correlation function of a Gaussian process: its covariance divided by its variance.
 struct Correlation {
   Kernel kernel = Kernel::matern52;
   Eigen::VectorXd lengths;  ///< ℓ, one per factor, > 0, in units of the factor's range
@@ -49,7 +49,7 @@ struct GaussianProcessOptions {
   /// Largest number of runs in the fit of the lengths (drawn by `seed`), whose cost grows with
   /// their cube. The process itself uses all runs.
   Eigen::Index most_fitted_runs = 400;
-  int most_iterations = 60;  ///< of the quasi-Newton search
+  int most_iterations = 60;  ///< limit of the quasi-Newton search
   int threads = 1;
   std::uint64_t seed = 1;
 };
@@ -85,7 +85,7 @@ class GaussianProcess final : public Interpolant {
   void evaluate(std::span<const double> x, std::span<double> mean,
                 std::span<double> variance) const override;
 
-  /// At the fitted lengths, nugget and variance, with β estimated for each omission (Dubrule 1983,
+  /// Uses the fitted lengths, nugget and variance, and estimates β for each omission (Dubrule 1983,
   /// Cross validation of Kriging in a unique neighborhood): with Q = R⁻¹ - R⁻¹1 1ᵀR⁻¹ / 1ᵀR⁻¹1, the
   /// residual of run i is [Q y]_i / Q_ii, its variance σ² / Q_ii.
   [[nodiscard]] LeaveOneOut leave_one_out() const override;
@@ -104,8 +104,8 @@ class GaussianProcess final : public Interpolant {
   std::unique_ptr<const Impl> impl_;
 };
 
-/// With a Matérn kernel and separate lengths for each response; a table stores `parameters()` as
-/// "gaussian_process".
+/// Kriging with a Matérn kernel and separate lengths for each response; a table stores
+/// `parameters()` as "gaussian_process".
 extern const InterpolantType kGaussianProcess;
 
 }  // namespace wheeltap::emulator

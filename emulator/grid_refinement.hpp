@@ -14,11 +14,11 @@ struct RefinementOptions {
   /// Per factor, the only admissible levels, increasing (e.g. element midpoints); empty: any value.
   /// If the list itself is empty: any value for every factor.
   std::vector<std::vector<double>> candidates = {};
-  Eigen::Index most_runs = 100'000;  ///< of the grid
+  Eigen::Index most_runs = 100'000;  ///< limit for the grid
   int probes = 24;  ///< points at which an interval is tested, on levels of the other factors
   /// Random points at which the final grid must satisfy the tolerance.
   Eigen::Index check_runs = 200;
-  std::uint64_t seed = 1;  ///< of probes and checks
+  std::uint64_t seed = 1;  ///< for probes and checks
   ExperimentOptions experiment = {};
 };
 

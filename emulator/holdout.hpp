@@ -50,7 +50,7 @@ using Predictor = std::function<void(std::span<const double> point, std::span<do
 
 struct HoldoutOptions {
   Eigen::Index runs = 200;  ///< fresh runs of the model, >= 2
-  std::uint64_t seed = 1;   ///< of the points
+  std::uint64_t seed = 1;   ///< for the points
   ExperimentOptions experiment = {};
 };
 

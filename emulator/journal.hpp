@@ -23,7 +23,7 @@ class Journal {
     std::vector<double> response;
   };
 
-  /// One process writes at a time, or several: records of several processes do not mix.
+  /// One process writes at a time, or several do; records of several processes do not mix.
   enum class Use { alone, shared };
 
   /// Opens or creates the journal of an experiment with this identity and number of responses.

@@ -27,8 +27,8 @@ namespace wheeltap::emulator {
 [[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
                                   const std::string& response_name);
 
-/// The same runs as a grid where the points are every combination of their values, once each.
-/// std::nullopt otherwise.
+/// The same runs as a grid, if the points are all combinations of their values, once each;
+/// otherwise std::nullopt.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
 
 }  // namespace wheeltap::emulator

@@ -119,7 +119,7 @@ class RootSearch {
   SecularSteps steps_;
   std::vector<Pack> packs_;
   std::vector<double> pairs_, product_, eta_;
-  std::vector<Found> found_;  // of each root, and of one more
+  std::vector<Found> found_;  // one per root, and one more
   std::vector<int> queue_;
   int last_ = 0;  // the root after the requested ones, evaluated once; -1: none
 };

@@ -33,7 +33,7 @@ struct Secular {
   int negative = 0;  ///< number of leading modes with negative sign
   /// 1/θ, where |v|² >= θ Σ v_j² over the modes with positive sign; 1 if `negative` is 0.
   double residual_factor = 1.0;
-  int terms = 0;                        ///< of the Chebyshev series
+  int terms = 0;                        ///< number of terms of the Chebyshev series
   double cap = 0.0;                     ///< largest λ that can be evaluated
   const double* eigenvalues = nullptr;  ///< λ_j of all modes
   const double* scales = nullptr;       ///< s_j of all modes

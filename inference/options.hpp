@@ -57,7 +57,7 @@ struct Options {
 
   struct Progress {
     const char* stage;  ///< "exploring", "sampling" …
-    double fraction;    ///< of the stage
+    double fraction;    ///< completed share of the stage
     long likelihood_evaluations;
     /// Planned calls of the later stages.
     double evaluations_to_come;

@@ -56,7 +56,7 @@ class ProgressMonitor {
     }
     return !stopped();
   }
-  /// Whether the run is to stop, as far as this thread knows (base::is_to_stop).
+  /// True if the run must stop, as far as this thread knows (base::is_to_stop).
   [[nodiscard]] bool stopped() const {
     return base::is_to_stop(stop_ || (options_.stop && options_.stop()));
   }

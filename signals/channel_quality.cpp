@@ -13,7 +13,7 @@ constexpr long kClippedRun = 3;
 constexpr double kSpike = 12.0;  // robust standard deviations
 constexpr double kMadToSd = 1.4826;
 constexpr std::size_t kBlock = 500;   // samples
-constexpr double kMostSpikes = 1e-3;  // of all samples
+constexpr double kMostSpikes = 1e-3;  // share of all samples
 constexpr int kDriftBlocks = 20;
 
 double median_of(std::vector<double> values) {
@@ -209,7 +209,7 @@ std::vector<FoundFault> channel_faults(const ChannelQuality& q, bool is_record) 
     out.push_back({drift, q.drift, 1.0});
   else
     judge(wander, q.wander, 0.3);
-  // A bound of the mean and the step themselves: the standard deviation may be 0.
+  // Without division, since the standard deviation may be 0.
   if (std::abs(q.mean) > 3.0 * q.sd) out.push_back({offset, std::abs(q.mean) / q.sd, 3.0});
   if (q.step > 0.05 * q.sd) out.push_back({coarse, q.step / q.sd, 0.05});
   return out;

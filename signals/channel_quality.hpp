@@ -44,16 +44,16 @@ struct ChannelQuality {
 /// Checks a channel. `x` may hold NaN; these samples are counted and excluded.
 [[nodiscard]] ChannelQuality channel_quality(std::span<const double> x);
 
-/// What is wrong with a channel. In brackets: value, and the bound that it passes.
+/// Fault of a channel. The comments state FoundFault::value and, in brackets, its bound.
 enum class ChannelFault {
-  missing,   ///< samples (0)
-  constant,  ///< the value that it has
-  dropouts,  ///< samples in all of them (0)
+  missing,   ///< missing samples (0)
+  constant,  ///< the constant value
+  dropouts,  ///< samples in all dropouts (0)
   clipped,   ///< samples at either end (0)
-  spikes,    ///< how many (0)
-  counter,   ///< rises evenly, without scatter
-  drift,     ///< over the record, in standard deviations (±1)
-  wander,    ///< as ChannelQuality has it (0.3), where there is no drift
+  spikes,    ///< number of spikes (0)
+  counter,   ///< ChannelQuality::drift, infinite: rises evenly, without scatter
+  drift,     ///< ChannelQuality::drift (±1)
+  wander,    ///< ChannelQuality::wander (0.3), without drift
   offset,    ///< |mean|, in standard deviations (3)
   coarse     ///< resolution, in standard deviations (0.05)
 };
@@ -63,8 +63,9 @@ struct FoundFault {
   double value, bound = 0.0;
 };
 
-/// In the order above. A constant channel has no faults but missing samples beside that, a counter
-/// none; of a channel that is no record of a vibration, missing samples alone are judged.
+/// Lists the faults in the order above. A constant channel can only have missing samples besides; a
+/// counter has no other fault. Without `is_record`, the channel is not a vibration record, and only
+/// missing samples are checked.
 [[nodiscard]] std::vector<FoundFault> channel_faults(const ChannelQuality& quality, bool is_record);
 
 /// A local maximum of a spectrum.

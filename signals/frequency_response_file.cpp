@@ -27,7 +27,7 @@ std::size_t place_of(const io::UniversalDof& dof, std::vector<io::UniversalDof>&
   return place;
 }
 
-/// What a function's numerator is of, by its unit or its quantity.
+/// Conversion of a function's numerator, by its unit or its quantity.
 Conversion numerator_conversion(const io::UniversalFunction& f) {
   std::optional<Dimension> wanted;
   if (f.numerator.quantity == 8) wanted = Dimension::length;

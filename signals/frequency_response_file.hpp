@@ -1,4 +1,4 @@
-// Frequency responses as universal files hold them (dataset 58, function type 4).
+// Frequency responses from universal files (dataset 58, function type 4).
 #pragma once
 
 #include <filesystem>
@@ -13,16 +13,15 @@ namespace wheeltap::signals {
 struct MeasuredResponses {
   FrequencyResponses responses = {};
   std::vector<io::UniversalDof> outputs = {}, inputs = {};
-  std::vector<Conversion> conversions = {};  ///< of the outputs; empty where they were exchanged
-  /// Of the outputs: 0 displacement, 1 velocity, 2 acceleration; empty where the file says none.
+  std::vector<Conversion> conversions = {};  ///< one per output; empty if `transposed`
+  /// One per output: 0 displacement, 1 velocity, 2 acceleration; empty if not in the file.
   std::vector<int> orders = {};
-  bool transposed = false;  ///< outputs and inputs were exchanged, by reciprocity: a roving hammer
+  bool transposed = false;  ///< a roving hammer: outputs and inputs exchanged by reciprocity
 };
 
-/// All frequency responses of the file; those of outputs whose units are known in SI. Where there
-/// are more references than responses the two are exchanged. Throws io::FileError for what is no
-/// such file, and for responses that do not share their lines, do not make a whole matrix, or come
-/// twice.
+/// Reads all frequency responses of a file, in SI for outputs with known units. If there are more
+/// references than responses, the two are exchanged. Throws io::FileError for another kind of file,
+/// and if responses have different frequencies, are duplicates or leave a gap in the matrix.
 [[nodiscard]] MeasuredResponses read_frequency_responses(const std::filesystem::path& path);
 
 }  // namespace wheeltap::signals

@@ -23,12 +23,13 @@ struct FrequencyResponses {
   [[nodiscard]] FrequencyResponses band(double lowest_hz, double highest_hz) const;
 };
 
-/// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, each segment freed of its
-/// mean (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise on the
-/// inputs makes H₁ too small; resonances narrower than 1/segment duration are smeared. `inputs`,
-/// `outputs`: a channel a row. A segment of 0 is the largest power of 2 that the record holds eight
-/// times, at least 16. Throws std::invalid_argument for lengths that differ, fewer than 2
-/// segments for each input, a rate <= 0, and inputs that are linearly dependent.
+/// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, the mean of each
+/// segment removed (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise
+/// on the inputs makes H₁ too small; resonances narrower than 1/segment duration are smeared.
+/// `inputs`, `outputs`: one channel per row. A segment of 0 stands for the largest power of 2 that
+/// fits eight times into the record, at least 16. Throws std::invalid_argument for lengths that
+/// differ, fewer than 2 segments for each input, a rate <= 0, and inputs that are linearly
+/// dependent.
 [[nodiscard]] FrequencyResponses estimate_frequency_responses(
     const Eigen::Ref<const Eigen::MatrixXd>& inputs,
     const Eigen::Ref<const Eigen::MatrixXd>& outputs, double sample_rate_hz, int segment);

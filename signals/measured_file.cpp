@@ -13,7 +13,7 @@ namespace wheeltap::signals {
 namespace {
 
 constexpr int kPeaks = 8;
-constexpr long kRecord = 1000;  // rows of what is taken for a record though it says no rate
+constexpr long kRecord = 1000;  // least rows of a record without a rate
 
 MeasuredChannel channel_of(const std::string& name, const std::string& unit,
                            std::vector<double> values) {
@@ -29,7 +29,7 @@ void add_spectrum(MeasuredChannel& channel, double rate) {
   int segment = 64;
   while (segment * 8 <= q.samples && segment < 65536) segment *= 2;
   channel.spectrum = welch(channel.values, rate, {.segment = segment});
-  // The lowest lines hold what is left of the mean.
+  // The lowest lines contain the remainder of the mean.
   Spectrum rest = *channel.spectrum;
   const auto from = std::min<std::size_t>(2, rest.density.size() - 1);
   rest.density.erase(rest.density.begin(),
@@ -39,7 +39,7 @@ void add_spectrum(MeasuredChannel& channel, double rate) {
   channel.peaks = spectrum_peaks(rest, kPeaks);
 }
 
-// Columns of texts are left out; so are further time stamps, which are no channels.
+// Columns that are not channels: texts and additional time stamps.
 std::vector<LeftOutColumn> left_out(const Record& record, int time) {
   std::vector<LeftOutColumn> out;
   for (std::size_t c = 0; c < record.columns.size(); ++c) {

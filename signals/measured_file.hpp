@@ -19,32 +19,32 @@ struct MeasuredChannel {
   std::string possible_unit = {};
   std::vector<double> values = {};
   ChannelQuality quality = {};
-  std::optional<Spectrum> spectrum = {};  ///< of a time history with a known rate
+  std::optional<Spectrum> spectrum = {};  ///< only for a time history with a known rate
   std::vector<SpectrumPeak> peaks = {};
 };
 
-/// A column that is no channel.
+/// A column that is not a channel.
 struct LeftOutColumn {
   int number = 1;  ///< from 1
   std::string header = {};
-  bool is_time_stamp = false;  ///< further time stamps; otherwise texts or nothing
-  bool maybe_time = false;     ///< a text in a table where no column of times was found
+  bool is_time_stamp = false;  ///< additional time stamps; otherwise texts or empty
+  bool maybe_time = false;     ///< a text in a table without a column of times
 };
 
 /// Columns that were sampled together.
 struct MeasuredTable {
-  std::string abscissa = {}, abscissa_unit = {};  ///< empty where there is none
-  std::vector<double> x = {};                     ///< of the abscissa; empty where there is none
+  std::string abscissa = {}, abscissa_unit = {};  ///< empty without an abscissa
+  std::vector<double> x = {};                     ///< values of the abscissa; likewise empty
   bool is_time = true;                            ///< otherwise a spectrum or the like
   std::optional<double> sample_rate_hz = {};
-  Sampling sampling = {};                      ///< where there is a time and no fault
-  std::optional<io::FoundLayout> layout = {};  ///< of delimited text and workbooks
+  Sampling sampling = {};                      ///< only with a time column without fault
+  std::optional<io::FoundLayout> layout = {};  ///< only for delimited text and workbooks
   std::vector<LeftOutColumn> left_out = {};
-  std::string sampling_fault = {};  ///< why there is no rate, though there is a time: a sentence
+  std::string sampling_fault = {};  ///< why a time column gives no rate: a sentence
   std::vector<MeasuredChannel> channels = {};
 
   [[nodiscard]] long rows() const;
-  /// Whether a channel is a time history: of a known rate, or long enough to be taken for one.
+  /// True for a time history: the rate is known, or the channel is long enough.
   [[nodiscard]] bool is_record(const MeasuredChannel& channel) const;
 };
 
@@ -52,19 +52,20 @@ struct MeasuredFile {
   std::filesystem::path path = {};
   std::string format = {};
   std::vector<MeasuredTable> tables = {};
-  std::vector<std::string> others = {};  ///< what is no channel of the table, in words
+  std::vector<std::string> others = {};  ///< content other than channels, in words
   std::optional<io::UniversalFile> universal = {};
 };
 
-/// How a file is to be read; what is not stated is detected.
+/// Options for reading a file; empty ones are detected.
 struct MeasuredReading {
-  std::optional<double> sample_rate_hz = {};  ///< where the file says none
-  io::TextLayout layout = {};                 ///< of delimited text and Excel workbooks
-  io::ArrayLayout arrays = {};                ///< of MATLAB, NumPy, NetCDF and HDF5 files
-  bool resample = false;                      ///< uneven records are interpolated at an even rate
+  std::optional<double> sample_rate_hz = {};  ///< for a file without a rate
+  io::TextLayout layout = {};                 ///< for delimited text and Excel workbooks
+  io::ArrayLayout arrays = {};                ///< for MATLAB, NumPy, NetCDF and HDF5 files
+  bool resample = false;                      ///< interpolate uneven records at an even rate
 };
 
-/// Throws io::FileError, and std::invalid_argument for a rate that is not positive.
+/// Reads and checks a file. Throws io::FileError, and std::invalid_argument for a rate that is not
+/// positive.
 [[nodiscard]] MeasuredFile look_at(const std::filesystem::path& path,
                                    const MeasuredReading& reading = {});
 

@@ -188,8 +188,8 @@ Record read_record(const std::filesystem::path& path, RecordReading reading,
 
 Sampling sampling_of(const Record& record, int time_column, std::optional<double> stated,
                      std::optional<double> scale) {
-  constexpr double kEven = 1e-3;        // of a step: not reported
-  constexpr double kMostJitter = 1e-2;  // of a step: accepted as even
+  constexpr double kEven = 1e-3;        // largest jitter that is not reported, in steps
+  constexpr double kMostJitter = 1e-2;  // largest jitter of an even record, in steps
   const Column& column = values_of(record, time_column);
   const std::vector<double>& t = column.values;
   const io::Place whole{.column = time_column + 1, .header = column.header};

@@ -24,8 +24,8 @@ struct Record : io::Columns {
 struct RecordReading {
   std::vector<std::string> columns = {};  ///< as in io::Columns::find; empty: all
   std::vector<std::string> ignored = {};  ///< not read, not even as time
-  io::TextLayout layout = {};             ///< of delimited text
-  io::ArrayLayout arrays = {};            ///< of files of arrays
+  io::TextLayout layout = {};             ///< for delimited text
+  io::ArrayLayout arrays = {};            ///< for files of arrays
 };
 
 /// Reads a record as delimited text (io/tables/delimited_text.hpp). Reads only the named columns
@@ -52,7 +52,7 @@ struct Sampling {
   };
   double rate_hz = 0.0;
   Basis basis = Basis::stated;
-  std::string unit = {};  ///< of the column's numbers
+  std::string unit = {};  ///< unit of the column's numbers
   /// Largest relative difference of a step from the mean step that the printed digits do not
   /// explain; 0 if below 0.1 %.
   double jitter = 0.0;
@@ -74,7 +74,7 @@ struct Sampling {
                                    std::optional<double> scale = std::nullopt);
 
 /// The sampling rate from a line above the rows of a text: "Fs = 100 Hz", "Sample interval (s):
-/// 0.01". Nothing if there is none, or two that differ.
+/// 0.01". std::nullopt if no line has a rate, or two lines differ.
 [[nodiscard]] std::optional<Sampling> sampling_from_header(const Record& record);
 
 /// Resamples all columns that were read to an even rate, `rate_hz` or the mean rate, by natural

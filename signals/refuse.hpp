@@ -24,7 +24,7 @@ struct ChannelError : std::invalid_argument {
         original(copied) {}
   long channel;
   std::string reason;
-  std::optional<long> original;  ///< the channel that this one is proportional to, if that is why
+  std::optional<long> original;  ///< the channel that it is proportional to, if that is the reason
 };
 
 }  // namespace wheeltap::signals

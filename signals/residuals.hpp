@@ -34,9 +34,9 @@ void ar_innovations(std::span<const double> residuals,
 [[nodiscard]] std::vector<double> autocorrelation(std::span<const double> x, int lags);
 
 /// Sample partial autocorrelations π_1 … π_lags by Burg's method (1975): each π_m is the value in
-/// [-1, 1] that leaves the least squares of forward and backward prediction together. Where
-/// residuals are nearly as smooth as a response, Yule-Walker's are far too small in size, and these
-/// are not. 0 from where nothing is left.
+/// [-1, 1] that leaves the least squares of forward and backward prediction together. If the
+/// residuals are nearly as smooth as a response, Yule-Walker's values are far too small in size;
+/// Burg's are not. 0 at all lags after the remainder vanishes.
 [[nodiscard]] std::vector<double> burg_partial_autocorrelation(std::span<const double> x, int lags);
 
 /// The order p <= `most` of an autoregression of these residuals by Schwarz's criterion, the

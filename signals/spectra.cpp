@@ -252,7 +252,7 @@ std::vector<double> decimate(std::span<const double> x, int factor) {
   require_factor(factor);
   if (factor == 1) return {x.begin(), x.end()};
   const int reach = 32 * factor;
-  const double cutoff = 0.45 / factor;  // of the old rate
+  const double cutoff = 0.45 / factor;  // cycles per old sample
   std::vector<double> weights(static_cast<std::size_t>(2 * reach + 1));
   double sum = 0.0;
   for (int k = -reach; k <= reach; ++k)

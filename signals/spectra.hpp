@@ -75,13 +75,13 @@ void detrend(std::span<double> x, int degree);
 /// amplitude. Ends are continued by odd reflection. Throws std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
 
-/// What a plot of a spectrum shows.
+/// A point of the plot of a spectrum.
 struct SpectralLevel {
   double frequency_hz, level_db;
 };
 
 /// 10 lg of the sum of the channels' spectral densities, each over its variance, within
-/// [lowest_hz, highest_hz]; lines that are 0 are left out. `records`: a channel a row.
+/// [lowest_hz, highest_hz]; lines that are 0 are omitted. `records`: one channel per row.
 [[nodiscard]] std::vector<SpectralLevel> spectral_levels(
     const Eigen::Ref<const Eigen::MatrixXd>& records, double sample_rate_hz, double lowest_hz,
     double highest_hz);

@@ -1,6 +1,6 @@
 // Units of measured signals as written in file headers, and their factors to SI.
 //
-// To add one: a line in the list of units.cpp.
+// To add a unit, add a line to the list in units.cpp.
 #pragma once
 
 #include <optional>
@@ -22,15 +22,15 @@ struct Unit {
   double si;  ///< SI value = si · value
 };
 
-/// The unit with this name, or nothing. Accepts the usual spellings: "µs" and "us", "m/s^2",
+/// The unit with this name, or std::nullopt. Accepts the usual spellings: "µs" and "us", "m/s^2",
 /// "m/s²", "m/s2", "m/s**2", "m/s/s", "m s^-2", "ms^-2"; "sec", "seconds".
 [[nodiscard]] std::optional<Unit> find_unit(std::string_view text);
 
-/// How often a displacement is differentiated to this: 1 of a velocity, 2 of an acceleration, 0 of
-/// all else.
+/// Number of differentiations of a displacement: 1 for a velocity, 2 for an acceleration, 0 for all
+/// other dimensions.
 [[nodiscard]] int derivative_order(Dimension dimension);
 
-/// "s, ms, …": what a message may say is known.
+/// "s, ms, …": the known units, for messages.
 [[nodiscard]] std::string known_units(Dimension dimension);
 
 /// "s", "N", "m", "m/s", "m/s^2", "Hz".
@@ -48,10 +48,10 @@ struct Conversion {
   Basis basis = Basis::none;
   std::string unit = {};  ///< as in the file or the case
   double factor = 1.0;
-  std::optional<Dimension> dimension = {};  ///< of the unit; if it is unknown, the expected one
+  std::optional<Dimension> dimension = {};  ///< the unit's; the expected one if the unit is unknown
 };
 
-/// For numbers in this unit and the expected dimension; any dimension if none is given.
+/// The conversion of numbers in this unit, for the expected dimension or, by default, any.
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
 /// The unit of a column: that in brackets or in the line of units, else a known one at the end of

@@ -84,7 +84,7 @@ class PacedRungeKutta {
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
-  static constexpr double kAtTurn = 1e-3;  // of a step
+  static constexpr double kAtTurn = 1e-3;  // share of a step
 
   struct State {
     V y[M], v[M], q[kMaxMemories];
@@ -135,7 +135,7 @@ class PacedRungeKutta {
   [[gnu::noinline]] void advance(State& x, const V* now, const V* next, Watch& watch) {
     const int n = motion_.masses();
     const V longest = V{} + 1.0 / task_.substeps;
-    V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // of the sample
+    V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // remaining share of the sample
     for (int steps = 0; any(left); ++steps) {
       if (steps == task_.most_steps) {
         V fast{};  // above the bound within a sample: smaller steps would not help

@@ -8,11 +8,11 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// Integrates springs that are polynomials, or linear beyond a threshold, by Taylor series in time.
-/// The solution between two samples is analytic except where a law switches. A sample is divided
-/// into pieces: each is a series that ends at its full length or where the first law reaches its
-/// threshold. (A step across a switch would have an error of the square of its length, which varies
-/// with the position of the switch within the step and makes the likelihood rugged.) Exact friction
-/// adds events: a slipping link comes to rest, or a sticking link needs more than its slip force.
+/// The solution between two samples is analytic except where a law switches. Each sample is divided
+/// into pieces. A piece is a series that ends at its full length or where the first law reaches its
+/// threshold. A step across a switch would have an error of the square of its length; the error
+/// would vary with the position of the switch and make the likelihood rugged. Exact friction adds
+/// events: a slipping link comes to rest, or a sticking link needs more than its slip force.
 template <int N, bool kSerial>
 class Series {
  public:
@@ -118,7 +118,7 @@ class Series {
     const V piece = V{} + 1.0 / task_.substeps;
     V terms[kMaxDegree + 1][M], fresh[kMaxThresholds], root[kMaxThresholds];
     for (int i = 0; i < switches_; ++i) fresh[i] = V{};
-    V left = moving;  // of the sample
+    V left = moving;  // remaining share of the sample
     for (int pieces = 0; any(left); ++pieces) {
       const bool watching = pieces < task_.substeps + kMostSwitches;
       const V length = left > 1.000001 * piece ? piece : left;

@@ -13,14 +13,13 @@ struct Bilinear {
       .formula = "opening: T = kb max(0, e); closing: T = kb min(0, e)",
       .description = "a spring on one side only, e.g. a crack that bears when it closes",
       .notes =
-          "The link's own `stiffness` acts on both sides and this one adds to it: a negative value "
-          "is a "
-          "spring that is softer on that side.",
+          "The link's own `stiffness` acts on both sides; this one is added on one side. A "
+          "negative value makes the spring softer on that side.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),
                          .symbol = "kb",
-                         .words = "the stiffness that it adds on its side",
+                         .words = "the stiffness added on its side",
                          .example = 1500.0}}},
       .one_sided = true};
 

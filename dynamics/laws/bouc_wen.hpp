@@ -20,13 +20,11 @@ struct BoucWen {
       .formula = "T = kh y z, z' = (ė/y) (1 - |z|^n (beta sgn(ė z) + gamma)), z = 0 at the start",
       .description = "smooth hysteresis, elastic with stiffness kh before it yields at about e = y",
       .notes =
-          "z is an internal state: the tension depends on the history of the link. With "
-          "beta + "
-          "gamma = 1, as unless given, the plateau is T = kh y. beta = gamma unloads with the "
-          "stiffness "
-          "kh, as dry friction behind a spring does; beta > gamma unloads more steeply. beta + "
-          "gamma must "
-          "be positive; the loop takes energy out of the motion for -beta <= gamma <= beta.",
+          "z is an internal state: the tension depends on the history of the link. With beta + "
+          "gamma = 1, as by default, the plateau is T = kh y. With beta = gamma, the link unloads "
+          "with the stiffness kh, like dry friction in series with a spring; with beta > gamma, it "
+          "unloads more steeply. beta + gamma must be positive. The loop dissipates energy for "
+          "-beta <= gamma <= beta.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),
@@ -46,7 +44,7 @@ struct BoucWen {
                          .otherwise = 1.0,
                          .lower = 1.0,
                          .symbol = "n",
-                         .words = "how sharply it yields: 1 is round, 10 nearly a corner"},
+                         .words = "the sharpness of yielding: 1 is gradual, 10 nearly a corner"},
                         {.name = "beta",
                          .unit = "1",
                          .otherwise = 0.5,
@@ -57,7 +55,7 @@ struct BoucWen {
                          .unit = "1",
                          .otherwise = 0.5,
                          .symbol = "gamma",
-                         .words = "the part that does not"}}},
+                         .words = "the part of the bend that does not"}}},
       .memory = true,
       .paced = true};
 

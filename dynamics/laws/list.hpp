@@ -2,19 +2,20 @@
 // and the name in `LawList`; add its test to tests/dynamics/laws_test.cpp.
 //
 // A law T(e, ė) is a struct with
-//   kInfo                    its name in a case file and its coefficients with units, roles and
-//                            bounds,
-//   tension(c, e, ė)         the tension [N] for coefficients c[i], over any vector type V,
-//   slopes(c, e_max)         its steepest slopes, for the choice of the step,
-// and, where they apply,
-//   feasible(c)              whether coefficients, each within its bounds, make sense together,
-//   kPower                   of a power of the extension: T = c[0] e², c[0] e³,
-//   threshold(c)             of a spring beyond a threshold: T_open = c[0] max(0, e - threshold),
-//   friction(c), kCreep      of dry friction: the force at which it slips, and which coefficient,
-//   if
-//                            it is the constant 0, says that it is exact and not regularised.
-// One with `kInfo.memory` has tension(c, e, ė, ζ) and memory_rate(c, e, ė, ζ) = ζ̇ for its own
-// state; one whose rates grow with |ė|, as all with memory, is `kInfo.paced`.
+//   kInfo                    name in a case file; coefficients with units, roles and bounds
+//   tension(c, e, ė)         tension [N] for coefficients c[i], over any vector type V
+//   slopes(c, e_max)         steepest slopes, for the choice of the step
+// and, if they apply,
+//   feasible(c)              true if coefficients, each within its bounds, make sense together
+//   kPower                   power of the extension: T = c[0] e², c[0] e³
+//   threshold(c)             spring beyond a threshold: T_open = c[0] max(0, e - threshold)
+//   friction(c)              dry friction: the force at which the link slips
+//   kCreep                   dry friction: the coefficient which, as the constant 0, makes the law
+//                            exact instead of regularised
+//
+// A law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and
+// memory_rate(c, e, ė, ζ) = ζ̇. A law whose rates grow with |ė|, such as any with memory, sets
+// `kInfo.paced`.
 #pragma once
 
 #include <type_traits>

@@ -12,8 +12,8 @@ struct Quadratic {
                                  .formula = "T = k2 e^2",
                                  .description = "the even part of an asymmetric spring",
                                  .notes =
-                                     "By itself it pulls the same way on both sides, so it belongs "
-                                     "beside a `stiffness` or a cubic.",
+                                     "Alone, it has the same sign on both sides, so combine it "
+                                     "with a `stiffness` or a cubic.",
                                  .coefficients = {{{.name = "stiffness",
                                                     .unit = "N/m^2",
                                                     .role = factor_of(2),

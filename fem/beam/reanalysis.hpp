@@ -84,7 +84,7 @@ class Reanalysis {
 
   [[nodiscard]] Workspace make_workspace() const;
   [[nodiscard]] int modes() const;
-  [[nodiscard]] int rigid_body_modes() const;  ///< of the intact beam
+  [[nodiscard]] int rigid_body_modes() const;  ///< number for the intact beam
   [[nodiscard]] const Beam& beam() const;
   /// The intact frequencies [Hz], ascending.
   [[nodiscard]] std::span<const double> intact_frequencies_hz() const;
@@ -98,11 +98,11 @@ class Reanalysis {
   ///
   ///   ∂λ/∂γ = -(Cᵀφ)² = -(Γ⁻¹ η)²,   (Γ⁻¹ - F(λ)) η = 0,   φ = Σ_j φ_j c_jᵀ η / (λ_j - λ),
   ///
-  /// that is φᵀ (∂K/∂γ) φ of a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
-  /// equation 5), with γ = -k for a spring. They cost almost nothing once the root is known. For a
-  /// multiple eigenvalue they belong to one basis of its modes. Throws std::invalid_argument like
-  /// `frequencies_hz` and if the size of a span does not fit; std::runtime_error if a shape cannot
-  /// be separated from others.
+  /// This is φᵀ (∂K/∂γ) φ for a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
+  /// equation 5), with γ = -k for a spring. The gradients cost almost nothing once the root is
+  /// known. For a multiple eigenvalue they belong to one basis of its modes. Throws
+  /// std::invalid_argument like `frequencies_hz` and if the size of a span does not fit;
+  /// std::runtime_error if a shape cannot be separated from others.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
              Workspace& workspace, const Results& results) const;
 

@@ -14,7 +14,7 @@ using Vector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 
 /// Effect of a unit reaction at one held motion on the beam, clamped at its right end.
 struct Reaction {
-  Vector stresses;         // of the elements, then of the springs
+  Vector stresses;         // elements, then springs
   Extended force, moment;  // residual at the right end, in units of the shear and bending stresses
   Extended size;           // magnitude of all contributions to these
 };

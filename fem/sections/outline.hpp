@@ -39,13 +39,13 @@ inline constexpr double kSameCorner = 1e-9;
 /// The largest distance of a corner from the outline's first one [m].
 [[nodiscard]] double outline_size(const Outline& outline);
 
-/// Where something is wrong with an outline.
+/// The faulty part of an outline.
 struct OutlinePlace {
   enum class Part { region, outer, hole, modulus, poisson, density };
   std::size_t region = 0;
   Part part = Part::region;
-  std::size_t hole = 0;                    ///< of Part::hole
-  std::optional<std::size_t> corner = {};  ///< of a ring, where one corner is wrong
+  std::size_t hole = 0;                    ///< index, for Part::hole
+  std::optional<std::size_t> corner = {};  ///< index in the ring, if one corner is wrong
 };
 
 /// "regions[0].holes[1][4]: (nan, 0): must be finite". Numbers count from 0.

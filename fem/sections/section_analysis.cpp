@@ -20,7 +20,7 @@ using Matrix6x2 = Eigen::Matrix<double, 6, 2>;
 /// Six points, exact to degree 4 (Dunavant 1985, Int. J. Numer. Meth. Eng. 21:1129, table II).
 struct Rule {
   std::array<Eigen::Vector3d, 6> at;  ///< barycentric
-  std::array<double, 6> weight;       ///< of the triangle's area
+  std::array<double, 6> weight;       ///< share of the triangle's area
 };
 const Rule& rule() {
   static const Rule six = [] {
@@ -129,7 +129,7 @@ class Scaled {
     double j = 0.0, work = 0.0, rest = 0.0;
     Vector2d along = Vector2d::Zero();  // ∫ e ω (y, z)
     Eigen::Matrix2d alpha = Eigen::Matrix2d::Zero();
-    Vector2d moment = Vector2d::Zero();  // of the stresses of a unit force along y, z about x
+    Vector2d moment = Vector2d::Zero();  // about x, by the stresses of a unit force along y, z
     each([&](const Triangle& t, const Moduli& m, std::size_t i) {
       const Eigen::Matrix<double, 6, 3> local = values_(nodes(i), Eigen::all);
       for (std::size_t q = 0; q < 6; ++q) {

@@ -40,7 +40,7 @@ struct SecondMoments {
 struct PrincipalAxes {
   double largest, smallest;  ///< second moments [m⁴]
   double
-      angle;  ///< of the axis with the largest moment, from y, in (-π/2, π/2]; 0 if both are equal
+      angle;  ///< from y to the axis with the largest moment, in (-π/2, π/2]; 0 if both are equal
 };
 [[nodiscard]] PrincipalAxes principal_axes(const SecondMoments& moments);
 
@@ -82,7 +82,7 @@ struct SectionErrors {
 };
 
 struct SectionAnalysis {
-  SectionProperties properties;  ///< of the finest mesh
+  SectionProperties properties;  ///< by the finest mesh
   SectionErrors errors;
   std::vector<SectionLevel> levels;  ///< from the coarsest mesh to the finest
   bool converged;  ///< all properties are finite, and errors.largest() <= tolerance

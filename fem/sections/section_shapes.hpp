@@ -1,7 +1,6 @@
-// The shapes of cross-sections that are known by their sizes, and what follows from these by
-// formula.
+// Shapes of cross-sections that are defined by their sizes, and formulas for their properties.
 //
-// To add one: a line in the list of section_shapes.cpp.
+// To add a shape, add a line to the list in section_shapes.cpp.
 #pragma once
 
 #include <span>
@@ -15,7 +14,7 @@
 namespace wheeltap::fem {
 
 /// All functions take the sizes [m] in the order of `sizes`. Those of shear coefficient and torsion
-/// constant are null where there is no formula: a mesh of the outline has them.
+/// constant are null without a formula: a mesh of the outline then gives the values.
 struct SectionShape {
   std::string name;                ///< "rectangle"
   std::vector<std::string> sizes;  ///< names: "width", "height"

@@ -23,12 +23,12 @@ struct EdgeNumbers {
 };
 [[nodiscard]] EdgeNumbers number_edges(const TriangleMesh& mesh);
 
-/// For each point, the share of an edge's length from this point at which refinement splits the
-/// edge. It is ½, but less at re-entrant corners of the domain and of interfaces. There a function
-/// behaves as r^λ, λ = π / angle, and quadratic elements keep their order h⁴ (of energies) with
-/// shares of at most 2^(-2/λ) (Babuška, Kellogg & Pitkäranta 1979, Numer. Math. 33:447). Where an
-/// interface ends on the boundary or turns, λ depends on the moduli; the smallest possible value,
-/// ½, is used.
+/// Shares of an edge's length, one per point, measured from the point, at which refinement splits
+/// the edge. The share is ½, but less at re-entrant corners of the domain and of interfaces. There
+/// a function behaves as r^λ, λ = π / angle, and quadratic elements keep their order h⁴ (of
+/// energies) with shares of at most 2^(-2/λ) (Babuška, Kellogg & Pitkäranta 1979, Numer. Math.
+/// 33:447). Where an interface ends on the boundary or turns, λ depends on the moduli; the smallest
+/// possible value, ½, is used.
 [[nodiscard]] std::vector<double> split_shares(const TriangleMesh& mesh);
 
 /// Splits every triangle into four. Existing points keep their numbers; `shares` gets ½ for each

@@ -105,7 +105,7 @@ std::vector<VectorXd> mechanisms(const Discretisation& d) {
 std::string motion_in_words(const Discretisation& d, const VectorXd& motion) {
   const auto name = [&](Index i) -> const DofName& { return d.names[static_cast<std::size_t>(i)]; };
   const auto turns = [&](Index i) { return name(i).direction.starts_with('r'); };
-  // Rotations have other units; they are named only where nothing is displaced.
+  // Rotations have other units; they are named only without any displacement.
   constexpr double kDisplaced = 1e-6;
   double displaced = 0.0, turned = 0.0;
   for (Index i = 0; i < motion.size(); ++i)

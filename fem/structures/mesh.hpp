@@ -75,7 +75,7 @@ class Mesh {
   Discretisation discretisation_;
   std::vector<Element> elements_;
   std::vector<int> first_element_;
-  std::vector<std::vector<int>> joint_strains_;  // of each node
+  std::vector<std::vector<int>> joint_strains_;  // one list per node
   /// The six motions of each node, then of each boundary between elements.
   std::vector<std::array<SparseRow, kDirections>> node_motions_;
   std::vector<std::vector<std::array<SparseRow, kDirections>>> station_motions_;

@@ -11,7 +11,7 @@
 namespace wheeltap::fem {
 namespace {
 
-constexpr double kSameCoordinate = 1e-6;  // of the structure's size
+constexpr double kSameCoordinate = 1e-6;  // relative to the structure's size
 
 class MapSearch {
  public:

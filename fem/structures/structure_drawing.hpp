@@ -17,7 +17,7 @@ struct StructureDrawing {
   struct Point {
     enum class On { node, member, mass, ground };
     On on;
-    std::string name = {};  ///< of the node or the member; number of the mass, from 1
+    std::string name = {};  ///< name of the node or member; number of the mass, from 1
     double along = 0.0;     ///< distance from the member's start [m]
     Vector3 at;             ///< [m]
     std::array<SparseRow, 3> translation, rotation;
@@ -28,13 +28,14 @@ struct StructureDrawing {
   };
   int dimension = 2;
   std::vector<Point> points;            ///< nodes first, in their order
-  std::vector<std::vector<int>> lines;  ///< of points; one a member, then one a spring or link
+  std::vector<std::vector<int>> lines;  ///< points; one line per member, then per spring or link
   double size = 1.0;                    ///< the largest extent [m]
-  std::vector<DofName> names;           ///< of the degrees of freedom
+  std::vector<DofName> names;           ///< one per degree of freedom
 };
 
-/// A structure, its matrices, and what is drawn of it. Matrices have no places: they are degrees of
-/// freedom by name, and nothing is drawn. A chain is drawn upwards, a metre a mass, moving along x.
+/// A structure's matrices and drawing. A structure given as matrices has named degrees of freedom
+/// without places, and no drawing. A chain is drawn upwards, one metre per mass, moving
+/// along x.
 struct DrawnStructure {
   Discretisation discretisation;
   StructureDrawing drawing;
@@ -44,7 +45,7 @@ struct DrawnStructure {
 [[nodiscard]] DrawnStructure drawn(const LumpedChain& chain);
 [[nodiscard]] DrawnStructure drawn(const MatrixStructure& matrices);
 
-/// Displacement of every point in a shape, the largest scaled to 1 (all 0 where nothing moves).
+/// Displacement of every point in a shape, the largest scaled to 1 (all 0 for a shape of zeros).
 [[nodiscard]] std::vector<Vector3> point_motions(const StructureDrawing& drawing,
                                                  const Eigen::VectorXd& shape);
 

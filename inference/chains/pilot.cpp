@@ -186,7 +186,7 @@ void fit_scales(const Eigen::MatrixXd& states, std::vector<RandomWalk::Block>& b
 // Adds the modes at whose maxima the mixture density is far below that of their own normals.
 void cover(const std::vector<NormalMixture::Component>& modes, NormalMixture& mixture) {
   constexpr double kThin = 5.0;    // ln
-  constexpr double kShare = 0.05;  // of the mixture, all added modes together
+  constexpr double kShare = 0.05;  // share of all added modes together in the mixture
   std::vector<NormalMixture::Component> missing;
   double weight = 0.0;
   for (const NormalMixture::Component& mode : modes) {

@@ -75,11 +75,11 @@ struct PilotOptions {
   int threads = 0;
   Eigen::Index most_samples = 8000;  ///< samples that a mixture is fitted to
   int most_components = 20;          ///< components of a mixture
-  double tolerance = 1e-7;  ///< of the last fit of a mixture, in the mean log density a sample
+  double tolerance = 1e-7;  ///< tolerance of a mixture's last fit, in mean log density per sample
   /// Additional samples of each model's posterior, for example in regions that the chains may not
   /// have visited; {}: none.
   std::vector<Eigen::MatrixXd> besides{};
-  /// Probability of each model as far as it is known; {}: the share of the coldest visits.
+  /// Probability of each model, if known; {}: the share of the coldest visits.
   std::vector<double> probability{};
   /// Modes of each model found by the searches. A mode that the mixture does not cover is added to
   /// it.

@@ -12,10 +12,10 @@ constexpr long kMaxRungs = 1 << 10;  // random streams per scan
 // Draws from the prior before giving up. A feasible region of 1e-4 of the prior is missed with a
 // probability of e^-10, and a zero likelihood is mostly cheap.
 constexpr int kTries = 100'000;
-// Of a long record, after the first draws, which are tested on its first samples.
+// Tries for a long record; all after the first kTriesOfWhole are tested on its first samples.
 constexpr int kTriesOfRecord = 5000;
 constexpr int kTriesOfWhole = 200;
-// Of a record that is too long for a full evaluation of each draw.
+// Record length of these tests, since a long record is expensive for each draw.
 constexpr long kFirstSamples = 50;
 constexpr int kFirstOfCheck = 1000;   // random streams of the check, after those of the rungs
 constexpr double kFirstScans = 60.0;  // t₀: scans of full gain in learning weights

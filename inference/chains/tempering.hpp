@@ -14,9 +14,9 @@ namespace wheeltap::inference {
 struct Ladder {
   std::vector<double> betas;
   std::vector<State> states;        ///< at each rung
-  std::vector<double> rejection{};  ///< Σ (1 - α) of each pair of neighbours
+  std::vector<double> rejection{};  ///< Σ (1 - α), one per pair of neighbours
   std::vector<long> tried{};        ///< swaps tried by each pair
-  std::vector<int> direction{};  ///< of each replica: +1 if it last was at β = 0, -1 if at β = 1
+  std::vector<int> direction{};  ///< one per replica: +1 if it last was at β = 0, -1 if at β = 1
   std::vector<int> replica{};    ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
   bool balancing = false;                    ///< weights are learned in scans that adapt
@@ -103,7 +103,7 @@ class TemperedChain {
   KernelFactory factory_;
   std::uint64_t seed_;
   int chain_;
-  std::vector<std::unique_ptr<KernelMixture>> kernels_;  ///< one set a rung
+  std::vector<std::unique_ptr<KernelMixture>> kernels_;  ///< one set per rung
 };
 
 /// The initial ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in geometric progression.
@@ -113,10 +113,11 @@ class TemperedChain {
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
 /// Checks that every model with prior weight has a finite likelihood at one draw from its prior at
-/// least. Throws LikelihoodError, naming the model, after 100 000 draws without one (5000 if the
-/// problem can be shortened; all but the first 200 are then tested on its first 50 samples first).
-/// `goes_on`, if any, is called before every try with the completed share of the largest possible
-/// number of tries; if it returns false, the remaining models are not checked.
+/// least. Throws LikelihoodError, naming the model, after 100 000 draws without one, or after 5000
+/// if the problem can be shortened. All but the first 200 of these are tested on its first 50
+/// samples first. The function `goes_on`, if any, is called before every try with the completed
+/// share of the largest possible number of tries; if it returns false, the remaining models are not
+/// checked.
 void check_models(Target& target, std::uint64_t seed,
                   const std::function<bool(double tried)>& goes_on = {});
 

@@ -18,8 +18,8 @@ struct ConvergenceLimits {
   double known = 0.001;          ///< error of a probability that is negligible
   double worth_knowing = 0.004;  ///< error of a probability that is small enough to stop
   double expected_visits = 10.0;  ///< effective visits expected; none would have probability e⁻¹⁰
-  double sigmas = 4.5;            ///< of a significant difference: false-alarm rate 7e-6
-  double chance = 1e-6;           ///< false-alarm rate of disagreement between chains
+  double sigmas = 4.5;   ///< least significant difference, in errors: false-alarm rate 7e-6
+  double chance = 1e-6;  ///< false-alarm rate of disagreement between chains
   double slack_probability = 0.005;  ///< difference of probabilities that is never significant
   double slack_nats = 0.5;
   double probable_model = 0.05;
@@ -33,27 +33,27 @@ struct ConvergenceLimits {
   /// Difference between the SMC draws' share outside the mixture and the chains' above which it is
   /// judged, in probability; and the number of SMC draws that count as one independent draw.
   double annealed_share = 0.02, annealed_draws_an_effective = 2.0;
-  std::size_t fewest_draws = 100;  ///< a chain within a model, to judge R-hat
+  std::size_t fewest_draws = 100;  ///< per chain within a model, to judge R-hat
   std::size_t fewest_for_ess = 400;
-  long round_trips = 10;  ///< of the ladder used for the draws
+  long round_trips = 10;  ///< on the ladder used for the draws
 };
 inline constexpr ConvergenceLimits kLimits{};
 
-/// Whether the run may stop: no violated rule, and the error of every model's share of the draws is
+/// True if the run may stop: no violated rule, and the error of every model's share of the draws is
 /// at most 0.004 (0.001 if the draws are `balanced` between models).
 [[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
 
-/// By how much the share of SMC draws outside the model's mixture exceeds that of the chains'
-/// draws. 0 if it does not, if it is unknown, or if the chains were there often enough to know the
-/// share better.
+/// The share of SMC draws outside the model's mixture less that of the chains' draws. 0 if it is
+/// negative or unknown, or if the chains visited that region often enough to estimate the share
+/// better.
 [[nodiscard]] double annealed_excess(const ModelFindings& found);
 
-/// Whether that excess is above `share` and significant: for a Poisson count k, 2√k is nearly
+/// True if that excess is above `share` and significant: for a Poisson count k, 2√k is nearly
 /// normal with variance 1 (Anscombe 1948, Biometrika 35:246).
 [[nodiscard]] bool lacks_annealed(const ModelFindings& found,
                                   double share = kLimits.annealed_share);
 
-/// Whether longer chains would suffice: false if R-hat of the log posterior or of a model is so
+/// True if longer chains would suffice; false if R-hat of the log posterior or of a model is so
 /// large that the chains are in different places.
 [[nodiscard]] bool chains_agree(const Posterior& posterior);
 

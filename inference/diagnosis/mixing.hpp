@@ -23,9 +23,10 @@ struct Mixing {
   /// R-hat of the log posterior, of the count of each kind (or of the indicators of models with 0.1
   /// % to 99.9 %), and of the watched quantities, in this order.
   std::vector<std::pair<std::string, double>> rhats;
-  double rhat_max = std::numeric_limits<double>::quiet_NaN();  ///< of the quantities judged
-  std::string rhat_worst;                                      ///< its quantity
-  double ess_log_posterior = 0.0;                              ///< the smaller of bulk and tail
+  double rhat_max =
+      std::numeric_limits<double>::quiet_NaN();  ///< largest over the judged quantities
+  std::string rhat_worst;                        ///< its quantity
+  double ess_log_posterior = 0.0;                ///< the smaller of bulk and tail
   /// The smallest over counts or indicators; that of the log posterior if these hardly change.
   double ess_model = 0.0;
   bool too_few = false;  ///< `ess_model` belongs to a judged quantity and is not above the limit

@@ -22,7 +22,7 @@ struct ModelShares {
 /// The error is that of the mean of w (indicator - P) / Σ w s (delta method).
 [[nodiscard]] ModelShares model_shares(const Posterior& posterior);
 
-/// value(draw) of every draw, chains kept apart.
+/// value(draw) of every draw, one list per chain.
 template <class Value>
 [[nodiscard]] ChainsOf of_all_draws(const Posterior& posterior, const Value& value) {
   ChainsOf out(posterior.chains.size());

@@ -21,7 +21,7 @@
 
 namespace wheeltap::inference {
 
-/// How often a move was tried and accepted after warm-up.
+/// Counts of a move after warm-up.
 struct MoveStatistics {
   std::string name;
   long proposed = 0;
@@ -33,7 +33,7 @@ struct FoundMode {
   std::vector<double> x;       ///< physical parameters
   double log_posterior = 0.0;  ///< in standard normal coordinates
   long climbs = 0;             ///< number of climbs that ended there
-  double share = 0.0;          ///< of its model's probability, by importance sampling
+  double share = 0.0;          ///< share of its model's probability, by importance sampling
   std::vector<double> drawn;   ///< its share of each chain's draws of the model; NaN if none
 };
 
@@ -69,7 +69,7 @@ struct Calls {
   long weigh = 0;     ///< importance sampling from the results of both
   long tune = 0;      ///< fitting the proposals, and a ladder if the draws need one
   long sample = 0;    ///< the draws
-  long evidence = 0;  ///< of the mixtures that the draws are compared with
+  long evidence = 0;  ///< evidence by the mixtures that the draws are compared with
 };
 
 /// Decisions of the engine that the options do not state.
@@ -80,17 +80,17 @@ enum class Choice {
   drawn_by_searches,  ///< stopped before its chains had drawn: draws come from the searches
 };
 
-/// How the draws of a run were made.
+/// Record of a run: moves, likelihood calls, options in effect.
 struct RunRecord {
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
   std::vector<std::vector<long>> jumps_accepted;
-  int draws = 0;   ///< a chain
+  int draws = 0;   ///< draws per chain
   int warmup = 0;  ///< iterations per chain at β = 1 before the first draw
   int thin = 1;
   long warmup_evaluations = 0;
   Calls calls{};
-  long likelihood_evaluations = 0;  ///< in all, warm-up included
+  long likelihood_evaluations = 0;  ///< total, warm-up included
   /// Calls of the full likelihood if the problem has an approximate one, warm-up included;
   /// `likelihood_evaluations` then counts the approximate one.
   long full_evaluations = 0;
@@ -104,13 +104,13 @@ struct RunRecord {
   std::vector<Choice> choices;
 };
 
-/// All that a run found. It shares its space and refers to nothing else: the problem may be gone.
+/// The result of a run. It shares its space and does not refer to the problem.
 struct Posterior : RunRecord {
   std::shared_ptr<const ModelSpace> space;
   std::vector<Chain> chains;
-  std::vector<ModelFindings> found;  ///< one a model
-  /// ln of what a draw of each model counts, one a model; empty: all count the same. Not empty
-  /// where `Options::balance` drew models more evenly than they are probable.
+  std::vector<ModelFindings> found;  ///< one per model
+  /// ln weight of a draw, one per model; empty: equal weights. Not empty if `Options::balance` drew
+  /// models more evenly than they are probable.
   std::vector<double> log_weight;
   int dimension = 0;    ///< row length of Chain::theta
   int predictions = 0;  ///< row length of Chain::prediction

@@ -31,7 +31,7 @@ struct ModelUnknown {
 /// A mode found by a search that some chain should have drawn and did not.
 struct ModeNotInEveryChain {
   int model = 0;
-  double share = 0.0;  ///< of its model's probability
+  double share = 0.0;  ///< share of its model's probability
   int visited = 0, chains = 0;
 };
 /// The chains disagree on a mode's share of its model's draws.
@@ -101,8 +101,8 @@ using Reason =
                  AnnealingDrawsBeyond, ChainsDisagree, TooFewEffectiveDraws, ParameterDisagrees,
                  ParameterMovesSlowly, TooFewRoundTrips, StoppedEarly, QuickLook>;
 
-/// A sentence with the numbers of the reason; of ChainsDisagree and TooFewEffectiveDraws a clause
-/// without a full stop. What to do about it depends on the caller (apps/text/verdict_words.hpp).
+/// A sentence with the numbers of the reason; for ChainsDisagree and TooFewEffectiveDraws a clause
+/// without a full stop. The caller adds the advice (apps/text/verdict_words.hpp).
 [[nodiscard]] std::string describe(const Reason& reason, const ModelSpace& space);
 
 }  // namespace wheeltap::inference

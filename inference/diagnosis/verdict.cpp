@@ -295,7 +295,7 @@ class Judge {
         std::clamp(2.0 * kLimits.ess * standing(m).probability, kLimits.ess_within, kLimits.ess);
     const double ess = ess_bulk(draws);
     if (!(r < kLimits.rhat)) {
-      double effective = 0.0;  // of a half chain, for single chains
+      double effective = 0.0;  // effective draws of a half chain, to compare single chains
       for (const auto& chain : draws) effective += ess_bulk({chain});
       const std::size_t halves = 2 * draws.size();
       effective /= static_cast<double>(halves);

@@ -60,7 +60,7 @@ struct Verdict {
 ///   exceeds that of the draws by 4.5 errors and half a nat. It may be lower: SMC may miss a mode
 ///   that the draws have.
 /// - Every chain visited each mode that the searches found and whose share of the draws should
-///   exceed 10 a chain (5e-5). R-hat of the mode's indicator is below 1.05, or within the scatter
+///   exceed 10 per chain (5e-5). R-hat of the mode's indicator is below 1.05, or within the scatter
 ///   of chains with that many effective draws (1e-6).
 /// - For a model above 1 % with more than 5 % of its draws where the fitted mixture has less than a
 ///   thousandth of the posterior density, that share is known to a relative error of 0.1, from 100
@@ -71,7 +71,7 @@ struct Verdict {
 /// - Parameters within every model above 1 %, components of a kind by their sums since their order
 ///   is only a label: R-hat below 1.01, or within the scatter of so few draws (1e-6), and an
 ///   effective sample size above 800 P, at least 20 and at most 400. R-hat is judged from 100 draws
-///   a chain, the effective sample size of a model below 5 % from 400.
+///   per chain, the effective sample size of a model below 5 % from 400.
 /// - With tempered draws, 10 round trips of the ladder.
 /// - The run was not stopped early and is not a quick run. Nothing else is judged in a quick run.
 ///

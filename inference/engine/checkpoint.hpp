@@ -46,10 +46,10 @@ class CheckpointError : public std::runtime_error {
 /// The parts that a run's checkpoint needs: the number of the first part, and how many.
 [[nodiscard]] std::pair<long, long> parts_of(const Checkpoint& checkpoint);
 
-/// Restores the run, bit for bit. The columns omit what follows from the rest: the model space, the
-/// conditional proposals and the results of the last evidence computation. Throws CheckpointError
-/// if a column is missing, too short, too long or unknown, or belongs to another number of chains,
-/// models or parameters.
+/// Restores the run, bit for bit. The columns omit the parts that follow from the rest: the model
+/// space, the conditional proposals and the results of the last evidence computation. Throws
+/// CheckpointError if a column is missing, too short, too long or unknown, or belongs to another
+/// number of chains, models or parameters.
 [[nodiscard]] RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains);
 
 /// A chain and its draws, packed for another rank of the same run and unpacked bit for bit. Not a

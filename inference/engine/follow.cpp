@@ -50,7 +50,7 @@ Beyond beyond_mixture(const RunState& state, int model) {
 
 // The checked states of a chain.
 struct Walk {
-  std::vector<double> z;  // of the states outside the mixture
+  std::vector<double> z;  // states outside the mixture
   long beyond = 0, looks = 0;
   long evaluations = 0;
 };

@@ -36,7 +36,7 @@ inline constexpr int kDefaultThin = 4;
 [[nodiscard]] inline int tuning_steps(const Problem& problem, const Options& options) {
   return is_expensive(problem, options) ? kTuningSteps / 2 : kTuningSteps;
 }
-inline constexpr int kEvidenceDraws = 4000;  ///< of each model's mixture
+inline constexpr int kEvidenceDraws = 4000;  ///< per model, from its mixture
 inline constexpr int kQuickDraws = 500;      ///< the same in a quick run
 
 /// `problem` and `options` must outlive the context. It serves only the run state of begin() or

@@ -15,7 +15,7 @@ constexpr double kStagesADimension = 2.0, kStages = 4.0;  // of SMC
 constexpr double kCallsAParticle = 12.0;                  // per stage
 constexpr double kScans = 800.0, kQuickScans = 60.0, kRungs = 10.0, kStepsOfAScan = 3.0;
 constexpr double kSettlingSteps = 500.0;
-constexpr double kShortRecords = 0.25;  // of a call on the whole record, during exploration
+constexpr double kShortRecords = 0.25;  // mean cost of a call in exploration / on the whole record
 constexpr double kSearchedSets = 12.0;  // upper limit of the component-set models that are searched
 
 struct Sizes {

@@ -18,12 +18,12 @@ namespace wheeltap::inference {
 
 /// Progress of a chain in a stage whose kernels adapt.
 struct AdaptationState {
-  int steps = 0;  ///< of this tuning round, or scans of a ladder
+  int steps = 0;  ///< steps of this tuning round, or scans of a ladder
   // Tempering only:
   bool begun = false;
   bool ended = false;
   int round_scans = 0;  ///< total of this round
-  int scans = 0;        ///< of the earlier rounds
+  int scans = 0;        ///< total of the earlier rounds
   double barrier = 0.0;
   /// KernelMixture::learnt: one list per rung, or one list.
   std::vector<std::vector<double>> learnt{};
@@ -38,7 +38,7 @@ struct ChainState {
   std::optional<Ladder> ladder{};  ///< if it was tempered
   std::vector<PilotSamples> by_rung{};  ///< states of the last round at each temperature
   std::vector<int> models{};            ///< visited in the last round of tuning
-  std::vector<KernelRecord> records{};  ///< of each kernel, in the last round of tuning
+  std::vector<KernelRecord> records{};  ///< one per kernel, in the last round of tuning
   std::optional<KeptDraws> kept{};      ///< a part of its draws, in standard normal coordinates
   std::vector<std::vector<long>> at_mode{};  ///< draws nearest to each mode of each model
   std::vector<MoveStatistics> moves{};       ///< counted after warm-up
@@ -47,8 +47,8 @@ struct ChainState {
   AdaptationState adaptation{};
 };
 
-/// Position in the run: what it does next. After a restart, work between two positions is repeated
-/// from the first of them with the same result.
+/// Position in the run: the next step. A restarted run repeats the work from its last stored
+/// position with the same result.
 struct Position {
   enum class Stage { explore, tune, sample };
   enum class Explore { begin, climb, look, search, anneal };
@@ -95,7 +95,7 @@ struct RunState {
   std::vector<ModelExploration> explorations;
   std::vector<double> log_probability;  ///< up to a constant, where known
   std::vector<double> probability;      ///< the same, normalised
-  std::vector<PilotSamples> by_rung;    ///< of all chains' ladders, the coldest last
+  std::vector<PilotSamples> by_rung;    ///< samples of all chains' ladders, the coldest last
 
   // Results of tuning.
   Pilot pilot;

@@ -32,7 +32,7 @@ std::unique_ptr<KernelMixture> kernels_of(const RunContext& run, const RunState&
 
 // The modes whose shares are counted, for models with several.
 void choose_modes(RunState& state) {
-  constexpr double kLeast = 1e-3;  // of a model's probability
+  constexpr double kLeast = 1e-3;  // share of a model's probability
   state.weighty_modes.assign(state.explorations.size(), {});
   for (std::size_t m = 0; m < state.explorations.size(); ++m) {
     const ModelExploration& found = state.explorations[m];

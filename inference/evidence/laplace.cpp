@@ -16,7 +16,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr double kSearchBound = 8.0;
-constexpr long kLaplaceSamples = 50;  // of a growing record
+constexpr long kLaplaceSamples = 50;  // first length of a growing record
 
 std::span<const double> values_of(const Eigen::VectorXd& z) {
   return {z.data(), static_cast<std::size_t>(z.size())};

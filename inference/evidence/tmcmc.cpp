@@ -18,7 +18,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr long kStageSamples = 50;  // of a growing record
+constexpr long kStageSamples = 50;  // first length of a growing record
 
 struct Particle {
   std::vector<double> z;
@@ -80,7 +80,7 @@ class Replicate {
 
  private:
   static constexpr int kMostStages = 1000, kMostSweeps = 30;
-  // Of the draws from the prior.
+  // Limits of the draws from the prior.
   static constexpr std::size_t kLeastPossible = 20, kMostDraws = 100'000;
   static constexpr long kLeastGrowth = 10;
   static constexpr std::size_t kBatch = 32;  // likelihoods per batch: a few vectors full
@@ -367,7 +367,7 @@ class Replicate {
 // samples may be far from its best fit to all, and the samples would not follow.
 bool better_growing(const Problem& problem, int model, const TmcmcOptions& options,
                     long& evaluations) {
-  constexpr int kPilots = 2;  // of each kind
+  constexpr int kPilots = 2;  // pilot runs of each kind
   constexpr double kClearly = 3.0;
   if (!problem.shortened || problem.samples <= 2 * kStageSamples) return false;
   if (options.path != TmcmcPath::better) return options.path == TmcmcPath::growing;

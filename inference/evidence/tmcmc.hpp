@@ -52,10 +52,11 @@ struct Tmcmc {
 /// weights of step j.
 ///
 /// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
-/// 89:539): from the prior to the posterior of the first 50 samples, from there to that of up to
-/// twice as many, and so on. β is then the exponent of the likelihood of the new samples. The
-/// posterior of a long record lies at the end of a ridge, which narrows gradually with the record
-/// but suddenly with the exponent. Small pilot runs of both kinds decide which one to use.
+/// 89:539). The first part leads from the prior to the posterior of the first 50 samples; each
+/// further part leads to the posterior of up to twice as many. β is then the exponent of the
+/// likelihood of the new samples. The posterior of a long record lies at the end of a ridge, which
+/// narrows gradually with the record but suddenly with the exponent. Small pilot runs of both kinds
+/// decide which one to use.
 ///
 /// Differences from these papers:
 ///

@@ -29,7 +29,7 @@ constexpr double kWider = 1.5;  // factor on the variances of the modes' normals
 constexpr double kGoodShare = 0.5;
 constexpr Eigen::Index kPopulation = 4000;
 constexpr Eigen::Index kFitted = 2000;  // draws in the fit of a proposal
-// Of the fit, in the first attempt and in the second.
+// Components of the fit in the first and the second attempt.
 constexpr std::array<int, 2> kComponents{8, 20};
 // Share of the SMC draws outside all proposals above which the proposals have missed a part of the
 // posterior, such as a curved ridge; the next round then uses more components.
@@ -471,7 +471,7 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
   if (problem.space[model].dimension == 0) return;
   Reporter report(options);
   Matrix draws = options.draws;
-  // If likelihoods are cheap, SMC runs in full, since it may find what no climb did.
+  // If likelihoods are cheap, SMC runs in full, since it may find modes that the climbs missed.
   const bool settled = problem.shortened && found.settled();
   if (settled || how == Annealing::brief) {
     const Annealed brief = anneal(problem, model, options, true, report, found);

@@ -18,7 +18,7 @@ struct ExplorationOptions {
   std::vector<std::vector<double>> starts{};
   long climbs = 0;       ///< ModeSearchOptions::climbs
   long budget = 100000;  ///< likelihood calls for climbs
-  double effort = 1.0;   ///< of the climbs as a record grows (ModeSearchOptions)
+  double effort = 1.0;   ///< effort of climbs as a record grows (ModeSearchOptions)
   bool anneal = true;    ///< run SMC from the prior, as briefly as sufficient
   /// Run climbs only, for one of very many models. The evidence is then Laplace's, assumed to be
   /// good to a nat, and the population is drawn from the normals about the modes.
@@ -46,7 +46,7 @@ struct ExplorationCalls {
 
 struct ModelExploration {
   std::vector<Mode> modes;     ///< the largest probability mass first
-  std::vector<double> shares;  ///< of the posterior's probability, one per mode
+  std::vector<double> shares;  ///< probability of each mode
   long climbs = 0;
   double spacing = 0.0;  ///< ModeSearch::spacing of these climbs
   /// ExplorationOptions::climbs_only: searched by climbs, no importance sampling.
@@ -57,7 +57,7 @@ struct ModelExploration {
   std::vector<double> annealed_log_posterior;  ///< ln π at each of these draws
   Evidence annealed = kNoEvidence;             ///< NaN if SMC did not run or failed
   Evidence sampled = kNoEvidence;              ///< by importance sampling; NaN if nothing was found
-  double effective_draws = 0.0;                ///< of the importance sample
+  double effective_draws = 0.0;                ///< effective size of the importance sample
   double efficiency = 0.0;                     ///< effective_draws divided by the draws
   ExplorationCalls calls{};
 
@@ -88,8 +88,8 @@ struct ModelExploration {
 /// The first part: climbs, and importance sampling about their modes.
 [[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
                                             const ExplorationOptions& options);
-/// The second part, for a model after survey_model: SMC as `how` says (brief only, or as long as
-/// needed).
+/// The second part, for a model after survey_model: SMC, brief only or as long as needed
+/// (`how`).
 enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);

@@ -29,9 +29,9 @@ class ModelLattice {
   std::vector<Place> places_;
 };
 
-/// The models of a nested list to explore next, in order of size; empty at the end. Of the 2^n
-/// subsets of n terms, nearly all lack a term that the data require or contain a superfluous one.
-/// Explored are therefore
+/// The models of a nested list to explore next, in order of size; empty at the end. Nearly
+/// all of the 2^n subsets of n terms lack a term that the data require or contain a superfluous
+/// one. The search therefore explores
 ///
 /// - all models up to two steps from the smallest, since some terms matter only in pairs;
 /// - the models one step above or below each model whose probability is within e^-12 (6e-6) of the

@@ -38,8 +38,8 @@ class NormalMixture {
     double defensive_sd = 1.0;
     /// ν of the components' tails; ∞: normal. The fit itself assumes normals.
     double degrees_of_freedom = std::numeric_limits<double>::infinity();
-    int max_iterations = 200;  ///< of the final EM iterations
-    double tolerance = 1e-7;   ///< of these, in the mean log density per sample
+    int max_iterations = 200;  ///< limit of the final EM iterations
+    double tolerance = 1e-7;   ///< their tolerance, in the mean log density per sample
   };
 
   /// Throws std::invalid_argument if there are no components, dimensions differ, a weight or an

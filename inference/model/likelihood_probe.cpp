@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr long kMostCalls = 2000;
-constexpr double kPatience = 10.0;  // times the seconds asked for
+constexpr double kPatience = 10.0;  // largest time, in units of the requested one
 
 double processor_seconds() {
   timespec now{};

@@ -1,20 +1,20 @@
-// What a likelihood takes, measured.
+// Measured run time of a likelihood.
 #pragma once
 
 #include "inference/model/target.hpp"
 
 namespace wheeltap::inference {
 
-/// Processor time of one thread [s], so that what else the machine does counts little.
+/// Processor time of one thread [s], on which other processes have little effect.
 struct LikelihoodTime {
-  double mean = 0.0;    ///< over draws of the prior, as climbs begin
+  double mean = 0.0;    ///< over draws of the prior, as at the start of climbs
   double middle = 0.0;  ///< the median: rare expensive ones do not count
   long calls = 0;       ///< measured
 };
 
-/// Likelihoods at draws of the prior, all models with parameters in turn, for about so many
-/// seconds; at least one of each model, unless that takes ten times as long. Impossible draws,
-/// which may cost little, do not count where others are possible.
+/// Measures likelihoods at draws of the prior, all models with parameters in turn, for about
+/// `seconds`; at least one per model, unless that takes ten times as long. Impossible draws, which
+/// may cost little, do not count if others are possible.
 [[nodiscard]] LikelihoodTime probe(const Problem& problem, double seconds);
 
 }  // namespace wheeltap::inference

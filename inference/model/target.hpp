@@ -1,4 +1,4 @@
-// The posterior over models and their parameters, prior and likelihood kept apart.
+// The posterior over models and their parameters, with separate prior and likelihood.
 #pragma once
 
 #include <functional>
@@ -21,15 +21,15 @@ struct Evaluation {
   /// The predicted observables, or empty: recorded for posterior predictive checks and convergence
   /// of the responses.
   std::vector<double> prediction = {};
-  /// Standardised residuals (observed - predicted) / sd, or empty. Where they are given, ln p(data
-  /// | ·) = c - ½ Σ residual², up to a c that adding a component does not change, and births can be
-  /// proposed where they explain the residual.
+  /// Standardised residuals (observed - predicted) / sd, or empty. If given, they must satisfy ln
+  /// p(data | ·) = c - ½ Σ residual² with a c that adding a component does not change. Births are
+  /// then proposed where they explain the residual.
   std::vector<double> residuals = {};
-  /// Where the noise is a parameter: the factor common to all sds, so that residual · noise_scale
-  /// does not depend on it. 1 for known noise.
+  /// If the noise is a parameter: the factor common to all sds, so that residual · noise_scale does
+  /// not depend on it. 1 for known noise.
   double noise_scale = 1.0;
 
-  /// As a new one, with the memory kept.
+  /// Resets the values and keeps the memory.
   void clear() {
     log_likelihood = -std::numeric_limits<double>::infinity();
     prediction.clear();
@@ -38,24 +38,24 @@ struct Evaluation {
   }
 };
 
-/// The data's side of a problem. One object serves one thread; it may keep scratch memory, which no
-/// result depends on.
+/// The likelihood of a problem's data. One object serves one thread. It may keep scratch memory, as
+/// long as no result depends on it.
 class Likelihood {
  public:
   virtual ~Likelihood() = default;
 
-  /// ln p(data | model, x), every normaliser included; -∞ where x is impossible. NaN and +∞ are
-  /// faults of floating point, counted and taken for -∞; where they are frequent the run ends, with
-  /// the model and the parameters (see Target). x is laid out as in Model.
+  /// ln p(data | model, x) with every normaliser; -∞ if x is impossible. NaN and +∞ are
+  /// floating-point faults, which count as -∞; if they are frequent, Target ends the run with an
+  /// error that names the model and the parameters. x is laid out as in Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
-  /// The same where only values of at least `floor` matter: below it, -∞ may be returned instead,
-  /// as soon as that is known (early rejection: Solonen et al. 2012, section 2).
+  /// The same if only values of at least `floor` matter: for a smaller value the likelihood may
+  /// return -∞ as soon as this is known (early rejection: Solonen et al. 2012, section 2).
   virtual double log_likelihood_above(double /*floor*/, int model, std::span<const double> x) {
     return log_likelihood(model, x);
   }
 
-  /// The same with all that the likelihood says of x, in place of what `out` held.
+  /// The same with all results of the likelihood at x, which replace those in `out`.
   virtual void evaluate(double floor, int model, std::span<const double> x, Evaluation& out) {
     out.clear();
     out.log_likelihood = log_likelihood_above(floor, model, x);
@@ -67,36 +67,38 @@ class Likelihood {
     return out;
   }
 
-  /// Several parameter vectors of one model, one after the other in `xs`: for likelihoods that can
-  /// share work between them.
+  /// Evaluates several parameter vectors of one model, one after the other in `xs`, for likelihoods
+  /// that can share work between them.
   virtual void log_likelihoods(int model, std::span<const double> xs, std::span<double> out) {
     const std::size_t d = xs.size() / out.size();
     for (std::size_t i = 0; i < out.size(); ++i)
       out[i] = log_likelihood(model, xs.subspan(i * d, d));
   }
 
-  /// The same where of each only a value of at least floors[i] matters.
+  /// The same if only values of at least floors[i] matter.
   virtual void log_likelihoods_above(std::span<const double> /*floors*/, int model,
                                      std::span<const double> xs, std::span<double> out) {
     log_likelihoods(model, xs, out);
   }
 
-  /// Optional: ∂ ln p(data | model, x)/∂x_i into out[i], in the units of 1/x_i, of any possible x,
-  /// asked for before or not. False, whatever `out` then holds, where there is none. Searches and
-  /// proposals use it and no ratio depends on it: where the likelihood is a staircase in x_i, whose
-  /// derivative is zero, give the slope across the steps.
+  /// Optional: writes ∂ ln p(data | model, x)/∂x_i to out[i], in the units of 1/x_i, for any
+  /// possible x, evaluated before or not. Returns false, with `out` undefined, if there is no
+  /// gradient. Searches and proposals use it, and no acceptance ratio depends on it. If the
+  /// likelihood is a step function of x_i, whose derivative is zero, give the slope across the
+  /// steps.
   virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
     return false;
   }
 
-  /// Optional: the quadratic that the residuals' first derivatives make of ln p(data | model, ·)
-  /// about a possible x (Gauss & Newton; Nocedal & Wright 2006, section 10.3). With steps s,
+  /// Optional: the Gauss-Newton approximation of ln p(data | model, ·) about a possible x, a
+  /// quadratic from the residuals' first derivatives (Nocedal & Wright 2006, section 10.3). With
+  /// steps s,
   ///
   ///   gradient[i] = s_i ∂ ln p/∂x_i,   information[i d + j] = s_i s_j I_ij,
   ///
-  /// I a positive semidefinite stand-in for -∇² ln p; derivatives may be taken by differences over
-  /// the steps, from x to x_i + s_i. False, whatever is then written, where there is none. Searches
-  /// alone use it. Counts as d + 1 evaluations.
+  /// where I is a positive semidefinite approximation of -∇² ln p. Derivatives may be differences
+  /// over the steps, from x to x_i + s_i. Returns false, with undefined output, if there is no such
+  /// approximation. Only searches use it. Counts as d + 1 evaluations.
   virtual bool gauss_newton(int /*model*/, std::span<const double> /*x*/,
                             std::span<const double> /*steps*/, std::span<double> /*gradient*/,
                             std::span<double> /*information*/) {
@@ -104,13 +106,13 @@ class Likelihood {
   }
 };
 
-/// Makes one likelihood a thread; never null.
+/// Creates one likelihood per thread; never null.
 using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 
 /// A factor of the prior that the independent priors of the space cannot express (for example that
 /// change points are order statistics). It must be normalised: ∫ exp(log_factor) ∏ p(x_i) dx = 1 in
-/// every model. It is never tempered. NaN and +∞ end the run at once: a density written down by
-/// hand has no such edge.
+/// every model. It is never tempered. NaN and +∞ end the run at once, since a density has no such
+/// values.
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
 /// x → 2·center - x of one parameter of one kind's components, e.g. the mirror image of a location
@@ -158,7 +160,7 @@ struct State {
   std::vector<double> z;  ///< standard normal coordinates, laid out as in Model
   std::vector<double> x;  ///< the physical parameters of z
   double log_likelihood = -std::numeric_limits<double>::infinity();
-  /// Of the approximation, or log_likelihood.
+  /// Log likelihood by the approximation, or log_likelihood without one.
   double log_screen = -std::numeric_limits<double>::infinity();
   double log_prior_factor = 0.0;
   std::vector<double> prediction;
@@ -175,7 +177,7 @@ class LikelihoodError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// The posterior density of one problem, for one thread. With respect to dz,
+/// The posterior density of one problem, for one thread. With respect to dz, it is
 ///
 ///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
 ///
@@ -193,10 +195,10 @@ class Target {
     long values = 0;
     long impossible = 0;  ///< NaN or +∞
   };
-  /// All state between two calls, as a value: a target of the same problem with this memory
-  /// continues bit for bit.
+  /// All state between two calls: a target of the same problem with this memory gives identical
+  /// results.
   struct Memory {
-    std::vector<double> bias;       ///< of each model, see set_model_bias
+    std::vector<double> bias;       ///< one per model, see set_model_bias
     std::vector<double> log_model;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
     long evaluations = 0;
     long full_evaluations = 0;

@@ -11,7 +11,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr double kBound = 8.3;        // |z|
-constexpr double kDifference = 0.05;  // of a width, for derivatives
+constexpr double kDifference = 0.05;  // step of derivatives, in widths
 constexpr double kArrived = 0.01;     // ln: expected gain of a further step at convergence
 constexpr int kMostSteps = 100;
 constexpr int kMostDampedSteps = 40;
@@ -364,7 +364,7 @@ KnownMode measure(Surface& f, const ClimbEnd& end) {
     if (end.inverse_hessian.rows() == d && end.inverse_hessian(i, i) > 0.0)
       h[i] = std::min(1.0, 0.3 * std::sqrt(end.inverse_hessian(i, i)));
   }
-  if (f.stopped()) {  // what the climb knows of it
+  if (f.stopped()) {  // keep what the climb estimated so far
     const bool known = end.inverse_hessian.rows() == d;
     mode.covariance = known ? end.inverse_hessian : Matrix(Matrix::Identity(d, d));
     const Eigen::LLT<Matrix> llt(mode.covariance);

@@ -46,7 +46,7 @@ class Surface {
  private:
   ModelPosterior posterior_;
   std::vector<double> ordered_, batch_;
-  std::vector<Eigen::Index> places_;  ///< of the batch among the columns
+  std::vector<Eigen::Index> places_;  ///< place of each batch entry among the columns
   std::vector<ModelPosterior::Value> values_;
   bool offers_gradient_ = true;  ///< false after the first failure
   std::function<bool()> stop_;

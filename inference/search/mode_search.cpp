@@ -17,15 +17,15 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kSlices = 8;  // of a batch, each with its own likelihood object
+constexpr int kSlices = 8;  // slices of a batch, each with its own likelihood object
 constexpr long kFirstBatch = 8, kMostBatch = 256;
 constexpr long kFirstOfRecord = 2;    // few climbs use the full growth before a mode is known
 constexpr long kScreened = 256;       // draws of the prior on a whole record
-constexpr int kScreenedClimbs = 4;    // from the likeliest of these
+constexpr int kScreenedClimbs = 4;    // from the most probable of these
 constexpr double kValley = 2.0;       // ln: depth between two modes
 constexpr double kNegligible = 25.0;  // ln: below the mode with the largest mass
 constexpr std::size_t kMostModes = 60;
-constexpr long kSearchSamples = 50;  // of a growing record
+constexpr long kSearchSamples = 50;  // first length of a growing record
 constexpr double kDrawsAMode = 4.0;  // starts per mode as a record grows
 constexpr double kFollowed = 30.0;   // modes followed as a record grows
 constexpr double kFewestFollowed = 6.0;
@@ -33,7 +33,7 @@ constexpr std::size_t kThreads = 3;  // lost modes that are followed in small st
 // A record grows by these numbers of time steps.
 constexpr long kFirstGrowth = 4, kLeastGrowth = 128;
 constexpr std::size_t kSummits = 3;    // modes whose maxima are checked for spikes
-constexpr double kSummitShare = 0.01;  // of the budget, for this check
+constexpr double kSummitShare = 0.01;  // share of the budget for this check
 constexpr std::uint64_t kScreenStream = std::uint64_t{1} << 62U;
 
 using Vector = Eigen::VectorXd;
@@ -122,9 +122,9 @@ class Search {
     }
   }
 
-  // Climbs from the likeliest of many draws of the prior. If a model cannot explain the data, its
-  // mode on a short record may be far from that on the whole record.
-  void run_likeliest() {
+  // Climbs from the most probable of many draws of the prior. If a model cannot explain the data,
+  // its mode on a short record may be far from that on the whole record.
+  void run_most_probable() {
     Surface& surface = *surfaces_.front();
     Matrix draws(surface.dimension(), kScreened);
     Vector z(surface.dimension());
@@ -381,7 +381,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     next.follow(found.modes, level);
     if (n == problem.samples) {
       next.run(options.starts);
-      next.run_likeliest();
+      next.run_most_probable();
     }
     if (ModeSearch grown = next.result(); lost(found, before, grown, n)) {
       next.run(followed_closely(problem, model, options, std::move(found), before, n, evaluations));

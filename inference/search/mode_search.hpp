@@ -71,7 +71,7 @@ inline constexpr long kMostClimbs = 10000;
 /// record doubles, each from itself and from draws of the normal about it. If the doubled record
 /// has no such mode, because ln π falls by far more than the share of the new samples, the best
 /// modes are followed in smaller increments. Additional climbs on the whole record start from the
-/// likeliest of a few hundred draws of the prior.
+/// most probable of a few hundred draws of the prior.
 ///
 /// All n climbs miss a mode whose basin holds a share p of the prior with probability (1-p)^n. The
 /// basin consists of all points from which these climbs, with steps of finite length, reach the

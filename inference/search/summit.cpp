@@ -8,7 +8,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kStep = 3e-5;      // of a standard deviation, for first differences
+constexpr double kStep = 3e-5;      // standard deviations: the step of first differences
 constexpr double kSettled = 1e-10;  // standard deviations: the step at convergence
 constexpr double kNear = 3.0;  // standard deviations: a farther maximum belongs to another mode
 

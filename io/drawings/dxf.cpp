@@ -20,7 +20,7 @@ constexpr double kJoin = 1e-6;
 struct Pair {
   int code;
   std::string value;
-  int line;  ///< of the value, from 1
+  int line;  ///< the value's line, from 1
 };
 
 struct Entity {

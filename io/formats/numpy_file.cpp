@@ -36,7 +36,7 @@ struct NpyArray {
   Element element = {};
   std::size_t begin = 0;  ///< start of its data
   std::string bytes = {};
-  bool imaginary = false;  ///< of a complex array: true for the imaginary part
+  bool imaginary = false;  ///< true for the imaginary part of a complex array
 };
 
 /// Why an array holds no readable numbers; thrown within this file.

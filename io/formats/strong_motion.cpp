@@ -211,7 +211,7 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
   constexpr std::size_t kWidth = 10;  // unless the header gives another
   Reader in(bytes, name);
   Columns out{.file = name.string()};
-  std::vector<std::string> channels;  // for each column except time
+  std::vector<std::string> channels;  // one per column except time
   std::string channel;
   double common_points = 0.0, common_step = 0.0;
   while (in.lines.next()) {

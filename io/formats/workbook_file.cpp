@@ -258,7 +258,7 @@ class Workbook {
         if (!reference.empty() && !place(reference, cell))
           corrupt("is damaged: a cell is at '" + printable(reference) + "'");
         if (cell.row >= kMostRows || cell.column >= kMostColumns)
-          corrupt("is damaged: a cell stands outside the sheet");
+          corrupt("is damaged: a cell lies outside the sheet");
         next_column = cell.column + 1;
         type = attribute(a, "t");
         style = whole(attribute(a, "s"), 0);

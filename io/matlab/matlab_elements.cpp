@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kHeader = 128, kTag = 8;
 constexpr std::uintmax_t kCompressed = 15;
 
-constexpr std::size_t kHead = 512;  // of a variable; the flags and names of an object are shorter
+constexpr std::size_t kHead = 512;  // bytes of a variable; an object's flags and names are shorter
 
 /// True if the next `bytes` of the file are a zlib stream with a correct checksum; `head` receives
 /// the first bytes of its content.

@@ -20,7 +20,7 @@ constexpr int kMostDimensions = 4;
 
 /// A part of a complex number as stored by h5py and others: a compound of two real numbers.
 struct Part {
-  std::size_t size = 0;    ///< of the compound
+  std::size_t size = 0;    ///< size of the compound
   std::size_t offset = 0;  ///< within it
   nc_type type = NC_DOUBLE;
 };

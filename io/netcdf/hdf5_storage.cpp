@@ -11,7 +11,7 @@
 namespace wheeltap::io {
 namespace {
 
-/// Closes what HDF5 opened.
+/// Closes an object opened by HDF5.
 class Opened {
  public:
   Opened(hid_t id, herr_t (*close)(hid_t)) : id_(id), close_(close) {}

@@ -38,7 +38,7 @@ struct ColumnSource {
 
 struct ChosenColumns {
   std::size_t length = 0;
-  std::vector<ColumnSource> sources = {};  ///< for each column of the table
+  std::vector<ColumnSource> sources = {};  ///< one per column of the table
 };
 
 /// Adds the columns, without values, of all arrays that share one channel length. It is the length

@@ -14,11 +14,11 @@ struct TextLayout {
   std::optional<char> separator = {};  ///< ',', ';', '\t', '|' or ' ' for any run of blanks
   std::optional<char> decimal = {};    ///< '.' or ','
   std::optional<int> skip = {};        ///< lines to skip before detection
-  std::optional<int> header = {};      ///< line of the column names; 0: there is none
-  std::optional<int> units_row = {};   ///< line of the column units; 0: there is none
+  std::optional<int> header = {};      ///< line of the column names; 0: no such line
+  std::optional<int> units_row = {};   ///< line of the column units; 0: no such line
   std::string time_format =
       {};                  ///< format of time stamps (io/text/time_stamp.hpp); empty: detected
-  std::string sheet = {};  ///< of a workbook; empty: the first that is not hidden
+  std::string sheet = {};  ///< a workbook's sheet; empty: the first that is not hidden
 
   bool operator==(const TextLayout&) const = default;
 };

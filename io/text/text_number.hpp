@@ -7,15 +7,15 @@
 namespace wheeltap::io {
 
 /// The printed precision of numbers: the largest numbers of digits after the point and of
-/// significant digits. Negative if nothing was printed.
+/// significant digits. Negative without any number.
 struct PrintedDigits {
   int decimals = -1;
   int digits = -1;
 };
 
-/// The number that the whole text represents; none for an empty text. The nearest double, like
-/// std::from_chars; none beyond the range of doubles. `decimal` is '.' or ','. Accepts Fortran
-/// exponents ("1.5D-3").
+/// The number that the whole text represents, as the nearest double, like std::from_chars.
+/// std::nullopt for an empty text and beyond the range of doubles. `decimal` is '.' or ','. Accepts
+/// Fortran exponents ("1.5D-3").
 [[nodiscard]] std::optional<double> parse_number(std::string_view text, char decimal = '.');
 
 /// A number with thousands separators: "1.234,5", "1'234.5", "1 234 567". A single comma or point

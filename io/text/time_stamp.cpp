@@ -107,7 +107,7 @@ class Cursor {
 
 struct Parts {
   int year = -1, month = -1, day = -1;
-  std::int64_t seconds = 0;  ///< of the day, or east of Greenwich
+  std::int64_t seconds = 0;  ///< since midnight, or east of Greenwich
   std::int64_t fraction = 0;
   int decimals = 0;
   std::int64_t zone = 0;  ///< seconds east of Greenwich

@@ -23,7 +23,7 @@ struct TimeStamp {
   /// midnight.
   std::int64_t nanoseconds = 0;
   bool has_date = true;
-  int decimals = 0;  ///< of the seconds
+  int decimals = 0;  ///< number of decimals of the seconds
 };
 
 enum class DayOrder { unknown, day_first, month_first };

@@ -30,7 +30,7 @@ struct UniversalDof {
 struct UniversalAxis {
   int quantity = 0;  ///< 8 displacement, 11 velocity, 12 acceleration, 13 force, 15 pressure,
                      ///< 17 time, 18 frequency, 0 unknown, 1 general
-  std::array<int, 3> powers = {};  ///< of length, force and temperature
+  std::array<int, 3> powers = {};  ///< powers of length, force, temperature
   std::string label = {};          ///< "NONE" in files is empty here
   std::string unit = {};
 };
@@ -50,7 +50,7 @@ struct UniversalFunction {
   std::vector<double> x = {};  ///< as many as y; written if unevenly spaced
   std::vector<std::complex<double>> y = {};
   bool binary = false;      ///< 58b
-  bool big_endian = false;  ///< of 58b
+  bool big_endian = false;  ///< byte order of 58b
   std::ptrdiff_t line = 0;  ///< line of its dataset in the original file
 };
 
@@ -91,7 +91,7 @@ struct UniversalElement {
   int descriptor = 0;  ///< 11 rod, 21 beam, 41 triangle, 44 quadrilateral, 94 shell, 111 solid, …
   int physical = 0, material = 0;  ///< numbers of property tables
   int colour = 0;
-  std::array<int, 3> beam = {};  ///< of beams: orientation node, sections at the ends
+  std::array<int, 3> beam = {};  ///< orientation node, sections at the ends
   std::vector<int> nodes = {};
 
   /// True if the element belongs to the family with `beam`.
@@ -121,7 +121,8 @@ struct UniversalHeader {
   std::array<std::string, 7> lines = {};  ///< model, description, program, created, saved, …
 };
 
-/// Dataset 164. SI = value / factor: of length, force and temperature.
+/// Dataset 164. SI = value / factor, with one factor each for length, force and
+/// temperature.
 struct UniversalUnits {
   int code = 1;  ///< 1: SI
   std::string description = {};
@@ -170,9 +171,9 @@ struct UniversalFile {
 
 /// "12:+Z": name of a degree of freedom; empty if it has no node.
 [[nodiscard]] std::string dof_in_words(const UniversalDof& dof);
-/// "x", "-z"; empty for rotations and where no direction is given.
+/// "x", "-z"; empty for rotations and unknown directions.
 [[nodiscard]] std::string translation_axis(const UniversalDof& dof);
-/// "frequency response", …; "function of type 37" where nobody knows.
+/// "frequency response", …; "function of type 37" for an unknown type.
 [[nodiscard]] std::string function_in_words(int type);
 
 }  // namespace wheeltap::io

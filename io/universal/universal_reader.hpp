@@ -33,7 +33,7 @@ inline std::string none_is_empty(std::string_view text) {
   return word == "NONE" ? std::string() : word;
 }
 
-/// A Fortran number: "1.5E+00", "1.5D+00", "1.5-100", "1.5". None for any other text.
+/// A Fortran number: "1.5E+00", "1.5D+00", "1.5-100", "1.5". std::nullopt for any other text.
 inline std::optional<double> fortran_number(std::string_view field) {
   std::string text(trimmed(field));
   if (text.empty()) return {};
@@ -93,7 +93,7 @@ class Reader {
     at_ += count;
     return out;
   }
-  /// Some programs end binary data with a line break, others do not.
+  /// Skips the line break that some programs write after binary data.
   void skip_blanks() {
     while (!done() && std::string_view(" \t\r\n").find(bytes_[at_]) != std::string_view::npos) {
       number_ += bytes_[at_] == '\n';

@@ -28,7 +28,7 @@ using Eigen::VectorXd;
 constexpr int kSurrogates = 200;
 constexpr int kMostHankelRows = 500;  // and columns, of the Hankel matrix
 constexpr int kSmallestOrders = 20, kLargestOrders = 60;
-constexpr double kKeptBand = 0.4;  // of the new rate, by decimate()
+constexpr double kKeptBand = 0.4;  // share of the new rate kept by decimate()
 constexpr double kHankelRows = 1.2;
 constexpr double kMovedPole = 0.05;  // distance of a refined pole from that of the diagram
 

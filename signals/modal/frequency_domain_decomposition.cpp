@@ -40,7 +40,7 @@ struct Part {
 };
 
 struct Spectra {
-  double spacing_hz = 0.0;  ///< of the padded lines
+  double spacing_hz = 0.0;  ///< spacing of the padded lines
   Index first = 0;
   std::vector<Part> parts = {};
 

@@ -9,7 +9,7 @@
 // to twice their length, so that c is the correlation times that of the window and can be divided
 // by it; otherwise the width of the window would count as damping.
 //
-// Assumes lightly damped, well separated modes. Of two modes that share lines, one is missed or
+// Assumes lightly damped, well separated modes. If two modes share lines, one is missed or
 // both are distorted. Truncation of the bell biases damping.
 #pragma once
 

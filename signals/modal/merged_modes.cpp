@@ -357,7 +357,7 @@ class ModeMerger {
   const std::vector<SetUpModes>& set_ups_;
   int sensors_;
   MergedModes out_;
-  std::vector<std::vector<int>> channels_;  ///< of the references, by set-up
+  std::vector<std::vector<int>> channels_;  ///< channels of the references, by set-up
   Index count_ = 0;                         ///< number of merged modes
   /// Derivatives of the merged values to every set-up's frequencies and damping ratios.
   std::vector<MatrixXd> weights_;

@@ -22,7 +22,7 @@ namespace wheeltap::signals {
 /// The results of one set-up, with the sensor of each channel.
 struct SetUpModes {
   std::vector<Mode> modes = {};
-  Eigen::MatrixXd covariance = {};  ///< of all frequencies, then all damping ratios
+  Eigen::MatrixXd covariance = {};  ///< all frequencies, then all damping ratios
   std::vector<int> sensors = {};    ///< by channel
 };
 
@@ -41,7 +41,7 @@ struct MergedMode {
   double consistency_p = 1.0;    ///< of χ² = Σ (f_s - f̄)² / v_s; 1 in one set-up alone
   double reference_mac = 1.0;    ///< the smallest MAC between two set-ups at the references
   double collinearity = 0.0;     ///< modal phase collinearity of the whole shape
-  std::vector<int> places = {};  ///< for each set-up: index among its modes; -1: not found
+  std::vector<int> places = {};  ///< one per set-up: index among its modes; -1: not found
   Eigen::VectorXcd shape = {};   ///< by sensor, largest entry 1; NaN if no set-up measured it
   Eigen::MatrixXd shape_covariance = {};  ///< of real parts, then imaginary parts; 0 where NaN
   std::vector<MergeDoubt> doubts = {};
@@ -51,7 +51,7 @@ struct MergedMode {
 
 struct MergedModes {
   std::vector<MergedMode> modes = {};  ///< by frequency
-  Eigen::MatrixXd covariance = {};     ///< of all frequencies, then all damping ratios
+  Eigen::MatrixXd covariance = {};     ///< all frequencies, then all damping ratios
   std::vector<int> references = {};    ///< sensors that every set-up has
 };
 

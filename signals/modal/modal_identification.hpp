@@ -13,7 +13,7 @@ struct ModalOptions {
   double sample_rate_hz = 1.0;
   double lowest_hz = 0.0, highest_hz = 0.0;  ///< the band; 0: up to 0.45 of the rate
   int largest_order = 0;                     ///< 0: 10 per channel, from 20 to 80
-  int lags = 0;    ///< p + q; 0: what the orders need, and a period of the lowest mode
+  int lags = 0;    ///< p + q; 0: enough for the orders and a period of the lowest mode
   int blocks = 0;  ///< n_b; 0: 50, fewer if the blocks would be too short
   std::vector<int> references = {};  ///< channels; all if empty
   int threads = 0;
@@ -68,7 +68,7 @@ struct ModalRemarks {
 struct ModalResult {
   ModalMethod method = ModalMethod::subspace;
   std::vector<Mode> modes = {};     ///< by frequency
-  Eigen::MatrixXd covariance = {};  ///< of all frequencies [Hz], then all damping ratios
+  Eigen::MatrixXd covariance = {};  ///< all frequencies [Hz], then all damping ratios
   Stabilisation diagram = {};
   Eigen::VectorXd singular_values = {};
   double sample_rate_hz = 0.0;  ///< after decimation
@@ -81,15 +81,15 @@ struct ModalResult {
   std::vector<int> references = {};
   Eigen::MatrixXd singular_spectrum =
       {};                         ///< for peaks of spectra: line [Hz], first singular value
-  int segments = 0, segment = 0;  ///< of these spectra: number of segments and samples per segment
+  int segments = 0, segment = 0;  ///< segments of these spectra: number, samples per segment
   ModalRemarks remarks = {};
 };
 
-/// `records` holds a channel a row. Records are decimated to the band, and identified twice: first
-/// with as many lags as a period of the band's lowest frequency takes, then with as many as one of
-/// the lowest mode's takes; more lags add scatter. Throws ChannelError (signals/refuse.hpp) for
-/// channels that are constant, alike or not finite, and std::invalid_argument for a band that is
-/// none and for records too short for any order.
+/// Identifies modes from `records`, one channel per row. It decimates the records to the band and
+/// identifies twice: first with the lags of one period of the band's lowest frequency, then with
+/// those of one period of the lowest mode, since more lags add scatter. Throws ChannelError
+/// (signals/refuse.hpp) for channels that are constant, alike or not finite, and
+/// std::invalid_argument for an invalid band and for records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 

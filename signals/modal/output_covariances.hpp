@@ -24,13 +24,14 @@ struct OutputCovariances {
   Eigen::VectorXd scale;        ///< standard deviation of each channel [its unit]
   Eigen::VectorXd zero_lag;     ///< variance of each scaled channel over the samples used: about 1
   std::vector<Eigen::MatrixXd> blocks;  ///< (lags · channels) × references: R_1 over R_2 over …
-  Eigen::MatrixXd mean;                 ///< of the blocks
+  Eigen::MatrixXd mean;                 ///< mean of the blocks
 
   [[nodiscard]] int channels() const { return static_cast<int>(scale.size()); }
 };
 
-/// `records` holds a channel a row. Throws ChannelError for a channel that is constant or
-/// not finite, a reference that is none, and blocks that are not longer than the lags.
+/// Estimates the covariances of `records`, one channel per row. Throws ChannelError for a channel
+/// that is constant or not finite, a reference that does not exist, and blocks that are not longer
+/// than the lags.
 [[nodiscard]] OutputCovariances output_covariances(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                                    const CovarianceOptions& options);
 

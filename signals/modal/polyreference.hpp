@@ -30,12 +30,12 @@ namespace wheeltap::signals {
 struct PolyreferenceOptions {
   double lowest_hz = 0.0, highest_hz = 0.0;  ///< the band; 0: all lines
   int largest_order = 0;  ///< twice that of the polynomial; 0: 80, less for few lines
-  int replicates = 50;    ///< of the bootstrap
+  int replicates = 50;    ///< number of bootstrap replicates
   std::uint64_t seed = 1;
   int threads = 0;
 };
 
-/// Of one polynomial order.
+/// Results for one polynomial order.
 struct PolyreferenceFit {
   std::vector<Pole> poles = {};  ///< order 2n, by frequency; without standard deviations
   ModalModel model = {};         ///< in the same order

@@ -20,7 +20,7 @@ struct StabilisationOptions {
   double highest_damping = 0.2;
   /// Largest negative damping that is kept, because the estimate of a steady tone scatters about 0.
   double lowest_damping = -0.002;
-  double largest_relative_sd = 0.05;  ///< of the frequency
+  double largest_relative_sd = 0.05;  ///< standard deviation / frequency
   double least_share = 0.25;          ///< smallest share of the orders for a mode
   int threads = 0;
 };
@@ -49,7 +49,7 @@ struct RejectedCluster {
 struct Stabilisation {
   std::vector<Pole> poles = {};                ///< within the band, of all orders, ascending
   std::vector<bool> hard = {};                 ///< true for poles that meet the hard criteria
-  double threshold = 0.0;                      ///< of the distance
+  double threshold = 0.0;                      ///< limit of the distance
   int orders = 0;                              ///< number of orders computed
   std::vector<ModeCluster> modes = {};         ///< by frequency
   std::vector<RejectedCluster> rejected = {};  ///< with at least three poles

@@ -48,7 +48,7 @@ struct MovedPoles {
   std::vector<Pole> poles;
   Eigen::MatrixXd frequency_moves;  ///< poles × blocks [Hz]
   Eigen::MatrixXd damping_moves;    ///< poles × blocks
-  /// For each pole: real parts of the shape over imaginary parts, × blocks.
+  /// One per pole: real parts of the shape over imaginary parts, × blocks.
   std::vector<Eigen::MatrixXd> shape_moves;
 };
 
@@ -62,7 +62,7 @@ struct PoleWindow {
 struct HankelFactor {
   Eigen::MatrixXd hankel = {};              ///< each block row has one row per sensor
   std::vector<Eigen::MatrixXd> moves = {};  ///< T_k
-  Eigen::VectorXd scale = {};               ///< of each sensor [its unit]
+  Eigen::VectorXd scale = {};               ///< one per sensor [its unit]
 };
 
 /// The covariances R_1, R_2, … as a block Hankel matrix with `columns` block columns.

@@ -73,7 +73,7 @@ TERMS = {
     r'\bwalks? the same path\b': 'use the same path',
     r'\bmeans the same in every\b': 'name the thing',
     r'\b(?:nobody|no one) (?:asked|asks)\b': 'not requested',
-    r'\bis no (?:frequency|model|cubic|number|mode|shape|record|file)\b': 'is not a',
+    r'(?<!there )\bis no (?:frequency|model|cubic|number|mode|shape|record|file)\b': 'is not a',
     r'\bnot settled\b': 'not converged',
     r'\bcannot tell\b(?! (?:them|the|two|it|a|which|x|these|mirror)\b)': 'cannot distinguish',
 }
@@ -110,8 +110,11 @@ def plain(text):
     return re.sub(r'"[^"]*"', '"x"', text)
 
 
-def terms(name, number, text):
+def terms(name, number, text, whole=True):
+    """Faults of TEXT; if it is not WHOLE, but may begin within a sentence, its beginning counts only with a capital letter."""
     for term, better in TERMS.items():
+        if term.startswith('^') and not whole and text[:1].islower():
+            continue
         if found := re.search(term, text, re.I):
             if (name, found[0].lower()) not in QUOTED:
                 yield f'{name}:{number}: "{found[0]}": write {better}'
@@ -130,7 +133,7 @@ def page_faults(name, text):
         if line.startswith('```'):
             fence = not fence
         if not fence and not line.startswith('    '):
-            yield from terms(name, number, plain(line))
+            yield from terms(name, number, plain(line), whole=False)
     for number, paragraph in prose(text):
         yield from long_sentences(name, number, plain(paragraph))
 
@@ -139,30 +142,48 @@ COMMENT = re.compile(r'\s*//+[!<]?(?: |$)(.*)')
 LITERAL = re.compile(r'"((?:[^"\\\n]|\\.)*)"')
 
 
+# Literals on either side of a comma are different texts, unless the comma is within the arguments of a call.
+SEPARATED, NESTED = re.compile(r'[,;{}]'), re.compile(r'\([^()]*\)')
+
+
 def code_texts(text):
-    """(line, text) of each paragraph of comments and of each string literal, adjacent ones joined."""
+    """(line, text, whole) of each paragraph of comments and of each string literal, adjacent ones joined.
+
+    Literals are not whole: they may begin within a sentence. Neither are indented lines of comments: formulas and grammars.
+    """
     start, lines, literal, literal_start = 0, [], [], 0
     for number, line in enumerate(text.splitlines() + [''], 1):
         comment = COMMENT.match(line)
         words = comment[1].strip() if comment else ''
-        if lines and (not words or re.match(r'(?:-|\d+\.|\\|@) ?', words) or words.startswith('  ')):
-            yield start, ' '.join(lines)
+        item = bool(re.match(r'(?:-|\d+\.|\\|@) ?', words))
+        indented = bool(comment) and comment[1].startswith('  ') and not (lines and re.match(r'(?:-|\d+\.) ', lines[0]))
+        if lines and (not words or item or indented):
+            yield start, ' '.join(lines), True
             lines = []
-        if words:
+        if indented:
+            yield number, words, False
+        elif words:
             start = start if lines else number
             lines.append(words)
         elif not comment:
             code, trailing = (re.split(r'\s//+[!<]? ', line, maxsplit=1) + [''])[:2]
             if trailing:
-                yield number, trailing
+                yield number, trailing, True
             if not code.lstrip().startswith('#include'):
-                found = LITERAL.findall(code)
                 if literal and not code.lstrip().startswith('"'):
-                    yield literal_start, ' '.join(literal)
+                    yield literal_start, ' '.join(literal), False
                     literal = []
-                if found:
+                rest = code
+                while found := LITERAL.search(rest):
+                    if literal and SEPARATED.search(NESTED.sub('', rest[:found.start()])):
+                        yield literal_start, ' '.join(literal), False
+                        literal = []
                     literal_start = literal_start if literal else number
-                    literal += found
+                    literal.append(found[1])
+                    rest = rest[found.end():]
+                if literal and SEPARATED.search(NESTED.sub('', rest)):
+                    yield literal_start, ' '.join(literal), False
+                    literal = []
 
 
 def descriptions(node):
@@ -191,8 +212,8 @@ def faults(root):
     for folder in CODE:
         for path in sorted([*root.glob(f'{folder}/**/*.hpp'), *root.glob(f'{folder}/**/*.cpp')]):
             name = path.relative_to(root).as_posix()
-            for number, text in code_texts(path.read_text()):
-                yield from terms(name, number, plain(text))
+            for number, text, whole in code_texts(path.read_text()):
+                yield from terms(name, number, plain(text), whole)
                 yield from long_sentences(name, number, plain(text))
 
 

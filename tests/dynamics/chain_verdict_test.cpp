@@ -47,7 +47,7 @@ class Records : public inference::Likelihood {
 struct Case {
   inference::Problem problem;
   std::vector<double> probability, log_evidence;
-  double error = 0.0;  // of the probabilities
+  double error = 0.0;  // error of the probabilities
 };
 
 Case read_case(const std::filesystem::path& folder) {

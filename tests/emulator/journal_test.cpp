@@ -133,7 +133,7 @@ TEST_F(JournalTest, ResumesAfterAKillWithoutRepeatingRuns) {
          if (first_done == 0) first_done = done;
        }});
   EXPECT_EQ(calls, 13);
-  EXPECT_EQ(first_done, 8) << "progress goes on where it was";
+  EXPECT_EQ(first_done, 8) << "progress resumes from the stored runs";
   EXPECT_EQ(resumed, run_experiment(grid(), 2, counting(calls)));
 }
 

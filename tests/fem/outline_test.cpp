@@ -42,7 +42,7 @@ TEST(Outline, FindsPointsInside) {
 TEST(Outline, ArcsPreserveTheirArea) {
   // Half a disc, and the lens between chord and arc of a quarter.
   for (const double turn : {std::numbers::pi, std::numbers::pi / 2, 1.5 * std::numbers::pi, 0.1}) {
-    const double r = 0.5 * std::sqrt(2.0) / std::sin(0.5 * turn);  // of the chord (0,0)-(1,1)
+    const double r = 0.5 * std::sqrt(2.0) / std::sin(0.5 * turn);  // for the chord (0,0)-(1,1)
     for (const double sign : {1.0, -1.0}) {
       Ring ring = arc({0, 0}, {1, 1}, sign * turn, 16);
       ring.emplace_back(1, 1);

@@ -220,7 +220,7 @@ TEST(Reanalysis, ResultIsIndependentOfOrderAndEarlierCalls) {
     Reanalysis::Workspace fresh = reanalysis.make_workspace();
     const std::vector<double> f = reanalysed_beam(reanalysis, fresh, defects);
     EXPECT_EQ(reanalysed_beam(reanalysis, used, defects), f);
-    // Fewer modes of the same problem: bitwise equal, whatever shares the lanes.
+    // Fewer modes of the same problem: bitwise equal, for any content of the other lanes.
     const std::vector<double> few = reanalysed_beam(reanalysis, used, defects, 7);
     EXPECT_TRUE(std::equal(few.begin(), few.end(), f.begin()));
   }

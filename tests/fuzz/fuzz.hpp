@@ -1,7 +1,7 @@
-// What every fuzzing target needs. A target is one function that takes bytes and must return for
-// any: errors that the code under test promises are caught, everything else is a finding. Built
-// with clang's fuzzer by the preset "fuzz" (scripts/fuzz); by any compiler it replays stored
-// inputs.
+// Common parts of the fuzzing targets. A target is one function that takes bytes and must return
+// for any. It catches the errors that the code under test documents; all else is a finding. The
+// preset "fuzz" (scripts/fuzz) builds targets with clang's fuzzer; with other compilers they replay
+// stored inputs.
 #pragma once
 
 #include <unistd.h>
@@ -20,7 +20,7 @@ inline std::string text_of(const std::uint8_t* data, std::size_t size) {
   return {reinterpret_cast<const char*>(data), size};
 }
 
-/// For readers that take a path: one file a process, in memory where there is /dev/shm.
+/// For readers that take a path: one file per process, in /dev/shm if it exists.
 class InFile {
  public:
   InFile(const std::string& bytes, const std::string& ending)

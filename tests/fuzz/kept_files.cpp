@@ -1,4 +1,4 @@
-// Any bytes are modes, a summary, a sweep's journal or a checkpoint, or an error that says so.
+// Any bytes are modes, a summary, a sweep's journal or a checkpoint, or give the documented error.
 #include "apps/cases/records/modes_file.hpp"
 #include "apps/failure.hpp"
 #include "apps/results/stored_run.hpp"

@@ -1,4 +1,4 @@
-// Runs a target on stored inputs, files or folders of them: what once was found must not come back.
+// Runs a target on stored inputs (files or folders), so that no fixed fault returns.
 #include <cstdio>
 #include <iterator>
 

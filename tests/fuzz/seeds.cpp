@@ -35,7 +35,7 @@ class MatlabSeed {
   ~MatlabSeed() {
     if (file_ != nullptr) Mat_Close(file_);
   }
-  /// Of a libmatio without HDF5 there are no files of MATLAB 7.3.
+  /// False for MATLAB 7.3 with a libmatio without HDF5.
   [[nodiscard]] bool possible() const { return file_ != nullptr; }
 
   template <class T>

@@ -1,4 +1,4 @@
-// Any bytes are a universal file, or a FileError; what is one is written, and read the same again.
+// Any bytes are a universal file or give a FileError; writing and reading a file preserves it.
 #include "io/universal/universal_file.hpp"
 
 #include <cstdlib>
@@ -19,7 +19,7 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
       std::abort();
     (void)io::universal_columns(file, "fuzzed.uff");
   } catch (const io::FileError& error) {
-    // What was read can be written in a form that reads.
+    // The content that was read can be written, and the new file can be read.
     if (error.path() == "written.uff") std::abort();
   }
   return 0;

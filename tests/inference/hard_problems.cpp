@@ -513,7 +513,7 @@ HardProblem nested_normal(int d) {
 // y ~ N(X θ, σ² I), θ ~ N(μ, V): ln Z = ln N(y; X μ, X V Xᵀ + σ² I).
 struct LinearModel {
   Eigen::MatrixXd x;
-  Eigen::VectorXd mean, sd;  // of the prior
+  Eigen::VectorXd mean, sd;  // mean and sd of the prior
 };
 
 class Linear : public Likelihood {

@@ -20,10 +20,10 @@ enum class Asked {
 struct HardProblem {
   std::string name;
   std::string family;
-  int dimension = 0;  ///< of the largest model
+  int dimension = 0;  ///< dimension of the largest model
   Problem problem;
-  std::vector<double> probability;   ///< of each model, exact
-  std::vector<double> log_evidence;  ///< of each model, exact
+  std::vector<double> probability;   ///< one per model, exact
+  std::vector<double> log_evidence;  ///< one per model, exact
   Asked asked = Asked::found;
   /// Share of the prior from which steepest ascent of the posterior in standard normal coordinates
   /// (as in the engine) leads to the hidden mode; 1 if none is hidden. It refers to a continuous

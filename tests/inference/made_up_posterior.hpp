@@ -25,8 +25,8 @@ inline const ModelSpace& three() {
   return space;
 }
 
-// Independent draws of models with these probabilities (of each chain its own, or the last), their
-// parameter normal; evidences bridged, and exact for the first chain's probabilities.
+// Independent draws of models with these probabilities (one list per chain; further chains use the
+// last) and a normal parameter. Bridged evidences are exact for the first chain's probabilities.
 inline Posterior run(const std::vector<std::vector<double>>& probabilities) {
   Posterior posterior;
   posterior.space = std::make_shared<const ModelSpace>(three());

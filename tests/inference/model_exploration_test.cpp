@@ -55,7 +55,7 @@ TEST(ModelExploration, IsCheapForARecordWithOneMode) {
   EXPECT_TRUE(std::isfinite(found.annealed.log_evidence));
   EXPECT_LT(found.calls.anneal, 15000);
   const ModelExploration in_full = explore_model(hard.problem, 1, {.climbs = 100});
-  EXPECT_GT(in_full.calls.anneal, 2 * found.calls.anneal) << "it is no record";
+  EXPECT_GT(in_full.calls.anneal, 2 * found.calls.anneal) << "the problem is not a record";
 }
 
 TEST(ModelExploration, TwoModesDoNotSettleAModel) {

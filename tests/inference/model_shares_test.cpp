@@ -33,7 +33,7 @@ TEST(ModelShares, AreCountedChainByChain) {
   EXPECT_THAT(shares.counts, ElementsAre(ElementsAre(3, 1, 0), ElementsAre(2, 2, 0)));
   EXPECT_THAT(shares.visits, ElementsAre(0.625, 0.375, 0.0));
   EXPECT_THAT(shares.share, Pointwise(testing::DoubleNear(1e-15), shares.visits));
-  EXPECT_EQ(shares.error[2], 0.0) << "of a model without draws";
+  EXPECT_EQ(shares.error[2], 0.0) << "for a model without draws";
 }
 
 // w = (1, 2, 8) and draws 5 : 3 : 0 give P = (5, 6, 0) / 11, for any constant added to all ln w.
@@ -63,7 +63,8 @@ TEST(ModelShares, ErrorsMatchIndependentDraws) {
     // The estimate of the effective number of 16 000 independent draws has an error of about 10 %.
     EXPECT_NEAR(shares.error[1] / (w * std::sqrt(s * (1.0 - s) / n) / (norm * norm)), 1.0, 0.15)
         << "weight " << w;
-    EXPECT_NEAR(shares.error[0] / shares.error[1], 1.0, 0.05) << "of two models, the same";
+    EXPECT_NEAR(shares.error[0] / shares.error[1], 1.0, 0.05)
+        << "the errors of two models are equal";
   }
 }
 

@@ -572,10 +572,10 @@ TEST(KernelEfficiencies, DependOnWorkAndNotOnTime) {
   };
   KernelMixture kernels;
   kernels.add(1.0, std::make_unique<Idle>("cheap", 0.0));
-  kernels.add(1.0, std::make_unique<Idle>("dear and as often accepted", 3.0));
-  kernels.add(1.0, std::make_unique<Idle>("dear and hardly accepted", 3.0));
+  kernels.add(1.0, std::make_unique<Idle>("expensive and as often accepted", 3.0));
+  kernels.add(1.0, std::make_unique<Idle>("expensive and hardly accepted", 3.0));
   kernels.add(1.0, std::make_unique<Idle>("cheap and hardly accepted", 0.0));
-  kernels.add(1.0, std::make_unique<Idle>("dear and hardly tried", 3.0));
+  kernels.add(1.0, std::make_unique<Idle>("expensive and hardly tried", 3.0));
   kernels.add(1.0, std::make_unique<Idle>("may grow", 1.0), 1.4);
   kernels.add(1.0, std::make_unique<Idle>("may grow further", 1.0), 5.0);
   const auto jumps = [](long proposed, long accepted) {

@@ -68,7 +68,7 @@ TEST_P(Needles, RunFindsOrFlagsThemOrTheyAreBelowItsResolution) {
   const bool long_tests = std::getenv("WHEELTAP_LONG_TESTS") != nullptr;
   const NeedleProblem& problem = needle_problems()[GetParam()];
   if (!long_tests && problem.hard.name != "1-d, 1e-9, one centre at .43")
-    GTEST_SKIP() << "of the long suite";
+    GTEST_SKIP() << "belongs to the long suite";
   for (std::uint64_t seed = 1; seed <= (long_tests ? 5U : 1U); ++seed) check_run(problem, seed);
 }
 

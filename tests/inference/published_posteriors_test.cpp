@@ -112,7 +112,7 @@ class MixtureTarget : public Likelihood {
   explicit MixtureTarget(std::vector<double> probabilities)
       : probabilities_(std::move(probabilities)) {}
   double log_likelihood(int model, std::span<const double> x) override {
-    // Two modes a dimension, at (-1)^j (1.5, …) with unequal weights and widths.
+    // Two modes per dimension, at (-1)^j (1.5, …) with unequal weights and widths.
     double first = std::log(0.35), second = std::log(0.65), prior = 0.0;
     for (std::size_t j = 0; j < x.size(); ++j) {
       const double sign = j % 2 == 0 ? 1.0 : -1.0;

@@ -11,8 +11,8 @@
 namespace wheeltap::inference {
 namespace {
 
-// Each reason of a model has a sentence of its own that names the model. What to do about it is
-// left to the caller; the words themselves are tested with it (tests/apps/verdict_words_test.cpp).
+// Each reason about a model is a sentence that names the model. The caller adds the advice; its
+// test checks the words (tests/apps/verdict_words_test.cpp).
 TEST(Reason, IsDescribedInASentence) {
   const auto space =
       ModelSpace::of_models({{"a", Normal{0.0, 1.0}}}, {{"one", 1.0, {}}, {"two", 1.0, {"a"}}});

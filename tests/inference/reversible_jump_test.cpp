@@ -1,4 +1,4 @@
-// The whole engine: exact posteriors come back, and what should not matter does not.
+// The whole engine: it reproduces exact posteriors, and neutral settings do not change them.
 #include "inference/engine/reversible_jump.hpp"
 
 #include <gtest/gtest.h>

@@ -17,9 +17,9 @@ namespace {
 
 // F = 1/(1 + e^-x), with optional faults.
 struct Faults {
-  double mass = 1.0;       // of the density
-  double stretch = 1.0;    // of the density's x
-  double shift = 0.0;      // of the quantile
+  double mass = 1.0;       // factor of the density
+  double stretch = 1.0;    // scale of the density's x
+  double shift = 0.0;      // shift of the quantile
   bool turned = false;     // the quantile decreases
   bool undefined = false;  // the density is not a number
 };

@@ -107,7 +107,7 @@ TEST(Target, ThrowsIfFaultsAreFrequent) {
   EXPECT_LE(after, 1050);
   EXPECT_NE(often.find("'only' at a = -1e-70"), std::string::npos) << often;
   EXPECT_NE(often.find("log likelihood is nan"), std::string::npos) << often;
-  EXPECT_EQ(failure(1.0).second, 20) << "a likelihood that never works is told at once";
+  EXPECT_EQ(failure(1.0).second, 20) << "a likelihood that always fails is reported at once";
 }
 
 TEST(Target, ThrowsAtOnceForAFaultyPriorFactor) {

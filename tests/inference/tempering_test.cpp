@@ -25,7 +25,7 @@ std::unique_ptr<KernelMixture> kernels_of(const ModelSpace& space) {
 }
 
 struct Shares {
-  std::vector<double> share;  ///< of the larger model, at each rung, in the second half
+  std::vector<double> share;  ///< larger model's share at each rung, in the second half
   std::vector<double> cold_weights;
 };
 

@@ -52,7 +52,7 @@ class VerdictSuite : public testing::TestWithParam<std::size_t> {};
 
 TEST_P(VerdictSuite, IsCorrect) {
   const HardProblem& problem = hard_problems()[GetParam()];
-  if (!problem.quick && !long_verdict_tests()) GTEST_SKIP() << "of the long suite";
+  if (!problem.quick && !long_verdict_tests()) GTEST_SKIP() << "belongs to the long suite";
   check(problem);
 }
 

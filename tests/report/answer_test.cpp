@@ -162,7 +162,7 @@ TEST(Answer, MisfitComesBeforeTheWinner) {
   EXPECT_FALSE(apps::answer(findings).misfit);
 }
 
-// Fault: a beam of 600 (mm) was "undecided, 65.1 %", noise of 20 % (for 0.2 %) said nothing.
+// Fault: a beam of 600 (mm) was "undecided, 65.1 %"; noise of 20 % (for 0.2 %) was not reported.
 TEST(Answer, FrequenciesThatNothingExplainsComeFirst) {
   MadeUp run = damage_run({0.349, 0.651});
   run.findings.fit_verdict.why = {misfit::BeyondNoise{0.0, {1, 2}, false}};
@@ -203,8 +203,8 @@ TEST(Answer, TwoKindsInOneModel) {
   EXPECT_EQ(answer(run).headline, "Most likely two damages and one support (90 %).");
 }
 
-// A kind that is called anything keeps its own severity: a bearing beside cracks used to get the
-// crack's reduction.
+// A kind with any name keeps its severity. Fault: a bearing beside cracks had the reduction of the
+// crack.
 TEST(Answer, AKindCalledAnythingHasItsOwnSeverity) {
   MadeUp run = damage_run({0.1, 0.9});
   run.damage_case.kinds = {kind(defects::kReduction), kind(defects::kSupport)};

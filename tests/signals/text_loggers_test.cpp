@@ -39,7 +39,7 @@ std::string number(double x, char decimal = '.', const char* format = "%.3f") {
 struct Style {
   std::string separator = ",";
   char decimal = '.';
-  std::string before = "", after = "";  ///< of each number
+  std::string before = "", after = "";  ///< text around each number
   std::string end = "\n";
   const char* format = "%.3f";
 };

@@ -20,7 +20,7 @@ struct ParametricModesOptions {
   double shape_tolerance = 1e-3;  ///< sine of the angle to the true shape, in the energy norm
   int most_basis = 400;           ///< largest number of columns of the basis
   int complete = 60;              ///< no reduction up to this number of degrees of freedom
-  std::function<void(double)> progress = {};  ///< of the training, 0 to 1
+  std::function<void(double)> progress = {};  ///< receives the share of the training, 0 to 1
 };
 
 /// Solves K(θ) φ = λ M(θ) φ by Rayleigh-Ritz on a basis V of modes at selected θ. Each step solves

@@ -195,7 +195,7 @@ Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Ind
   // Squared residual in the norm of (K + u M)⁻¹ over λ: by Temple's bound the relative error of λ,
   // apart from λ / gap. Below it, no further improvement is possible.
   constexpr double kRounding = 1e-18;
-  constexpr double kLost = 1e-12;  // of a Ritz value
+  constexpr double kLost = 1e-12;  // share of a Ritz value
   const Discretisation& d = s.d;
   Ritz ritz = rayleigh_ritz(d, orthonormal(d.mass, s.rigid, vectors));
   for (int step = 0; step < 2; ++step) {

@@ -43,7 +43,7 @@ class ChangeColumns {
   [[nodiscard]] int eigenvalues_below_at_most(double z, double next) const;
 
   std::vector<const StructureChange::Softening*> softenings_;
-  std::vector<ResidualFlexibility::Form> forms_;  // of each spring, mass and softening
+  std::vector<ResidualFlexibility::Form> forms_;  // one per spring, mass and softening
   Eigen::MatrixXd moments_[4];
   ResidualModes residual_;
   std::vector<double> raw_row_, mass_rows_;  // scratch

@@ -33,8 +33,8 @@ struct IntactStructure {
   std::vector<double> strain_rows;                       // strains × stride
   Eigen::MatrixXd self_stresses;  // strains × strains; only if all modes are kept
   bool compressed = false;        // true if geometric stiffness reduces that of the strains
-  std::vector<Window> windows;    // for each of kLifting, and for any number
-  std::unique_ptr<const ResidualFlexibility> residual;  // of the modes that are not kept
+  std::vector<Window> windows;    // one per entry of kLifting, and one for any number
+  std::unique_ptr<const ResidualFlexibility> residual;  // sum over the modes not kept
   double next = 0.0;  // the lowest eigenvalue of the modes that are not kept
 
   /// Throws like the constructor of StructureReanalysis.

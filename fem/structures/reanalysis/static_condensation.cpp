@@ -36,7 +36,7 @@ Sparse coupling(const Discretisation& d) {
 
 /// Groups of dofs with identical coupling, such as those of one node.
 struct Groups {
-  std::vector<std::vector<int>> dofs;        // of each
+  std::vector<std::vector<int>> dofs;        // one list per group
   std::vector<std::vector<int>> neighbours;  // other groups, ascending
 };
 
@@ -172,7 +172,7 @@ class Cutter {
   std::vector<char> open_;  // in a chain and not yet visited
 
  public:
-  std::vector<int> part_of;  ///< of each dof, -1 on the boundary
+  std::vector<int> part_of;  ///< one per dof, -1 on the boundary
   int parts = 0;
 };
 

@@ -60,7 +60,7 @@ class StaticCondensation {
 
   std::vector<int> boundary_;
   std::vector<int> part_of_,
-      place_;  // for each dof: its part or -1; its index in the part or in boundary_
+      place_;  // one per dof: its part or -1; its index in the part or in boundary_
   std::vector<Part> parts_;
 };
 

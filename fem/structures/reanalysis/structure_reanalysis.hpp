@@ -12,7 +12,7 @@ namespace wheeltap::fem {
 /// eigenvalues are the roots of a small secular problem. The same kernels evaluate it, and its
 /// inertia counts the eigenvalues.
 ///
-/// A softening is a column Bᵀv with Γ = 1 - q, a spring a column with Γ = -k. An added mass has Γ⁻¹
+/// A softening is a column Bᵀv with Γ = 1 - q, a spring is one with Γ = -k. An added mass has Γ⁻¹
 /// = 1/(λ μ): a mass μ that floats freely beside the structure (a mode at λ = 0 with motion 1/√μ)
 /// and is rigidly linked to r. It adds one column and one pole, and the count remains valid. A
 /// removed mass is a floating mass with the opposite sign in the count.

@@ -45,7 +45,7 @@ struct EffectAtlas {
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
       effects;                  ///< total × residuals
   Eigen::VectorXf half_square;  ///< ½ |D_c|²
-  double noise_scale = 1.0;     ///< of the residuals for which the effects were computed
+  double noise_scale = 1.0;     ///< noise scale for which the effects were computed
 
   /// Cost of weighting all cells once, in likelihood calls: one multiplication for each residual of
   /// each cell, and ten for each exponential.

@@ -64,7 +64,7 @@ inline Known linear_gaussian(int d, int n = 30, double sigma = 0.5, double tau =
 }
 
 /// Two normal modes at ± m of weights ¼ and ¾ under θ ~ N(0, I): E[N(θ; ±m, s²)] = N(m; 0, 1 + s²)
-/// each coordinate, both modes alike.
+/// per coordinate, for both modes.
 inline Known two_narrow_modes(int d, double m = 1.0, double s = 0.05) {
   std::vector<Parameter> parameters;
   for (int j = 0; j < d; ++j) parameters.push_back({"t" + std::to_string(j), Normal{0.0, 1.0}});

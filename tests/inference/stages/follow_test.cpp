@@ -109,7 +109,7 @@ TEST(FollowAnnealed, ChainsStayInAPartOfThePosterior) {
   EXPECT_EQ(half.found().annealed_draws, drawn.cols());
   EXPECT_TRUE(lacks_annealed(half.found()));
   ASSERT_GT(met[kModel].cols(), 1000);
-  EXPECT_GT(met[kModel].row(0).minCoeff(), middle) << "what was met is the other mode";
+  EXPECT_GT(met[kModel].row(0).minCoeff(), middle) << "the draws met lie at the other mode";
 
   Followed whole(problem, normal(drawn.rowwise().mean(), 10.0 * sd + std::abs(mean[0] - middle)),
                  Steps::small);

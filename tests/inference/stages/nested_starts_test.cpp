@@ -10,7 +10,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// Subsets of a, b, c beside a parameter k that all have.
+// Subsets of a, b, c in addition to a common parameter k.
 ModelSpace subsets() {
   return ModelSpace::of_models({{"k", Normal{0.0, 1.0}},
                                 {"a", Normal{0.0, 1.0}},

@@ -20,7 +20,7 @@ struct Found {
   bool shape_held = false;
 };
 
-/// Whether the ellipsoid of real parts, of all but the entry that is 1, holds the true shape.
+/// True if the ellipsoid of the real parts, except the entry 1, contains the true shape.
 bool holds(const Mode& mode, const Eigen::VectorXd& truth, int blocks) {
   Index top = 0;
   mode.pole.shape.cwiseAbs().maxCoeff(&top);

@@ -1,5 +1,5 @@
-// The study in short. With 60 records a share of 0.95 scatters by 0.028 and a standard deviation by
-// a tenth: limits are what a right method fails once in some thousand seeds.
+// A short version of the study. With 60 records a share of 0.95 scatters by 0.028 and a standard
+// deviation by a tenth; a correct method exceeds the limits once in some thousand seeds.
 #include "modal_coverage.hpp"
 
 #include <gtest/gtest.h>
@@ -22,7 +22,7 @@ TEST(ModalCoverage, IntervalsOfAChainHoldWhatTheyShould) {
     EXPECT_EQ(row.found, kRecords) << row.name;
     EXPECT_GT(row.covered, 0.95 - 3.5 * std::sqrt(0.95 * 0.05 / kRecords)) << row.name;
     EXPECT_LT(std::abs(row.bias), 0.2 + 3.5 / std::sqrt(kRecords)) << row.name;
-    // Never better than the law says, and not much worse.
+    // Not below the law, and not far above it.
     EXPECT_GT(row.against_law, 0.9 - 0.3) << row.name;
     EXPECT_LT(row.against_law, 1.4 + 0.3) << row.name;
   }

@@ -18,7 +18,7 @@ using nlohmann::json;
 constexpr double kYoung = 210e9, kSpread = 0.05;
 constexpr double kHealthyShare = 0.25, kWorst = 0.8;
 constexpr Eigen::Index kMostModes = 8;  // in the band
-constexpr double kHighest = 85.0;       // of the band [Hz]
+constexpr double kHighest = 85.0;       // upper end of the band [Hz]
 
 double between(base::Random& random, double low, double high) {
   return low + (high - low) * random.uniform();
@@ -41,8 +41,8 @@ struct Place {
   const char* direction;
 };
 
-/// Of each storey one horizontal at the head of its first post; then the middles of girders and
-/// posts in a random order, then their quarter points.
+/// Sensor places: per storey one horizontal at the head of its first post; then the middles of
+/// girders and posts in a random order, then their quarter points.
 std::vector<Place> places(base::Random& random, const json& structure,
                           const std::vector<double>& lengths, int storeys, int columns) {
   std::vector<Place> out, middles, quarters;
@@ -205,8 +205,8 @@ FrameCase frame_case(std::uint64_t seed, int number) {
     out.state_damaged = state(parsed.damage, motions);
   }
 
-  // The band ends in the widest gap behind one of its last modes: what a look at the spectra would
-  // choose.
+  // The band ends in the widest gap behind one of its last modes, as an
+  // engineer would choose from the spectra.
   const Eigen::VectorXd& hz = out.state_healthy.frequencies_hz;
   Eigen::Index most = 1;
   while (most < kMostModes && hz[most] < kHighest) ++most;

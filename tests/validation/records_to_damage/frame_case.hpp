@@ -1,5 +1,5 @@
-// A random plane frame with twelve sensors, healthy and damaged: what an engineer would state of
-// it, and what is true of it.
+// A random plane frame with twelve sensors, healthy and damaged: the cases for Wheeltap, and the
+// truth.
 #pragma once
 
 #include <cstdint>
@@ -14,7 +14,7 @@ namespace wheeltap::coverage {
 /// One storey of one or two bays of steel, clamped feet. Unknown: Young's moduli of the posts and
 /// of the girders, ln E ~ N(ln 210 GPa, 0.05²). With probability 3/4 one element, anywhere along
 /// the members, has lost r ~ U(0, 0.8) of its stiffness. Truths are drawn from these priors, so
-/// that a right posterior is calibrated.
+/// that a correct posterior is calibrated.
 struct FrameCase {
   int number = 0;
   std::string name;
@@ -29,7 +29,7 @@ struct FrameCase {
   int member = 0;
   double along = 0.0;  ///< from the member's first node [m]
   double reduction = 0.0;
-  double damping = 0.0;  ///< of every mode, U(0.5 %, 2 %)
+  double damping = 0.0;  ///< damping ratio of every mode, U(0.5 %, 2 %)
   /// Elastic frequencies within the band, healthy and damaged [Hz].
   std::vector<double> healthy_hz = {}, damaged_hz = {};
 

@@ -43,7 +43,7 @@ Eigen::MatrixXd accelerations(const FrameCase::State& state, double damping, dou
     for (Eigen::Index i = 0; i < kSamples; ++i) out(s, i) = all[i] / sd + noise * random.normal();
     out.row(s) *= sd;
   }
-  // To a largest RMS of 0.1 m/s²: what wind and traffic make.
+  // Scale to a largest RMS of 0.1 m/s², as by wind and traffic.
   out *= 0.1 * std::sqrt(kSamples) / out.rowwise().norm().maxCoeff();
   return out;
 }

@@ -19,7 +19,7 @@ namespace wheeltap::coverage {
 namespace {
 
 using nlohmann::json;
-constexpr double kMostDraws = 0.5;  // of damage, for what is said given damage
+constexpr double kMostDraws = 0.5;  // least P(damage) for ranks given damage
 
 template <class... Values>
 std::string text(const char* format, Values... values) {
@@ -43,7 +43,7 @@ json read_json(const std::filesystem::path& path) {
   return json::parse(stream);
 }
 
-/// Of each draw: its weight and what is asked of it.
+/// One entry per draw: weight and ranked quantities.
 struct Draws {
   std::vector<double> weight, posts, girders, place, reduction;
   std::vector<bool> damaged;

@@ -1,13 +1,14 @@
-// From raw accelerations to damage by the program's own commands, on random frames whose truths are
-// drawn from the case's priors: whether intervals cover, and from which damage on it is seen.
+// Coverage of credible intervals and detection limit of damage identification from raw
+// accelerations by the program's commands, on random frames with truths drawn from the case's
+// priors.
 //
 //   records_to_damage --program WHEELTAP [--seed N] [--cases N] [--first N] [--keep FILE]
 //                     [--files DIR] [--sampling "--warmup N …"] [--check]
 //
-// --keep appends each case's row to FILE, one JSON line each, and skips those that FILE holds: a
-// study goes on where it was stopped. --files keeps records, cases and results there. --check ends
-// with 1 where an intact frame is called damaged, a damage that moves a frequency by 1 % is not
-// seen, or a truth lies beyond the central 99.9 % of its posterior.
+// --keep appends one JSON line per case to FILE and skips the cases that FILE contains, so that a
+// stopped study resumes. Option --files keeps records, cases and results in DIR. Option --check
+// returns 1 if an intact frame is diagnosed as damaged, if a damage that changes a frequency by 1 %
+// is not detected, or if a truth lies outside the central 99.9 % of its posterior.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <filesystem>
@@ -24,14 +25,14 @@ int main(int argc, char** argv) {
   std::string keep, files;
   bool check = false;
   CLI::App app("From accelerations of random frames to damage.");
-  app.add_option("--program", options.program, "wheeltap, by its path");
-  app.add_option("--seed", options.seed, "of the study; rows of one seed go into one file");
-  app.add_option("--cases", cases, "how many")->check(CLI::NonNegativeNumber);
-  app.add_option("--first", first, "number of the first")->check(CLI::NonNegativeNumber);
+  app.add_option("--program", options.program, "path of wheeltap");
+  app.add_option("--seed", options.seed, "random seed; one file holds rows of one seed");
+  app.add_option("--cases", cases, "number of cases")->check(CLI::NonNegativeNumber);
+  app.add_option("--first", first, "number of the first case")->check(CLI::NonNegativeNumber);
   app.add_option("--keep", keep, "file of rows");
   app.add_option("--files", files, "folder of the cases' files");
   app.add_option("--sampling", options.sampling, "options of wheeltap damage");
-  app.add_flag("--check", check, "exit code 1 where there are faults");
+  app.add_flag("--check", check, "exit code 1 if there are faults");
   CLI11_PARSE(app, argc, argv);
   options.keep_records = !files.empty();
   if (options.program.find('/') != std::string::npos)

@@ -1,4 +1,4 @@
-// Whether the rows of a coverage study are calibrated, as tables.
+// Calibration of the rows of a coverage study, as tables.
 #pragma once
 
 #include <string>
@@ -8,21 +8,21 @@
 
 namespace wheeltap::coverage {
 
-/// Cells of a table of reliability: of all probabilities that were stated in [low, high), how many
-/// there are, their sum, and how often what they speak of was true.
+/// A cell of a reliability table, for all stated probabilities in [low, high): their number, their
+/// sum, and the number of true events.
 struct Reliability {
   double low, high;
   int stated = 0;
   double expected = 0.0, variance = 0.0;  ///< Σ P, Σ P (1 - P)
   int truths = 0;
-  /// Two-sided tail of the number of truths by the normal law, continuity corrected; 1 where
+  /// Two-sided tail of the number of truths by the normal law, continuity corrected; 1 if
   /// nothing is uncertain.
   [[nodiscard]] double p_value() const;
 };
-/// Of every combination of counts, or (`totals`) of the number of defects whatever their kind.
+/// Reliability of every combination of counts, or (`totals`) of the total number of defects.
 [[nodiscard]] std::vector<Reliability> reliability(const std::vector<Row>& rows, bool totals);
 
-/// Of the ranks of one function.
+/// Coverage by the ranks of one function.
 struct Coverage {
   std::string function;
   int ranks = 0;
@@ -32,27 +32,27 @@ struct Coverage {
   double uniform_p = 1.0;  ///< χ² of equal bins with 5 expected or more, at most 10
 };
 [[nodiscard]] Coverage coverage(std::string function, const std::vector<double>& ranks);
-/// Of every function that the rows have; those within the true model first.
+/// Coverage of every function that the rows have; those within the true model first.
 [[nodiscard]] std::vector<Coverage> coverages(const std::vector<Row>& rows);
 
-/// Where an answer was wrong: the true combination of counts has P < 0.01, or a rank lies outside
+/// A case with a wrong answer: the true combination of counts has P < 0.01, or a rank lies outside
 /// the 99.9 % interval, or the truth is more likely than every draw by 3 or more.
 struct Surprise {
   const Row* row;
   std::vector<std::string> what;
 };
 [[nodiscard]] std::vector<Surprise> surprises(const std::vector<Row>& rows);
-/// How many cases with P(truth) < 0.01, and ranks outside 99.9 %, calibration lets expect.
+/// Expected numbers of cases with P(truth) < 0.01 and of ranks outside 99.9 % under calibration.
 struct Expected {
   double improbable_truths, extreme_ranks;
 };
 [[nodiscard]] Expected expected_surprises(const std::vector<Row>& rows);
 
-/// Faults that chance explains less than once in 10 000: of the coverage or uniformity of a
-/// function, of reliability, or a truth that no draw comes near in a run without any warning.
+/// Faults with a probability below 1 in 10 000 by chance: in the coverage or uniformity of a
+/// function or in the reliability, or a truth far from all draws of a run without any warning.
 [[nodiscard]] std::vector<std::string> faults(const std::vector<Row>& rows);
 
-/// All of it, as Markdown.
+/// All tables as Markdown.
 [[nodiscard]] std::string report(const std::vector<Row>& rows);
 
 }  // namespace wheeltap::coverage

@@ -1,4 +1,4 @@
-// A random structure, what may be wrong with it, and a truth drawn from that prior: posteriors over
+// A random structure, its possible defects, and a truth drawn from their prior: posteriors over
 // such cases are calibrated exactly (Talts et al. 2018, equation 1).
 #pragma once
 

@@ -17,7 +17,7 @@ double between(base::Random& random, double low, double high) {
   return low + (high - low) * random.uniform();
 }
 
-/// Of a rectangle, as deep along z as `height`. J by Roark's series, 0.2 % of the exact one.
+/// Section of a rectangle with depth `height` along z. J by Roark's series, 0.2 % of the exact one.
 fem::MemberSection rectangle(double width, double height) {
   const fem::Section plane = fem::section(fem::Rectangle{width, height}, kSteel.poisson);
   const double a = std::max(width, height), b = std::min(width, height), q = b / a;

@@ -1,11 +1,11 @@
-// Random structures with 0 to 3 defects, truths drawn from their priors: whether intervals cover
-// and probabilities are calibrated. Prints a line a case, then the tables.
+// Coverage of intervals and calibration of probabilities on random structures with 0 to 3 defects,
+// with truths drawn from their priors. Prints one line per case, then the tables.
 //
 //   structure_coverage [--seed N] [--cases N] [--first N] [--warmup N] [--draws N] [--searches N]
 //                      [--keep FILE] [--check]
 //
-// --keep appends each case's row to FILE, one JSON line each, and skips those that FILE holds: a
-// study goes on where it was stopped. --check ends with 1 where chance does not explain the tables.
+// --keep appends one JSON line per case to FILE and skips the cases that FILE contains, so that a
+// stopped study resumes. --check returns 1 if chance does not explain the tables.
 #include <CLI/CLI.hpp>
 #include <cstdio>
 #include <fstream>
@@ -20,14 +20,14 @@ int main(int argc, char** argv) {
   std::string keep;
   bool check = false;
   CLI::App app("Coverage of random structures with random defects.");
-  app.add_option("--seed", seed, "of the study; rows of one seed go into one file");
-  app.add_option("--cases", cases, "how many")->check(CLI::NonNegativeNumber);
-  app.add_option("--first", first, "number of the first")->check(CLI::NonNegativeNumber);
-  app.add_option("--warmup", warmup, "iterations a chain; 0: as the engine chooses");
-  app.add_option("--draws", draws, "a chain; 0: as the engine chooses");
-  app.add_option("--searches", searches, "climbs a model; 0: as the engine chooses");
+  app.add_option("--seed", seed, "random seed; one file holds rows of one seed");
+  app.add_option("--cases", cases, "number of cases")->check(CLI::NonNegativeNumber);
+  app.add_option("--first", first, "number of the first case")->check(CLI::NonNegativeNumber);
+  app.add_option("--warmup", warmup, "iterations per chain; 0: chosen by the engine");
+  app.add_option("--draws", draws, "draws per chain; 0: chosen by the engine");
+  app.add_option("--searches", searches, "climbs per model; 0: chosen by the engine");
   app.add_option("--keep", keep, "file of rows");
-  app.add_flag("--check", check, "exit code 1 where there are faults");
+  app.add_flag("--check", check, "exit code 1 if there are faults");
   CLI11_PARSE(app, argc, argv);
 
   std::vector<Row> rows;

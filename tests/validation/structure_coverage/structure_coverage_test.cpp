@@ -1,4 +1,4 @@
-// Six random structures, and whether the study's score tells a calibrated posterior from others.
+// Six random structures; the study's score must separate a calibrated posterior from others.
 // 200 cases: `structure_coverage --keep rows.jsonl`.
 #include <gmock/gmock.h>
 
@@ -69,7 +69,7 @@ TEST(StructureCoverage, SixRandomStructures) {
     const Row& row = rows.back();
     EXPECT_LT(row.truth_above_draws, 1.0) << row.to_line();
     EXPECT_GT(row.probability_of_truth(), 1e-3) << row.to_line();
-    // Of some sixty ranks one in 150 studies has one beyond.
+    // With about sixty ranks, one in 150 studies has a rank outside.
     for (const auto& [name, values] : row.ranks)
       for (const double u : values) {
         EXPECT_GT(u, 5e-5) << name << row.to_line();
