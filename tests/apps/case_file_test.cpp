@@ -76,7 +76,7 @@ TEST(CaseFile, WholeNumbersMayBeWrittenWithAPoint) {
   EXPECT_TRUE(file.json["data"]["modes"].is_number_integer());
   EXPECT_TRUE(file.json["beam"]["length"].is_number_float()) << "is no whole number";
   input["data"]["modes"] = 3.5;
-  EXPECT_THAT(complaint(input), HasSubstr("/data/modes: 3.5: must be how many modes to simulate"));
+  EXPECT_THAT(complaint(input), HasSubstr("/data/modes: 3.5: must be the number of modes to simulate"));
   input["data"]["modes"] = 1e30;
   EXPECT_THAT(complaint(input), HasSubstr("/data/modes: 1e+30: must be <= 2147483647"));
 }
