@@ -29,8 +29,8 @@ void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arra
 
 inline constexpr std::int64_t kMany = 1'000'000'000;
 inline constexpr const char* kResults =
-    "the folder for the results: summary.json, posterior.nc and report.html";
-inline constexpr const char* kSummary = "print summary.json in place of the text";
+    "folder of the results: summary.json, posterior.nc and report.html";
+inline constexpr const char* kSummary = "print summary.json instead of text";
 
 /// Adds options to one command; their values are stored in the Invocation.
 class CommandOptions {
