@@ -105,7 +105,7 @@ TEST(DiscoverCase, FaultsAreRefusedWhereTheyStand) {
   EXPECT_THAT(refusal(discovery({"cubic", "friction"})),
               AllOf(HasSubstr("/discover/terms/1: \"friction\""), HasSubstr("coulomb")));
   EXPECT_THAT(refusal(discovery({"cubic", "cubic"})),
-              AllOf(HasSubstr("/discover/terms/1"), HasSubstr("there already")));
+              AllOf(HasSubstr("/discover/terms/1"), HasSubstr("listed twice")));
   EXPECT_THAT(refusal(discovery({{{"cubic", {{"gap", 1}}}}})),
               HasSubstr("/discover/terms/0/cubic/gap"));
   EXPECT_THAT(refusal(discovery({{{"contact", {{"gap", -1}}}}})),

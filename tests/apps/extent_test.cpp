@@ -85,7 +85,7 @@ TEST(Extent, WhatCannotBeIsRefused) {
   EXPECT_THAT(refused(c), HasSubstr("/damage/truth/0/extent: is missing"));
   c["damage"]["truth"][0]["extent"] = 0.2;
   c["damage"]["extent"] = 0.2;
-  EXPECT_THAT(refused(c), HasSubstr("is not among this kind's unknowns"));
+  EXPECT_THAT(refused(c), HasSubstr("is not an unknown of this kind of defect"));
 }
 
 }  // namespace

@@ -127,7 +127,7 @@ TEST_F(HardInput, NamesThatNoVariableCanHaveAreRefusedBeforeSampling) {
   json c = small_sid_case();
   c["parameters"]["a/b"] = c["parameters"]["k"];
   c["parameters"]["a_b"] = c["parameters"]["k"];
-  expect_refusal(sid(c), 65, "too like the parameter");
+  expect_refusal(sid(c), 65, "too similar to the parameter");
   c = small_case();
   c["damage"]["name"] = " crack";
   expect_refusal(damage(c), 65, "/damage/name: ");

@@ -192,7 +192,7 @@ TEST_F(MemberGroups, Refusals) {
   bad["damage"]["kind"] = "crack";
   bad["damage"]["depth"] = {{"uniform", {0.0, 0.5}}};
   bad["damage"].erase("reduction");
-  refused(bad, "/damage/groups: goes with \"kind\": \"substructure\" only");
+  refused(bad, "/damage/groups: is allowed with \"kind\": \"substructure\" only");
   bad = given;
   bad["damage"]["on"] = {"beam"};
   refused(bad, "there is no substructure of this name; did you mean \"beams\"?");

@@ -359,7 +359,7 @@ TEST_F(ModalCommand, AQuantityThatOnlyOneChannelStatesIsAsked) {
   where.write("record.csv", "a,b,still" + text.substr(text.find('\n')));
   json c = a_case();
   c["record"]["channels"][1]["quantity"] = "velocity";
-  EXPECT_THAT(run(c).out, HasSubstr("Nothing says which quantity a measures"));
+  EXPECT_THAT(run(c).out, HasSubstr("The quantity of a is unknown"));
 }
 
 // A free beam, one response and two places of the hammer: its lines are farther apart than its
@@ -400,7 +400,7 @@ TEST_F(ModalCommand, FrequencyResponsesThatCannotBeAreRefused) {
   refused(c, "holds no frequency response");
   c = a_case();
   c["method"] = "plscf";
-  refused(c, "holds no channel with the role \"force\"");
+  refused(c, "has no channel with the role \"force\"");
   c["record"]["channels"][0]["role"] = "force";
   refused(c, "/record/channels/0/unit: is missing");
   c["record"]["channels"][0]["unit"] = "N";

@@ -99,7 +99,7 @@ TEST(SidCase, WindowsMustHoldMoreSamplesThanUnknowns) {
   EXPECT_EQ(parse_sid(where, with("/windows", 8)).sid.windows, 8);
   EXPECT_THAT(refusal(where, with("/windows", 1)), HasSubstr("/windows"));
   EXPECT_THAT(refusal(where, with("/windows", 100)),
-              HasSubstr("/windows: 100: leaves windows of 2 samples; model \"duffing\" has 2"));
+              HasSubstr("/windows: 100: gives windows of 2 samples; model \"duffing\" has 2"));
 }
 
 /// Its record twice, `second` being the other one.
@@ -201,7 +201,8 @@ TEST(SidCase, NamesThePlaceOfEveryMistake) {
   expect(negative, {"/parameters/m", "/models/0/masses/0", "positive"});
   expect(with("/models/1/masses/0", -1), {"/models/1/masses/0", "-1", "positive"});
   expect(with("/models/1/noise", 0), {"/models/1/noise", "positive"});
-  expect(with("/models/1/noise", {0.1, 0.1}), {"/models/1/noise", "one value a response channel"});
+  expect(with("/models/1/noise", {0.1, 0.1}),
+         {"/models/1/noise", "one value per response channel"});
   expect(with("/models/1/name", "linear"), {"/models/1/name", "two models"});
   expect(with("/models/1/links/0/between", {0, 2}),
          {"/models/1/links/0/between/1", "masses 1 to 1"});

@@ -301,7 +301,7 @@ TEST(StatesCase, Refusals) {
   refused(c, "/data/discrepancy/mixing");
   c = two_storeys();
   c["data"]["discrepancy"] = {{"cov", 0.01}, {"mixing", 0.5}, {"stiffness", 0.05}};
-  refused(c, "/data/discrepancy/mixing: 0.5: does not go with \"stiffness\"");
+  refused(c, "/data/discrepancy/mixing: 0.5: is not allowed with \"stiffness\"");
   c["data"]["discrepancy"] = {{"stiffness", 0.05}};
   c["baseline"]["data"]["discrepancy"] = {{"stiffness", 0.06}};
   refused(c, "/data/discrepancy/stiffness");
@@ -316,7 +316,7 @@ TEST(StatesCase, Refusals) {
     "data": {"frequencies": [5, 31], "cov": 0.01, "discrepancy": {"stiffness": 0.05}},
     "damage": {"kind": "reduction", "count": {"min": 0, "max": 1, "prior": "uniform"},
                "reduction": {"uniform": [0, 0.9]}}})");
-  refused(c, "does not go with axial forces");
+  refused(c, "is not allowed with axial forces");
   c = two_storeys();
   c["structure"]["chain"]["links"][0]["stiffness"] = 1400;
   c.erase("parameters");

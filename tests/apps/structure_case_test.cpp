@@ -339,7 +339,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/members/1/offsets", {{"B", {0, 0, 1}}}),
                  "/structure/members/1/offsets/B");
   expect_refused(changed("/structure/members/1/up", {0, 0, 1}),
-                 "/structure/members/1/up: [0,0,1]: goes with dimension 3");
+                 "/structure/members/1/up: [0,0,1]: is allowed with dimension 3");
   expect_refused(changed("/structure/members/1/pieces", {{{"to", 0.5}}, {{"to", 0.4}}}),
                  "/structure/members/1/pieces/1/to: 0.4: must lie beyond");
   expect_refused(
@@ -391,9 +391,9 @@ TEST(StructureCase, RefusesMixedAndMissingKinds) {
                  "/structure: must have \"nodes\"");
   const json link = {{"between", {0, 1}}, {"stiffness", 1e5}};
   expect_refused(changed("/structure/chain", {{"masses", {1}}, {"links", {link}}}),
-                 "does not go with \"chain\"");
+                 "is not allowed with \"chain\"");
   expect_refused(changed("/structure/dofs", "d.csv"),
-                 "/structure/dofs: \"d.csv\": does not go with \"nodes\"");
+                 "/structure/dofs: \"d.csv\": is not allowed with \"nodes\"");
   json both = portal_frame();
   both["beam"] = json::object();
   const CaseFile file{.path = "case.json", .json = both};

@@ -185,7 +185,7 @@ TEST_F(SubstructureDamage, Refusals) {
           "/damage/on/1: \"uper\": there is no substructure of this name; did you mean \"upper\"?");
   bad = given;
   bad["damage"]["kind"] = "crack";
-  refused(bad, "\"matrices\" have \"substructure\"");
+  refused(bad, "use \"substructure\" for \"matrices\"");
   bad = given;
   bad["structure"] = {
       {"chain",

@@ -75,7 +75,7 @@ TEST(UpdateCase, ModesMayBeDoubtedWhereTheyHaveShapes) {
   EXPECT_EQ(parsed_update(with("/data/doubt", 0.05)).update.data.doubt, 0.05);
   json alone = with("/data/doubt", 0.05);
   for (const char* key : {"shapes", "shape_sd", "sensors"}) alone["data"].erase(key);
-  expect_refused(alone, "/data/doubt", "goes with shapes");
+  expect_refused(alone, "/data/doubt", "needs shapes");
 }
 
 TEST(UpdateCase, ATruthStandsInForData) {
@@ -91,19 +91,22 @@ TEST(UpdateCase, ATruthStandsInForData) {
 }
 
 TEST(UpdateCase, WhatDoesNotGoTogetherIsRefused) {
-  expect_refused(with("/data/cov", nullptr), "/data/cov", "say how exact the frequencies are");
-  expect_refused(with("/data/shape_sd", nullptr), "/data/shape_sd", "say how exact the shapes are");
-  expect_refused(with("/data/sensors", nullptr), "/data/sensors", "one number a sensor");
-  expect_refused(with("/data/shapes/1", {1.0}), "/data/shapes/1", "must have one number a sensor");
-  expect_refused(with("/data/shapes/1", {0.0, 0.0}), "/data/shapes/1", "zero throughout");
+  expect_refused(with("/data/cov", nullptr), "/data/cov",
+                 "give the uncertainty of the frequencies");
+  expect_refused(with("/data/shape_sd", nullptr), "/data/shape_sd",
+                 "give the uncertainty of the shapes");
+  expect_refused(with("/data/sensors", nullptr), "/data/sensors", "one number per sensor");
+  expect_refused(with("/data/shapes/1", {1.0}), "/data/shapes/1",
+                 "must have one number per sensor");
+  expect_refused(with("/data/shapes/1", {0.0, 0.0}), "/data/shapes/1", "only zeros");
   expect_refused(with("/data/shapes/1", {1.0, json()}), "/data/shapes/1", "one number only");
-  expect_refused(with("/data/shapes", {{0.5, 1.0}}), "/data/shapes", "one shape a frequency");
-  expect_refused(with("/data/sd", {0.1, 0.1}), "/data", "is one of");
+  expect_refused(with("/data/shapes", {{0.5, 1.0}}), "/data/shapes", "one shape per frequency");
+  expect_refused(with("/data/sd", {0.1, 0.1}), "/data", "give only one of");
   expect_refused(with("/data/sensors/0", {{"mass", 3}}), "/data/sensors/0/mass",
                  "there are 2 masses");
   expect_refused(with("/data/sensors/0", {{"dof", 1}}), "/data/sensors/0/dof", "matrices");
   expect_refused(with("/data/sensors/0", {{"direction", "x"}}), "/data/sensors/0",
-                 "must say where");
+                 "must have one of");
   expect_refused(with("/data/sensors/1/node", "mas 2"), "/data/sensors/1/node", "did you mean");
   expect_refused(with("/data/predict", 1), "/data/predict", "at most 2");
   expect_refused(with("/parameters/cov", {{"half_normal", 1.0}}), "/parameters/cov", "scatter");

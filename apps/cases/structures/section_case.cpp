@@ -100,7 +100,7 @@ void check_polygon(const CaseFile& file, const Pointer& where) {
   if (outline && named) file.refuse(where / "file", "takes the place of outline: give one of them");
   if (!outline && s.contains("holes"))
     file.refuse(where / "holes", "go with outline; those of a file stand in the file");
-  if (!named && s.contains("unit")) file.refuse(where / "unit", "goes with file only");
+  if (!named && s.contains("unit")) file.refuse(where / "unit", "is allowed with file only");
 }
 
 }  // namespace

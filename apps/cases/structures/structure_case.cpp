@@ -36,7 +36,7 @@ class MemberParser {
     if (json_.value("mass", "") == "lumped") s_.mass = fem::Structure::Mass::lumped;
     s_.rotary_inertia = json_.value("rotary_inertia", true);
     if (json_.contains("rotary_inertia") && s_.mass == fem::Structure::Mass::lumped)
-      file_.refuse(kStructure / "rotary_inertia", "goes with \"mass\": \"consistent\" only");
+      file_.refuse(kStructure / "rotary_inertia", "is allowed with \"mass\": \"consistent\" only");
     parse_nodes();
     refuse_cost();
     each("members", [&](const Pointer& at) { parse_member(at); });
@@ -174,7 +174,8 @@ class MemberParser {
     member.elements = m.at("elements").get<int>();
     if (m.contains("up")) {
       if (!space())
-        file_.refuse(where / "up", "goes with dimension 3: a plane section stands in it");
+        file_.refuse(where / "up",
+                     "is allowed with dimension 3 only: plane members need no direction");
       member.up = vector(where / "up");
     }
     parse_ends(where, index, member);
@@ -479,7 +480,7 @@ StructureModel parse_structure(const CaseFile& file, std::vector<std::string>* r
     for (const auto& [key, ignored] : s.items())
       if (std::ranges::find(keys, key) == keys.end())
         file.refuse(kStructure / key,
-                    "does not go with \"" + kind + "\", which has " + listed(keys));
+                    "is not allowed with \"" + kind + "\", which has " + listed(keys));
     if (kind == "chain") return parse_chain(file);
     if (kind == "matrices") return parse_matrices(file);
     if (s.contains("mass") && s["mass"] != "consistent" && s["mass"] != "lumped")

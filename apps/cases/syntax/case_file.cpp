@@ -291,7 +291,7 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
     family = key;
   }
   if (prior.contains("on") && family != "beta") {
-    file.refuse(where / "on", "goes with \"beta\" only");
+    file.refuse(where / "on", "is allowed with \"beta\" only");
   }
   const auto arguments = [&](std::size_t n) {
     const Json& list = prior.at(family);
