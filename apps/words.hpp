@@ -44,7 +44,7 @@ using base::grouped;
 /// "modes 5 to 20", "modes 3, 7 and 9".
 [[nodiscard]] std::string name_modes(const std::vector<int>& modes);
 
-/// "never entered", "not entered in 786 proposals", "entered once in 786 proposals, but in no draw
+/// "never proposed", "not entered in 786 proposals", "entered once in 786 proposals, but in no draw
 /// that was kept": for a model without draws.
 [[nodiscard]] std::string entered_in_words(long entered, long proposed);
 /// "not entered in 123 456 proposals; its evidence puts it at P ≈ 0.21 ± 0.02"; empty for a model
@@ -74,8 +74,8 @@ struct Context {
 /// "1200 (1150 to 1260)", with the coefficients' names if a term has several; "-" for a term
 /// without draws.
 [[nodiscard]] std::string coefficients_in_words(const identification::TermFinding& term);
-/// "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) terms; undecided: bilinear (40 %);
-/// nothing speaks for coulomb (3 %)." One sentence per link.
+/// "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) terms; undecided: bilinear (40 %); no
+/// evidence for coulomb (3 %)." One sentence per link.
 [[nodiscard]] std::string terms_in_words(const std::vector<identification::TermFinding>& terms);
 
 /// A sentence on the mirror-image ambiguity of a symmetric beam.

@@ -103,13 +103,13 @@ TEST(CaseFile, OverridesAreNotFollowedWithoutEnd) {
 
 TEST(CaseFile, NamesLineAndColumnOfASyntaxError) {
   EXPECT_THAT(reading("{\n  \"a\": 1,\n  \"b\" 2\n}"), HasSubstr("c.json:3:7: not JSON"));
-  EXPECT_THAT(reading("{\"a\": [1, NaN]}"), HasSubstr("null is a mode not measured"));
+  EXPECT_THAT(reading("{\"a\": [1, NaN]}"), HasSubstr("null for a mode not measured"));
   EXPECT_THAT(reading(""), HasSubstr("c.json:1:1: not JSON"));
   EXPECT_THAT(reading("[1]"), HasSubstr("must be an object"));
 }
 
 TEST(CaseFile, RefusesAKeyThatStandsTwice) {
-  EXPECT_THAT(reading(R"({"a": {"b": 1, "b": 2}})"), HasSubstr("\"b\" stands twice"));
+  EXPECT_THAT(reading(R"({"a": {"b": 1, "b": 2}})"), HasSubstr("\"b\" is used twice"));
   EXPECT_EQ(reading(R"({"a": {"b": 1}, "c": {"b": 2}})"), "");
 }
 

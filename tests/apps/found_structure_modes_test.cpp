@@ -272,7 +272,7 @@ TEST(StructureCommand, MechanismsAndBucklingAreNamed) {
 TEST(StructureCommand, BeamAndStructureAreNotMixed) {
   json both = portal_frame();
   both["beam"] = json::object();
-  expect_ends_with_65(both, "/structure: takes the place of beam: give one of them");
+  expect_ends_with_65(both, "/structure: replaces beam: give one of them");
   const Workspace where;
   const std::string path = where.write_json("portal.json", portal_frame()).string();
   const Outcome ran = wheeltap(where, "table " + path + " -o " + (where / "t.nc").string());
@@ -358,7 +358,7 @@ TEST_F(MatrixCase, Refusals) {
   refused("/structure/scale/dek: 1: no substructure");
   s["scale"] = {{"deck", 1}};
   s["change"] = {{"deck", 0}};
-  refused("/structure/change/deck: 0: has a scale already");
+  refused("/structure/change/deck: 0: has \"scale\" already");
   s.erase("scale");
   s["change"] = {{"deck", -1}};
   refused("/structure/change/deck: -1: must be above -1");
@@ -378,7 +378,7 @@ TEST_F(MatrixCase, Refusals) {
   s["dofs"] = "dofs.csv";
   for (const auto& [rows, message] :
        {std::pair{"3,deck,z\n", "number '3' must be a whole number from 1 to 2"},
-        std::pair{"1,a,x\n1,b,x\n", "stands twice"},
+        std::pair{"1,a,x\n1,b,x\n", "is listed twice"},
         std::pair{"1,,x\n", "place must not be empty"}}) {
     where_.write("dofs.csv", std::string("number,place,direction\n") + rows);
     EXPECT_THROW((void)read(), io::FileError);

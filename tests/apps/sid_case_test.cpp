@@ -195,7 +195,7 @@ TEST(SidCase, NamesThePlaceOfEveryMistake) {
   };
   expect(with("/models/0/links/0/stiffness", "kk"),
          {"/models/0/links/0/stiffness", "\"kk\"", "k, k3"});
-  expect(with("/parameters/unused", {{"uniform", {0, 1}}}), {"/parameters/unused", "nowhere"});
+  expect(with("/parameters/unused", {{"uniform", {0, 1}}}), {"/parameters/unused", "not used"});
   json negative = with("/parameters/m", {{"normal", {0.5, 0.1}}});
   negative["models"][0]["masses"][0] = "m";
   expect(negative, {"/parameters/m", "/models/0/masses/0", "positive"});

@@ -287,14 +287,14 @@ TEST(StructureSection, Refusals) {
   expect_refused(without(post + "/height"),
                  post + "/height: is missing: a \"rectangle\" section has width, height");
   expect_refused(changed(post + "/diameter", 1),
-                 post + "/diameter: 1: a \"rectangle\" section has no such size");
+                 post + "/diameter: 1: is not a size of a \"rectangle\" section");
   expect_refused(changed(post + "/width", -1), post + "/width: -1: must be > 0");
   expect_refused(changed(post, {{"shape", "tube"}, {"outer_diameter", 0.1}, {"thickness", 0.06}}),
                  post);
   expect_refused(changed(post, {{"area", 1}, {"shear_coefficient", 1}}), post + "/second_moment");
   expect_refused(changed(post, {{"area", 1}, {"second_moment", 1}}),
                  post + "/shear_coefficient: is missing");
-  expect_refused(changed(post + "/shear_coefficient", {{"y", 1}}), "shears along z only");
+  expect_refused(changed(post + "/shear_coefficient", {{"y", 1}}), "has shear along z only");
   expect_refused(
       changed(post, {{"shape", "polygon"}, {"outline", {{0, 0}, {1, 1}, {1, 0}, {0, 1}}}}),
       post + "/outline");
@@ -316,7 +316,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
       changed("/structure/nodes/B", {0, 0}),
       "/structure/members/0: member \"left post\": its ends at A and B are the same place");
   expect_refused(changed("/structure/members/0/nodes", {"A", "A"}),
-                 "/structure/members/0/nodes: [\"A\",\"A\"]: are one and the same");
+                 "/structure/members/0/nodes: [\"A\",\"A\"]: are the same node");
   expect_refused(changed("/structure/members/0/nodes/1", "X"),
                  "/structure/members/0/nodes/1: \"X\": no node has this name");
   expect_refused(changed("/structure/members/1/name", "left post"),
@@ -331,7 +331,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(without("/structure/members/1/material"),
                  "/structure/members/1/material: is missing");
   expect_refused(changed("/structure/members/1/ends/D", "hinge"),
-                 "/structure/members/1/ends/D: \"hinge\": is no end of this member");
+                 "/structure/members/1/ends/D: \"hinge\": is not an end node of this member");
   expect_refused(changed("/structure/members/1/ends/B", {{"rx", 1}}),
                  "in the plane an end has \"rotation\"");
   expect_refused(changed("/structure/members/1/ends/B/rotation", -1),
@@ -341,10 +341,10 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/members/1/up", {0, 0, 1}),
                  "/structure/members/1/up: [0,0,1]: is allowed with dimension 3");
   expect_refused(changed("/structure/members/1/pieces", {{{"to", 0.5}}, {{"to", 0.4}}}),
-                 "/structure/members/1/pieces/1/to: 0.4: must lie beyond");
+                 "/structure/members/1/pieces/1/to: 0.4: must be greater than");
   expect_refused(
       changed("/structure/members/1/pieces", {{{"to", 0.5}}}),
-      "/structure/members/1/pieces/0/to: 0.5: the last piece must end with the member, at 1 m");
+      "/structure/members/1/pieces/0/to: 0.5: the last piece must end at the member's length, 1 m");
   expect_refused(changed("/structure/members/1/pieces", {json::object(), {{"to", 1}}}),
                  "/structure/members/1/pieces/0/to: is missing");
   expect_refused(changed("/structure/members/1/wdith", 1),
@@ -358,7 +358,7 @@ TEST(StructureCase, RefusesWhatIsWrongAtANode) {
   expect_refused(changed("/structure/supports/0/node", "E"),
                  "/structure/supports/0/node: \"E\": no node has this name");
   expect_refused(changed("/structure/supports/0/fix", {"z"}),
-                 "/structure/supports/0/fix/0: \"z\": no such direction");
+                 "/structure/supports/0/fix/0: \"z\": unknown direction");
   expect_refused(changed("/structure/supports/0/stiffness", {{"x", 1}}),
                  "/structure/supports/0/stiffness/x: 1: is fixed already");
   expect_refused(changed("/structure/supports/0", {{"node", "A"}}),
@@ -423,7 +423,7 @@ TEST(StructureCase, Chains) {
   const json good = chain({6.0, 6.0}, {1e5, 2e5});
   const std::string links = "/structure/chain/links";
   expect_refused(changed(links + "/1/between", {1, 3}, good),
-                 links + "/1/between/1: 3: no such mass");
+                 links + "/1/between/1: 3: unknown mass");
   expect_refused(changed(links + "/1/between", {1, 1}, good),
                  links + "/1/between: [1,1]: must join two different masses");
   expect_refused(changed("/structure/chain/masses/0", 0, good),

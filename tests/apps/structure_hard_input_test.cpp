@@ -37,14 +37,14 @@ TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
   for (const std::string& command :
        std::vector<std::string>{"modes", "modes --truth", "damage --quick" + out, "serve",
                                 "simulate -o " + (where / "s.json").string()}) {
-    expect_refused_by(where, command, chain, "/structure/chain/links: []: is empty: at least one");
-    expect_refused_by(where, command, frame, "/structure/members: []: is empty: at least one");
+    expect_refused_by(where, command, chain, "/structure/chain/links: []: is empty: must have at least one");
+    expect_refused_by(where, command, frame, "/structure/members: []: is empty: must have at least one");
   }
   for (json* c : {&chain, &frame}) {
     (*c)["kind"] = "update";
     c->erase("damage");
     (*c)["parameters"] = {{"E", {{"uniform", {190e9, 220e9}}}}};
-    expect_refused_by(where, "update" + out, *c, "is empty: at least one is needed");
+    expect_refused_by(where, "update" + out, *c, "is empty: must have at least one element");
   }
   frame["kind"] = "damage";
   frame.erase("parameters");

@@ -160,7 +160,7 @@ TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {
   const Posterior posterior = made_up(0.0, 1000);
   const Report table = model_table(found_in(posterior));
   EXPECT_TRUE(table[1]["mcse"].is_null());
-  EXPECT_EQ(table[1].value("told", ""), "never entered; nothing is known of its evidence");
+  EXPECT_EQ(table[1].value("told", ""), "never proposed; nothing is known of its evidence");
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
   EXPECT_EQ(d["resolution_words"], "");
