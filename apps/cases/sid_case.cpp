@@ -46,7 +46,7 @@ class Parser {
     parse_truth(parsed_);
   }
 
-  /// For each parameter, whether a model or a channel uses it.
+  /// Whether a model or a channel uses each parameter.
   [[nodiscard]] const std::vector<bool>& used() const { return used_; }
 
  private:

@@ -297,7 +297,7 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
       const auto n = static_cast<std::size_t>(state.data.predict);
       state.data.frequencies_hz.assign(n, kNaN);
       state.data.covariance = Eigen::MatrixXd::Zero(state.data.predict, state.data.predict);
-      state.data.origin = "to be foretold";
+      state.data.origin = "to be predicted";
       state.data.predict = 0;
     }
     if (state.data.modes() == 0)

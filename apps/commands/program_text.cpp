@@ -164,10 +164,10 @@ std::string man_page(const ProgramText& program) {
   }
   return text +
          ".SH EXIT STATUS\n"
-         "0 done (the last line and summary.json state whether a run has converged). 64 bad "
-         "command line. 65 invalid case or data. 66 missing or unreadable file. 70 fault of the "
-         "program. 73 output cannot be written. 130 interrupted before there were results to "
-         "keep.\n"
+         "Code 0: done (the last line and summary.json state whether a run has converged). Code "
+         "64: bad command line. Code 65: invalid case or data. Code 66: missing or unreadable "
+         "file. Code 70: fault of the program. Code 73: output cannot be written. Code 130: "
+         "interrupted before there were results to keep.\n"
          ".SH SEE ALSO\n"
          "\\fBwheeltap schema\\fR prints the JSON Schema of a case, \\fBwheeltap explain\\fR "
          "explains a key, \\fBwheeltap init\\fR writes a starter case.\n";

@@ -1,4 +1,4 @@
-// The list of commands, and what reads it.
+// The list of commands and its users.
 #include <gmock/gmock.h>
 
 #include <iostream>

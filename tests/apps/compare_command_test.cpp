@@ -1,4 +1,4 @@
-// wheeltap compare, as its users run it.
+// wheeltap compare on the command line.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Two equal masses on springs: k unknown, and the ratio of the upper spring to the lower known.
+/// Two equal masses on springs: k unknown, ratio of upper to lower spring known.
 json two_storeys(double ratio) {
   json links = {
       {{"name", "1"}, {"between", {0, 1}}, {"stiffness", "k"}},

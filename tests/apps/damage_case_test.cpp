@@ -70,7 +70,7 @@ TEST(DamageCase, CountPriors) {
   EXPECT_THAT(complaint(json), HasSubstr("/damage/count/min: 3: must not exceed max"));
 }
 
-// The schema takes the types of defect, and the keys of their severities, from the list.
+// The schema contains the types of defect of the list, and the keys of their severities.
 TEST(DamageCase, EveryTypeOfDefectIsInTheSchema) {
   const Json rules = schema("damage")["definitions"];
   for (const auto* type : identification::defect_types()) {
@@ -183,7 +183,7 @@ TEST(DamageCase, NoiseAndMissingModes) {
 
 TEST(DamageCase, MoreModesThanDegreesOfFreedom) {
   Json json = small_case();
-  json["beam"]["elements"] = 2;  // 6 dofs, 2 held
+  json["beam"]["elements"] = 2;  // 6 dofs, 2 fixed
   json["data"]["frequencies"] = {1, 2, 3, 4, 5};
   EXPECT_THAT(complaint(json), HasSubstr("5 modes: must be at most 4"));
   json["data"]["frequencies"] = {1, 2, 3, 4};
@@ -260,7 +260,7 @@ TEST(DamageCase, InterpolantsAreThoseOfTheList) {
   json["predictor"]["interpolation"] = "gaussian-process";
   EXPECT_THAT(complaint(json), HasSubstr("\"multilinear\", \"cubic\" and \"monotone-cubic\""));
 
-  // Before the runs are made, not after.
+  // The check precedes the runs.
   json["damage"]["count"]["max"] = 4;
   json["predictor"]["interpolation"] = "cubic";
   EXPECT_THAT(complaint(json), HasSubstr("\"cubic\" supports up to 3 damages"));

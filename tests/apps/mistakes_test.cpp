@@ -1,5 +1,5 @@
-// Mistakes that engineers make in cases and on command lines: each message names the place of the
-// mistake and the text to write in its place.
+// Common mistakes in cases and on command lines: each message names the place of the mistake and a
+// correction.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -76,7 +76,7 @@ std::vector<Mistake> mistakes() {
   const json beam = small_case(), frame = frame_case(), chain_of_two = update_case();
   const json record = small_sid_case(), vibration = modal_case(), profile = section_case();
   const json steel = {{"gaussian", {210e9, 10e9}}};
-  const std::string bare = "";  // a case of its own in the command
+  const std::string bare = "";  // the command line contains the case
   return {
       // Numbers as texts, and their units.
       {"percent", damage, beam, "/data/cov", "0.1%", "/data/cov", "write 0.001"},
@@ -294,7 +294,7 @@ std::vector<Mistake> mistakes() {
   };
 }
 
-// Which text of a message is where the mistake is, and which is the remedy.
+// The parts of a message: place of the mistake, and correction.
 TEST(Mistakes, MessagesNameThePlaceAndTheRemedy) {
   const Workspace where;
   write_record(where);
@@ -326,7 +326,7 @@ struct Typo {
   std::string right, wrong, remedy;
 };
 
-// The file's text itself is no JSON: line and column, and what to write.
+// The file is not JSON: the message has line, column and correction.
 TEST(Mistakes, SyntaxErrorsNameTheTextToWrite) {
   const Workspace where;
   const std::string text = small_case().dump(1);

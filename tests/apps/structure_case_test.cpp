@@ -16,7 +16,7 @@ using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// The portal frame with one value changed, or taken out.
+/// The portal frame with one value changed or removed.
 json changed(const std::string& pointer, const json& value, json base = portal_frame()) {
   base[json::json_pointer(pointer)] = value;
   return base;
@@ -52,7 +52,7 @@ TEST(StructureCase, PortalFrameIsReadAsItStands) {
 }
 
 TEST(StructureCase, AParameterStandsWhereItsNameStands) {
-  // Frequencies of what only E holds go as its root.
+  // Frequencies that depend on E only are proportional to its root.
   json base = portal_frame();
   for (const char* key : {"springs", "supports"}) base["structure"].erase(key);
   base["structure"]["supports"] = {{{"node", "A"}, {"fix", {"x", "y", "rotation"}}}};
@@ -84,7 +84,7 @@ TEST(StructureCase, EveryCoefficientMayBeAParameter) {
   const json base = changed("/structure/materials/steel/young", 2.1e11, without("/parameters"));
   for (const auto& [pointer, value] : places) {
     json unknown = changed(pointer, "p", base);
-    // Its nominal value is half of what is set.
+    // Its nominal value is half of the set value.
     unknown["parameters"]["p"] = {
         {"truncated_normal",
          {0.5 * value, 1e-3 * value, 0.1 * value, 0.49 * std::max(value, 1.0) * 4}}};
@@ -218,11 +218,11 @@ TEST(StructureSection, WhatHasNoFormulaIsMeshed) {
                   {"web_thickness", 0.006}};
   const auto s = section_in_space(i);
   EXPECT_NEAR(s.second_moment_z, (2 * 0.01 * 1e-3 + 0.18 * std::pow(0.006, 3)) / 12, 1e-15);
-  // Thin walls: a little more than Σ b t³ / 3.
+  // Thin walls: slightly more than Σ b t³ / 3.
   const double thin = (2 * 0.1 * 1e-6 + 0.19 * std::pow(0.006, 3)) / 3;
   EXPECT_GT(s.torsion_constant, 0.95 * thin);
   EXPECT_LT(s.torsion_constant, 1.2 * thin);
-  // Bredt: 4 A² / Σ(l/t) of a thin box, to the share of its walls.
+  // Bredt: 4 A² / Σ(l/t) of a thin box, to the relative thickness of its walls.
   const auto b = section_in_space({{"shape", "box"},
                                    {"height", 0.2},
                                    {"width", 0.1},
@@ -230,7 +230,7 @@ TEST(StructureSection, WhatHasNoFormulaIsMeshed) {
                                    {"web_thickness", 0.004}});
   const double area = 0.196 * 0.096;
   EXPECT_NEAR(b.torsion_constant / (4 * area * area * 0.004 / (2 * 0.292)), 1.0, 0.02);
-  // Of two materials: mass by density, stiffness by modulus.
+  // Two materials: mass from densities, stiffness from moduli.
   json two = cantilever_in_space();
   two["structure"]["sections"]["bar"] = {
       {"shape", "polygon"},
@@ -307,7 +307,7 @@ TEST(StructureSection, Refusals) {
   expect_refused(arm, "/structure/sections/bar/torsion_constant: is missing");
 }
 
-// ---- what is refused, with its place
+// ---- invalid cases, with the place in the message
 
 TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/nodes/A", {0, 0, 0}),

@@ -1,4 +1,5 @@
-// What an update case may say, and how it is refused: file, place, value, what is allowed, 65.
+// Valid and invalid update cases: messages with file, place, value and allowed values; exit code
+// 65.
 #include "apps/cases/update_case.hpp"
 
 #include <gmock/gmock.h>
@@ -28,7 +29,7 @@ UpdateCaseFile parsed_update(const json& text) {
   return parse_update_case({.path = "case.json", .json = Json::parse(text.dump())});
 }
 
-/// The case with a value in a place; null takes the place away.
+/// The case with a value at a place; null removes the place.
 json with(const char* place, const json& value) {
   json text = two_storey_case();
   const json::json_pointer at(place);
@@ -85,7 +86,7 @@ TEST(UpdateCase, ATruthStandsInForData) {
   const auto update = parsed_update(text).update;
   EXPECT_TRUE(update.data.simulated);
   EXPECT_EQ(update.data.shapes.rows(), 2);
-  // As exact as the data say, whatever noise was added.
+  // The stated uncertainty is that of the data, independent of the added noise.
   EXPECT_NEAR(std::sqrt(update.data.covariance(0, 0)) / update.data.frequencies_hz[0], 0.01, 1e-12);
   EXPECT_NEAR(update.data.shape_covariances[0](0, 0), 4e-4, 1e-15);
 }
