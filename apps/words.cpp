@@ -139,15 +139,15 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
                      significant(100.0 * verdict.resolution, 2) +
                      " % of the prior may have been missed";
   if (verdict.resolved_width > 0.0) {
-    text += "; the limit is larger for modes narrower than " +
+    text += ". The limit increases in proportion for modes narrower than " +
             significant(verdict.resolved_width, 1) +
-            " standard deviations of the prior, in proportion, and a mode narrower than " +
+            " standard deviations of the prior; modes narrower than " +
             significant(verdict.resolution * verdict.resolved_width, 1) +
-            " of them may have been missed wherever it is";
+            " standard deviations may have been missed anywhere";
   }
   if (verdict.glanced > 0) {
-    text += "; so of the models that hold " +
-            significant(100.0 * inference::kLimits.searched_model, 1) + " % or more, while " +
+    text += ". This applies to models that hold " +
+            significant(100.0 * inference::kLimits.searched_model, 1) + " % or more; " +
             (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
             " had a short search only, from the modes of models that they contain";
   }
@@ -178,9 +178,9 @@ std::string baseline_statement(const identification::Baseline& baseline) {
     low = std::min(low, off);
     high = std::max(high, off);
   }
-  return "the undamaged structure was measured " + significant(low, 2) + " to " +
-         significant(high, 2) +
-         " % off the model; Wheeltap compares changes from the baseline, and the reported "
+  return "the measured frequencies of the undamaged structure differ from the model by " +
+         significant(low, 2) + " to " + significant(high, 2) +
+         " %; Wheeltap compares changes from the baseline, and the reported "
          "frequencies are scaled to the model.";
 }
 

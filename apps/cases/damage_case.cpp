@@ -445,7 +445,7 @@ void finish_data(const CaseFile& f, DamageCase& out) {
     if (out.data.simulated)
       f.refuse(damage_key("/baseline"),
                "is allowed with measured data only: these are simulated by the model itself, so "
-               "there is no model error to correct");
+               "the model has no error to correct");
     take_baseline(f, out);
   }
   if (f.json.contains("data"))

@@ -232,11 +232,11 @@ class Batch {
   const CommonOptions& common_;
   const SamplingOptions& sampling_;
   std::vector<std::optional<BatchRow>> rows_;
-  int threads_ = base::thread_count(common_.threads);  // of this rank
+  int threads_ = base::thread_count(common_.threads);  // threads of this rank
   int section_ = all();                                // cases
   // Rewriting the table after each of a hundred thousand cases would write 500 GB.
   std::size_t rows_a_write_ = 1 + cases_.size() / 10'000;
-  std::mutex mutex_;  // guards what follows, and rows_
+  std::mutex mutex_;  // guards the members below, and rows_
   int free_ = 0;      // threads
   std::size_t done_ = 0;
   bool stopped_ = false;

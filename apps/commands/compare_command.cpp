@@ -76,10 +76,9 @@ class Measured {
   [[nodiscard]] Report content_of(const Report& name) const {
     const auto found = name.is_string() ? inputs_.find(name.get<std::string>()) : inputs_.end();
     if (found == inputs_.end())
-      refuse(
-          run_,
-          "does not say what its data file " + name.dump() +
-              " held, so Wheeltap cannot compare its data with those of other runs: run it again");
+      refuse(run_,
+             "has no checksum of its data file " + name.dump() +
+                 ", so Wheeltap cannot compare its data with those of other runs: run it again");
     return *found;
   }
 
@@ -228,10 +227,10 @@ void run_compare(const CompareOptions& options) {
   for (const auto& folder : options.folders) runs.push_back(read_run(folder));
   for (const Compared& run : runs) {
     if (run.command != runs[0].command)
-      refuse(run.name, "a run of " + run.command + ", beside one of " + runs[0].command + ", " +
-                           io::printable(runs[0].name));
+      refuse(run.name, "is a run of " + run.command + ", but " + io::printable(runs[0].name) +
+                           " is a run of " + runs[0].command);
     if (run.measured != runs[0].measured)
-      refuse(run.name, "is of other data than " + io::printable(runs[0].name) +
+      refuse(run.name, "uses other data than " + io::printable(runs[0].name) +
                            ": evidences are comparable for the same data only");
   }
   const std::vector<double> prior = shares(options.prior, runs.size());

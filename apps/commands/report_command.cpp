@@ -15,7 +15,7 @@ void run_report(const std::filesystem::path& directory, bool figures) {
   if (!std::filesystem::is_directory(directory)) {
     throw io::FileError(io::FileError::Kind::missing, directory,
                         std::filesystem::exists(directory)
-                            ? "is no folder: name the one that holds the run"
+                            ? "is not a folder: give the folder of the run"
                             : "no such folder");
   }
   write_report(directory);

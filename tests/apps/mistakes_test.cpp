@@ -20,8 +20,8 @@ struct Mistake {
   std::string what;     ///< for the test's own messages
   std::string command;  ///< with CASE for the case's path
   json base;
-  std::string at;  ///< pointer of the value to change; empty: as `edit` says
-  json value;      ///< what stands there in place of the right value; discarded: nothing
+  std::string at;  ///< pointer of the value to change; empty: see `edit`
+  json value;      ///< the wrong value at this place; discarded: none
   std::string place, remedy;
   int exit_code = 65;
   std::function<void(json&)> edit = {};

@@ -268,7 +268,7 @@ TEST(StructureSection, AShearCentreAwayFromTheCentroidIsSaid) {
   std::vector<std::string> remarks;
   (void)parsed(arm, &remarks);
   ASSERT_EQ(remarks.size(), 1U);
-  EXPECT_THAT(remarks[0], HasSubstr("the shear centre of section bar lies"));
+  EXPECT_THAT(remarks[0], HasSubstr("the shear centre of section bar is"));
 }
 
 TEST(StructureSection, MeshedSectionsNeedNumbers) {

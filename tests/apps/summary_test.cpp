@@ -150,10 +150,9 @@ TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   const Report d = judged(posterior);
   EXPECT_EQ(d["resolution_width"], 0.3);
   EXPECT_EQ(d["resolution_words"],
-            "posterior modes reached from less than 2.3 % of the prior may have been missed; the "
-            "limit is larger for modes narrower than 0.3 standard deviations of the prior, in "
-            "proportion, and a mode narrower than 0.007 of them may have been missed wherever it "
-            "is");
+            "posterior modes reached from less than 2.3 % of the prior may have been missed. The "
+            "limit increases in proportion for modes narrower than 0.3 standard deviations of the "
+            "prior; modes narrower than 0.007 standard deviations may have been missed anywhere");
 }
 
 TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {

@@ -25,7 +25,7 @@ std::vector<std::string> left_out_in_words(const MeasuredTable& table) {
   for (const signals::LeftOutColumn& c : table.left_out)
     out.push_back(
         "Column " + std::to_string(c.number) + " (" + c.header + ") holds " +
-        (c.is_time_stamp ? "further time stamps" : "no numbers") + " and is left out" +
+        (c.is_time_stamp ? "further time stamps" : "no numbers") + " and is not used" +
         (c.maybe_time ? "; if it holds times, give their format with --time-format" : "") + ".");
   return out;
 }

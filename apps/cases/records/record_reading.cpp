@@ -195,7 +195,7 @@ std::string conversion_in_words(const signals::Conversion& conversion) {
     case Basis::foreign:
       return io::printable(conversion.unit) + ", used unchanged";
     case Basis::stated_scale:
-      return "times " + base::significant(conversion.factor, 6) + " as the case says";
+      return "times " + base::significant(conversion.factor, 6) + " as stated in the case";
     case Basis::unit:
       break;
   }

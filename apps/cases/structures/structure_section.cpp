@@ -236,7 +236,7 @@ class SectionParser {
     }
     const double gyration = std::sqrt((i.yy + i.zz) / p.area);
     if (space_ && p.shear_centre.norm() > kCentred * gyration)
-      out.remarks.push_back("the shear centre of section " + where_.back() + " lies " +
+      out.remarks.push_back("the shear centre of section " + where_.back() + " is " +
                             plain_number(std::round(1e4 * p.shear_centre.norm()) / 10.0) +
                             " mm from its centroid; the member model neglects this distance, so "
                             "that bending causes no twist");
