@@ -7,7 +7,7 @@
 namespace wheeltap::apps {
 
 std::string variable_of(const std::string& parameter) {
-  // Not netcdf_name: what a name must not hold, a case refuses.
+  // netcdf_name is not needed: cases reject invalid names.
   std::string name = parameter;
   std::ranges::replace(name, '/', '_');
   while (!name.empty() && name.back() == ' ') name.pop_back();
@@ -28,7 +28,7 @@ DrawColumn model_column(const inference::Posterior& posterior) {
 DrawColumn parameter_column(const inference::Posterior& posterior, int parameter, std::string name,
                             std::string unit) {
   const auto width = static_cast<std::size_t>(posterior.dimension);
-  std::vector<int> places;  // of this parameter in each model
+  std::vector<int> places;  // position of this parameter in each model
   for (const auto& m : posterior.space->models()) {
     const auto found = std::ranges::find(m.parameters, parameter);
     places.push_back(found == m.parameters.end() ? -1

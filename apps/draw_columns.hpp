@@ -1,5 +1,5 @@
-// The draws of a run as named columns: what the group `posterior` of posterior.nc holds, and what
-// other programs are given.
+// Draws of a run as named columns, for the group `posterior` of posterior.nc and for other
+// programs.
 #pragma once
 
 #include <functional>
@@ -11,16 +11,16 @@
 
 namespace wheeltap::apps {
 
-/// One number a draw, or one a draw and slot (NaN in slots that a draw does not use). It holds none
-/// of them: millions of draws have many columns.
+/// One number per draw, or per draw and slot (NaN in slots that a draw does not use). Computes its
+/// values on demand, since millions of draws have many columns.
 struct DrawColumn {
   std::string name;
   std::function<double(const inference::Chain&, std::size_t draw, std::size_t slot)> value;
   bool whole = false;  ///< whole numbers
   std::string unit = {};
-  std::string slot = {};  ///< name of the dimension of slots; empty where there are none
+  std::string slot = {};  ///< name of the dimension of slots; empty: no slots
   std::size_t slots = 1;
-  std::string names = {};  ///< what whole numbers stand for, joined by ";"
+  std::string names = {};  ///< meanings of whole numbers, joined by ";"
 
   /// Appends the numbers of a chain, draw by draw.
   template <class Number>
@@ -32,16 +32,16 @@ struct DrawColumn {
   }
 };
 
-/// The variable of the group `posterior` that holds a parameter: its name, with "_" for what NetCDF
+/// Name of a parameter's variable in the group `posterior`; "_" replaces characters that NetCDF
 /// forbids.
 [[nodiscard]] std::string variable_of(const std::string& parameter);
 
 /// The model of each draw, as the column "model".
 [[nodiscard]] DrawColumn model_column(const inference::Posterior& posterior);
-/// A parameter of the space's table, NaN in draws of models that have it not.
+/// A parameter of the space's table; NaN in draws of models without it.
 [[nodiscard]] DrawColumn parameter_column(const inference::Posterior& posterior, int parameter,
                                           std::string name, std::string unit = {});
-/// A column a parameter, after that of the model.
+/// The column of the model, then one column per parameter.
 [[nodiscard]] std::vector<DrawColumn> parameter_columns(const inference::Posterior& posterior);
 
 /// Writes the group `posterior`, dimensions chain and draw first.

@@ -1,11 +1,12 @@
-// What the library complains about becomes a complaint about the case.
+// Conversion of library errors to error messages about the case.
 #pragma once
 
 #include "identification/invalid_input.hpp"
 
 namespace wheeltap::apps {
 
-/// work(), where `file` knows the places of its case (DamageCaseFile, SidCaseFile). Throws Failure.
+/// Runs work(). `file` (DamageCaseFile, SidCaseFile) locates library errors in its case. Throws
+/// Failure.
 template <class File, class Work>
 auto explained(const File& file, const Work& work) {
   try {

@@ -1,4 +1,4 @@
-// How a command ends when it cannot do its work.
+// Exit codes and failures of commands.
 #pragma once
 
 #include <stdexcept>
@@ -6,18 +6,18 @@
 
 namespace wheeltap::apps {
 
-/// The program's exit codes: those of sysexits.h, and the shell's for an interrupt.
+/// Exit codes: those of sysexits.h, and the shell's code for an interrupt.
 enum class Exit : int {
   done = 0,
   usage = 64,          ///< bad command line
   bad_input = 65,      ///< invalid case or data
   no_input = 66,       ///< a file is missing or unreadable
-  internal = 70,       ///< a fault of ours
+  internal = 70,       ///< a fault of the program
   cannot_create = 73,  ///< output cannot be written
-  interrupted = 130,   ///< Ctrl-C before there was anything to keep
+  interrupted = 130,   ///< Ctrl-C before there were results to keep
 };
 
-/// One readable line that names the place, the value and what is allowed, and the exit code.
+/// A failure: an exit code and one line with the place, the value and the allowed values.
 class Failure : public std::runtime_error {
  public:
   Failure(Exit exit, const std::string& line) : std::runtime_error(line), exit_(exit) {}

@@ -14,7 +14,7 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// The last byte before `at` that is no blank; npos where there is none.
+/// The last non-blank byte before `at`; npos if there is none.
 std::size_t last_before(std::string_view text, std::size_t at) {
   return at == 0 ? std::string_view::npos : text.find_last_not_of(kJsonBlank, at - 1);
 }
@@ -62,7 +62,7 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
         std::pair{"yes", "true"}, std::pair{"no", "false"}, std::pair{"NaN", "null"},
         std::pair{"nan", "null"}, std::pair{"NA", "null"}})
     if (word == other) return std::string("; write ") + json;
-  // "length": 0,9 is a number, a comma, and a number where a key should be.
+  // "length": 0,9 is parsed as a number, a comma, and a number in place of a key.
   if (is_digit(here) || here == '-') {
     const std::size_t comma = last_before(text, at);
     if (comma != std::string_view::npos && text[comma] == ',' && comma > 0 &&
@@ -70,12 +70,12 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
       const std::string number =
           std::string(number_around(text, comma)) + "," + std::string(number_around(text, at));
       if (const auto value = written_number(number))
-        return "; write " + pasted(value->value) + ": decimals have a point, not a comma";
+        return "; write " + pasted(value->value) + ": use a decimal point, not a comma";
     }
   }
   if (word.starts_with('\'')) {
     const std::size_t closing = word.find('\'', 1);
-    return "; texts stand in double quotes: write \"" +
+    return "; texts need double quotes: write \"" +
            std::string(word.substr(1, closing == std::string_view::npos ? closing : closing - 1)) +
            "\"";
   }
@@ -87,8 +87,8 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
                                          "0123456789-. ") == std::string_view::npos;
   if (name && after != std::string_view::npos && text[after] == ':' &&
       (ahead == '{' || ahead == ','))
-    return "; keys stand in double quotes: write \"" + std::string(word) + "\":";
-  // The parser stops at the end of a text that follows a value directly.
+    return "; keys need double quotes: write \"" + std::string(word) + "\":";
+  // If a text follows a value directly, the parser stops at the end of the text.
   std::size_t start = first;
   if (here == '"') start = at > 0 ? text.rfind('"', at - 1) : at;
   const std::size_t value_end =
@@ -101,7 +101,7 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
       std::string_view("]}").find(text[last_before(text, at)]) != std::string_view::npos)
     return "; a comma is missing before it";
   if (name && (ahead == ':' || ahead == '[' || ahead == ','))
-    return "; texts stand in double quotes: write \"" + std::string(word) + "\"";
+    return "; texts need double quotes: write \"" + std::string(word) + "\"";
   return {};
 }
 

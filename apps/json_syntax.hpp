@@ -1,4 +1,4 @@
-// What to write in place of text that is not JSON.
+// Corrections of text that is not JSON.
 #pragma once
 
 #include <cstddef>
@@ -7,9 +7,8 @@
 
 namespace wheeltap::apps {
 
-/// "; write …" for common mistakes at `at`, the 0-based byte at which a parser of JSON gave up:
-/// units, decimal commas, comments, single quotes, missing and trailing commas. Empty where the
-/// mistake is none of these.
+/// "; write …" for common mistakes at `at`, the 0-based byte where the JSON parser stopped: units,
+/// decimal commas, comments, single quotes, missing and trailing commas. Empty for other mistakes.
 [[nodiscard]] std::string syntax_remedy(std::string_view text, std::size_t at);
 
 }  // namespace wheeltap::apps

@@ -12,7 +12,7 @@
 namespace wheeltap::apps {
 namespace {
 
-// The parser's byte count as line and column, both from 1.
+// Converts a byte position to line and column, both from 1.
 std::pair<std::size_t, std::size_t> line_and_column(std::string_view text, std::size_t byte) {
   const std::size_t at = std::min(byte > 0 ? byte - 1 : 0, text.size());
   const std::string_view before = text.substr(0, at);
@@ -21,7 +21,7 @@ std::pair<std::size_t, std::size_t> line_and_column(std::string_view text, std::
   return {line, newline == std::string_view::npos ? at + 1 : at - newline};
 }
 
-/// Looks a text through before anything is built of it, in linear time.
+/// Checks a text in linear time before JSON values are built.
 class Watch : public nlohmann::json_sax<nlohmann::json> {
  public:
   Watch(const std::filesystem::path& path, std::string_view text, std::size_t most_keys)
@@ -38,10 +38,10 @@ class Watch : public nlohmann::json_sax<nlohmann::json> {
   bool end_object() override { return close(); }
   bool start_array(std::size_t) override { return open(); }
   bool end_array() override { return close(); }
-  // JSON readers keep the last of two equal keys in silence; a case's author should know.
+  // JSON parsers silently keep the last of two equal keys; here this is an error.
   bool key(string_t& key) override {
     if (!keys_.back().insert(key).second) {
-      refuse(": the key \"" + key + "\" stands twice in one object");
+      refuse(": the key \"" + key + "\" is used twice in one object");
     }
     if (keys_.back().size() > most_keys_) {
       refuse(": more than " + std::to_string(most_keys_) + " keys in one object");
@@ -60,7 +60,7 @@ class Watch : public nlohmann::json_sax<nlohmann::json> {
     }
     const bool nan = text_.find("NaN") != std::string_view::npos;
     refuse(":" + std::to_string(line) + ":" + std::to_string(column) + ": not JSON: " + what +
-           (nan ? " (JSON has no NaN; null is a mode not measured)" : "") +
+           (nan ? " (JSON has no NaN; write null for a mode not measured)" : "") +
            syntax_remedy(text_, at > 0 ? at - 1 : 0));
   }
 
@@ -70,8 +70,7 @@ class Watch : public nlohmann::json_sax<nlohmann::json> {
   }
   bool open() {
     if (keys_.size() == kDeepestJson) {
-      refuse(": lists and objects stand more than " + std::to_string(kDeepestJson) +
-             " deep within one another");
+      refuse(": lists and objects are nested more than " + std::to_string(kDeepestJson) + " deep");
     }
     keys_.emplace_back();
     return true;
@@ -84,7 +83,7 @@ class Watch : public nlohmann::json_sax<nlohmann::json> {
   const std::filesystem::path& path_;
   std::string_view text_;
   std::size_t most_keys_;
-  std::vector<std::unordered_set<std::string>> keys_;  // of every list and object that is open
+  std::vector<std::unordered_set<std::string>> keys_;  // of every open list and object
 };
 
 }  // namespace

@@ -1,4 +1,4 @@
-// JSON from outside: cases, values of --set, summaries of runs.
+// Parsing of untrusted JSON: cases, values of --set, summaries of runs.
 #pragma once
 
 #include <cstddef>
@@ -8,24 +8,24 @@
 
 namespace wheeltap::apps {
 
-/// Lists and objects within one another: more than any case has, and few enough for whoever walks
-/// them by recursion.
+/// Largest nesting depth of lists and objects: more than any case has, and safe for recursive
+/// functions.
 constexpr std::size_t kDeepestJson = 100;
-/// Bytes of a case, which names its data instead of holding them.
+/// Largest case [bytes]; a case names its data files.
 constexpr std::size_t kLargestCase = std::size_t{64} << 20U;
-/// Bytes of what another program or a server answers: a million numbers.
+/// Largest answer of an external program or server [bytes]: a million numbers.
 constexpr std::size_t kLargestAnswer = std::size_t{16} << 20U;
-/// Keys of one object where their order is kept, which makes finding one of them linear.
+/// Most keys of one object in ordered JSON, whose lookup takes linear time.
 constexpr std::size_t kMostOrderedKeys = 20'000;
 
-/// Reads `text`, all of it; AnyJson is nlohmann::json or ordered_json. Throws Failure (65), naming
-/// `path`: line and column of what is not JSON, the key that stands twice in one object, a number
-/// too large, nesting too deep.
+/// Parses all of `text`; AnyJson is nlohmann::json or ordered_json. Throws Failure (65), naming
+/// `path`, for invalid JSON (with line and column), a duplicate key in an object, too large a
+/// number and too deep nesting.
 template <class AnyJson>
 [[nodiscard]] AnyJson parse_json(const std::filesystem::path& path, std::string_view text);
 
-/// What another program said; discarded where that is no JSON, a number is too large, or lists and
-/// objects stand deeper within one another than kDeepestJson.
+/// Parses the answer of an external program. Returns a discarded value for invalid JSON, too large
+/// a number, or nesting deeper than kDeepestJson.
 [[nodiscard]] nlohmann::json parse_answer(std::string_view text);
 
 extern template nlohmann::json parse_json(const std::filesystem::path&, std::string_view);

@@ -36,7 +36,7 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
     if (distance < best) best = distance, found = candidate;
   }
   if (!found.empty()) return found;
-  constexpr std::size_t kFewest = 4;  // letters that say enough
+  constexpr std::size_t kFewest = 4;  // shortest candidate for partial matches, in letters
   for (const std::string& candidate : candidates) {
     const bool within = candidate.size() >= kFewest && word.find(candidate) != word.npos;
     const bool begun = word.size() >= kFewest && std::string_view(candidate).starts_with(word);

@@ -7,16 +7,18 @@
 
 namespace wheeltap::apps {
 
-/// Levenshtein's (1966): the fewest insertions, deletions and substitutions between two words.
+/// Levenshtein distance (1966): the fewest insertions, deletions and substitutions between two
+/// words.
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate nearest to `word`; empty where none is nearer than a third of the word and one.
-/// Next to these comes the longest candidate of four letters or more that `word` contains
-/// ("frequencies_hz"), or that begins with `word` ("freq").
+/// The candidate nearest to `word` by edit distance, within a third of the word's length plus one.
+/// Otherwise the longest candidate of at least four letters that `word` contains
+/// ("frequencies_hz"), or that begins with `word` ("freq"). Empty if there is none.
 [[nodiscard]] std::string nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);
 
-/// "; did you mean "B"? (there are: A, B, C)": the nearest of the names, and the first twenty.
+/// "; did you mean "B"? (there are: A, B, C)": the nearest of the names, and the first twenty
+/// names.
 [[nodiscard]] std::string did_you_mean(std::string_view word,
                                        const std::vector<std::string>& names);
 

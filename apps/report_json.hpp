@@ -1,4 +1,4 @@
-// The JSON of results: what summaries, reports and --json are made of.
+// JSON of results, for summaries, reports and --json.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -7,17 +7,17 @@
 
 namespace wheeltap::apps {
 
-/// JSON that keeps the order in which it is written.
+/// JSON that keeps the order of its keys.
 using Report = nlohmann::ordered_json;
 
-/// A number, or null for what JSON cannot hold.
+/// A number, or null if it is not finite.
 [[nodiscard]] Report finite(double x);
-/// A list of rows of such numbers.
+/// The rows of a matrix; null for entries that are not finite.
 [[nodiscard]] Report rows_of(const Eigen::MatrixXd& matrix);
 
-/// Five digits are more than a chart shows, and shorter to store.
+/// Rounds to five digits, more than a chart shows, to store less text.
 [[nodiscard]] double compact(double x);
-/// With as many digits as tell a thousandth of `width` apart, and at least those.
+/// Rounds to as many digits as resolve a thousandth of `width`, at least five.
 [[nodiscard]] double compact(double x, double width);
 
 }  // namespace wheeltap::apps

@@ -16,39 +16,39 @@ namespace wheeltap::apps {
 
 using inference::RunCost;
 
-/// An environment variable that stands for --threads where that is not given.
+/// Environment variable in place of --threads.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
-/// Of every command that reads a case.
+/// Options of every command that reads a case.
 struct CommonOptions {
   std::filesystem::path case_path;
   std::filesystem::path output;
   std::vector<std::string> overrides;  ///< --set
   std::optional<std::uint64_t> seed;
-  int threads = 0;  ///< 0: as many as the machine has
+  int threads = 0;  ///< 0: all threads of the machine
   bool quiet = false;
   bool resume = false;
-  double checkpoint_seconds = 60.0;  ///< between two of a run; 0: none
-  /// Where it is set, a command tells it what it would take ("run", "table"), and ends.
+  double checkpoint_seconds = 60.0;  ///< interval between checkpoints; 0: none
+  /// If set, a command passes it the estimated cost of the work ("run", "table") and ends.
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
-  double max_memory_gb = 4.0;  ///< estimates beyond these are refused
+  double max_memory_gb = 4.0;  ///< larger estimates stop the command
   double max_hours = 100.0;
-  std::optional<double> max_disk_gb;          ///< none: what is free in the folder of the results
+  std::optional<double> max_disk_gb;          ///< empty: free space of the results folder
   bool allow_commands = false;                ///< cases may run programs
-  std::vector<std::string> allow_hosts = {};  ///< other machines that cases may reach
+  std::vector<std::string> allow_hosts = {};  ///< other machines that cases may connect to
   std::string command_line;
-  /// Set with --json: takes what the command prints, as JSON text, in place of standard output.
+  /// Set with --json: receives the command's output as JSON text, in place of standard output.
   std::function<void(const std::string& json)> as_json;
 };
 
-/// Of every command that samples.
+/// Options of every command that samples.
 struct SamplingOptions {
   int chains = 4;
   int warmup = 0;    ///< 0: chosen by the engine
   int draws = 0;     ///< 0: chosen by the engine
-  int searches = 0;  ///< climbs to modes of each model; 0: chosen by the engine
+  int searches = 0;  ///< optimisations to find modes, per model; 0: chosen by the engine
   bool prior_only = false;
-  bool quick = false;    ///< modes and short chains: a look, marked as such
+  bool quick = false;    ///< quick run: modes and short chains, marked in the results
   std::string evidence;  ///< "", or methods joined by +: tmcmc, bridge, laplace
 };
 

@@ -37,7 +37,8 @@ std::string sentence(const remark::DeepSection& r) {
 
 std::string sentence(const remark::TwinMembers& r) {
   return "Members \"" + r.first + "\" and \"" + r.second + "\" join the same nodes, " + r.from +
-         " and " + r.to + ": their stiffnesses and masses add. Delete one unless there are two.";
+         " and " + r.to +
+         ": Wheeltap adds their stiffnesses and masses. Delete one unless both exist.";
 }
 
 std::string sentence(const remark::UnusedNodes& r) {
@@ -57,7 +58,7 @@ std::string sentence(const remark::CrossingMembers& r) {
   for (const auto& pair : r.pairs) {
     text += text.empty() ? "" : "; ";
     text += "\"" + pair.first + "\" and \"" + pair.second + "\" " +
-            (pair.between ? "meet at (" : "end in one place, in two nodes, at (") +
+            (pair.between ? "meet at (" : "end at the same place, at two nodes, at (") +
             significant(pair.at[0], 4) + ", " + significant(pair.at[1], 4) +
             (r.dimension == 3 ? ", " + significant(pair.at[2], 4) : std::string()) + ")";
   }
@@ -72,7 +73,7 @@ std::string sentence(const remark::SensorsAtOnePlace& r) {
   for (const auto& pair : r.pairs)
     list.push_back(std::to_string(pair.first) + " and " + std::to_string(pair.second) + " (" +
                    pair.name + ")");
-  return "Sensors measure at one place in one direction: " + in_words(list) +
+  return "Sensors measure at the same place in the same direction: " + in_words(list) +
          ". Is a node or a direction wrong? Two sensors there count one motion twice.";
 }
 

@@ -1,4 +1,4 @@
-// Words on what a case says of its structure that can hardly be meant.
+// Warnings on implausible values of a structure.
 #pragma once
 
 #include <string>
@@ -15,7 +15,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string sentence(const identification::remark::CrossingMembers& r);
 [[nodiscard]] std::string sentence(const identification::remark::SensorsAtOnePlace& r);
 
-/// Prints each remark on standard error, for commands that have no run to report it.
+/// Prints each remark on standard error, for commands without a report.
 void warn_of(const std::vector<identification::Remark>& remarks);
 
 }  // namespace wheeltap::apps

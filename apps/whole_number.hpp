@@ -1,4 +1,4 @@
-// The one door for whole numbers from outside: command lines and cases alike.
+// Parsing of whole numbers in command lines and cases.
 #pragma once
 
 #include <charconv>
@@ -9,7 +9,7 @@
 
 namespace wheeltap::apps {
 
-/// The whole number that x is, in [lowest, highest]; none where it is not one.
+/// x as a whole number in [lowest, highest]; empty if it is not one.
 [[nodiscard]] inline std::optional<std::int64_t> whole_number(double x, std::int64_t lowest,
                                                               std::int64_t highest) {
   constexpr double kExact = 9007199254740992.0;  // 2^53: all smaller ones are doubles
@@ -18,8 +18,8 @@ namespace wheeltap::apps {
   return n >= lowest && n <= highest ? std::optional(n) : std::nullopt;
 }
 
-/// The whole number that all of `text` is, in [lowest, highest]: "5", "-3", "5.0", "1e6". None
-/// where it is anything else, so that nothing wraps.
+/// `text` as a whole number in [lowest, highest]: "5", "-3", "5.0", "1e6". Empty for any other
+/// text; no number overflows.
 [[nodiscard]] inline std::optional<std::int64_t> whole_number(std::string_view text,
                                                               std::int64_t lowest,
                                                               std::int64_t highest) {

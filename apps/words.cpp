@@ -23,7 +23,7 @@ std::string resolved(double x, double width) {
         static_cast<int>(std::floor(std::log10(std::abs(x))) - std::floor(std::log10(width))) + 2,
         3, 10);
   }
-  // No exponent where people would not write one.
+  // Use plain notation in the usual range.
   const double size = std::abs(x);
   if (size >= 1000.0 && size < 1e7) {
     return fixed(x, std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(size)))));
@@ -107,7 +107,7 @@ std::string name_modes(const std::vector<int>& modes) {
 }
 
 std::string entered_in_words(long entered, long proposed) {
-  if (proposed == 0 && entered == 0) return "never entered";
+  if (proposed == 0 && entered == 0) return "never proposed";
   const std::string of = grouped(proposed) + (proposed == 1 ? " proposal" : " proposals");
   if (entered == 0) return "not entered in " + of;
   return "entered " + (entered == 1 ? std::string("once") : grouped(entered) + " times") + " in " +
@@ -139,17 +139,17 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
                      significant(100.0 * verdict.resolution, 2) +
                      " % of the prior may have been missed";
   if (verdict.resolved_width > 0.0) {
-    text += "; the limit is larger for modes narrower than " +
+    text += ". The limit increases in proportion for modes narrower than " +
             significant(verdict.resolved_width, 1) +
-            " standard deviations of the prior, in proportion, and a mode narrower than " +
+            " standard deviations of the prior; modes narrower than " +
             significant(verdict.resolution * verdict.resolved_width, 1) +
-            " of them may have been missed wherever it is";
+            " standard deviations may have been missed anywhere";
   }
   if (verdict.glanced > 0) {
-    text += "; so of the models that hold " +
-            significant(100.0 * inference::kLimits.searched_model, 1) + " % or more, while " +
+    text += ". This applies to models that hold " +
+            significant(100.0 * inference::kLimits.searched_model, 1) + " % or more; " +
             (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
-            " had a glance: climbs from the modes of models within them";
+            " had a short search only, from the modes of models that they contain";
   }
   if (verdict.passed_over > 0) {
     text += "; " +
@@ -162,12 +162,12 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
 
 std::string symmetry_statement(bool emulated) {
   const std::string start =
-      "The intact beam is symmetric, so its frequencies cannot tell a place x from its mirror "
-      "image L - x";
-  return emulated ? start +
-                        ". Where the posterior prefers a side all the same, that comes from the "
-                        "emulator, not from the data."
-                  : start + ": each location named here stands for both.";
+      "The intact beam is symmetric, so its frequencies cannot distinguish a place x from its "
+      "mirror image L - x";
+  return emulated
+             ? start +
+                   ". If the posterior prefers one side, the emulator causes this, not the data."
+             : start + ": each reported location represents both.";
 }
 
 std::string baseline_statement(const identification::Baseline& baseline) {
@@ -178,11 +178,10 @@ std::string baseline_statement(const identification::Baseline& baseline) {
     low = std::min(low, off);
     high = std::max(high, off);
   }
-  return "the undamaged structure was measured " + significant(low, 2) + " to " +
-         significant(high, 2) +
-         " % off the model; the data are compared as changes from it, and frequencies told here "
-         "are "
-         "scaled to the model.";
+  return "the measured frequencies of the undamaged structure differ from the model by " +
+         significant(low, 2) + " to " + significant(high, 2) +
+         " %; Wheeltap compares changes from the baseline, and the reported "
+         "frequencies are scaled to the model.";
 }
 
 std::string images_statement(const std::vector<std::vector<std::string>>& alike,
@@ -202,17 +201,17 @@ std::string images_statement(const std::vector<std::vector<std::string>>& alike,
   if (!turned.empty())
     parts.push_back((parts.empty() ? "" : "nor ") + std::string("a place s on ") + some(turned) +
                     " from L - s");
-  std::string text = "The intact structure is its own image, so its frequencies cannot tell apart ";
+  std::string text = "The intact structure is symmetric, so its frequencies cannot distinguish ";
   for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? "" : ", ") + parts[i];
-  return text + ": what is found in one place stands for its images, too.";
+  return text + ": a damage at one place represents all its images.";
 }
 
 std::string emulator_warning(int damages, const std::vector<int>& blind) {
   if (blind.empty()) return {};
   return "With " + std::to_string(damages) + (damages == 1 ? " damage" : " damages") +
          " the emulator cannot predict " + name_modes(blind) +
-         ": its error there is of the size of the damage effect itself (Q2 < 0.9). Use more "
-         "sites (\"sites\": \"every-element\"), \"coordinate\": \"compliance\", or "
+         ": its error there is as large as the effect of the damage (Q2 < 0.9). Use more sites "
+         "(\"sites\": \"every-element\"), \"coordinate\": \"compliance\", or "
          "\"predictor\": \"fe\".";
 }
 
@@ -221,18 +220,18 @@ std::string in_words(inference::Choice choice) {
     case inference::Choice::restarted_tempered:
       return "The chains disagreed, so they were restarted with parallel tempering throughout.";
     case inference::Choice::started_on_first_samples:
-      return "The record is long, so the chains were started near modes that were found on its "
-             "first samples and followed as it grew.";
+      return "The record is long, so the chains started near modes that were found in its first "
+             "samples and tracked as more samples were added.";
     case inference::Choice::drawn_by_searches:
-      return "The run was stopped before its chains had drawn; these are draws of what its "
-             "searches had found.";
+      return "The run was stopped before its chains had draws; these are draws around the modes "
+             "that its searches found.";
   }
   return {};
 }
 
 std::string in_words(const Look& look) {
-  return "The look was taken at the first " + std::to_string(look.samples) + " of " +
-         std::to_string(look.of) + " samples alone.";
+  return "The quick run used only the first " + std::to_string(look.samples) + " of " +
+         std::to_string(look.of) + " samples.";
 }
 
 std::string repeat_note(const StepsRefined& refined) {
@@ -282,11 +281,11 @@ std::string terms_in_words(const std::vector<TermFinding>& terms) {
       sentence = "The link " + link + " has " + in_words(in) +
                  (in.size() == 1 ? " as a term" : " as terms");
     } else {
-      sentence = "The link " + link +
-                 (open.empty() ? " needs none of the terms" : " has no term for certain");
+      sentence =
+          "The link " + link + (open.empty() ? " needs none of the terms" : " has no certain term");
     }
     if (!open.empty()) sentence += "; undecided: " + in_words(open);
-    if (!out.empty()) sentence += "; nothing speaks for " + in_words(out, "or");
+    if (!out.empty()) sentence += "; no evidence for " + in_words(out, "or");
     text += (text.empty() ? "" : " ") + sentence + ".";
     first = last;
   }

@@ -27,7 +27,7 @@ std::vector<fem::Support> parse_supports(const CaseFile& file, double length) {
         .at = s.at("at").get<double>(), .deflection = false, .rotation = false, .stiffness = {}};
     if (support.at > length) {
       file.refuse(where / i / "at",
-                  "lies outside the beam, which is " + beam_number(length) + " m long");
+                  "is outside the beam, which is " + beam_number(length) + " m long");
     }
     for (const auto& motion : s.at("fix")) {
       (motion == "deflection" ? support.deflection : support.rotation) = true;

@@ -6,7 +6,7 @@
 
 namespace wheeltap::apps {
 
-/// What stands under /beam. Throws Failure.
+/// Parses /beam. Throws Failure.
 [[nodiscard]] fem::Beam parse_beam(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -22,7 +22,7 @@ ParametricBeam parse_parametric_beam(const CaseFile& file) {
   const Coefficient density = coefficient(material / "density", kPositive);
   const bool regions = file.json.at(beam).at("section").contains("regions");
   if (regions && !(young.known() && density.known()))
-    file.refuse(material, "of a section with \"regions\" must be numbers");
+    file.refuse(material, "young and density must be numbers for a section with \"regions\"");
   ParametricBeam out;
   std::vector<std::pair<std::size_t, Coefficient>> springs;
   const Json& list = file.json.at(supports);
@@ -47,7 +47,7 @@ ParametricBeam parse_parametric_beam(const CaseFile& file) {
   parameters.follow(density, [=](AnyStructure& s, double x) {
     for_pieces(s, [x](fem::Member::Piece& piece) { piece.material.density = x; });
   });
-  // as_structure has the beam's supports in their order.
+  // as_structure keeps the order of the beam's supports.
   for (const auto& [index, spring] : springs)
     parameters.follow(spring, [i = index](AnyStructure& s, double x) {
       for (double& k : std::get<fem::Structure>(s).supports[i].stiffness)

@@ -1,4 +1,4 @@
-// A beam with unknown coefficients: E, density, springs of its supports.
+// A beam with unknown coefficients: E, density, support springs.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
@@ -9,13 +9,14 @@ namespace wheeltap::apps {
 
 struct ParametricBeam {
   fem::Beam beam = {};  ///< at the medians of the priors
-  double depth = 0.0;   ///< height of its section, where one is given
+  double depth = 0.0;   ///< height of the section, if given
   std::shared_ptr<const identification::StructureModel> model = {};
-  bool uniform = true;  ///< no spring is unknown: the beam is as symmetric as at the medians
+  bool uniform = true;  ///< no spring is unknown: the symmetry is that at the medians
 };
 
-/// The beam at /beam, names in place of young, density and springs standing for /parameters. Throws
-/// Failure for names that there are not, and priors that reach beyond what a coefficient may be.
+/// Parses the beam at /beam, where names of /parameters may take the place of young, density and
+/// springs. Throws Failure for unknown names and for priors that exceed the bounds of a
+/// coefficient.
 [[nodiscard]] ParametricBeam parse_parametric_beam(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -34,7 +34,7 @@ std::string damage_number(double x) {
   return Json(x).dump();
 }
 
-constexpr int kFreshRunsOfOthers = 50;  // that measure an emulator's error, unless a case says
+constexpr int kFreshRunsOfOthers = 50;  // measure the emulator's error; default of "holdout"
 
 Pointer damage_key(const char* text) {
   return Pointer(text);
@@ -122,7 +122,7 @@ void parse_damage_truth(const CaseFile& file, const Pointer& block, double lengt
     DefectKind::True truth{.location = d.at("location").get<double>(), .severity = kInfinity};
     if (truth.location > length) {
       file.refuse(where / i / "location",
-                  "lies outside the beam, which is " + damage_number(length) + " m long");
+                  "is outside the beam, which is " + damage_number(length) + " m long");
     }
     if (d.contains(severity) && d[severity].is_number()) truth.severity = d[severity].get<double>();
     truth.extent = true_extent(file, where / i, kind);
@@ -139,7 +139,7 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
     std::string known;
     for (const DefectType* t : defect_types())
       if (t->is_for_beams()) known += (known.empty() ? "\"" : ", \"") + std::string(t->name) + "\"";
-    file.refuse(where / "kind", "no such kind of defect; there are " + known);
+    file.refuse(where / "kind", "unknown kind of defect; there are " + known);
   }
   const std::string severity(type->severity);
   const int min = b["count"].value("min", 0);
@@ -151,12 +151,13 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
     const std::string key(other->severity);
     if (key == severity || !b.contains(key)) continue;
     if (other->may_be_known) {
-      file.refuse(where / key, "goes with \"kind\": \"" + std::string(other->name) + "\" only");
+      file.refuse(where / key,
+                  "is allowed with \"kind\": \"" + std::string(other->name) + "\" only");
     }
     file.refuse(where / key, "a " + type_name + " has a " + severity + ", not a " + key);
   }
   if (!type->may_be_rotational && b.contains("fix")) {
-    file.refuse(where / "fix", "goes with \"kind\": \"support\" only");
+    file.refuse(where / "fix", "is allowed with \"kind\": \"support\" only");
   }
   DefectKind kind{
       .type = type,
@@ -174,7 +175,7 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
   kind.plural = b.value("plural", b.contains("name") ? kind.name + "s" : type->noun_plural());
   kind.line = SiteLine::of_beam(out.beam);
   if (b.contains("extent") && type_name != "reduction") {
-    file.refuse(where / "extent", "goes with \"kind\": \"reduction\" only");
+    file.refuse(where / "extent", "is allowed with \"kind\": \"reduction\" only");
   }
   parse_extent(file, where, length, kind);
   if (type_name == "crack") {
@@ -184,7 +185,7 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
                   "a crack needs the height of the section: give it a \"shape\" with sizes");
     }
   } else if (b.contains("law")) {
-    file.refuse(where / "law", "goes with \"kind\": \"crack\" only");
+    file.refuse(where / "law", "is allowed with \"kind\": \"crack\" only");
   }
   if (const auto why = io::netcdf_name_error(kind.name)) {
     file.refuse(where / "name", "a name " + *why);
@@ -232,7 +233,7 @@ void DamageCaseFile::refuse(const InvalidInput& error) const {
 
 namespace {
 
-// A coefficient of variation is "cov" in a case, or "cv".
+// "cv" is an alias of "cov" in a case.
 void accept_cv(CaseFile& file) {
   std::vector<Pointer> places = {damage_key("/data"), damage_key("/data/discrepancy"),
                                  damage_key("/damage/truth"), damage_key("/baseline/data"),
@@ -250,7 +251,7 @@ void accept_cv(CaseFile& file) {
     Json& object = file.json[where];
     if (!object.contains("cv")) continue;
     if (object.contains("cov")) {
-      file.refuse(where / "cv", "is \"cov\" under its other name: give one of them");
+      file.refuse(where / "cv", "is an alias of \"cov\": give one of them");
     }
     object["cov"] = object["cv"];
     object.erase("cv");
@@ -263,7 +264,8 @@ namespace {
 
 void check_beam_modes(const CaseFile& f, DamageCase& out) {
   const int free = free_degrees_of_freedom(out.beam);
-  if (free < 1) f.refuse(damage_key("/beam/supports"), "nothing is left to vibrate");
+  if (free < 1)
+    f.refuse(damage_key("/beam/supports"), "fix all degrees of freedom: the beam cannot vibrate");
   out.rigid_body_modes = rigid_body_modes(out.beam);
   int most_supports = 0;
   for (const DefectKind& kind : out.kinds) {
@@ -294,8 +296,8 @@ std::vector<std::string> notes_of(const Json& json) {
   return json["notes"].get<std::vector<std::string>>();
 }
 
-/// The structure, or the beam; returns the model that states stand on, and whether it is a beam
-/// whose elements are all alike.
+/// Parses the structure or the beam. Returns the model of the states, and whether it is a beam with
+/// equal elements.
 std::pair<std::shared_ptr<const StructureModel>, bool> take_structure(const CaseFile& f,
                                                                       bool structure,
                                                                       DamageCase& out) {
@@ -310,21 +312,21 @@ std::pair<std::shared_ptr<const StructureModel>, bool> take_structure(const Case
 }
 
 void check_kinds(const CaseFile& f, const DamageCaseFile& parsed) {
-  // Each model is explored by itself before anything is drawn.
+  // The modes of each model are searched separately before sampling.
   constexpr double kMostModels = 5000;
   const std::vector<DefectKind>& kinds = parsed.damage.kinds;
   double models = 1.0;
   for (const DefectKind& kind : kinds) models *= kind.max_count - kind.min_count + 1.0;
   if (models > kMostModels) {
     f.refuse(damage_key("/damage"), "would be " + damage_number(models) +
-                                        " models, one a combination of counts: must be at most " +
+                                        " models, one per combination of counts: must be at most " +
                                         damage_number(kMostModels) + "; lower the largest counts");
   }
   for (std::size_t i = 1; i < kinds.size(); ++i) {
     for (std::size_t j = 0; j < i; ++j) {
       if (kinds[i].name == kinds[j].name) {
-        f.refuse(parsed.kinds[i],
-                 "two kinds are called \"" + kinds[i].name + "\"; give one of them a \"name\"");
+        f.refuse(parsed.kinds[i], "two kinds have the name \"" + kinds[i].name +
+                                      "\"; give one of them another \"name\"");
       }
     }
   }
@@ -347,7 +349,7 @@ void take_kinds(const CaseFile& f, bool structure, DamageCaseFile& parsed) {
   check_kinds(f, parsed);
 }
 
-/// A model of someone else's, or an emulator.
+/// Parses an external model or an emulator.
 void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
   DamageCase& out = parsed.damage;
   if (!has_outside_model(f)) {
@@ -357,21 +359,23 @@ void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
   }
   for (const DefectKind& kind : out.kinds)
     if (kind.severity_prior() == nullptr)
-      f.refuse(damage_key("/predictor"),
-               "a " + kind.name + " of known severity cannot be told from none: give it a prior");
+      f.refuse(
+          damage_key("/predictor"),
+          "a " + kind.name + " of known severity: an external model needs a prior on the severity");
   parsed.outside = parse_outside(f, outside_inputs(out));
   if (!f.json["predictor"].contains("emulator")) return;
   const Pointer front("/predictor/emulator");
   if (f.json.at(front).contains("table"))
-    f.refuse(front / "table", "holds runs of our own beam, not of this model");
+    f.refuse(front / "table", "a table holds runs of Wheeltap's beam model, not of this model");
   out.emulator = parse_emulator(f, front, out);
   if (f.json.at(front).value("symmetrise", false))
-    f.refuse(front / "symmetrise", "whether this model is its own mirror image is not known");
+    f.refuse(front / "symmetrise",
+             "is not allowed: Wheeltap does not know whether this model is symmetric");
   out.emulator->symmetrise = false;
   if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kFreshRunsOfOthers;
 }
 
-/// Modes of the case's truth, for states; /data may be without any.
+/// Simulates modes of the case's truth, for states; /data may lack modes.
 SimulatedModes simulated_modes(const CaseFile& f, DamageCaseFile& parsed) {
   DamageCase& out = parsed.damage;
   take_data(f, out);
@@ -401,7 +405,7 @@ SimulatedModes simulated_modes(const CaseFile& f, DamageCaseFile& parsed) {
   return made;
 }
 
-/// Frequencies of the case's truth, in place of those that it does not give.
+/// Simulates frequencies of the case's truth if the case gives none.
 void simulate_data(const CaseFile& f, DamageCaseFile& parsed) {
   DamageCase& out = parsed.damage;
   if (!out.simulation) {
@@ -430,18 +434,18 @@ void simulate_data(const CaseFile& f, DamageCaseFile& parsed) {
   if (cv_prior) out.data.sd_hz.clear();
 }
 
-/// The noise of the data, and the baseline, where there is one.
+/// Parses the noise of the data, and the baseline if the case has one.
 void finish_data(const CaseFile& f, DamageCase& out) {
   if (out.data.sd_hz.empty() && !out.data.cv_prior) {
     f.refuse(damage_key("/data/cov"),
-             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
-             "0.005 for 0.5 % of each, for example");
+             "is missing: give the uncertainty of the frequencies, \"cov\" or \"sd\"; for example, "
+             "write \"cov\": 0.005 for 0.5 % of each");
   }
   if (f.json.contains("baseline")) {
     if (out.data.simulated)
       f.refuse(damage_key("/baseline"),
-               "goes with measured data: these are simulated by the model itself, of which nothing "
-               "has changed but the truth");
+               "is allowed with measured data only: these are simulated by the model itself, so "
+               "the model has no error to correct");
     take_baseline(f, out);
   }
   if (f.json.contains("data"))

@@ -1,5 +1,4 @@
-// A damage case file, parsed once at the door: everything behind it works on identification's
-// types.
+// A damage case file, parsed into the types of the identification library.
 #pragma once
 
 #include <string>
@@ -16,20 +15,20 @@ struct DamageCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::DamageCase damage;
-  std::vector<Pointer> kinds;               ///< blocks of the damage's kinds, for complaints
+  std::vector<Pointer> kinds;               ///< blocks of the damage kinds, for error messages
   std::optional<OutsideSpec> outside = {};  ///< predicts in place of the FE solution
 
-  /// What the library complains about, as a complaint about the case. Throws Failure.
+  /// Throws Failure: the library's error, located in the case.
   [[noreturn]] void refuse(const identification::InvalidInput& error) const;
 };
 
-/// What a command needs from the case's data.
+/// The part of the case's data that a command needs.
 enum class Needs {
-  structure,  ///< the beam only (`modes`, `table` where no data are given)
+  structure,  ///< the beam only (`modes`; `table` without data)
   data        ///< frequencies, or a truth to simulate them from
 };
 
-/// Reads, checks and parses. Throws Failure.
+/// Validates and parses a case. Throws Failure.
 [[nodiscard]] DamageCaseFile parse_damage_case(CaseFile file, Needs needs = Needs::data);
 
 }  // namespace wheeltap::apps

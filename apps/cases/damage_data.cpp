@@ -29,8 +29,9 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   const Json& d = file.json.at(where);
   FrequencyData data;
   if (d.contains("modes") && d["modes"].is_array())
-    file.refuse(where / "modes", "a list of modes goes with \"from\" only");
-  if (d.contains("model_modes")) file.refuse(where / "model_modes", "goes with \"from\" only");
+    file.refuse(where / "modes", "a list of modes is allowed with \"from\" only");
+  if (d.contains("model_modes"))
+    file.refuse(where / "model_modes", "is allowed with \"from\" only");
   if (d.contains("frequencies") && d.contains("file")) {
     file.refuse(where / "file", "data have either \"frequencies\" or a \"file\", not both");
   }
@@ -38,10 +39,11 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
     file.refuse(where / "sd", "noise is either \"cov\" or \"sd\", not both");
   }
   for (const char* key : {"columns", "row"}) {
-    if (d.contains(key) && !d.contains("file")) file.refuse(where / key, "goes with \"file\" only");
+    if (d.contains(key) && !d.contains("file"))
+      file.refuse(where / key, "is allowed with \"file\" only");
   }
   if (d.contains("row") && !d.contains("columns")) {
-    file.refuse(where / "row", "goes with \"columns\" only");
+    file.refuse(where / "row", "is allowed with \"columns\" only");
   }
   if (d.contains("frequencies")) {
     for (const Json& f : d["frequencies"]) {
@@ -60,7 +62,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
                   (d.contains("columns") ? ", row " + std::to_string(cells.row) : "");
   }
   if (!data.frequencies_hz.empty() && data.measured() == 0) {
-    file.refuse(where, "not one frequency is given");
+    file.refuse(where, "no frequency is given");
   }
   double previous = 0.0;
   for (std::size_t i = 0; i < data.frequencies_hz.size(); ++i) {
@@ -69,7 +71,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
     if (f < previous) {
       file.refuse(d.contains("frequencies") ? where / "frequencies" / i : where / "file",
                   "frequencies must increase; mode " + std::to_string(i + 1) + " at " +
-                      data_number(f) + " Hz lies below the one before it" +
+                      data_number(f) + " Hz is below the previous one" +
                       increasing(data.frequencies_hz));
     }
     previous = f;
@@ -85,9 +87,10 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   }
   if (d.contains("discrepancy")) {
     if (d["discrepancy"].contains("shape"))
-      file.refuse(where / "discrepancy" / "shape", "goes with \"shapes\" only");
+      file.refuse(where / "discrepancy" / "shape", "is allowed with \"shapes\" only");
     if (d["discrepancy"].contains("mixing"))
-      file.refuse(where / "discrepancy" / "mixing", "goes with \"shapes\", or with a baseline");
+      file.refuse(where / "discrepancy" / "mixing",
+                  "is allowed with \"shapes\", or with a baseline");
     if (!d["discrepancy"].contains("cov"))
       file.refuse(where / "discrepancy" / "cov", "is missing: a coefficient of variation");
     data.discrepancy_cv = d["discrepancy"]["cov"].get<double>();
@@ -109,7 +112,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
   return data;
 }
 
-// The part of measured modes that is frequencies.
+// The frequencies of measured modes.
 FrequencyData frequencies_of(const ModalData& modal, const Json& data) {
   FrequencyData out;
   out.frequencies_hz = modal.frequencies_hz;
@@ -144,14 +147,14 @@ void take_data(const CaseFile& f, DamageCase& out) {
              "an emulator predicts frequencies, not shapes: use \"fe\" here");
   AnyStructure solved;
   try {
-    out.modal = std::make_shared<const ModalData>();  // solved as a structure, then
+    out.modal = std::make_shared<const ModalData>();  // then the model is solved as a structure
     solved = out.solved_structure();
   } catch (const std::invalid_argument& error) {
     f.refuse(data_key(out.structure ? "/structure" : "/beam"), error.what());
   }
   out.modal = std::make_shared<const ModalData>(parse_modal_data(f, data_key("/data"), solved));
   if (out.modal->predict > 0)
-    f.refuse(data_key("/data/predict"), "goes with \"kind\": \"update\" only");
+    f.refuse(data_key("/data/predict"), "is allowed with \"kind\": \"update\" only");
   out.data = frequencies_of(*out.modal, data);
 }
 
@@ -160,16 +163,16 @@ void take_baseline(const CaseFile& f, DamageCase& out) {
   for (const auto& [key, ignored] : f.json.at(where).items())
     if (key != "frequencies" && key != "cov" && key != "sd" && key != "file" && key != "columns" &&
         key != "row")
-      f.refuse(where / key,
-               "is not used by this version: a baseline is frequencies and their noise");
+      f.refuse(where / key, "is not supported: a baseline has frequencies and their noise only");
   const FrequencyData baseline = parse_data(f, where);
   if (baseline.frequencies_hz.empty())
-    f.refuse(where / "frequencies", "is missing: those of the undamaged structure");
+    f.refuse(where / "frequencies",
+             "is missing: must be the frequencies of the undamaged structure");
   if (baseline.cv_prior) f.refuse(where / "cov", "must be a number");
   if (baseline.sd_hz.empty())
     f.refuse(where / "cov",
-             "is missing: say how exact the frequencies are, by \"cov\" or \"sd\"; write \"cov\": "
-             "0.005 for 0.5 % of each, for example");
+             "is missing: give the uncertainty of the frequencies, \"cov\" or \"sd\"; for example, "
+             "write \"cov\": 0.005 for 0.5 % of each");
   try {
     compare_with_baseline(out, baseline);
   } catch (const InvalidInput& error) {
@@ -177,7 +180,7 @@ void take_baseline(const CaseFile& f, DamageCase& out) {
   }
 }
 
-// Shapes of the truth, where there are sensors; the frequencies are simulated already.
+// Simulates shapes of the truth if there are sensors.
 void take_true_shapes(const CaseFile& f, DamageCase& out) {
   ModalData modal = *out.modal;
   const Eigen::Index n = out.data.modes();
@@ -193,7 +196,8 @@ void take_true_shapes(const CaseFile& f, DamageCase& out) {
     const double sd = out.simulation->shape_sd;
     if (!(sd > 0.0))
       f.refuse(data_key("/data/shape_sd"),
-               "is missing: say how exact the simulated shapes are, or leave \"sensors\" out");
+               "is missing: give the standard deviation of the simulated shapes, or leave out "
+               "\"sensors\"");
     modal.shapes = simulated_shapes(out, static_cast<int>(n), out.simulation->seed);
     const auto sensors = static_cast<Eigen::Index>(modal.sensors.size());
     const double unit = modal.shape_sd_prior ? 1.0 : sd * sd;

@@ -24,7 +24,7 @@ std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& w
         file.refuse(list_at / i, "the beam has " + std::to_string(elements) + " elements");
       }
       if (!sites.empty() && site - 1 <= sites.back()) {
-        file.refuse(list_at / i, "sites must increase, and none may stand twice");
+        file.refuse(list_at / i, "sites must increase, without duplicates");
       }
       sites.push_back(site - 1);
     }
@@ -34,7 +34,7 @@ std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& w
   const Json& sites = file.json.at(where);
   std::vector<std::vector<int>> lists;
   if (sites.is_string()) {
-    if (elements < 2) file.refuse(where, "a beam of one element has nothing to interpolate");
+    if (elements < 2) file.refuse(where, "an emulator needs a beam of at least two elements");
     lists.emplace_back(static_cast<std::size_t>(elements));
     std::iota(lists[0].begin(), lists[0].end(), 0);
   } else if (sites[0].is_array()) {
@@ -45,7 +45,7 @@ std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& w
   return lists;
 }
 
-// A scattered design, or the user's own runs.
+// A scattered design, or runs of the user.
 void parse_runs(const CaseFile& file, const Pointer& where, EmulatorSpec& spec) {
   const Json& p = file.json.at(where);
   if (p.contains("design")) {
@@ -70,12 +70,12 @@ void parse_runs(const CaseFile& file, const Pointer& where, EmulatorSpec& spec) 
 EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const DamageCase& out) {
   const Json& p = file.json.at(where);
   if (out.kinds.size() != 1 || out.kinds[0].type != &defects::kReduction) {
-    file.refuse(where, "an emulator knows one kind of defect, \"reduction\"; use \"fe\" here");
+    file.refuse(where, "an emulator supports one kind of defect, \"reduction\"; use \"fe\" here");
   }
   if (out.kinds[0].extent || out.kinds[0].extent_prior)
-    file.refuse(where,
-                "an emulator knows reductions of one element, not over an \"extent\"; use \"fe\" "
-                "here");
+    file.refuse(
+        where,
+        "an emulator supports reductions of one element, not an \"extent\"; use \"fe\" here");
   if (out.structure)
     file.refuse(where, "an emulator is trained on a beam, not on a structure; use \"fe\" here");
   EmulatorSpec spec;
@@ -87,7 +87,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
          {"sites", "multipliers", "interpolation", "coordinate", "expansion", "additive", "design",
           "runs_csv", "symmetrise", "holdout", "accuracy"}) {
       if (p.contains(key))
-        file.refuse(where / key, "is the table's own: it does not go with \"table\"");
+        file.refuse(where / key, "is defined by the table: remove it, or remove \"table\"");
     }
     spec.table = file.resolve(p["table"].get<std::string>());
     return spec;
@@ -96,21 +96,22 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
                       (p.contains("runs_csv") ? 1 : 0);
   if (sources != 1) {
     file.refuse(where,
-                "an emulator has one of \"table\", \"sites\" (with \"multipliers\"), "
+                "an emulator needs one of \"table\", \"sites\" (with \"multipliers\"), "
                 "\"design\" and \"runs_csv\"");
   }
   parse_runs(file, where, spec);
   const bool grid = p.contains("sites");
   const bool own = p.contains("runs_csv");
   if (grid && !p.contains("multipliers")) {
-    file.refuse(where / "multipliers", "is missing: \"sites\" go with \"multipliers\"");
+    file.refuse(where / "multipliers", "is missing: \"sites\" need \"multipliers\"");
   }
   if (own && p.contains("multipliers")) {
-    file.refuse(where / "multipliers", "the levels of \"runs_csv\" are in the file");
+    file.refuse(where / "multipliers",
+                "is not allowed with \"runs_csv\": the file contains the levels");
   }
   if (!grid && !own) spec.interpolant = &emulator::kGaussianProcess;
   if (p.contains("interpolation")) {
-    // The schema has let no other names pass.
+    // The schema rejects other names.
     spec.interpolant = find_interpolant_type(p["interpolation"].get<std::string>());
   }
   using Joined = emulator::InterpolantType::Runs;
@@ -125,7 +126,8 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
   }
   if (grid) spec.sites = parse_sites(file, where / "sites", out.beam.elements);
   if (p.contains("accuracy")) {
-    if (!grid) file.refuse(where / "accuracy", "goes with \"sites\" and \"multipliers\" only");
+    if (!grid)
+      file.refuse(where / "accuracy", "is allowed with \"sites\" and \"multipliers\" only");
     spec.accuracy = p["accuracy"].get<double>();
   }
   if (p.contains("multipliers")) {
@@ -134,7 +136,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
     }
     std::ranges::sort(spec.reductions);
     if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {
-      file.refuse(where / "multipliers", "no multiplier may stand twice");
+      file.refuse(where / "multipliers", "a multiplier is listed twice");
     }
   } else if (p.contains("design")) {
     const inference::Prior& prior = *out.kinds[0].severity_prior();
@@ -148,21 +150,21 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
     spec.anova = emulator::additive_named(p.value("additive", std::string("inverse-square")));
     if (spec.sites.size() > 1) {
       file.refuse(where / "sites",
-                  "\"anova\" asks one table for any of the damages: give one list of sites");
+                  "\"anova\" uses one table for all damages: give one list of sites");
     }
   } else if (p.contains("additive")) {
-    file.refuse(where / "additive", "goes with \"expansion\": \"anova\" only");
+    file.refuse(where / "additive", "is allowed with \"expansion\": \"anova\" only");
   }
   const std::size_t most_damages = spec.interpolant->most_factors / 2;
   if (static_cast<std::size_t>(spec.tables(out.kinds[0].max_count)) > most_damages) {
     file.refuse(where / "interpolation", '"' + std::string(spec.interpolant->name) +
-                                             "\" takes up to " + std::to_string(most_damages) +
+                                             "\" supports up to " + std::to_string(most_damages) +
                                              " damages; add \"expansion\": \"anova\" for more");
   }
   const bool symmetric = fem::is_mirror_symmetric(out.beam);
   spec.symmetrise = p.value("symmetrise", symmetric && spec.emulator_error);
   if (spec.symmetrise && !symmetric) {
-    file.refuse(where / "symmetrise", "this beam is not its own mirror image");
+    file.refuse(where / "symmetrise", "this beam is not symmetric");
   }
   return spec;
 }

@@ -1,4 +1,4 @@
-// "predictor" in a damage case, where it is an emulator.
+// An emulator as the "predictor" of a damage case.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
@@ -6,7 +6,8 @@
 
 namespace wheeltap::apps {
 
-/// `where`: the predictor, or the emulator in front of one that is not ours. Throws Failure.
+/// Parses the emulator at `where`: the predictor, or the "emulator" of an external model. Throws
+/// Failure.
 [[nodiscard]] identification::EmulatorSpec parse_emulator(
     const CaseFile& file, const Pointer& where, const identification::DamageCase& damage_case);
 

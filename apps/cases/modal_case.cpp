@@ -38,15 +38,15 @@ void refuse_keys(const CaseFile& file, const Pointer& where) {
   const bool force = c.at("role") == "force";
   for (const char* key : {"node", "direction", "azimuth", "elevation"})
     if (c.contains(key) && !force)
-      file.refuse(where / key, "goes with the roles \"response\" and \"force\" only");
+      file.refuse(where / key, "is allowed for the roles \"response\" and \"force\" only");
   if (c.contains("reference"))
-    file.refuse(where / "reference", "goes with the role \"response\" only");
+    file.refuse(where / "reference", "is allowed for the role \"response\" only");
   if (c.contains("scale") && !of_time && !force)
-    file.refuse(where / "scale", "does not go with the role \"ignore\"");
+    file.refuse(where / "scale", "is not allowed for the role \"ignore\"");
   if (c.contains("unit") && !force)
-    file.refuse(where / "unit", "goes with the roles \"response\" and \"force\" only");
+    file.refuse(where / "unit", "is allowed for the roles \"response\" and \"force\" only");
   if (c.contains("quantity"))
-    file.refuse(where / "quantity", "goes with the role \"response\" only");
+    file.refuse(where / "quantity", "is allowed for the role \"response\" only");
 }
 
 std::string columns_listed(const std::vector<std::string>& names) {
@@ -56,8 +56,8 @@ std::string columns_listed(const std::vector<std::string>& names) {
   return out;
 }
 
-/// Shapes compare channels with each other: their numbers must be of one unit, or of quantities
-/// that can be converted.
+/// Checks units: shapes compare channels, so these must have one unit, or quantities that can be
+/// converted.
 void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   using Basis = signals::Conversion::Basis;
   std::vector<std::string> none, known;
@@ -83,14 +83,13 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   if (foreign && !known.empty())
     file.refuse(out.places[*foreign] / "scale",
                 "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
-                    ", which is not known, and " + known.front() +
+                    ", an unknown unit, and " + known.front() +
                     " in a known unit, so that shapes cannot compare them. Give \"scale\" and "
                     "\"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
-    out.oddities.push_back(
-        "No unit is known of " + io::printable(columns_listed(none)) +
-        ", whose numbers are used as they are, beside channels that have one: shapes are wrong "
-        "unless these are in SI units. State \"unit\" in the channel.");
+    out.oddities.push_back("No unit is given for " + io::printable(columns_listed(none)) +
+                           ", unlike other channels. Its numbers are used unchanged: shapes are "
+                           "wrong unless they are in SI units. State \"unit\" in the channel.");
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
     if (out.channels[i].conversion.basis != Basis::none || channels.units[i].unit) continue;
     const std::string& column = out.channels[i].column;
@@ -98,7 +97,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
                              unit + ", state \"unit\": \"" + unit + "\" in its channel.");
   }
-  // Quantities: by the case, else by the unit; of channels that say neither, that of the others.
+  // The quantity follows from the case, else from the unit, else from the other channels.
   std::optional<signals::Dimension> common;
   bool mixed = false;
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
@@ -123,16 +122,16 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   }
   if (mixed && !unsaid.empty())
     file.refuse(out.where / "channels",
-                "measure unlike quantities, and nothing says which " + columns_listed(unsaid) +
-                    " measures: state \"quantity\" or \"unit\" in the channel");
+                "measure different quantities, and the quantity of " + columns_listed(unsaid) +
+                    " is unknown: state \"quantity\" or \"unit\" in the channel");
   if (!unsaid.empty() && known.empty())
-    out.oddities.push_back("Nothing says which quantity " + io::printable(columns_listed(unsaid)) +
-                           " measures: it is taken for " + std::string(signals::name(*common)) +
-                           ", as the others are. State \"quantity\" or \"unit\" in the channel.");
+    out.oddities.push_back("The quantity of " + io::printable(columns_listed(unsaid)) +
+                           " is unknown: Wheeltap assumes " + std::string(signals::name(*common)) +
+                           ", as for the others. State \"quantity\" or \"unit\" in the channel.");
   if (mixed && file.json.value("method", "ssi-cov") == "bayoma")
     file.refuse(out.where / "channels",
-                "measure unlike quantities, and the method \"bayoma\" takes one: \"ignore\" the "
-                "others, or take the method \"ssi-cov\"");
+                "measure different quantities, but the method \"bayoma\" needs one: give the "
+                "others the role \"ignore\", or use the method \"ssi-cov\"");
 }
 
 Channels parse_channels(const CaseFile& file, SetUp& out) {
@@ -146,8 +145,8 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     if (c.value("scale", 1.0) == 0.0) file.refuse(where / "scale", "must not be 0");
     if (role == "force" && !of_forces(file))
       file.refuse(where / "role",
-                  "modes are identified from responses alone: a measured force must be \"ignore\", "
-                  "or the method \"plscf\"");
+                  "this method uses responses only: give a measured force the role \"ignore\", or "
+                  "use the method \"plscf\"");
     if (role == "force") {
       found.forces.push_back(column);
       found.force_units.push_back(parse_unit(file, where));
@@ -168,7 +167,7 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     sensor.direction = c.value("direction", "");
     if (c.contains("azimuth") || c.contains("elevation")) {
       if (!sensor.direction.empty())
-        file.refuse(where / "direction", "takes the place of azimuth and elevation: give either");
+        file.refuse(where / "direction", "replaces azimuth and elevation: give either");
       sensor.azimuth = c.value("azimuth", 0.0);
       sensor.elevation = c.value("elevation", 0.0);
     }
@@ -180,12 +179,11 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
     found.units.push_back(parse_unit(file, where));
   }
   if (found.columns.empty())
-    file.refuse(list, "holds no channel with the role \"response\": there is nothing to identify");
+    file.refuse(list, "has no channel with the role \"response\": there is nothing to identify");
   if (of_forces(file) && found.forces.empty())
-    file.refuse(
-        list,
-        "holds no channel with the role \"force\", which frequency responses are of: measure "
-        "it, or take the method \"ssi-cov\"");
+    file.refuse(list,
+                "has no channel with the role \"force\", which frequency responses need: add it, "
+                "or use the method \"ssi-cov\"");
   return found;
 }
 
@@ -198,7 +196,7 @@ int time_column(const signals::Record& record, const Channels& channels) {
   return time;
 }
 
-/// The record at an even rate where the case asks for it, and its sampling.
+/// Resamples the record at a uniform rate if the case requests it, and determines its sampling.
 void read_rate(const CaseFile& file, SetUp& out, signals::Record& record,
                const Channels& channels) {
   const Json& r = file.json.at(out.where);
@@ -215,7 +213,7 @@ void read_rate(const CaseFile& file, SetUp& out, signals::Record& record,
   }
   out.layout = record.layout;
   if (r.value("resample", false)) {
-    if (time < 0) file.refuse(out.where / "resample", "needs a column of times");
+    if (time < 0) file.refuse(out.where / "resample", "needs a channel with the role \"time\"");
     record = signals::resampled(record, time, stated, channels.time_scale);
     out.sampling = signals::sampling_of(record, time, stated);
   } else if (time >= 0) {
@@ -240,8 +238,8 @@ void read_responses(const CaseFile& file, SetUp& out) {
           {.column = out.sensors[i].name, .conversion = measured.conversions[i]});
     if (measured.transposed)
       out.oddities.push_back(
-          "There are more references than responses: by reciprocity the two are exchanged, and "
-          "shapes are over the references.");
+          "There are more references than responses: by reciprocity Wheeltap exchanges the two, "
+          "and the shapes are at the references.");
     out.responses = std::move(measured.responses);
     out.orders = std::move(measured.orders);
     out.places.assign(out.sensors.size(), out.where / "file");
@@ -279,14 +277,14 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
   out.name = file.json.at(where / "file").get<std::string>();
   if (!file.json.at(where).contains("channels")) {
     if (!of_forces(file))
-      file.refuse(where / "channels", "is missing: must say which columns are responses");
+      file.refuse(where / "channels", "is missing: must list the response columns");
     for (const char* key : {"samples", "sample_rate"})
       if (file.json.at(where).contains(key))
-        file.refuse(where / key,
-                    "is of records: without channels the file's frequency responses "
-                    "are taken");
+        file.refuse(
+            where / key,
+            "is for records only: without channels Wheeltap uses the file's frequency responses");
     if (file.json.contains("segment"))
-      file.refuse(Pointer("/segment"), "is of records: these are frequency responses already");
+      file.refuse(Pointer("/segment"), "is for records only: these are frequency responses");
     read_responses(file, out);
     return out;
   }
@@ -307,9 +305,9 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
     if (of_decays(file) != r.contains("decays"))
       file.refuse(where / "decays", of_decays(file)
                                         ? "is missing: the windows of the free decays, in samples"
-                                        : "goes with the method \"era\" only");
+                                        : "is allowed with the method \"era\" only");
     if (of_decays(file) && r.contains("samples"))
-      file.refuse(where / "samples", "is said by the decays");
+      file.refuse(where / "samples", "is not allowed with \"decays\", which give the windows");
     MeasuredTable table{.sample_rate_hz = out.options.sample_rate_hz};
     for (std::size_t i = 0; i < channels.columns.size(); ++i) {
       const int column = record.find(channels.columns[i]);
@@ -330,7 +328,7 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
           .name = source.name, .unit = source.unit, .quality = signals::channel_quality(x)};
       if (channel.quality.constant)
         file.refuse(out.places[i],
-                    "the channel never changes: give it the role \"ignore\", or mend its sensor");
+                    "the channel is constant: give it the role \"ignore\", or check its sensor");
       for (const std::string& text : oddities(table, channel))
         out.oddities.push_back("The channel " + io::printable(source.name) + " " + text + ".");
     }
@@ -359,8 +357,8 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
   return out;
 }
 
-/// Two channels of unlike set-ups are one sensor where they are at one node in one direction; where
-/// no node is given, where they are references of one name.
+/// Whether two channels of different set-ups are the same sensor: same node and direction or,
+/// without nodes, references of the same name.
 bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
   if (a.node.empty() != b.node.empty()) return false;
   if (a.node.empty()) return a.reference && b.reference && a.name == b.name;
@@ -368,17 +366,17 @@ bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
          a.elevation == b.elevation;
 }
 
-/// Two channels of a record at one node in one direction: perhaps on purpose, perhaps a slip.
+/// Adds a remark on two channels of a record at one node in one direction, which may be a mistake.
 void tell_of_twins(SetUp& s) {
   for (std::size_t i = 0; i < s.sensors.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       if (s.responses || s.sensors[i].node.empty() || !same_sensor(s.sensors[i], s.sensors[j]))
         continue;
       s.oddities.push_back("The channels " + io::printable(s.sensors[j].name) + " and " +
-                           io::printable(s.sensors[i].name) + " measure at one node (" +
+                           io::printable(s.sensors[i].name) + " measure at the same node (" +
                            io::printable(s.sensors[i].node) +
-                           ") in one direction. Is a node or a direction wrong? Two sensors there "
-                           "count one motion twice in the shapes.");
+                           ") in the same direction. Is a node or a direction wrong? Two sensors "
+                           "there count one motion twice in the shapes.");
       break;
     }
 }
@@ -402,7 +400,7 @@ void collect_sensors(ModalCaseFile& out) {
       }
       if (taken[k])
         out.file.refuse(s.places[c],
-                        "measures at the node and in the direction of another of its channels");
+                        "measures at the same node and in the same direction as another channel");
       taken[k] = true;
       s.which.push_back(static_cast<int>(k));
     }
@@ -417,22 +415,25 @@ void collect_sensors(ModalCaseFile& out) {
     for (std::size_t c = 0; c < s.sensors.size(); ++c) {
       some = some || shared(s.which[c]);
       if (s.sensors[c].reference && !shared(s.which[c]))
-        out.file.refuse(s.places[c] / "reference",
-                        "is not in every record: a reference must be at one place in all of them");
+        out.file.refuse(
+            s.places[c] / "reference",
+            "is not in every record: a reference must be at the same place in all records");
     }
   if (!some)
     out.file.refuse(Pointer("/records"),
                     "have no sensor in common (by node and direction, or references by column): "
-                    "nothing says how their shapes belong together");
+                    "their shapes cannot be merged");
 }
 
 void take_bands(const CaseFile& file, SetUp& s) {
   if (!file.json.contains("bands"))
-    file.refuse(Pointer("/bands"),
-                "is missing: the method \"bayoma\" is told where modes are, [{\"band\": [lowest, "
-                "highest], \"modes\": [frequency, ...]}]");
+    file.refuse(
+        Pointer("/bands"),
+        "is missing: the method \"bayoma\" needs the bands of the modes, [{\"band\": [lowest, "
+        "highest], \"modes\": [frequency, ...]}]");
   for (const char* key : {"band", "order", "lags", "blocks", "segment"})
-    if (file.json.contains(key)) file.refuse(Pointer() / std::string(key), "is not of this method");
+    if (file.json.contains(key))
+      file.refuse(Pointer() / std::string(key), "is not an option of this method");
   for (std::size_t i = 0; i < file.json.at("bands").size(); ++i) {
     const Json& one = file.json.at("bands")[i];
     identification::ModalBand band{.lowest_hz = one.at("band")[0].get<double>(),
@@ -451,7 +452,8 @@ void take_bands(const CaseFile& file, SetUp& s) {
 void take_band(const ModalCaseFile& out, SetUp& s) {
   const Json& json = out.file.json;
   if (json.value("method", "ssi-cov") == "bayoma") return take_bands(out.file, s);
-  if (json.contains("bands")) out.file.refuse(Pointer("/bands"), "goes with the method \"bayoma\"");
+  if (json.contains("bands"))
+    out.file.refuse(Pointer("/bands"), "is allowed with the method \"bayoma\" only");
   if (json.contains("band")) {
     s.options.lowest_hz = json.at("band")[0].get<double>();
     s.options.highest_hz = json.at("band")[1].get<double>();
@@ -466,34 +468,37 @@ void take_band(const ModalCaseFile& out, SetUp& s) {
   if (method == "efdd") s.spectral = signals::ModalMethod::enhanced;
   for (const char* key : {"order", "lags", "blocks"})
     if (json.contains(key) && s.spectral && (method == "fdd" || key != std::string("blocks")))
-      out.file.refuse(Pointer() / std::string(key), "is not of this method");
+      out.file.refuse(Pointer() / std::string(key), "is not an option of this method");
   if (method == "fdd" && out.set_ups.size() > 1)
     out.file.refuse(Pointer("/method"),
-                    "says nothing of scatter, by which set-ups are weighed: take \"efdd\" or "
-                    "\"ssi-cov\" for several");
+                    "gives no uncertainty, which is needed to weight set-ups: use \"efdd\" or "
+                    "\"ssi-cov\" for several records");
   if (json.contains("order")) s.options.largest_order = json.at("order").value("max", 0);
   s.segment = json.value("segment", 0);
   s.options.lags = json.value("lags", 0);
   s.options.blocks = json.value("blocks", 0);
   for (const char* key : {"lags", "blocks"})
     if (json.contains(key) && (s.responses || (!s.decays.empty() && key == std::string("blocks"))))
-      out.file.refuse(Pointer() / std::string(key), "is not of this method");
+      out.file.refuse(Pointer() / std::string(key), "is not an option of this method");
   if (json.contains("segment") && !s.responses && !s.spectral)
-    out.file.refuse(Pointer("/segment"), "is of the methods \"plscf\", \"fdd\" and \"efdd\"");
+    out.file.refuse(Pointer("/segment"),
+                    "is an option of the methods \"plscf\", \"fdd\" and \"efdd\" only");
 }
 
 void take_merging(ModalCaseFile& out) {
   const Json& json = out.file.json;
   if (!json.contains("merge")) return;
-  if (out.set_ups.size() < 2) out.file.refuse(Pointer("/merge"), "is of several \"records\"");
+  if (out.set_ups.size() < 2)
+    out.file.refuse(Pointer("/merge"), "is allowed with several \"records\" only");
   out.pre_merged = json.at("merge") == "preger";
   if (!out.pre_merged) return;
   if (json.value("method", "ssi-cov") != "ssi-cov")
-    out.file.refuse(Pointer("/merge"), "goes with the method \"ssi-cov\" where it is \"preger\"");
+    out.file.refuse(Pointer("/merge"), "is allowed with the method \"ssi-cov\" only");
   const double rate = out.set_ups.front().options.sample_rate_hz;
   for (const SetUp& s : out.set_ups)
     if (std::abs(s.options.sample_rate_hz / rate - 1.0) > 1e-6)
-      out.file.refuse(s.where, "has another sampling rate than the first: \"preger\" needs one");
+      out.file.refuse(
+          s.where, "has another sampling rate than the first record: \"preger\" needs equal rates");
   bool named = false;
   for (const MeasuredSensor& s : out.sensors) named = named || s.reference;
   std::vector<int> common;
@@ -511,7 +516,7 @@ void take_merging(ModalCaseFile& out) {
   }
 }
 
-/// Of all set-ups: what their shapes are of.
+/// Determines the common quantity of the shapes of all set-ups.
 void take_quantity(ModalCaseFile& out) {
   int highest = -1, lowest = 3;
   bool all = true;
@@ -525,8 +530,8 @@ void take_quantity(ModalCaseFile& out) {
   if (highest < 0) return;
   if (highest != lowest && !all)
     out.file.refuse(Pointer("/records"),
-                    "measure unlike quantities, and nothing says which some of them measure: state "
-                    "\"quantity\" or \"unit\" in their channels");
+                    "measure different quantities, some of them unknown: state \"quantity\" or "
+                    "\"unit\" in their channels");
   if (highest != lowest && out.pre_merged)
     for (std::size_t k = 0; k < out.sensors.size(); ++k) {
       std::optional<int> order;
@@ -534,9 +539,9 @@ void take_quantity(ModalCaseFile& out) {
         for (std::size_t c = 0; c < s.which.size(); ++c) {
           if (s.which[c] != static_cast<int>(k)) continue;
           if (order && *order != s.orders[c])
-            out.file.refuse(s.places[c] / "quantity",
-                            "is another one than in an earlier record: \"preger\" needs one "
-                            "quantity a sensor");
+            out.file.refuse(
+                s.places[c] / "quantity",
+                "differs from that in an earlier record: \"preger\" needs one quantity per sensor");
           order = s.orders[c];
         }
     }
@@ -551,7 +556,7 @@ void take_geometry(ModalCaseFile& out) {
     for (std::size_t c = 0; c < s.sensors.size(); ++c) {
       if (s.responses || s.sensors[c].node.empty()) continue;
       if (!out.geometry->nodes.contains(s.sensors[c].node))
-        out.file.refuse(s.places[c] / "node", "is no node of the geometry");
+        out.file.refuse(s.places[c] / "node", "is not a node of the geometry");
       if (!direction_of(s.sensors[c]))
         out.file.refuse(s.places[c] / "direction",
                         "must be x, y or z, or one of them with a sign, to be drawn on the "
@@ -567,7 +572,7 @@ ModalCaseFile parse_modal_case(CaseFile file, std::optional<signals::Record> giv
   const Json& json = out.file.json;
   if (json.contains("record") == json.contains("records"))
     out.file.refuse(Pointer(json.contains("record") ? "/records" : "/record"),
-                    json.contains("record") ? "takes the place of \"record\": give either"
+                    json.contains("record") ? "replaces \"record\": give either"
                                             : "is missing: a record, or \"records\" of several "
                                               "set-ups");
   if (json.contains("record")) {

@@ -1,4 +1,4 @@
-// A modal case file: which record, which of its channels, which band.
+// A modal case file: records, channels, band and method.
 #pragma once
 
 #include <optional>
@@ -16,40 +16,40 @@
 
 namespace wheeltap::apps {
 
-/// One record: sensors in their places.
+/// One record with its sensors.
 struct SetUp : identification::ModalRecord {
-  Pointer where{};                           ///< of its block in the case
-  std::string name = {};                     ///< of its file
-  std::vector<MeasuredSensor> sensors = {};  ///< a response channel each
-  std::vector<int> which = {};               ///< among the sensors of all set-ups
-  std::vector<Pointer> places = {};          ///< of their blocks in the case
-  std::vector<std::string> oddities = {};    ///< of channels, in sentences
+  Pointer where{};                           ///< block of the record in the case
+  std::string name = {};                     ///< name of the file
+  std::vector<MeasuredSensor> sensors = {};  ///< one per response channel
+  std::vector<int> which = {};               ///< indices into the sensors of all set-ups
+  std::vector<Pointer> places = {};          ///< blocks of the sensors in the case
+  std::vector<std::string> oddities = {};    ///< faults of channels, in sentences
   std::vector<ChannelUse> channels = {};     ///< responses, then forces
   signals::Sampling sampling = {};
-  std::optional<io::FoundLayout> layout = {};  ///< of a record in delimited text
-  std::vector<std::string> inputs = {};        ///< of the frequency responses
+  std::optional<io::FoundLayout> layout = {};  ///< if the record is delimited text
+  std::vector<std::string> inputs = {};        ///< inputs of the frequency responses
 };
 
 struct ModalCaseFile {
   CaseFile file;
   std::string title = {};
   std::vector<SetUp> set_ups = {};
-  std::vector<MeasuredSensor> sensors = {};  ///< of all set-ups, each once
+  std::vector<MeasuredSensor> sensors = {};  ///< sensors of all set-ups, each once
   std::optional<Geometry> geometry = {};
-  bool pre_merged = false;    ///< set-ups are merged before they are identified
-  std::string quantity = {};  ///< of the shapes, as modes.json says it
-  /// Of pre-merged set-ups: channels at the sensors that all have, in one order.
+  bool pre_merged = false;    ///< set-ups are merged before identification
+  std::string quantity = {};  ///< quantity of the shapes, as in modes.json
+  /// For pre-merged set-ups: channels at the sensors common to all, in the same order.
   std::vector<std::vector<int>> references = {};
 };
 
-/// What the records of a case gave.
+/// Modes identified from the records of a case.
 struct IdentifiedModes {
-  std::vector<signals::ModalResult> set_ups = {};   ///< one of all, where they are pre-merged
-  std::optional<signals::MergedModes> merged = {};  ///< of several
+  std::vector<signals::ModalResult> set_ups = {};   ///< one result if set-ups are pre-merged
+  std::optional<signals::MergedModes> merged = {};  ///< if there are several set-ups
 };
 
-/// Reads, checks and parses, and reads the records, or takes the one that is `given` in place of
-/// the file of a single one. Throws Failure.
+/// Validates and parses a case and reads its records; `given` replaces the file of a single record.
+/// Throws Failure.
 [[nodiscard]] ModalCaseFile parse_modal_case(CaseFile file,
                                              std::optional<signals::Record> given = {});
 

@@ -50,8 +50,8 @@ class ModalDataParser {
       take_from();
     } else {
       if (has("modes") && json_.at("modes").is_array())
-        file_.refuse(where_ / "modes", "a list of modes goes with \"from\" only");
-      if (has("model_modes")) file_.refuse(where_ / "model_modes", "goes with \"from\" only");
+        file_.refuse(where_ / "modes", "a list of modes is allowed with \"from\" only");
+      if (has("model_modes")) file_.refuse(where_ / "model_modes", "is allowed with \"from\" only");
       parse_frequencies();
       parse_sensors();
       parse_shapes();
@@ -64,11 +64,10 @@ class ModalDataParser {
       out_.mixing = scatter("mixing");
       out_.stiffness_discrepancy = scatter("stiffness");
       if (!out_.mixing.none() && out_.discrepancy.none())
-        file_.refuse(where_ / "discrepancy" / "mixing",
-                     "goes with \"cov\", of which it is a share");
+        file_.refuse(where_ / "discrepancy" / "mixing", "needs \"cov\", to which it is relative");
       if (!out_.mixing.none() && !out_.stiffness_discrepancy.none())
         file_.refuse(where_ / "discrepancy" / "mixing",
-                     "does not go with \"stiffness\", which mixes modes itself");
+                     "is not allowed with \"stiffness\", which mixes modes itself");
     }
     if (has("doubt")) out_.doubt = json_.at("doubt").get<double>();
     if (has("predict")) {
@@ -87,7 +86,7 @@ class ModalDataParser {
     return out;
   }
 
-  // ---- another program's result file
+  // ---- modes.json as data
 
   void take_from() {
     const TakenModes taken = take_modes(file_, where_);
@@ -106,14 +105,14 @@ class ModalDataParser {
         const Pointer at = where_ / "sensors" / i;
         out_.sensors.push_back(sensor(at));
         if (out_.sensors.back().motion.empty())
-          file_.refuse(at, "does not move: a support holds it");
+          file_.refuse(at, "does not move: a support fixes it");
         channels.push_back(static_cast<Index>(i));
       }
     } else {
       if (file_.json.contains("beam"))
-        file_.refuse(where_ / "sensors", "is missing: say where on the beam each of the " +
-                                             count_of(all, "channel") +
-                                             " of \"from\" is, [{\"at\": x}, ...]");
+        file_.refuse(where_ / "sensors",
+                     "is missing: state the position on the beam of each of the " +
+                         count_of(all, "channel") + " of \"from\" is, [{\"at\": x}, ...]");
       const CaseFile beside = taken.sensors_as_case();
       const ModalDataParser places(beside, Pointer(), structure_);
       for (std::size_t i = 0; i < all; ++i) {
@@ -124,17 +123,17 @@ class ModalDataParser {
     fill(taken, channels, out_);
   }
 
-  // A channel of a modes.json: a node, with a direction of either sign or with angles.
+  // A channel of a modes.json: a node with a signed direction or with angles.
   Sensor measured(std::size_t i, const MeasuredSensor& s) const {
     const Pointer at = Pointer("/sensors") / i;
     if (s.node.empty())
-      file_.refuse(at / "node", "is missing: say in \"sensors\" of the case where it is");
+      file_.refuse(at / "node", "is missing: state its position in \"sensors\" of the case");
     if (!s.azimuth && !s.elevation) {
       const bool numbered_mass = std::holds_alternative<fem::LumpedChain>(structure_) &&
                                  s.node.find_first_not_of("0123456789") == std::string::npos;
       Sensor out = numbered_mass ? numbered(at / "node", "mass", "masses") : sensor(at);
       if (numbered_mass && s.direction.starts_with('-')) turn_round(out);
-      if (out.motion.empty()) file_.refuse(at, "does not move: a support holds it");
+      if (out.motion.empty()) file_.refuse(at, "does not move: a support fixes it");
       return out;
     }
     constexpr double kDegree = std::numbers::pi / 180.0;
@@ -163,7 +162,7 @@ class ModalDataParser {
       out.motion.dofs.push_back(dof);
       out.motion.coefficients.push_back(coefficient);
     }
-    if (out.motion.empty()) file_.refuse(at, "does not move: a support holds it");
+    if (out.motion.empty()) file_.refuse(at, "does not move: a support fixes it");
     return out;
   }
 
@@ -177,7 +176,7 @@ class ModalDataParser {
     if (has("frequencies") && has("file"))
       file_.refuse(where_ / "file", "data have either \"frequencies\" or a \"file\", not both");
     for (const char* key : {"columns", "row"})
-      if (has(key) && !has("file")) file_.refuse(where_ / key, "goes with \"file\" only");
+      if (has(key) && !has("file")) file_.refuse(where_ / key, "is allowed with \"file\" only");
     out_.origin = "given in the case";
     if (has("frequencies")) out_.frequencies_hz = numbers(json_.at("frequencies"));
     if (has("file")) {
@@ -197,12 +196,11 @@ class ModalDataParser {
       const double f = out_.frequencies_hz[i];
       if (std::isnan(f)) continue;
       if (f < before)
-        file_.refuse(
-            has("file") ? where_ / "file" : where_ / "frequencies" / i,
-            simulated_value(f) +
-                "without shapes frequencies must increase: the first is the lowest elastic "
-                "mode, and null stands for one that was not measured" +
-                increasing(out_.frequencies_hz));
+        file_.refuse(has("file") ? where_ / "file" : where_ / "frequencies" / i,
+                     simulated_value(f) +
+                         "without shapes frequencies must increase, beginning with the lowest "
+                         "elastic mode; write null for a mode not measured" +
+                         increasing(out_.frequencies_hz));
       before = f;
     }
   }
@@ -210,8 +208,7 @@ class ModalDataParser {
   void parse_frequency_scatter() {
     int given = 0;
     for (const char* key : {"cov", "sd", "covariance"}) given += has(key);
-    if (given > 1)
-      file_.refuse(where_, "noise of frequencies is one of \"cov\", \"sd\" and \"covariance\"");
+    if (given > 1) file_.refuse(where_, "give only one of \"cov\", \"sd\" and \"covariance\"");
     const auto n = static_cast<Index>(out_.frequencies_hz.size());
     std::vector<double> sd = from_file_;
     Pointer at = where_ / "cov";
@@ -248,8 +245,8 @@ class ModalDataParser {
       return;
     } else if (n > 0) {
       file_.refuse(where_ / "cov",
-                   "is missing: say how exact the frequencies are, by \"cov\", \"sd\" or "
-                   "\"covariance\"; write \"cov\": 0.005 for 0.5 % of each, for example");
+                   "is missing: give the uncertainty of the frequencies, \"cov\", \"sd\" or "
+                   "\"covariance\"; for example, write \"cov\": 0.005 for 0.5 % of each");
     }
     if (!has("covariance")) return;
     std::vector<Index> measured;
@@ -279,7 +276,7 @@ class ModalDataParser {
       for (Index j = 0; j < i; ++j)
         if (std::abs(c(i, j) - c(j, i)) > 1e-8 * c.cwiseAbs().maxCoeff())
           file_.refuse(at / static_cast<std::size_t>(i) / static_cast<std::size_t>(j),
-                       "is not symmetric: its mirror is " + Json(c(j, i)).dump());
+                       "is not symmetric: the transposed entry is " + Json(c(j, i)).dump());
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(c, Eigen::EigenvaluesOnly);
     if (c.rows() > 0 && !(solver.eigenvalues()[0] > 1e-14 * c.diagonal().cwiseAbs().maxCoeff()))
       file_.refuse(at, "is not positive definite: its smallest eigenvalue is " +
@@ -293,15 +290,16 @@ class ModalDataParser {
     for (std::size_t i = 0; i < json_.at("sensors").size(); ++i) {
       const Pointer at = where_ / "sensors" / i;
       out_.sensors.push_back(sensor(at));
-      if (out_.sensors.back().motion.empty()) file_.refuse(at, "does not move: a support holds it");
+      if (out_.sensors.back().motion.empty()) file_.refuse(at, "does not move: a support fixes it");
     }
   }
 
-  // {"at": x}, and what moves there: the deflection, unless it is said to be the rotation.
+  // {"at": x} and a direction: the deflection (default) or the rotation.
   Sensor on_beam(const Pointer& at) const {
     const Json& s = file_.json.at(at);
     for (const char* key : {"node", "member", "mass", "dof"})
-      if (s.contains(key)) file_.refuse(at / key, "goes with a structure; a beam has \"at\"");
+      if (s.contains(key))
+        file_.refuse(at / key, "is allowed with a structure only; a beam has \"at\"");
     if (!s.contains("at")) file_.refuse(at / "at", "is missing: metres from the left end");
     const std::string along = s.value("direction", "deflection");
     if (along != "deflection" && along != "rotation")
@@ -313,7 +311,7 @@ class ModalDataParser {
            left >= mesh_->member_length(member))
       left -= mesh_->member_length(member++);
     if (left > mesh_->member_length(member) * (1.0 + 1e-9))
-      file_.refuse(at / "at", "lies off the beam");
+      file_.refuse(at / "at", "is outside the beam");
     return {Json(x).dump() + " m" + (along == "rotation" ? ", rotation" : ""),
             mesh_->motion(member, std::min(left, mesh_->member_length(member)),
                           along == "rotation" ? fem::Direction::rz : fem::Direction::y)};
@@ -325,17 +323,17 @@ class ModalDataParser {
     int places = 0;
     for (const char* key : {"node", "member", "mass", "dof"}) places += s.contains(key);
     if (places != 1)
-      file_.refuse(at, "must say where by one of \"node\", \"member\", \"mass\" and \"dof\"");
+      file_.refuse(at, "must have one of \"node\", \"member\", \"mass\" and \"dof\"");
     if (s.contains("at") != s.contains("member"))
-      file_.refuse(at, "\"member\" and \"at\" go together");
+      file_.refuse(at, "\"member\" and \"at\" need each other");
     const bool chain = std::holds_alternative<fem::LumpedChain>(structure_);
     const bool matrices = std::holds_alternative<fem::MatrixStructure>(structure_);
     if (s.contains("mass")) {
-      if (!chain) file_.refuse(at / "mass", "goes with a chain only");
+      if (!chain) file_.refuse(at / "mass", "is allowed with a chain only");
       return numbered(at / "mass", "mass", "masses");
     }
     if (s.contains("dof")) {
-      if (!matrices) file_.refuse(at / "dof", "goes with \"matrices\" only");
+      if (!matrices) file_.refuse(at / "dof", "is allowed with \"matrices\" only");
       return numbered(at / "dof", "degree of freedom", "degrees of freedom");
     }
     if (s.contains("member")) {
@@ -356,13 +354,13 @@ class ModalDataParser {
         given.is_string() ? std::atoi(given.get<std::string>().c_str()) : given.get<int>();
     if (number < 1 || number > static_cast<int>(names_.size()))
       file_.refuse(at,
-                   "no such " + one + ": there are " + std::to_string(names_.size()) + " " + many);
+                   "unknown " + one + ": there are " + std::to_string(names_.size()) + " " + many);
     const fem::DofName& name = names_[static_cast<std::size_t>(number) - 1];
     return {name.place + (name.direction.empty() ? "" : ", " + name.direction),
             {.dofs = {number - 1}, .coefficients = {1.0}}};
   }
 
-  // A place and direction of the table of dofs, or "mass 1".
+  // A place and direction of the dofs table, or "mass 1".
   Sensor named(const Pointer& at, bool chain) const {
     const auto place = file_.json.at(at / "node").get<std::string>();
     std::string along = file_.json.at(at).value("direction", chain ? "x" : "");
@@ -379,7 +377,7 @@ class ModalDataParser {
       places.push_back(names_[i].place);
     }
     if (!there.empty())
-      file_.refuse(at / "direction", "no such direction here: " + place + " has " + listed(there));
+      file_.refuse(at / "direction", "unknown direction: " + place + " has " + listed(there));
     file_.refuse(at / "node", "no degree of freedom has this place" + did_you_mean(place, places));
   }
 
@@ -422,7 +420,7 @@ class ModalDataParser {
     const double s = file_.json.at(at / "at").get<double>();
     const double length = mesh_->member_length(member);
     if (s > length * (1.0 + 1e-9))
-      file_.refuse(at / "at", "lies off the member, which is " + Json(length).dump() + " m long");
+      file_.refuse(at / "at", "is outside the member, which is " + Json(length).dump() + " m long");
     Sensor out{file_.json.at(at / "member").get<std::string>() + " at " + Json(s).dump() + " m, " +
                    along.name,
                mesh_->motion(member, std::min(s, length), along.which)};
@@ -442,7 +440,7 @@ class ModalDataParser {
     return out;
   }
 
-  /// A simulated value as CaseFile::refuse prints one of the case.
+  /// A simulated value, printed like a value of the case in CaseFile::refuse.
   [[nodiscard]] std::string simulated_value(const Json& value) const {
     return simulated_ == nullptr ? std::string() : value.dump() + ": ";
   }
@@ -451,15 +449,15 @@ class ModalDataParser {
     const std::vector<std::vector<double>> rows = shape_rows();
     if (rows.empty()) {
       for (const char* key : {"shape_covariance"})
-        if (has(key)) file_.refuse(where_ / key, "goes with \"shapes\" only");
+        if (has(key)) file_.refuse(where_ / key, "is allowed with \"shapes\" only");
       return;
     }
     if (!has("sensors"))
-      file_.refuse(where_ / "sensors", "is missing: \"shapes\" have one number a sensor");
+      file_.refuse(where_ / "sensors", "is missing: \"shapes\" have one number per sensor");
     if (out_.frequencies_hz.empty()) out_.frequencies_hz.assign(rows.size(), kNaN);
     if (rows.size() != out_.frequencies_hz.size())
       file_.refuse(where_ / "shapes",
-                   "must have one shape a frequency (null in place of what was not measured): " +
+                   "must have one shape per frequency (null if not measured): " +
                        count_of(out_.frequencies_hz.size(), "frequency").append(", has ") +
                        count_of(rows.size(), "shape"));
     const std::size_t sensors = out_.sensors.size();
@@ -467,7 +465,7 @@ class ModalDataParser {
     for (std::size_t i = 0; i < rows.size(); ++i) {
       const Pointer at = where_ / "shapes" / i;
       if (rows[i].size() != sensors)
-        file_.refuse(at, "must have one number a sensor: " + std::to_string(sensors) + ", has " +
+        file_.refuse(at, "must have one number per sensor: " + std::to_string(sensors) + ", has " +
                              std::to_string(rows[i].size()));
       const std::vector<double>& values = rows[i];
       std::size_t measured = 0;
@@ -479,9 +477,11 @@ class ModalDataParser {
         largest = std::max(largest, std::abs(values[s]));
       }
       if (measured == 1)
-        file_.refuse(at, simulated_value(values) +
-                             "has one number only: a shape without its scale needs two");
-      if (measured > 0 && largest == 0.0) file_.refuse(at, "is zero throughout");
+        file_.refuse(
+            at,
+            simulated_value(values) +
+                "has one number only: a shape needs at least two, because its scale is unknown");
+      if (measured > 0 && largest == 0.0) file_.refuse(at, "has only zeros");
       if (measured == 0 && std::isnan(out_.frequencies_hz[i]))
         file_.refuse(at, "mode " + std::to_string(i + 1) + " has neither frequency nor shape");
     }
@@ -491,19 +491,19 @@ class ModalDataParser {
     const auto sensors = static_cast<Index>(out_.sensors.size());
     const auto modes = static_cast<std::size_t>(out_.shapes.rows());
     if (has("shape_sd") && has("shape_covariance"))
-      file_.refuse(where_ / "shape_covariance", "noise of shapes is either this or \"shape_sd\"");
+      file_.refuse(where_ / "shape_covariance", "give either this or \"shape_sd\"");
     const Pointer at = where_ / "shape_sd";
     if (has("shape_sd") && json_["shape_sd"].is_object()) {
       out_.shape_sd_prior = bounded_prior(file_, at, 0.0, kInfinity, "an sd is > 0");
       out_.shape_covariances.assign(modes, MatrixXd::Identity(sensors, sensors));
     } else if (has("shape_sd") && json_["shape_sd"].is_array()) {
       if (json_["shape_sd"].size() != modes)
-        file_.refuse(at, "must have one row a shape: " + std::to_string(modes) + ", has " +
+        file_.refuse(at, "must have one row per shape: " + std::to_string(modes) + ", has " +
                              std::to_string(json_["shape_sd"].size()));
       for (std::size_t i = 0; i < modes; ++i) {
         const std::vector<double> sd = numbers(json_["shape_sd"][i]);
         if (static_cast<Index>(sd.size()) != sensors)
-          file_.refuse(at / i, "must have one number a sensor: " + std::to_string(sensors) +
+          file_.refuse(at / i, "must have one number per sensor: " + std::to_string(sensors) +
                                    ", has " + std::to_string(sd.size()));
         MatrixXd c = MatrixXd::Zero(sensors, sensors);
         for (Index s = 0; s < sensors; ++s) {
@@ -522,7 +522,7 @@ class ModalDataParser {
       const Json& list = json_["shape_covariance"];
       if (list.size() != modes)
         file_.refuse(where_ / "shape_covariance",
-                     "must have one matrix a shape: " + std::to_string(modes) + ", has " +
+                     "must have one matrix per shape: " + std::to_string(modes) + ", has " +
                          std::to_string(list.size()));
       for (std::size_t i = 0; i < modes; ++i) {
         const Pointer here = where_ / "shape_covariance" / i;
@@ -534,7 +534,7 @@ class ModalDataParser {
       }
     } else if (modes > 0) {
       file_.refuse(at,
-                   "is missing: say how exact the shapes are, by \"shape_sd\" or "
+                   "is missing: give the uncertainty of the shapes, \"shape_sd\" or "
                    "\"shape_covariance\"");
     }
   }
@@ -563,8 +563,7 @@ class ModalDataParser {
 
 void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes) {
   if (file.json.at(where).contains("doubt") && !shapes)
-    file.refuse(where / "doubt",
-                "goes with shapes: without them the i-th frequency is the i-th mode");
+    file.refuse(where / "doubt", "needs shapes: without them the i-th frequency is the i-th mode");
 }
 
 ModalData parse_modal_data(const CaseFile& file, const Pointer& where,

@@ -1,4 +1,4 @@
-// The measured modes of a case: sensors, frequencies, shapes, and their scatter.
+// Measured modes of a case: sensors, frequencies, shapes and their uncertainty.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
@@ -7,22 +7,22 @@
 
 namespace wheeltap::apps {
 
-/// Modes of the case's truth in place of measured ones, and the scatter for which the case gives no
-/// value.
+/// Modes of the case's truth in place of measured modes, with the scatter for which the case gives
+/// no value.
 struct SimulatedModes {
   std::vector<double> frequencies_hz;
-  Eigen::MatrixXd shapes = {};       ///< a row a mode; empty: no sensors
+  Eigen::MatrixXd shapes = {};       ///< one row per mode; empty: no sensors
   double cov = 0.0, shape_sd = 0.0;  ///< > 0
 };
 
-/// What stands at `where`, /data say. Without frequencies and shapes they are those of `simulated`,
-/// or left empty, for a truth to fill in. Throws Failure (65) for sensors that are not on the
-/// structure, numbers that do not go together, and covariances that are none.
+/// Parses the data at `where`, e.g. /data. Without frequencies and shapes, those of `simulated` are
+/// used; without `simulated` they stay empty until the truth is simulated. Throws Failure (65) for
+/// sensors that are not on the structure, inconsistent sizes and invalid covariances.
 [[nodiscard]] identification::ModalData parse_modal_data(
     const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure,
     const SimulatedModes* simulated = nullptr);
 
-/// Refuses a "doubt" of modes without shapes, once what a truth simulates is there.
+/// Throws Failure for a "doubt" without shapes. Call it after the truth is simulated.
 void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes);
 
 }  // namespace wheeltap::apps

@@ -14,7 +14,7 @@ namespace {
 
 const Pointer kPredictor("/predictor");
 
-/// Words between blanks.
+/// Splits a text at blanks.
 std::vector<std::string> words_of(const Json& command) {
   if (command.is_array()) return command.get<std::vector<std::string>>();
   std::vector<std::string> words;
@@ -23,8 +23,8 @@ std::vector<std::string> words_of(const Json& command) {
   return words;
 }
 
-/// The text of the program, and of scripts and models that its command names with a folder: what a
-/// run finds depends on them. A program that is looked for in PATH belongs to the system.
+/// Records the program, and the files that its command names with a folder, as input files, since
+/// results depend on them. A program found in PATH belongs to the system and is not recorded.
 void record_program(const CaseFile& file, CommandSpec& spec) {
   constexpr std::string_view kCase = "{case}";
   for (const std::string& word : spec.words) {
@@ -46,10 +46,9 @@ CommandSpec parse_command(const CaseFile& file, const Json& p) {
   };
   for (const char* place : {"{in}", "{out}"})
     if (!has(place))
-      file.refuse(
-          kPredictor / "command",
-          std::string("has no ") + place + ", which stands for the file with " +
-              (std::string(place) == "{in}" ? "the parameters" : "the predictions that it writes"));
+      file.refuse(kPredictor / "command",
+                  std::string("has no ") + place + ", the file of " +
+                      (std::string(place) == "{in}" ? "the parameters" : "the predictions"));
   if (out.words[0].find('{') != std::string::npos && !out.words[0].starts_with("{case}"))
     file.refuse(kPredictor / "command", "must begin with a program");
   record_program(file, out);
@@ -95,7 +94,7 @@ void take_order(const CaseFile& file, const std::vector<std::string>& unknowns, 
     }
     const auto at = static_cast<int>(found - unknowns.begin());
     if (std::ranges::find(out.order, at) != out.order.end())
-      file.refuse(where / i, "stands there twice");
+      file.refuse(where / i, "is listed twice");
     out.order.push_back(at);
   }
   if (out.order.size() != unknowns.size())
@@ -114,10 +113,11 @@ OutsideSpec parse_outside(const CaseFile& file, const std::vector<std::string>& 
   const Json& p = file.json.at(kPredictor);
   OutsideSpec out;
   if (p.contains("umbridge") && p.contains("command"))
-    file.refuse(kPredictor / "command", "takes the place of \"umbridge\": give one of them");
+    file.refuse(kPredictor / "command", "replaces \"umbridge\": give one of them");
   const auto only = [&](const char* with, std::initializer_list<const char*> keys) {
     for (const char* key : keys)
-      if (p.contains(key)) file.refuse(kPredictor / key, std::string("goes with \"") + with + "\"");
+      if (p.contains(key))
+        file.refuse(kPredictor / key, std::string("is allowed with \"") + with + "\"");
   };
   if (p.contains("umbridge")) {
     only("command", {"format"});

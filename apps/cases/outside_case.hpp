@@ -1,4 +1,4 @@
-// "predictor" in a case, where it is a model of someone else's: a server's, or a program's.
+// An external model as the "predictor" of a case: a server or a program.
 #pragma once
 
 #include <filesystem>
@@ -11,46 +11,46 @@
 
 namespace wheeltap::apps {
 
-/// How long to wait for an answer, and how often to ask again.
+/// Timeout and number of retries.
 struct Patience {
-  double timeout_seconds = 3600.0;  ///< for one answer
+  double timeout_seconds = 3600.0;  ///< per prediction
   int retries = 0;
 };
 
-/// A model that a UM-Bridge server offers.
+/// A model of a UM-Bridge server.
 struct UmbridgeSpec {
-  std::string url;     ///< http://host:port, with a path or without
-  std::string host{};  ///< of it
-  std::string model;   ///< empty: the only one, or "forward"
+  std::string url;     ///< http://host:port, path optional
+  std::string host{};  ///< host of the url
+  std::string model;   ///< empty: the only model, or "forward"
   Json config = Json::object();
   Patience patience = {.retries = 4};
 };
 
-/// A program that is run once an answer.
+/// A program that runs once per prediction.
 struct CommandSpec {
-  std::vector<std::string> words;  ///< program and arguments; {in}, {out} and {case} stand in them
+  std::vector<std::string> words;  ///< program and arguments, with {in}, {out} and {case}
   bool numbers = false;            ///< plain numbers in its files, not JSON
-  std::filesystem::path folder;    ///< of the case
-  InputFiles files{};              ///< the program and what its command names with a folder
+  std::filesystem::path folder;    ///< folder of the case
+  InputFiles files{};              ///< the program, and arguments that are paths
   Patience patience = {.retries = 1};
 };
 
 struct OutsideSpec {
   std::optional<UmbridgeSpec> umbridge = {};
-  std::optional<CommandSpec> command = {};  ///< one of the two
+  std::optional<CommandSpec> command = {};  ///< exactly one of the two is set
   std::vector<int> order = {};              ///< input i is unknown order[i]
-  std::vector<std::string> names = {};      ///< of the inputs
+  std::vector<std::string> names = {};      ///< names of the inputs
   std::optional<identification::OutsideEmulatorSpec> emulator = {};
   std::filesystem::path memory =
-      {};  ///< a file of the user's for its answers; empty: the run's own
+      {};  ///< user's file of stored predictions; empty: the file of the run
 };
 
-/// Whether /predictor is such a model.
+/// Whether /predictor is an external model.
 [[nodiscard]] bool has_outside_model(const CaseFile& file);
-/// Reads /predictor of a case with these unknowns. Throws Failure.
+/// Parses /predictor of a case with these unknowns. Throws Failure.
 [[nodiscard]] OutsideSpec parse_outside(const CaseFile& file,
                                         const std::vector<std::string>& unknowns);
 
-/// The model in a few words.
+/// A short name of the model, for messages.
 [[nodiscard]] std::string in_words(const OutsideSpec& spec);
 }  // namespace wheeltap::apps

@@ -23,7 +23,7 @@ namespace {
 
 using Role = SidChannel::Role;
 
-/// Runs work(); what the libraries complain about becomes a complaint about the case.
+/// Runs work(); converts library errors to error messages about the case.
 template <class Work>
 auto explained_case(const CaseFile& file, const Pointer& where, const Work& work) {
   try {
@@ -46,7 +46,7 @@ class Parser {
     parse_truth(parsed_);
   }
 
-  /// Of each parameter, whether a model or a channel uses it.
+  /// Whether a model or a channel uses each parameter.
   [[nodiscard]] const std::vector<bool>& used() const { return used_; }
 
  private:
@@ -56,15 +56,15 @@ class Parser {
     const Json priors = json_.value("parameters", Json::object());
     std::map<std::string, std::string> by_variable;
     for (const auto& [name, ignored] : priors.items()) {
-      if (out_.number > 1) break;  // the first record's table is the table of all
+      if (out_.number > 1) break;  // the table of the first record holds for all
       const std::string variable = variable_of(name);
       if (const auto why = io::netcdf_name_error(variable)) {
         file_.refuse(Pointer("/parameters") / name, "a parameter's name " + *why);
       }
       if (const auto [other, fresh] = by_variable.emplace(variable, name); !fresh) {
-        file_.refuse(Pointer("/parameters") / name, "is too like the parameter \"" + other->second +
-                                                        "\": draws of both would be called \"" +
-                                                        variable + "\"");
+        file_.refuse(Pointer("/parameters") / name,
+                     "is too similar to the parameter \"" + other->second +
+                         "\": the draws of both would have the name \"" + variable + "\"");
       }
       out_.parameters.push_back({name, parse_prior(file_, Pointer("/parameters") / name)});
     }
@@ -81,7 +81,7 @@ class Parser {
     file_.refuse(where, unknown_parameter(name, names));
   }
 
-  /// A number or a parameter, held to the bounds.
+  /// Parses a number or a parameter and checks its bounds.
   dynamics::Coefficient coefficient(const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const Json& value = file_.json.at(where);
     if (value.is_number()) {
@@ -93,7 +93,7 @@ class Parser {
     return use(find_parameter(where), where, bounds);
   }
 
-  /// A parameter, held to the bounds of what stands at `where`.
+  /// Checks the prior of a parameter against the bounds of the coefficient at `where`.
   dynamics::Coefficient use(int p, const Pointer& where, const dynamics::LawCoefficient& bounds) {
     const inference::Prior& prior = out_.parameters[static_cast<std::size_t>(p)].prior;
     const auto refuse = [&](const std::string& reaches) {
@@ -136,7 +136,7 @@ class Parser {
         file_.refuse(where / "mass", "is missing: must be the number of a mass, from 1");
       }
       if (!on_mass && c.contains("mass")) {
-        file_.refuse(where / "mass", "goes with the roles \"force\" and \"response\" only");
+        file_.refuse(where / "mass", "is allowed for the roles \"force\" and \"response\" only");
       }
       channel.mass = c.value("mass", 0);
       if (channel.role == Role::response) {
@@ -151,17 +151,18 @@ class Parser {
                                                            : dynamics::Frame::absolute;
       } else {
         for (const char* key : {"quantity", "frame"}) {
-          if (c.contains(key)) file_.refuse(where / key, "goes with the role \"response\" only");
+          if (c.contains(key))
+            file_.refuse(where / key, "is allowed for the role \"response\" only");
         }
       }
       if (channel.role == Role::time || channel.role == Role::ignore) {
         for (const char* key : {"scale", "offset"}) {
           const bool of_time = channel.role == Role::time && std::string_view(key) == "scale";
-          if (c.contains(key) && !of_time) file_.refuse(where / key, "does not go with this role");
+          if (c.contains(key) && !of_time)
+            file_.refuse(where / key, "is not allowed for this role");
         }
         if (c.contains("scale") && !(c["scale"].is_number() && c["scale"].get<double>() > 0.0)) {
-          file_.refuse(where / "scale",
-                       "must be a positive number: how many seconds one of time is");
+          file_.refuse(where / "scale", "must be a positive number: the time unit in seconds");
         }
       }
       if (c.contains("scale")) {
@@ -173,9 +174,10 @@ class Parser {
       }
       if (c.contains("unit")) {
         if (channel.role == Role::time || channel.role == Role::ignore)
-          file_.refuse(where / "unit", "does not go with this role");
+          file_.refuse(where / "unit", "is not allowed for this role");
         if (c.contains("scale"))
-          file_.refuse(where / "unit", "goes without \"scale\", which says what its numbers are");
+          file_.refuse(where / "unit",
+                       "is not allowed with \"scale\", which defines the conversion");
         channel.unit = c["unit"].get<std::string>();
         channel.unit_given = true;
       }
@@ -194,7 +196,7 @@ class Parser {
       parsed_.channels.push_back(where);
     }
     if (out_.responses().empty()) {
-      file_.refuse(list, "no channel has the role \"response\": there is nothing to explain");
+      file_.refuse(list, "no channel has the role \"response\": there is nothing to identify");
     }
   }
 
@@ -225,7 +227,7 @@ class Parser {
   }
 
   dynamics::Law parse_law(const Pointer& here, const dynamics::LawInfo& info) {
-    // The schema holds what stands here to the law's own description (law_rule).
+    // The schema has checked this value by the law's description (law_rule).
     const Json& value = json_.at(here);
     std::vector<dynamics::Coefficient> coefficients;
     auto side = dynamics::Side::opening;
@@ -260,7 +262,7 @@ class Parser {
       dynamics::Link link{.a = between[0].get<int>(), .b = between[1].get<int>()};
       for (std::size_t end = 0; end < 2; ++end) {
         if (between[end] > masses) {
-          file_.refuse(here / "between" / end, "no such mass; " + model.name + " has masses 1 to " +
+          file_.refuse(here / "between" / end, "unknown mass; " + model.name + " has masses 1 to " +
                                                    std::to_string(masses) +
                                                    ", and 0 is the ground or the base");
         }
@@ -277,7 +279,7 @@ class Parser {
     if (m["noise"].is_array()) {
       if (m["noise"].size() != responses) {
         file_.refuse(where / "noise",
-                     "must have one value a response channel: " + std::to_string(responses));
+                     "must have one value per response channel: " + std::to_string(responses));
       }
       for (std::size_t c = 0; c < responses; ++c) {
         model.noise.push_back(positive(where / "noise" / c));
@@ -296,9 +298,9 @@ class Parser {
     out_.models.push_back(std::move(model));
   }
 
-  // ---- terms to be discovered
+  // ---- candidate terms of a discovery
 
-  /// Indices of the base model's links that are asked about: all of them unless given.
+  /// Indices of the base model's links with candidate terms; default: all.
   std::vector<int> parse_discovered_links(const Pointer& where, const dynamics::Chain& chain) {
     std::vector<int> out;
     if (!json_.contains(where)) {
@@ -314,14 +316,14 @@ class Parser {
         file_.refuse(where / i, "the model has no link between these two");
       }
       const int at = static_cast<int>(found - chain.links.begin());
-      if (std::ranges::count(out, at) > 0) file_.refuse(where / i, "this link is there already");
+      if (std::ranges::count(out, at) > 0) file_.refuse(where / i, "this link is listed twice");
       out.push_back(at);
     }
     return out;
   }
 
-  /// "cubic", or {"contact": {"gap": 0.001, "side": "closing"}}: what is not given is a parameter
-  /// called after the term, with the prior that the case gives it or the record's.
+  /// Parses "cubic", or {"contact": {"gap": 0.001, "side": "closing"}}. A coefficient that is not
+  /// given becomes a parameter named after the term, with the prior of the case or of the record.
   SidTerm parse_term(const Pointer& where, int index, bool several) {
     const dynamics::Link& link = out_.models.front().chain.links[static_cast<std::size_t>(index)];
     const Json& value = json_.at(where);
@@ -368,7 +370,7 @@ class Parser {
           term.law.coefficients[c] =
               use(static_cast<int>(same - out_.parameters.begin()), where, bounds);
         } else {
-          // The record sets the scale of it.
+          // The record sets its scale.
           term.law.coefficients[c] = added(parameter, inference::Normal{0.0, 1.0});
           term.by_default.push_back(c);
         }
@@ -395,15 +397,15 @@ class Parser {
                    std::to_string(terms) + " terms on " + std::to_string(links.size()) +
                        (links.size() == 1 ? " link" : " links") + " are " +
                        std::to_string(terms * links.size()) +
-                       ", and every subset competes: at most " + std::to_string(kMostTerms) + " (" +
-                       std::to_string(1UL << kMostTerms) + " models)");
+                       ", and every subset is a model: at most " + std::to_string(kMostTerms) +
+                       " (" + std::to_string(1UL << kMostTerms) + " models)");
     }
     SidDiscovery asked{.inclusion = json_.at(where).value("inclusion", 0.5)};
     for (const int link : links) {
       for (std::size_t t = 0; t < terms; ++t) {
         SidTerm term = parse_term(where / "terms" / t, link, links.size() > 1);
         if (std::ranges::count(asked.terms, term.name, &SidTerm::name) > 0) {
-          file_.refuse(where / "terms" / t, "this term is there already");
+          file_.refuse(where / "terms" / t, "this term is listed twice");
         }
         asked.terms.push_back(std::move(term));
       }
@@ -419,7 +421,7 @@ class Parser {
     const auto values = [&](const char* key, std::vector<dynamics::Coefficient>& to) {
       if (!json_.contains(where / key)) return;
       if (json_.at(where / key).size() != masses) {
-        file_.refuse(where / key, "must have one value a mass: " + std::to_string(masses));
+        file_.refuse(where / key, "must have one value per mass: " + std::to_string(masses));
       }
       for (std::size_t i = 0; i < masses; ++i) to.push_back(coefficient(where / key / i));
     };
@@ -435,7 +437,7 @@ class Parser {
       const Pointer& where = parsed_.channels[i];
       for (const SidModel& model : out_.models) {
         if (channel.mass > model.chain.size()) {
-          file_.refuse(where / "mass", "no such mass; model \"" + model.name +
+          file_.refuse(where / "mass", "unknown mass; model \"" + model.name +
                                            "\" has masses 1 to " +
                                            std::to_string(model.chain.size()));
         }
@@ -446,7 +448,7 @@ class Parser {
           !json_["record"].contains("file")) {
         file_.refuse(where, "an absolute " + json_.at(where / "quantity").get<std::string>() +
                                 " of a base-driven chain needs a channel with the role "
-                                "\"base-displacement\"; or say \"frame\": \"relative\"");
+                                "\"base-displacement\"; or write \"frame\": \"relative\"");
       }
     }
   }
@@ -458,7 +460,7 @@ class Parser {
   std::vector<bool> used_;
 };
 
-/// Windows must hold more samples than any model has parameters.
+/// Checks that windows have more samples than any model has parameters.
 void check_windows(const SidCaseFile& parsed) {
   if (parsed.sid.windows == 0) return;
   for (const SidCase* record : parsed.sid.records()) {
@@ -468,15 +470,16 @@ void check_windows(const SidCaseFile& parsed) {
       const std::size_t parameters = record->parameters_of(model).size();
       if (samples > parameters) continue;
       parsed.file.refuse(Pointer("/windows"),
-                         "leaves windows of " + std::to_string(length) + " samples; model \"" +
+                         "gives windows of " + std::to_string(length) + " samples; model \"" +
                              model.name + "\" has " + std::to_string(parameters) +
-                             " parameters, and a window must hold more samples than that");
+                             " parameters, and a window must have more samples than parameters");
     }
   }
 }
 
-/// The case of one record, which stands at /record. `number`: of several, from 1; then `table` are
-/// the parameters of those before. `used` gathers which of them are.
+/// Parses the case of one record, at /record. `number`: number of the record, from 1, if there are
+/// several; `table` then has the parameters of earlier records. `used` collects which parameters
+/// are used.
 SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, int number = 1,
                       std::vector<inference::Parameter> table = {}) {
   SidCaseFile out{.file = std::move(file), .notes = {}, .sid = {}, .channels = {}};
@@ -500,7 +503,7 @@ SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, in
   const bool simulated = needs == SidNeeds::record && !json["record"].contains("file");
   if (sid_case.truth && (needs == SidNeeds::truth || simulated)) parse_excitations(out);
   if (needs == SidNeeds::record) load_record(out);
-  // Of several records the first sets the scales.
+  // With several records, the first sets the scales.
   if (needs == SidNeeds::record && sid_case.discovery && number == 1) {
     explained_case(out.file, Pointer("/discover/terms"), [&] { set_term_priors(sid_case); });
   }
@@ -509,7 +512,7 @@ SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, in
   return out;
 }
 
-/// The first record's case, with those of the others in SidCase::further.
+/// Parses the case of the first record, with the other records in SidCase::further.
 SidCaseFile parse_several(const CaseFile& file, SidNeeds needs, std::vector<bool>& used) {
   const Json& records = file.json["records"];
   SidCaseFile out;
@@ -568,7 +571,7 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
   validate_against_schema(file, "sid");
   const bool several = file.json.contains("records");
   if (several && file.json.contains("record")) {
-    file.refuse(Pointer("/records"), "cannot be given with \"record\": give one of the two");
+    file.refuse(Pointer("/records"), "is not allowed with \"record\": give one of the two");
   }
   if (!several && !file.json.contains("record")) {
     file.refuse(Pointer("/record"),
@@ -583,11 +586,10 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
     for (std::size_t other = 0; other < used.size(); ++other)
       if (used[other]) names.push_back(out.sid.parameters[other].name);
     const std::string& name = out.sid.parameters[p].name;
-    out.file.refuse(
-        Pointer("/parameters") / name,
-        "this parameter is used nowhere: write its name in place of a number, or remove it "
-        "(used are: " +
-            listed(names) + ")");
+    out.file.refuse(Pointer("/parameters") / name,
+                    "this parameter is not used: write its name in place of a number, or remove it "
+                    "(used are: " +
+                        listed(names) + ")");
   }
   if (needs == SidNeeds::record) check_windows(out);
   return out;

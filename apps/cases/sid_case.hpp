@@ -1,5 +1,4 @@
-// A system-identification case file, parsed once at the door: everything behind it works on
-// identification's types.
+// A system-identification case file, parsed into the types of the identification library.
 #pragma once
 
 #include <string>
@@ -15,19 +14,20 @@ struct SidCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::SidCase sid;
-  std::vector<Pointer> channels;  ///< blocks of the case's channels, for complaints
+  std::vector<Pointer> channels;  ///< blocks of the channels, for error messages
 
-  /// What the library complains about, as a complaint about the case. Throws Failure.
+  /// Throws Failure: the library's error, located in the case.
   [[noreturn]] void refuse(const identification::InvalidInput& error) const;
 };
 
-/// What a command needs beside the models.
+/// Data that a command needs in addition to the models.
 enum class SidNeeds {
-  truth,  ///< what a simulation is driven by
-  record  ///< the record, read or simulated
+  truth,  ///< the truth and its excitations
+  record  ///< the record, from a file or simulated
 };
 
-/// Reads, checks and parses. A case without a file is simulated from its truth. Throws Failure.
+/// Validates and parses a case. Without a file, the record is simulated from the truth. Throws
+/// Failure.
 [[nodiscard]] SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs = SidNeeds::record);
 
 }  // namespace wheeltap::apps

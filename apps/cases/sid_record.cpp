@@ -13,7 +13,7 @@ namespace {
 
 using Role = SidChannel::Role;
 
-/// Several records are several simulations.
+/// Each of several records is a separate simulation.
 std::uint64_t seed_of(const SidCase& sid_case) {
   return sid_case.truth->seed + static_cast<std::uint64_t>(sid_case.number - 1);
 }
@@ -28,7 +28,8 @@ RecordUse parse_use(const CaseFile& file) {
   use.band_limited = r.value("between_samples", "linear") == "band-limited";
   if (r.contains("upsample")) {
     if (!use.band_limited) {
-      file.refuse(Pointer("/record/upsample"), "goes with \"between_samples\": \"band-limited\"");
+      file.refuse(Pointer("/record/upsample"),
+                  "is allowed with \"between_samples\": \"band-limited\"");
     }
     use.upsample = r["upsample"].get<int>();
   }

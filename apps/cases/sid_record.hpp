@@ -1,4 +1,4 @@
-// The record that a system-identification case names, or simulates.
+// The record of a system-identification case, from a file or simulated.
 #pragma once
 
 #include "apps/cases/sid_case.hpp"
@@ -6,14 +6,14 @@
 
 namespace wheeltap::apps {
 
-/// These columns of the record whose path stands at `where`, all where none are named but those to
-/// be ignored, in the layout that the block about it states. Throws Failure.
+/// Reads `columns` of the file whose path is at `where`; without `columns`, all columns except
+/// `ignored`. The block around `where` states the layout. Throws Failure.
 [[nodiscard]] signals::Record read_record(const CaseFile& file, const Pointer& where,
                                           std::vector<std::string> columns = {},
                                           std::vector<std::string> ignored = {});
 
-/// Reads the record, or simulates it, and puts it into the case, its initial states where they are
-/// to be inferred, and what it makes one doubt. Throws Failure.
+/// Reads or simulates the record and stores it in the case, together with initial states to be
+/// inferred and remarks on the record. Throws Failure.
 void load_record(SidCaseFile& parsed);
 
 }  // namespace wheeltap::apps

@@ -15,7 +15,7 @@ namespace {
 
 using Role = SidChannel::Role;
 
-constexpr int kPointsASample = 8;  // of a band-limited excitation
+constexpr int kPointsASample = 8;  // samples per period of a band-limited excitation
 
 Role role_of(const Json& excitation) {
   return !excitation.contains("base")                         ? Role::force
@@ -23,7 +23,7 @@ Role role_of(const Json& excitation) {
                                                               : Role::base_acceleration;
 }
 
-// A coefficient that a discovery has named: no initial state or autocorrelation, which are 0.
+// A coefficient named by a discovery; initial states and autocorrelations are 0.
 bool belongs_to_a_term(const SidCase& sid_case, int parameter) {
   if (!sid_case.discovery) return false;
   return std::ranges::any_of(sid_case.discovery->terms, [&](const SidTerm& term) {
@@ -44,14 +44,14 @@ void add_true_excitations(SidCaseFile& parsed) {
       file.refuse(where, "must have either a \"mass\" or \"base\": true");
     }
     if (list[i].contains("quantity") && !base) {
-      file.refuse(where / "quantity", "goes with \"base\": true only");
+      file.refuse(where / "quantity", "is allowed with \"base\": true only");
     }
     const Role role = role_of(list[i]);
     const int mass = list[i].value("mass", 0);
     const int masses = out.models[static_cast<std::size_t>(out.truth->model)].chain.size();
     if (mass > masses) {
       file.refuse(where / "mass",
-                  "no such mass; the true model has masses 1 to " + std::to_string(masses));
+                  "unknown mass; the true model has masses 1 to " + std::to_string(masses));
     }
     if (std::ranges::any_of(
             out.channels, [&](const SidChannel& c) { return c.role == role && c.mass == mass; })) {
@@ -144,7 +144,7 @@ void parse_truth(SidCaseFile& parsed) {
     truth.noise = t["noise"].get<std::vector<double>>();
     if (truth.noise.size() != responses) {
       file.refuse(where / "noise",
-                  "must have one value a response channel: " + std::to_string(responses));
+                  "must have one value per response channel: " + std::to_string(responses));
     }
   } else if (t.contains("noise")) {
     truth.noise.assign(responses, t["noise"].get<double>());

@@ -1,20 +1,19 @@
-// The part of a system-identification case that simulates its record.
+// The truth of a system-identification case, which simulates its record.
 #pragma once
 
 #include "apps/cases/sid_case.hpp"
 
 namespace wheeltap::apps {
 
-/// The case is simulated, and its truth moves the base, or gives the base's displacement.
+/// Whether the case is simulated and its truth moves the base; the second: by a displacement.
 [[nodiscard]] bool truth_moves_base(const Json& json);
 [[nodiscard]] bool truth_displaces_base(const Json& json);
 
-/// The true model and its parameters, where the case has a truth; channels of its excitations,
-/// which are measured exactly, also where no channel asks for it. Parameters, channels and models
-/// must be there already.
+/// Parses the true model and its parameters if the case has a truth. Adds a channel, without noise,
+/// for each excitation that has none. Parameters, channels and models must be parsed already.
 void parse_truth(SidCaseFile& parsed);
 
-/// What drives the true model; reads the files that it names.
+/// Parses the excitations of the true model and reads their files.
 void parse_excitations(SidCaseFile& parsed);
 
 }  // namespace wheeltap::apps

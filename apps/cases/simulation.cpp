@@ -46,7 +46,7 @@ SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed)
 Json with_simulated(const DamageCaseFile& parsed, const FrequencyData& data, std::uint64_t seed) {
   const DamageCase& damage_case = parsed.damage;
   Json json = parsed.file.json;
-  if (!json["data"].is_object()) json["data"] = Json::object();  // its truth says all
+  if (!json["data"].is_object()) json["data"] = Json::object();  // the truth defines all data
   for (const char* key : {"file", "columns", "row", "modes", "seed"}) json["data"].erase(key);
   json["data"]["frequencies"] = data.frequencies_hz;
   const auto says = [&](const char* key) { return json["data"].contains(key); };

@@ -1,4 +1,4 @@
-// What a case's truth would measure, before it is written anywhere.
+// Data simulated from a case's truth, not yet written.
 #pragma once
 
 #include <cstdint>
@@ -13,20 +13,20 @@ namespace wheeltap::apps {
 
 struct DamageCaseFile;
 
-/// A damage or update case with modes simulated from its truth in place of its data.
+/// A damage or update case whose data are modes simulated from its truth.
 struct SimulatedCase {
   Json json;
   int modes = 0;
-  std::string origin;  ///< of the numbers, in words
+  std::string origin;  ///< origin of the numbers, in words
 };
-/// `seed` is of the noise; none: the truth's own, or 1. Throw Failure.
+/// `seed` is the seed of the noise; empty: the truth's, or 1. Throw Failure.
 [[nodiscard]] SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed);
 [[nodiscard]] SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed);
-/// The case with these frequencies, and shapes where it has sensors. Throws Failure.
+/// The case with these frequencies, and shapes if it has sensors. Throws Failure.
 [[nodiscard]] Json with_simulated(const DamageCaseFile& parsed,
                                   const identification::FrequencyData& data, std::uint64_t seed);
 
-/// The record that a sid case's truth produces.
+/// The record simulated from the truth of a sid case.
 struct SimulatedRecord {
   signals::Record record;
   std::string title;

@@ -34,7 +34,7 @@ std::vector<Pointer> blocks(const CaseFile& file) {
   return out;
 }
 
-/// The states of a block, or the block itself.
+/// The places of the states of a block, or of the block itself.
 std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
   const Json& block = file.json.at(where);
   if (!block.contains("states")) return {where};
@@ -43,7 +43,7 @@ std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
   return out;
 }
 
-/// What the block says of all its states, each state's own words first.
+/// A state with the keys of its block; the keys of the state take precedence.
 void inherit(Json& state, const Json& block) {
   static constexpr std::array<std::array<const char*, 3>, 3> alternatives = {
       {{"frequencies", "file", "from"},
@@ -56,13 +56,13 @@ void inherit(Json& state, const Json& block) {
       return std::ranges::find(keys, key) != keys.end() &&
              std::ranges::any_of(keys, [&](const char* k) { return state.contains(k); });
     });
-    // A modes.json says how exact it is.
+    // A modes.json contains its uncertainty.
     const bool by_file = state.contains("from") && (key == "cov" || key == "shape_sd");
     if (!said && !by_file) state[key] = value;
   }
 }
 
-/// Known masses that were added in a state.
+/// Parser of known masses added in a state.
 class MassParser {
  public:
   MassParser(const CaseFile& file, const AnyStructure& structure)
@@ -75,14 +75,16 @@ class MassParser {
     for (std::size_t i = 0; i < file_.json.at(list).size(); ++i) {
       const Pointer at = list / i;
       const Json& m = file_.json.at(at);
-      if (!m.contains("mass")) file_.refuse(at / "mass", "is missing: the mass added, in kg");
+      if (!m.contains("mass"))
+        file_.refuse(at / "mass", "is missing: must be the added mass in kg");
       if (m.contains("inertia"))
-        file_.refuse(at / "inertia", "is not used: a mass that is added here has none");
+        file_.refuse(at / "inertia",
+                     "is not supported: added masses are point masses without inertia");
       const std::size_t before = out.size();
       for (fem::SparseRow& motion : motions(at))
         if (!motion.empty())
           out.push_back({.motion = std::move(motion), .mass = m.at("mass").get<double>()});
-      if (out.size() == before) file_.refuse(at, "does not move: a support holds it");
+      if (out.size() == before) file_.refuse(at, "does not move: a support fixes it");
     }
     return out;
   }
@@ -91,7 +93,8 @@ class MassParser {
   std::vector<fem::SparseRow> motions(const Pointer& at) const {
     const Json& m = file_.json.at(at);
     if (file_.json.contains("beam")) return on_beam(at);
-    if (!m.contains("node")) file_.refuse(at / "node", "is missing: where the mass was added");
+    if (!m.contains("node"))
+      file_.refuse(at / "node", "is missing: must be the place of the added mass");
     const std::string name = text_or_number(m.at("node"));
     if (mesh_) {
       const auto& nodes = mesh_->structure().nodes;
@@ -129,13 +132,13 @@ class MassParser {
     while (member + 1 < members && left >= mesh_->member_length(member))
       left -= mesh_->member_length(member++);
     if (left > mesh_->member_length(member) * (1.0 + 1e-9))
-      file_.refuse(at / "at", "lies off the beam");
+      file_.refuse(at / "at", "is outside the beam");
     return {mesh_->motion(member, std::min(left, mesh_->member_length(member)), fem::Direction::y)};
   }
 
   [[noreturn]] void refuse_name(const Pointer& at, const std::string& name,
                                 const std::vector<std::string>& names) const {
-    file_.refuse(at / "node", "nothing has this name" + did_you_mean(name, names));
+    file_.refuse(at / "node", "no place has this name" + did_you_mean(name, names));
   }
 
   const CaseFile& file_;
@@ -143,7 +146,7 @@ class MassParser {
   std::optional<fem::Mesh> mesh_;
 };
 
-/// What is unknown of the scatters is one for all states.
+/// Checks that all states share the unknown scatters.
 void check_scatters(const CaseFile& file, const Pointer& where, const ModalData& first,
                     const ModalData& data) {
   const auto same = [](const std::optional<inference::Prior>& a,
@@ -151,14 +154,17 @@ void check_scatters(const CaseFile& file, const Pointer& where, const ModalData&
     return a.has_value() == b.has_value() && (!a || a->describe() == b->describe());
   };
   if (!same(first.cov_prior, data.cov_prior))
-    file.refuse(where / "cov", "must be inferred in every state under one prior, or in none");
+    file.refuse(where / "cov",
+                "must have the same prior in every state, or be known in every state");
   if (first.has_shapes() && data.has_shapes() && !same(first.shape_sd_prior, data.shape_sd_prior))
-    file.refuse(where / "shape_sd", "must be inferred in every state under one prior, or in none");
+    file.refuse(where / "shape_sd",
+                "must have the same prior in every state, or be known in every state");
   const auto one = [&](const Scatter& a, const Scatter& b, const char* key) {
     if (a.none() || b.none()) return;
     if (!same(a.prior, b.prior) || a.value != b.value)
-      file.refuse(where / "discrepancy" / key,
-                  "must be the same in every state: it is the model's, not a measurement's");
+      file.refuse(
+          where / "discrepancy" / key,
+          "must be the same in every state: it is an error of the model, not of a measurement");
   };
   one(first.discrepancy, data.discrepancy, "cov");
   one(first.shape_discrepancy, data.shape_discrepancy, "shape");
@@ -166,7 +172,7 @@ void check_scatters(const CaseFile& file, const Pointer& where, const ModalData&
   one(first.stiffness_discrepancy, data.stiffness_discrepancy, "stiffness");
 }
 
-/// Temperatures above the reference, and how the stiffness follows them.
+/// Temperatures relative to the reference, and the temperature coefficient of the stiffness.
 void parse_temperature(const CaseFile& file, const std::vector<Pointer>& where,
                        ObservedStates& out) {
   double sum = 0.0, count = 0.0;
@@ -177,13 +183,13 @@ void parse_temperature(const CaseFile& file, const std::vector<Pointer>& where,
   }
   if (count == 0.0) {
     if (file.json.contains(kTemperature))
-      file.refuse(kTemperature, "goes with states that have a \"temperature\"");
+      file.refuse(kTemperature, "needs states with a \"temperature\"");
     return;
   }
   if (!file.json.contains(kTemperature))
     file.refuse(kTemperature,
-                "is missing: {\"stiffness_per_kelvin\": prior}, by which share the stiffness "
-                "changes with each kelvin, e.g. {\"normal\": [-4e-4, 4e-4]}");
+                "is missing: {\"stiffness_per_kelvin\": prior}, the relative change of the "
+                "stiffness per kelvin, e.g. {\"normal\": [-4e-4, 4e-4]}");
   out.per_kelvin = parse_prior(file, kTemperature / kPerKelvin);
   const double reference = file.json.at(kTemperature).value("reference", sum / count);
   for (std::size_t s = 0; s < where.size(); ++s) {
@@ -199,10 +205,10 @@ bool has_states(const CaseFile& file) {
   if (!file.json.value("parameters", Json::object()).empty()) return true;
   for (const Pointer& where : blocks(file)) {
     if (has_any(file.json.at(where), {"states", "masses", "temperature", "known"})) return true;
-    // So is what is integrated out of the modes of all pieces.
+    // Stiffness errors of pieces are integrated out in the states.
     const Json discrepancy = file.json.at(where).value("discrepancy", Json());
     if (discrepancy.is_object() && discrepancy.contains("stiffness")) return true;
-    // Beside frequencies alone, a baseline is a state, too.
+    // A baseline with more than frequencies is also a state.
     if (where == kBaseline &&
         has_any(file.json.at(where), {"from", "sensors", "shapes", "covariance", "discrepancy"}))
       return true;
@@ -220,7 +226,8 @@ CaseFile with_known(const CaseFile& file) {
       for (const auto& [name, value] : state.at("known").items()) {
         const Json& own = file.json.value("parameters", Json::object());
         if (own.contains(name))
-          file.refuse(where / "known" / name, "has a prior in /parameters: it is one or the other");
+          file.refuse(where / "known" / name,
+                      "also has a prior in /parameters: a coefficient is either known or unknown");
         const double x = value.get<double>();
         auto [at, first] = range.try_emplace(name, x, x);
         at->second = {std::min(at->second.first, x), std::max(at->second.second, x)};
@@ -247,7 +254,7 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
       Json& state = file.json[of_block[i]];
       if (block != of_block[i]) {
         if (state.contains("states"))
-          given.refuse(of_block[i] / "states", "a state has no states of its own");
+          given.refuse(of_block[i] / "states", "a state cannot contain states");
         inherit(state, given.json.at(block));
       }
       where.push_back(of_block[i]);
@@ -272,39 +279,40 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
     if (!state.data.stiffness_discrepancy.none() &&
         (!damage || std::holds_alternative<fem::MatrixStructure>(out.model->nominal)))
       given.refuse(where[s] / "discrepancy" / "stiffness",
-                   std::string("goes with damage of members and chains: ") +
+                   std::string("is allowed for damage of members and chains only: ") +
                        (damage ? "matrices have no pieces" : "an update has no damage") +
-                       "; name the stiffnesses that may be wrong in /parameters");
+                       "; give the uncertain stiffnesses priors in /parameters");
     if (const auto* members = std::get_if<fem::Structure>(&out.model->nominal);
         members && !state.data.stiffness_discrepancy.none() &&
         std::ranges::any_of(members->members, [](const fem::Member& m) {
           return m.axial_force != 0.0 || m.foundation > 0.0;
         }))
       given.refuse(where[s] / "discrepancy" / "stiffness",
-                   "does not go with axial forces and foundations");
+                   "is not allowed with axial forces and foundations");
     if (state.data.doubt > 0.0)
-      file.refuse(where[s] / "doubt", "goes with one state: leave spurious modes out of \"modes\"");
+      file.refuse(where[s] / "doubt",
+                  "is allowed with one state only: remove spurious modes from \"modes\"");
     if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {
-      // Nothing was measured here: all is to be foretold.
+      // Nothing was measured in this state: all its modes are predicted.
       const auto n = static_cast<std::size_t>(state.data.predict);
       state.data.frequencies_hz.assign(n, kNaN);
       state.data.covariance = Eigen::MatrixXd::Zero(state.data.predict, state.data.predict);
-      state.data.origin = "to be foretold";
+      state.data.origin = "to be predicted";
       state.data.predict = 0;
     }
     if (state.data.modes() == 0)
       given.refuse(where[s], "no data: give \"frequencies\", a \"file\" or \"from\"");
     if (state.data.predict > 0)
-      given.refuse(where[s] / "predict",
-                   "goes with states in which nothing was measured: give it in "
-                   "place of \"frequencies\"");
+      given.refuse(
+          where[s] / "predict",
+          "is allowed only in states without measurements: give it in place of \"frequencies\"");
     for (const double f : state.data.frequencies_hz)
       if (!std::isnan(f) && !(f > 0.0)) given.refuse(where[s], "frequencies must be positive");
     if (s > 0) check_scatters(given, where[s], out.list[0].data, state.data);
     if (json.contains("masses")) state.masses = masses.parse(where[s] / "masses");
     for (const std::string& name : known) {
       if (!json.value("known", Json::object()).contains(name))
-        given.refuse(where[s] / "known" / name, "is missing: every state must set it");
+        given.refuse(where[s] / "known" / name, "is missing: every state must give it a value");
       state.known.push_back(json["known"][name].get<double>());
     }
     out.list.push_back(std::move(state));
@@ -320,7 +328,8 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
                  DamageCase& out, const SimulatedModes* simulated) {
   if (out.emulator)
     file.refuse(Pointer("/predictor"),
-                "an emulator predicts one beam: with unknown coefficients or states use \"fe\"");
+                "an emulator supports one beam with known coefficients: with unknown coefficients "
+                "or states use \"fe\"");
   ObservedStates states = parse_states(file, std::move(model), true, simulated);
   states.uniform = uniform;
   const bool healthy = std::ranges::any_of(states.list, [](const auto& s) { return !s.damaged; });
@@ -328,8 +337,8 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
   if (healthy && states.parameters().empty() && all.discrepancy.none() &&
       all.stiffness_discrepancy.none())
     file.refuse(kBaseline,
-                "tells nothing here: name the coefficients that may be wrong, in \"parameters\", "
-                "or give a \"discrepancy\", by which the model is wrong in every state");
+                "has no effect: give the uncertain coefficients priors in \"parameters\", or give "
+                "a \"discrepancy\", the model error common to all states");
   const ModalData joined = states.joined();
   if (std::ranges::none_of(states.list, &ObservedState::damaged))
     file.refuse(kData, "is missing: must be an object");

@@ -1,5 +1,5 @@
-// The states of a case: what was measured of the healthy structure and of the damaged one, with
-// masses added, at temperatures, with coefficients that were set; and the unknown coefficients.
+// States of a case: data of the healthy and the damaged structure, each with added masses, a
+// temperature and known coefficients; and the unknown coefficients.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
@@ -10,23 +10,22 @@ namespace wheeltap::apps {
 
 struct SimulatedModes;
 
-/// Whether the data are those of states: coefficients are unknown ("parameters"), or there are
-/// "states", "masses", "temperature" or "known".
+/// Whether the case has states: unknown coefficients ("parameters"), or "states", "masses",
+/// "temperature" or "known".
 [[nodiscard]] bool has_states(const CaseFile& file);
 
-/// The case with a prior for each coefficient that its states set ("known"), which the parsers of
-/// structures then take for a parameter. Throws Failure for a name that /parameters has, too.
+/// The case with a prior for each coefficient that its states set ("known"), so that parsers of
+/// structures treat it as a parameter. Throws Failure for a name that is also in /parameters.
 [[nodiscard]] CaseFile with_known(const CaseFile& file);
 
-/// The states at /data, and, where `damage` is asked about, of the healthy structure at
-/// /baseline/data. `simulated`: in place of modes at /data. Throws Failure,
-/// identification::InvalidInput.
+/// Parses the states at /data and, with `damage`, those of the healthy structure at /baseline/data.
+/// `simulated` replaces the modes at /data. Throws Failure, identification::InvalidInput.
 [[nodiscard]] identification::ObservedStates parse_states(
     const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage,
     const SimulatedModes* simulated = nullptr);
 
-/// Reads states into a damage case: all that was measured, in a row. `uniform`: the parameters
-/// leave the structure as symmetric as it is at the medians. Throws Failure.
+/// Parses states into a damage case, with the measurements of all states in one vector. `uniform`:
+/// the parameters do not change the symmetry that the structure has at the medians. Throws Failure.
 void take_states(const CaseFile& file, std::shared_ptr<const identification::StructureModel> model,
                  bool uniform, identification::DamageCase& out,
                  const SimulatedModes* simulated = nullptr);

@@ -20,7 +20,7 @@ namespace {
 
 using Sites = DefectType::Sites;
 
-/// What defects may be on: names, and the sites that these are.
+/// Possible places of defects: names and their sites.
 struct DamagePlaces {
   std::string what;  ///< "member"
   std::vector<std::string> names;
@@ -37,13 +37,13 @@ class KindParser {
     const Json& b = file_.json.at(where);
     const auto type_name = b.at("kind").get<std::string>();
     const DefectType* type = find_defect_type(type_name);
-    // A chain has masses, and no members.
+    // A chain has masses instead of members.
     if (type == &defects::kMass &&
         std::holds_alternative<fem::LumpedChain>(out_.structure->nominal))
       type = &defects::kFloorMass;
     if (type == &defects::kSubstructure && mesh_) type = &defects::kMemberGroup;
     if (type == nullptr || type->place_in_structure == nullptr)
-      file_.refuse(where / "kind", "this version does not know it; there are " + known());
+      file_.refuse(where / "kind", "unknown kind of defect; there are " + known());
     const DamagePlaces places = places_of(*type, where);
     const std::string severity(type->severity);
     for (const DefectType* other : defect_types()) {
@@ -56,7 +56,8 @@ class KindParser {
     refuse_unless(where, "fix", type_name, "support");
     refuse_unless(where, "groups", type_name, "substructure");
     if (type == &defects::kSubstructure && b.contains("groups"))
-      file_.refuse(where / "groups", "goes with members; the parts of \"matrices\" have names");
+      file_.refuse(where / "groups",
+                   "is allowed with members only; the parts of \"matrices\" have names");
     const int min = b["count"].value("min", 0), max = b["count"].at("max").get<int>();
     if (min > max)
       file_.refuse(where / "count" / "min", "must not exceed max, which is " + std::to_string(max));
@@ -99,7 +100,8 @@ class KindParser {
   void refuse_unless(const Pointer& where, const char* key, const std::string& type,
                      const char* goes_with) const {
     if (type != goes_with && file_.json.at(where).contains(key))
-      file_.refuse(where / key, "goes with \"kind\": \"" + std::string(goes_with) + "\" only");
+      file_.refuse(where / key,
+                   "is allowed with \"kind\": \"" + std::string(goes_with) + "\" only");
   }
 
   DamagePlaces places_of(const DefectType& type, const Pointer& where) const {
@@ -107,7 +109,8 @@ class KindParser {
     const auto* chain = std::get_if<fem::LumpedChain>(&out_.structure->nominal);
     if (type.sites == Sites::links) {
       if (chain == nullptr)
-        file_.refuse(where / "kind", "a storey is a link of a \"chain\"; this structure is none");
+        file_.refuse(where / "kind",
+                     "a storey is a link of a \"chain\"; this structure is not a chain");
       out.what = "link";
       for (const auto& link : chain->links) out.names.push_back(link.name);
       return out;
@@ -126,8 +129,8 @@ class KindParser {
     if (type.sites == Sites::substructures) {
       if (matrices == nullptr)
         file_.refuse(where / "kind",
-                     "a substructure is a part of \"matrices\" or a group of members; a \"chain\" "
-                     "has \"storey\"");
+                     "a substructure is a part of \"matrices\" or a group of members; use "
+                     "\"storey\" for a \"chain\"");
       out.what = "substructure";
       for (const auto& part : matrices->parts) out.names.push_back(part.name);
       return out;
@@ -139,8 +142,9 @@ class KindParser {
       return out;
     }
     if (!mesh_)
-      file_.refuse(where / "kind", chain ? "needs members; a \"chain\" has \"storey\" and \"mass\""
-                                         : "needs members; \"matrices\" have \"substructure\"");
+      file_.refuse(where / "kind", chain
+                                       ? "needs members; use \"storey\" or \"mass\" for a \"chain\""
+                                       : "needs members; use \"substructure\" for \"matrices\"");
     const fem::Structure& s = mesh_->structure();
     if (type.sites == Sites::nodes) {
       out.what = "node";
@@ -159,7 +163,7 @@ class KindParser {
                  "there is no " + places.what + " of this name" + did_you_mean(name, places.names));
   }
 
-  /// A site by its name, or by its number in the case's order.
+  /// Parses a site: its name, or its number in the order of the case.
   int site_of(const Pointer& where, const DamagePlaces& places) const {
     const Json& named = file_.json.at(where);
     if (!named.is_number()) return find(where, places, named.get<std::string>());
@@ -185,7 +189,7 @@ class KindParser {
           file_.refuse(at / i, "is in this substructure already");
         out.back().push_back(member);
       }
-      // Maps of the structure onto itself would not know which of the two is meant.
+      // Symmetries of the structure could not distinguish the two.
       const auto same = std::ranges::find_if(out, [&](const std::vector<int>& other) {
         return std::ranges::is_permutation(other, out.back());
       });
@@ -198,7 +202,8 @@ class KindParser {
   SiteLine line(const Pointer& where, const DefectType& type, const DamagePlaces& places) const {
     const Json& b = file_.json.at(where);
     if (places.names.empty())
-      file_.refuse(where / "kind", "the structure has no " + places.what + " that it could be on");
+      file_.refuse(where / "kind",
+                   "the structure has no " + places.what + " for this kind of defect");
     std::vector<int> sites;
     std::vector<double> weights;
     if (!b.contains("on")) {
@@ -215,7 +220,7 @@ class KindParser {
       }
       if (sites.empty()) file_.refuse(where / "on", "at least one weight must be > 0");
     }
-    // In the order of the case, each once.
+    // In the order of the case, without duplicates.
     std::vector<std::size_t> order(sites.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
     std::ranges::sort(order, {}, [&](std::size_t i) { return sites[i]; });
@@ -236,7 +241,7 @@ class KindParser {
 
   fem::Direction direction(const Pointer& where) const {
     if (!file_.json.contains(where))
-      file_.refuse(where, "is missing: say which direction the support holds, e.g. [\"y\"]");
+      file_.refuse(where, "is missing: must be the direction that the support holds, e.g. [\"y\"]");
     const auto name = file_.json.at(where)[0].get<std::string>();
     const int dimension = mesh_->structure().dimension;
     for (int d = 0; d < fem::kDirections; ++d) {
@@ -248,7 +253,7 @@ class KindParser {
         return one;
     }
     file_.refuse(where / 0,
-                 "is no direction of a structure of dimension " + std::to_string(dimension));
+                 "is not a direction of a structure of dimension " + std::to_string(dimension));
   }
 
   double longest_member() const {
@@ -284,14 +289,15 @@ class KindParser {
         return d[key].get<double>();
       };
       if (!d.contains(places.what))
-        file_.refuse(at / places.what, "is missing: say which " + places.what + " by its name");
+        file_.refuse(at / places.what, "is missing: must be the name of a " + places.what);
       const int site = site_of(at / places.what, places);
       const bool along = kind.type->sites == Sites::members;
       const double s = along ? number("location") : 0.0;
       const double x = kind.line.x_of(site, s);
-      if (std::isnan(x)) file_.refuse(at / places.what, "is not one that this kind may be on");
+      if (std::isnan(x))
+        file_.refuse(at / places.what, "is not a possible place of this kind of defect");
       if (along && !(s >= 0.0 && s <= mesh_->member_length(site)))
-        file_.refuse(at / "location", "lies outside the member, which is " +
+        file_.refuse(at / "location", "is outside the member, which is " +
                                           Json(mesh_->member_length(site)).dump() + " m long");
       DefectKind::True truth{.location = x, .severity = std::numeric_limits<double>::infinity()};
       if (!kind.type->may_be_known || d.contains(severity)) truth.severity = number(severity);
@@ -315,7 +321,7 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
   try {
     const fem::Discretisation d = discretise(out.structure->nominal);
     out.rigid_body_modes = static_cast<int>(d.rigid_motions.cols());
-    int most_supports = 0;  // each may be rigid, and takes a mode
+    int most_supports = 0;  // each may be rigid, which removes a mode
     for (const DefectKind& kind : out.kinds)
       if (kind.type->may_be_known)
         most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
@@ -324,7 +330,8 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
       f.refuse(out.data.modes() > 0 ? Pointer("/data") : Pointer("/data/modes"),
                std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
                    ", the elastic modes of this mesh" +
-                   (most_supports > 0 ? " that supports may leave" : "") + "; refine \"elements\"");
+                   (most_supports > 0 ? " that remain with rigid supports" : "") +
+                   "; refine \"elements\"");
   } catch (const fem::InvalidStructure& error) {
     refuse_structure(f, out.structure->nominal, error);
   }
@@ -338,13 +345,14 @@ void parse_extent(const CaseFile& file, const Pointer& where, double most,
   if (b["extent"].is_object())
     kind.extent_prior = bounded_prior(
         file, where / "extent", 0.0, most,
-        "an extent lies in [0, " + Json(most).dump() + "] m, the length of what it is on");
+        "an extent lies in [0, " + Json(most).dump() + "] m, up to the member's length");
 }
 
 double true_extent(const CaseFile& file, const Pointer& where, const DefectKind& kind) {
   const Json& d = file.json.at(where);
   if (!kind.extent_prior) {
-    if (d.contains("extent")) file.refuse(where / "extent", "is not among this kind's unknowns");
+    if (d.contains("extent"))
+      file.refuse(where / "extent", "is not an unknown of this kind of defect");
     return 0.0;
   }
   if (!d.contains("extent") || !d["extent"].is_number())
@@ -361,7 +369,7 @@ const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where)
   std::string list;
   for (const fem::CrackLaw& law : fem::crack_laws())
     list += (list.empty() ? "\"" : ", \"") + std::string(law.name) + "\"";
-  file.refuse(where / "law", "no such crack law; there are " + list);
+  file.refuse(where / "law", "unknown crack law; there are " + list);
 }
 
 void parse_structure_kinds(const CaseFile& file, DamageCase& out, std::vector<Pointer>& kinds) {

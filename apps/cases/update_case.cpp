@@ -17,7 +17,7 @@ namespace {
 
 const Pointer kUpdateData("/data"), kTruth("/truth");
 
-/// A coefficient of variation is "cov" in a case, or "cv".
+/// "cv" is an alias of "cov" in a case.
 void accept_update_cv(CaseFile& file) {
   std::vector<Pointer> places = {kUpdateData, kTruth, kUpdateData / "discrepancy"};
   if (file.json.contains(kUpdateData / "states") && file.json.at(kUpdateData / "states").is_array())
@@ -28,7 +28,7 @@ void accept_update_cv(CaseFile& file) {
       continue;
     Json& block = file.json.at(at);
     if (!block.contains("cv")) continue;
-    if (block.contains("cov")) file.refuse(at / "cv", "says the same as \"cov\": give one of them");
+    if (block.contains("cov")) file.refuse(at / "cv", "is an alias of \"cov\": give one of them");
     block["cov"] = block["cv"];
     block.erase("cv");
   }
@@ -45,8 +45,7 @@ void parse_truth(const CaseFile& f, UpdateCase& out) {
   for (const auto& parameter : out.structure->parameters) {
     if (!values.contains(parameter.name))
       f.refuse(kTruth / "parameters" / parameter.name,
-               "is missing: the truth has a number for "
-               "every parameter");
+               "is missing: the truth needs a value of every parameter");
     simulation.parameters.push_back(values[parameter.name].get<double>());
   }
   for (const auto& [name, ignored] : values.items())
@@ -54,24 +53,25 @@ void parse_truth(const CaseFile& f, UpdateCase& out) {
         out.structure->parameters.end())
       f.refuse(kTruth / "parameters" / name, "no parameter has this name");
   if (simulation.shape_sd > 0.0 && out.data.sensors.empty())
-    f.refuse(kTruth / "shape_sd", "goes with \"sensors\" in data, which say where");
+    f.refuse(kTruth / "shape_sd", "needs \"sensors\" in data");
   out.simulation = std::move(simulation);
 }
 
-/// How exact the simulated modes are, where the data do not say.
+/// Uncertainty of the simulated modes, if the data do not give it.
 void take_truth(const CaseFile& f, UpdateCase& out, std::uint64_t seed) {
   const Json data = f.json.value("data", Json::object());
   const ModalSimulation& truth = *out.simulation;
   for (const char* key : {"sd", "covariance", "shape_covariance"})
     if (data.contains(key))
       f.refuse(kUpdateData / key,
-               "goes with measured modes; the truth has \"cov\" and \"shape_sd\"");
+               "is allowed with measured modes only; use \"cov\" and \"shape_sd\" of the truth");
   if (data.contains("shape_sd") && data["shape_sd"].is_array())
-    f.refuse(kUpdateData / "shape_sd", "must be one number, or a prior, where modes are simulated");
+    f.refuse(kUpdateData / "shape_sd", "must be one number, or a prior, for simulated modes");
   const double stated =
       data.contains("cov") && data["cov"].is_number() ? data["cov"].get<double>() : truth.cov;
   if (!(stated > 0.0) && !out.data.cov_prior)
-    f.refuse(kTruth / "cov", "is missing: say how exact the frequencies are, here or in data");
+    f.refuse(kTruth / "cov",
+             "is missing: give the uncertainty of the frequencies, here or in data");
   out.data.covariance.resize(0, 0);
   out.data.shapes.resize(0, 0);
   out.data.shape_covariances.clear();
@@ -107,7 +107,7 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
       f.refuse(at, std::to_string(modes) + " modes: must be at most " + std::to_string(most) +
                        ", the elastic modes that the structure has");
     };
-    // Of modes that are doubted some may be none of the structure's.
+    // With "doubt", some modes may be spurious.
     if (out.data.least_modes() > most && out.data.doubt == 0.0)
       refuse(kUpdateData, out.data.least_modes());
     if (out.data.modes() + out.data.predict > most && out.data.predict > 0)
@@ -121,9 +121,9 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
   }
 }
 
-/// Parameters that are a model's of someone else's, which has a structure that we do not see.
+/// Parses the parameters of an external model, whose structure is unknown.
 StructureModel parse_parameters_alone(const CaseFile& f) {
-  // Nobody solves it: it stands where data ask which places a structure has.
+  // Placeholder structure for the parser of data; it is never solved.
   StructureModel model{
       .nominal = fem::LumpedChain{.masses = {1.0},
                                   .links = {{.name = "", .between = {0, 1}, .stiffness = 1.0}}}};
@@ -134,21 +134,21 @@ StructureModel parse_parameters_alone(const CaseFile& f) {
   return model;
 }
 
-/// What goes with a structure that is seen, and not with a predictor of someone else's.
+/// Rejects keys that need a known structure, for an external predictor.
 void check_outside(const CaseFile& f, UpdateCaseFile& parsed) {
   for (const char* key : {"sensors", "shapes", "shape_sd", "shape_covariance", "states", "masses",
                           "temperature", "known"})
     if (f.json.contains(kUpdateData / key))
       f.refuse(kUpdateData / key,
-               "does not go with a predictor of one's own, which predicts frequencies");
+               "is not allowed with an external predictor, which predicts frequencies only");
   if (f.json.contains("temperature"))
-    f.refuse(Pointer("/temperature"), "does not go with a predictor of one's own");
+    f.refuse(Pointer("/temperature"), "is not allowed with an external predictor");
   std::vector<std::string> names;
   for (const auto& parameter : parsed.update.structure->parameters) names.push_back(parameter.name);
   parsed.outside = parse_outside(f, names);
 }
 
-// The data are one state's, or several.
+// The data of one state or of several.
 bool has_several(const CaseFile& f) {
   if (!f.json.contains(kUpdateData)) return false;
   const Json& data = f.json.at(kUpdateData);
@@ -191,22 +191,23 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
                        : json["notes"].get<std::vector<std::string>>();
   for (const std::string& name : scatter_names())
     if (json["parameters"].contains(name))
-      f.refuse(Pointer("/parameters") / name, "is the name of a scatter of the data: take another");
+      f.refuse(Pointer("/parameters") / name,
+               "is the reserved name of a scatter of the data: choose another name");
   const bool outside = has_outside_model(f);
   const bool alone = outside && !json.contains("structure");
   if (!outside && !json.contains("structure"))
     f.refuse(Pointer("/structure"),
-             "is missing: must be an object, unless a \"predictor\" of one's own takes its place");
+             "is missing: must be an object, unless an external \"predictor\" replaces it");
   if (alone && needs == UpdateNeeds::structure)
-    f.refuse(Pointer("/structure"), "is missing: there is nothing to solve but by the predictor");
-  if (alone && json.contains("truth"))
-    f.refuse(kTruth, "goes with a structure to simulate from, and there is none");
+    f.refuse(Pointer("/structure"),
+             "is missing: this command needs a structure, not only a predictor");
+  if (alone && json.contains("truth")) f.refuse(kTruth, "needs a structure to simulate from");
   out.structure = std::make_shared<const StructureModel>(alone ? parse_parameters_alone(f)
                                                                : parse_structure(with_known(f)));
   if (outside) check_outside(f, parsed);
   if (has_several(f)) {
     if (json.contains("truth"))
-      f.refuse(kTruth, "does not go with states: what was measured in them must be given");
+      f.refuse(kTruth, "is not allowed with states: give the measured data of each state");
     take_case_states(f, needs, out);
     return parsed;
   }

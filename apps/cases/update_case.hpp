@@ -1,4 +1,4 @@
-// An update case file, parsed once at the door.
+// An update case file, parsed into the types of the identification library.
 #pragma once
 
 #include <string>
@@ -17,17 +17,17 @@ struct UpdateCaseFile {
 };
 
 enum class UpdateNeeds {
-  structure,  ///< nothing more (`modes`)
-  truth,      ///< simulated data, whatever else there is (`simulate`)
+  structure,  ///< the structure only (`modes`)
+  truth,      ///< simulated data, in place of measured data (`simulate`)
   data        ///< measured modes, or a truth to simulate them from
 };
 
-/// Reads, checks and parses; simulates the data where the case has a truth and no modes, with
-/// `seed` or the truth's own. Throws Failure.
+/// Validates and parses a case. With a truth and no modes, simulates the data with `seed`, or with
+/// the truth's seed. Throws Failure.
 [[nodiscard]] UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs = UpdateNeeds::data,
                                                std::optional<std::uint64_t> seed = {});
 
-/// Where the prior of a parameter stands: /parameters/k1, /data/cov.
+/// The place of a parameter's prior: /parameters/k1, /data/cov.
 [[nodiscard]] Pointer prior_place(const identification::UpdateCase& update_case,
                                   const std::string& parameter);
 

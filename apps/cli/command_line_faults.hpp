@@ -1,4 +1,4 @@
-// What to type in place of a command line that CLI11 rejects.
+// Corrections of command lines that CLI11 rejects.
 #pragma once
 
 #include <optional>
@@ -12,16 +12,17 @@ class App;
 namespace wheeltap::apps {
 
 /// "damage has no option --quik; did you mean --quick?" for words that `command` of `app` does not
-/// take; empty where there are none.
+/// accept; empty if it accepts all words.
 [[nodiscard]] std::string unexpected_words(const CLI::App& app, const CLI::App& command);
 
-/// Why `word`, the first of the command line, is no command of `app`, and what to type.
+/// Message for an unknown command: `word`, the first of the command line, with a correction.
 [[nodiscard]] std::string unknown_command(const CLI::App& app, const std::string& word);
 
-/// "--output is required: …", with its own help and an example.
+/// "--output is required: …", with the help of the option and an example.
 [[nodiscard]] std::string output_is_missing(const CLI::App& command);
 
-/// What is missing of what `command` must have, and an example; none where nothing is.
+/// The first required option or argument of `command` that is missing, with an example; empty if
+/// none is missing.
 [[nodiscard]] std::optional<std::string> missing_option(const CLI::App& command);
 
 }  // namespace wheeltap::apps

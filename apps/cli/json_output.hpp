@@ -1,4 +1,4 @@
-// What a command prints with --json.
+// Standard output of a command with --json.
 #pragma once
 
 #include <iostream>
@@ -12,7 +12,7 @@
 
 namespace wheeltap::apps {
 
-/// With --json: standard output holds one JSON value, in place of all that commands print.
+/// With --json, standard output holds one JSON value in place of the text that commands print.
 class JsonOutput {
  public:
   JsonOutput(bool wanted, CommonOptions& common) : common_(common) {
@@ -29,12 +29,12 @@ class JsonOutput {
   JsonOutput& operator=(const JsonOutput&) = delete;
   ~JsonOutput() { give_back(); }
 
-  /// What the command said before it failed, if anything.
+  /// Prints the JSON that the command produced before it failed, if any.
   void print_said() {
     if (said_.empty()) return give_back();
     print();
   }
-  /// What the command said, else the summary in its folder.
+  /// Prints the JSON that the command produced, or else the summary in its folder.
   void print() {
     if (terminal_ == nullptr) return;
     give_back();

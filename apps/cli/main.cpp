@@ -10,7 +10,7 @@ namespace {
 
 using namespace wheeltap;
 
-// How the program is asked to start, before anything else of the command line is read.
+// Applies --simd before the command line is parsed.
 void obey_simd(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];

@@ -1,14 +1,13 @@
-// The program started once more, for what libraries read when it starts.
+// Restart of the program with environment variables that libraries read at start.
 #pragma once
 
 #include <string>
 
 namespace wheeltap::apps {
 
-/// Keeps libraries, which choose by the processor for themselves, to these instructions
-/// ("baseline", "avx2" or "avx512"): they read environment variables when the program starts, so it
-/// starts once more, with the same arguments. Returns where it has these variables, or cannot be
-/// started.
+/// Limits libraries that choose instructions by the processor to `instructions` ("baseline", "avx2"
+/// or "avx512"). They read environment variables at start, so the program restarts with the same
+/// arguments. Returns if the variables are set already or if the restart fails.
 void restart_with(const std::string& instructions, char** argv);
 
 }  // namespace wheeltap::apps

@@ -24,19 +24,19 @@ std::string& last_words() {
 }
 
 int report(Exit exit, const std::string& line) {
-  // Names, keys and values in it are a user's: one line, whatever they hold.
+  // The user's names, keys and values must not break the line.
   std::string words = io::printable(line);
-  // What was typed may be of any length; what it lacks stands before it or behind.
+  // The typed text may be long; the message is before it or after it.
   constexpr std::size_t kLongest = 1000;
   if (exit == Exit::usage && words.size() > kLongest)
     words.replace(kLongest / 2, words.size() - kLongest, " ... ");
-  words = io::printable(words);  // the cut may have halved a character
+  words = io::printable(words);  // the cut may have split a character
   std::cerr << "wheeltap: " << words << '\n';
   last_words() = words;
   return static_cast<int>(exit);
 }
 
-// The end of whatever says something: a full disk behind standard output is no success.
+// Flushes standard output; a full disk is an error.
 int printed() {
   std::cout.flush();
   if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
@@ -54,7 +54,7 @@ std::string joined(int argc, char** argv) {
   return line;
 }
 
-// Before there is anything to lose.
+// Checked before any result exists.
 void check_date_of_files() {
   try {
     (void)io::date_of_files();
@@ -63,7 +63,7 @@ void check_date_of_files() {
   }
 }
 
-// What --help says, for shells and manuals.
+// The texts of --help, for completion and the manual page.
 ProgramText text_of(const CLI::App& app) {
   ProgramText program{.name = "wheeltap",
                       .version = WHEELTAP_VERSION,
@@ -97,7 +97,7 @@ const Command& chosen_command(const std::vector<Command>& commands, const CLI::A
   return *std::ranges::find(commands, app.get_subcommands().front()->get_name(), &Command::name);
 }
 
-/// Why the command line cannot be read, and where help is.
+/// Message for an invalid command line, with a reference to --help.
 std::string parse_fault(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const auto chosen = app.get_subcommands();
   std::string what = error.what();
@@ -110,7 +110,7 @@ std::string parse_fault(const CLI::App& app, const CLI::ParseError& error, int a
       what = missing_option(command).value_or(what);
     }
   }
-  // The number may be the environment's, which nobody typed.
+  // The number may come from the environment variable.
   const bool typed = std::any_of(argv + 1, argv + argc, [](const char* word) {
     return std::string_view(word).starts_with("--threads");
   });
@@ -121,8 +121,7 @@ std::string parse_fault(const CLI::App& app, const CLI::ParseError& error, int a
          "--help)";
 }
 
-/// Under mpirun, ranks other than the first have work in some commands only. Returns whether this
-/// rank has.
+/// Whether this rank has work: under mpirun, ranks other than the first run some commands only.
 bool divide_among_ranks(const Command& command, CommonOptions& common) {
   if (base::ranks() == nullptr) return true;
   if (common.threads == 0) common.threads = 1;
@@ -133,9 +132,9 @@ bool divide_among_ranks(const Command& command, CommonOptions& common) {
 }
 
 int run(const std::vector<Command>& commands, int argc, char** argv) {
-  // A file that may not grow is an error of writing, which has a line and an exit code.
+  // Exceeding the file size limit must be a write error with a message and an exit code.
   std::signal(SIGXFSZ, SIG_IGN);
-  // What is ours is locked by ourselves, and on some file systems of clusters nothing can be.
+  // Wheeltap locks its own files, and some cluster file systems do not support locks.
   ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   CLI::App app{
       "Structural health monitoring: number, positions and severities of damages, with calibrated "
@@ -171,7 +170,8 @@ int run(const std::vector<Command>& commands, int argc, char** argv) {
     json.print();
     return printed();
   } catch (const FailedOnFirstRank&) {
-    return static_cast<int>(Exit::done);  // that one says and returns what it was
+    return static_cast<int>(
+        Exit::done);  // the first rank reports the failure and returns its exit code
   } catch (const std::exception&) {
     json.print_said();
     const Failure failure = failure_of(std::current_exception(), asked.common.case_path);

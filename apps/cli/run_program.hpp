@@ -1,4 +1,4 @@
-// The command line: which command it names, with which options, and how that ends.
+// Command-line parsing, dispatch to a command, and exit codes.
 #pragma once
 
 #include <vector>
@@ -7,9 +7,9 @@
 
 namespace wheeltap::apps {
 
-/// Reads the command line argv[1], …, argv[argc - 1] and runs the command of the list that it
-/// names, as one of the ranks where mpirun has started several; returns the exit code. A failure is
-/// one line on standard error.
+/// Parses the command line argv[1], …, argv[argc - 1], runs the command of the list that it names
+/// and returns the exit code. Under mpirun it runs as one of the ranks. A failure prints one line
+/// on standard error.
 [[nodiscard]] int run_program(const std::vector<Command>& commands, int argc, char** argv);
 
 }  // namespace wheeltap::apps

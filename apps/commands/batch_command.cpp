@@ -32,13 +32,13 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The command that runs a case of this kind. Throws Failure where there is none.
+/// The command that runs a case of this kind. Throws Failure if no command does.
 const Command& command_of(const CaseFile& file) {
   if (const Command* command = command_of_kind(file)) return *command;
   file.refuse(Pointer("/kind"), "a batch runs cases of the kinds " + listed(case_kinds()));
 }
 
-// A path that begins with a dash is no option.
+// A path that begins with a dash must not be parsed as an option.
 std::string as_argument(const std::filesystem::path& path) {
   const std::string text = path.string();
   return text.starts_with('-') ? "./" + text : text;
@@ -56,7 +56,7 @@ std::vector<std::string> arguments(const Command& command, const std::filesystem
     out.insert(out.end(), {option, Json(value).dump()});
   };
   for (const std::string& override : common.overrides) out.push_back("--set=" + override);
-  if (!command.make_run) return out;  // nothing goes on
+  if (!command.make_run) return out;  // nothing to resume
   add("--chains", sampling.chains);
   if (common.seed) add("--seed", *common.seed);
   if (sampling.warmup > 0) add("--warmup", sampling.warmup);
@@ -75,7 +75,7 @@ std::vector<std::string> arguments(const Command& command, const std::filesystem
   return out;
 }
 
-/// What the cases would take, a line each, and what all would.
+/// Prints the estimated cost of each case, one line per case, and of all cases.
 void estimate_batch(const std::vector<BatchCase>& cases, const CommonOptions& common,
                     const SamplingOptions& sampling) {
   const int threads = base::thread_count(common.threads);
@@ -118,7 +118,7 @@ void estimate_batch(const std::vector<BatchCase>& cases, const CommonOptions& co
                                      " cases would be refused");
 }
 
-/// Runs each case by a program of its own, on some thread of some rank.
+/// Runs each case in a separate process, on a thread of one of the ranks.
 class Batch {
  public:
   Batch(std::vector<BatchCase> cases, const CommonOptions& common, const SamplingOptions& sampling)
@@ -159,7 +159,7 @@ class Batch {
     return common_.output / cases_[static_cast<std::size_t>(at)].name;
   }
 
-  // A case a thread while there are as many `waiting`; what is left over goes to the last ones.
+  // One thread per case while that many are `waiting`; the last cases share the free threads.
   void run_case(int at, int waiting) {
     if (was_interrupted()) return;
     int threads = 0;
@@ -183,17 +183,17 @@ class Batch {
     }
     const std::scoped_lock lock(mutex_);
     free_ += threads;
-    if (!ended) return;  // it goes on another time
+    if (!ended) return;  // a later --resume continues it
     rows_[static_cast<std::size_t>(at)] = std::move(row);
     tell(at);
   }
 
-  /// Until it ends; false where it has been stopped with the batch.
+  /// Waits until it ends; false if it was stopped with the batch.
   bool run_program(const std::vector<std::string>& words, int threads, int at,
                    BatchRow& row) const {
     constexpr int kMilliseconds = 200;
     const auto began = Clock::now();
-    // How many threads were free is no part of the command that its files tell.
+    // The number of free threads is not part of the command stored in the results.
     ChildProgram program(words, {std::string(kThreadsVariable) + "=" + std::to_string(threads)});
     std::optional<int> exit;
     for (bool told = false; !exit; exit = program.ended()) {
@@ -213,7 +213,7 @@ class Batch {
       take_from_summary(folder(at), row);
     } else {
       row.error = program.last_line();
-      if (row.error.empty()) row.error = "ended without a word";
+      if (row.error.empty()) row.error = "ended without an error message";
       if (*exit > 128 && !stopped) row.error = "ended by signal " + std::to_string(*exit - 128);
     }
     return true;
@@ -233,11 +233,11 @@ class Batch {
   const CommonOptions& common_;
   const SamplingOptions& sampling_;
   std::vector<std::optional<BatchRow>> rows_;
-  int threads_ = base::thread_count(common_.threads);  // of this rank
+  int threads_ = base::thread_count(common_.threads);  // threads of this rank
   int section_ = all();                                // cases
-  // Of a hundred thousand cases, a table written anew after each would be 500 GB in all.
+  // Rewriting the table after each of a hundred thousand cases would write 500 GB.
   std::size_t rows_a_write_ = 1 + cases_.size() / 10'000;
-  std::mutex mutex_;  // guards what follows, and rows_
+  std::mutex mutex_;  // guards the members below, and rows_
   int free_ = 0;      // threads
   std::size_t done_ = 0;
   bool stopped_ = false;
@@ -268,11 +268,11 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
   const std::string all = std::to_string(rows.size());
   if (batch.done() < rows.size()) {
     throw Failure(Exit::interrupted, "stopped after " + std::to_string(batch.done()) + " of " +
-                                         all + " cases; the same command with --resume goes on");
+                                         all + " cases; the same command with --resume continues");
   }
   if (common.as_json) common.as_json(batch_json(rows));
   std::cout << "Results: " << io::printable((common.output / kBatchTable).string())
-            << " (the table), a folder for each case beside it\n";
+            << " (the table), and one folder per case\n";
   const auto failed = [](const std::optional<BatchRow>& row) { return row->exit != 0; };
   const auto first = std::ranges::find_if(rows, failed);
   if (first == rows.end()) return;
@@ -285,28 +285,30 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
 Command batch_command() {
   return {
       .name = "batch",
-      .summary = "many cases, each by its kind, with one table of results",
+      .summary = "run many cases of any kind, with one table of results",
       .on_all_ranks = true,
       .add_options =
           [](CommandOptions& options) {
             CommonOptions& common = options.invocation().common;
             options.app()
-                .add_option("LIST", common.case_path, "one path of a case a line; # comments")
+                .add_option("LIST", common.case_path,
+                            "text file with one path of a case per line; # begins a comment")
                 ->required();
             options.app()
-                .add_option("--set", common.overrides, "override every case: path.to.key=VALUE")
+                .add_option("--set", common.overrides,
+                            "override a value of every case: path.to.key=VALUE")
                 ->take_all()
                 ->allow_extra_args(false);
             options.add_output("FOLDER",
-                               "the folder for the results: batch.csv, and one folder per case");
+                               "folder of the results: batch.csv, and one folder per case");
             options.add_json("print the table as JSON");
-            options.add_seed("of every run's chains (default 1)");
+            options.add_seed("seed of the chains of every run (default 1)");
             options.add_threads();
             options.add_sampling();
             options.add_permissions();
             options.add_limits();
             options.add_dry_run();
-            options.add_resume("keep finished runs, go on with interrupted ones, run the others");
+            options.add_resume("keep finished runs, continue interrupted runs, start the others");
           },
       .run = [](const Invocation& asked) { run_batch(asked.common, asked.sampling); }};
 }

@@ -1,5 +1,5 @@
-// What a command of the program is. command_list.cpp names all of them; the command line, its help,
-// the manual page, completion, `batch`, `serve`, `schema` and Python read that list.
+// A command of the program. The list in command_list.cpp defines the command line, its help, the
+// manual page, completion, `batch`, `serve`, `schema` and the Python interface.
 #pragma once
 
 #include <functional>
@@ -13,25 +13,24 @@ namespace wheeltap::apps {
 
 class CommandOptions;
 
-/// What was asked for on the command line.
+/// The options of the command line.
 struct Invocation {
   CommonOptions common = {};
   SamplingOptions sampling = {};
   bool as_json = false;   ///< --json of a command that writes results
-  std::string simd = {};  ///< --simd, obeyed before the command line is read (main.cpp)
+  std::string simd = {};  ///< --simd; main.cpp applies it before the command line is parsed
   std::function<ProgramText()> describe = {};  ///< every command with its options
 };
 
 struct Command {
   std::string name;
   std::string summary;         ///< one line for --help
-  bool on_all_ranks = false;   ///< under mpirun its work is divided; other commands run on rank 0
-  std::string case_kind = {};  ///< the kind of case that it runs; empty: none
-  MakeCaseRun make_run = {};   ///< of a case of that kind; none where it is not sampled
-  /// Adds arguments and options. What they set lies in the Invocation or in a value shared with
-  /// `run`.
+  bool on_all_ranks = false;   ///< mpirun divides its work; other commands run on rank 0
+  std::string case_kind = {};  ///< kind of case that it runs; empty: none
+  MakeCaseRun make_run = {};   ///< makes a run of such a case; empty if the kind is not sampled
+  /// Adds arguments and options. They set members of the Invocation, or a value shared with `run`.
   std::function<void(CommandOptions&)> add_options = {};
-  /// Throws Failure or io::FileError where it cannot do its work.
+  /// Runs the command. Throws Failure, io::FileError.
   std::function<void(const Invocation&)> run = {};
 };
 

@@ -28,14 +28,14 @@ namespace wheeltap::apps {
 [[nodiscard]] Command completion_command();
 [[nodiscard]] Command man_command();
 
-/// In the order of --help. A new command is a file NAME_command.cpp, its declaration above and its
-/// line in this list.
+/// The commands in the order of --help. A new command needs a file NAME_command.cpp, a declaration
+/// above and an entry in this list.
 [[nodiscard]] const std::vector<Command>& commands();
 
-/// The command that runs the kind of the case at /kind; null where there is none.
+/// The command that runs the kind of case named at /kind; null if no command runs it.
 [[nodiscard]] const Command* command_of_kind(const CaseFile& file);
 
-/// The kinds of case that commands run, or those of them that are sampled.
+/// The kinds of case that commands run; with `sampled_only`, the sampled kinds.
 [[nodiscard]] std::vector<std::string> case_kinds(bool sampled_only = false);
 
 }  // namespace wheeltap::apps

@@ -14,7 +14,7 @@
 namespace wheeltap::apps {
 namespace {
 
-// Numbers of which `allowed` is true, as `words` say; CLI::Range lets nan pass.
+// Accepts numbers for which `allowed` is true; CLI::Range would accept nan.
 CLI::Validator number(const char* words, const char* name, bool (*allowed)(double)) {
   return CLI::Validator(
       [=](const std::string& text) -> std::string {
@@ -60,8 +60,8 @@ Command sampled_command(Command command, bool may_reach_out, const char* resumed
     if (may_reach_out) options.add_permissions();
     options.add_limits();
     options.add_dry_run();
-    options.add_resume("go on where an interrupted " + std::string(resumed) +
-                       " stopped; print a finished one again");
+    options.add_resume("continue an interrupted " + std::string(resumed) +
+                       " from its checkpoint; print a finished one again");
   };
   if (!command.run)
     command.run = [make = command.make_run](const Invocation& asked) {
@@ -84,7 +84,7 @@ void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arra
         if (!layout.separator)
           throw CLI::ValidationError("--separator", text + ": must be ',', ';', tab, '|' or blank");
       },
-      "what stands between the columns (or comma, semicolon, tab, bar, blank)" + rest);
+      "the column separator (or comma, semicolon, tab, bar, blank)" + rest);
   const auto add_line = [&](const std::string& names, std::optional<int>& into,
                             const std::string& what) {
     command
@@ -92,9 +92,9 @@ void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arra
             names, [&into](const int& line) { into = line; }, what + rest)
         ->transform(whole(0, 1'000'000'000));
   };
-  add_line("--skip", layout.skip, "how many lines at the top are passed over");
-  add_line("--header", layout.header, "the line of names, from 1; 0 where there is none");
-  add_line("--units-row", layout.units_row, "the line of units, from 1; 0 where there is none");
+  add_line("--skip", layout.skip, "the number of lines to skip at the top");
+  add_line("--header", layout.header, "the line of names, from 1; 0: no such line");
+  add_line("--units-row", layout.units_row, "the line of units, from 1; 0: no such line");
   command->add_option_function<std::string>(
       "--time-format",
       [&layout](const std::string& text) {
@@ -104,27 +104,28 @@ void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arra
               "--time-format",
               text + ": must be day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
       },
-      "the form of time stamps: day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
+      "the format of time stamps: day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
   command->add_option("--sheet", layout.sheet,
-                      "the sheet of an Excel workbook; by default the first that is not hidden");
+                      "the sheet of an Excel workbook (default: the first visible sheet)");
   command->add_option_function<bool>(
       "--rows-are-channels", [&arrays](const bool& rows) { arrays.rows_are_channels = rows; },
       "true or false: whether each row of a matrix is a channel, in MATLAB, NumPy, NetCDF and HDF5 "
-      "files; by default the longer dimension runs along time");
+      "files (default: the longer dimension is time)");
 }
 
 void CommandOptions::add_run() {
   add_case();
   add_output("FOLDER", kResults);
   add_json(kSummary);
-  add_seed("of the chains (default 1)");
+  add_seed("seed of the chains (default 1)");
   add_threads();
   add_sampling();
 }
 
 void CommandOptions::add_case() {
-  app_.add_option("CASE", invocation_.common.case_path, "the case, a JSON file")->required();
-  app_.add_option("--set", invocation_.common.overrides, "override the case: path.to.key=VALUE")
+  app_.add_option("CASE", invocation_.common.case_path, "the case file, JSON")->required();
+  app_.add_option("--set", invocation_.common.overrides,
+                  "override a value of the case: path.to.key=VALUE")
       ->take_all()
       ->allow_extra_args(false);
 }
@@ -147,48 +148,51 @@ void CommandOptions::add_seed(const char* what) {
 
 void CommandOptions::add_threads() {
   app_.add_option("--simd", invocation_.simd,
-                  "keep to the vector instructions baseline, avx2 or avx512 (default: the "
-                  "processor's)")
+                  "vector instructions: baseline, avx2 or avx512 (default: the best that the "
+                  "processor has)")
       ->check(CLI::IsMember({"baseline", "avx2", "avx512"}));
   app_.add_option("--threads", invocation_.common.threads,
-                  "threads (default: all); never changes a result")
+                  "number of threads (default: all); results do not depend on it")
       ->envname(kThreadsVariable)
       ->transform(whole(1, 4096));
 }
 
 void CommandOptions::add_sampling() {
-  app_.add_option("--chains", invocation_.sampling.chains, "independent chains (default 4)")
+  app_.add_option("--chains", invocation_.sampling.chains,
+                  "number of independent chains (default 4)")
       ->transform(whole(1, 1000));
   app_.add_option("--warmup", invocation_.sampling.warmup,
-                  "iterations a chain before the first draw (default: chosen)")
+                  "warm-up iterations per chain (default: automatic)")
       ->transform(whole(1, kMany));
   app_.add_option("--draws", invocation_.sampling.draws,
-                  "draws a chain, after warm-up (default: until converged)")
+                  "draws per chain after warm-up (default: until converged)")
       ->transform(whole(100, kMany));
-  app_.add_option("--search", invocation_.sampling.searches,
-                  "climbs to modes of each model, from draws of its prior (default: chosen)")
+  app_.add_option(
+          "--search", invocation_.sampling.searches,
+          "searches for posterior modes per model, from draws of the prior (default: automatic)")
       ->transform(whole(0, kMany));
   app_.add_option("--checkpoint", invocation_.common.checkpoint_seconds,
-                  "seconds between two checkpoints for --resume (default 60; 0: none)")
+                  "seconds between checkpoints for --resume (default 60; 0: none)")
       ->check(seconds());
-  CLI::Option* prior_only = app_.add_flag("--prior-only", invocation_.sampling.prior_only,
-                                          "leave the data out: must return the prior");
+  CLI::Option* prior_only =
+      app_.add_flag("--prior-only", invocation_.sampling.prior_only,
+                    "sample without the data, as a check: must return the prior");
   app_.add_flag("--quick", invocation_.sampling.quick,
-                "fixed, little work: modes and short chains, never a posterior; --dry-run "
-                "estimates its time")
+                "quick run with fixed, little work: modes and short chains, not a posterior; "
+                "--dry-run estimates its time")
       ->excludes(prior_only);
   app_.add_flag("--evidence{tmcmc+bridge}", invocation_.sampling.evidence,
-                "also the evidence of each model on its own: --evidence, or "
-                "--evidence=METHODS of tmcmc, bridge, laplace, joined by +")
+                "also compute the evidence of each model separately: --evidence, or "
+                "--evidence=METHODS: tmcmc, bridge, laplace, joined by +")
       ->excludes(prior_only);
 }
 
 void CommandOptions::add_permissions() {
   app_.add_flag("--allow-commands", invocation_.common.allow_commands,
-                "let the case run programs (\"predictor\": {\"command\": ...})");
+                "allow the case to run programs (\"predictor\": {\"command\": ...})");
   app_.add_option("--allow-hosts", invocation_.common.allow_hosts,
-                  "let the case reach this host, once for each (\"predictor\": {\"umbridge\": "
-                  "...}); this machine needs no leave")
+                  "allow the case to connect to this host; may be repeated (\"predictor\": "
+                  "{\"umbridge\": ...}); this machine is always allowed")
       ->type_name("NAME")
       ->take_all()
       ->allow_extra_args(false);
@@ -196,26 +200,26 @@ void CommandOptions::add_permissions() {
 
 void CommandOptions::add_limits() {
   app_.add_option("--max-memory", invocation_.common.max_memory_gb,
-                  "GB: a run is refused that would take more (default 4)")
+                  "largest estimated memory of a run in GB (default 4)")
       ->check(positive());
   app_.add_option("--max-hours", invocation_.common.max_hours,
-                  "a run is refused that would take longer (default 100)")
+                  "longest estimated run time in hours (default 100)")
       ->check(positive());
-  app_.add_option("--max-disk", invocation_.common.max_disk_gb,
-                  "GB: a run is refused whose draws would take more in the folder of its "
-                  "results (default: what is free there)")
+  app_.add_option(
+          "--max-disk", invocation_.common.max_disk_gb,
+          "largest estimated size of the results in GB (default: the free space of their disk)")
       ->check(positive());
 }
 
 void CommandOptions::add_dry_run() {
   app_.add_flag_callback(
       "--dry-run", [&common = invocation_.common] { common.dry_run = print_estimate; },
-      "print the estimated run time and memory, and stop; needs no --output");
-  app_.get_option("--output")->required(false);  // unless it runs
+      "print the estimated run time and memory, and stop; --output is optional");
+  app_.get_option("--output")->required(false);  // required for a run
 }
 
 void CommandOptions::add_quiet() {
-  app_.add_flag("--quiet", invocation_.common.quiet, "no progress on standard error");
+  app_.add_flag("--quiet", invocation_.common.quiet, "print no progress on standard error");
 }
 
 void CommandOptions::add_resume(const std::string& what) {

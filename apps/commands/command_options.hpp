@@ -1,4 +1,4 @@
-// The options that several commands have, in the same words, and what values they take.
+// Options that several commands share: texts and allowed values.
 #pragma once
 
 #include <CLI/CLI.hpp>
@@ -13,39 +13,39 @@ struct TextLayout;
 
 namespace wheeltap::apps {
 
-/// Whole numbers in [lowest, highest], by the one reader of them; what stands for the option is the
-/// number's plain form, so that nothing reads it otherwise.
+/// Accepts whole numbers in [lowest, highest], parsed by whole_number(). Replaces the option's text
+/// by the plain digits, so that CLI11 reads the same number.
 [[nodiscard]] CLI::Validator whole(std::int64_t lowest, std::int64_t highest);
 
-/// Finite numbers above 0.
+/// Accepts finite numbers above 0.
 [[nodiscard]] CLI::Validator positive();
 
-/// Numbers from 0 to 1e9.
+/// Accepts numbers from 0 to 1e9.
 [[nodiscard]] CLI::Validator seconds();
 
-/// Adds options for how a text, a workbook or a file of arrays is laid out, named as the keys of a
-/// case's record are.
+/// Adds options for the layout of a text, a workbook or a file of arrays, named like the keys of a
+/// case's record.
 void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arrays);
 
 inline constexpr std::int64_t kMany = 1'000'000'000;
 inline constexpr const char* kResults =
-    "the folder for the results: summary.json, posterior.nc and report.html";
-inline constexpr const char* kSummary = "print summary.json in place of the text";
+    "folder of the results: summary.json, posterior.nc and report.html";
+inline constexpr const char* kSummary = "print summary.json instead of text";
 
-/// Adds options to one command; they are read into the Invocation.
+/// Adds options to one command; their values are stored in the Invocation.
 class CommandOptions {
  public:
   CommandOptions(CLI::App& app, Invocation& invocation) : app_(app), invocation_(invocation) {}
 
-  /// For options that no other command has.
+  /// The CLI11 command, for options that no other command has.
   [[nodiscard]] CLI::App& app() { return app_; }
   [[nodiscard]] Invocation& invocation() { return invocation_; }
 
-  /// What damage, sid and update have in common: a case, its results, and how it is sampled.
+  /// The common options of damage, sid and update: case, results and sampling.
   void add_run();
   /// CASE and --set.
   void add_case();
-  /// --output and --quiet; `type` is what the help calls the value: FOLDER, FILE.nc.
+  /// --output and --quiet; `type` is the name of the value in the help: FOLDER, FILE.nc.
   void add_output(const char* type, const char* what);
   void add_quiet();
   void add_json(const char* what);
@@ -58,7 +58,7 @@ class CommandOptions {
   void add_permissions();
   /// --max-memory, --max-hours and --max-disk.
   void add_limits();
-  /// --dry-run, which needs no --output.
+  /// --dry-run, which makes --output optional.
   void add_dry_run();
   void add_resume(const std::string& what);
 
@@ -67,9 +67,9 @@ class CommandOptions {
   Invocation& invocation_;
 };
 
-/// `command`, which has a name, a summary and make_run, as the command that runs cases of the kind
-/// of its name, with the options of such a run. `may_reach_out` adds the permissions to run
-/// programs and to reach hosts; `resumed` is what --resume continues.
+/// Completes `command`, which has a name, a summary and make_run: the result runs cases of the kind
+/// of its name and has the options of such a run. `may_reach_out` adds the permissions to run
+/// programs and to connect to hosts; `resumed` names what --resume continues.
 [[nodiscard]] Command sampled_command(Command command, bool may_reach_out,
                                       const char* resumed = "run");
 

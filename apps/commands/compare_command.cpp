@@ -41,8 +41,8 @@ double number_at(const Report& object, const char* key) {
   return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
 }
 
-/// What was measured, without what a case believes of it (its scatter, and where its own model has
-/// the sensors). A file is told by what it held when the run read it, whatever its name.
+/// The measured data of a case, without assumptions (scatter, and sensor places in its model). A
+/// file is identified by its content when the run read it, not by its name.
 class Measured {
  public:
   explicit Measured(const std::string& run, const Report& about)
@@ -76,9 +76,9 @@ class Measured {
   [[nodiscard]] Report content_of(const Report& name) const {
     const auto found = name.is_string() ? inputs_.find(name.get<std::string>()) : inputs_.end();
     if (found == inputs_.end())
-      refuse(run_, "does not say what its data file " + name.dump() +
-                       " held, so it cannot be told whether others explain the same data: run it "
-                       "again");
+      refuse(run_,
+             "has no checksum of its data file " + name.dump() +
+                 ", so Wheeltap cannot compare its data with those of other runs: run it again");
     return *found;
   }
 
@@ -93,7 +93,9 @@ Report measured_of(const std::string& name, const Report& summary) {
        summary["data"].value("simulated", false)) ||
       (given.contains("truth") && given.contains("record") && !given["record"].contains("file"));
   if (own_data)
-    refuse(name, "its data were simulated by its own model: write them first (wheeltap simulate)");
+    refuse(
+        name,
+        "its data were simulated by its own model: write them to a file first (wheeltap simulate)");
   const Measured measured(name, summary["wheeltap"]);
   Report out = Report::object();
   for (const char* key : {"data", "record"})
@@ -104,7 +106,7 @@ Report measured_of(const std::string& name, const Report& summary) {
   return out;
 }
 
-/// A summary that anybody may have edited: throws what JSON of another shape throws.
+/// Reads a summary, which a user may have edited: throws nlohmann exceptions for another structure.
 Compared compared(const std::string& name, const Report& s) {
   Compared out{.name = name};
   out.title = s.value("title", "");
@@ -113,7 +115,7 @@ Compared compared(const std::string& name, const Report& s) {
   const Report models = s.value("models", Report::array());
   const auto best = std::ranges::max_element(
       models, {}, [](const Report& m) { return number_at(m, "probability"); });
-  if (best == models.end()) refuse(out.name, "compares no models: there is no evidence in it");
+  if (best == models.end()) refuse(out.name, "compares no models, so it has no evidence");
   const double p = number_at(*best, "probability"), prior = number_at(*best, "prior"),
                log_z = number_at(*best, "log_evidence");
   if (!std::isfinite(log_z) || !(p > 0.0) || !(prior > 0.0))
@@ -142,8 +144,8 @@ Compared read_run(const std::filesystem::path& folder) {
   }
 }
 
-/// Weights that add up to 1, all alike where none are given. Only their ratios count: their sum may
-/// be beyond the largest number.
+/// Weights normalised to the sum 1; equal weights if none are given. Only their ratios matter:
+/// their sum may overflow.
 std::vector<double> shares(std::vector<double> weights, std::size_t count) {
   if (weights.empty()) weights.assign(count, 1.0);
   const double largest = *std::ranges::max_element(weights);
@@ -187,7 +189,7 @@ void print_comparison(const std::vector<Compared>& runs) {
   std::cout << "  (a priori";
   for (std::size_t i = 0; i < runs.size(); ++i)
     std::cout << (i == 0 ? " " : ", ") << percent(runs[i].prior);
-  std::cout << "; --prior says otherwise)\n";
+  std::cout << "; set by --prior)\n";
   for (const Compared& run : runs)
     if (&run != &best)
       std::cout << "  ln Bayes factor of " << io::printable(best.name) << " against "
@@ -216,20 +218,20 @@ void print_json(const std::vector<Compared>& runs) {
 
 void run_compare(const CompareOptions& options) {
   if (options.folders.size() < 2)
-    throw Failure(Exit::usage, "compare: give the folders of two runs at least");
+    throw Failure(Exit::usage, "compare: give the folders of at least two runs");
   if (!options.prior.empty() && options.prior.size() != options.folders.size())
     throw Failure(Exit::usage, "--prior: " + std::to_string(options.prior.size()) +
-                                   " numbers: must be one a folder, " +
+                                   " numbers: must be one per folder, " +
                                    std::to_string(options.folders.size()));
   std::vector<Compared> runs;
   for (const auto& folder : options.folders) runs.push_back(read_run(folder));
   for (const Compared& run : runs) {
     if (run.command != runs[0].command)
-      refuse(run.name, "a run of " + run.command + ", beside one of " + runs[0].command + ", " +
-                           io::printable(runs[0].name));
+      refuse(run.name, "is a run of " + run.command + ", but " + io::printable(runs[0].name) +
+                           " is a run of " + runs[0].command);
     if (run.measured != runs[0].measured)
-      refuse(run.name, "is of other data than " + io::printable(runs[0].name) +
-                           ": evidences compare what explains the same numbers");
+      refuse(run.name, "uses other data than " + io::printable(runs[0].name) +
+                           ": evidences are comparable for the same data only");
   }
   const std::vector<double> prior = shares(options.prior, runs.size());
   for (std::size_t i = 0; i < runs.size(); ++i) runs[i].prior = prior[i];
@@ -241,17 +243,17 @@ void run_compare(const CompareOptions& options) {
 Command compare_command() {
   const auto comparing = std::make_shared<CompareOptions>();
   return {.name = "compare",
-          .summary = "which of several finished runs' cases explains the data that they share",
+          .summary = "compare the models of finished runs on the same data by their evidence",
           .add_options =
               [comparing](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("DIR", comparing->folders, "the folders of the runs")->required();
-                app.add_option("--prior", comparing->prior,
-                               "their prior weights, one a folder, after commas (default: all "
-                               "alike)")
+                app.add_option("DIR", comparing->folders, "folders of the runs")->required();
+                app.add_option(
+                       "--prior", comparing->prior,
+                       "prior weights, one per folder, separated by commas (default: equal)")
                     ->delimiter(',')
                     ->check(positive());
-                app.add_flag("--json", comparing->json, "as JSON");
+                app.add_flag("--json", comparing->json, "print JSON");
               },
           .run = [comparing](const Invocation&) { run_compare(*comparing); }};
 }

@@ -1,4 +1,4 @@
-// wheeltap compare: which of several finished runs' cases explains the data that they share.
+// wheeltap compare: Bayesian comparison of finished runs on the same data.
 #pragma once
 
 #include <filesystem>
@@ -9,20 +9,19 @@ namespace wheeltap::apps {
 
 struct CompareOptions {
   std::vector<std::filesystem::path> folders;
-  std::vector<double> prior;  ///< one a folder; empty: all alike
+  std::vector<double> prior;  ///< one weight per folder; empty: equal weights
   bool json = false;
 };
 
-/// Posterior probabilities of the cases of finished runs, by their evidences: structures with other
-/// supports, baselines with other unknowns, records with other laws. With m the most probable model
-/// of a run,
+/// Computes posterior probabilities of the cases of finished runs from their evidences. The cases
+/// may differ in supports, in the unknowns of their baselines or in their laws. With m the most
+/// probable model of a run,
 ///
 ///   ln Z = ln Z_m + ln P(m) - ln P(m | data),   P(run | data) ∝ P(run) Z,
 ///
 /// to first order in the errors of both. Prints a table, or JSON. Throws Failure: usage for fewer
-/// than two folders and priors that are none; no_input for a folder without a run; bad_input for
-/// runs of other kinds or other data, data that each case simulated by itself, and runs whose
-/// evidence is not known.
+/// than two folders and for invalid priors; no_input for a folder without a run; bad_input for
+/// different kinds or data, data that a case simulated, and unknown evidence.
 void run_compare(const CompareOptions& options);
 
 }  // namespace wheeltap::apps

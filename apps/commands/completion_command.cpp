@@ -9,7 +9,7 @@ Command completion_command() {
   const auto shell = std::make_shared<std::string>();
   return {
       .name = "completion",
-      .summary = "what a shell sources to complete commands and options",
+      .summary = "print a script that completes commands and options in a shell",
       .add_options =
           [shell](CommandOptions& options) {
             options.app().add_option("SHELL", *shell, "bash, zsh or fish")->required();

@@ -5,7 +5,7 @@ namespace wheeltap::apps {
 
 Command damage_command() {
   return sampled_command({.name = "damage",
-                          .summary = "how many damages, where, how bad",
+                          .summary = "number, positions and severities of damages",
                           .make_run = make_damage_run},
                          true);
 }

@@ -62,7 +62,7 @@ void print(const MeasuredFile& file) {
       std::cout << " over " << channel_with_unit(table.abscissa, table.abscissa_unit) << " from "
                 << significant(table.x.front(), 5) << " to " << significant(table.x.back(), 5);
     else if (table.sampling_fault.empty())
-      std::cout << "; no column is called time: say the rate by --sample-rate to see spectra";
+      std::cout << "; no column is called time: give the rate by --sample-rate for spectra";
     std::cout << "\n";
     for (const std::string& text : reading_in_words(table))
       std::cout << io::printable(text) << "\n";
@@ -93,8 +93,7 @@ const MeasuredTable& only_table(const MeasuredFile& file) {
   if (file.tables.size() == 1) return file.tables.front();
   throw Failure(Exit::bad_input,
                 file.path.string() + ": holds " + std::to_string(file.tables.size()) +
-                    " tables of different abscissae; a file of the format asked for "
-                    "holds one");
+                    " tables with different abscissae; a file of the requested format holds one");
 }
 
 signals::Record record_of(const MeasuredTable& table) {
@@ -179,9 +178,10 @@ void convert_file(const MeasuredFile& file, const std::string& to) {
     text = universal(file);
     if (text.empty())
       throw Failure(Exit::bad_input,
-                    file.path.string() + ": holds no dataset that could be written as " + to);
+                    file.path.string() + ": holds no dataset that can be written as " + to);
   } else {
-    throw Failure(Exit::usage, "--to " + to + ": must be csv, nc or uff, or a file that ends so");
+    throw Failure(Exit::usage,
+                  "--to " + to + ": must be csv, nc or uff, or a file with such an ending");
   }
   write_text(path, text);
   std::cout << "\nConverted: " << io::printable(path.string()) << "\n";
@@ -253,27 +253,29 @@ void run_data(const DataOptions& options) {
 
 Command data_command() {
   const auto data = std::make_shared<DataOptions>();
-  return {.name = "data",
-          .summary = "what a measured file holds, and what is odd about it",
-          .add_options =
-              [data](CommandOptions& options) {
-                CLI::App& app = options.app();
-                app.add_option("FILE", data->file,
-                               "delimited text, MATLAB, Excel, universal file or another format")
-                    ->required();
-                app.add_option("-o,--output", data->page, "draw the record into this file")
-                    ->type_name("FILE.html");
-                app.add_option("--to", data->to,
-                               "convert: csv, nc or uff, or the file to write with such an ending");
-                app.add_option("--sample-rate", data->reading.sample_rate_hz,
-                               "in Hz, where the file does not say")
-                    ->check(positive());
-                app.add_flag("--json", data->json, "as JSON");
-                add_layout(&app, data->reading.layout, data->reading.arrays);
-                app.add_flag("--resample", data->reading.resample,
-                             "interpolate a record of uneven time steps at an even rate");
-              },
-          .run = [data](const Invocation&) { run_data(*data); }};
+  return {
+      .name = "data",
+      .summary = "show the channels of a measured file and their faults",
+      .add_options =
+          [data](CommandOptions& options) {
+            CLI::App& app = options.app();
+            app.add_option(
+                   "FILE", data->file,
+                   "measured file: delimited text, MATLAB, Excel, universal file or another format")
+                ->required();
+            app.add_option("-o,--output", data->page, "plot the record into this file")
+                ->type_name("FILE.html");
+            app.add_option("--to", data->to,
+                           "convert to csv, nc or uff, or to a file with such an ending");
+            app.add_option("--sample-rate", data->reading.sample_rate_hz,
+                           "sampling rate in Hz, if the file does not state it")
+                ->check(positive());
+            app.add_flag("--json", data->json, "print JSON");
+            add_layout(&app, data->reading.layout, data->reading.arrays);
+            app.add_flag("--resample", data->reading.resample,
+                         "interpolate a record with non-uniform time steps at a uniform rate");
+          },
+      .run = [data](const Invocation&) { run_data(*data); }};
 }
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,4 @@
-// `wheeltap data`: what a measured file holds.
+// `wheeltap data`: contents and faults of a measured file.
 #pragma once
 
 #include <filesystem>
@@ -12,8 +12,8 @@ namespace wheeltap::apps {
 
 struct DataOptions {
   std::filesystem::path file;
-  std::filesystem::path page;  ///< draw it into this HTML file
-  std::string to;              ///< csv, nc or uff, or a file with such an ending: convert
+  std::filesystem::path page;  ///< HTML file for the plots
+  std::string to;              ///< conversion: csv, nc or uff, or a file with such an ending
   bool json = false;
   MeasuredReading reading = {};
 };
@@ -21,8 +21,8 @@ struct DataOptions {
 /// {file, format, tables: [{rows, sample_rate_hz, channels: [{name, unit, rms, peaks, …}, …]}, …]}.
 [[nodiscard]] Report data_report(const MeasuredFile& file);
 
-/// Prints channels, units, sampling, root mean squares, what is odd about each channel and the
-/// peaks of its spectrum; draws and converts where asked. Throws io::FileError, Failure.
+/// Prints channels, units, sampling, root mean squares, the faults of each channel and the peaks of
+/// its spectrum; plots and converts on request. Throws io::FileError, Failure.
 void run_data(const DataOptions& options);
 
 }  // namespace wheeltap::apps

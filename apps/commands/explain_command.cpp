@@ -31,8 +31,8 @@ bool ends_with(const Path& path, const Path& end) {
 }
 
 /// Every place of every kind of case whose path ends with `key` ("damage.count.max", "count.max",
-/// "max", "/damage/count/max"): its meaning, what may stand there, and its own keys. Throws Failure
-/// (usage) where there is none, with the nearest key.
+/// "max", "/damage/count/max"): meaning, allowed values, and keys of the place. Throws Failure
+/// (usage), with the nearest key, if there is no such place.
 std::string explanation(const std::string& key) {
   const std::vector<KeyPlace> places = key_places(schema_names());
   const Path asked = parts_of(key);
@@ -51,7 +51,7 @@ std::string explanation(const std::string& key) {
   if (!text.empty()) return text;
   const std::string word = asked.empty() ? key : asked.back();
   std::vector<std::string> names;
-  std::set<std::string> speaking;  // keys whose texts have the word
+  std::set<std::string> speaking;  // keys whose descriptions contain the word
   for (const KeyPlace& place : places) {
     names.push_back(place.path.back());
     if (word.size() > 2 && place.meaning.find(word) != std::string::npos)
@@ -60,7 +60,7 @@ std::string explanation(const std::string& key) {
   const std::string meant = nearest(word, names);
   std::string instead = meant.empty() ? "" : "; did you mean \"" + meant + "\"?";
   if (!speaking.empty())
-    instead += (meant.empty() ? ". " : " ") + std::string("The texts of these speak of it: ") +
+    instead += (meant.empty() ? ". " : " ") + std::string("These keys mention it: ") +
                listed({speaking.begin(), speaking.end()});
   throw Failure(Exit::usage, "there is no key \"" + key + "\"" + instead);
 }
@@ -69,13 +69,14 @@ std::string explanation(const std::string& key) {
 
 Command explain_command() {
   const auto key = std::make_shared<std::string>();
-  return {.name = "explain",
-          .summary = "what a key of a case means, and what may stand there",
-          .add_options =
-              [key](CommandOptions& options) {
-                options.app().add_option("KEY", *key, "e.g. count.max or /data/cov")->required();
-              },
-          .run = [key](const Invocation&) { std::cout << explanation(*key); }};
+  return {
+      .name = "explain",
+      .summary = "explain a key of a case and its allowed values",
+      .add_options =
+          [key](CommandOptions& options) {
+            options.app().add_option("KEY", *key, "a key, e.g. count.max or /data/cov")->required();
+          },
+      .run = [key](const Invocation&) { std::cout << explanation(*key); }};
 }
 
 }  // namespace wheeltap::apps

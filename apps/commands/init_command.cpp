@@ -32,7 +32,7 @@ std::string starter(const std::string& name) {
   return {};
 }
 
-// The kinds that have a starter: the names of its cases.
+// The kinds with a starter case, from the names of the starter files.
 std::vector<std::string> starter_kinds() {
   std::vector<std::string> kinds;
   for (const auto& [file, text] : kStarterTexts) {
@@ -42,7 +42,7 @@ std::vector<std::string> starter_kinds() {
   return kinds;
 }
 
-// The structures, other than a beam, that a kind has a starter for.
+// The structures, other than a beam, for which a kind has a starter.
 std::vector<std::string> starter_structures(const std::string& kind) {
   std::vector<std::string> structures;
   for (const auto& [file, text] : kStarterTexts) {
@@ -69,7 +69,7 @@ std::string rule_in_words(const Report& rule) {
   if (rule.contains("enum")) {
     std::string list;
     for (const Report& one : rule["enum"]) list += (list.empty() ? "" : ", ") + one.dump();
-    // Where the words name the choices already, they are not repeated.
+    // Choices that the description names already are not repeated.
     if (text.find(rule["enum"][0].dump()) == std::string::npos) {
       text += (text.empty() ? "" : ": ") + list;
     }
@@ -105,7 +105,7 @@ class KeyTable {
     return &rule == &root_.at("definitions").at("prior");
   }
   void row(const std::string& path, bool required, const Report& rule) {
-    // Where a list of objects may stand for one object, its keys are told once.
+    // Keys are listed once if a list of objects may replace one object.
     std::string bare = path;
     for (std::size_t at = 0; (at = bare.find("[]")) != std::string::npos;) bare.erase(at, 2);
     if (!seen_.insert(bare).second) return;
@@ -114,7 +114,7 @@ class KeyTable {
   }
   void walk(const Report& reference, const std::string& path) {
     const Report& rule = resolve(reference);
-    // Priors are explained once, above the table; what holds others of its own kind, once.
+    // Priors are explained once, above the table; recursive rules are listed once.
     if (is_prior(rule) || !walking_.insert(&rule).second) return;
     walk_into(rule, path);
     walking_.erase(&rule);
@@ -141,9 +141,9 @@ class KeyTable {
   std::string text_;
 };
 
-// A schema with its keys in the order in which it was written.
+// A schema with its keys in the order of its file.
 Report ordered_schema(const std::string& kind) {
-  static_cast<void>(schema(kind));  // refuses other names
+  static_cast<void>(schema(kind));  // throws for other names
   const auto find = [](std::string_view wanted) {
     Report found;
     for (const auto& [name, text] : kSchemaTexts)
@@ -162,8 +162,8 @@ Report ordered_schema(const std::string& kind) {
   return found;
 }
 
-/// The record that a starter case names, simulated: a sid case with this truth in its place, or
-/// what the truth itself is a sid case of, without the forces.
+/// Simulates the record that a starter case names. The truth replaces the file of a sid case, or is
+/// itself a complete sid case, whose forces are then left out.
 std::string simulated(const std::string& kind, CaseFile file, Json truth) {
   const bool whole = truth.contains("kind");
   if (whole) {
@@ -179,19 +179,18 @@ std::string simulated(const std::string& kind, CaseFile file, Json truth) {
   if (whole)
     std::erase_if(record.columns, [](const io::Column& c) { return c.name.starts_with("force"); });
   return signals::record_csv(record,
-                             "simulated by wheeltap init " + kind + ": put your own record here");
+                             "simulated by wheeltap init " + kind + ": put your record here");
 }
 
 }  // namespace
 
 std::string describe_keys(const std::string& kind) {
   const Report rules = ordered_schema(kind);
-  return "## Every key\n\n`[]` stands for each element of a list. A key that is needed is needed "
-         "where "
-         "the object that holds it is given. A prior is " +
+  return "## Every key\n\n`[]` stands for each element of a list. A needed key is required if the "
+         "object that contains it is given. A prior is " +
          rules["definitions"]["prior"]["description"].get<std::string>().substr(9) +
-         ".\n\n| key | needed | what it is |\n|---|---|---|\n" + KeyTable(rules).text() +
-         "\n`wheeltap schema " + kind + "` prints the same for programs (JSON Schema).\n";
+         ".\n\n| key | needed | meaning |\n|---|---|---|\n" + KeyTable(rules).text() +
+         "\n`wheeltap schema " + kind + "` prints these keys as a JSON Schema.\n";
 }
 
 void run_init(const std::string& kind, const std::string& structure, const fs::path& folder) {
@@ -204,7 +203,7 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
                                    (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
                                    " (there are: " + list + ")");
   }
-  // A damage case starts from a beam, or from another structure.
+  // A damage case has a starter with a beam and with other structures.
   const bool beam = structure == "beam";
   const auto structures = starter_structures(kind);
   if (!beam && std::ranges::find(structures, structure) == structures.end())
@@ -221,7 +220,7 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
       {(folder / (kind + ".json")).lexically_normal(), text},
       {(folder / (kind + ".md")).lexically_normal(),
        starter(stem + ".md") + "\n" + describe_keys(beam ? kind : "structure")}};
-  // Files that the case names, in a folder: KIND.STRUCTURE.FOLDER.NAME.
+  // Files in a folder that the case names: KIND.STRUCTURE.FOLDER.NAME.
   for (const auto& [name, content] : kStarterTexts)
     if (!beam && name.starts_with(stem + ".") && name != stem + ".json" && name != stem + ".md") {
       const std::string rest(name.substr(stem.size() + 1));
@@ -238,13 +237,14 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
   for (const File& file : files) {
     std::error_code ignored;
     if (fs::exists(file.path, ignored)) {
-      throw Failure(Exit::cannot_create,
-                    file.path.string() +
-                        ": exists already, and init overwrites nothing (-o names another folder)");
+      throw Failure(
+          Exit::cannot_create,
+          file.path.string() +
+              ": exists already; init does not overwrite files. Choose another folder with -o");
     }
   }
   make_output_folder(folder);
-  // All of them or none: a case without its record does not run.
+  // Write all files or none: a case does not run without its record.
   std::vector<std::unique_ptr<io::AtomicFile>> written;
   for (const File& file : files) {
     if (file.path.has_parent_path()) make_output_folder(file.path.parent_path());
@@ -266,10 +266,10 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
   std::cout << "Written:\n";
   const auto shown = [](const std::filesystem::path& path) { return io::printable(path.string()); };
   for (const File& file : files) std::cout << "  " << shown(file.path) << '\n';
-  std::cout << "It runs as it is:\n  wheeltap ";
+  std::cout << "Run the case:\n  wheeltap ";
   std::cout << kind << ' ' << shown(files[0].path) << " -o "
             << shown((folder / "results").lexically_normal());
-  std::cout << "\nThen make it yours: " << shown(files[1].path) << " explains every key.\n";
+  std::cout << "\nThen adapt it: " << shown(files[1].path) << " explains every key.\n";
 }
 
 Command init_command() {
@@ -279,15 +279,17 @@ Command init_command() {
   };
   const auto starter = std::make_shared<Starter>();
   return {.name = "init",
-          .summary = "a case to start from, every key explained beside it",
+          .summary = "write a starter case and a description of every key",
           .add_options =
               [starter](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("KIND", starter->kind, "damage, sid, update or modal")->required();
-                app.add_option("--structure", starter->structure,
-                               "of damage: beam (unless given), frame, building or matrices");
+                app.add_option("KIND", starter->kind, "kind of case: damage, sid, update or modal")
+                    ->required();
+                app.add_option(
+                    "--structure", starter->structure,
+                    "structure of a damage case: beam (default), frame, building or matrices");
                 app.add_option("-o,--output", starter->folder,
-                               "the folder for the files (default: this folder)")
+                               "folder for the files (default: the current folder)")
                     ->type_name("FOLDER");
               },
           .run =

@@ -16,12 +16,12 @@ using dynamics::LawInfo;
 namespace {
 
 struct LawsOptions {
-  std::string name;               ///< of one law; empty: all
-  bool example = false;           ///< its example case alone, as JSON
-  std::filesystem::path figures;  ///< a folder to write the pictures into; empty: none
+  std::string name;               ///< name of one law; empty: all
+  bool example = false;           ///< print only the example case, as JSON
+  std::filesystem::path figures;  ///< folder for the figures; empty: none
 };
 
-/// Prints the page, one law's part of it, or its example.
+/// Prints the page of laws, the section of one law, or its example.
 void run_laws(const LawsOptions& options) {
   const auto infos = dynamics::law_infos();
   const auto found = std::ranges::find(infos, options.name, &LawInfo::name);
@@ -36,7 +36,7 @@ void run_laws(const LawsOptions& options) {
     for (const LawInfo& info : infos)  // a stop is a contact
       if (meant.empty() && info.description.find(options.name) != std::string_view::npos)
         meant = info.name;
-    throw Failure(Exit::usage, "no force law is called \"" + options.name + "\"" +
+    throw Failure(Exit::usage, "no force law has the name \"" + options.name + "\"" +
                                    (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
                                    " (there are: " + list + ")");
   }
@@ -61,14 +61,13 @@ void run_laws(const LawsOptions& options) {
 Command laws_command() {
   const auto laws = std::make_shared<LawsOptions>();
   return {.name = "laws",
-          .summary = "the force laws of links: formula, sign, keys, an example each",
+          .summary = "describe the force laws of links: formula, sign, keys, an example",
           .add_options =
               [laws](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("NAME", laws->name, "one law (default: all)");
-                app.add_flag("--example", laws->example, "a case that has it, alone");
-                app.add_option("--figures", laws->figures,
-                               "a folder to write their pictures into, SVG");
+                app.add_option("NAME", laws->name, "name of a law (default: all)");
+                app.add_flag("--example", laws->example, "print only an example case with the law");
+                app.add_option("--figures", laws->figures, "folder for figures of the laws, SVG");
               },
           .run = [laws](const Invocation&) { run_laws(*laws); }};
 }

@@ -6,7 +6,7 @@ namespace wheeltap::apps {
 
 Command man_command() {
   return {.name = "man",
-          .summary = "the manual page, for man -l -",
+          .summary = "print the manual page, for man -l -",
           .add_options = [](CommandOptions&) {},
           .run = [](const Invocation& asked) { std::cout << man_page(asked.describe()); }};
 }

@@ -27,7 +27,7 @@ namespace {
 using signals::ModalResult;
 using signals::Mode;
 
-/// Channels are numbered by the library from 0; here they have names.
+/// Converts library errors, whose channels are numbered from 0, to error messages with names.
 ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::uint64_t seed) {
   try {
     return identification::identify(set_up, seed);
@@ -44,7 +44,7 @@ ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::ui
   }
 }
 
-/// Set-ups that are merged before they are identified.
+/// Identifies pre-merged set-ups.
 ModalResult identify_together(const ModalCaseFile& modal) {
   std::vector<Eigen::MatrixXd> records;
   std::vector<std::vector<int>> sensors;
@@ -226,14 +226,13 @@ void run_modal(const CommonOptions& common) {
 
 Command modal_command() {
   return {.name = "modal",
-          .summary = "modes with their uncertainty, from records of a vibration",
+          .summary = "identify modes with their uncertainty from vibration records",
           .case_kind = "modal",
           .add_options =
               [](CommandOptions& options) {
                 options.add_case();
                 options.add_output(
-                    "FOLDER",
-                    "the folder for the results: modes.json, summary.json and report.html");
+                    "FOLDER", "folder of the results: modes.json, summary.json and report.html");
                 options.add_json(kSummary);
                 options.add_threads();
                 options.add_dry_run();

@@ -1,4 +1,4 @@
-// `wheeltap modal CASE -o DIR`: the modes of a structure from its records.
+// `wheeltap modal CASE -o DIR`: identification of modes from records.
 #pragma once
 
 #include <string>
@@ -10,20 +10,20 @@
 
 namespace wheeltap::apps {
 
-/// Modes identified, and not written anywhere yet.
+/// Identified modes, not yet written.
 struct ModalRun {
   ModalCaseFile modal;
   IdentifiedModes found;
   MeasuredModes modes;
   double seconds = 0.0;
 
-  /// summary.json.
+  /// The content of summary.json.
   [[nodiscard]] Report summary(const CommonOptions& common) const;
-  /// modes.json, summary.json and report.html. Throws io::FileError.
+  /// Writes modes.json, summary.json and report.html. Throws io::FileError.
   void keep(const std::filesystem::path& folder, const CommonOptions& common) const;
   void print(std::ostream& out, bool colour) const;
 };
-/// Of the case's file, or of a record that is given in its place. Throws Failure.
+/// Identifies modes from the case's file, or from `given` in its place. Throws Failure.
 [[nodiscard]] ModalRun identify_modal(CaseFile file, const CommonOptions& common,
                                       std::optional<signals::Record> given = {});
 

@@ -11,7 +11,7 @@ std::string replaced(std::string text, const std::string& what, const std::strin
   return text;
 }
 
-/// Within single quotes of a shell.
+/// Quotes a text for a shell.
 std::string quoted_argument(const std::string& text) {
   return "'" + replaced(text, "'", "'\\''") + "'";
 }
@@ -29,7 +29,7 @@ std::vector<std::string> options_of(const CommandText& command) {
   return names;
 }
 
-/// Options whose value is a file, or anything else that a shell cannot know: it offers files.
+/// Options with a value that the shell does not know; it completes file names.
 std::vector<std::string> taking_values(const CommandText& command) {
   std::vector<std::string> names;
   for (const OptionText& option : command.options)
@@ -74,7 +74,7 @@ std::string bash(const ProgramText& program) {
   return text;
 }
 
-/// As _arguments has them: '(-o --output)'{-o,--output}'[what it is]:value:_files'.
+/// In the syntax of _arguments: '(-o --output)'{-o,--output}'[description]:value:_files'.
 std::string zsh(const ProgramText& program) {
   const auto plain = [](const std::string& text) {
     std::string out;
@@ -129,7 +129,7 @@ std::string fish(const ProgramText& program) {
   return text;
 }
 
-/// Text for man: a hyphen that is one, and no line that begins like a macro.
+/// Escapes a text for man: hyphens, and lines that begin like a macro.
 std::string roff(const std::string& text) {
   std::string out = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
   if (out.starts_with('.') || out.starts_with('\'')) out.insert(0, "\\&");
@@ -142,7 +142,7 @@ std::string completion(const ProgramText& program, const std::string& shell) {
   if (shell == "bash") return bash(program);
   if (shell == "zsh") return zsh(program);
   if (shell == "fish") return fish(program);
-  throw Failure(Exit::usage, shell + ": there is completion for bash, zsh and fish");
+  throw Failure(Exit::usage, shell + ": completion is available for bash, zsh and fish");
 }
 
 std::string man_page(const ProgramText& program) {
@@ -164,14 +164,13 @@ std::string man_page(const ProgramText& program) {
   }
   return text +
          ".SH EXIT STATUS\n"
-         "0 done (whether a run has converged is its last line, and in summary.json); 64 bad "
-         "command "
-         "line; 65 invalid case or data; 66 a file is missing or unreadable; 70 a fault of the "
-         "program; 73 output cannot be written; 130 interrupted before there was anything to "
-         "keep.\n"
+         "Code 0: done (the last line and summary.json state whether a run has converged). Code "
+         "64: bad command line. Code 65: invalid case or data. Code 66: missing or unreadable "
+         "file. Code 70: fault of the program. Code 73: output cannot be written. Code 130: "
+         "interrupted before there were results to keep.\n"
          ".SH SEE ALSO\n"
-         "\\fBwheeltap schema\\fR prints what a case may hold, \\fBwheeltap explain\\fR what a key "
-         "means, \\fBwheeltap init\\fR writes a case to start from.\n";
+         "\\fBwheeltap schema\\fR prints the JSON Schema of a case, \\fBwheeltap explain\\fR "
+         "explains a key, \\fBwheeltap init\\fR writes a starter case.\n";
 }
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,5 @@
-// The command line in words, and what shells and manuals make of them: the same texts as --help.
+// Texts of the command line, with shell completion and the manual page made from the texts of
+// --help.
 #pragma once
 
 #include <string>
@@ -7,9 +8,9 @@
 namespace wheeltap::apps {
 
 struct OptionText {
-  std::vector<std::string> names;  ///< with their dashes; of an argument, its name alone
+  std::vector<std::string> names;  ///< with dashes; for an argument, its name
   std::string description;
-  std::string value;  ///< what it takes, "INT in [1 - 1000]"; empty of a flag
+  std::string value;  ///< value, "INT in [1 - 1000]"; empty for a flag
   bool is_argument = false;
 };
 struct CommandText {
@@ -21,11 +22,10 @@ struct ProgramText {
   std::vector<CommandText> commands;
 };
 
-/// What a shell sources to complete commands and options: bash, zsh or fish. Throws Failure (usage)
-/// for another.
+/// A completion script for bash, zsh or fish. Throws Failure (usage) for another shell.
 [[nodiscard]] std::string completion(const ProgramText& program, const std::string& shell);
 
-/// The manual page of section 1, in man's macros.
+/// The manual page (section 1), in man macros.
 [[nodiscard]] std::string man_page(const ProgramText& program);
 
 }  // namespace wheeltap::apps

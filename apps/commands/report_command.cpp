@@ -15,7 +15,7 @@ void run_report(const std::filesystem::path& directory, bool figures) {
   if (!std::filesystem::is_directory(directory)) {
     throw io::FileError(io::FileError::Kind::missing, directory,
                         std::filesystem::exists(directory)
-                            ? "is no folder: name the one that holds the run"
+                            ? "is not a folder: give the folder of the run"
                             : "no such folder");
   }
   write_report(directory);
@@ -31,14 +31,14 @@ void run_report(const std::filesystem::path& directory, bool figures) {
 Command report_command() {
   const auto figures = std::make_shared<bool>(false);
   return {.name = "report",
-          .summary = "draw report.html of a finished run again",
+          .summary = "write report.html of a finished run again",
           .add_options =
               [figures](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("DIR", options.invocation().common.output, "the folder of the run")
+                app.add_option("DIR", options.invocation().common.output, "folder of the run")
                     ->required();
                 app.add_flag("--figures", *figures,
-                             "write the figures as SVG files too (needs Node.js)");
+                             "also write the figures as SVG files (needs Node.js)");
               },
           .run = [figures](const Invocation& asked) { run_report(asked.common.output, *figures); }};
 }

@@ -9,12 +9,11 @@ namespace wheeltap::apps {
 Command schema_command() {
   const auto kind = std::make_shared<std::string>();
   return {.name = "schema",
-          .summary = "the JSON Schema of a case",
+          .summary = "print the JSON Schema of a kind of case",
           .add_options =
               [kind](CommandOptions& options) {
                 *kind = case_kinds().front();
-                options.app().add_option("NAME", *kind,
-                                         "which kind of case (default: " + *kind + ")");
+                options.app().add_option("NAME", *kind, "kind of case (default: " + *kind + ")");
               },
           .run = [kind](const Invocation&) { std::cout << schema(*kind).dump(2) << '\n'; }};
 }

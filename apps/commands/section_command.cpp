@@ -23,10 +23,10 @@
 namespace wheeltap::apps {
 namespace {
 
-/// One section on its own: {"section": …, "poisson": …}, and where it stood.
+/// One section as a separate file: {"section": …, "poisson": …}, with its place in the case.
 struct Found {
   CaseFile file;
-  std::string place;  ///< of the section in the case: "/beam/section", or "" for a bare section
+  std::string place;  ///< place in the case: "/beam/section", or "" for a bare section
   std::string title;
 };
 
@@ -45,13 +45,14 @@ Found of_structure(const CaseFile& file, const std::string& wanted, const std::s
   std::vector<std::string> names;
   for (const auto& [name, ignored] : sections.items()) names.push_back(name);
   if (wanted.empty() && names.size() > 1)
-    throw Failure(
-        Exit::usage,
-        file.path.string() + " has several sections: choose one by --name (" + listed(names) + ")");
+    throw Failure(Exit::usage, file.path.string() +
+                                   " has several sections: choose one with --name (" +
+                                   listed(names) + ")");
   const std::string name = wanted.empty() ? names[0] : wanted;
   if (!sections.contains(name))
-    throw Failure(Exit::usage, "--name " + name + ": there are the sections " + listed(names));
-  // Its material is that of the first member that has it.
+    throw Failure(Exit::usage,
+                  "--name " + name + ": no section has this name; there are: " + listed(names));
+  // The material is that of the first member with this section.
   Json material = Json::object();
   const Json& structure = file.json.at("structure");
   for (const Json& member : structure.value("members", Json::array())) {
@@ -82,7 +83,7 @@ Found find_section(const CaseFile& file, const std::string& name) {
         section_alone(json.at(beam), json.contains(material) ? json.at(material) : Json::object());
   } else if (!json.contains("section") &&
              (json.contains("shape") || json.contains("outline") || json.contains("area"))) {
-    // The section is the file.
+    // The file is a bare section.
     found.place = "";
     Json section = json;
     for (const char* key : {"poisson", "young", "density", "title", "notes", "kind"})
@@ -109,7 +110,7 @@ SectionMaterial material_of(const CaseFile& file) {
   return {.poisson = *poisson, .young = first("young"), .density = first("density")};
 }
 
-/// κ after Cowper, for shear along z; nothing for outlines.
+/// Cowper's κ for shear along z; empty for outlines.
 std::optional<double> cowper(const CaseFile& file, double poisson, bool along_y) {
   const Json& s = file.json.at("section");
   const std::string shape = s.value("shape", "");
@@ -170,7 +171,7 @@ Report as_json(const Found& found, const MeshedSection& section, const SectionMa
   return out;
 }
 
-/// A figure that is zero but for rounding, as zero.
+/// Prints values below rounding error as zero.
 std::string figure(double x, double least = 0.0) {
   return std::abs(x) <= least ? "0" : significant(x, 6);
 }
@@ -187,7 +188,7 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
   };
   const auto line = [](const std::string& what, const std::string& symbol, const std::string& value,
                        const std::string& unit, const std::string& note = "") {
-    // Padded by characters, not bytes.
+    // Pads by characters, not bytes.
     const auto padded = [](const std::string& text, std::size_t width) {
       const auto characters = static_cast<std::size_t>(std::ranges::count_if(
           text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -227,11 +228,11 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
               << ". ";
   std::cout << "By quadratic triangles, " << a.levels.size() << " meshes to "
             << a.levels.back().nodes << " nodes;\n";
-  std::cout << "halving the last but one changed no figure by more than "
+  std::cout << "the last refinement changed no value by more than "
             << significant(100.0 * a.errors.largest(), 2) << " %.\n";
 }
 
-/// "the torsion constant by 2.5 %": the figure that a halved mesh changed most.
+/// "the torsion constant by 2.5 %": the value that the last mesh refinement changed most.
 std::string least_settled(const fem::SectionErrors& errors) {
   const std::vector<std::pair<double, const char*>> figures = {
       {errors.torsion_constant, "torsion constant"},
@@ -242,7 +243,7 @@ std::string least_settled(const fem::SectionErrors& errors) {
   return std::string("the ") + most.second + " by " + significant(100.0 * most.first, 2) + " %";
 }
 
-/// The figure on a page in the design of the reports.
+/// The drawing as an HTML page in the style of reports.
 std::string section_page(const MeshedSection& section, const std::string& title) {
   const fem::SectionProperties& p = section.analysis.properties;
   const auto of = [](double x, const char* unit) { return significant(x, 5) + " " + unit; };
@@ -275,10 +276,10 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
     const MeshedSection section = analyse(found.file, Pointer("/section"), material);
     if (const fem::SectionAnalysis& a = section.analysis; !a.converged)
       found.file.refuse(Pointer("/section"),
-                        "its figures did not settle: halving the mesh last changed " +
+                        "its properties did not converge: the last mesh refinement changed " +
                             least_settled(a.errors) +
-                            ". Leave out details of the outline that "
-                            "do not matter, such as very short edges and very thin parts");
+                            ". Leave out unimportant details of the outline, such as very short "
+                            "edges and very thin parts");
     if (!common.output.empty())
       write_text(common.output, common.output.extension() == ".html"
                                     ? section_page(section, found.title)
@@ -288,7 +289,7 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
     else
       print(found, section, material);
   } catch (const Failure& failure) {
-    // The section stood elsewhere in the case.
+    // The message must name the section's place in the case.
     std::string line = failure.what();
     const std::string stood = file.path.string() + ": /section";
     if (found.place != "/section" && line.starts_with(stood))
@@ -300,7 +301,7 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
 Command section_command() {
   const auto section = std::make_shared<SectionOptions>();
   return {.name = "section",
-          .summary = "properties of the case's cross-section, from its outline",
+          .summary = "compute properties of the case's cross-section from its outline",
           .add_options =
               [section](CommandOptions& options) {
                 options.add_case();
@@ -308,8 +309,8 @@ Command section_command() {
                 app.add_option("-o,--output", options.invocation().common.output,
                                "draw the section into this file")
                     ->type_name("FILE.svg|FILE.html");
-                app.add_option("--name", section->name, "which of a structure's sections");
-                app.add_flag("--json", section->json, "as JSON");
+                app.add_option("--name", section->name, "name of a section of the structure");
+                app.add_flag("--json", section->json, "print JSON");
               },
           .run = [section](const Invocation& asked) { run_section(asked.common, *section); }};
 }

@@ -1,4 +1,4 @@
-// `wheeltap section`: what a cross-section amounts to.
+// `wheeltap section`: properties of a cross-section.
 #pragma once
 
 #include <string>
@@ -8,12 +8,12 @@
 namespace wheeltap::apps {
 
 struct SectionOptions {
-  std::string name;   ///< which of a structure's sections
+  std::string name;   ///< one of the structure's sections
   bool json = false;  ///< print JSON
 };
 
 /// Prints the properties of the section of a case, or of a file that holds one section and a
-/// Poisson's ratio, and draws it into `common.output` where that is given. Throws Failure.
+/// Poisson's ratio. Draws the section into `common.output` if that is given. Throws Failure.
 void run_section(const CommonOptions& common, const SectionOptions& options);
 
 }  // namespace wheeltap::apps

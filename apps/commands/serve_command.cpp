@@ -12,7 +12,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Training is shown; nothing is sampled.
+/// Shows the progress of training; nothing is sampled.
 class ServeWatch final : public RunWatch {
  public:
   explicit ServeWatch(bool quiet) : bar_(quiet) {}
@@ -32,10 +32,12 @@ class ServeWatch final : public RunWatch {
 };
 
 std::vector<ServedModel> models_of(CaseFile file, CommonOptions common) {
-  common.max_memory_gb = std::numeric_limits<double>::infinity();  // no option limits it here
+  common.max_memory_gb =
+      std::numeric_limits<double>::infinity();  // this command has no such option
   const Command* command = command_of_kind(file);
   if (command == nullptr || !command->make_run)
-    file.refuse(Pointer("/kind"), "must be one of " + listed(case_kinds(true)) + " to be served");
+    file.refuse(Pointer("/kind"),
+                "must be one of " + listed(case_kinds(true)) + " for wheeltap serve");
   const auto run = command->make_run(std::move(file), common, {});
   ServeWatch watch(common.quiet);
   run->prepare(watch);
@@ -68,16 +70,17 @@ void run_serve(const CommonOptions& common, const ServeOptions& options) {
 Command serve_command() {
   const auto serving = std::make_shared<ServeOptions>();
   return {.name = "serve",
-          .summary = "offer the case's predictor to other programs, as a UM-Bridge model",
+          .summary = "serve the case's predictor to other programs as a UM-Bridge model",
           .add_options =
               [serving](CommandOptions& options) {
                 options.add_case();
                 CLI::App& app = options.app();
-                app.add_option("--port", serving->port, "to listen at (default: one that is free)")
+                app.add_option("--port", serving->port,
+                               "port of the server (default: any free port)")
                     ->transform(whole(0, 65535));
                 app.add_option("--host", serving->host,
-                               "address to listen at (default 127.0.0.1, this machine alone; "
-                               "0.0.0.0: whoever reaches it)");
+                               "address of the server (default 127.0.0.1: this machine only; "
+                               "0.0.0.0: all network interfaces)");
                 options.add_quiet();
                 options.add_threads();
                 options.add_permissions();

@@ -1,4 +1,4 @@
-// `wheeltap serve`.
+// `wheeltap serve`: a UM-Bridge server.
 #pragma once
 
 #include <string>
@@ -9,11 +9,11 @@ namespace wheeltap::apps {
 
 struct ServeOptions {
   std::string host = "127.0.0.1";
-  int port = 0;  ///< 0: one that is free
+  int port = 0;  ///< 0: any free port
 };
 
-/// Offers the case's predictor to others by the UM-Bridge protocol, until Ctrl-C. The line that
-/// says where it listens is printed once it does.
+/// Serves the case's predictor by the UM-Bridge protocol until Ctrl-C. Prints its address once it
+/// accepts connections.
 void run_serve(const CommonOptions& common, const ServeOptions& options);
 
 }  // namespace wheeltap::apps

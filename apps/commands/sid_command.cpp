@@ -7,7 +7,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// A case with a sweep is run once a value, and sweep.csv takes the place of posterior.nc.
+/// Runs a case with a sweep once per value; sweep.csv replaces posterior.nc.
 void run_sid(const CommonOptions& common, const SamplingOptions& options) {
   CaseFile file = case_to_sample(common, options);
   if (file.json.contains("sweep"))
@@ -20,7 +20,7 @@ void run_sid(const CommonOptions& common, const SamplingOptions& options) {
 Command sid_command() {
   return sampled_command(
       {.name = "sid",
-       .summary = "which equation of motion a record obeys",
+       .summary = "identify the equation of motion of a structure from records",
        .make_run = make_sid_run,
        .run = [](const Invocation& asked) { run_sid(asked.common, asked.sampling); }},
       false, "run or sweep");

@@ -17,11 +17,12 @@ using namespace identification;
 
 namespace {
 
-/// The record that the case's truth produces, as CSV.
+/// Writes the record simulated from the case's truth, as CSV.
 void simulate_sid(const CommonOptions& common, CaseFile file) {
   if (common.output.extension() == ".json") {
-    throw Failure(Exit::usage, "--output: " + common.output.string() +
-                                   ": a simulated record is a table: name it .csv");
+    throw Failure(Exit::usage,
+                  "--output: " + common.output.string() +
+                      ": a simulated record is a table; the file name must end in .csv");
   }
   require_room_for_truth(file, common);
   const auto [record, title, seed] = simulated_record(std::move(file), common.seed);
@@ -37,12 +38,13 @@ void simulate_sid(const CommonOptions& common, CaseFile file) {
   }
 }
 
-/// The case with modes simulated from its truth in place of its data.
+/// Writes the case with data simulated from its truth.
 void simulate_update(const CommonOptions& common, CaseFile file) {
   if (common.output.extension() != ".json")
-    throw Failure(Exit::usage, "--output: " + common.output.string() +
-                                   ": simulated modes are written as a complete case: name it "
-                                   ".json");
+    throw Failure(
+        Exit::usage,
+        "--output: " + common.output.string() +
+            ": simulated modes are written as a complete case; the file name must end in .json");
   const SimulatedCase simulated = simulated_update(std::move(file), common.seed);
   write_text(common.output, simulated.json.dump(2) + "\n");
   if (common.as_json)
@@ -53,8 +55,8 @@ void simulate_update(const CommonOptions& common, CaseFile file) {
               << "): " << io::printable(common.output.string()) << '\n';
 }
 
-/// Frequencies with noise from the case's truth: a CSV, or a complete case where the output ends in
-/// .json.
+/// Writes noisy frequencies from the case's truth: as CSV, or as a complete case if the output ends
+/// in .json.
 void run_simulate(const CommonOptions& common) {
   std::error_code missing;
   if (std::filesystem::equivalent(common.output, common.case_path, missing))
@@ -72,8 +74,9 @@ void run_simulate(const CommonOptions& common) {
   if (common.output.extension() == ".json") {
     text = with_simulated(parsed, data, seed).dump(2) + "\n";
   } else if (damage_case.modal && !damage_case.modal->sensors.empty()) {
-    throw Failure(Exit::usage, "--output: " + common.output.string() +
-                                   ": shapes are written as a complete case: name it .json");
+    throw Failure(Exit::usage,
+                  "--output: " + common.output.string() +
+                      ": shapes are written as a complete case; the file name must end in .json");
   } else {
     text = frequency_csv({data.frequencies_hz, data.sd_hz},
                          damage_case.title + ", simulated by wheeltap " + WHEELTAP_VERSION +
@@ -94,16 +97,15 @@ void run_simulate(const CommonOptions& common) {
 
 Command simulate_command() {
   return {.name = "simulate",
-          .summary = "synthetic data from the case's truth",
+          .summary = "simulate data from the case's truth",
           .add_options =
               [](CommandOptions& options) {
                 options.add_case();
                 options.add_output(
-                    "FILE",
-                    "the file to write: .csv, or .json for a complete damage or update case");
-                options.add_json("print what was written as JSON");
+                    "FILE", "file to write: .csv, or .json for a complete damage or update case");
+                options.add_json("print a JSON summary of the written file");
                 options.add_limits();
-                options.add_seed("of the noise (default: the case's, or 1)");
+                options.add_seed("seed of the noise (default: that of the case, or 1)");
               },
           .run = [](const Invocation& asked) { run_simulate(asked.common); }};
 }

@@ -27,11 +27,11 @@ using namespace identification;
 namespace {
 
 struct TableOptions {
-  std::string part;                          ///< "I/N": this part of the runs only
-  std::vector<std::filesystem::path> merge;  ///< parts to join, whose runs are not repeated
+  std::string part;                          ///< "I/N": compute only this part of the runs
+  std::vector<std::filesystem::path> merge;  ///< parts to merge; their runs are not repeated
 };
 
-// "2/5": the second of five, 0-based.
+// Parses "2/5", the second of five, to 0-based indices.
 std::pair<int, int> parse_part(const std::string& text) {
   constexpr std::int64_t kMostParts = 1'000'000;
   const std::size_t slash = std::min(text.find('/'), text.size());
@@ -61,7 +61,7 @@ emulator::TableFile read_parts(const std::vector<std::filesystem::path>& paths,
   }
 }
 
-/// Throws Failure where the case is not of a table to be computed, or not with these options.
+/// Throws Failure if the case does not describe a table to compute, or not with these options.
 void require_table_case(const DamageCaseFile& parsed, const TableOptions& options) {
   const DamageCase& damage_case = parsed.damage;
   const Pointer predictor("/predictor");
@@ -71,8 +71,8 @@ void require_table_case(const DamageCaseFile& parsed, const TableOptions& option
   }
   if (parsed.outside)
     parsed.file.refuse(predictor,
-                       "a table holds runs of our own beam; a damage case keeps the "
-                       "answers of this model in a \"memory\"");
+                       "a table holds runs of Wheeltap's beam model only; a damage case stores the "
+                       "predictions of this model in its \"memory\"");
   if (!damage_case.emulator || damage_case.emulator->table) {
     parsed.file.refuse(
         predictor, "must describe a table to compute: {\"sites\": [...], \"multipliers\": [...]}");
@@ -81,28 +81,30 @@ void require_table_case(const DamageCaseFile& parsed, const TableOptions& option
   const DefectKind& kind = damage_case.kinds[0];
   if (kind.max_count < 1) {
     parsed.file.refuse(parsed.kinds[0] / "count" / "max",
-                       "must be at least 1: a table needs a damage");
+                       "must be at least 1: a table needs at least one damage");
   }
   if (damage_case.modes() == 0) {
     parsed.file.refuse(Pointer("/data"),
-                       "says nothing of the number of modes: give \"frequencies\" or \"modes\"");
+                       "does not give the number of modes: give \"frequencies\" or \"modes\"");
   }
   if (spec.runs == EmulatorSpec::Runs::csv && !(options.part.empty() && options.merge.empty())) {
-    parsed.file.refuse(predictor / "runs_csv", "are made already: there are no parts to compute");
+    parsed.file.refuse(predictor / "runs_csv", "are finished runs: there are no parts to compute");
   }
   if (spec.accuracy && !(options.part.empty() && options.merge.empty())) {
     parsed.file.refuse(predictor / "accuracy",
-                       "decides on runs by the runs before: they have no parts");
+                       "chooses runs by the results of earlier runs, so they cannot be computed in "
+                       "parts: leave out \"accuracy\" or --part");
   }
 }
 
-/// Runs the design of the case's predictor, measures the emulator on fresh runs, writes the table.
-/// Finished runs are remembered beside the output until it is written; `resume` starts from them.
+/// Runs the design of the case's predictor, measures the emulator's error on further runs and
+/// writes the table. Finished runs are stored beside the output until it is written; `resume`
+/// starts from them.
 void run_table(const CommonOptions& common, const TableOptions& options) {
   const auto log = make_log(common.quiet);
   if (!options.part.empty() && !options.merge.empty()) {
     throw Failure(Exit::usage,
-                  "--part and --merge: a part is computed or parts are joined, not both");
+                  "--part and --merge exclude each other: compute a part, or merge parts");
   }
   const DamageCaseFile parsed =
       parse_damage_case(read_case(common.case_path, common.overrides), Needs::structure);
@@ -119,14 +121,14 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   require_same_on_all_ranks("case", parsed.file.json.dump());
   std::optional<emulator::TableFile> made;
   if (!options.merge.empty()) made = read_parts(options.merge, damage_case);
-  // Reserve the name first: a table that cannot be written should not be computed.
+  // Reserve the name before computing a table that might not be writable.
   on_first_rank([&] { const io::AtomicFile writable(common.output); });
   const std::string stem = common.output.string() + ".runs";
   const auto journal = [&](int count) {
     return std::filesystem::path(stem + ".count_" + std::to_string(count));
   };
   const auto forget = [&] {
-    if (made) return;  // there are none
+    if (made) return;  // the runs exist already
     for (int count = 1; count <= kind.max_count; ++count) emulator::Journal::remove(journal(count));
   };
   if (!common.resume) on_first_rank(forget);
@@ -177,7 +179,7 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
     if (common.as_json)
       common.as_json(Report({{"table", common.output.string()}, {"part", options.part}}).dump(1));
     std::cout << "Part " << options.part << ": " << io::printable(common.output.string())
-              << "  (join the parts with wheeltap table CASE -o TABLE.nc --merge PART...)\n";
+              << "  (merge the parts with wheeltap table CASE -o TABLE.nc --merge PART...)\n";
     return;
   }
   const auto intact = reanalysis.intact_frequencies_hz().subspan(
@@ -200,22 +202,22 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
 Command table_command() {
   const auto table = std::make_shared<TableOptions>();
   return {.name = "table",
-          .summary = "run a design of experiments, train the emulator, measure its error",
+          .summary = "run a design of experiments, train an emulator, measure its error",
           .on_all_ranks = true,
           .add_options =
               [table](CommandOptions& options) {
                 options.add_case();
-                options.add_output("FILE.nc", "the table file to write, NetCDF");
-                options.add_json("print the emulator's errors as JSON");
-                options.add_seed("of the fresh FE runs that measure the error (default 1)");
+                options.add_output("FILE.nc", "table file to write, NetCDF");
+                options.add_json("print the errors of the emulator as JSON");
+                options.add_seed("seed of the further FE runs that measure the error (default 1)");
                 options.add_threads();
                 options.add_limits();
                 options.add_dry_run();
-                options.add_resume("go on where an interrupted table stopped");
+                options.add_resume("continue an interrupted table");
                 CLI::App& app = options.app();
-                app.add_option("--part", table->part, "I/N: make this part of the FE runs only");
+                app.add_option("--part", table->part, "I/N: compute only this part of the FE runs");
                 app.add_option("--merge", table->merge,
-                               "the parts to join: their FE runs are not repeated");
+                               "merge these parts, without repeating their FE runs");
               },
           .run = [table](const Invocation& asked) { run_table(asked.common, *table); }};
 }

@@ -5,7 +5,7 @@ namespace wheeltap::apps {
 
 Command update_command() {
   return sampled_command({.name = "update",
-                          .summary = "a structure's parameters from its measured modes",
+                          .summary = "update the parameters of a structure from measured modes",
                           .make_run = make_update_run},
                          true);
 }

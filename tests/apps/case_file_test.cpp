@@ -9,7 +9,7 @@ namespace {
 
 using testing::HasSubstr;
 
-// The complaint about a case, or "" where there is none.
+// The error message of a case, or "" for a valid case.
 std::string complaint(const Json& input, Exit expected = Exit::bad_input) {
   const Workspace where;
   try {
@@ -40,7 +40,7 @@ TEST(CaseFile, AcceptsAGoodCase) {
   EXPECT_EQ(complaint(small_case()), "");
 }
 
-// Fault: 4294967297 modes were one.
+// Fault: 4294967297 modes were read as one.
 TEST(CaseFile, MayNameItsSchemaAndTheVersionOfItsFormat) {
   Json input = small_case();
   input["$schema"] = "damage.schema.json";
@@ -64,7 +64,7 @@ TEST(CaseFile, WholeNumbersBeyondWhatIsCountedWithAreRefused) {
   EXPECT_THAT(complaint(input), HasSubstr("/data/seed: 18446744073709551615: must be"));
 }
 
-// Fault: the validator refused 3.0, at "<root>[data][modes]".
+// Fault: the validator rejected 3.0, at "<root>[data][modes]".
 TEST(CaseFile, WholeNumbersMayBeWrittenWithAPoint) {
   Json input = small_case();
   input["data"]["modes"] = 3.0;
@@ -76,13 +76,14 @@ TEST(CaseFile, WholeNumbersMayBeWrittenWithAPoint) {
   EXPECT_TRUE(file.json["data"]["modes"].is_number_integer());
   EXPECT_TRUE(file.json["beam"]["length"].is_number_float()) << "is no whole number";
   input["data"]["modes"] = 3.5;
-  EXPECT_THAT(complaint(input), HasSubstr("/data/modes: 3.5: must be how many modes to simulate"));
+  EXPECT_THAT(complaint(input),
+              HasSubstr("/data/modes: 3.5: must be the number of modes to simulate"));
   input["data"]["modes"] = 1e30;
   EXPECT_THAT(complaint(input), HasSubstr("/data/modes: 1e+30: must be <= 2147483647"));
 }
 
-// Fault: an escape sequence in a title reached the terminal, and a byte of Latin-1 ended the
-// program when its run was to be written.
+// Fault: an escape sequence in a title reached the terminal, and a Latin-1 byte ended the program
+// when it wrote its run.
 TEST(CaseFile, TextsThatMayNotBePrintedAreRefused) {
   EXPECT_THAT(reading(R"({"title": "a\u001b[31mb"})"), HasSubstr("/title: "));
   EXPECT_THAT(reading(R"({"notes": "two\nlines"})"), testing::IsEmpty());
@@ -92,7 +93,7 @@ TEST(CaseFile, TextsThatMayNotBePrintedAreRefused) {
   EXPECT_THAT(reading("{}", {"title=" + std::string(5000, 'x')}), HasSubstr("at most 4096"));
 }
 
-// Fault: 60 000 keys deep, the program ended in its stack.
+// Fault: a nesting of 60 000 keys overflowed the stack.
 TEST(CaseFile, OverridesAreNotFollowedWithoutEnd) {
   std::string path = "a";
   for (int i = 0; i < 1000; ++i) path += ".a";
@@ -103,13 +104,13 @@ TEST(CaseFile, OverridesAreNotFollowedWithoutEnd) {
 
 TEST(CaseFile, NamesLineAndColumnOfASyntaxError) {
   EXPECT_THAT(reading("{\n  \"a\": 1,\n  \"b\" 2\n}"), HasSubstr("c.json:3:7: not JSON"));
-  EXPECT_THAT(reading("{\"a\": [1, NaN]}"), HasSubstr("null is a mode not measured"));
+  EXPECT_THAT(reading("{\"a\": [1, NaN]}"), HasSubstr("null for a mode not measured"));
   EXPECT_THAT(reading(""), HasSubstr("c.json:1:1: not JSON"));
   EXPECT_THAT(reading("[1]"), HasSubstr("must be an object"));
 }
 
 TEST(CaseFile, RefusesAKeyThatStandsTwice) {
-  EXPECT_THAT(reading(R"({"a": {"b": 1, "b": 2}})"), HasSubstr("\"b\" stands twice"));
+  EXPECT_THAT(reading(R"({"a": {"b": 1, "b": 2}})"), HasSubstr("\"b\" is used twice"));
   EXPECT_EQ(reading(R"({"a": {"b": 1}, "c": {"b": 2}})"), "");
 }
 

@@ -1,4 +1,4 @@
-// The program as its users meet it: exit codes, one line an error, nothing half-written.
+// Command line of the program: exit codes, one line per error, no incomplete files.
 #include <gmock/gmock.h>
 #include <sched.h>
 #include <unistd.h>
@@ -69,7 +69,7 @@ TEST(CommandLine, BadCommandLinesEndWith64) {
                  {"--prior-only", "--evidence"});
   expect_refusal(where, "schema nothing", 64, {"nothing", "damage"});
   const std::string endless(100000, '7');
-  for (std::size_t shift = 0; shift < 3; ++shift) {  // one of them would halve a character
+  for (std::size_t shift = 0; shift < 3; ++shift) {  // one of them would split a character
     std::string typed = "damage " + c + " --seed " + std::string(shift, 'a');
     for (int i = 0; i < 5000; ++i) typed += "梁";
     EXPECT_FALSE(io::first_unprintable(wheeltap(where, typed).err, "\n"));
@@ -181,7 +181,7 @@ TEST(CommandLine, TablesAreComputedUsedAndRefused) {
   expect_refusal(where, "damage " + uses + run, 65, {"t.nc"});
 }
 
-// Killed whenever: what was computed is not computed again, and the table is the undisturbed one.
+// After a kill at any time, finished runs are not repeated and the table is unchanged.
 TEST(CommandLine, ATableKilledAtAnyMomentResumes) {
   const Workspace where;
   json c = table_case();
@@ -195,7 +195,7 @@ TEST(CommandLine, ATableKilledAtAnyMomentResumes) {
   ASSERT_EQ(wheeltap(where, "table " + design + " -o " + whole + " --quiet").exit_code, 0);
   const std::filesystem::path journal = cut + ".runs.count_2";
   std::error_code none;
-  // The moments: when the journal has so many bytes. The last kill may come too late to matter.
+  // Kill when the journal has this many bytes. The last kill may come after the end.
   bool killed = false;
   for (const std::uintmax_t bytes : {1U, 3000U, 200000U}) {
     const pid_t child = fork();
@@ -230,7 +230,7 @@ TEST(CommandLine, ATableKilledAtAnyMomentResumes) {
     EXPECT_EQ(table.values, b.tables.at(name).values) << name;
     EXPECT_EQ(table.parameters, b.tables.at(name).parameters) << name;
   }
-  // A journal of another design is not taken.
+  // A journal of another design is ignored.
   where.write("other.nc.runs.count_1", "wheeltap-journal 1 0123456789abcdef 3\n");
   expect_refusal(where, "table " + design + " -o " + (where / "other.nc").string() + " --resume",
                  65, {"another experiment"});
@@ -525,7 +525,7 @@ TEST(CommandLine, PriorOnlyReturnsThePrior) {
   near("support location[1]", 0.4, 0.4 / std::sqrt(12.0));
 }
 
-// It starts the program once more with what libraries read at its start.
+// The program restarts with environment variables that libraries read at start.
 TEST(CommandLine, SimdKeepsLibrariesToTheSameInstructions) {
   const Workspace where;
   const std::string run = "damage " + where.write_json("c.json", small_case()).string() + " -o " +
@@ -535,7 +535,7 @@ TEST(CommandLine, SimdKeepsLibrariesToTheSameInstructions) {
   };
   ASSERT_EQ(wheeltap(where, run + " --simd baseline").exit_code, 0);
   const std::string asked = id();
-  setenv("WHEELTAP_SIMD", "baseline", 1);  // as chosen already: it does not start again
+  setenv("WHEELTAP_SIMD", "baseline", 1);  // already set: no restart
   setenv("GLIBC_TUNABLES", "glibc.cpu.hwcaps=-AVX2,-FMA,-FMA4,-AVX512F,-AVX512VL,-AVX512DQ", 1);
   const int code = wheeltap(where, run + " --simd=baseline").exit_code;
   unsetenv("WHEELTAP_SIMD");

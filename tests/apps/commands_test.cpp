@@ -1,4 +1,4 @@
-// The list of commands, and what reads it.
+// The list of commands and its users.
 #include <gmock/gmock.h>
 
 #include <iostream>
@@ -69,7 +69,7 @@ TEST(Commands, ANewOneInTheListIsInHelpManualAndCompletionAndRuns) {
                   .add_options =
                       [](CommandOptions& options) {
                         options.add_case();
-                        options.add_seed("of the greeting");
+                        options.add_seed("seed of the greeting");
                       },
                   .run =
                       [](const Invocation& asked) {

@@ -1,4 +1,4 @@
-// wheeltap compare, as its users run it.
+// wheeltap compare on the command line.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -13,7 +13,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Two equal masses on springs: k unknown, and the ratio of the upper spring to the lower known.
+/// Two equal masses on springs: k unknown, ratio of upper to lower spring known.
 json two_storeys(double ratio) {
   json links = {
       {{"name", "1"}, {"between", {0, 1}}, {"stiffness", "k"}},
@@ -116,7 +116,7 @@ TEST_F(Compare, OfOtherDataIsRefused) {
   run(moved, "other");
   const Outcome ran = compare("");
   EXPECT_EQ(ran.exit_code, 65);
-  EXPECT_THAT(ran.err, HasSubstr("is of other data than"));
+  EXPECT_THAT(ran.err, HasSubstr("uses other data than"));
   EXPECT_EQ(compare("--prior 1,2,3").exit_code, 64);
   EXPECT_EQ(wheeltap(where, "compare " + (where / "same").string()).exit_code, 64);
   EXPECT_EQ(
@@ -140,7 +140,7 @@ TEST_F(Compare, DataAreToldByTheirContentAndNotByTheNamesOfFiles) {
   run(with_file(2.0, "a.csv", 16.5), "other");  // the same name, another content
   const Outcome ran = compare("");
   EXPECT_EQ(ran.exit_code, 65);
-  EXPECT_THAT(ran.err, HasSubstr("is of other data than"));
+  EXPECT_THAT(ran.err, HasSubstr("uses other data than"));
 }
 
 TEST_F(Compare, OnlyTheRatiosOfPriorWeightsCount) {

@@ -70,7 +70,7 @@ TEST(DamageCase, CountPriors) {
   EXPECT_THAT(complaint(json), HasSubstr("/damage/count/min: 3: must not exceed max"));
 }
 
-// The schema takes the types of defect, and the keys of their severities, from the list.
+// The schema contains the types of defect of the list, and the keys of their severities.
 TEST(DamageCase, EveryTypeOfDefectIsInTheSchema) {
   const Json rules = schema("damage")["definitions"];
   for (const auto* type : identification::defect_types()) {
@@ -125,7 +125,7 @@ TEST(DamageCase, SupportsAsAList) {
   EXPECT_FALSE(supports[0].stiffness.has_value());
   EXPECT_EQ(supports[1].stiffness, 1e5);
   json["beam"]["supports"][1]["at"] = 1.2;
-  EXPECT_THAT(complaint(json), HasSubstr("/beam/supports/1/at: 1.2: lies outside"));
+  EXPECT_THAT(complaint(json), HasSubstr("/beam/supports/1/at: 1.2: is outside"));
 }
 
 TEST(DamageCase, SeveralKinds) {
@@ -144,7 +144,7 @@ TEST(DamageCase, SeveralKinds) {
   json["damage"][1]["reduction"] = {{"uniform", {0, 0.5}}};
   EXPECT_THAT(complaint(json), HasSubstr("/damage/1/reduction"));
   json["damage"][1] = json["damage"][0];
-  EXPECT_THAT(complaint(json), HasSubstr("two kinds are called \"damage\""));
+  EXPECT_THAT(complaint(json), HasSubstr("two kinds have the name \"damage\""));
 }
 
 TEST(DamageCase, PriorsMustStayWhereTheyMeanSomething) {
@@ -178,12 +178,12 @@ TEST(DamageCase, NoiseAndMissingModes) {
   json["data"] = Json::parse(R"({"frequencies": [13.8], "cv": {"log_uniform": [1e-4, 0.1]}})");
   EXPECT_TRUE(parsed(json).data.cv_prior) << "cv is another name for cov";
   json["data"]["cov"] = 0.01;
-  EXPECT_THAT(complaint(json), HasSubstr("under its other name"));
+  EXPECT_THAT(complaint(json), HasSubstr("is an alias of"));
 }
 
 TEST(DamageCase, MoreModesThanDegreesOfFreedom) {
   Json json = small_case();
-  json["beam"]["elements"] = 2;  // 6 dofs, 2 held
+  json["beam"]["elements"] = 2;  // 6 dofs, 2 fixed
   json["data"]["frequencies"] = {1, 2, 3, 4, 5};
   EXPECT_THAT(complaint(json), HasSubstr("5 modes: must be at most 4"));
   json["data"]["frequencies"] = {1, 2, 3, 4};
@@ -212,7 +212,7 @@ TEST(DamageCase, SimulatesFromItsTruth) {
   json["damage"]["truth"] = Json{{"defects", json["damage"]["truth"]}, {"modes", 2}, {"seed", 9}};
   EXPECT_EQ(parsed(json).data.modes(), 2);
   json["damage"]["truth"] = {{{"location", 1.35}, {"reduction", 0.5}}};
-  EXPECT_THAT(complaint(json), HasSubstr("/damage/truth/0/location: 1.35: lies outside"));
+  EXPECT_THAT(complaint(json), HasSubstr("/damage/truth/0/location: 1.35: is outside"));
   json["damage"]["truth"] = {{{"location", 0.35}, {"reduction", 1.0}}};
   EXPECT_THAT(complaint(json), HasSubstr("must be < 1"));
 }
@@ -260,10 +260,10 @@ TEST(DamageCase, InterpolantsAreThoseOfTheList) {
   json["predictor"]["interpolation"] = "gaussian-process";
   EXPECT_THAT(complaint(json), HasSubstr("\"multilinear\", \"cubic\" and \"monotone-cubic\""));
 
-  // Before the runs are made, not after.
+  // The check precedes the runs.
   json["damage"]["count"]["max"] = 4;
   json["predictor"]["interpolation"] = "cubic";
-  EXPECT_THAT(complaint(json), HasSubstr("\"cubic\" takes up to 3 damages"));
+  EXPECT_THAT(complaint(json), HasSubstr("\"cubic\" supports up to 3 damages"));
   json["predictor"]["expansion"] = "anova";
   EXPECT_EQ(parsed(json).emulator->tables(4), 2);
 }

@@ -74,8 +74,8 @@ TEST(DamageProblem, InferredNoiseKeepsItsNormaliser) {
   }
 }
 
-// Exact in what the likelihood is smooth in; along a damage's place, the difference between the
-// neighbouring elements' midpoints of the frequencies, not of the likelihood.
+// Exact for smooth parameters; for a damage's location, the derivative uses frequency differences
+// between the midpoints of neighbouring elements, not differences of the likelihood.
 TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
   for (const bool inferred : {false, true}) {
     Json input = small_case();
@@ -107,7 +107,7 @@ TEST(DamageProblem, TheGradientIsThatOfTheLikelihood) {
       return likelihood->evaluation(model, moved);
     };
     for (std::size_t j = 0; j < x.size(); ++j) {
-      if (j == o || j == o + 2) continue;  // a damage's place
+      if (j == o || j == o + 2) continue;  // location of a damage
       const double h = 1e-4 * x[j];
       const double expected =
           (at(j, x[j] + h).log_likelihood - at(j, x[j] - h).log_likelihood) / (2.0 * h);
@@ -219,14 +219,14 @@ TEST(DamageProblem, EmulatorErrorIsAddedToTheNoise) {
   const std::vector<double> theta = {0.5, 0.3};
   const auto aware = problem(input);
   input["predictor"]["emulator_error"] = false;
-  input["predictor"]["symmetrise"] = true;  // what it is by default where the error counts
+  input["predictor"]["symmetrise"] = true;  // the default with emulator error
   const auto blind = problem(input);
   const auto with = aware->problem.likelihood(), without = blind->problem.likelihood();
   const inference::Evaluation naive = without->evaluation(1, theta);
   double sum = 0.0, expected = 0.0;
   for (std::size_t i = 0; i < 3; ++i) {
     const double f = naive.prediction[i], observed = input["data"]["frequencies"][i].get<double>();
-    // Grown with the compliance that the damage adds, 0.3 / 0.7 of an element's (and 0.001).
+    // Grows with the compliance added by the damage, 0.3 / 0.7 of an element's (and 0.001).
     const double variance = aware->emulator->error(1).scale[i] * (0.3 / 0.7 + 1e-3);
     EXPECT_GT(variance, 0.0);
     sum += log_normal_density(observed, f, 0.01 * observed);

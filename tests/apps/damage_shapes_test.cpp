@@ -1,4 +1,4 @@
-// Damage from mode shapes beside frequencies.
+// Damage from frequencies and mode shapes.
 #include <gmock/gmock.h>
 
 #include <Eigen/Dense>
@@ -20,7 +20,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// The source's beam A (science.md), few elements, with five sensors that stand anywhere.
+/// The published beam A (science.md) with few elements and five sensors at arbitrary positions.
 json beam_a(int seed) {
   json c = small_case();
   c["beam"]["elements"] = 40;
@@ -44,7 +44,7 @@ Parsed parsed_case(const json& c) {
   return out;
 }
 
-// By the reanalysis, as by the full solution of the damaged structure.
+// The reanalysis agrees with the full solution of the damaged structure.
 TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
   const Parsed p = parsed_case(beam_a(1));
   ASSERT_TRUE(p.problem->by_modes());
@@ -70,7 +70,7 @@ TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
   }
 }
 
-// Frequencies alone give each side a half.
+// Frequencies alone give probability 1/2 to each side.
 TEST(DamageShapes, TellLeftFromRight) {
   for (const int seed : {1, 2, 3}) {
     const Parsed p = parsed_case(beam_a(seed));
@@ -107,7 +107,7 @@ TEST(DamageShapes, RunsAndSaysHowItFits) {
   EXPECT_LT(p, 0.995);
 }
 
-// A simulated case is complete: it holds the shapes, and runs as it is.
+// A simulated case is complete: it contains the shapes and runs without changes.
 TEST(DamageShapes, SimulatedCasesHoldThem) {
   const Workspace where;
   const std::string made = (where / "made.json").string();
@@ -122,7 +122,7 @@ TEST(DamageShapes, SimulatedCasesHoldThem) {
   EXPECT_EQ(wheeltap(where, simulate + (where / "made.csv").string()).exit_code, 64);
 }
 
-// A full covariance counts: two frequencies that err together tell more of their difference.
+// Correlated errors of two frequencies give more information on their difference.
 TEST(DamageShapes, CovariancesOfFrequencies) {
   json c = small_case();
   c["data"].erase("cov");

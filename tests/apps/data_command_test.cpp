@@ -1,4 +1,4 @@
-// `wheeltap data`, as its users run it.
+// `wheeltap data` on the command line.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -49,7 +49,8 @@ TEST_F(DataCommand, TellsChannelsAndFaults) {
   EXPECT_EQ(out["tables"][0]["sample_rate_hz"], 50.0);
 }
 
-// A logger's one byte a character, and a file whose name is no text: 70 once, for --json.
+// Fault: Latin-1 text of a logger, and a file name that is not UTF-8, gave exit code 70 with
+// --json.
 TEST_F(DataCommand, TextsThatAreNotUtf8) {
   where.write("Weg\xff.csv", "time [s],Weg [\xb5m],Kraft [N]\n0,1,2\n0.1,2,4\n0.2,1,3\n0.3,2,5\n");
   const Outcome ran = run(path("Weg\xff.csv") + " --json");
@@ -59,7 +60,7 @@ TEST_F(DataCommand, TextsThatAreNotUtf8) {
   EXPECT_EQ(out["tables"][0]["channels"][0]["unit"], "µm");
 }
 
-// What was detected is said, and what only the user can know is asked.
+// The output states the detected layout and asks for missing information.
 TEST_F(DataCommand, SaysHowATextIsRead) {
   where.write("one.txt", "0,1108\n-0,1845\n0,2598\n0,0751\n");
   EXPECT_THAT(run(path("one.txt")).out, HasSubstr("One column, decimal comma"));
@@ -70,12 +71,12 @@ TEST_F(DataCommand, SaysHowATextIsRead) {
   where.write("whole.csv", "time,acc\n0,1\n10,2\n20,1\n30,3\n");
   EXPECT_THAT(run(path("whole.csv")).out, HasSubstr("\"scale\": 0.001"));
   where.write("fs.txt", "Fs = 200 Hz\nacc [g]\n1\n2\n1\n3\n");
-  EXPECT_THAT(run(path("fs.txt")).out, HasSubstr("200 Hz as line 1 says"));
+  EXPECT_THAT(run(path("fs.txt")).out, HasSubstr("200 Hz as line 1 states"));
   where.write("tail.csv", "time [s],a [g]\n0,1\n0.1,2\n0.2,3\n\nEnd of test\n");
   EXPECT_THAT(run(path("tail.csv")).out, HasSubstr("line 6 behind the rows is not part"));
 }
 
-// Every bit survives, in every format that we write and read.
+// All bits survive a round trip in every format.
 TEST_F(DataCommand, ConvertsWithoutLoss) {
   const signals::Record before = signals::read_record(path("record.csv"));
   ASSERT_EQ(run(path("record.csv") + " --to " + path("a.csv")).exit_code, 0);
@@ -97,7 +98,7 @@ TEST_F(DataCommand, ConvertsWithoutLoss) {
   EXPECT_GT(std::filesystem::file_size(path("a.nc")), 90000U);
 }
 
-// A file's name may hold what a terminal would obey.
+// A file name may contain terminal control sequences.
 TEST_F(DataCommand, ConvertedNamesAreShownWithoutControlCharacters) {
   const Outcome ran = run(path("record.csv") + " --to \"" + path("a\x1b[31m.csv") + "\"");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;

@@ -1,4 +1,4 @@
-// Cases that ask which terms a link has.
+// Cases that discover the terms of a link.
 #include <gmock/gmock.h>
 
 #include "apps/results/sid_terminal.hpp"
@@ -15,7 +15,7 @@ using nlohmann::json;
 using testing::AllOf;
 using testing::HasSubstr;
 
-// The small case's linear model, asked about some terms; simulated from the subset with the cubic.
+// The linear model of the small case with candidate terms; simulated with the cubic term.
 json discovery(json terms) {
   json c = small_sid_case();
   c["models"].erase(1);
@@ -54,7 +54,7 @@ TEST(DiscoverCase, EverySubsetOfTheTermsCompetes) {
                                              "contact stiffness closing", "contact gap closing"));
   ASSERT_TRUE(c.discovery);
   EXPECT_EQ(c.discovery->inclusion, 0.5);
-  // Priors that the record scales: friction is positive, and nowhere is the placeholder left.
+  // Priors scaled by the record: friction is positive, and no placeholder is left.
   const LinkMotion& m = c.discovery->motions.at(0);
   EXPECT_DOUBLE_EQ(c.parameters[1].prior.sd(), m.tension / std::pow(m.extension, 3));
   EXPECT_EQ(c.parameters[2].prior.lower(), 0.0);
@@ -68,7 +68,7 @@ TEST(DiscoverCase, ParametersOfTheCaseOverrideTheDefaults) {
   c["discover"]["inclusion"] = 0.2;
   const SidCase parsed = parse_sid(where, c).sid;
   EXPECT_EQ(parsed.parameters.size(), 2U);
-  EXPECT_DOUBLE_EQ(parsed.parameters[0].prior.mean(), 500.0);  // in the order of the names
+  EXPECT_DOUBLE_EQ(parsed.parameters[0].prior.mean(), 500.0);  // in the order of names
   EXPECT_DOUBLE_EQ(parsed.models[1].weight, 0.2);
 }
 
@@ -78,7 +78,7 @@ TEST(DiscoverCase, WhatIsKnownOfATermIsGivenWithIt) {
                       {{"coulomb", {{"velocity", 0.02}}}},
                       {{"cubic", 1000}}});
   c["parameters"]["ks"] = {{"log_uniform", {1, 1e4}}};
-  c["truth"]["parameters"].erase("cubic");  // 1000, as the term has it
+  c["truth"]["parameters"].erase("cubic");  // 1000, as in the term
   const SidCase parsed = parse_sid(where, c).sid;
   const auto& terms = parsed.discovery->terms;
   EXPECT_DOUBLE_EQ(terms[0].law.coefficients[1].value, 0.01);
@@ -105,7 +105,7 @@ TEST(DiscoverCase, FaultsAreRefusedWhereTheyStand) {
   EXPECT_THAT(refusal(discovery({"cubic", "friction"})),
               AllOf(HasSubstr("/discover/terms/1: \"friction\""), HasSubstr("coulomb")));
   EXPECT_THAT(refusal(discovery({"cubic", "cubic"})),
-              AllOf(HasSubstr("/discover/terms/1"), HasSubstr("there already")));
+              AllOf(HasSubstr("/discover/terms/1"), HasSubstr("listed twice")));
   EXPECT_THAT(refusal(discovery({{{"cubic", {{"gap", 1}}}}})),
               HasSubstr("/discover/terms/0/cubic/gap"));
   EXPECT_THAT(refusal(discovery({{{"contact", {{"gap", -1}}}}})),
@@ -131,14 +131,14 @@ TEST(DiscoverCase, FaultsAreRefusedWhereTheyStand) {
   EXPECT_THAT(refusal(discovery({{{"bouc_wen", {{"beta", "b"}}}}})), HasSubstr("no parameter"));
 }
 
-// A term's coefficient that the truth leaves out would silently be none.
+// A coefficient missing in the truth would silently remove its term.
 TEST(DiscoverCase, TheTruthMustGiveTheCoefficientsOfItsTerms) {
   json c = discovery({"cubic"});
   c["truth"]["parameters"].erase("cubic");
   EXPECT_THAT(refusal(c), AllOf(HasSubstr("/truth/parameters/cubic"), HasSubstr("is missing")));
 }
 
-// Of hundreds of models the terminal lists the most probable.
+// The terminal lists only the most probable of hundreds of models.
 TEST(DiscoverCase, OfManyModelsAFewArePrinted) {
   std::vector<ModelFinding> models;
   for (int m = 0; m < 256; ++m) {

@@ -546,7 +546,7 @@ def check_interrupted_batches_go_on(bench):
         if number != signal.SIGKILL:
             expect(process.returncode == 130, f'{number.name}: {process.returncode}: {err}')
             one_line(err)
-            expect('--resume goes on' in err and list(out.glob('*/checkpoint.nc')), f'{number.name}: {err}')
+            expect('--resume continues' in err and list(out.glob('*/checkpoint.nc')), f'{number.name}: {err}')
         bench.run(*command)
         same(runs_of(out), whole)
 

@@ -1,5 +1,6 @@
-// With the source's own ten sites and data simulated by the FE model, the posterior of one damage
-// by quadrature: trusting the emulator blindly is wrong, its error makes the intervals cover.
+// Posterior of one damage by quadrature, with the ten published sites and data simulated by the FE
+// model. Ignoring the emulator error gives wrong intervals; including it gives the nominal
+// coverage.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -23,7 +24,7 @@ struct Misses {
   int location = 0, reduction = 0;
 };
 
-// Truths from the prior: how often the central 95 % intervals miss them.
+// Number of truths from the prior outside the central 95 % intervals.
 Misses misses(const std::string& predictor, const char* supports, int modes) {
   Json input = small_case();
   input["beam"]["elements"] = 100;
@@ -37,7 +38,7 @@ Misses misses(const std::string& predictor, const char* supports, int modes) {
   const auto problem = make_damage_problem(
       parse_damage_case(read_case(where.write_json("c.json", input))).damage, {});
   const fem::Beam& beam = problem->damage_case.beam;
-  // What the emulator says anywhere: constant within an element, midpoint rule in the reduction.
+  // Emulator predictions on a grid: constant within an element, midpoint rule in the reduction.
   StructuralPredictor exact(*problem), emulator(*problem, *problem->emulated);
   const auto n_modes = static_cast<std::size_t>(modes);
   std::vector<std::vector<double>> f, variance;
@@ -86,7 +87,7 @@ Misses misses(const std::string& predictor, const char* supports, int modes) {
 const std::string kSites = R"({"sites": [5, 15, 25, 35, 45, 55, 65, 75, 85, 95],
                                "multipliers": [0.4, 0.6, 0.8, 1.0])";
 
-// Of 200 intervals at 95 %, 21 miss with probability 0.001 and 3 or fewer do with 0.01.
+// For 200 intervals at 95 %, 21 misses have probability 0.001, and 3 or fewer have 0.01.
 TEST(EmulatorCoverage, IntervalsCoverAtTheStatedRate) {
   for (const char* supports : {"simply-supported", "cantilever"}) {
     for (const int modes : {10, 20}) {

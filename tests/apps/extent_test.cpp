@@ -1,4 +1,4 @@
-// Reductions over a length that nobody knows.
+// Reductions over an unknown length.
 #include <gmock/gmock.h>
 
 #include "apps/cases/damage_case.hpp"
@@ -50,7 +50,7 @@ TEST(Extent, PredictsAsOneThatIsKnown) {
     by_number.solve(1, std::vector<double>{0.42, 0.3}, expected);
     for (std::size_t i = 0; i < 3; ++i) EXPECT_DOUBLE_EQ(f[i], expected[i]) << extent;
   }
-  // Twice as long is more, whatever the mesh.
+  // A reduction of twice the length has more effect, for any mesh.
   by_prior.solve(1, std::vector<double>{0.42, 0.3, 0.01}, narrow);
   EXPECT_GT(narrow[0], f[0]);
 }
@@ -85,7 +85,7 @@ TEST(Extent, WhatCannotBeIsRefused) {
   EXPECT_THAT(refused(c), HasSubstr("/damage/truth/0/extent: is missing"));
   c["damage"]["truth"][0]["extent"] = 0.2;
   c["damage"]["extent"] = 0.2;
-  EXPECT_THAT(refused(c), HasSubstr("is not among this kind's unknowns"));
+  EXPECT_THAT(refused(c), HasSubstr("is not an unknown of this kind of defect"));
 }
 
 }  // namespace

@@ -1,5 +1,5 @@
-// Input that once crashed the program, was answered silently wrong, ended as a fault of the
-// program's own or was refused only after sampling. Each test says what was the case.
+// Input that once crashed the program, gave silently wrong results, ended with exit code 70, or was
+// rejected only after sampling. "Before" in each test states the old behaviour.
 #include <gmock/gmock.h>
 #include <sys/stat.h>
 
@@ -25,7 +25,7 @@ constexpr std::chrono::seconds kSoon{10};
 
 class HardInput : public testing::Test {
  protected:
-  // One line, one of the codes for bad input, and soon.
+  // Expects one line, an exit code for bad input, and a short run time.
   void expect_refusal(const std::string& arguments, int code, const std::string& words) const {
     const auto began = std::chrono::steady_clock::now();
     const Outcome outcome = wheeltap(where, arguments);
@@ -46,7 +46,7 @@ class HardInput : public testing::Test {
   Workspace where;
 };
 
-// Before: taken as 2^64 - 1; as part 1 of 2; 200.0 was refused.
+// Before: read as 2^64 - 1; as part 1 of 2; 200.0 was rejected.
 TEST_F(HardInput, WholeNumbersOfTheCommandLineNeverWrap) {
   for (const char* option :
        {"--seed -1", "--seed 18446744073709551615", "--seed 1e30", "--threads 4294967297",
@@ -68,7 +68,7 @@ TEST_F(HardInput, WholeNumbersOfTheCommandLineNeverWrap) {
   EXPECT_EQ(pointed.exit_code, 0) << pointed.err;
 }
 
-// Before: --checkpoint nan was taken.
+// Before: --checkpoint nan was accepted.
 TEST_F(HardInput, NumbersOfTheCommandLineAreNumbers) {
   for (const char* option : {"--checkpoint nan", "--checkpoint -1", "--checkpoint inf",
                              "--checkpoint 1e400", "--max-hours nan", "--max-memory -nan"}) {
@@ -76,7 +76,7 @@ TEST_F(HardInput, NumbersOfTheCommandLineAreNumbers) {
   }
 }
 
-// Nobody typed --threads.
+// The message must not name --threads, which was not given.
 TEST_F(HardInput, ANumberOfTheEnvironmentIsNamed) {
   const std::string command = "damage " + where.write_json("c.json", small_case()).string() +
                               " -o " + (where / "out").string();
@@ -101,7 +101,7 @@ TEST_F(HardInput, WholeNumbersOfASidCaseNeverWrap) {
   }
 }
 
-// Before: the first modes of a wrapped number; a crash for the row.
+// Before: integer overflow of the number of modes; a crash for the row.
 TEST_F(HardInput, WholeNumbersOfADamageCaseNeverWrap) {
   for (const char* set :
        {"data.modes=4294967300", "data.row=2147483648", "data.seed=18446744073709551616",
@@ -127,13 +127,13 @@ TEST_F(HardInput, NamesThatNoVariableCanHaveAreRefusedBeforeSampling) {
   json c = small_sid_case();
   c["parameters"]["a/b"] = c["parameters"]["k"];
   c["parameters"]["a_b"] = c["parameters"]["k"];
-  expect_refusal(sid(c), 65, "too like the parameter");
+  expect_refusal(sid(c), 65, "too similar to the parameter");
   c = small_case();
   c["damage"]["name"] = " crack";
   expect_refusal(damage(c), 65, "/damage/name: ");
 }
 
-// Before: exit 73 after sampling, where the column's name was one that the file needs itself.
+// Before: exit 73 after sampling, if a column had the name of a variable of the file.
 TEST_F(HardInput, ChannelsMayBeCalledAnything) {
   for (const char* name : {"time", "draw_index", " x", "-", "a/b"}) {
     json c = small_sid_case();
@@ -158,7 +158,7 @@ TEST_F(HardInput, FoldersAndCasesMayBeCalledAnything) {
   EXPECT_EQ(json::parse(read_all(folder / "summary.json"))["title"], "Größe \\xff\\x1b[31m\\n");
 }
 
-// Before: the sequence coloured the terminal, the newline forged a second message.
+// Before: the escape sequence coloured the terminal; the newline forged a second message.
 TEST_F(HardInput, NothingOfACaseReachesTheTerminalRaw) {
   json c = small_case();
   c["title"] = "a\x1b[31mb\nwheeltap: done";
@@ -189,7 +189,7 @@ TEST_F(HardInput, DeepAndWideJsonIsRefusedSoon) {
   expect_refusal(with(wide + "}"), 65, "/k0: 1: unknown key");
 }
 
-// Before: waited for ever, or until memory ended.
+// Before: did not end, or used all memory.
 TEST_F(HardInput, PipesAndDevicesAreRefused) {
   ASSERT_EQ(::mkfifo((where / "pipe").c_str(), 0600), 0);
   expect_refusal("damage " + (where / "pipe").string() + " -o /dev/null/x", 66, "is a pipe");
@@ -213,7 +213,7 @@ TEST_F(HardInput, NumbersFromAnotherWorldAreTheCases) {
   }
 }
 
-// Before: a segmentation fault while the starting point was sought.
+// Before: a segmentation fault in the search of a starting point.
 TEST_F(HardInput, ALogUniformPriorMayBeginNextToZero) {
   json c = small_sid_case();
   c["parameters"]["k"] = {{"log_uniform", {1e-320, 1}}};
@@ -222,7 +222,7 @@ TEST_F(HardInput, ALogUniformPriorMayBeginNextToZero) {
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
 }
 
-// Before: exit 70, "support.stiffness = 0", where a draw of the prior underflows.
+// Before: exit 70, "support.stiffness = 0", if a draw of the prior underflowed.
 TEST_F(HardInput, StiffnessesMayUnderflow) {
   for (const char* prior : {R"({"log_normal": [0, 1000]})", R"({"beta": [1e-5, 1e5]})",
                             R"({"half_normal": 1e-320})", R"({"gamma": [1e-300, 1]})"}) {
@@ -237,7 +237,7 @@ TEST_F(HardInput, StiffnessesMayUnderflow) {
   }
 }
 
-// Before: exit 70, "damage.reduction = nan", for the most remote.
+// Before: exit 70, "damage.reduction = nan", for the most extreme prior.
 TEST_F(HardInput, PriorsMayReachFarIntoTheirTails) {
   for (const char* prior :
        {R"({"truncated_normal": [-1e10, 0.1, 0, 0.6]})",
@@ -264,7 +264,7 @@ TEST_F(HardInput, NamesTooLongForAnyFileAreNoFaults) {
                  73, "too long");
 }
 
-// Before: refused, but after 11 s.
+// Before: rejected, but after 11 s.
 TEST_F(HardInput, TwentyDamagesOnEveryElementAreRefusedAtOnce) {
   json c = small_case();
   c["beam"]["elements"] = 100;
@@ -277,7 +277,7 @@ TEST_F(HardInput, TwentyDamagesOnEveryElementAreRefusedAtOnce) {
   }
 }
 
-// Before: 1e9 samples grew to all memory there was; 1e12 draws and 1e6 runs were begun.
+// Before: 1e9 samples used all memory; 1e12 draws and 1e6 runs started.
 TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
   expect_refusal(sid(small_sid_case(), "--set truth.samples=1000000000"), 65, "GB of memory");
   const std::string many = "--chains 1000 --draws 1000000000";
@@ -306,17 +306,17 @@ TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
   expect_refusal(damage(c), 65, "/predictor: ");
   for (const char* limit : {"--max-memory nan", "--max-memory -1", "--max-hours 0"})
     expect_refusal(damage(small_case(), limit), 64, "must be a positive number");
-  // A row is refused for its own size, wherever it stands.
+  // A row is rejected for its size, at any position.
   c = small_sid_case();
   c["sweep"] = {{"path", "/truth/samples"}, {"values", {200, 300, 1'000'000'000, 200, 200, 200}}};
   expect_refusal(sid(c), 65, "/truth/samples: 1000000000: would take");
-  // What is allowed is for the user to say; and asking costs nothing.
+  // The user can raise the limits; a dry run is cheap.
   const Outcome asked =
       wheeltap(where, damage(small_case(), "--dry-run --max-memory 1e9 --max-hours 1e9"));
   EXPECT_EQ(asked.exit_code, 0) << asked.err;
   EXPECT_THAT(asked.out, HasSubstr("The run would take about"));
   EXPECT_FALSE(std::filesystem::exists(where / "out"));
-  // No folder has room for the draws.
+  // No disk has space for the draws.
   expect_refusal("damage " + where.write_json("c.json", small_case()).string() + " -o " +
                      (where / "out").string() + " --max-memory 1e9 --max-hours 1e9 " + many,
                  73, "GB are free");
@@ -327,8 +327,8 @@ TEST_F(HardInput, WhatNoMachineHoldsIsRefusedWithItsEstimate) {
                  65, "--max-disk allows 2 GB");
 }
 
-// Of two runs into one folder the second's checkpoint took the place of the first's, which could
-// not be resumed.
+// Before: with two runs into one folder, the second replaced the checkpoint of the first, which
+// could not be resumed.
 TEST_F(HardInput, AFolderIsWrittenByOneRunAtATime) {
   std::filesystem::create_directory(where / "out");
   const auto other = io::FileLock::take(where / "out");
@@ -338,7 +338,7 @@ TEST_F(HardInput, AFolderIsWrittenByOneRunAtATime) {
   EXPECT_TRUE(std::filesystem::is_empty(where / "out"));
 }
 
-// Before: exit 70 and reads beyond arrays, for a summary that somebody had edited.
+// Before: exit 70 and out-of-bounds reads, for an edited summary.
 TEST_F(HardInput, EditedSummariesAreNotBelieved) {
   const std::string out = (where / "out").string();
   ASSERT_EQ(wheeltap(where, damage(small_case())).exit_code, 0);

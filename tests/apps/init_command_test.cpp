@@ -1,5 +1,5 @@
-// `wheeltap init`: what it writes runs as it is, explains every key, and takes the place of
-// nothing.
+// `wheeltap init`: its cases run without changes, its texts explain every key, and it overwrites no
+// file.
 #include "apps/commands/init_command.hpp"
 
 #include <gmock/gmock.h>
@@ -23,7 +23,7 @@ bool is_prior(const std::string& path) {
   return path.ends_with(".location") || path.ends_with(".reduction") || path.ends_with(".extent");
 }
 
-// Every key of a case, as describe_keys writes it; the names of parameters are the user's own.
+// Every key of a case in the form of describe_keys, except names of parameters, which users choose.
 void expect_told(const json& value, const std::string& path, const std::string& told) {
   if (value.is_array()) {
     for (const json& one : value) expect_told(one, path + "[]", told);
@@ -50,7 +50,7 @@ TEST_P(Init, WritesACaseThatRunsAndExplainsEveryKeyInIt) {
       where, kind + " " + folder + "/" + kind + ".json -o " + folder + "/results" + kShortStart);
   EXPECT_EQ(ran.exit_code, 0) << ran.err;
   const json summary = json::parse(read_all(folder + "/results/summary.json"));
-  // Its notes tell what it was simulated from: one damage; a hardening spring.
+  // Its notes state the truth of the simulation: one damage; a hardening spring.
   EXPECT_GT(summary["models"][1]["probability"].get<double>(), 0.5);
 }
 
@@ -66,7 +66,8 @@ TEST_P(Init, OverwritesNothing) {
   EXPECT_FALSE(std::filesystem::exists(folder + "/" + kind + ".json"));
 }
 
-// Its notes tell the modes of what it was simulated from; five standard deviations: 6e-7 each.
+// Its notes state the true modes; a deviation of five standard deviations has probability 6e-7 per
+// value.
 TEST(InitCommand, AModalCaseFindsTheModesThatItsNotesTell) {
   const Workspace where;
   const std::string folder = (where / "new").string();

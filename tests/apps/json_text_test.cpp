@@ -30,7 +30,7 @@ TEST(JsonText, IsReadWhole) {
   EXPECT_THAT(refusal("{} {}"), HasSubstr("f.json:1:4: not JSON"));
 }
 
-// Fault: 100 000 nested arrays were followed by recursion until the stack ended.
+// Fault: recursion over 100 000 nested arrays overflowed the stack.
 TEST(JsonText, IsNotFollowedDeeperThanAHundred) {
   const auto nested = [](std::size_t n) { return std::string(n, '[') + std::string(n, ']'); };
   EXPECT_EQ(refusal(nested(kDeepestJson)), "");
@@ -39,15 +39,15 @@ TEST(JsonText, IsNotFollowedDeeperThanAHundred) {
   EXPECT_THAT(refusal(std::string(1'000'000, '[')), HasSubstr("more than 100 deep"));
 }
 
-// Fault: 200 000 keys were each compared with all before, for more than a minute.
+// Fault: each of 200 000 keys was compared with all previous keys, for more than a minute.
 TEST(JsonText, FindsTheSecondOfTwoKeysInLinearTime) {
   std::string text = "{";
   for (int i = 0; i < 200'000; ++i) text += "\"k" + std::to_string(i) + "\":1,";
   const auto began = std::chrono::steady_clock::now();
   EXPECT_EQ(refusal(text + "\"last\":1}"), "");
-  EXPECT_THAT(refusal(text + "\"k7\":1}"), HasSubstr("the key \"k7\" stands twice"));
+  EXPECT_THAT(refusal(text + "\"k7\":1}"), HasSubstr("the key \"k7\" is used twice"));
   EXPECT_THAT(refusal<ordered_json>(text + "\"last\":1}"), HasSubstr("20000 keys"));
-  // It took a minute; what it takes is a second, several under a sanitizer.
+  // It took a minute; now it takes a second, several with a sanitizer.
   EXPECT_LT(std::chrono::steady_clock::now() - began, std::chrono::seconds(20));
 }
 

@@ -1,4 +1,4 @@
-// Which group of members has lost stiffness: cases with a substructure of members.
+// Stiffness loss of groups of members: cases with substructures of members.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -14,11 +14,11 @@ using nlohmann::json;
 using testing::HasSubstr;
 
 constexpr double kCov = 0.004;
-// In the order of a case's keys.
+// In the order of the keys of a case.
 const std::vector<std::string> kGroups = {"beams", "lower columns", "upper columns"};
 
-/// A frame of two storeys, each group of its own steel, of which this share of E remains. The
-/// upper storey is lower: no group is like another.
+/// A frame of two storeys with one steel per group and the remaining fraction of E of each. The
+/// upper storey has a smaller height, so that no groups are equivalent.
 json grouped_frame(const std::vector<double>& remaining = {1.0, 1.0, 1.0}) {
   json materials = json::object(), members = json::array();
   for (std::size_t g = 0; g < kGroups.size(); ++g)
@@ -85,7 +85,7 @@ class MemberGroups : public testing::Test {
                   {"reduction", {{"uniform", {0.0, 0.8}}}}}}};
 };
 
-// Against the sum over all there is, by structures whose steel is softer.
+// Comparison with the sum over all damages, from structures with softer steel.
 TEST_F(MemberGroups, PosteriorIsTheSumOverAllThereIs) {
   constexpr int kModes = 5, kSteps = 400;
   std::vector<double> measured = frequencies_of({1.0, 1.0, 0.955}, kModes);
@@ -134,12 +134,12 @@ TEST_F(MemberGroups, OfATruthIsSimulatedAndFound) {
   const json& found = s["parameters"]["1 soft substructure"];
   EXPECT_NEAR(found["reduction[1]"]["mean"].get<double>(), 0.3, 0.02);
   EXPECT_EQ(found["substructure[1]"]["q50"], 2.0);
-  // The frame is its own image, and so is every group.
+  // The frame and every group are symmetric.
   EXPECT_FALSE(s["diagnostics"].contains("symmetry"));
   EXPECT_EQ(s["structure"]["lines"]["soft substructure"]["stretches"][2]["members"], json({2, 3}));
 }
 
-// A frame that is its own mirror image: left and right columns are each other's image.
+// A symmetric frame: left and right columns are mirror images.
 TEST_F(MemberGroups, ImagesOfGroupsAreFound) {
   given["data"] = {{"cov", 0.002}, {"modes", 5}};
   given["damage"]["groups"] = {{"left", {"a1", "a2"}}, {"right", {"b2", "b1"}}};
@@ -147,13 +147,13 @@ TEST_F(MemberGroups, ImagesOfGroupsAreFound) {
   const json s = run("--warmup 1000 --draws 2000");
   EXPECT_EQ(s["diagnostics"]["symmetry"]["alike"], json::parse(R"([["left", "right"]])"));
   EXPECT_NEAR(s["damage"]["inclusion_by_member"]["left"].get<double>(), 0.5, 0.1);
-  // Both are told, few as there are.
+  // Both are reported, although there are few.
   ASSERT_EQ(s["damage"]["places"]["soft substructure"].size(), 2U);
   for (const json& place : s["damage"]["places"]["soft substructure"])
     EXPECT_NEAR(place["reduction"]["q50"].get<double>(), 0.3, 0.05) << place;
 }
 
-// The truth says how many modes, and how exact: a case may be without data until they are made.
+// The truth gives the number of modes and their noise, so that a case needs no data.
 TEST_F(MemberGroups, DataAreSimulatedWhereThereAreNone) {
   given.erase("data");
   given["damage"]["truth"] = {
@@ -192,7 +192,7 @@ TEST_F(MemberGroups, Refusals) {
   bad["damage"]["kind"] = "crack";
   bad["damage"]["depth"] = {{"uniform", {0.0, 0.5}}};
   bad["damage"].erase("reduction");
-  refused(bad, "/damage/groups: goes with \"kind\": \"substructure\" only");
+  refused(bad, "/damage/groups: is allowed with \"kind\": \"substructure\" only");
   bad = given;
   bad["damage"]["on"] = {"beam"};
   refused(bad, "there is no substructure of this name; did you mean \"beams\"?");

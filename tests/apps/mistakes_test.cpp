@@ -1,5 +1,5 @@
-// Mistakes that engineers make in cases and on command lines: each message names the place of the
-// mistake and the text to write in its place.
+// Common mistakes in cases and on command lines: each message names the place of the mistake and a
+// correction.
 #include <gmock/gmock.h>
 
 #include <functional>
@@ -20,8 +20,8 @@ struct Mistake {
   std::string what;     ///< for the test's own messages
   std::string command;  ///< with CASE for the case's path
   json base;
-  std::string at;  ///< pointer of the value to change; empty: as `edit` says
-  json value;      ///< what stands there in place of the right value; discarded: nothing
+  std::string at;  ///< pointer of the value to change; empty: see `edit`
+  json value;      ///< the wrong value at this place; discarded: none
   std::string place, remedy;
   int exit_code = 65;
   std::function<void(json&)> edit = {};
@@ -76,7 +76,7 @@ std::vector<Mistake> mistakes() {
   const json beam = small_case(), frame = frame_case(), chain_of_two = update_case();
   const json record = small_sid_case(), vibration = modal_case(), profile = section_case();
   const json steel = {{"gaussian", {210e9, 10e9}}};
-  const std::string bare = "";  // a case of its own in the command
+  const std::string bare = "";  // the command line contains the case
   return {
       // Numbers as texts, and their units.
       {"percent", damage, beam, "/data/cov", "0.1%", "/data/cov", "write 0.001"},
@@ -294,7 +294,7 @@ std::vector<Mistake> mistakes() {
   };
 }
 
-// Which text of a message is where the mistake is, and which is the remedy.
+// The parts of a message: place of the mistake, and correction.
 TEST(Mistakes, MessagesNameThePlaceAndTheRemedy) {
   const Workspace where;
   write_record(where);
@@ -326,7 +326,7 @@ struct Typo {
   std::string right, wrong, remedy;
 };
 
-// The file's text itself is no JSON: line and column, and what to write.
+// The file is not JSON: the message has line, column and correction.
 TEST(Mistakes, SyntaxErrorsNameTheTextToWrite) {
   const Workspace where;
   const std::string text = small_case().dump(1);

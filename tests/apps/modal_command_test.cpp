@@ -1,4 +1,4 @@
-// `wheeltap modal`, as its users run it.
+// `wheeltap modal` on the command line.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -17,7 +17,7 @@ using nlohmann::json;
 using testing::HasSubstr;
 using testing::Not;
 
-/// Two oscillators at 1 and 3 Hz under noise, seen by two sensors, 20 Hz, 600 s.
+/// Two oscillators at 1 and 3 Hz under noise, measured by two sensors, 20 Hz, 600 s.
 class ModalCommand : public testing::Test {
  protected:
   void SetUp() override {
@@ -36,7 +36,7 @@ class ModalCommand : public testing::Test {
     };
     for (int k = 0; k < 12000; ++k) {
       for (std::size_t m = 0; m < 2; ++m) {
-        // x'' as an autoregression with the poles of a mode of 1 %.
+        // x'' as an autoregression with the poles of a mode with 1 % damping.
         const double w = 2.0 * 3.14159265358979 * (m == 0 ? 1.0 : 3.0) * 0.05,
                      r = std::exp(-0.01 * w);
         const double next = 2.0 * r * std::cos(w) * x[m][0] - r * r * x[m][1] + noise();
@@ -323,8 +323,8 @@ TEST_F(ModalCommand, SetUpsThatCannotBeMergedAreRefused) {
   refused(c, "/record");
 }
 
-// Faults: units in headers were not applied, so that shapes mixed g and m/s²; a column of dates
-// that the case ignores was read as numbers.
+// Faults: units in headers were ignored, so that shapes mixed g and m/s²; an ignored column of
+// dates was read as numbers.
 TEST_F(ModalCommand, UnitsOfHeadersAreAppliedAndIgnoredColumnsAreNotRead) {
   std::istringstream lines(read_all(where / "record.csv"));
   std::string line, text = "Time (-),a [g],b [m/s^2]\n";
@@ -359,11 +359,11 @@ TEST_F(ModalCommand, AQuantityThatOnlyOneChannelStatesIsAsked) {
   where.write("record.csv", "a,b,still" + text.substr(text.find('\n')));
   json c = a_case();
   c["record"]["channels"][1]["quantity"] = "velocity";
-  EXPECT_THAT(run(c).out, HasSubstr("Nothing says which quantity a measures"));
+  EXPECT_THAT(run(c).out, HasSubstr("The quantity of a is unknown"));
 }
 
-// A free beam, one response and two places of the hammer: its lines are farther apart than its
-// resonances are wide.
+// A free beam, one response and two hammer positions: its frequency lines are farther apart than
+// the width of its resonances.
 TEST_F(ModalCommand, FrequencyResponsesOfAUniversalFile) {
   json c = {{"kind", "modal"}, {"method", "plscf"}, {"band", {20.0, 1000.0}}};
   c["record"]["file"] = WHEELTAP_DATA "/uff/measurement_points1-2.uff";
@@ -400,7 +400,7 @@ TEST_F(ModalCommand, FrequencyResponsesThatCannotBeAreRefused) {
   refused(c, "holds no frequency response");
   c = a_case();
   c["method"] = "plscf";
-  refused(c, "holds no channel with the role \"force\"");
+  refused(c, "has no channel with the role \"force\"");
   c["record"]["channels"][0]["role"] = "force";
   refused(c, "/record/channels/0/unit: is missing");
   c["record"]["channels"][0]["unit"] = "N";
@@ -411,7 +411,7 @@ TEST_F(ModalCommand, FrequencyResponsesThatCannotBeAreRefused) {
   refused(c, "/segment");
 }
 
-// Oscillator b driven by what a measures is no structure, but has a response.
+// Oscillator b driven by the measured motion of a is not a structure, but has a response.
 TEST_F(ModalCommand, ForcesAndResponsesOfARecord) {
   json c = a_case();
   c["method"] = "plscf";
@@ -473,7 +473,7 @@ TEST_F(ModalCommand, BandsByBayes) {
     EXPECT_GT(sd, 0.0);
     EXPECT_NEAR(modes["damping"][i].get<double>(), 0.01, 0.01);
   }
-  EXPECT_EQ(modes["covariance"][0][1], 0.0);  // of two bands
+  EXPECT_EQ(modes["covariance"][0][1], 0.0);  // modes in different bands
   const json summary = json::parse(read_all(where / "out/summary.json"));
   EXPECT_EQ(summary["procedure"]["method"], "bayoma");
 
@@ -505,7 +505,7 @@ TEST_F(ModalCommand, PeaksOfSpectraSayNothingOfScatterAndAreNoData) {
   EXPECT_THAT(ran.out, Not(HasSubstr("±")));
   const json modes = json::parse(read_all(where / "out/modes.json"));
   ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
-  for (std::size_t m = 0; m < 2; ++m)  // to a line's spacing
+  for (std::size_t m = 0; m < 2; ++m)  // within the spacing of lines
     EXPECT_NEAR(modes["frequencies_hz"][m].get<double>(), m == 0 ? 1.0 : 3.0, 20.0 / 512.0);
   for (const char* key : {"covariance", "shape_covariance"}) EXPECT_TRUE(modes[key].is_null());
   EXPECT_TRUE(modes["damping"][0].is_null());
@@ -546,7 +546,7 @@ TEST_F(ModalCommand, DecaysOfSpectraHaveTheScatterOfBlocks) {
   EXPECT_EQ(run(two_set_ups(c)).exit_code, 0);
 }
 
-// A healthy and a damaged record in one command, and a case that fails beside them.
+// A batch with a healthy record, a damaged record and a failing case.
 TEST_F(ModalCommand, BatchesTakeModalCases) {
   json bad = a_case();
   bad["record"]["file"] = "nowhere.csv";

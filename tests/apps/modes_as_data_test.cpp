@@ -1,4 +1,4 @@
-// A modes.json as data: from accelerations to damage and to parameters.
+// A modes.json as data: from accelerations to damage and parameters.
 #include "apps/cases/records/modes_as_data.hpp"
 
 #include <gmock/gmock.h>
@@ -87,7 +87,7 @@ TEST(ModesAsData, FromAccelerationsToDamage) {
   EXPECT_GT(summary["data"]["posterior_predictive_p"], 0.01);
 }
 
-/// What an update case makes of the file, without a run.
+/// The data of an update case with the file, without a run.
 identification::ModalData parsed(const Workspace& where, const json& data) {
   json c = {{"kind", "update"},
             {"structure", chain()},
@@ -131,7 +131,7 @@ TEST(ModesAsData, TakesFrequenciesShapesAndTheirCovariances) {
   EXPECT_TRUE(listed.is_gap(0));
   EXPECT_EQ(listed.frequencies_hz[1], 6.0);
   EXPECT_EQ(listed.frequencies_hz[2], 8.6);
-  // The case's own sensors, one of them left out.
+  // Sensors of the case, one of them left out.
   const json placed = {{"from", "m.json"}, {"sensors", {{{"mass", 3}}, nullptr, {{"mass", 1}}}}};
   const auto two = parsed(where, placed);
   ASSERT_EQ(two.shapes.cols(), 2);
@@ -141,7 +141,7 @@ TEST(ModesAsData, TakesFrequenciesShapesAndTheirCovariances) {
   EXPECT_FALSE(parsed(where, one).has_shapes());
 }
 
-// Of merged set-ups one lacks a mode: its sensors say nothing of that shape.
+// One of the merged set-ups lacks a mode: its sensors have no entries in that shape.
 TEST(ModesAsData, GapsOfShapesAreNotMeasured) {
   const Workspace where;
   MeasuredModes modes = three();
@@ -154,7 +154,7 @@ TEST(ModesAsData, GapsOfShapesAreNotMeasured) {
   EXPECT_FALSE(std::isnan(data.shapes(0, 0)));
   EXPECT_TRUE(std::isnan(data.shapes(0, 1)));
   EXPECT_FALSE(std::isnan(data.shapes(0, 2)));
-  // A single entry is no shape.
+  // A single entry cannot define a shape.
   for (Eigen::Index s = 0; s < 3; ++s) EXPECT_TRUE(std::isnan(data.shapes(2, s))) << s;
   EXPECT_EQ(data.shape_covariances.size(), 3U);
 }
@@ -184,8 +184,7 @@ json five_storeys(const json& data) {
   return c;
 }
 
-// One channel has no shapes: a mode that is left out leaves a gap, and the others keep their
-// numbers.
+// One channel has no shapes: an unused mode leaves a gap, and the others keep their numbers.
 TEST(ModesAsData, DoubtfulModesOfOneChannelLeaveAGap) {
   const Workspace where;
   where.write("m.json", modes_json(one_channel()).dump());
@@ -213,7 +212,7 @@ TEST(ModesAsData, DoubtfulModesOfOneChannelLeaveAGap) {
   EXPECT_GT(summary["data"]["numbering"]["probability"], 0.5);
 }
 
-// A file that was shortened by hand keeps the numbers that it states; a case may give others.
+// The modes of a file shortened by hand keep their numbers; a case may give others.
 TEST(ModesAsData, ModesAreTakenByTheirNumbers) {
   const Workspace where;
   json file = json::parse(modes_json(one_channel()).dump());
@@ -322,7 +321,7 @@ TEST(ModesAsData, Refusals) {
   refused(from, "/data/from");
 }
 
-// On a beam places are the case's.
+// For a beam, the case gives the sensor positions.
 TEST(ModesAsData, OnABeam) {
   const Workspace where;
   where.write("m.json", modes_json(three()).dump());

@@ -25,7 +25,7 @@ MeasuredModes some() {
   return out;
 }
 
-// Every bit of what is written is read again.
+// A written file is read back exactly.
 TEST(ModesFile, ReadsWhatItWrites) {
   const Workspace where;
   const MeasuredModes before = some();

@@ -309,13 +309,13 @@ def an_emulator_in_front_of_a_beam(runs, case_a):
         assert a["counts"] == b["counts"], (a, b)
         # 10 sites x 4 levels, 60 fresh runs, the intact beam, and 50 draws looked at again.
         assert 100 < told["predictor"]["asked"] <= 40 + 60 + 1 + 60, told["predictor"]
-        for wrong, words in (({"table": "x.nc"}, "our own beam"), ({**front, "symmetrise": True}, "mirror image"),
+        for wrong, words in (({"table": "x.nc"}, "Wheeltap's beam model"), ({**front, "symmetrise": True}, "symmetric"),
                              ({"runs": 40}, "runs")):
             runs.fails({**case, "predictor": {"umbridge": server.url, "emulator": wrong}}, 65, "/predictor/emulator", words,
                        command="damage")
         table = subprocess.run([runs.program, "table", runs.case(case), "-o", runs.folder / "t.nc"], capture_output=True,
                                text=True)
-        assert table.returncode == 65 and "our own beam" in table.stderr, table.stderr
+        assert table.returncode == 65 and "Wheeltap's beam model" in table.stderr, table.stderr
     # A server that is gone ends it with one line.
     runs.fails({**case, "predictor": {**case["predictor"], "retries": 0}}, 66, "/predictor", "no server listens",
                command="damage")

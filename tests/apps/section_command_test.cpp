@@ -24,7 +24,7 @@ json of_section(const json& section, double poisson = 0.3) {
   return {{"section", section}, {"poisson", poisson}};
 }
 
-/// What `wheeltap section --json` says of a case.
+/// Output of `wheeltap section --json` for a case.
 json properties(const Workspace& where, const json& section_case, const std::string& more = "") {
   const Outcome outcome = wheeltap(
       where, "section " + where.write_json("s.json", section_case).string() + " --json " + more);
@@ -133,7 +133,7 @@ TEST(SectionCommand, BeamsBendAboutTheWidth) {
                                         {"second_moment", p["second_moments"]["yy"]},
                                         {"shear_coefficient", p["shear_coefficients"]["z"]}}));
   for (std::size_t i = 0; i < 3; ++i) EXPECT_NEAR(outlined[i] / stated[i], 1.0, 1e-12);
-  // Parts of the case's own material change nothing; a light filling of the same stiffness does.
+  // Parts of the case's material have no effect; a light filling of the same stiffness has.
   json parts = polygon({{0, 0}, {1, 0}, {1, 2}, {0, 2}});
   const auto half = frequencies(
       beam({{"shape", "rectangle"}, {"width", 2.0}, {"height", 2.0}, {"shear_coefficient", 0.85}}));
@@ -161,7 +161,7 @@ TEST(SectionCommand, ReadsDrawingsAndTables) {
   const json p = properties(where, drawing);
   expect_share(p["area"], std::numbers::pi * (0.01 - 0.0049), 1e-9);
   expect_share(p["torsion_constant"], std::numbers::pi / 2 * (1e-4 - std::pow(0.07, 4)), 2e-5);
-  // A unit that the file states itself is not to be stated otherwise.
+  // The case must not state a unit that the file states.
   drawing["section"]["unit"] = "mm";
   const std::string path = where.write_json("s.json", drawing).string();
   EXPECT_EQ(wheeltap(where, "section " + path).exit_code, 65);
@@ -207,7 +207,7 @@ TEST(SectionCommand, BadOutlinesSayWhere) {
   parts["regions"] = {{{"outline", {{5, 0}, {6, 0}, {6, 1}}}}};
   refused(of_section(parts), "/section", "2 pieces");
   parts["regions"][0]["young"] = 1e9;
-  refused(of_section(parts), "/section/regions/0/young", "nothing to relate to");
+  refused(of_section(parts), "/section/regions/0/young", "needs the reference value");
   refused({{"section", polygon(square)}}, "/poisson", "is missing");
   refused(of_section(polygon(square), 0.6), "/poisson", "0.5");
   refused(of_section({{"shape", "polygon"}}), "/section/outline", "is missing");

@@ -17,7 +17,7 @@ namespace {
 using nlohmann::json;
 using testing::AllOf, testing::HasSubstr;
 
-/// What parsing `c` says, which must be of this exit code.
+/// The error message of parsing `c`, which must have this exit code.
 std::string refusal(const Workspace& where, const json& c, Exit exit = Exit::bad_input) {
   try {
     static_cast<void>(parse_sid(where, c));
@@ -66,7 +66,7 @@ TEST(SidCase, ParametersBelongToTheModelsThatUseThem) {
   EXPECT_EQ(c.end - c.begin, 200);
 }
 
-// An initial state that is inferred adds parameters of its own, as do autocorrelations.
+// An inferred initial state adds parameters, and so do autocorrelations.
 TEST(SidCase, InferredStatesAndCorrelationsAreParameters) {
   const Workspace where;
   json c = small_sid_case();
@@ -99,10 +99,10 @@ TEST(SidCase, WindowsMustHoldMoreSamplesThanUnknowns) {
   EXPECT_EQ(parse_sid(where, with("/windows", 8)).sid.windows, 8);
   EXPECT_THAT(refusal(where, with("/windows", 1)), HasSubstr("/windows"));
   EXPECT_THAT(refusal(where, with("/windows", 100)),
-              HasSubstr("/windows: 100: leaves windows of 2 samples; model \"duffing\" has 2"));
+              HasSubstr("/windows: 100: gives windows of 2 samples; model \"duffing\" has 2"));
 }
 
-/// Its record twice, `second` being the other one.
+/// The case with its record twice, the second changed by `second`.
 json two_records(const std::function<void(json&)>& second = {}) {
   json c = small_sid_case();
   c["records"] = {c["record"], c["record"]};
@@ -111,7 +111,7 @@ json two_records(const std::function<void(json&)>& second = {}) {
   return c;
 }
 
-// Each with its own window and initial state; the physical parameters are the same.
+// Records have separate windows and initial states, and common physical parameters.
 TEST(SidCase, SeveralRecordsShareTheirParameters) {
   const Workspace where;
   const SidCase c = parse_sid(where, two_records([](json& r) {
@@ -128,7 +128,7 @@ TEST(SidCase, SeveralRecordsShareTheirParameters) {
   EXPECT_EQ(c.models[0].parameters, (std::vector<int>{0, 2, 3}));
   EXPECT_EQ(c.further[0].models[0].parameters, c.models[0].parameters);
   EXPECT_TRUE(c.models[0].initial.displacement.empty());
-  // Two simulations, not one twice.
+  // The two simulations are different.
   EXPECT_NE(c.channels[1].signal.samples[60], c.further[0].channels[1].signal.samples[10]);
 }
 
@@ -150,7 +150,7 @@ TEST(SidCase, NamesThePlaceOfAMistakeInOneOfSeveralRecords) {
   unused["parameters"]["scale"] = {{"log_uniform", {0.5, 2.0}}};
   EXPECT_THAT(refusal(where, unused), HasSubstr("/parameters/scale"));
   unused["truth"]["parameters"]["scale"] = 1.0;
-  unused["records"][1]["channels"][1]["scale"] = "scale";  // used by one of them: that is enough
+  unused["records"][1]["channels"][1]["scale"] = "scale";  // use in one record is sufficient
   EXPECT_EQ(parse_sid(where, unused).sid.parameters.size(), 3U);
 }
 
@@ -161,8 +161,8 @@ TEST(SidCase, TheSchemaKnowsEveryLaw) {
   }
 }
 
-// Issue 14, finding 3: "coulomb": 3 was taken for friction over a creep speed of 1 mm/s that no
-// document named. Friction without a velocity is exact, as a number or as a parameter.
+// Issue 14, finding 3: "coulomb": 3 was read as friction with an undocumented regularisation
+// velocity of 1 mm/s. Friction without a velocity is exact, as a number or as a parameter.
 TEST(SidCase, FrictionIsExactUnlessAVelocityIsGiven) {
   const Workspace where;
   const auto law = [&](const json& coulomb) {
@@ -195,13 +195,14 @@ TEST(SidCase, NamesThePlaceOfEveryMistake) {
   };
   expect(with("/models/0/links/0/stiffness", "kk"),
          {"/models/0/links/0/stiffness", "\"kk\"", "k, k3"});
-  expect(with("/parameters/unused", {{"uniform", {0, 1}}}), {"/parameters/unused", "nowhere"});
+  expect(with("/parameters/unused", {{"uniform", {0, 1}}}), {"/parameters/unused", "not used"});
   json negative = with("/parameters/m", {{"normal", {0.5, 0.1}}});
   negative["models"][0]["masses"][0] = "m";
   expect(negative, {"/parameters/m", "/models/0/masses/0", "positive"});
   expect(with("/models/1/masses/0", -1), {"/models/1/masses/0", "-1", "positive"});
   expect(with("/models/1/noise", 0), {"/models/1/noise", "positive"});
-  expect(with("/models/1/noise", {0.1, 0.1}), {"/models/1/noise", "one value a response channel"});
+  expect(with("/models/1/noise", {0.1, 0.1}),
+         {"/models/1/noise", "one value per response channel"});
   expect(with("/models/1/name", "linear"), {"/models/1/name", "two models"});
   expect(with("/models/1/links/0/between", {0, 2}),
          {"/models/1/links/0/between/1", "masses 1 to 1"});
@@ -229,8 +230,8 @@ TEST(SidCase, NamesThePlaceOfEveryMistake) {
   expect(with("/parameters/k", {{"uniform", {5, 1}}}), {"/parameters/k/uniform"});
 }
 
-// Issue 14, finding 3: laws could be learnt from errors only, and not well. Every malformed entry
-// is one line that names the place, what is allowed there, and where the law is explained.
+// Issue 14, finding 3: laws were documented by error messages only. Every malformed entry gives one
+// line with the place, the allowed values, and the command that explains the law.
 TEST(SidCase, MalformedLawsAreToldWhatIsAllowed) {
   const Workspace where;
   const std::string link = "/models/1/links/0/";
@@ -242,7 +243,7 @@ TEST(SidCase, MalformedLawsAreToldWhatIsAllowed) {
     for (const char* word : words) EXPECT_THAT(text, HasSubstr(word));
   };
   const json stop = {{"stiffness", 1}, {"gap", 0.1}, {"side", "closing"}};
-  // Unknown keys, and a side where there is none.
+  // Unknown keys, and a side for a law without sides.
   expect("contact", {{"stiffnes", 1}, {"gap", 0.1}, {"side", "closing"}},
          {"/stiffnes", "did you mean \"stiffness\"?", "gap, side, stiffness",
           "wheeltap laws contact"});
@@ -254,7 +255,7 @@ TEST(SidCase, MalformedLawsAreToldWhatIsAllowed) {
   expect("bouc_wen", {{"stiffness", 1}}, {"/yield", "is missing", "[m]"});
   expect("bilinear", {{"stiffness", 1}}, {"/side", "is missing", "opening", "closing"});
   expect("coulomb", json::object(), {"/force", "is missing"});
-  // Wrong types: of the law, of a coefficient, of the side, in a list.
+  // Wrong types of the law, of a coefficient, of the side, and in a list.
   expect("coulomb", true, {"force [N]", "an object with force [N], velocity [m/s]", "or a list"});
   expect("coulomb", nullptr, {"force [N]"});
   expect("contact", 3, {"must be an object with stiffness [N/m], gap [m] and side"});
@@ -265,12 +266,12 @@ TEST(SidCase, MalformedLawsAreToldWhatIsAllowed) {
   expect("contact", {stop, 3}, {"/contact/1", "must be an object"});
   expect("contact", {stop, {{"stiffness", 1}}}, {"/contact/1/", "is missing"});
   expect("coulomb", json::array({json::array({3})}), {"/coulomb/0", "force [N]"});
-  // Values out of bounds, and names of nothing.
+  // Values out of bounds, and unknown names.
   expect("contact", {{"stiffness", 1}, {"gap", -1e-3}, {"side", "closing"}},
          {"/gap", "-0.001", ">= 0"});
   expect("bouc_wen", {{"stiffness", 1}, {"yield", 0}}, {"/yield", "> 0"});
   expect("coulomb", "F", {"no parameter has this name", "k, k3"});
-  // What is well formed.
+  // Valid entries.
   for (const auto& [law, entry] :
        std::initializer_list<std::pair<const char*, json>>{{"contact", stop},
                                                            {"contact", {stop, stop}},
@@ -301,7 +302,7 @@ TEST(SidCase, NamesLineAndColumnOfDamagedRecords) {
               HasSubstr("record.csv, line 6, column 2"));
   EXPECT_THAT(rows(150, [&](int i) { return i == 4 ? std::string() : good(i); }),
               HasSubstr("record.csv, line 6"));
-  // Printed as coarsely as it is sampled, and one row short.
+  // Times with few digits, and one row short.
   EXPECT_THAT(
       rows(150, [&](int i) { return i == 4 ? std::string() : good(i).substr(0, 4) + ",1,2\n"; }),
       HasSubstr("same step everywhere"));
@@ -313,8 +314,8 @@ TEST(SidCase, NamesLineAndColumnOfDamagedRecords) {
               testing::AllOf(HasSubstr("/record/channels/0/column"), HasSubstr("force [N]")));
 }
 
-/// A record of 150 rows: 0.01 s, 2 N and about 3 mm each (exactly in row 7), in whatever units the
-/// header says.
+/// A record of 150 rows: 0.01 s, 2 N and about 3 mm per row (exactly in row 7), in the units of the
+/// header.
 json from_units(const Workspace& where, const std::string& header, double time, double force,
                 double displacement) {
   std::string text = header + "\n";
@@ -347,7 +348,7 @@ TEST(SidCase, TimeInMillisecondsIsNotReadAsSeconds) {
   EXPECT_DOUBLE_EQ(parse_sid(where, c).sid.sample_rate_hz, 100.0);
 }
 
-// Fault: kN and mm were only warned about.
+// Fault: kN and mm gave only a warning.
 TEST(SidCase, KnownUnitsConvertWhereNoScaleIsGiven) {
   const Workspace where;
   const auto si = [](const SidChannel& channel) {
@@ -361,7 +362,7 @@ TEST(SidCase, KnownUnitsConvertWhereNoScaleIsGiven) {
   c["record"]["channels"][1]["scale"] = 2.0;
   EXPECT_DOUBLE_EQ(si(parse_sid(where, c).sid.channels[1]), 6.0) << "the case's scale wins";
 
-  // Unknown, or of something else: said once a channel, and used as they are.
+  // Unknown units, or units of another quantity: reported once per channel, numbers unchanged.
   for (const char* unit : {"V", "N"}) {
     c = from_units(where, std::string("time [s],force [N],displacement [") + unit + "]", 0.01, 2,
                    3);
@@ -378,12 +379,13 @@ TEST(SidCase, AChannelSaysItsUnitWhereTheHeaderDoesNot) {
   json c = from_units(where, "time [s],force,displacement [m]", 0.01, 0.002, 3);
   const auto channel = [&](std::size_t i) -> json& { return c["record"]["channels"][i]; };
   channel(0)["unit"] = "kN";
-  channel(1)["unit"] = "mm";  // the case's wins over the header's
+  channel(1)["unit"] = "mm";  // the unit of the case takes precedence over the header
   const SidCase converted = parse_sid(where, c).sid;
   EXPECT_DOUBLE_EQ(converted.channels[0].signal.scale.value, 1e3);
   EXPECT_DOUBLE_EQ(converted.channels[1].signal.scale.value, 1e-3);
   EXPECT_TRUE(record_remarks(converted).empty());
-  // What nobody can convert is kept and labelled, and said: "V" may be meant, "KN" is a slip.
+  // Units that cannot be converted are kept, labelled and reported: "V" may be intended, "KN" is a
+  // mistake.
   channel(0)["unit"] = channel(1)["unit"] = "V";
   const SidCase volts = parse_sid(where, c).sid;
   EXPECT_EQ(volts.channels[1].used_unit(), "V");
@@ -391,7 +393,7 @@ TEST(SidCase, AChannelSaysItsUnitWhereTheHeaderDoesNot) {
   const auto remarks = record_remarks(volts);
   ASSERT_EQ(remarks.size(), 1U);
   EXPECT_EQ(std::get<remark::UnknownUnits>(remarks[0]).channels.size(), 2U);
-  channel(0)["scale"] = 2.0;  // of the raw number, or of kilonewtons?
+  channel(0)["scale"] = 2.0;  // ambiguous: raw numbers or kilonewtons
   EXPECT_THAT(refusal(where, c), HasSubstr("/record/channels/0/unit"));
   channel(0).erase("scale");
   channel(1)["role"] = "ignore";
@@ -400,7 +402,7 @@ TEST(SidCase, AChannelSaysItsUnitWhereTheHeaderDoesNot) {
   EXPECT_THAT(refusal(where, c), HasSubstr("/record/channels/1/unit"));
 }
 
-// A simulated record is written in the units of its headers.
+// A simulated record has the units of its headers.
 TEST(SidCase, SimulatesInTheUnitsOfTheHeaders) {
   const Workspace where;
   json c = small_sid_case();
@@ -441,13 +443,13 @@ TEST(SidCase, ASimulatedRecordReadBackIsTheRecordInMemory) {
     ASSERT_EQ(a.size(), b.size());
     for (std::size_t n = 0; n < a.size(); ++n) EXPECT_NEAR(a[n], b[n], 1e-9 * std::abs(a[n]));
   }
-  // Another seed is another record.
+  // Another seed gives another record.
   EXPECT_NE(simulate_record(in_memory, 2).columns[1].values,
             simulate_record(in_memory, 1).columns[1].values);
 }
 
-// Of the responses that were written with exit 0, the first had 86 of 100 samples that were no
-// numbers, the second was wrong by a third; the third was refused as growing without bound.
+// Fault: responses were written with exit code 0. The first had 86 of 100 samples not finite, the
+// second was wrong by a third; the third was rejected as unbounded.
 TEST(SidCase, ASimulationChecksItsSteps) {
   const Workspace where;
   const auto simulated = [&](const char* law, const json& coefficients, double rate) {
@@ -492,7 +494,7 @@ TEST(SidCase, WindowsAndLeadInsCutTheRecord) {
   EXPECT_EQ(part.channels[1].signal.samples[89], whole.channels[1].signal.samples[119]);
 }
 
-// The source's check: a short window must have the spectrum of the full record.
+// Check of the published study: a short window must have the spectrum of the full record.
 TEST(SidCase, ComparesTheWindowWithTheRecord) {
   const Workspace where;
   signals::Noise noise(5);

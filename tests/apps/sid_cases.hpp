@@ -1,4 +1,4 @@
-// A small system-identification case, and records that suit it.
+// A small system-identification case and matching records.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -8,7 +8,7 @@
 
 namespace wheeltap::apps {
 
-/// Linear against Duffing, simulated: 200 samples at 100 Hz.
+/// A simulated case with a linear and a Duffing model: 200 samples at 100 Hz.
 inline nlohmann::json small_sid_case() {
   return nlohmann::json::parse(R"({
     "kind": "sid",

@@ -1,4 +1,4 @@
-// Unknown coefficients beside damage, and several states: cases as their users write them.
+// Cases with damage, unknown coefficients and several states.
 #include "apps/cases/states_case.hpp"
 
 #include <gmock/gmock.h>
@@ -18,8 +18,8 @@ using namespace identification;
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// Two storeys, the lower one's stiffness unknown; 1400 N/m in truth, less a quarter in the damaged
-/// state.
+/// Two storeys; the stiffness of the lower is unknown: 1400 N/m in truth, a quarter less in the
+/// damaged state.
 json two_storeys() {
   return json::parse(R"({"kind": "damage", "title": "Two storeys",
     "structure": {"chain": {"masses": [2, 1], "links": [
@@ -65,7 +65,7 @@ TEST(StatesCase, UnknownStiffnessBesideDamage) {
   EXPECT_THAT(read_all(where / "out/report.html"), HasSubstr("baselineTable"));
 }
 
-// Links that may err by themselves: by how much is inferred, and said.
+// Independent stiffness errors of links: their scatter is inferred and reported.
 TEST(StatesCase, HowFarTheModelIsOffIsInferred) {
   const Workspace where;
   json c = two_storeys();
@@ -78,7 +78,7 @@ TEST(StatesCase, HowFarTheModelIsOffIsInferred) {
   EXPECT_THAT(out, HasSubstr("How far the model is off was inferred: stiffnesses of pieces by"));
   EXPECT_THAT(summary["baseline"]["model_error"].get<std::string>(), HasSubstr("pieces"));
   EXPECT_EQ(summary["unknowns"]["1 soft storey"][0]["prior"], "/data/discrepancy/stiffness");
-  // Replicates scatter by it, too: by more than the 1 % that the frequencies were measured to.
+  // Replicates include it: they scatter by more than the 1 % measurement error of the frequencies.
   const io::NetcdfReader file =
       io::NetcdfReader(read_all(where / "out/posterior.nc"), "posterior.nc", "a posterior");
   const auto replicates = file.read(*file.group("posterior_predictive"), "frequency");
@@ -88,12 +88,12 @@ TEST(StatesCase, HowFarTheModelIsOffIsInferred) {
     sum += f, squares += f * f, ++n;
   }
   EXPECT_GT(std::sqrt(squares / n - sum * sum / n / n), 0.02 * sum / n);
-  // The first link is 8 % stiffer than the model has it.
+  // The first link is 8 % stiffer than in the model.
   const json& sd = summary["parameters"]["1 soft storey"]["stiffness_discrepancy"];
   EXPECT_GT(sd["q97.5"].get<double>(), 0.08);
 }
 
-// Without a healthy measurement a soft storey and a soft stiffness are one and the same.
+// Without a healthy measurement a damaged storey and a low stiffness are indistinguishable.
 TEST(StatesCase, WhatCannotBeToldApartIsSaid) {
   const Workspace where;
   json c = two_storeys();
@@ -118,8 +118,8 @@ TEST(StatesCase, TheDryRunSaysWhatALikelihoodCosts) {
   EXPECT_THAT(ran.out, HasSubstr(" ms each"));
 }
 
-// The shear of a beam's E: healthy and damaged frequencies by the same factor leave the damage, and
-// its mirror image.
+// Unknown E of a beam: scaling healthy and damaged frequencies by the same factor changes neither
+// the damage nor its mirror image.
 TEST(StatesCase, ABeamOfUnknownE) {
   const Workspace where;
   json c = small_case();
@@ -142,7 +142,7 @@ TEST(StatesCase, ABeamOfUnknownE) {
   const json& r = summary["parameters"]["1 damage"]["reduction[1]"];
   EXPECT_LT(r["q2.5"], 0.4);
   EXPECT_GT(r["q97.5"], 0.4);
-  // A spring that is unknown at one end tells the sides apart.
+  // An unknown spring at one end breaks the symmetry.
   c["beam"]["supports"] = json::parse(R"([{"at": 0, "fix": ["deflection"]},
     {"at": 1.0, "fix": ["deflection"]}, {"at": 1.0, "fix": ["rotation"], "stiffness": "s"}])");
   c["parameters"]["s"] = {{"log_uniform", {0.1, 100}}};
@@ -155,7 +155,7 @@ TEST(StatesCase, ABeamOfUnknownE) {
   EXPECT_EQ(at(3.0), 3.0);
 }
 
-/// What the case's states are, parsed.
+/// The parsed states of the case.
 ObservedStates states_of(const Workspace& where, const json& c) {
   return *parse_damage_case(read_case(where.write_json("c.json", c))).damage.states;
 }
@@ -178,7 +178,7 @@ TEST(StatesCase, StatesInheritWhatTheyDoNotSay) {
   EXPECT_FALSE(states.list[1].damaged);
 }
 
-// A regression on temperature, and coefficients that the states set: by an update.
+// An update with a regression on temperature and known coefficients in the states.
 TEST(StatesCase, AnUpdateOfSeveralStates) {
   const Workspace where;
   json c = json::parse(R"({"kind": "update", "title": "Storeys",
@@ -188,7 +188,7 @@ TEST(StatesCase, AnUpdateOfSeveralStates) {
     "parameters": {"k": {"log_normal": [7.17, 0.3]}},
     "temperature": {"stiffness_per_kelvin": {"normal": [0, 1e-3]}, "reference": 10},
     "data": {"cov": 0.0005, "states": []}})");
-  // The truth: k 1400, stiffness less 4e-4 a kelvin.
+  // Truth: k 1400, stiffness decreases by 4e-4 per kelvin.
   const auto frequencies = [&](double water, double temperature) {
     json truth = json::parse(R"({"kind": "update", "parameters": {},
       "structure": {"chain": {"masses": [2, 1, 1], "links": [
@@ -226,7 +226,7 @@ TEST(StatesCase, AnUpdateOfSeveralStates) {
               1e-3);
 }
 
-// Nodes may be where a parameter says.
+// Parameters may set node positions.
 TEST(StatesCase, PlacesOfNodes) {
   const Workspace where;
   const json c = json::parse(R"({"kind": "update",
@@ -301,7 +301,7 @@ TEST(StatesCase, Refusals) {
   refused(c, "/data/discrepancy/mixing");
   c = two_storeys();
   c["data"]["discrepancy"] = {{"cov", 0.01}, {"mixing", 0.5}, {"stiffness", 0.05}};
-  refused(c, "/data/discrepancy/mixing: 0.5: does not go with \"stiffness\"");
+  refused(c, "/data/discrepancy/mixing: 0.5: is not allowed with \"stiffness\"");
   c["data"]["discrepancy"] = {{"stiffness", 0.05}};
   c["baseline"]["data"]["discrepancy"] = {{"stiffness", 0.06}};
   refused(c, "/data/discrepancy/stiffness");
@@ -316,7 +316,7 @@ TEST(StatesCase, Refusals) {
     "data": {"frequencies": [5, 31], "cov": 0.01, "discrepancy": {"stiffness": 0.05}},
     "damage": {"kind": "reduction", "count": {"min": 0, "max": 1, "prior": "uniform"},
                "reduction": {"uniform": [0, 0.9]}}})");
-  refused(c, "does not go with axial forces");
+  refused(c, "is not allowed with axial forces");
   c = two_storeys();
   c["structure"]["chain"]["links"][0]["stiffness"] = 1400;
   c.erase("parameters");

@@ -16,7 +16,7 @@ using nlohmann::json;
 using testing::ElementsAre;
 using testing::HasSubstr;
 
-/// The portal frame with one value changed, or taken out.
+/// The portal frame with one value changed or removed.
 json changed(const std::string& pointer, const json& value, json base = portal_frame()) {
   base[json::json_pointer(pointer)] = value;
   return base;
@@ -52,7 +52,7 @@ TEST(StructureCase, PortalFrameIsReadAsItStands) {
 }
 
 TEST(StructureCase, AParameterStandsWhereItsNameStands) {
-  // Frequencies of what only E holds go as its root.
+  // Frequencies that depend on E only are proportional to its root.
   json base = portal_frame();
   for (const char* key : {"springs", "supports"}) base["structure"].erase(key);
   base["structure"]["supports"] = {{{"node", "A"}, {"fix", {"x", "y", "rotation"}}}};
@@ -84,7 +84,7 @@ TEST(StructureCase, EveryCoefficientMayBeAParameter) {
   const json base = changed("/structure/materials/steel/young", 2.1e11, without("/parameters"));
   for (const auto& [pointer, value] : places) {
     json unknown = changed(pointer, "p", base);
-    // Its nominal value is half of what is set.
+    // Its nominal value is half of the set value.
     unknown["parameters"]["p"] = {
         {"truncated_normal",
          {0.5 * value, 1e-3 * value, 0.1 * value, 0.49 * std::max(value, 1.0) * 4}}};
@@ -218,11 +218,11 @@ TEST(StructureSection, WhatHasNoFormulaIsMeshed) {
                   {"web_thickness", 0.006}};
   const auto s = section_in_space(i);
   EXPECT_NEAR(s.second_moment_z, (2 * 0.01 * 1e-3 + 0.18 * std::pow(0.006, 3)) / 12, 1e-15);
-  // Thin walls: a little more than Σ b t³ / 3.
+  // Thin walls: slightly more than Σ b t³ / 3.
   const double thin = (2 * 0.1 * 1e-6 + 0.19 * std::pow(0.006, 3)) / 3;
   EXPECT_GT(s.torsion_constant, 0.95 * thin);
   EXPECT_LT(s.torsion_constant, 1.2 * thin);
-  // Bredt: 4 A² / Σ(l/t) of a thin box, to the share of its walls.
+  // Bredt: 4 A² / Σ(l/t) of a thin box, to the relative thickness of its walls.
   const auto b = section_in_space({{"shape", "box"},
                                    {"height", 0.2},
                                    {"width", 0.1},
@@ -230,7 +230,7 @@ TEST(StructureSection, WhatHasNoFormulaIsMeshed) {
                                    {"web_thickness", 0.004}});
   const double area = 0.196 * 0.096;
   EXPECT_NEAR(b.torsion_constant / (4 * area * area * 0.004 / (2 * 0.292)), 1.0, 0.02);
-  // Of two materials: mass by density, stiffness by modulus.
+  // Two materials: mass from densities, stiffness from moduli.
   json two = cantilever_in_space();
   two["structure"]["sections"]["bar"] = {
       {"shape", "polygon"},
@@ -268,7 +268,7 @@ TEST(StructureSection, AShearCentreAwayFromTheCentroidIsSaid) {
   std::vector<std::string> remarks;
   (void)parsed(arm, &remarks);
   ASSERT_EQ(remarks.size(), 1U);
-  EXPECT_THAT(remarks[0], HasSubstr("the shear centre of section bar lies"));
+  EXPECT_THAT(remarks[0], HasSubstr("the shear centre of section bar is"));
 }
 
 TEST(StructureSection, MeshedSectionsNeedNumbers) {
@@ -287,14 +287,14 @@ TEST(StructureSection, Refusals) {
   expect_refused(without(post + "/height"),
                  post + "/height: is missing: a \"rectangle\" section has width, height");
   expect_refused(changed(post + "/diameter", 1),
-                 post + "/diameter: 1: a \"rectangle\" section has no such size");
+                 post + "/diameter: 1: is not a size of a \"rectangle\" section");
   expect_refused(changed(post + "/width", -1), post + "/width: -1: must be > 0");
   expect_refused(changed(post, {{"shape", "tube"}, {"outer_diameter", 0.1}, {"thickness", 0.06}}),
                  post);
   expect_refused(changed(post, {{"area", 1}, {"shear_coefficient", 1}}), post + "/second_moment");
   expect_refused(changed(post, {{"area", 1}, {"second_moment", 1}}),
                  post + "/shear_coefficient: is missing");
-  expect_refused(changed(post + "/shear_coefficient", {{"y", 1}}), "shears along z only");
+  expect_refused(changed(post + "/shear_coefficient", {{"y", 1}}), "has shear along z only");
   expect_refused(
       changed(post, {{"shape", "polygon"}, {"outline", {{0, 0}, {1, 1}, {1, 0}, {0, 1}}}}),
       post + "/outline");
@@ -307,7 +307,7 @@ TEST(StructureSection, Refusals) {
   expect_refused(arm, "/structure/sections/bar/torsion_constant: is missing");
 }
 
-// ---- what is refused, with its place
+// ---- invalid cases, with the place in the message
 
 TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/nodes/A", {0, 0, 0}),
@@ -316,7 +316,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
       changed("/structure/nodes/B", {0, 0}),
       "/structure/members/0: member \"left post\": its ends at A and B are the same place");
   expect_refused(changed("/structure/members/0/nodes", {"A", "A"}),
-                 "/structure/members/0/nodes: [\"A\",\"A\"]: are one and the same");
+                 "/structure/members/0/nodes: [\"A\",\"A\"]: are the same node");
   expect_refused(changed("/structure/members/0/nodes/1", "X"),
                  "/structure/members/0/nodes/1: \"X\": no node has this name");
   expect_refused(changed("/structure/members/1/name", "left post"),
@@ -331,7 +331,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(without("/structure/members/1/material"),
                  "/structure/members/1/material: is missing");
   expect_refused(changed("/structure/members/1/ends/D", "hinge"),
-                 "/structure/members/1/ends/D: \"hinge\": is no end of this member");
+                 "/structure/members/1/ends/D: \"hinge\": is not an end node of this member");
   expect_refused(changed("/structure/members/1/ends/B", {{"rx", 1}}),
                  "in the plane an end has \"rotation\"");
   expect_refused(changed("/structure/members/1/ends/B/rotation", -1),
@@ -339,12 +339,12 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/members/1/offsets", {{"B", {0, 0, 1}}}),
                  "/structure/members/1/offsets/B");
   expect_refused(changed("/structure/members/1/up", {0, 0, 1}),
-                 "/structure/members/1/up: [0,0,1]: goes with dimension 3");
+                 "/structure/members/1/up: [0,0,1]: is allowed with dimension 3");
   expect_refused(changed("/structure/members/1/pieces", {{{"to", 0.5}}, {{"to", 0.4}}}),
-                 "/structure/members/1/pieces/1/to: 0.4: must lie beyond");
+                 "/structure/members/1/pieces/1/to: 0.4: must be greater than");
   expect_refused(
       changed("/structure/members/1/pieces", {{{"to", 0.5}}}),
-      "/structure/members/1/pieces/0/to: 0.5: the last piece must end with the member, at 1 m");
+      "/structure/members/1/pieces/0/to: 0.5: the last piece must end at the member's length, 1 m");
   expect_refused(changed("/structure/members/1/pieces", {json::object(), {{"to", 1}}}),
                  "/structure/members/1/pieces/0/to: is missing");
   expect_refused(changed("/structure/members/1/wdith", 1),
@@ -358,7 +358,7 @@ TEST(StructureCase, RefusesWhatIsWrongAtANode) {
   expect_refused(changed("/structure/supports/0/node", "E"),
                  "/structure/supports/0/node: \"E\": no node has this name");
   expect_refused(changed("/structure/supports/0/fix", {"z"}),
-                 "/structure/supports/0/fix/0: \"z\": no such direction");
+                 "/structure/supports/0/fix/0: \"z\": unknown direction");
   expect_refused(changed("/structure/supports/0/stiffness", {{"x", 1}}),
                  "/structure/supports/0/stiffness/x: 1: is fixed already");
   expect_refused(changed("/structure/supports/0", {{"node", "A"}}),
@@ -391,9 +391,9 @@ TEST(StructureCase, RefusesMixedAndMissingKinds) {
                  "/structure: must have \"nodes\"");
   const json link = {{"between", {0, 1}}, {"stiffness", 1e5}};
   expect_refused(changed("/structure/chain", {{"masses", {1}}, {"links", {link}}}),
-                 "does not go with \"chain\"");
+                 "is not allowed with \"chain\"");
   expect_refused(changed("/structure/dofs", "d.csv"),
-                 "/structure/dofs: \"d.csv\": does not go with \"nodes\"");
+                 "/structure/dofs: \"d.csv\": is not allowed with \"nodes\"");
   json both = portal_frame();
   both["beam"] = json::object();
   const CaseFile file{.path = "case.json", .json = both};
@@ -423,7 +423,7 @@ TEST(StructureCase, Chains) {
   const json good = chain({6.0, 6.0}, {1e5, 2e5});
   const std::string links = "/structure/chain/links";
   expect_refused(changed(links + "/1/between", {1, 3}, good),
-                 links + "/1/between/1: 3: no such mass");
+                 links + "/1/between/1: 3: unknown mass");
   expect_refused(changed(links + "/1/between", {1, 1}, good),
                  links + "/1/between: [1,1]: must join two different masses");
   expect_refused(changed("/structure/chain/masses/0", 0, good),

@@ -1,4 +1,4 @@
-// Structures as cases, and what the door makes of them.
+// Cases with structures, and their parsed form.
 #pragma once
 
 #include <gmock/gmock.h>
@@ -12,7 +12,7 @@
 
 namespace wheeltap::apps {
 
-/// The example of the user's page: a portal frame with a semi-rigid joint, a hinge, springs.
+/// The example of docs/structures.md: a portal frame with a semi-rigid joint, a hinge and springs.
 inline nlohmann::json portal_frame() {
   return nlohmann::json::parse(R"({
     "kind": "damage", "title": "Portal frame",
@@ -64,7 +64,7 @@ inline nlohmann::json chain(const std::vector<double>& masses,
   return {{"kind", "update"}, {"structure", {{"chain", {{"masses", masses}, {"links", links}}}}}};
 }
 
-/// As the program reads it.
+/// The structure as parsed by the program.
 inline identification::StructureModel parsed(const nlohmann::json& json,
                                              std::vector<std::string>* remarks = nullptr,
                                              const std::filesystem::path& path = "case.json") {
@@ -90,7 +90,7 @@ inline void expect_near(const std::vector<double>& values, const std::vector<dou
     EXPECT_NEAR(values[i], expected[i], relative * expected[i]) << "mode " << i + 1;
 }
 
-/// One line with file, place and reason; 65.
+/// Expects exit code 65 and one line with file, place and reason.
 inline void expect_refused(const nlohmann::json& json, const std::string& message) {
   try {
     (void)parsed(json);

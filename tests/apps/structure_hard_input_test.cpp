@@ -1,5 +1,5 @@
-// Input of structures' cases that once crashed the program, was answered silently wrong or ended as
-// a fault of the program's own. Each test says what was the case.
+// Cases with structures that once crashed the program, gave silently wrong results or ended with
+// exit code 70. "Before" in each test states the old behaviour.
 #include <gmock/gmock.h>
 
 #include "program.hpp"
@@ -11,7 +11,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-/// What a command says of a case: 65 and one line with these words.
+/// Expects exit code 65 and one line with these words.
 void expect_refused_by(const Workspace& where, const std::string& command, const json& c,
                        const std::string& words) {
   const Outcome ran = wheeltap(where, command + " " + where.write_json("c.json", c).string());
@@ -20,7 +20,7 @@ void expect_refused_by(const Workspace& where, const std::string& command, const
   EXPECT_THAT(ran.err, HasSubstr(words)) << command;
 }
 
-// Was a segmentation fault, which also ended a batch; `modes` showed four modes at 0 Hz.
+// Before: a segmentation fault, which also ended a batch; `modes` showed four modes at 0 Hz.
 TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
   const Workspace where;
   const std::string out = " -o " + (where / "out").string();
@@ -37,14 +37,16 @@ TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
   for (const std::string& command :
        std::vector<std::string>{"modes", "modes --truth", "damage --quick" + out, "serve",
                                 "simulate -o " + (where / "s.json").string()}) {
-    expect_refused_by(where, command, chain, "/structure/chain/links: []: is empty: at least one");
-    expect_refused_by(where, command, frame, "/structure/members: []: is empty: at least one");
+    expect_refused_by(where, command, chain,
+                      "/structure/chain/links: []: is empty: must have at least one");
+    expect_refused_by(where, command, frame,
+                      "/structure/members: []: is empty: must have at least one");
   }
   for (json* c : {&chain, &frame}) {
     (*c)["kind"] = "update";
     c->erase("damage");
     (*c)["parameters"] = {{"E", {{"uniform", {190e9, 220e9}}}}};
-    expect_refused_by(where, "update" + out, *c, "is empty: at least one is needed");
+    expect_refused_by(where, "update" + out, *c, "is empty: must have at least one element");
   }
   frame["kind"] = "damage";
   frame.erase("parameters");
@@ -61,7 +63,7 @@ TEST(EmptyStructures, RejectsEmptyLinksAndMembers) {
 
 class StructureHardInput : public testing::Test {
  protected:
-  /// A column and a beam on it, few elements, with one kind of defect.
+  /// A column with a beam on top, few elements, one kind of defect.
   static json bracket(const json& damage) {
     json c = json::parse(R"({
       "kind": "damage",
@@ -103,7 +105,7 @@ TEST_F(StructureHardInput, AnEmulatorKnowsNoExtent) {
   json c = small_case();
   c["damage"]["extent"] = 0.2;
   c["predictor"] = json::parse(R"({"sites": [2, 5, 9], "multipliers": [0.4, 1.0]})");
-  expect_refusal(c, "/predictor: ", "an emulator knows reductions of one element");
+  expect_refusal(c, "/predictor: ", "an emulator supports reductions of one element");
 }
 
 // Before: exit 65, "log likelihood is nan".
@@ -117,7 +119,7 @@ TEST_F(StructureHardInput, MoreMassThanThereIsCannotBeLost) {
   expect_refusal(lost, "/damage/truth", "lost mass");
 }
 
-// Before: 4294967297 was member 1.
+// Before: 4294967297 was read as member 1.
 TEST_F(StructureHardInput, NumbersOfMembersNeverWrap) {
   json c = bracket(kind(R"({"kind": "crack", "depth": {"uniform": [0.05, 0.5]},
                             "truth": [{"member": 1, "location": 0.5, "depth": 0.3}]})"));
@@ -149,7 +151,7 @@ TEST_F(StructureHardInput, BucklingIsTheCases) {
   expect_refusal(c, "/structure", "exceed buckling");
 }
 
-// Before: exit 70, or a complaint of degrees of freedom without mass.
+// Before: exit 70, or an error about degrees of freedom without mass.
 TEST_F(StructureHardInput, AMassOfAnotherWorldIsTheCases) {
   json c = bracket(kind(R"({"kind": "crack", "depth": {"uniform": [0.05, 0.5]},
                             "truth": [{"member": 1, "location": 0.5, "depth": 0.3}]})"));

@@ -1,4 +1,4 @@
-// Softened substructures of another program's matrices, as cases.
+// Cases with stiffness loss of substructures given by matrices.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -18,7 +18,7 @@ using testing::HasSubstr;
 constexpr double kMass = 1000.0, kStiffness = 2e6;
 constexpr double kCov = 0.004;
 const std::vector<std::string> kNames = {"lower", "middle", "upper"};
-// Which of the five storeys is of which.
+// Substructure of each of the five storeys.
 constexpr std::array kPart = {0, 0, 1, 2, 2};
 
 fem::Discretisation storeys(const std::vector<double>& remaining) {
@@ -91,7 +91,7 @@ class SubstructureDamage : public testing::Test {
                   {"reduction", {{"uniform", {0.0, 0.8}}}}}}};
 };
 
-// The probabilities of none and of one, and where it is, by summing over all there is.
+// Probabilities of no damage, of one damage and of its place, by summation over all damages.
 TEST_F(SubstructureDamage, PosteriorIsTheSumOverAllThereIs) {
   std::vector<double> measured = frequencies({1.0, 0.93, 1.0}, 4);
   const double noise[] = {0.004, -0.003, 0.002, 0.005};
@@ -157,7 +157,7 @@ TEST_F(SubstructureDamage, OfATruthIsSimulatedAndFound) {
   EXPECT_EQ(again["models"], s["models"]);
 }
 
-// An unknown scale beside the damage, and the healthy structure measured, too.
+// Damage with an unknown scale, and a measurement of the healthy structure.
 TEST_F(SubstructureDamage, BesideAnUnknownScale) {
   given["structure"]["change"] = {{"lower", "a"}, {"middle", "a"}, {"upper", "a"}};
   given["parameters"] = {{"a", {{"truncated_normal", {0.0, 0.1, -0.5, 0.5}}}}};
@@ -185,7 +185,7 @@ TEST_F(SubstructureDamage, Refusals) {
           "/damage/on/1: \"uper\": there is no substructure of this name; did you mean \"upper\"?");
   bad = given;
   bad["damage"]["kind"] = "crack";
-  refused(bad, "\"matrices\" have \"substructure\"");
+  refused(bad, "use \"substructure\" for \"matrices\"");
   bad = given;
   bad["structure"] = {
       {"chain",
@@ -193,7 +193,7 @@ TEST_F(SubstructureDamage, Refusals) {
   refused(bad, "a substructure is a part of \"matrices\"");
 }
 
-// Simulated modes are held to the rules of measured ones, and named with their values.
+// Simulated modes are validated like measured modes; messages show their values.
 TEST_F(SubstructureDamage, RefusesModesOfATruthThatMakeNoSense) {
   given["damage"]["truth"] = {{{"substructure", "middle"}, {"reduction", 0.3}}};
   given["data"] = {{"modes", 3}};

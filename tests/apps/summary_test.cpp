@@ -122,7 +122,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_FALSE(d["converged"]);
   EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' has no draws"));
   EXPECT_EQ(d["warnings"][0], d["not_established"][0]);
-  // Then why nothing explains the data; then the remarks by their gravity, alike ones in one.
+  // Then the misfit; then remarks by severity, with similar remarks merged.
   ASSERT_EQ(d["warnings"].size(), d["not_established"].size() + 3);
   const std::size_t misfit = d["not_established"].size();
   EXPECT_THAT(d["warnings"][misfit].get<std::string>(),
@@ -139,7 +139,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_TRUE(d["resolution_width"].is_null());
 }
 
-// Climbs step over what is narrower than the distance of the points that they evaluate.
+// Searches miss modes that are narrower than the distance of the evaluated points.
 TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   Posterior posterior = made_up(0.5, 1000);
   posterior.found = {found(-10.0), found(-12.0)};
@@ -150,23 +150,22 @@ TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   const Report d = judged(posterior);
   EXPECT_EQ(d["resolution_width"], 0.3);
   EXPECT_EQ(d["resolution_words"],
-            "posterior modes reached from less than 2.3 % of the prior may have been missed; the "
-            "limit is larger for modes narrower than 0.3 standard deviations of the prior, in "
-            "proportion, and a mode narrower than 0.007 of them may have been missed wherever it "
-            "is");
+            "posterior modes reached from less than 2.3 % of the prior may have been missed. The "
+            "limit increases in proportion for modes narrower than 0.3 standard deviations of the "
+            "prior; modes narrower than 0.007 standard deviations may have been missed anywhere");
 }
 
 TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {
   const Posterior posterior = made_up(0.0, 1000);
   const Report table = model_table(found_in(posterior));
   EXPECT_TRUE(table[1]["mcse"].is_null());
-  EXPECT_EQ(table[1].value("told", ""), "never entered; nothing is known of its evidence");
+  EXPECT_EQ(table[1].value("told", ""), "never proposed; nothing is known of its evidence");
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
   EXPECT_EQ(d["resolution_words"], "");
 }
 
-// Drawn evenly, but the damage has odds of 1 : 99.
+// Models are sampled equally often, but the damage has odds of 1 : 99.
 TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
   Posterior posterior = made_up(0.5, 2000);
   posterior.log_weight = {std::log(0.99), std::log(0.01)};
@@ -192,7 +191,7 @@ TEST(Summary, EqualWeightsChangeNothing) {
   }
 }
 
-// A likelihood that fails for the second model, as TMCMC does that runs out of stages.
+// The evidence of the second model fails, as for TMCMC without enough stages.
 struct Failing final : inference::Likelihood {
   double log_likelihood(int model, std::span<const double>) override {
     return model == 1 ? std::nan("") : 0.0;
@@ -215,7 +214,7 @@ TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("Evidence of 1 damage by tmcmc failed"));
 }
 
-// Of any run: equations of motion had lost it when damages kept it.
+// Holds for every kind of run: fault, sid runs lacked this warning.
 TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
   Posterior posterior = made_up(0.5, 1000);
   posterior.impossible = 12;
@@ -229,7 +228,7 @@ TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
   EXPECT_THAT(sentence(findings.remarks[1], {}), HasSubstr("at 12 of 34 567 places"));
 }
 
-// Of 64 subsets of terms it was the same warning four times.
+// Fault: 64 subsets of terms gave the same warning four times.
 TEST(Summary, ModelsThatAreAlikeAreToldOfTogether) {
   remark::NearlyPrior nearly{.parameters = {{"a", "gap", 0.97}, {"b", "c", 0.96}}};
   EXPECT_THAT(sentence(nearly, {}),
@@ -297,7 +296,7 @@ TEST(Summary, ShortChainsDoNot) {
   EXPECT_FALSE(d["converged"]);
 }
 
-// All draws in one model is no reason to ask less: the other must be known to be improbable.
+// With all draws in one model, the other model must still be known to be improbable.
 TEST(Summary, ADominantModelIsJudgedByTheEvidenceOfTheOthers) {
   Posterior posterior = made_up(1.0, 2000);
   EXPECT_FALSE(judged(posterior)["converged"]);

@@ -1,4 +1,5 @@
-// What an update case may say, and how it is refused: file, place, value, what is allowed, 65.
+// Valid and invalid update cases: messages with file, place, value and allowed values; exit code
+// 65.
 #include "apps/cases/update_case.hpp"
 
 #include <gmock/gmock.h>
@@ -28,7 +29,7 @@ UpdateCaseFile parsed_update(const json& text) {
   return parse_update_case({.path = "case.json", .json = Json::parse(text.dump())});
 }
 
-/// The case with a value in a place; null takes the place away.
+/// The case with a value at a place; null removes the place.
 json with(const char* place, const json& value) {
   json text = two_storey_case();
   const json::json_pointer at(place);
@@ -75,7 +76,7 @@ TEST(UpdateCase, ModesMayBeDoubtedWhereTheyHaveShapes) {
   EXPECT_EQ(parsed_update(with("/data/doubt", 0.05)).update.data.doubt, 0.05);
   json alone = with("/data/doubt", 0.05);
   for (const char* key : {"shapes", "shape_sd", "sensors"}) alone["data"].erase(key);
-  expect_refused(alone, "/data/doubt", "goes with shapes");
+  expect_refused(alone, "/data/doubt", "needs shapes");
 }
 
 TEST(UpdateCase, ATruthStandsInForData) {
@@ -85,25 +86,28 @@ TEST(UpdateCase, ATruthStandsInForData) {
   const auto update = parsed_update(text).update;
   EXPECT_TRUE(update.data.simulated);
   EXPECT_EQ(update.data.shapes.rows(), 2);
-  // As exact as the data say, whatever noise was added.
+  // The stated uncertainty is that of the data, independent of the added noise.
   EXPECT_NEAR(std::sqrt(update.data.covariance(0, 0)) / update.data.frequencies_hz[0], 0.01, 1e-12);
   EXPECT_NEAR(update.data.shape_covariances[0](0, 0), 4e-4, 1e-15);
 }
 
 TEST(UpdateCase, WhatDoesNotGoTogetherIsRefused) {
-  expect_refused(with("/data/cov", nullptr), "/data/cov", "say how exact the frequencies are");
-  expect_refused(with("/data/shape_sd", nullptr), "/data/shape_sd", "say how exact the shapes are");
-  expect_refused(with("/data/sensors", nullptr), "/data/sensors", "one number a sensor");
-  expect_refused(with("/data/shapes/1", {1.0}), "/data/shapes/1", "must have one number a sensor");
-  expect_refused(with("/data/shapes/1", {0.0, 0.0}), "/data/shapes/1", "zero throughout");
+  expect_refused(with("/data/cov", nullptr), "/data/cov",
+                 "give the uncertainty of the frequencies");
+  expect_refused(with("/data/shape_sd", nullptr), "/data/shape_sd",
+                 "give the uncertainty of the shapes");
+  expect_refused(with("/data/sensors", nullptr), "/data/sensors", "one number per sensor");
+  expect_refused(with("/data/shapes/1", {1.0}), "/data/shapes/1",
+                 "must have one number per sensor");
+  expect_refused(with("/data/shapes/1", {0.0, 0.0}), "/data/shapes/1", "only zeros");
   expect_refused(with("/data/shapes/1", {1.0, json()}), "/data/shapes/1", "one number only");
-  expect_refused(with("/data/shapes", {{0.5, 1.0}}), "/data/shapes", "one shape a frequency");
-  expect_refused(with("/data/sd", {0.1, 0.1}), "/data", "is one of");
+  expect_refused(with("/data/shapes", {{0.5, 1.0}}), "/data/shapes", "one shape per frequency");
+  expect_refused(with("/data/sd", {0.1, 0.1}), "/data", "give only one of");
   expect_refused(with("/data/sensors/0", {{"mass", 3}}), "/data/sensors/0/mass",
                  "there are 2 masses");
   expect_refused(with("/data/sensors/0", {{"dof", 1}}), "/data/sensors/0/dof", "matrices");
   expect_refused(with("/data/sensors/0", {{"direction", "x"}}), "/data/sensors/0",
-                 "must say where");
+                 "must have one of");
   expect_refused(with("/data/sensors/1/node", "mas 2"), "/data/sensors/1/node", "did you mean");
   expect_refused(with("/data/predict", 1), "/data/predict", "at most 2");
   expect_refused(with("/parameters/cov", {{"half_normal", 1.0}}), "/parameters/cov", "scatter");

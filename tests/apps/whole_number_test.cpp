@@ -19,7 +19,7 @@ TEST(WholeNumber, ReadsOneHoweverItIsWritten) {
   EXPECT_EQ(whole_number(5.0, 0, 10), 5);
 }
 
-// Fault: what did not fit wrapped: --seed -1, --part 4294967297/4294967298.
+// Fault: numbers out of range overflowed: --seed -1, --part 4294967297/4294967298.
 TEST(WholeNumber, IsNoneWhereItWouldWrap) {
   for (const char* text : {"-1", "11", "4294967297", "9223372036854775808", "18446744073709551615",
                            "1e30", "-1e30", "1e400"}) {

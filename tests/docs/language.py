@@ -80,10 +80,7 @@ TERMS = {
 LONGEST = 40  # words
 CODE = ['base', 'io', 'signals', 'fem', 'dynamics', 'emulator', 'inference', 'identification', 'apps', 'python', 'tests']
 # Where a term is quoted from the program, which still says so: (file, term).
-QUOTED = {
-    ('docs/measured-data.md', 'stands off zero'): 'a message',
-    ('docs/measured-data.md', 'stands still'): 'a message',
-}
+QUOTED = {}
 
 
 def prose(text):

@@ -76,7 +76,7 @@ class Modal(unittest.TestCase):
             wt.modal(channels=self.floors, sample_rate=100, band=[30, 2])
         with self.assertRaisesRegex(ValueError, "no channel 'roof'"):
             wt.modal(channels=self.floors, sample_rate=100, references=["roof"])
-        with self.assertRaisesRegex(wt.CaseError, "never changes"):
+        with self.assertRaisesRegex(wt.CaseError, "is constant"):
             wt.modal(channels={"a": np.zeros(5000)}, sample_rate=100)
 
     def test_report(self):

@@ -283,13 +283,13 @@ TEST(Answer, OfADiscoverySaysWhichTermsALinkHas) {
   const Answer a = apps::answer(run);
   EXPECT_EQ(a.headline,
             "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) as terms; undecided: bouc wen "
-            "(40 %); nothing speaks for coulomb (3 %).");
+            "(40 %); no evidence for coulomb (3 %).");
   EXPECT_EQ(a.detail, "With 95 % intervals: cubic = 1000 N/m^3 (990 to 1012).");
   run.discovery.terms = {term("cubic", 0.01), term("cubic", 0.95, 1, 2)};
   run.sampling.verdict.converged = false;
   EXPECT_EQ(
       apps::answer(run).headline,
-      "So far: The link 0-1 needs none of the terms; nothing speaks for cubic (1 %). The link "
+      "So far: The link 0-1 needs none of the terms; no evidence for cubic (1 %). The link "
       "1-2 has cubic (95 %) as a term.");
   EXPECT_FALSE(apps::answer(run).caution.empty());
   run.sampling.verdict.converged = true;

@@ -22,7 +22,7 @@ FrequencyTable parse_frequency_csv(std::string bytes, const std::filesystem::pat
   const io::DelimitedText text(std::move(bytes), path, io::FirstRow::header);
   const std::vector<io::Column>& headers = text.headers();
   if (text.rows() < 1)
-    refuse(text.header_line(), 0, "a header line and at least one row are needed");
+    refuse(text.header_line(), 0, "must have a header line and at least one row");
 
   const auto column_of = [&](const std::string& name) -> std::size_t {
     for (std::size_t c = 0; c < headers.size(); ++c) {
@@ -85,8 +85,8 @@ FrequencyTable parse_frequency_csv(std::string bytes, const std::filesystem::pat
   }
   if (cells.row > text.rows()) {
     refuse(text.header_line(), 0,
-           "row " + std::to_string(cells.row) + " is asked for, there are " +
-               std::to_string(text.rows()) + " below the header");
+           "row " + std::to_string(cells.row) + " is requested, but there are " +
+               std::to_string(text.rows()) + " rows below the header");
   }
   for (const std::string& name : cells.columns) {
     const std::size_t column = column_of(name);

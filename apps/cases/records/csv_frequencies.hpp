@@ -1,4 +1,4 @@
-// Frequencies from CSV files.
+// Frequencies in CSV files.
 #pragma once
 
 #include <filesystem>
@@ -9,33 +9,33 @@
 
 namespace wheeltap::apps {
 
-/// Which cells of a CSV file hold the frequencies.
+/// The cells of a CSV file that hold the frequencies.
 struct FrequencyCells {
-  /// Names of the columns of mode 1, 2, … of a file with one test a row (or their 1-based numbers).
-  /// Empty: the file has one mode a row, in a column "frequency" and optionally "sd" (units in
+  /// Names (or 1-based numbers) of the columns of mode 1, 2, … of a file with one test per row.
+  /// Empty: the file has one mode per row, in a column "frequency" and optionally "sd" (units in
   /// brackets are allowed), as `wheeltap simulate` writes it.
   std::vector<std::string> columns;
-  int row = 1;  ///< 1-based, below the header, where there are columns
+  int row = 1;  ///< 1-based, below the header; used with `columns`
 };
 
 struct FrequencyTable {
   std::vector<double> frequencies_hz;  ///< NaN for an empty cell: not measured
-  std::vector<double> sd_hz;           ///< empty where the file has none
+  std::vector<double> sd_hz;           ///< empty if the file has none
 };
 
-/// Frequencies in delimited text (io/tables/delimited_text.hpp) with a header line. `name` stands
-/// for the file in messages. Throws Failure (65) naming line and column for a cell that is no
-/// positive finite number, a row or column that is not there, and io::FileError (corrupt) for what
-/// is no such text.
+/// Parses frequencies in delimited text (io/tables/delimited_text.hpp) with a header line. `name`
+/// is the name of the file in messages. Throws Failure (65), with line and column, for a cell that
+/// is not a positive finite number and for a missing row or column; io::FileError (corrupt) for
+/// other text.
 [[nodiscard]] FrequencyTable parse_frequency_csv(std::string bytes,
                                                  const std::filesystem::path& name,
                                                  const FrequencyCells& cells);
 
-/// The same of a file. Throws Failure (66) for one that cannot be read besides.
+/// Parses a file in the same way. Also throws Failure (66) for an unreadable file.
 [[nodiscard]] FrequencyTable read_frequency_csv(const std::filesystem::path& path,
                                                 const FrequencyCells& cells);
 
-/// Writes mode, frequency and standard deviation, one mode a row.
+/// CSV text of mode, frequency and standard deviation, one mode per row.
 [[nodiscard]] std::string frequency_csv(const FrequencyTable& table, const std::string& comment);
 
 }  // namespace wheeltap::apps

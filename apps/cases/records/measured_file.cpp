@@ -11,7 +11,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kShown = 5;  // dropouts or spikes that are named
+constexpr std::size_t kShown = 5;  // most dropouts or spikes listed
 
 std::string where(long sample, std::optional<double> rate) {
   return rate ? base::significant(static_cast<double>(sample) / *rate, 5) + " s"
@@ -25,8 +25,8 @@ std::vector<std::string> left_out_in_words(const MeasuredTable& table) {
   for (const signals::LeftOutColumn& c : table.left_out)
     out.push_back(
         "Column " + std::to_string(c.number) + " (" + c.header + ") holds " +
-        (c.is_time_stamp ? "further time stamps" : "texts or nothing") + " and is left out" +
-        (c.maybe_time ? "; if they are times, state their form by --time-format" : "") + ".");
+        (c.is_time_stamp ? "further time stamps" : "no numbers") + " and is not used" +
+        (c.maybe_time ? "; if it holds times, give their format with --time-format" : "") + ".");
   return out;
 }
 
@@ -75,37 +75,37 @@ std::vector<std::string> oddities(const MeasuredTable& table, const MeasuredChan
         return std::to_string(q.missing) + " of " + std::to_string(q.samples) +
                " samples are missing (not a number)";
       case constant:
-        return "never changes: it stands at " + base::significant(q.mean, 4) +
-               ", as a sensor that is not connected does";
+        return "is constant at " + base::significant(q.mean, 4) +
+               "; a disconnected sensor is a possible cause";
       case dropouts:
-        return "stands still " +
+        return "is constant " +
                std::string(q.dropouts.size() == 1 ? "once"
                                                   : std::to_string(q.dropouts.size()) + " times") +
-               " for longer than chance would have it (" + base::fixed(found.value, 0) +
+               " for longer than chance explains (" + base::fixed(found.value, 0) +
                " samples, from " +
                first_of(q.dropouts, [](const signals::Stretch& d) { return d.begin; }) +
-               "): dropouts?";
+               "): possible dropouts";
       case clipped:
-        return "is clipped: " + std::to_string(q.clipped_high) + " samples stand on " +
-               base::significant(q.highest, 4) + " and " + std::to_string(q.clipped_low) + " on " +
-               base::significant(q.lowest, 4) + "; its range was too small";
+        return "is clipped: " + std::to_string(q.clipped_high) + " samples are at " +
+               base::significant(q.highest, 4) + " and " + std::to_string(q.clipped_low) + " at " +
+               base::significant(q.lowest, 4) + "; the measuring range was too small";
       case spikes:
         return "has " + std::to_string(q.spikes.size()) +
                (q.spikes.size() == 1 ? " spike" : " spikes") + " of a single sample, at " +
                first_of(q.spikes, [](long s) { return s; });
       case counter:
-        return "counts up evenly: an index or a time rather than a channel";
+        return "increases by constant steps: it is an index or a time rather than a channel";
       case drift:
         return "drifts: over the record its mean " +
                std::string(found.value > 0.0 ? "rises" : "falls") + " by " + in_sd(found.value) +
                " standard deviations";
       case wander:
-        return "wanders: the means of twenty blocks scatter by " + in_sd(100.0 * found.value) +
-               " % of its standard deviation";
+        return "wanders: the standard deviation of the means of twenty blocks is " +
+               in_sd(100.0 * found.value) + " % of its standard deviation";
       case offset:
-        return "stands off zero by " + in_sd(found.value) + " of its standard deviations";
+        return "has a DC offset of " + in_sd(found.value) + " standard deviations";
       case coarse:
-        return "is coarse: one step of its converter is " + in_sd(100.0 * found.value) +
+        return "is coarse: the quantisation step is " + in_sd(100.0 * found.value) +
                " % of its standard deviation";
     }
     return {};

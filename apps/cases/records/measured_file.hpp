@@ -1,4 +1,4 @@
-// Sentences about a measured file: how it was read, and what is odd about its channels.
+// Sentences about a measured file: how it was read, and the faults of its channels.
 #pragma once
 
 #include <string>
@@ -14,13 +14,13 @@ using signals::MeasuredFile;
 using signals::MeasuredReading;
 using signals::MeasuredTable;
 
-/// Columns that hold no numbers, a sentence each.
+/// Columns without numbers, one sentence per column.
 [[nodiscard]] std::vector<std::string> left_out_in_words(const MeasuredTable& table);
 
-/// How a table was read, a sentence each: layout, times, units, what was left out.
+/// How a table was read, one sentence per fact: layout, times, units, columns left out.
 [[nodiscard]] std::vector<std::string> reading_in_words(const MeasuredTable& table);
 
-/// What is odd about a channel of a table, each the rest of a sentence that begins with its name.
+/// Faults of a channel; each text completes a sentence that begins with the channel's name.
 [[nodiscard]] std::vector<std::string> oddities(const MeasuredTable& table,
                                                 const MeasuredChannel& channel);
 

@@ -14,7 +14,7 @@ using Coordinates = std::array<double, 3>;
 
 std::string name_at(const CaseFile& file, const Pointer& where, const Geometry& geometry) {
   std::string name = text_or_number(file.json.at(where));
-  if (!geometry.nodes.contains(name)) file.refuse(where, "is no node of the geometry");
+  if (!geometry.nodes.contains(name)) file.refuse(where, "is not a node of the geometry");
   return name;
 }
 
@@ -47,7 +47,7 @@ Geometry of_structure(const CaseFile& file) {
       out.fixed.push_back(support.at("node").get<std::string>());
     for (const auto& line : out.lines)
       for (const std::string& node : line)
-        if (!out.nodes.contains(node)) refuse("whose members have no such node: " + node);
+        if (!out.nodes.contains(node)) refuse("whose members name a missing node: " + node);
     return out;
   } catch (const Json::exception& error) {
     refuse(std::string("whose structure cannot be read: ") + error.what());
@@ -55,7 +55,7 @@ Geometry of_structure(const CaseFile& file) {
   return {};
 }
 
-/// A node's displacement in a mode: the least one that its sensors measure.
+/// Displacement of a node in a mode: the minimum-norm one that agrees with its sensors.
 struct MovedNode {
   std::string name;
   Eigen::MatrixXd directions = {};  ///< sensors × 3
@@ -162,7 +162,7 @@ double principal_angle(const Eigen::Ref<const Eigen::VectorXcd>& shape) {
 Report modal_drawing(const Geometry& geometry, const MeasuredModes& modes) {
   const std::vector<MovedNode> moved = moved_nodes(geometry, modes.sensors);
   if (moved.empty()) return {};
-  // Every node at rest, then those that move once more: a line from place to place shows both.
+  // All nodes at rest, then the moving nodes again, so that lines can show both.
   Report points = Report::array(), lines = Report::array(), shapes = Report::array();
   std::map<std::string, std::size_t> rest, now;
   for (const auto& [name, at] : geometry.nodes) {
@@ -205,7 +205,7 @@ Report modal_drawing(const Geometry& geometry, const MeasuredModes& modes) {
            {{"points", points},
             {"lines", lines},
             {"modes", shapes},
-            {"as", "as measured; what no sensor measures is drawn at rest"}}}};
+            {"as", "as measured; nodes without sensors are drawn at rest"}}}};
 }
 
 }  // namespace wheeltap::apps

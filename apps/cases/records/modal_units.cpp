@@ -9,7 +9,7 @@ StatedUnit parse_unit(const CaseFile& file, const Pointer& where) {
   StatedUnit out{.where = where};
   if (c.contains("unit")) {
     if (c.contains("scale"))
-      file.refuse(where / "unit", "goes without \"scale\", which says what its numbers are");
+      file.refuse(where / "unit", "is not allowed with \"scale\", which defines the conversion");
     out.unit = c.at("unit").get<std::string>();
   }
   if (c.contains("scale")) out.scale = c.at("scale").get<double>();
@@ -46,20 +46,20 @@ signals::Conversion convert(const CaseFile& file, const io::Column& column,
   signals::Conversion out = signals::conversion_of(unit, wanted);
   const std::optional<signals::Unit> known = signals::find_unit(unit);
   if (out.basis == Basis::foreign && wanted && known) {
-    const std::string what = unit + ", " + std::string(signals::name(known->dimension)) +
-                             ", where " + std::string(signals::name(*wanted)) + " is wanted";
+    const std::string what = unit + ", " + std::string(signals::name(known->dimension)) + ", but " +
+                             std::string(signals::name(*wanted)) + " is expected";
     if (stated.quantity || stated.unit)
       file.refuse(stated.where / (stated.unit ? "unit" : "quantity"),
                   "is in " + what + ": correct \"" + (stated.quantity ? "quantity" : "unit") +
                       "\", or give \"scale\"");
-    file.refuse(stated.where / "unit", "is missing: the file has its numbers in " + what +
+    file.refuse(stated.where / "unit", "is missing: the file states " + what +
                                            ". State \"unit\": \"" +
                                            std::string(signals::si_unit(*wanted)) +
                                            "\" if the file is wrong, or correct \"role\"");
   }
   if (stated.unit && !known && unit != "1")
     file.refuse(stated.where / "unit",
-                "is not known: give \"scale\" instead, or one of " +
+                "is unknown: give \"scale\" instead, or one of " +
                     (wanted ? signals::known_units(*wanted)
                             : signals::known_units(signals::Dimension::acceleration) + ", " +
                                   signals::known_units(signals::Dimension::velocity) + ", " +

@@ -1,4 +1,4 @@
-// The unit and the quantity of a modal case's channels.
+// Unit and quantity of the channels of a modal case.
 #pragma once
 
 #include <optional>
@@ -13,7 +13,7 @@ struct Column;
 
 namespace wheeltap::apps {
 
-/// What the case says of a channel's numbers.
+/// Unit, scale and quantity of a channel as the case states them.
 struct StatedUnit {
   Pointer where{};
   std::optional<std::string> unit = {};
@@ -23,13 +23,13 @@ struct StatedUnit {
 
 [[nodiscard]] StatedUnit parse_unit(const CaseFile& file, const Pointer& where);
 
-/// Whether this is a displacement, a velocity or an acceleration.
+/// Whether `dimension` is a displacement, a velocity or an acceleration.
 [[nodiscard]] bool is_motion(signals::Dimension dimension);
 
-/// "displacement", "velocity" or "acceleration", as cases write it.
+/// "displacement", "velocity" or "acceleration", as in cases.
 [[nodiscard]] std::string quantity_name(signals::Dimension dimension);
 
-/// How a column's numbers become SI. Throws Failure for a unit that contradicts the case.
+/// Conversion of a column to SI units. Throws Failure for a unit that contradicts the case.
 [[nodiscard]] signals::Conversion convert(const CaseFile& file, const io::Column& column,
                                           const StatedUnit& stated,
                                           std::optional<signals::Dimension> wanted);

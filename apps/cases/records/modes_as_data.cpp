@@ -28,14 +28,14 @@ std::string in_a_row(const std::vector<int>& numbers) {
   return text;
 }
 
-/// The numbers in `file` of these rows.
+/// Mode numbers of these rows of `file`.
 std::vector<int> numbers_of(const MeasuredModes& file, const std::vector<int>& rows) {
   std::vector<int> out;
   for (const int row : rows) out.push_back(file.numbers[static_cast<std::size_t>(row)]);
   return out;
 }
 
-/// Rows of `modes`, ascending.
+/// Rows of the modes listed in "modes", ascending.
 std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, const MeasuredModes& modes) {
   const Json& given = file.json.at(at);
   const std::size_t all = modes.numbers.size();
@@ -50,7 +50,8 @@ std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, const Mea
   for (std::size_t i = 0; i < given.size(); ++i) {
     const auto found = std::ranges::find(modes.numbers, given[i].get<int>());
     if (found == modes.numbers.end())
-      file.refuse(at / i, "\"from\" has no such mode: it has modes " + in_a_row(modes.numbers));
+      file.refuse(at / i,
+                  "\"from\" does not have this mode: it has modes " + in_a_row(modes.numbers));
     const auto row = static_cast<int>(found - modes.numbers.begin());
     if (std::ranges::find(out, row) != out.end()) file.refuse(at / i, "is listed twice");
     out.push_back(row);
@@ -59,17 +60,17 @@ std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, const Mea
   return out;
 }
 
-/// "model_modes": the structure's mode that each of the modes taken is.
+/// Parses "model_modes": the number of the structure's mode for each mode used.
 std::vector<int> model_modes(const CaseFile& file, const Pointer& at, std::size_t taken) {
   const Json& given = file.json.at(at);
   if (given.size() != taken)
     file.refuse(at, "must have one number for each of the " + std::to_string(taken) +
-                        " modes taken, has " + std::to_string(given.size()));
+                        " modes used, has " + std::to_string(given.size()));
   std::vector<int> out;
   for (std::size_t i = 0; i < taken; ++i) {
     const int number = given[i].get<int>();
     if (!out.empty() && number <= out.back())
-      file.refuse(at / i, "must increase: modes are taken in the order of their frequencies");
+      file.refuse(at / i, "must increase: modes are in the order of their frequencies");
     out.push_back(number);
   }
   return out;
@@ -91,18 +92,19 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   const Json& data = file.json.at(where);
   for (const char* key : {"frequencies", "file", "columns", "row", "cov", "sd", "covariance",
                           "shapes", "shape_sd", "shape_covariance", "seed"})
-    if (data.contains(key)) file.refuse(where / key, "does not go with \"from\", which says it");
+    if (data.contains(key))
+      file.refuse(where / key, "is not allowed with \"from\", which gives it");
   TakenModes out{.name = data.at("from").get<std::string>()};
   io::finish_commit(file.place_of(out.name).parent_path());
   out.path = file.resolve(out.name);
   out.file = read_modes_file(out.path);
   const auto all = static_cast<int>(out.file.frequencies_hz.size());
-  if (all == 0) refuse_file(out, Pointer("/frequencies_hz"), "holds no mode");
+  if (all == 0) refuse_file(out, Pointer("/frequencies_hz"), "has no modes");
   if (out.file.covariance.size() == 0)
-    refuse_file(out, Pointer("/covariance"),
-                "is null: the method that found these modes says nothing of their scatter, and "
-                "without it they are not data: identify them with \"ssi-cov\", or give "
-                "frequencies and how exact they are in the case");
+    refuse_file(
+        out, Pointer("/covariance"),
+        "is null: the identification method gave no uncertainty, which data need: identify the "
+        "modes with \"ssi-cov\", or give frequencies and their uncertainty in the case");
   for (Index i = 0; i < all; ++i)
     if (!(out.file.frequencies_hz[i] > 0.0))
       refuse_file(out, Pointer("/frequencies_hz") / static_cast<std::size_t>(i),
@@ -114,7 +116,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
       (out.file.doubtful[static_cast<std::size_t>(i)] ? out.doubtful : out.modes).push_back(i);
     if (out.modes.empty())
       file.refuse(where / "from",
-                  "all of its modes are doubtful: name those to be used, \"modes\": [1, ...]");
+                  "all of its modes are doubtful: list the modes to use, \"modes\": [1, ...]");
   }
   out.numbers = data.contains("model_modes")
                     ? model_modes(file, where / "model_modes", out.modes.size())
@@ -153,7 +155,7 @@ void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData
     for (std::size_t i = 0; i < taken.modes.size(); ++i) {
       const auto mode = static_cast<std::size_t>(taken.modes[i]);
       const int row = taken.numbers[i];
-      // Set-ups that were merged leave gaps where one of them lacks the mode.
+      // Merged set-ups leave gaps if one of them lacks the mode.
       std::vector<Index> told, entries, imaginary;
       for (Index s = 0; s < sensors; ++s) {
         const Index channel = channels[static_cast<std::size_t>(s)];

@@ -9,27 +9,27 @@ namespace wheeltap::apps {
 
 struct TakenModes {
   std::filesystem::path path = {};
-  std::string name = {};  ///< as the case says it
+  std::string name = {};  ///< as written in the case
   MeasuredModes file = {};
-  std::vector<int> modes = {};     ///< rows of `file` that are taken, ascending
-  std::vector<int> numbers = {};   ///< the row of the data that each becomes: 0 is mode 1
-  std::vector<int> doubtful = {};  ///< rows of `file` that are left out because they are doubtful
+  std::vector<int> modes = {};     ///< rows of `file` that are used, ascending
+  std::vector<int> numbers = {};   ///< row of the data for each: 0 is mode 1
+  std::vector<int> doubtful = {};  ///< doubtful rows of `file`, not used
 
-  /// {"sensors": [...]}, each with its node and direction, as a case of the file's name: for
+  /// A case of the file's name with {"sensors": [...]}, each with its node and direction; for
   /// messages.
   [[nodiscard]] CaseFile sensors_as_case() const;
 };
 
-/// What the data block at `where` takes from its "from": the modes that "modes" lists (their
-/// numbers, or how many of the lowest), or all but the doubtful ones. Each keeps its number, or has
-/// the one that "model_modes" gives. Throws Failure: 66 for a file that cannot be read, 65 for one
-/// that is no modes.json, for keys that say again what it says, and for modes that it lacks.
+/// Reads the modes.json that "from" of the data block at `where` names. Uses the modes of "modes"
+/// (a list of numbers, or a count of the lowest), or all that are not doubtful. Each keeps its
+/// number, or has the number in "model_modes". Throws Failure: 66 for an unreadable file; 65 for
+/// another kind of file, for keys that the file replaces, and for modes that it lacks.
 [[nodiscard]] TakenModes take_modes(const CaseFile& file, const Pointer& where);
 
-/// Frequencies with their covariance, and shapes as real lines with theirs, of the channels that
-/// `out.sensors` are; see identification/modal/real_shape.hpp. Modes that are not taken leave gaps,
-/// so that the others keep their numbers. Fewer than two channels leave no shapes. Throws Failure
-/// (65), naming the modes.json, for covariances that are not positive definite.
+/// Fills in frequencies and real shapes with their covariances, for the channels of `out.sensors`;
+/// see identification/modal/real_shape.hpp. Modes that are not used leave gaps, so that the others
+/// keep their numbers. With fewer than two channels there are no shapes. Throws Failure (65),
+/// naming the modes.json, for covariances that are not positive definite.
 void fill(const TakenModes& taken, const std::vector<Eigen::Index>& channels,
           identification::ModalData& out);
 

@@ -20,7 +20,7 @@ class Reader {
  public:
   explicit Reader(const CaseFile& file) : file_(file) {}
 
-  /// `gaps`: null is NaN, and else refused.
+  /// `gaps`: accepts null as NaN; otherwise null is an error.
   [[nodiscard]] Eigen::VectorXd vector(const Pointer& where, Index size, bool gaps = false) const {
     const Json& list = at(where);
     if (!list.is_array() || (size >= 0 && static_cast<Index>(list.size()) != size))
@@ -87,18 +87,19 @@ MeasuredSensor read_sensor(const CaseFile& file, const Pointer& where) {
   return out;
 }
 
-/// Modes that are numbered from 1.
+/// Whether the modes are numbered 1, 2, ….
 MeasuredModes numbered(MeasuredModes modes) {
   modes.numbers.resize(static_cast<std::size_t>(modes.frequencies_hz.size()));
   std::iota(modes.numbers.begin(), modes.numbers.end(), 1);
   return modes;
 }
 
-/// A file that was shortened by hand says which of the modes are left.
+/// Parses the mode numbers, which a file shortened by hand contains.
 std::vector<int> read_numbers(const CaseFile& file, const Pointer& where, Index count) {
   const Json& list = file.json.at(where);
   if (!list.is_array() || static_cast<Index>(list.size()) != count)
-    file.refuse(where, "must be a list of " + std::to_string(count) + " whole numbers, one a mode");
+    file.refuse(where,
+                "must be a list of " + std::to_string(count) + " whole numbers, one per mode");
   std::vector<int> out;
   for (std::size_t i = 0; i < list.size(); ++i) {
     constexpr std::uint64_t kMost = 100'000;
@@ -207,9 +208,9 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
   out.shapes.imag() = read.matrix(Pointer("/shapes/imaginary"), count, size, true).transpose();
   const Json& covariances = read.at(Pointer("/shape_covariance"));
   if (!scatter && !covariances.is_null())
-    file.refuse(Pointer("/shape_covariance"), "must be null where the covariance is");
+    file.refuse(Pointer("/shape_covariance"), "must be null if the covariance is null");
   if (scatter && (!covariances.is_array() || static_cast<Index>(covariances.size()) != count))
-    file.refuse(Pointer("/shape_covariance"), "must be a list of one matrix a mode");
+    file.refuse(Pointer("/shape_covariance"), "must be a list of one matrix per mode");
   for (std::size_t m = 0; scatter && m < covariances.size(); ++m)
     out.shape_covariance.push_back(read.covariance(Pointer("/shape_covariance") / m, 2 * size));
   out.doubtful.assign(static_cast<std::size_t>(count), false);
@@ -219,7 +220,7 @@ MeasuredModes read_modes_file(const std::filesystem::path& path) {
   if (file.json.contains("blocks")) {
     const Json& blocks = file.json["blocks"];
     if (!blocks.is_number_unsigned() || blocks.get<std::uint64_t>() > 1'000'000)
-      file.refuse(Pointer("/blocks"), "must be a whole number, 0 where covariances are exact");
+      file.refuse(Pointer("/blocks"), "must be a whole number, 0 for exact covariances");
     out.blocks = blocks.get<int>();
   }
   return out;

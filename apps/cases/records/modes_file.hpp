@@ -1,5 +1,4 @@
-// modes.json: modes with the covariance of all that is known of them, as `modal` writes it and a
-// damage or update case reads it.
+// modes.json: modes with their covariance. `modal` writes it; damage and update cases read it.
 #pragma once
 
 #include <filesystem>
@@ -12,29 +11,29 @@
 
 namespace wheeltap::apps {
 
-/// What measured one entry of every shape.
+/// The sensor of one entry of every shape.
 struct MeasuredSensor {
-  std::string name = {};  ///< of its channel
+  std::string name = {};  ///< name of its channel
   std::string node = {}, direction = {};
   std::optional<double> azimuth = {}, elevation = {};  ///< [degrees]
   bool reference = false;
-  std::string unit = {};      ///< of the numbers that were measured; empty: not known
-  std::string quantity = {};  ///< "displacement", "velocity", "acceleration"; empty: not known
+  std::string unit = {};      ///< unit of the measured numbers; empty: unknown
+  std::string quantity = {};  ///< "displacement", "velocity", "acceleration"; empty: unknown
 };
 
 struct MeasuredModes {
   std::string title = {};
   std::vector<MeasuredSensor> sensors = {};
-  std::vector<int> numbers = {};  ///< of the modes, ascending from 1 or more; empty: 1, 2, …
-  Eigen::VectorXd frequencies_hz = {}, damping = {};  ///< damping NaN where not known
-  /// Of all frequencies, then all damping ratios; empty where the method says nothing of scatter.
+  std::vector<int> numbers = {};  ///< mode numbers, ascending, at least 1; empty: 1, 2, …
+  Eigen::VectorXd frequencies_hz = {}, damping = {};  ///< damping: NaN if unknown
+  /// Covariance of all frequencies, then all damping ratios; empty if the method gives none.
   Eigen::MatrixXd covariance = {};
-  Eigen::MatrixXcd shapes = {};  ///< a mode a column, largest entry 1; NaN where not measured
-  /// Of real parts, then imaginary parts; empty as the covariance is.
+  Eigen::MatrixXcd shapes = {};  ///< one column per mode, largest entry 1; NaN: not measured
+  /// Covariance of real parts, then imaginary parts; empty if `covariance` is.
   std::vector<Eigen::MatrixXd> shape_covariance = {};
-  std::string quantity = {};  ///< that all shapes are of; empty: not known
+  std::string quantity = {};  ///< quantity of all shapes; empty: unknown
   std::vector<bool> doubtful = {};
-  int blocks = 0;  ///< that the covariances were estimated from; 0: not said
+  int blocks = 0;  ///< blocks that the covariances were estimated from; 0: unknown
 };
 
 [[nodiscard]] MeasuredModes measured_modes(const signals::ModalResult& result,
@@ -44,7 +43,8 @@ struct MeasuredModes {
 
 [[nodiscard]] Report modes_json(const MeasuredModes& modes);
 
-/// Throws Failure: 66 where it cannot be read, 65, naming the place, where it is no such file.
+/// Reads a modes.json. Throws Failure: 66 for an unreadable file; 65, naming the place, for other
+/// content.
 [[nodiscard]] MeasuredModes read_modes_file(const std::filesystem::path& path);
 
 }  // namespace wheeltap::apps

@@ -24,7 +24,7 @@ const char* name(TimeBasis basis) {
   return kNames.at(static_cast<std::size_t>(basis));
 }
 
-/// Where the block of a record names a column: in one of its channels, or itself.
+/// Place in a record's block that names a column: in a channel, or in the block.
 Pointer place_of(const CaseFile& file, const Pointer& block, const std::string& column) {
   const Json& b = file.json.at(block);
   if (b.contains("channels")) {
@@ -134,14 +134,14 @@ std::string sampling_in_words(const signals::Sampling& sampling) {
     case TimeBasis::days:
       return "Times are dates of a spreadsheet, in days.";
     case TimeBasis::assumed:
-      return std::string("Times are taken to be in s: their column names no unit.") +
+      return std::string("Times are assumed to be in s, since their column has no unit.") +
              (sampling.doubtful_unit
-                  ? " They are whole numbers: if they are milliseconds, call the column \"time "
+                  ? " They are whole numbers: if they are milliseconds, name the column \"time "
                     "[ms]\" or give its channel \"role\": \"time\" and \"scale\": 0.001."
                   : "");
     case TimeBasis::header:
       return base::significant(sampling.rate_hz, 6) + " Hz as line " +
-             std::to_string(sampling.line) + " says.";
+             std::to_string(sampling.line) + " states.";
     default:
       return {};
   }
@@ -151,9 +151,9 @@ std::string jitter_in_words(const signals::Sampling& sampling) {
   if (!(sampling.jitter > 0.0)) return {};
   return "Time steps differ from the mean one by up to " +
          base::significant(100.0 * sampling.jitter, 2) +
-         " % and are taken as even; time stamps are then off by up to " +
+         " % and are treated as uniform; time stamps then deviate by up to " +
          base::significant(sampling.off_grid, 2) +
-         " steps. \"resample\": true interpolates at an even rate instead.";
+         " steps. To interpolate at a uniform rate instead, write \"resample\": true.";
 }
 
 Report sampling_json(const signals::Sampling& sampling) {
@@ -173,13 +173,13 @@ Report conversion_json(const signals::Conversion& conversion) {
   out["si_unit"] = in_si ? Report(std::string(signals::si_unit(*conversion.dimension))) : Report();
   switch (conversion.basis) {
     case Basis::none:
-      out["basis"] = "no unit: used as it is";
+      out["basis"] = "no unit: used unchanged";
       break;
     case Basis::unit:
       out["basis"] = "unit";
       break;
     case Basis::foreign:
-      out["basis"] = "unit not known: used as it is";
+      out["basis"] = "unknown unit: used unchanged";
       break;
     case Basis::stated_scale:
       out["basis"] = "scale of the case";
@@ -191,11 +191,11 @@ Report conversion_json(const signals::Conversion& conversion) {
 std::string conversion_in_words(const signals::Conversion& conversion) {
   switch (conversion.basis) {
     case Basis::none:
-      return "no unit, used as it is";
+      return "no unit, used unchanged";
     case Basis::foreign:
-      return io::printable(conversion.unit) + ", used as it is";
+      return io::printable(conversion.unit) + ", used unchanged";
     case Basis::stated_scale:
-      return "times " + base::significant(conversion.factor, 6) + " as the case says";
+      return "times " + base::significant(conversion.factor, 6) + " as stated in the case";
     case Basis::unit:
       break;
   }

@@ -20,18 +20,19 @@ namespace {
 
 const Pointer kMatrixStructure("/structure");
 
-/// Reads the matrix named at `where`; what the file lacks is a complaint about the name.
+/// Reads the matrix named at `where`; locates errors of the file at this name.
 io::SparseMatrix matrix_at(const CaseFile& file, const std::filesystem::path& path,
                            const Pointer& where) {
   try {
     const auto name = file.json.at(where).get<std::string>();
-    for (const std::string& one : {name, name + ".mtx"})  // of a folder of Matrix Market files
+    for (const std::string& one : {name, name + ".mtx"})  // in a folder of Matrix Market files
       file.inputs->add(file.json.at(kMatrixStructure / "matrices").get<std::string>() + "/" + one,
                        path / one);
     io::SparseMatrix matrix = io::read_sparse_matrix(path, name);
     if (matrix.rows() > kMostDegreesOfFreedom)
-      file.refuse(where, "has " + std::to_string(matrix.rows()) + " degrees of freedom: at most " +
-                             std::to_string(kMostDegreesOfFreedom) + " are taken");
+      file.refuse(where, "has " + std::to_string(matrix.rows()) +
+                             " degrees of freedom: must have at most " +
+                             std::to_string(kMostDegreesOfFreedom));
     return matrix;
   } catch (const io::FileError& error) {
     if (error.kind() == io::FileError::Kind::missing) throw;
@@ -39,7 +40,8 @@ io::SparseMatrix matrix_at(const CaseFile& file, const std::filesystem::path& pa
   }
 }
 
-/// Rows "number, place, direction": the number from 1. What is not named keeps its number.
+/// Parses rows "number, place, direction", with numbers from 1. Degrees of freedom without a row
+/// keep their numbers.
 std::vector<fem::DofName> read_names(const CaseFile& file, Eigen::Index size) {
   const Pointer where = kMatrixStructure / "dofs";
   std::vector<fem::DofName> names;
@@ -52,7 +54,7 @@ std::vector<fem::DofName> read_names(const CaseFile& file, Eigen::Index size) {
     const auto found = std::ranges::find(table.headers(), wanted, &io::Column::name);
     if (found == table.headers().end())
       file.refuse(where, std::string("has no column \"") + wanted +
-                             "\"; it needs number, place and direction");
+                             "\"; must have the columns number, place and direction");
     columns.push_back(static_cast<std::size_t>(found - table.headers().begin()));
   }
   std::vector<bool> named(names.size(), false);
@@ -70,7 +72,7 @@ std::vector<fem::DofName> read_names(const CaseFile& file, Eigen::Index size) {
       fail("number '" + cells[columns[0]] + "' must be a whole number from 1 to " +
            std::to_string(size));
     const auto dof = static_cast<std::size_t>(*number) - 1;
-    if (named[dof]) fail("number " + cells[columns[0]] + " stands twice");
+    if (named[dof]) fail("number " + cells[columns[0]] + " is listed twice");
     if (cells[columns[1]].empty()) fail("place must not be empty");
     named[dof] = true;
     names[dof] = {cells[columns[1]], cells[columns[2]]};
@@ -86,8 +88,8 @@ StructureModel parse_matrices(const CaseFile& file) {
   for (const char* key : {"mass", "stiffness"})
     if (!s.contains(key))
       file.refuse(kMatrixStructure / key,
-                  std::string("is missing: \"matrices\" go with mass (a name) and "
-                              "stiffness ({substructure: name or names})"));
+                  std::string("is missing: \"matrices\" need mass (a name) and stiffness "
+                              "({substructure: name or names})"));
   StructureParameters parameters(file);
   fem::MatrixStructure out;
   out.mass = matrix_at(file, path, kMatrixStructure / "mass");
@@ -105,7 +107,7 @@ StructureModel parse_matrices(const CaseFile& file) {
           file.refuse(where / i,
                       "is " + std::to_string(one.rows()) + " x " + std::to_string(one.cols()) +
                           ": must be " + std::to_string(part.stiffness.rows()) + " x " +
-                          std::to_string(part.stiffness.cols()) + ", as those before it");
+                          std::to_string(part.stiffness.cols()) + ", as the previous ones");
         } else {
           part.stiffness += one;
         }
@@ -121,7 +123,8 @@ StructureModel parse_matrices(const CaseFile& file) {
     };
     if (file.json.contains(kMatrixStructure / "scale" / name) &&
         file.json.contains(kMatrixStructure / "change" / name))
-      file.refuse(kMatrixStructure / "change" / name, "has a scale already: scale is 1 + change");
+      file.refuse(kMatrixStructure / "change" / name,
+                  "has \"scale\" already: give one of them; scale is 1 + change");
     change("scale", kPositive, 1.0);
     change("change", {.lower = -1.0, .open = true, .words = "above -1"}, 0.0);
     out.parts.push_back(std::move(part));

@@ -1,4 +1,4 @@
-// A structure that is another program's matrices.
+// A structure given by mass and stiffness matrices of another program.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
@@ -6,8 +6,8 @@
 
 namespace wheeltap::apps {
 
-/// M and the K_j of K = Σ (1 + α_j) K_j, from the files that /structure names. A substructure of
-/// several matrices is their sum. Throws Failure, io::FileError.
+/// Reads M and the K_j of K = Σ (1 + α_j) K_j from the files that /structure names. The matrices of
+/// one substructure are added. Throws Failure, io::FileError.
 [[nodiscard]] identification::StructureModel parse_matrices(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -17,7 +17,7 @@ namespace {
 
 using Keys = std::vector<std::string>;
 
-/// The sizes of a section without a shape.
+/// Keys of a section without a shape.
 const Keys kPlain = {"area", "second_moment", "shear_coefficient"};
 
 std::vector<double> sizes_of(const Json& s, const fem::SectionShape& shape) {
@@ -62,13 +62,13 @@ std::vector<fem::Region> regions_of_file(const CaseFile& file, const Pointer& wh
   if (drawing.unit > 0.0 && s.contains("unit") &&
       io::metres(s.at("unit").get<std::string>()) != drawing.unit)
     file.refuse(where / "unit",
-                "the file says that a unit is " + Json(drawing.unit).dump() + " m; leave this out");
+                "the file states its unit, " + Json(drawing.unit).dump() + " m; remove this key");
   std::vector<fem::Ring> rings;
   for (const io::ClosedPath& path : drawing.outlines) rings.push_back(ring_of(path, unit));
   return fem::nested(rings);
 }
 
-/// fem::checked's places as the case writes them: "/beam/section/outline/3".
+/// Places of fem::checked as places in the case: "/beam/section/outline/3".
 [[noreturn]] void refuse_outline(const CaseFile& file, const Pointer& where, const Json& s,
                                  std::size_t main_regions, const fem::OutlineError& error) {
   using Part = fem::OutlinePlace::Part;
@@ -91,16 +91,17 @@ void check_polygon(const CaseFile& file, const Pointer& where) {
                              "unit",  "shear_coefficient"};
   for (const auto& [key, ignored] : s.items())
     if (std::ranges::find(known, key) == known.end())
-      file.refuse(where / key,
-                  "a \"polygon\" section has no such size; it has outline or file, holes, regions");
+      file.refuse(
+          where / key,
+          "is not a key of a \"polygon\" section, which has outline or file, holes, regions");
   const bool outline = s.contains("outline"), named = s.contains("file");
   if (!outline && !named && !s.contains("regions"))
     file.refuse(where / "outline",
-                "is missing: a \"polygon\" section has outline, file or regions");
-  if (outline && named) file.refuse(where / "file", "takes the place of outline: give one of them");
+                "is missing: a \"polygon\" section needs outline, file or regions");
+  if (outline && named) file.refuse(where / "file", "replaces outline: give one of them");
   if (!outline && s.contains("holes"))
-    file.refuse(where / "holes", "go with outline; those of a file stand in the file");
-  if (!named && s.contains("unit")) file.refuse(where / "unit", "goes with file only");
+    file.refuse(where / "holes", "are allowed with outline only; a file contains its holes");
+  if (!named && s.contains("unit")) file.refuse(where / "unit", "is allowed with file only");
 }
 
 }  // namespace
@@ -124,7 +125,7 @@ void check_sizes(const CaseFile& file, const Pointer& where) {
   for (const auto& [key, ignored] : s.items()) {
     if (key != "shape" && key != "shear_coefficient" &&
         std::ranges::find(sizes, key) == sizes.end()) {
-      file.refuse(where / key, what + " has no such size; it has " + list);
+      file.refuse(where / key, "is not a size of " + what + ", which has " + list);
     }
   }
 }
@@ -167,11 +168,11 @@ fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
     const Pointer at = where / "regions" / i;
     double modulus = part.value("modulus", 1.0);
     if (part.contains("young")) {
-      if (part.contains("modulus"))
-        file.refuse(at / "modulus", "says the same as young: give one of them");
+      if (part.contains("modulus")) file.refuse(at / "modulus", "replaces young: give one of them");
       if (!material.young)
-        file.refuse(at / "young",
-                    "has nothing to relate to: give the case's young, or modulus here");
+        file.refuse(
+            at / "young",
+            "needs the reference value of the case: give the case's young, or modulus here");
       modulus = part.at("young").get<double>() / *material.young;
     }
     outline.regions.push_back({.outer = parse_ring(part.at("outline")),
@@ -201,14 +202,14 @@ MeshedSection analyse(const CaseFile& file, const Pointer& where, const SectionM
     file.refuse(where, error.what());
   }
   if (!result.analysis.finite())
-    file.refuse(where,
-                "its figures are not finite numbers: the outline has details that are lost beside "
-                "its size. Leave out corners that lie on each other and parts thinner than a "
-                "millionth of the section");
+    file.refuse(
+        where,
+        "its properties are not finite numbers, since the outline has details too small for its "
+        "size. Remove coincident corners and parts thinner than a millionth of the section");
   return result;
 #else
   file.refuse(where,
-              "outlines need CGAL, and this program was built without it (WHEELTAP_WITH_CGAL=ON)");
+              "outlines need CGAL, but this program was built without it (WHEELTAP_WITH_CGAL=ON)");
 #endif
 }
 
@@ -224,9 +225,9 @@ BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,
     const fem::SectionProperties& p = meshed.analysis.properties;
     if (!(meshed.analysis.errors.shear_flexibility <= 1e-3))
       file.refuse(where,
-                  "its shear coefficient did not settle: leave out details of the outline "
-                  "that do not matter (see wheeltap section)");
-    // The shear stiffness κ G A has the reference's G and the weighted A.
+                  "its shear coefficient did not converge: remove unimportant details of the "
+                  "outline (see wheeltap section)");
+    // The shear stiffness κ G A uses G of the reference material and the weighted A.
     beam.section = {.area = p.area,
                     .second_moment = p.second_moments.yy,
                     .shear_coefficient = p.shear_area / p.area / p.shear_flexibility.zz};

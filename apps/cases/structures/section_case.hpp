@@ -1,4 +1,4 @@
-// The cross-section of a case: a shape with sizes, or an outline.
+// Cross-section of a case: a shape with sizes, or an outline.
 #pragma once
 
 #include <optional>
@@ -11,40 +11,42 @@
 
 namespace wheeltap::apps {
 
-/// What a section's moduli relate to. Young's modulus and density may be unknown to a file that
-/// holds a section alone.
+/// The reference material of a section. A file that holds only a section may lack Young's modulus
+/// and density.
 struct SectionMaterial {
   double poisson;
   std::optional<double> young = {};
   std::optional<double> density = {};
 };
 
-/// "width", "height", … of the section at `where`, all of them and no others. Throws Failure.
+/// Checks that the section at `where` has all sizes of its shape ("width", "height", …) and no
+/// others. Throws Failure.
 void check_sizes(const CaseFile& file, const Pointer& where);
 
-/// A section by its sizes, at `where`: A, I about the width, Cowper's κ. Throws Failure.
+/// Parses a section with sizes at `where`: A, I about the width, Cowper's κ. Throws Failure.
 [[nodiscard]] fem::Section parse_sized_section(const CaseFile& file, const Pointer& where,
                                                double poisson);
 
-/// The outline of a "polygon", or of a shape with sizes (y along the width, the origin in the
-/// middle; circles as polygons of equal area). Throws Failure.
+/// Parses the outline of a "polygon", or makes that of a shape with sizes (y along the width,
+/// origin in the middle; circles as polygons of equal area). Throws Failure.
 [[nodiscard]] fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
                                          const SectionMaterial& material);
 
 struct MeshedSection {
   fem::Outline outline;
-  fem::TriangleMesh mesh;  ///< the coarsest
+  fem::TriangleMesh mesh;  ///< the coarsest mesh
   fem::SectionAnalysis analysis;
 };
-/// Throws Failure for an outline that is none; for a program built without CGAL, too.
+/// Meshes and analyses a section. Throws Failure for an invalid outline, and in a build without
+/// CGAL.
 [[nodiscard]] MeshedSection analyse(const CaseFile& file, const Pointer& where,
                                     const SectionMaterial& material);
 
 struct BeamSection {
   fem::Section section;
-  double density;  ///< that gives the beam its mass per length with the section's area
+  double density;  ///< times the section's area: mass per length of the beam
 };
-/// As a plane beam has it: bending about y (the width), shear along z.
+/// Parses the section of a plane beam: bending about y (the width), shear along z.
 [[nodiscard]] BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,
                                              const fem::Material& material);
 

@@ -23,7 +23,7 @@ using fem::Direction;
 
 const Pointer kStructure("/structure");
 
-/// What building and solving takes, measured on frames in the plane and in space [bytes].
+/// Memory for assembly and solution, measured on plane and space frames [bytes].
 constexpr double kBytesPerPlaneDof = 4e3, kBytesPerSpaceDof = 6e3;
 
 class MemberParser {
@@ -36,7 +36,7 @@ class MemberParser {
     if (json_.value("mass", "") == "lumped") s_.mass = fem::Structure::Mass::lumped;
     s_.rotary_inertia = json_.value("rotary_inertia", true);
     if (json_.contains("rotary_inertia") && s_.mass == fem::Structure::Mass::lumped)
-      file_.refuse(kStructure / "rotary_inertia", "goes with \"mass\": \"consistent\" only");
+      file_.refuse(kStructure / "rotary_inertia", "is allowed with \"mass\": \"consistent\" only");
     parse_nodes();
     refuse_cost();
     each("members", [&](const Pointer& at) { parse_member(at); });
@@ -80,7 +80,7 @@ class MemberParser {
       }
       s_.nodes.push_back(std::move(node));
     }
-    // Members follow their nodes, and their pieces in proportion.
+    // Members follow their nodes; the lengths of their pieces change in proportion.
     if (moving_) parameters_.follow_all(stretch_members);
   }
 
@@ -110,7 +110,7 @@ class MemberParser {
         found != names.end() && (space() || global == "x" || global == "y" || global == "rz");
     if (!there)
       file_.refuse(where,
-                   std::string("no such direction: a structure of dimension ") +
+                   std::string("unknown direction: a structure of dimension ") +
                        (space() ? "3 has x, y, z, rx, ry and rz" : "2 has x, y and rotation"));
     return static_cast<Direction>(found - names.begin());
   }
@@ -121,14 +121,13 @@ class MemberParser {
   fem::Vector3 vector(const Pointer& where) const {
     const Json& list = at(where);
     if (list.size() != static_cast<std::size_t>(s_.dimension))
-      file_.refuse(where,
-                   "must have " + std::to_string(s_.dimension) + " numbers, as the nodes have");
+      file_.refuse(where, "must have " + std::to_string(s_.dimension) + " numbers, like the nodes");
     fem::Vector3 out{};
     for (std::size_t k = 0; k < list.size(); ++k) out[k] = list[k].get<double>();
     return out;
   }
 
-  // ---- what it costs
+  // ---- memory
 
   void refuse_cost() const {
     if (!json_.contains("members")) return;
@@ -151,7 +150,7 @@ class MemberParser {
                              " degrees of freedom and take about " +
                              plain_number(std::ceil(bytes / 1e9)) + " GB: at most " +
                              std::to_string(kMostDegreesOfFreedom) +
-                             " are built; use fewer elements");
+                             " are allowed; use fewer elements");
   }
 
   // ---- members
@@ -170,11 +169,12 @@ class MemberParser {
       if (other.name == member.name) file_.refuse(where / "name", "two members have this name");
     for (std::size_t end = 0; end < 2; ++end) member.nodes[end] = find_node(where / "nodes" / end);
     if (member.nodes[0] == member.nodes[1])
-      file_.refuse(where / "nodes", "are one and the same: the member has no length");
+      file_.refuse(where / "nodes", "are the same node: the member has no length");
     member.elements = m.at("elements").get<int>();
     if (m.contains("up")) {
       if (!space())
-        file_.refuse(where / "up", "goes with dimension 3: a plane section stands in it");
+        file_.refuse(where / "up",
+                     "is allowed with dimension 3 only: plane members need no direction");
       member.up = vector(where / "up");
     }
     parse_ends(where, index, member);
@@ -234,13 +234,13 @@ class MemberParser {
       if (at(here).contains("to"))
         piece.to = at(here).at("to").get<double>();
       else if (!last)
-        file_.refuse(here / "to", "is missing: must be where the piece ends, in m");
+        file_.refuse(here / "to", "is missing: must be the end of the piece, in m");
       if (!(piece.to > before))
-        file_.refuse(here / "to", "must lie beyond the piece before it, which ends at " +
+        file_.refuse(here / "to", "must be greater than the end of the previous piece, " +
                                       plain_number(before) + " m");
       if (last ? std::abs(piece.to - length) > 1e-6 * length : !(piece.to < length))
-        file_.refuse(here / "to", (last ? "the last piece must end with the member, at "
-                                        : "must lie on the member, which is as long as ") +
+        file_.refuse(here / "to", (last ? "the last piece must end at the member's length, "
+                                        : "must be less than the member's length, ") +
                                       plain_number(length) + " m");
       before = piece.to;
       named(here, "material", piece);
@@ -292,12 +292,12 @@ class MemberParser {
       });
   }
 
-  /// Offsets and joints, by the names of the member's nodes.
+  /// Parses offsets and joints, given by the names of the member's nodes.
   void parse_ends(const Pointer& where, std::size_t index, fem::Member& member) {
     const auto end_of = [&](const Pointer& list, const std::string& name) -> std::size_t {
       for (std::size_t end = 0; end < 2; ++end)
         if (s_.nodes[static_cast<std::size_t>(member.nodes[end])].name == name) return end;
-      file_.refuse(list / name, "is no end of this member");
+      file_.refuse(list / name, "is not an end node of this member");
     };
     const Json& m = at(where);
     const Json offsets = m.value("offsets", Json::object()), ends = m.value("ends", Json::object());
@@ -313,12 +313,13 @@ class MemberParser {
       }
       if (joint == "rigid") continue;
       for (const auto& [key, value] : joint.items()) {
-        // A plane member bends about its own y, which is normal to the plane.
+        // A plane member bends about its local y axis, which is normal to the plane.
         const std::size_t axis = !space() ? 1 : key == "rx" ? 0 : key == "ry" ? 1 : 2;
         if (space() == (key == "rotation"))
-          file_.refuse(here / key, space() ? "in space an end turns about the member's own axes: "
-                                             "rx, ry, rz"
-                                           : "in the plane an end has \"rotation\"");
+          file_.refuse(here / key, space()
+                                       ? "in space an end rotates about the member's local axes: "
+                                         "rx, ry, rz"
+                                       : "in the plane an end has \"rotation\"");
         member.ends[end].rotation[axis] =
             parameters_.place(here / key, kNotNegative, [=](AnyStructure& s, double x) {
               std::get<fem::Structure>(s).members[index].ends[end].rotation[axis] = x;
@@ -334,14 +335,15 @@ class MemberParser {
     fem::NodeSupport support{.node = find_node(where / "node")};
     const std::size_t index = s_.supports.size();
     if (!j.contains("fix") && !j.contains("stiffness"))
-      file_.refuse(where / "fix", "is missing: a support has fix, stiffness or both");
+      file_.refuse(where / "fix", "is missing: a support needs fix, stiffness or both");
     for (std::size_t i = 0; i < j.value("fix", Json::array()).size(); ++i)
       support.fix[static_cast<std::size_t>(direction(where / "fix" / i))] = true;
     const Json springs = j.value("stiffness", Json::object());
     for (const auto& [name, ignored] : springs.items()) {
       const Pointer here = where / "stiffness" / name;
       const auto d = static_cast<std::size_t>(direction(here, name));
-      if (support.fix[d]) file_.refuse(here, "is fixed already: a direction is held or sprung");
+      if (support.fix[d])
+        file_.refuse(here, "is fixed already: a direction has either a fixed support or a spring");
       support.stiffness[d] = parameters_.place(here, kNotNegative, [=](AnyStructure& s, double x) {
         std::get<fem::Structure>(s).supports[index].stiffness[d] = x;
       });
@@ -378,7 +380,7 @@ class MemberParser {
     s_.masses.push_back(mass);
   }
 
-  /// The nodes of a spring or a dashpot, and its direction.
+  /// Parses the nodes of a spring or a dashpot, and its direction.
   fem::NodeSpring parse_line(const Pointer& where) {
     const Json& j = at(where);
     fem::NodeSpring line;
@@ -388,10 +390,11 @@ class MemberParser {
     if (j.contains("node")) {
       line.nodes[0] = find_node(where / "node");
       if (!j.contains("direction"))
-        file_.refuse(where / "direction", "is missing: to ground it needs a direction");
+        file_.refuse(where / "direction", "is missing: a connection to ground needs a direction");
     } else {
       for (std::size_t end = 0; end < 2; ++end) line.nodes[end] = find_node(where / "nodes" / end);
-      if (line.nodes[0] == line.nodes[1]) file_.refuse(where / "nodes", "are one and the same");
+      if (line.nodes[0] == line.nodes[1])
+        file_.refuse(where / "nodes", "must be two different nodes");
     }
     if (j.contains("direction")) line.direction = static_cast<int>(direction(where / "direction"));
     return line;
@@ -406,7 +409,7 @@ class MemberParser {
     s_.springs.push_back(spring);
   }
 
-  /// Dashpots do not enter undamped modes: they are held against the rules, no more.
+  /// Dashpots do not affect undamped modes: they are only validated.
   void parse_dashpot(const Pointer& where) {
     (void)parse_line(where);
     (void)parameters_.coefficient(where / "damping", kNotNegative);
@@ -417,7 +420,7 @@ class MemberParser {
   std::vector<std::string>* remarks_;
   StructureParameters parameters_;
   fem::Structure s_;
-  bool moving_ = false;  // a node's place is a parameter
+  bool moving_ = false;  // the position of a node has a parameter
   std::map<std::pair<std::string, std::string>, PieceSection> sections_;
 };
 
@@ -442,7 +445,7 @@ StructureModel parse_chain(const CaseFile& file) {
     for (std::size_t end = 0; end < 2; ++end) {
       out.between[end] = link.at("between")[end].get<int>();
       if (out.between[end] > masses)
-        file.refuse(here / "between" / end, "no such mass: there are masses 1 to " +
+        file.refuse(here / "between" / end, "unknown mass: there are masses 1 to " +
                                                 std::to_string(masses) + ", and 0 is the ground");
     }
     if (out.between[0] == out.between[1])
@@ -461,13 +464,13 @@ StructureModel parse_chain(const CaseFile& file) {
 bool has_structure(const CaseFile& file) {
   const bool structure = file.json.contains("structure");
   if (structure && file.json.contains("beam"))
-    file.refuse(kStructure, "takes the place of beam: give one of them");
+    file.refuse(kStructure, "replaces beam: give one of them");
   return structure;
 }
 
 StructureModel parse_structure(const CaseFile& file, std::vector<std::string>* remarks) {
   const Json& s = file.json.at(kStructure);
-  // Each kind's own keys.
+  // Keys of each kind of structure.
   static const std::vector<std::pair<std::string, std::vector<std::string>>> kinds = {
       {"chain", {"chain"}},
       {"matrices", {"matrices", "mass", "stiffness", "scale", "change", "dofs"}},
@@ -479,7 +482,7 @@ StructureModel parse_structure(const CaseFile& file, std::vector<std::string>* r
     for (const auto& [key, ignored] : s.items())
       if (std::ranges::find(keys, key) == keys.end())
         file.refuse(kStructure / key,
-                    "does not go with \"" + kind + "\", which has " + listed(keys));
+                    "is not allowed with \"" + kind + "\", which has " + listed(keys));
     if (kind == "chain") return parse_chain(file);
     if (kind == "matrices") return parse_matrices(file);
     if (s.contains("mass") && s["mass"] != "consistent" && s["mass"] != "lumped")

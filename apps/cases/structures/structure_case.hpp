@@ -1,4 +1,4 @@
-// The structure of a case: its members, a chain, or another program's matrices.
+// Structure of a case: members, a chain, or matrices of another program.
 #pragma once
 
 #include <string>
@@ -10,20 +10,20 @@
 
 namespace wheeltap::apps {
 
-/// Most degrees of freedom that are built: the modes of so many take a minute or two.
+/// Largest number of degrees of freedom; computing the modes then takes one or two minutes.
 inline constexpr long long kMostDegreesOfFreedom = 300'000;
 
 /// Whether the case has a structure. Throws Failure for a case with a beam as well.
 [[nodiscard]] bool has_structure(const CaseFile& file);
 
-/// The structure with its parameters, of a case that has been held against the schema "structure".
-/// What the members leave out of their sections is added to `remarks`, in words. Throws Failure
-/// (65) for what is wrong in it, with its place; for more degrees of freedom than are built, with
-/// their cost; as io::read_sparse_matrix does for files.
+/// Parses the structure and its parameters, of a case validated against the schema "structure".
+/// Appends sentences on section properties that members neglect to `remarks`. Throws Failure (65)
+/// for invalid values, with their place, and for too many degrees of freedom, with the memory
+/// needed; for files, throws like io::read_sparse_matrix.
 [[nodiscard]] identification::StructureModel parse_structure(
     const CaseFile& file, std::vector<std::string>* remarks = nullptr);
 
-/// What fem finds wrong with a structure, as a complaint about the case. Throws Failure (65).
+/// Throws Failure (65): an error of the FE library, located in the case.
 [[noreturn]] void refuse_structure(const CaseFile& file,
                                    const identification::AnyStructure& structure,
                                    const fem::InvalidStructure& error);

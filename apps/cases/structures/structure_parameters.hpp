@@ -1,4 +1,4 @@
-// The coefficients of a structure's case: numbers, or names of parameters that have priors.
+// Coefficients of a structure: numbers, or names of parameters with priors.
 #pragma once
 
 #include <functional>
@@ -12,19 +12,19 @@
 
 namespace wheeltap::apps {
 
-/// What a coefficient may be.
+/// Allowed interval of a coefficient.
 struct Bounds {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  bool open = false;  ///< the ends themselves are not allowed
+  bool open = false;  ///< the bounds themselves are excluded
   const char* words = "a number";
 };
 inline constexpr Bounds kPositive = {.lower = 0.0, .open = true, .words = "positive"};
 inline constexpr Bounds kNotNegative = {.lower = 0.0, .words = "at least 0"};
 
-/// A number, or the parameter that stands for it.
+/// A number, or a parameter.
 struct Coefficient {
-  double nominal = 0.0;  ///< of a parameter: the median of its prior
+  double nominal = 0.0;  ///< for a parameter: median of its prior
   int parameter = -1;    ///< -1: known
 
   [[nodiscard]] bool known() const { return parameter < 0; }
@@ -33,29 +33,29 @@ struct Coefficient {
   }
 };
 
-/// The parameters of a case, and the places that they stand for.
+/// The parameters of a case and the coefficients that they set.
 class StructureParameters {
  public:
-  /// Reads /parameters. Throws Failure for an improper prior.
+  /// Parses /parameters. Throws Failure for an improper prior.
   explicit StructureParameters(const CaseFile& file);
 
-  /// What stands at `where`. Throws Failure for a number out of bounds, a name that is no
-  /// parameter's, and a parameter whose prior reaches out of bounds.
+  /// Parses the coefficient at `where`. Throws Failure for a number out of bounds, an unknown
+  /// parameter, and a parameter whose prior exceeds the bounds.
   [[nodiscard]] Coefficient coefficient(const Pointer& where, const Bounds& bounds);
-  /// The same, put into its place in the structure by `set`, now and whenever the parameter
+  /// Parses a coefficient and stores it in the structure by `set`, now and whenever the parameter
   /// changes.
   double place(const Pointer& where, const Bounds& bounds,
                std::function<void(identification::AnyStructure&, double)> set);
-  /// Has `set` called whenever the coefficient's parameter changes.
+  /// Registers `set`, called whenever the coefficient's parameter changes.
   void follow(const Coefficient& coefficient,
               std::function<void(identification::AnyStructure&, double)> set);
-  /// Has `set` called with all parameters.
+  /// Registers `set`, called with all parameters.
   void follow_all(std::function<void(identification::AnyStructure&, std::span<const double>)> set);
 
-  /// Of each parameter, its nominal value.
+  /// Nominal value of each parameter.
   [[nodiscard]] std::vector<double> nominal() const;
 
-  /// The structure with its parameters. Throws Failure where a parameter stands nowhere.
+  /// The structure with its parameters. Throws Failure for a parameter that is not used.
   [[nodiscard]] identification::StructureModel model(identification::AnyStructure nominal) &&;
 
  private:

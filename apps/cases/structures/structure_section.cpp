@@ -18,9 +18,10 @@ using fem::MemberSection;
 using Values = std::span<const double>;
 using OutlineKeys = std::vector<std::string>;
 
-/// Axes whose product of inertia is below this share of the larger moment are principal.
+/// Axes are principal if their product of inertia is below this fraction of the larger moment.
 constexpr double kPrincipal = 1e-6;
-/// Shear centres nearer to the centroid than this share of the radius of gyration are there.
+/// Shear centres nearer to the centroid than this fraction of the radius of gyration coincide with
+/// it.
 constexpr double kCentred = 1e-3;
 
 class SectionParser {
@@ -59,13 +60,13 @@ class SectionParser {
   }
 
  private:
-  /// Refuses keys of other shapes.
+  /// Rejects keys of other shapes.
   void allow(const std::string& what, const OutlineKeys& sizes) const {
     static const OutlineKeys always = {"shape", "shear_coefficient", "torsion_constant", "depth"};
     for (const auto& [key, ignored] : s_.items())
       if (std::ranges::find(sizes, key) == sizes.end() &&
           std::ranges::find(always, key) == always.end())
-        file_.refuse(where_ / key, what + " has no such size; it has " + listed(sizes));
+        file_.refuse(where_ / key, "is not a size of " + what + ", which has " + listed(sizes));
   }
   Coefficient take(const Pointer& at, const Bounds& bounds) {
     const Coefficient c = parameters_.coefficient(at, bounds);
@@ -93,7 +94,7 @@ class SectionParser {
       for (const auto& [axis, into] : {std::pair{"z", &shear_z_}, std::pair{"y", &shear_y_}}) {
         if (!value.contains(axis)) continue;
         if (!space_ && into == &shear_y_)
-          file_.refuse(at / axis, "a plane structure shears along z only");
+          file_.refuse(at / axis, "a plane structure has shear along z only");
         *into = value.at(axis) == "none" ? Coefficient{.nominal = MemberSection::kNoShear}
                                          : take(at / axis, kPositive);
       }
@@ -116,7 +117,7 @@ class SectionParser {
     if (s_.contains("second_moment")) {
       if (space_)
         file_.refuse(where_ / "second_moment",
-                     "in space a section has second_moments {\"yy\": ∫z², \"zz\": ∫y²}");
+                     "in space give second_moments {\"yy\": ∫z², \"zz\": ∫y²}");
       yy = take(where_ / "second_moment", kPositive);
     } else {
       yy = take(where_ / "second_moments" / "yy", kPositive);
@@ -157,7 +158,7 @@ class SectionParser {
         if (!sizes[i].known())
           file_.refuse(where_ / shape.sizes[i],
                        "must be a number: " + what +
-                           " is meshed for its torsion and its shear along y; or give "
+                           " needs a mesh for its torsion and its shear along y; or give "
                            "torsion_constant and shear_coefficient");
       const MeshedSection meshed = mesh(mesh_shear);
       if (mesh_torsion) torsion.nominal = meshed.analysis.properties.torsion_constant;
@@ -165,7 +166,7 @@ class SectionParser {
         shear_y = Coefficient{.nominal = 1.0 / meshed.analysis.properties.shear_flexibility.yy};
     }
     const bool given_torsion = given_torsion_ || mesh_torsion;
-    const fem::SectionShape* const formulas = &shape;  // of a static list
+    const fem::SectionShape* const formulas = &shape;  // element of a static list
     return {.at = [=, space = space_, shear_z = shear_z_, depth = given_depth_,
                    poisson = material_.poisson](Values v) {
       std::vector<double> x;
@@ -184,7 +185,7 @@ class SectionParser {
     }};
   }
 
-  /// The outline's figures by its mesh. They depend on Poisson's ratio where `shear` is asked for.
+  /// Properties of the outline from its mesh. With `shear`, they depend on Poisson's ratio.
   [[nodiscard]] MeshedSection mesh(bool shear) const {
     CaseFile bare = file_;
     Json& section = bare.json.at(where_);
@@ -197,7 +198,7 @@ class SectionParser {
     const auto must_be_known = [&](const Coefficient& c, const char* key, bool matters) {
       if (matters && !c.known())
         file_.refuse(where_,
-                     std::string("is meshed once: ") + key +
+                     std::string("the section is meshed once: ") + key +
                          " of its material must be a number, not a parameter" +
                          (key == std::string("poisson") ? "; or give shear_coefficient" : ""));
     };
@@ -205,19 +206,19 @@ class SectionParser {
     must_be_known(material_.young, "young", composite_young);
     must_be_known(material_.density, "density", composite_density);
     if (composite_density && !(material_.density.nominal > 0.0))
-      file_.refuse(where_, "has parts with their own density: its material needs one, too");
+      file_.refuse(where_, "has parts with a density: its material also needs one");
     MeshedSection meshed = analyse(bare, where_,
                                    {.poisson = material_.poisson.nominal,
                                     .young = material_.young.nominal,
                                     .density = reference_density()});
     if (!meshed.analysis.converged)
       file_.refuse(where_,
-                   "its figures did not settle: leave out details of the outline that do "
-                   "not matter (see wheeltap section)");
+                   "its properties did not converge: remove unimportant details of the outline "
+                   "(see wheeltap section)");
     return meshed;
   }
 
-  /// Of what has no mass, 1: only the ratio counts.
+  /// 1 for parts without mass: only the ratio matters.
   [[nodiscard]] double reference_density() const {
     return material_.density.nominal > 0.0 ? material_.density.nominal : 1.0;
   }
@@ -235,17 +236,17 @@ class SectionParser {
     }
     const double gyration = std::sqrt((i.yy + i.zz) / p.area);
     if (space_ && p.shear_centre.norm() > kCentred * gyration)
-      out.remarks.push_back("the shear centre of section " + where_.back() + " lies " +
+      out.remarks.push_back("the shear centre of section " + where_.back() + " is " +
                             plain_number(std::round(1e4 * p.shear_centre.norm()) / 10.0) +
-                            " mm from its centroid; members have both in one place, so that "
-                            "bending does not twist");
+                            " mm from its centroid; the member model neglects this distance, so "
+                            "that bending causes no twist");
     double low = std::numeric_limits<double>::infinity(), high = -low;
     for (const fem::Region& region : meshed.outline.regions)
       for (const auto& corner : region.outer) {
         low = std::min(low, corner.y());
         high = std::max(high, corner.y());
       }
-    // The shear stiffness κ G A has the reference's G and the weighted A.
+    // The shear stiffness κ G A uses G of the reference material and the weighted A.
     const double weight = p.shear_area / p.area;
     MemberSection section{.area = p.area,
                           .second_moment_y = i.yy,

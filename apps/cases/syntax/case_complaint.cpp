@@ -15,7 +15,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Names that engineers and other programs give to keys of a case, in lower case.
+/// Names of engineers and other programs for keys of a case, in lower case.
 constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
     {"e", "young"},
     {"youngs_modulus", "young"},
@@ -130,7 +130,7 @@ std::string article(const std::string& type) {
   return (std::string("aeio").find(type[0]) != std::string::npos ? "an " : "a ") + type;
 }
 
-/// What would be right: the schema's own words where it has any.
+/// A valid value in words: the description of the schema, if any.
 std::string rule_in_words(const Json& rule) {
   if (rule.contains("description")) return rule["description"].get<std::string>();
   if (rule.contains("enum")) {
@@ -144,7 +144,7 @@ std::string rule_in_words(const Json& rule) {
   return text;
 }
 
-/// As an author writes it: numbers in their shortest form.
+/// JSON text with numbers in their shortest form.
 std::string as_written(const Json& value) {
   if (value.is_number_float()) return pasted(value.get<double>());
   if (value.is_array()) {
@@ -167,7 +167,7 @@ bool says_nothing(const std::string& text) {
   return std::ranges::find(kWords, small) != kWords.end() || small == "_" || small == "__";
 }
 
-/// "13.85, 55.4" and "13.85 55.4" as a list; null where it is none.
+/// "13.85, 55.4" and "13.85 55.4" as a list; null for other texts.
 Json list_of_numbers(std::string text) {
   const char between = text.find(';') != std::string::npos   ? ';'
                        : text.find(',') != std::string::npos ? ','
@@ -191,7 +191,7 @@ Json uniform_prior(const Json& bounds) {
   return prior;
 }
 
-/// The two numbers of {"min": 0, "max": 1} and the like in their order; null where there are none.
+/// The two numbers of {"min": 0, "max": 1} and similar objects, in order; null for other objects.
 Json pair_of(const Json& object) {
   if (object.size() != 2) return {};
   static constexpr std::array kFirst = {"min",  "low", "lower", "a",   "mean", "mu",
@@ -225,7 +225,7 @@ class Examination {
           fitting.push_back(&candidate);
         }
       }
-      // Objects of several kinds are told by the keys that each must have.
+      // The required keys determine the kind of an object.
       const auto named = [&](const Json* candidate) {
         const Json required = candidate->value("required", Json::array());
         return value.is_object() && !required.empty() &&
@@ -274,7 +274,7 @@ class Examination {
     if (value.is_array()) {
       const std::string many = " elements, has " + std::to_string(value.size());
       if (rule.value("minItems", 0) == 1 && value.empty())
-        return complain("is empty: at least one is needed" + meaning(rule));
+        return complain("is empty: must have at least one element" + meaning(rule));
       if (rule.contains("minItems") && value.size() < rule["minItems"].get<std::size_t>()) {
         return complain("must have at least " + rule["minItems"].dump() + many + meaning(rule));
       }
@@ -331,7 +331,7 @@ class Examination {
     return {};
   }
 
-  // "; for example "poisson": 0.3": the schema's own, or the only value that there is.
+  // "; for example "poisson": 0.3": the schema's example, or the only allowed value.
   std::string example(const std::string& key, const Json& rule) const {
     Json value;
     if (rule.contains("examples")) {
@@ -374,14 +374,14 @@ class Examination {
     return text + " (allowed here: " + listed(names) + ")" + (hint.empty() ? "" : "; " + hint);
   }
 
-  /// Where the key belongs: "it belongs in /data", or the kinds of case that have it.
+  /// The place of the key: "it belongs in /data", or the kinds of case that have it.
   std::string places_of(const std::string& key, const Pointer& parent) const {
     const auto found_in = [&](const std::vector<std::string>& kinds) {
       std::vector<KeyPlace> found;
       for (const KeyPlace& place : key_places(kinds))
         if (place.path.back() == key) found.push_back(place);
       std::ranges::stable_sort(found, {}, [&](const KeyPlace& place) {
-        // Nearest first: what it does not share with `parent`, then its length.
+        // Nearest first: by the part not shared with `parent`, then by length.
         const std::string here = parent.to_string();
         const auto same = std::ranges::mismatch(here, place.shown).in1 - here.begin();
         return std::pair(static_cast<std::ptrdiff_t>(place.path.size()) - (same > 1 ? 1 : 0),
@@ -409,7 +409,7 @@ class Examination {
     return {};
   }
 
-  /// Values that an author may have meant by `value`.
+  /// Possible intended values of `value`.
   std::vector<Json> meant_by(const Json& rule, const Json& value) const {
     std::vector<Json> list;
     if (value.is_string()) {
@@ -465,7 +465,7 @@ class Examination {
     if (rule.contains("items") && rule["items"].is_object()) collect_words(rule["items"], words);
   }
 
-  /// "; write …": the first of these that satisfies the rule, else the schema's example.
+  /// "; write …": the first intended value that satisfies the rule, else the schema's example.
   std::string instead(const Json& rule, const Json& value, const Pointer& where) const {
     if (correcting_) return {};
     correcting_ = true;
@@ -484,7 +484,7 @@ class Examination {
         const auto number = written_number(value.get_ref<const std::string&>());
         if (number && !number->unit.empty()) text += " (" + number->unit + ")";
       }
-      if (candidate.is_null()) text += " where nothing was measured";
+      if (candidate.is_null()) text += " for a mode not measured";
     }
     if (text.empty() && rule.contains("examples"))
       text = "; write " + as_written(rule["examples"][0]) + ", for example";
@@ -492,7 +492,7 @@ class Examination {
     return text;
   }
 
-  /// A prior in place of a number: the coefficient takes a parameter's name.
+  /// For a prior in place of a number: the coefficient needs a parameter's name.
   std::string as_parameter(const Json& rule, const Json& value, const Pointer& where) const {
     const Pointer parameters("/properties/parameters"), prior("/definitions/prior");
     if (!value.is_object() || !type_matches(rule, 1.0) || !type_matches(rule, "name") ||
@@ -508,7 +508,7 @@ class Examination {
 
   const Json& root_;
   std::string kind_;
-  mutable bool correcting_ = false;  ///< within `instead`, whose own complaints need no correction
+  mutable bool correcting_ = false;  ///< inside `instead`, whose messages need no correction
 };
 
 }  // namespace

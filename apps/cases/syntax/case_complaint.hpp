@@ -1,4 +1,4 @@
-// Why a case does not satisfy its schema, and what to write in its place.
+// Error messages for cases that do not satisfy their schema, with a correction.
 #pragma once
 
 #include <optional>
@@ -13,8 +13,8 @@ struct Complaint {
   std::string message;
 };
 
-/// The first fault of `json` by the rules of `schema_name` (schema(schema_name) is `rules`), in an
-/// engineer's words; none where there is no fault. Where a correction satisfies the rules, the
+/// The first fault of `json` by the rules of `schema_name` (schema(schema_name) is `rules`), in
+/// terms of engineering; empty if there is no fault. If a correction satisfies the rules, the
 /// message ends with it.
 [[nodiscard]] std::optional<Complaint> first_complaint(const Json& rules,
                                                        const std::string& schema_name,

@@ -48,14 +48,14 @@ void apply_override(const std::filesystem::path& path, Json& json, const std::st
     fail("keys are separated by points: write --set " + with_points + "=" + value_text);
   }
   Json value = value_text;
-  // A text that is no JSON is meant as it is; "accept" builds nothing, so no depth is too much.
+  // Text that is not JSON is a string; "accept" builds nothing, so any depth is safe.
   if (Json::accept(value_text)) value = parse_json<Json>("--set", value_text);
   std::size_t depth = 0;
 
   Json* at = &json;
   std::istringstream keys(override.substr(0, equals));
   for (std::string key; std::getline(keys, key, '.');) {
-    if (key.empty()) fail("an empty key");
+    if (key.empty()) fail("a key is empty");
     if (++depth > kDeepestJson) fail("more than " + std::to_string(kDeepestJson) + " keys deep");
     if (at->is_array()) {
       const auto last = static_cast<std::int64_t>(at->size());
@@ -89,9 +89,9 @@ std::string place(const Pointer& where, const std::string& record_place) {
   return text.empty() ? "/" : text;
 }
 
-constexpr std::size_t kLongestText = 4096;  // bytes, but for notes
+constexpr std::size_t kLongestText = 4096;  // bytes; notes may be longer
 
-// Every key and text is UTF-8 that may be printed anywhere; notes may have several lines.
+// Keys and texts must be printable UTF-8; notes may have several lines.
 void check_texts(const CaseFile& file, const Json& value, const Pointer& where) {
   if (value.is_array()) {
     for (std::size_t i = 0; i < value.size(); ++i) check_texts(file, value[i], where / i);
@@ -116,7 +116,7 @@ void check_texts(const CaseFile& file, const Json& value, const Pointer& where) 
   }
 }
 
-// Numbers like 5.0 become whole ones where the schema wants these: what reads them need not ask.
+// Numbers like 5.0 become integers where the schema expects integers.
 void make_whole(const Json& root, const Json& reference, Json& value) {
   const Json& rule = resolved_key(root, reference);
   for (const Json& alternative : rule.value("anyOf", Json::array())) {
@@ -219,9 +219,9 @@ Json schema(std::string_view name) {
     std::string list;
     for (const auto& n : schema_names()) list += (list.empty() ? "" : ", ") + n;
     throw Failure(Exit::usage,
-                  "no schema of the name \"" + std::string(name) + "\"; there are: " + list);
+                  "no schema has the name \"" + std::string(name) + "\"; there are: " + list);
   }
-  const Json own = found->at("definitions");  // in place of others' of the same name
+  const Json own = found->at("definitions");  // these replace shared definitions of the same name
   for (const std::string& other : definitions_of(name))
     (*found)["definitions"].update(find(other)->at("definitions"));
   (*found)["definitions"].update(own);
@@ -235,7 +235,7 @@ Json schema(std::string_view name) {
 
 namespace {
 
-/// Another kind's case lacks what this one must have, which would be a riddle of an answer.
+/// Checks the kind first: missing keys of a case of another kind would be misleading.
 void require_kind(const CaseFile& file, const Json& rules) {
   const Json::json_pointer allowed("/properties/kind/enum");
   if (!rules.contains(allowed) || !file.json.contains("kind")) return;
@@ -270,7 +270,7 @@ void validate_against_schema(CaseFile& file, std::string_view schema_name) {
   }
   valijson::ValidationResults::Error error;
   results.popError(error);
-  // "<root>[data][modes]", as the validator has it, is /data/modes here.
+  // Converts "<root>[data][modes]" of the validator to /data/modes.
   std::string where;
   for (const std::string& part : error.context) {
     if (part.size() > 2 && part.front() == '[') where += "/" + part.substr(1, part.size() - 2);
@@ -285,13 +285,13 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
   for (const auto& [key, ignored] : prior.items()) {
     if (key == "on") continue;
     if (!family.empty()) {
-      file.refuse(where,
-                  "a prior has one family, here are both \"" + family + "\" and \"" + key + "\"");
+      file.refuse(where, "a prior has one family, but this has both \"" + family + "\" and \"" +
+                             key + "\"");
     }
     family = key;
   }
   if (prior.contains("on") && family != "beta") {
-    file.refuse(where / "on", "goes with \"beta\" only");
+    file.refuse(where / "on", "is allowed with \"beta\" only");
   }
   const auto arguments = [&](std::size_t n) {
     const Json& list = prior.at(family);
@@ -327,7 +327,7 @@ inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {
     if (family == "gamma") return Prior(Gamma{a[0], a[1]});
     if (family == "inverse_gamma") return Prior(InverseGamma{a[0], a[1]});
     const auto on = prior.value("on", std::vector<double>{0.0, 1.0});
-    if (family != "beta" || on.size() != 2) throw std::invalid_argument("is no prior");
+    if (family != "beta" || on.size() != 2) throw std::invalid_argument("is not a prior");
     return Prior(Beta{a[0], a[1], on[0], on[1]});
   } catch (const std::invalid_argument& error) {
     const Json& list = prior.at(family);

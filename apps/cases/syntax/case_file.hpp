@@ -1,4 +1,4 @@
-// Case files: JSON text, overridden by --set, held against a JSON Schema before anything runs.
+// Case files: JSON text with overrides of --set, validated against a JSON Schema before a run.
 #pragma once
 
 #include <filesystem>
@@ -15,57 +15,57 @@
 namespace wheeltap::apps {
 
 using Json = nlohmann::json;
-/// A place in a case, e.g. /beam/material/poisson.
+/// Place in a case, e.g. /beam/material/poisson.
 using Pointer = Json::json_pointer;
 
-/// A case as read, with what is needed to complain about it.
+/// A case as read, with the information that error messages need.
 struct CaseFile {
   std::filesystem::path path;
   Json json;
-  /// Where /record stands in the file itself: elsewhere for one of several records.
+  /// Place of /record in the file; differs for one of several records.
   std::string record_place = "/record";
-  /// The files that have been resolved so far, with their content. Copies share it.
+  /// Files resolved so far, with their fingerprints. Copies share the list.
   std::shared_ptr<InputFiles> inputs = std::make_shared<InputFiles>();
 
-  /// Throws Failure (65): "FILE: /pointer: VALUE: message", the value being what stands there.
+  /// Throws Failure (65): "FILE: /pointer: VALUE: message", with the value at that place.
   [[noreturn]] void refuse(const Pointer& where, const std::string& message) const;
 
-  /// Where a name in the case leads: to the case's own folder or, where it is not there, to the
-  /// current one.
+  /// Path of a file that the case names: in the folder of the case or, if it is not there, in the
+  /// current folder.
   [[nodiscard]] std::filesystem::path place_of(const std::string& name) const;
-  /// The same of a file that is to be read: its content is recorded in `inputs`.
+  /// The path of an input file; records its content in `inputs`.
   [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
 };
 
-/// Reads FILE and applies `overrides`, each "path.to.key=VALUE" (array elements by 0-based number;
-/// VALUE is JSON, or else taken as text). Throws Failure: 66 for a file that cannot be read, 65
-/// with line and column for text that is not JSON, 65 for keys and texts that are not UTF-8 or
-/// that hold control characters, 64 for an override that leads nowhere.
+/// Reads a file and applies `overrides`, each "path.to.key=VALUE" (array elements by 0-based
+/// number; VALUE is JSON, or else text). Throws Failure: 66 for an unreadable file; 65, with line
+/// and column, for text that is not JSON; 65 for keys and texts that are not UTF-8 or that hold
+/// control characters; 64 for an override of a place that does not exist.
 [[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
                                  const std::vector<std::string>& overrides = {});
 
-/// The case and the content of the files that it has resolved, as text: what results belong to.
+/// Identity of a case in its results: its text and the content of its input files.
 [[nodiscard]] std::string identity_of(const CaseFile& file);
 
-/// Kinds of case that have a schema.
+/// Names of all schemas.
 [[nodiscard]] std::vector<std::string> schema_names();
-/// Those of them whose name is the kind of a whole case, which the command of that name runs.
+/// Kinds of complete cases with a schema; the command of the same name runs them.
 [[nodiscard]] std::vector<std::string> kinds_with_schema();
-/// The JSON Schema (draft 7) of a kind of case, its shared definitions included. Throws Failure
-/// (64) for another name.
+/// The JSON Schema (draft 7) of this name, with shared definitions. Throws Failure (64) for an
+/// unknown name.
 [[nodiscard]] Json schema(std::string_view name);
 
-/// Holds the case against its schema; 5.0 becomes 5 where that wants whole numbers. Throws Failure
-/// (65) with the first complaint, worded for the case's author.
+/// Validates the case against its schema; 5.0 becomes 5 where the schema expects a whole number.
+/// Throws Failure (65) with the first fault.
 void validate_against_schema(CaseFile& file, std::string_view schema_name);
 
-/// The prior written at `where`. Throws Failure (65) where it is improper.
+/// Parses the prior at `where`. Throws Failure (65) if it is improper.
 [[nodiscard]] inference::Prior parse_prior(const CaseFile& file, const Pointer& where);
 
 /// "a, b, c", or "none".
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
-/// A text as it is; anything else as JSON, e.g. a column's number.
+/// A text unchanged; another value as JSON, e.g. a column's number.
 [[nodiscard]] std::string text_or_number(const Json& value);
 
 }  // namespace wheeltap::apps

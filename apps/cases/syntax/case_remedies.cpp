@@ -11,7 +11,7 @@ namespace wheeltap::apps {
 
 std::string unknown_parameter(const std::string& text, const std::vector<std::string>& names) {
   if (const std::string number = number_to_write(text); !number.empty())
-    return "is a text, and no parameter has this name; " + number;
+    return "is a text, but no parameter has this name; " + number;
   const std::string meant = nearest(text, names);
   return "no parameter has this name" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
          " (/parameters holds: " + listed(names) + ")" +
@@ -34,7 +34,7 @@ std::string kept_within(const CaseFile& file, const Pointer& where, double lower
     }
     return "; write {\"" + family + "\": [" + text + "]}";
   };
-  // Beyond six standard deviations lies less than 1e-8 of a normal.
+  // The probability beyond six standard deviations of a normal is less than 1e-8.
   constexpr double kFar = 6.0;
   const auto truncated = [&](double mean, double sd) {
     const double from = std::isfinite(low) ? low : mean - kFar * sd;
@@ -75,7 +75,7 @@ std::string increasing(const std::vector<double>& frequencies) {
       joined.push_back(std::strtod((text(i) + "." + text(i + 1)).c_str(), nullptr));
     }
     if (std::ranges::is_sorted(joined))
-      return "; decimals have a point, not a comma: write " + list(joined);
+      return "; use decimal points, not commas: write " + list(joined);
   }
   std::ranges::sort(measured);
   return "; write " + list(measured);

@@ -1,12 +1,12 @@
-// A case that is no file.
+// A case from text in memory.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
 
 namespace wheeltap::apps {
 
-/// The case with this text, as if it stood in `path`: what read_case does once it has read. Throws
-/// Failure as that does. Defined in case_file.cpp.
+/// Parses `text` as the content of `path`, like read_case. Throws Failure like read_case. Defined
+/// in case_file.cpp.
 [[nodiscard]] CaseFile parse_case(const std::filesystem::path& path, const std::string& text,
                                   const std::vector<std::string>& overrides = {});
 

@@ -1,4 +1,4 @@
-// The files that a case reads, and what they held: results belong to them as to the case.
+// Input files of a case with fingerprints of their content, part of the identity of results.
 #pragma once
 
 #include <filesystem>
@@ -13,11 +13,11 @@ namespace wheeltap::apps {
 
 class InputFiles {
  public:
-  /// Records the content of a regular file under the name that the case gives it, once. What is not
-  /// there, or is no regular file, is left to its reader.
+  /// Records the content of a regular file under its name in the case, once. Ignores missing files
+  /// and other kinds of file, whose reader reports the error.
   void add(const std::string& name, const std::filesystem::path& path);
 
-  /// A list without names; it need not read again what this one has read.
+  /// A list without names, which shares the fingerprints of files already read.
   [[nodiscard]] InputFiles emptied() const;
 
   /// {"record.csv": {"bytes": 1234, "checksum": "0123456789abcdef"}, …}, by name.

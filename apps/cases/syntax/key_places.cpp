@@ -43,7 +43,7 @@ class Places {
     return form;
   }
 
-  /// `within`: references on the way here, which may lead round.
+  /// `within`: references followed so far, to detect recursion.
   void walk(const Json& rule, const Path& path, const std::string& shown,
             std::set<std::string> within) {
     if (rule.contains("$ref")) {
@@ -67,7 +67,7 @@ class Places {
     }
   }
 
-  // Of this kind of case.
+  // An entry of this kind of case.
   KeyPlace* find(const Path& path) {
     const auto found = std::ranges::find_if(out_, [&](const KeyPlace& place) {
       return place.path == path && std::ranges::find(place.kinds, kind_) != place.kinds.end();
@@ -75,7 +75,7 @@ class Places {
     return found == out_.end() ? nullptr : &*found;
   }
 
-  // Of another kind of case, if it means the same there.
+  // An entry of another kind of case with the same meaning.
   KeyPlace* find_like(const Path& path, const std::string& meaning) {
     const auto found = std::ranges::find_if(out_, [&](const KeyPlace& place) {
       return place.path == path &&

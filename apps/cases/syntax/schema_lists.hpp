@@ -1,4 +1,4 @@
-// Lists that the library keeps, put into the schemas that refer to them.
+// Insertion of the library's lists (laws, residual models, defects, interpolants) into schemas.
 #pragma once
 
 #include <cmath>
@@ -14,14 +14,14 @@
 
 namespace wheeltap::apps {
 
-/// The schemas whose definitions a kind of case uses beside its own.
+/// The schemas whose definitions a kind of case uses in addition to its own.
 inline std::vector<std::string> definitions_of(std::string_view kind) {
   if (kind == "update") return {"common", "structure"};
   return {"common"};
 }
 
-/// What may stand for a law in a case, as it describes itself: the bare value of its first
-/// coefficient where that is enough, an object, or a list of these.
+/// The rule for a law in a case, from the law's description: an object, a list of objects or, if
+/// one coefficient is sufficient, its bare value.
 template <class AnyJson>
 AnyJson law_rule(const dynamics::LawInfo& law) {
   AnyJson object = {{"description", law_in_words(law)}, {"type", AnyJson::array()}};
@@ -52,7 +52,7 @@ AnyJson law_rule(const dynamics::LawInfo& law) {
   return rule;
 }
 
-/// Adds a key for every law there is to the links of a schema that has links.
+/// Adds a key for every law to the links of a schema that has links.
 template <class AnyJson>
 void add_laws(AnyJson& rules) {
   if (!rules.at("definitions").contains("link")) return;
@@ -62,7 +62,7 @@ void add_laws(AnyJson& rules) {
   link["x-hint"] = "`wheeltap laws` explains the force laws";
 }
 
-/// Adds a key for every residual model that cases can name to a schema that has residuals.
+/// Adds a key for every residual model to a schema that has residuals.
 template <class AnyJson>
 void add_residual_models(AnyJson& rules) {
   if (!rules.at("definitions").contains("residuals")) return;
@@ -81,14 +81,13 @@ void add_residual_models(AnyJson& rules) {
   if (kinds.size() == 1) object["required"].push_back(std::string(kinds.front()->key));
 }
 
-/// Names the types of defect there are, and adds a key for the severity of each, to a schema that
-/// has defects.
+/// Adds the types of defect, and a key for the severity of each, to a schema that has defects.
 template <class AnyJson>
 void add_defects(AnyJson& rules) {
   if (!rules.at("definitions").contains("defects")) return;
   auto& keys = rules["definitions"]["defects"]["properties"];
   auto& of_truth = rules["definitions"]["true_defect"]["properties"];
-  AnyJson names = AnyJson::array();  // no reference: keys that are added may move the others
+  AnyJson names = AnyJson::array();  // no reference: adding keys may move the others
   for (const auto* type : identification::defect_types()) {
     if (!type->is_for_beams()) continue;
     names.push_back(std::string(type->name));
@@ -101,9 +100,8 @@ void add_defects(AnyJson& rules) {
   keys["kind"]["enum"] = std::move(names);
 }
 
-/// Wherever `rules` says "x-list": "interpolants", their names take its place as an "enum", and the
-/// description says which of them is for which runs. `AnyJson` is Json, or that which keeps the
-/// order of keys.
+/// Replaces "x-list": "interpolants" in `rules` by an "enum" of their names, and adds to the
+/// description which runs each is for. `AnyJson` is Json, or the type that keeps the order of keys.
 template <class AnyJson>
 void fill_lists(AnyJson& rules) {
   using Runs = emulator::InterpolantType::Runs;
@@ -123,8 +121,8 @@ void fill_lists(AnyJson& rules) {
   }
 }
 
-/// Whole numbers are held to what the program counts with, unless the schema says less: larger ones
-/// wrapped without a word. Seeds may have 63 bits.
+/// Limits whole numbers without a maximum to the range of int, since larger ones would overflow
+/// silently. Seeds may have 63 bits.
 template <class AnyJson>
 void bound_integers(AnyJson& rules, const std::string& key = {}) {
   const auto whole = [](const AnyJson& type) {
