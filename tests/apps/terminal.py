@@ -56,7 +56,7 @@ def main(program, case):
             summary = json.load(f)
         assert summary["diagnostics"]["quick"] and not summary["diagnostics"]["converged"]
         with open(os.path.join(run[-1], "report.html"), encoding="utf-8") as f:
-            assert "Quick look" in f.read(), "the report does not say that it was a look"
+            assert "Quick run" in f.read(), "the report does not say that the run was quick"
 
         code, shown = at_a_terminal(run + SHORT)
         assert code == 0 and BOLD in shown and CLEAR_LINE in shown, "no bar or colour at a terminal"
