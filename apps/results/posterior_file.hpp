@@ -26,11 +26,11 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
                                                      const inference::Posterior& posterior);
 
 /// Fills a NetCDF-4 file. Attributes name models, moves and the run (RunFiles). Groups:
-///   posterior             parameters (chain, draw[, slot]), NaN in unused slots; k, model
-///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
-///   posterior_predictive  frequency (chain, draw, mode): predicted, with noise of `seed` by the
-///                         noise model of the likelihood
-///   observed_data         frequency (mode)
+/// - posterior: parameters (chain, draw[, slot]), NaN in unused slots; k, model.
+/// - sample_stats: lp, log_likelihood, k, move, accepted (chain, draw).
+/// - posterior_predictive: frequency (chain, draw, mode): predicted, with noise of `seed` by the
+///   noise model of the likelihood.
+/// - observed_data: frequency (mode).
 /// Throws io::FileError (unwritable) if NetCDF rejects a value.
 void write_posterior(const io::NetcdfWriter& file, const std::string& run,
                      const DamageCaseFile& damage_case,

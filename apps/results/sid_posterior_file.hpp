@@ -14,17 +14,17 @@ namespace wheeltap::apps {
                                                   const inference::Posterior& posterior);
 
 /// Fills a NetCDF-4 file. Groups:
-///   posterior             one variable per parameter (chain, draw), NaN if the model lacks it;
-///                         model: the number of the model.
-///   sample_stats          as in posterior_file.hpp.
-///   posterior_predictive  one variable per response (chain, draw, sample), with noise of `seed`;
-///                         the draws of `predictive`, numbered in draw_index.
-///   noise_free            one variable per response (quantile, sample): 2.5, 50 and 97.5 % of the
-///                         predictions of the same draws without noise.
-///   link_paths            extension, rate and tension of each link (sample) in the motion of the
-///                         most probable model's best draw, and the tension from the data
-///                         (identification/sid/findings/link_paths.hpp).
-///   observed_data         one variable per response (sample) [SI], and time [s].
+/// - posterior: one variable per parameter (chain, draw), NaN if the model lacks it;
+///   model: the number of the model.
+/// - sample_stats: as in posterior_file.hpp.
+/// - posterior_predictive: one variable per response (chain, draw, sample), with noise of `seed`;
+///   the draws of `predictive`, numbered in draw_index.
+/// - noise_free: one variable per response (quantile, sample): 2.5, 50 and 97.5 % of the
+///   predictions of the same draws without noise.
+/// - link_paths: extension, rate and tension of each link (sample) in the motion of the
+///   most probable model's best draw, and the tension from the data
+///   (identification/sid/findings/link_paths.hpp).
+/// - observed_data: one variable per response (sample) [SI], and time [s].
 /// Throws io::FileError (unwritable) if NetCDF rejects a value.
 void write_sid_posterior(const io::NetcdfWriter& file, const std::string& run,
                          const SidCaseFile& parsed, const identification::SidProblem& problem,
