@@ -113,7 +113,7 @@ std::vector<NodeMotion> node_motions(const StructureDrawing& drawing,
 std::string vtk_text(const StructureDrawing& drawing, const fem::StructureModes& modes,
                      const std::string& title) {
   if (drawing.points.empty())
-    throw std::invalid_argument("matrices have no places: there is nothing to draw");
+    throw std::invalid_argument("matrices have no coordinates: nothing can be drawn");
   const auto row = [](const Vector3& v) {
     return base::number(v[0]) + ' ' + base::number(v[1]) + ' ' + base::number(v[2]) + '\n';
   };

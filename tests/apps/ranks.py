@@ -196,7 +196,7 @@ def check_signals_leave_a_checkpoint(bench):
             process.send_signal(number)
             _, err = process.communicate()
             if number == signal.SIGUSR1:  # the others make mpirun deaf
-                expect('--resume goes on' in err and err.count('wheeltap: ') == 1, f'{name}: {err}')
+                expect('--resume continues it' in err and err.count('wheeltap: ') == 1, f'{name}: {err}')
             # On SIGTERM mpirun waits for a second before it tells them: they may have ended by then.
             expect((out / 'checkpoint.nc').exists() or (out / 'posterior.nc').exists(), f'{number.name}: {err}')
             bench.run(*words)  # one process takes it up
@@ -248,13 +248,13 @@ def check_unequal_ranks_are_refused(bench):
     bench.program = 'mpirun'
     arguments = [*MPIRUN[1:], '-n', '1', *words, ':', '-n', '1', *other]
     _, _, err = Bench.run(bench, *arguments, code=64)
-    expect('unequal processors' in err and '--simd baseline' in err, err)
+    expect('different processors' in err and '--simd baseline' in err, err)
     Bench.run(bench, *[word for a in arguments for word in ([a, '--simd', 'baseline'] if a == bench.folder / 'o' else [a])])
     # Other cases, as on machines whose folders are not the same.
     different = bench.case('different', BEAM | {'title': 'Another'})
     swapped = [different if a == good else a for a in words]
     _, _, err = Bench.run(bench, *MPIRUN[1:], '-n', '1', *words, ':', '-n', '1', *swapped, code=65)
-    expect('have not the same case' in err, err)
+    expect('do not have the same case' in err, err)
 
 
 def main():
