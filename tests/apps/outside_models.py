@@ -264,7 +264,7 @@ def chains_are_served(runs, _):
             inputs, = Client(coloured.url).post("/InputSizes", name="log_likelihood linear", config={})[1]["inputSizes"]
             assert inputs > 1, inputs
         status, answer = client.post("/Evaluate", name="forward linear", input=[[-4.0e9]])
-        assert status in (400, 500) and "no such motion" in answer["error"]["message"], (status, answer)
+        assert status in (400, 500) and "no bounded motion" in answer["error"]["message"], (status, answer)
 
 
 def a_damage_is_found_by_a_served_beam(runs, case_a):
@@ -407,13 +407,13 @@ def failing_programs_are_named(runs, _):
     program(out.format('[1.0, 2.0, float("nan"), 4.0]'))
     fails("not finite")
     program('open(sys.argv[2], "w").write("[" * 100_000 + "]" * 100_000)')
-    fails("no JSON")
+    fails("invalid JSON")
     program('open(sys.argv[2], "w").write(" " * (17 << 20))')
     fails("17825792 bytes", "16777216")
     program('open(sys.argv[2], "w").write("1 2 nan 4")')
     fails("prediction 3 is nan", format="numbers")
     program('open(sys.argv[2], "w").write("1 2 three 4")')
-    fails("three", "no number", format="numbers")
+    fails("three", "not a number", format="numbers")
     program("time.sleep(600)")
     began = time.monotonic()
     fails("longer than 0.3 s", timeout=0.3)
@@ -461,8 +461,8 @@ def failing_servers_are_named(runs, _):
     fails(Model(2, MODES, lambda x: strip(x)[:3]), 65, "3 numbers", "must be 4")
     fails(Model(2, MODES, lambda x: [1.0, math.nan, 2.0, 3.0]), 65, "not finite")
     fails(Model(2, MODES, lambda x: [1.0, None, 2.0, 3.0]), 65, "null", "finite number")
-    fails(Model(2, MODES, raising(Broken(text="<html>"))), 65, "no JSON")
-    fails(Model(2, MODES, raising(Broken(text="[" * 100_000 + "]" * 100_000))), 65, "no JSON")
+    fails(Model(2, MODES, raising(Broken(text="<html>"))), 65, "invalid JSON")
+    fails(Model(2, MODES, raising(Broken(text="[" * 100_000 + "]" * 100_000))), 65, "invalid JSON")
     fails(Model(2, MODES, raising(Broken(text=" " * (17 << 20)))), 65, "more than 16777216 bytes")
     fails(Model(2, MODES, raising(Broken(endless=True))), 66, "no answer in 0.3 s", timeout=0.3)
     fails(Model(2, MODES, raising(Broken(status=400))), 65, "HTTP 400", "broken")
