@@ -94,7 +94,7 @@ class Result:
 
     @property
     def warnings(self) -> List[str]:
-        """Warnings, the gravest first."""
+        """What to keep in mind, the gravest first."""
         return self.summary["diagnostics"]["warnings"]
 
     @property
