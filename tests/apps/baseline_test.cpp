@@ -1,4 +1,4 @@
-// Damage as what has changed since a measurement of the undamaged structure.
+// Damage from changes relative to a measurement of the undamaged structure.
 #include <gmock/gmock.h>
 
 #include <cmath>
@@ -21,7 +21,7 @@ DamageCase read_back(const json& c) {
   return parse_damage_case(read_case(where.write_json("c.json", c))).damage;
 }
 
-/// Measured on a beam that is stiffer than the model by `stiffer`: healthy, and with a damage.
+/// Frequencies of a beam that is stiffer than the model by `stiffer`: healthy, and with a damage.
 json measured(double stiffer) {
   json c = small_case();
   const fem::Beam beam = read_back(c).beam;
@@ -34,7 +34,7 @@ json measured(double stiffer) {
   return c;
 }
 
-// A factor of each mode cancels: the data are those of the model's own damaged beam.
+// A factor of each mode cancels: the data equal those of the damaged beam of the model.
 TEST(Baseline, WhatTheModelDoesWrongByAFactorCancels) {
   const DamageCase damage_case = read_back(measured(1.08));
   const auto expected = elastic_frequencies(damage_case.beam, {.damages = {{0.33, 0.4}}}, 4);
@@ -55,7 +55,7 @@ TEST(Baseline, ModesThatItLacksAreLeftOut) {
   EXPECT_TRUE(std::isnan(damage_case.data.frequencies_hz[1]));
 }
 
-// Without it a model that is 4 % too soft is no damage at all, and fits nothing.
+// Without a baseline, a model that is 4 % too soft finds no damage and does not fit.
 TEST(Baseline, FindsWhatTheModelAloneMisses) {
   const Workspace where;
   const auto run = [&](const json& c) {

@@ -1,4 +1,4 @@
-// wheeltap batch, as its users run it.
+// `wheeltap batch` from the command line.
 #include <gmock/gmock.h>
 
 #include <chrono>
@@ -154,7 +154,7 @@ class Batch : public testing::Test {
   Workspace where;
 };
 
-// The rows as cells; of these cases no cell holds a comma.
+// The rows as cells; no cell of these cases has a comma.
 std::vector<std::vector<std::string>> cells(const std::string& csv) {
   std::vector<std::vector<std::string>> rows;
   std::istringstream lines(csv);
@@ -217,7 +217,7 @@ TEST_F(Batch, AFailedCaseStopsNoneAndSaysItself) {
   static_cast<void>(where.write("cases/text.json", "no JSON"));
   const Outcome all =
       run("beam.json\nmissing.json\nbad.json\nodd.json\ntext.json\n", "--threads 2");
-  EXPECT_EQ(all.exit_code, 66);  // the first of the list that failed, whichever ended first
+  EXPECT_EQ(all.exit_code, 66);  // the first failed case of the list, in any order of their ends
   EXPECT_EQ(std::ranges::count(all.err, '\n'), 1) << all.err;
   EXPECT_THAT(all.err, HasSubstr("4 of 5 cases failed, the first of them missing (exit code 66)"));
   const std::string csv = read_all(where / "out/batch.csv");
@@ -238,7 +238,7 @@ TEST_F(Batch, ResumeKeepsWhatIsFinishedAndRunsTheRest) {
   ASSERT_EQ(again.exit_code, 0) << again.err;
   EXPECT_EQ(std::filesystem::last_write_time(where / "out/beam/posterior.nc"), written);
   EXPECT_TRUE(std::filesystem::exists(where / "out/late/posterior.nc"));
-  // A result that is damaged is not taken for finished.
+  // A damaged result does not count as finished.
   static_cast<void>(where.write("out/beam/posterior.nc", "rubbish"));
   const Outcome damaged = run(list, "--resume");
   EXPECT_EQ(damaged.exit_code, 65);
@@ -272,7 +272,7 @@ TEST_F(Batch, ResumeKnowsACaseByItsPathAndByTheContentOfItsFiles) {
   EXPECT_EQ(stiffness("case"), of_a);
   EXPECT_GT(stiffness("case-2"), of_a + 10.0);
   EXPECT_THAT(read_all(where / "out/batch.json"), HasSubstr("../cases/B/case.json"));
-  // The same path with another record is a new run.
+  // A changed record at the same path means a new run.
   std::filesystem::copy_file(where / "cases/B/sid.csv", where / "cases/A/sid.csv",
                              std::filesystem::copy_options::overwrite_existing);
   ASSERT_EQ(run("B/case.json\nA/case.json\n", "--resume").exit_code, 0);

@@ -1,5 +1,5 @@
-// With the source's own ten sites and data simulated by the FE model, the posterior of one damage
-// by quadrature: trusting the emulator blindly is wrong, its error makes the intervals cover.
+// Posterior of one damage by quadrature, with the ten sites of the source and data simulated by the
+// FE model: intervals have the right coverage only if the likelihood includes the emulator's error.
 #include <gmock/gmock.h>
 
 #include <algorithm>
@@ -23,7 +23,7 @@ struct Misses {
   int location = 0, reduction = 0;
 };
 
-// Truths from the prior: how often the central 95 % intervals miss them.
+// Number of truths from the prior outside the central 95 % intervals.
 Misses misses(const std::string& predictor, const char* supports, int modes) {
   Json input = small_case();
   input["beam"]["elements"] = 100;
@@ -37,7 +37,7 @@ Misses misses(const std::string& predictor, const char* supports, int modes) {
   const auto problem = make_damage_problem(
       parse_damage_case(read_case(where.write_json("c.json", input))).damage, {});
   const fem::Beam& beam = problem->damage_case.beam;
-  // What the emulator says anywhere: constant within an element, midpoint rule in the reduction.
+  // Emulator predictions: constant within an element, midpoint rule in the reduction.
   StructuralPredictor exact(*problem), emulator(*problem, *problem->emulated);
   const auto n_modes = static_cast<std::size_t>(modes);
   std::vector<std::vector<double>> f, variance;
@@ -86,7 +86,7 @@ Misses misses(const std::string& predictor, const char* supports, int modes) {
 const std::string kSites = R"({"sites": [5, 15, 25, 35, 45, 55, 65, 75, 85, 95],
                                "multipliers": [0.4, 0.6, 0.8, 1.0])";
 
-// Of 200 intervals at 95 %, 21 miss with probability 0.001 and 3 or fewer do with 0.01.
+// With 200 intervals at 95 %, P(21 or more miss) = 0.001 and P(3 or fewer miss) = 0.01.
 TEST(EmulatorCoverage, IntervalsCoverAtTheStatedRate) {
   for (const char* supports : {"simply-supported", "cantilever"}) {
     for (const int modes : {10, 20}) {
@@ -105,7 +105,7 @@ TEST(EmulatorCoverage, TrustingTheEmulatorBlindlyIsWrong) {
   EXPECT_GT(m.reduction, 60);
   RecordProperty("blind", std::to_string(m.location) + " " + std::to_string(m.reduction));
   const Misses one_sided = misses(kSites + R"(, "symmetrise": false})", "simply-supported", 20);
-  EXPECT_GT(one_sided.location, 25) << "the mirror images are taken for different";
+  EXPECT_GT(one_sided.location, 25) << "mirror images count as different";
   RecordProperty("one_sided", std::to_string(one_sided.location));
 }
 

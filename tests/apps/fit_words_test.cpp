@@ -13,7 +13,7 @@ using namespace identification;
 using testing::ElementsAre;
 using testing::StartsWith;
 
-// Fault: three floors gave three sentences of forty words that differed in two numbers.
+// Fault: three floors gave three sentences of forty words that differed only in two numbers.
 TEST(FitWords, ResponsesOfOneKindShareASentence) {
   const FitVerdict verdict{
       .why = {misfit::NotNoise{"a", 0.12, kNaN, 1, 0.99}, misfit::WorseBeyond{"a", 0.12, 0.28, 100},

@@ -1,4 +1,4 @@
-// `wheeltap modes` of structures, as its users run it; published frequencies through case files.
+// `wheeltap modes` of structures; published frequencies through case files.
 #include "apps/runs/found_structure_modes.hpp"
 
 #include <algorithm>
@@ -162,12 +162,12 @@ TEST(StructureCommand, SaysWhatMovesMost) {
   EXPECT_EQ(largest(cantilever_in_space(), 1), "node B, y");
   EXPECT_EQ(largest(cantilever_in_space(), 2), "node B, z");
   EXPECT_EQ(largest(cantilever_in_space({0, 0, 1}), 1), "node B, x");
-  // The first simply supported mode has its belly in the middle.
+  // The first simply supported mode has its maximum in the middle.
   json beam = cantilever_in_space();
   beam["structure"]["supports"] = {{{"node", "A"}, {"fix", {"x", "y", "z", "rx"}}},
                                    {{"node", "B"}, {"fix", {"y", "z"}}}};
   EXPECT_EQ(largest(beam, 1), "arm at 1 m, y");
-  // Only twist is left.
+  // Only torsion remains.
   json shaft = beam;
   shaft["structure"]["supports"] = {{{"node", "A"}, {"fix", {"x", "y", "z", "rx", "ry", "rz"}}},
                                     {{"node", "B"}, {"fix", {"x", "y", "z", "ry", "rz"}}}};
@@ -229,8 +229,8 @@ TEST(StructureCommand, DrawsForParaView) {
 }
 
 TEST(StructureCommand, ShapesOfLinesFollowTheElements) {
-  // Between two nodes of one element the line is the deflection, not a chord: a cantilever's tip
-  // slope is 1.376 of the chord's.
+  // Between two nodes of one element the line is the deflection, not a chord: the tip slope of a
+  // cantilever is 1.376 of that of the chord.
   json one = cantilever_in_space();
   one["structure"]["members"][0]["elements"] = 1;
   const auto structure = drawn(parsed(one).nominal);
@@ -245,7 +245,7 @@ TEST(StructureCommand, ShapesOfLinesFollowTheElements) {
   EXPECT_NEAR((y(last) - y(last - 1)) * static_cast<double>(last) / y(last), 1.37, 0.03);
 }
 
-// ---- what is refused
+// ---- rejected cases
 
 void expect_ends_with_65(const json& structure_case, const std::string& message) {
   const Workspace where;
@@ -408,7 +408,7 @@ TEST_P(StructureStarter, RunsAsItIs) {
   EXPECT_GT(json::parse(modes.out)["frequencies_hz"][0].get<double>(), 0.1);
   EXPECT_EQ(wheeltap(where, "init damage --structure " + GetParam() + " -o " + folder).exit_code,
             73);
-  // What it says is what it does.
+  // The starter runs as its text states.
   EXPECT_THAT(init.out, HasSubstr("wheeltap damage "));
   const Outcome damage = wheeltap(
       where, "damage " + folder + "/damage.json -o " + folder + "/results --quick --quiet");

@@ -1,4 +1,5 @@
-// The page on force laws: written from the laws, with a case each that parses and holds the law.
+// The page on force laws: generated from the laws, with a case for each that parses and has the
+// law.
 #include "apps/report/law_page.hpp"
 
 #include <gmock/gmock.h>
@@ -32,7 +33,7 @@ TEST(LawPage, TellsOfEveryLawAndCoefficient) {
   }
 }
 
-// The law of the example is the law of the page, with every coefficient that must be given unknown.
+// The example has the law of the page, with every required coefficient unknown.
 TEST(LawPage, EveryExampleParsesAndHasItsLaw) {
   const Workspace where;
   for (const auto& info : dynamics::law_infos()) {

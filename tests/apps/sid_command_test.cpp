@@ -1,4 +1,4 @@
-// `wheeltap sid` and `wheeltap simulate` as their users meet them.
+// `wheeltap sid` and `wheeltap simulate` from the command line.
 #include <gmock/gmock.h>
 
 #include "sid_cases.hpp"
@@ -42,7 +42,7 @@ TEST(SidCommand, WritesWhatTheContractPromises) {
   EXPECT_TRUE(std::filesystem::exists(out / "posterior.nc"));
 }
 
-// Fault: one model was said to hold "> 99.9 % ± 0.03 %", a priori > 99.9 %.
+// Fault: the text of a single model was "> 99.9 % ± 0.03 %", a priori > 99.9 %.
 TEST(SidCommand, OneModelIsComparedWithNothing) {
   const Workspace where;
   json c = small_sid_case();
@@ -57,7 +57,7 @@ TEST(SidCommand, OneModelIsComparedWithNothing) {
   EXPECT_THAT(run.out, HasSubstr("\nduffing\n"));
 }
 
-// At a noise of a hundred-thousandth of the response Runge-Kutta's own steps are too long.
+// With noise of 1e-5 of the response the default Runge-Kutta steps are too long.
 TEST(SidCommand, RepeatsARunWhoseStepsWereTooLong) {
   const Workspace where;
   json c = small_sid_case();
@@ -83,7 +83,7 @@ TEST(SidCommand, RepeatsARunWhoseStepsWereTooLong) {
   EXPECT_GT(s["best_draw"]["duffing"]["k3"].get<double>(), 0.0);
 }
 
-// A softening spring this strong diverges wherever its prior puts it.
+// A softening spring this strong diverges everywhere in its prior.
 TEST(SidCommand, NamesAModelThatItsPriorMakesImpossible) {
   const Workspace where;
   json c = small_sid_case();
@@ -103,8 +103,8 @@ TEST(SidCommand, NamesAModelThatItsPriorMakesImpossible) {
   EXPECT_TRUE(!std::filesystem::exists(out) || std::filesystem::is_empty(out));
 }
 
-// The interval of a further window beside each parameter: of a right model it is wider than the
-// run's, since a window is a quarter of the record, and that of the whole is about the run's value.
+// The interval of a further window for each parameter: for a right model it is wider than that of
+// the run, since a window is a quarter of the record; that of long records is close to the run.
 TEST(SidCommand, TellsWhatHoldsBetweenWindows) {
   const Workspace where;
   json c = small_sid_case();
@@ -131,8 +131,8 @@ TEST(SidCommand, TellsWhatHoldsBetweenWindows) {
   EXPECT_THAT(read_all(out / "report.html"), HasSubstr("between_windows"));
 }
 
-// What two records know of k adds up (precisions do where k is the only unknown, and k3 makes it
-// more), and they are windows to each other.
+// The information of two records about k adds up (precisions add if k is the only unknown; k3
+// increases the sum), and each record is a window.
 TEST(SidCommand, TakesSeveralRecordsTogether) {
   const Workspace where;
   json one = small_sid_case(), two = small_sid_case();
@@ -158,8 +158,8 @@ TEST(SidCommand, TakesSeveralRecordsTogether) {
   EXPECT_EQ(both["parameters"]["duffing"]["k"]["between_windows"]["windows"]["value"].size(), 2U);
 }
 
-// A chain that lacks the truth's cubic spring: the terminal, the summary and the warnings say which
-// interval to use. A look leaves windows out.
+// A chain without the cubic spring of the truth: terminal, summary and warnings state which
+// interval to use. A quick run has no windows.
 TEST(SidCommand, SaysWhichIntervalToUseWhereATermIsMissing) {
   const Workspace where;
   json c = small_sid_case();
@@ -202,7 +202,7 @@ TEST(SidCommand, ChoosesTheOrderOfResiduals) {
   ASSERT_EQ(run.exit_code, 0) << run.err;
   const json s = json::parse(read_all(out / "summary.json"));
   EXPECT_EQ(s["residuals"]["ar"]["duffing"], 0);  // the truth: white
-  EXPECT_GT(s["residuals"]["ar"]["linear"], 0);   // what it cannot explain is smooth
+  EXPECT_GT(s["residuals"]["ar"]["linear"], 0);   // its unexplained residual is smooth
   EXPECT_THAT(run.out, HasSubstr("Residuals: white, by BIC"));
   EXPECT_THAT(s["diagnostics"]["notes"].dump(), HasSubstr("chosen by BIC"));
 }
@@ -238,7 +238,7 @@ TEST(SidCommand, RejectsASweepThatLeadsNowhere) {
   }
 }
 
-/// A case whose record is a file, with this stiffness; the case's file is the same each time.
+/// A case with a record file, simulated with this stiffness; the case file is always the same.
 std::string written_case(const Workspace& where, double stiffness, const json& sweep = {}) {
   json c = small_sid_case();
   c["truth"]["parameters"]["k"] = stiffness;

@@ -26,7 +26,7 @@ const inference::ModelSpace& coin_space() {
   return space;
 }
 
-// Independent draws: model 1 with probability p, its parameter uniform on [low, high] in chain c.
+// Independent draws: model 1 has probability p; its parameter is uniform on [low, high] in chain c.
 Posterior made_up(double p, int draws, double shift_of_last_chain = 0.0, double p_of_last = -1.0) {
   Posterior posterior;
   posterior.space = std::make_shared<const inference::ModelSpace>(coin_space());
@@ -122,7 +122,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_FALSE(d["converged"]);
   EXPECT_THAT(d["warnings"][0].get<std::string>(), HasSubstr("'1 damage' has no draws"));
   EXPECT_EQ(d["warnings"][0], d["not_established"][0]);
-  // Then why nothing explains the data; then the remarks by their gravity, alike ones in one.
+  // Next: why no model explains the data; then the remarks by gravity, with similar ones merged.
   ASSERT_EQ(d["warnings"].size(), d["not_established"].size() + 3);
   const std::size_t misfit = d["not_established"].size();
   EXPECT_THAT(d["warnings"][misfit].get<std::string>(),
@@ -139,7 +139,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_TRUE(d["resolution_width"].is_null());
 }
 
-// Climbs step over what is narrower than the distance of the points that they evaluate.
+// Searches can miss modes that are narrower than the distance between their points.
 TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   Posterior posterior = made_up(0.5, 1000);
   posterior.found = {found(-10.0), found(-12.0)};
@@ -166,7 +166,7 @@ TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {
   EXPECT_EQ(d["resolution_words"], "");
 }
 
-// Drawn evenly, but the damage has odds of 1 : 99.
+// Models are drawn evenly, but the damage has odds of 1 : 99.
 TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
   Posterior posterior = made_up(0.5, 2000);
   posterior.log_weight = {std::log(0.99), std::log(0.01)};
@@ -192,7 +192,7 @@ TEST(Summary, EqualWeightsChangeNothing) {
   }
 }
 
-// A likelihood that fails for the second model, as TMCMC does that runs out of stages.
+// The likelihood fails for the second model, like TMCMC that runs out of stages.
 struct Failing final : inference::Likelihood {
   double log_likelihood(int model, std::span<const double>) override {
     return model == 1 ? std::nan("") : 0.0;
@@ -211,11 +211,11 @@ TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   EXPECT_NEAR(report["tmcmc"][0]["log_evidence"].get<double>(), 0.0, 1e-9);
   EXPECT_TRUE(report["tmcmc"][1]["log_evidence"].is_null());
   EXPECT_TRUE(report["tmcmc"][1]["probability"].is_null());
-  ASSERT_EQ(findings.remarks.size(), 2U) << "and that the location is nearly its prior";
+  ASSERT_EQ(findings.remarks.size(), 2U) << "the second: the location is nearly its prior";
   EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("Evidence of 1 damage by tmcmc failed"));
 }
 
-// Of any run: equations of motion had lost it when damages kept it.
+// Fault: runs on equations of motion lacked this remark.
 TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
   Posterior posterior = made_up(0.5, 1000);
   posterior.impossible = 12;
@@ -229,7 +229,7 @@ TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
   EXPECT_THAT(sentence(findings.remarks[1], {}), HasSubstr("at 12 of 34 567 points"));
 }
 
-// Of 64 subsets of terms it was the same warning four times.
+// Fault: 64 subsets of terms gave the same warning four times.
 TEST(Summary, ModelsThatAreAlikeAreToldOfTogether) {
   remark::NearlyPrior nearly{.parameters = {{"a", "gap", 0.97}, {"b", "c", 0.96}}};
   EXPECT_THAT(sentence(nearly, {}),
@@ -297,7 +297,7 @@ TEST(Summary, ShortChainsDoNot) {
   EXPECT_FALSE(d["converged"]);
 }
 
-// All draws in one model is no reason to ask less: the other must be known to be improbable.
+// A run with all draws in one model converges only if the other model is known to be improbable.
 TEST(Summary, ADominantModelIsJudgedByTheEvidenceOfTheOthers) {
   Posterior posterior = made_up(1.0, 2000);
   EXPECT_FALSE(judged(posterior)["converged"]);

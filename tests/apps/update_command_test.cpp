@@ -1,4 +1,4 @@
-// `wheeltap update` as its users run it.
+// `wheeltap update` from the command line.
 
 #include <gmock/gmock.h>
 
@@ -35,7 +35,7 @@ TEST_F(UpdateCommand, TheStarterTellsItsStiffnesses) {
   EXPECT_EQ(summary["models"].size(), 1u);
   EXPECT_EQ(summary["models"][0]["probability"], 1.0);
   EXPECT_TRUE(summary["fit"]["ok"].get<bool>()) << summary["fit"];
-  // What it was simulated from.
+  // The truth of the simulation.
   const auto truth = std::map<std::string, double>{{"k1", 41000}, {"k2", 36000}, {"k3", 27000}};
   for (const auto& [name, value] : truth) {
     const json& k = summary["parameters"]["the structure"][name];
@@ -46,7 +46,7 @@ TEST_F(UpdateCommand, TheStarterTellsItsStiffnesses) {
   for (const char* file : {"posterior.nc", "report.html", "summary.txt"})
     EXPECT_TRUE(std::filesystem::exists(results + "/" + file)) << file;
   EXPECT_THAT(read_all(results + "/report.html"), HasSubstr("The structure"));
-  // The same again, and drawn again.
+  // The same run again, and its report again.
   EXPECT_EQ(wheeltap(where_, "report " + results).exit_code, 0);
   const Outcome again =
       wheeltap(where_, "update " + starter() + " -o " + results + kShortUpdate + " --resume");
@@ -81,7 +81,7 @@ TEST_F(UpdateCommand, ModesAreThoseOfTheTruth) {
             0.3 * json::parse(stiff.out)["frequencies_hz"][0].get<double>());
 }
 
-// A shape that is none of the structure's heads the answer, and its mode is named.
+// The answer begins with a spurious shape and names its mode.
 TEST_F(UpdateCommand, AMisfitIsTheHeadline) {
   json text = json::parse(read_all(starter()));
   text["data"]["shapes"][2] = {1.0, 1.0, 1.0};

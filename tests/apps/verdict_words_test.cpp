@@ -23,7 +23,7 @@ std::string sentence(const Reason& reason) {
   return said.empty() ? std::string() : said[0];
 }
 
-// The words of each reason, with what to do about it.
+// The sentence of each reason, with the remedy.
 TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(sentence(ModelNotEntered{
                 .model = 1, .proposed = 2469134, .by_evidence = {.value = 0.25, .mcse = 0.019}}),

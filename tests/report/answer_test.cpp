@@ -1,4 +1,4 @@
-// The sentence at the top of a report, for every kind of finding.
+// The answer of a report for every kind of finding.
 #include "apps/text/answer.hpp"
 
 #include <gmock/gmock.h>
@@ -203,8 +203,8 @@ TEST(Answer, TwoKindsInOneModel) {
   EXPECT_EQ(answer(run).headline, "Most likely two damages and one support (90 %).");
 }
 
-// A kind that is called anything keeps its own severity: a bearing beside cracks used to get the
-// crack's reduction.
+// A kind with any name keeps its severity. Fault: a bearing beside cracks had the reduction of the
+// crack.
 TEST(Answer, AKindCalledAnythingHasItsOwnSeverity) {
   MadeUp run = damage_run({0.1, 0.9});
   run.damage_case.kinds = {kind(defects::kReduction), kind(defects::kSupport)};
@@ -252,7 +252,7 @@ TEST(Answer, SweepSaysWhereTheChoiceChanges) {
   EXPECT_THAT(a.caution, StartsWith("1 of 3 runs have not converged"));
 }
 
-// A summary of before has no answer: the models, in the order of their probability.
+// A summary of an older version has no answer: models in the order of their probability.
 TEST(Answer, OfAnOlderSummaryNamesTheModels) {
   const Report older = {{"wheeltap", {{"command", "damage"}, {"case", Report::object()}}},
                         {"models",

@@ -1,4 +1,4 @@
-// What becomes of input on its way into the page, and directories that are no runs.
+// Escaping of input in the page, and directories without a run.
 #include "apps/report/report.hpp"
 
 #include <gmock/gmock.h>
