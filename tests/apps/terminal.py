@@ -49,9 +49,9 @@ def main(program, case):
         quiet = subprocess.run(run + SHORT + ["--quiet"], capture_output=True, check=True)
         assert quiet.stderr == b"", "lines in spite of --quiet"
 
-        # A look: marked, and never converged.
+        # A quick run is marked and never converged.
         look = subprocess.run(run + ["--quick"], capture_output=True, check=True)
-        assert b"quick look" in look.stdout and b"NOT CONVERGED" in look.stdout.splitlines()[-1]
+        assert b"quick run" in look.stdout and b"NOT CONVERGED" in look.stdout.splitlines()[-1]
         with open(os.path.join(run[-1], "summary.json")) as f:
             summary = json.load(f)
         assert summary["diagnostics"]["quick"] and not summary["diagnostics"]["converged"]
