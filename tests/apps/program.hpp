@@ -1,4 +1,4 @@
-// Running the program as its users do, and cases to run it on.
+// Runs of the program from the command line, and cases for them.
 #pragma once
 
 #include <gtest/gtest.h>
@@ -14,7 +14,7 @@
 
 namespace wheeltap::apps {
 
-/// A directory of one test's own, removed at its end.
+/// A directory of one test, removed at its end.
 class Workspace {
  public:
   Workspace() {
@@ -65,7 +65,7 @@ inline Outcome wheeltap(const Workspace& where, const std::string& arguments) {
   return {WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_all(out), read_all(err)};
 }
 
-/// The beam of the source's case with ten frequencies of its intact state, 10 elements.
+/// The beam of the case in the source with ten frequencies of its intact state, 10 elements.
 inline nlohmann::json small_case() {
   return nlohmann::json::parse(R"({
     "kind": "damage",

@@ -1,4 +1,4 @@
-// A small system-identification case, and records that suit it.
+// A small system-identification case, and records for it.
 #pragma once
 
 #include <nlohmann/json.hpp>
