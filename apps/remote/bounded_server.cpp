@@ -22,7 +22,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-constexpr int kPoll = 100;  // ms between two looks at whether the server is stopped
+constexpr int kPoll = 100;  // ms between two checks for a stop of the server
 
 void name_of(const sockaddr_storage& address, socklen_t length, std::string& ip, int& port) {
   char host[NI_MAXHOST] = {}, service[NI_MAXSERV] = {};
@@ -43,7 +43,7 @@ class BoundedServer::Connection final : public httplib::Stream {
  public:
   Connection(const BoundedServer& server, socket_t socket) : server_(server), socket_(socket) {}
 
-  /// False where none comes.
+  /// False if none arrives.
   [[nodiscard]] bool wait_for_request() {
     writing_ = false;
     deadline_ = Clock::now() + server_.bounds_.idle;
@@ -91,7 +91,7 @@ class BoundedServer::Connection final : public httplib::Stream {
   [[nodiscard]] socket_t socket() const override { return socket_; }
 
  private:
-  /// Until the socket is ready; false at the deadline, and where the server stops.
+  /// Waits until the socket is ready; false at the deadline or if the server stops.
   [[nodiscard]] bool wait(short what) const {
     while (!server_.stopped()) {
       const auto left =
@@ -99,7 +99,7 @@ class BoundedServer::Connection final : public httplib::Stream {
       if (left <= 0) return false;
       pollfd watched{.fd = socket_, .events = what, .revents = 0};
       const int ready = ::poll(&watched, 1, static_cast<int>(std::min<long>(left, kPoll)));
-      if (ready > 0) return true;  // or closed, which reading says
+      if (ready > 0) return true;  // or closed; reading detects this
       if (ready < 0 && errno != EINTR) return false;
     }
     return false;
@@ -110,10 +110,10 @@ class BoundedServer::Connection final : public httplib::Stream {
   Clock::time_point deadline_{};
   bool writing_ = false;
   std::array<char, 4096> buffer_{};
-  std::size_t begin_ = 0, end_ = 0;  // of what is in the buffer and not read yet
+  std::size_t begin_ = 0, end_ = 0;  // unread part of the buffer
 };
 
-/// A thread for each connection: as many as there are of these.
+/// One thread per connection.
 class BoundedServer::Threads final : public httplib::TaskQueue {
  public:
   void enqueue(std::function<void()> work) override {
@@ -126,7 +126,7 @@ class BoundedServer::Threads final : public httplib::TaskQueue {
                             *done = true;
                           }),
                           done});
-    } catch (const std::system_error&) {  // there are no more threads to be had
+    } catch (const std::system_error&) {  // the system has no more threads
       work();
     }
   }
@@ -168,7 +168,7 @@ void BoundedServer::enter(socket_t socket) {
   const std::lock_guard lock(mutex_);
   open_.insert(socket);
   if (open_.size() > bounds_.connections) {
-    // Its thread sees the end of its stream. Where all are answered, the newcomer has to go.
+    // Its thread then reads the end of the stream. If all are busy, close the new connection.
     const socket_t leaves = waiting_.empty() ? socket : waiting_.front();
     if (!waiting_.empty()) waiting_.pop_front();
     ::shutdown(leaves, SHUT_RDWR);

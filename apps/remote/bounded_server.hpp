@@ -1,4 +1,4 @@
-// An HTTP server that bounds what one connection may take: time, threads and memory.
+// An HTTP server with bounds on the time, threads and memory of each connection.
 #pragma once
 
 #ifdef WHEELTAP_WITH_HTTP
@@ -14,26 +14,26 @@
 
 namespace wheeltap::apps {
 
-/// How much of a server one connection may have.
+/// Bounds of a server and its connections.
 struct ConnectionBounds {
-  /// At a time: for one more, the one is closed whose request has been awaited the longest.
+  /// Simultaneous connections. One more closes the connection that has waited longest for a
+  /// request.
   std::size_t connections = 512;
   std::chrono::seconds idle{60};      ///< between two requests of a connection
   std::chrono::seconds request{20};   ///< for all bytes of a request, from its first to its last
   std::chrono::seconds response{60};  ///< for all bytes of a response
-  std::size_t body = std::size_t{16} << 20U;  ///< bytes of a request, unpacked, however it is sent
+  std::size_t body = std::size_t{16} << 20U;  ///< bytes of a request after decompression
 };
 
-/// httplib lets a connection keep a thread of its pool for as long as a byte comes now and then,
-/// and takes bodies without a length however long they are. Here each connection has a thread of
-/// its own and a deadline, and they are counted. It is for others to bound the work that requests
-/// begin.
+/// Gives each connection a thread and a deadline, and limits their number. The server of httplib
+/// does not: a connection keeps a thread of its pool as long as single bytes arrive, and the size
+/// of bodies without a length has no limit. The caller must bound the work of requests.
 class BoundedServer : public httplib::Server {
  public:
   explicit BoundedServer(const ConnectionBounds& bounds);
 
-  /// The whole body of a request whose handler reads it; none where it is too long or does not come
-  /// to its end: the connection is closed then.
+  /// Reads the whole body of a request; none, with a closed connection, if it is too long or
+  /// incomplete.
   [[nodiscard]] std::optional<std::string> body_of(const httplib::ContentReader& reader);
 
  private:
@@ -48,10 +48,10 @@ class BoundedServer : public httplib::Server {
 
   ConnectionBounds bounds_;
   std::mutex mutex_;
-  std::set<socket_t> open_;      // those that are not yet closed
-  std::list<socket_t> waiting_;  // of these, those whose request has not come; the longest first
-  static thread_local socket_t here_;  // of this thread
-  static thread_local bool close_;     // it, once its request is answered
+  std::set<socket_t> open_;            // open connections
+  std::list<socket_t> waiting_;        // open connections without a request, longest wait first
+  static thread_local socket_t here_;  // the connection of this thread
+  static thread_local bool close_;     // close it after the answer
 };
 
 }  // namespace wheeltap::apps

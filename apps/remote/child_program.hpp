@@ -1,4 +1,4 @@
-// This program, run again as a process of its own.
+// This program as a child process.
 #pragma once
 
 #include <sys/types.h>
@@ -10,27 +10,27 @@
 
 namespace wheeltap::apps {
 
-/// wheeltap ARGUMENTS in a process group of its own, so that a terminal's Ctrl-C does not reach it,
-/// and killed where this process is. Standard input and output are /dev/null; what it says on
-/// standard error is kept. It begins without what mpirun tells its ranks, and with `variables`,
-/// "NAME=VALUE", in its environment.
+/// Runs wheeltap ARGUMENTS in a separate process group, so that Ctrl-C at a terminal does not reach
+/// it. The system kills it if this process is killed. Standard input and output are /dev/null; the
+/// object stores its standard error. Its environment has `variables` ("NAME=VALUE") and none of the
+/// variables that mpirun sets for ranks.
 class ChildProgram {
  public:
-  /// Throws std::system_error where no process can be made.
+  /// Throws std::system_error if the process cannot be started.
   explicit ChildProgram(const std::vector<std::string>& arguments,
                         const std::vector<std::string>& variables = {});
   ChildProgram(ChildProgram&& other) noexcept;
   ChildProgram(const ChildProgram&) = delete;
   ChildProgram& operator=(const ChildProgram&) = delete;
   ChildProgram& operator=(ChildProgram&&) = delete;
-  ~ChildProgram();  ///< kills it where it runs
+  ~ChildProgram();  ///< kills it if it is running
 
   void send(int signal) const;
-  /// The file descriptor that can be read when it says something or ends.
+  /// The file descriptor that becomes readable when it prints or ends.
   [[nodiscard]] int descriptor() const { return pipe_; }
-  /// Takes what it has said; its exit code once it has ended, or 128 + the signal that ended it.
+  /// Reads its output; returns its exit code after its end, or 128 + the signal that ended it.
   [[nodiscard]] std::optional<int> ended();
-  /// The last line that it said, without "wheeltap: ".
+  /// The last line of its standard error, without "wheeltap: ".
   [[nodiscard]] std::string last_line() const;
 
  private:

@@ -34,7 +34,7 @@ namespace fs = std::filesystem;
 
 namespace {
 
-constexpr std::size_t kLongestAnswer = 200;  // characters of a program's own words
+constexpr std::size_t kLongestAnswer = 200;  // characters of a program's output in messages
 
 fs::path own_directory() {
   std::error_code error;
@@ -43,12 +43,13 @@ fs::path own_directory() {
     const char* said = std::getenv("TMPDIR");
     throw OutsideModelError(Kind::unreachable,
                             (said != nullptr ? "TMPDIR=" + std::string(said) : "/tmp") +
-                                ": is no folder that can be used, and a program needs one for its "
-                                "files: set TMPDIR to one");
+                                ": is not a usable folder for the files of the program: set TMPDIR "
+                                "to one");
   }
   std::string name = (temporary / "wheeltap-XXXXXX").string();
   if (mkdtemp(name.data()) == nullptr)
-    throw OutsideModelError(Kind::unreachable, name + ": cannot be made: " + std::strerror(errno));
+    throw OutsideModelError(Kind::unreachable,
+                            name + ": cannot be created: " + std::strerror(errno));
   return name;
 }
 
@@ -69,7 +70,7 @@ std::string number_text(double x) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
 }
 
-/// Exit status as waitpid has it; none where it had to be killed.
+/// Exit status as from waitpid; none if a timeout killed the process.
 std::optional<int> run(const std::vector<std::string>& words, const fs::path& directory,
                        double timeout_seconds) {
   const auto opened = [](const fs::path& path, int how) {
@@ -86,12 +87,12 @@ std::optional<int> run(const std::vector<std::string>& words, const fs::path& di
                                          .error = files[2]});
   const std::string trouble = std::strerror(errno);
   for (const int file : files) close(file);
-  if (pid < 0) throw OutsideModelError(Kind::unreachable, "no process can be made: " + trouble);
+  if (pid < 0) throw OutsideModelError(Kind::unreachable, "cannot start a process: " + trouble);
   const auto handle = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
   if (handle < 0) {
     kill(-pid, SIGKILL);
     (void)base::wait_for(pid);
-    throw OutsideModelError(Kind::unreachable, "this system cannot watch processes (pidfd_open)");
+    throw OutsideModelError(Kind::unreachable, "this system does not support pidfd_open");
   }
   const auto end =
       std::chrono::steady_clock::now() + std::chrono::duration<double>(timeout_seconds);
@@ -107,7 +108,7 @@ std::optional<int> run(const std::vector<std::string>& words, const fs::path& di
     late = true;
     break;
   }
-  // The rest of its group with it: no run leaves processes behind.
+  // Kill its whole process group.
   kill(-pid, SIGKILL);
   if (late) kill(pid, SIGKILL);
   const int status = base::wait_for(pid);
@@ -149,10 +150,10 @@ std::vector<std::string> CommandModel::words_in(const fs::path& directory) const
 
 std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) const {
   std::error_code missing;
-  if (!fs::exists(file, missing)) return "it ended well and wrote no predictions";
+  if (!fs::exists(file, missing)) return "it ended with exit code 0 but wrote no predictions";
   if (const auto bytes = fs::file_size(file, missing); !missing && bytes > kLargestAnswer)
     return "it wrote " + std::to_string(bytes) + " bytes, more than the " +
-           std::to_string(kLargestAnswer) + " that an answer may have";
+           std::to_string(kLargestAnswer) + " allowed";
   const std::string text = io::read_bytes(file);
   std::vector<double> found;
   if (spec_.numbers) {
@@ -162,7 +163,7 @@ std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) c
       const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
       const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
       if (error != std::errc() || end != word.data() + word.size())
-        return "it wrote \"" + word.substr(0, kLongestAnswer) + "\", which is no number";
+        return "it wrote \"" + word.substr(0, kLongestAnswer) + "\", which is not a number";
       found.push_back(value);
     }
   } else {
@@ -170,13 +171,13 @@ std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) c
     if (said.is_object() && said.contains("predictions")) said = Json(said["predictions"]);
     if (said.is_discarded()) {
       if (text.find("NaN") == std::string::npos && text.find("Infinity") == std::string::npos)
-        return "it wrote what is no JSON";
+        return "it wrote invalid JSON";
       return "it wrote numbers that are not finite: " + text.substr(0, kLongestAnswer);
     }
     if (!said.is_array()) return "it wrote neither a list nor an object with \"predictions\"";
     for (const Json& value : said) {
       if (!value.is_number())
-        return "it wrote " + value.dump().substr(0, kLongestAnswer) + ", which is no number";
+        return "it wrote " + value.dump().substr(0, kLongestAnswer) + ", which is not a number";
       found.push_back(value.get<double>());
     }
   }

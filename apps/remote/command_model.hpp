@@ -1,17 +1,18 @@
-// A program that predicts: it is run once an answer, parameters in a file, predictions in a file.
+// An external program as predictor: one run per evaluation, with files for input and output.
 #pragma once
 
 #include "apps/cases/outside_case.hpp"
 
 namespace wheeltap::apps {
 
-/// Each run has a directory of its own, made where temporary files go and its current one, taken
-/// away again unless the run failed. There {in} holds the parameters: an object {"E": 2.1e11, …},
-/// or plain numbers, one a line. {out} is to hold as many numbers as there are outputs: a list, or
-/// an object with such a list as "predictions"; or plain numbers with blanks or line ends between
-/// them. {case} is the folder of the case, in which a program with a / in its name is looked for
-/// too. No shell reads the words. What the program prints is kept in the directory, in stdout.txt
-/// and stderr.txt. A run that takes too long is killed with all that it started.
+/// Each run has a separate temporary directory as its current directory; it is removed unless the
+/// run failed. The file {in} holds the parameters: an object {"E": 2.1e11, …}, or plain numbers,
+/// one per line. The program must write one number per output to the file {out}. The file is a
+/// list, an object with such a list as "predictions", or plain numbers with blanks or line ends
+/// between them. In the words of the command, {case} is the folder of the case, and also the folder
+/// of a program with a / in its name. No shell interprets the words. stdout.txt and stderr.txt in
+/// the directory hold the output of the program. A timeout kills the run with all processes that it
+/// started.
 class CommandModel final : public identification::OutsideModel {
  public:
   CommandModel(CommandSpec spec, std::vector<std::string> names, int outputs);
@@ -21,7 +22,7 @@ class CommandModel final : public identification::OutsideModel {
   void evaluate(std::span<const double> x, std::span<double> y) override;
 
  private:
-  /// What went wrong, or nothing.
+  /// Returns an error text, or an empty one.
   std::string attempt(std::span<const double> x, std::span<double> y, bool last);
   [[nodiscard]] std::vector<std::string> words_in(const std::filesystem::path& directory) const;
   [[nodiscard]] std::string answer_in(const std::filesystem::path& file, std::span<double> y) const;

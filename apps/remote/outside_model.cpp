@@ -19,7 +19,7 @@ namespace {
 
 const Pointer kPredictor("/predictor");
 
-/// This machine under its own addresses.
+/// True for addresses of this machine.
 bool is_loopback(const std::string& host) {
   in_addr four{};
   if (inet_pton(AF_INET, host.c_str(), &four) == 1) return ntohl(four.s_addr) >> 24U == 127U;
@@ -28,7 +28,7 @@ bool is_loopback(const std::string& host) {
   return host == "localhost";
 }
 
-/// A model whose inputs stand in another order.
+/// A model with permuted inputs.
 class InOrder final : public OutsideModel {
  public:
   InOrder(std::unique_ptr<OutsideModel> model, std::vector<int> order)
@@ -64,14 +64,13 @@ std::shared_ptr<RememberedModel> open_outside(const CaseFile& file, const Outsid
                                               int outputs, const CommonOptions& common) {
   if (spec.command && !common.allow_commands)
     throw Failure(Exit::usage, file.path.string() + ": " + (kPredictor / "command").to_string() +
-                                   ": runs \"" + spec.command->words[0] +
-                                   "\", and cases may run programs only with --allow-commands");
+                                   ": runs the program \"" + spec.command->words[0] +
+                                   "\", which needs --allow-commands");
   if (spec.umbridge && !is_loopback(spec.umbridge->host) &&
       std::ranges::find(common.allow_hosts, spec.umbridge->host) == common.allow_hosts.end())
     throw Failure(Exit::usage, file.path.string() + ": " + (kPredictor / "umbridge").to_string() +
-                                   ": asks the server \"" + spec.umbridge->host +
-                                   "\", and cases may reach other machines than this one only with "
-                                   "--allow-hosts " +
+                                   ": uses the server \"" + spec.umbridge->host +
+                                   "\" on another machine, which needs --allow-hosts " +
                                    spec.umbridge->host);
   std::unique_ptr<OutsideModel> model;
   if (spec.umbridge) {
@@ -84,7 +83,7 @@ std::shared_ptr<RememberedModel> open_outside(const CaseFile& file, const Outsid
     memory = common.output / kModelRuns;
     if (!common.resume) emulator::Journal::remove(memory);
   }
-  // Whose answers they are: how long it may take, and what stands in front, changes none.
+  // Identity of the answers: timeout, retries, memory and emulator do not change them.
   Json identity = file.json.at(kPredictor);
   for (const char* key : {"timeout", "retries", "memory", "emulator"}) identity.erase(key);
   identity["inputs"] = spec.names;

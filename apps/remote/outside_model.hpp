@@ -1,4 +1,4 @@
-// The model of someone else's that a case names, ready to be asked.
+// External models that a case names.
 #pragma once
 
 #include <memory>
@@ -10,18 +10,17 @@
 
 namespace wheeltap::apps {
 
-/// What a run keeps of the model's answers, in its folder.
+/// The journal of the model's answers in the folder of a run.
 inline constexpr const char* kModelRuns = "model-runs.journal";
 
-/// The model with these outputs, asked for its sizes where it can be, and what it has said before:
-/// in the user's file, or, with --resume, in the run's. Its inputs are the unknowns in their own
-/// order. Throws Failure (64 where a program may not be run: --allow-commands, or a host may not be
-/// reached: --allow-hosts; this machine always may), io::FileError and
-/// OutsideModelError.
+/// Opens the model with this number of outputs and checks its sizes if it can state them. It
+/// remembers earlier answers from the user's file or, with --resume, from the journal of the run.
+/// The inputs are the unknowns in their order. Throws Failure (64 without --allow-commands for a
+/// program or --allow-hosts for another machine), io::FileError and OutsideModelError.
 [[nodiscard]] std::shared_ptr<identification::RememberedModel> open_outside(
     const CaseFile& file, const OutsideSpec& spec, int outputs, const CommonOptions& common);
 
-/// What of it a summary tells: whose it is, how often it was asked, how wrong its emulator is.
+/// Returns the part of a summary on the model: its origin, number of evaluations, emulator errors.
 [[nodiscard]] Report outside_report(const OutsideSpec& spec,
                                     const identification::OutsideModel& model,
                                     const identification::OutsideEmulator* emulator = nullptr);

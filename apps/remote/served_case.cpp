@@ -16,7 +16,7 @@ using namespace identification;
 
 namespace {
 
-/// Frequencies of a structure by its parameters.
+/// Frequencies of a structure as a function of its parameters.
 class StructureForward final : public OutsideModel {
  public:
   explicit StructureForward(std::shared_ptr<const UpdateProblem> problem)
@@ -87,7 +87,7 @@ class StructureForward final : public OutsideModel {
   std::vector<double> x_;
 };
 
-/// ln p(data | x), and ln p(x) with it where it is the posterior's.
+/// ln p(data | x); for the posterior plus ln p(x).
 class Density final : public OutsideModel {
  public:
   Density(const inference::Problem& problem, int model, bool with_prior)
@@ -101,7 +101,7 @@ class Density final : public OutsideModel {
     double prior = 0.0;
     for (int p = 0; p < inputs(); ++p)
       prior += space_.prior(model_, p).log_density(x[static_cast<std::size_t>(p)]);
-    // Beyond its prior a parameter may be no structure's.
+    // Outside its prior a parameter may be invalid for the structure.
     y[0] = std::isfinite(prior) ? likelihood_->log_likelihood(model_, x) : prior;
     if (with_prior_ && std::isfinite(prior)) y[0] += prior;
   }
@@ -119,20 +119,20 @@ class Density final : public OutsideModel {
   bool with_prior_;
 };
 
-/// Numbers that say where a defect is: of a beam the place [m]; of another structure the member, by
-/// its number from 0 in the case's order, and the place [m] from its first node; of joints, storeys
-/// and the like their number alone.
+/// Number of inputs for the place of a defect. Beam: place [m]. Members of other structures: member
+/// (number from 0 in the order of the case) and place [m] from its first node. Joints, storeys and
+/// similar sites: their number.
 std::size_t place_numbers(const DefectKind& kind) {
   return !kind.line.is_beam() && kind.type->sites == DefectType::Sites::members ? 2 : 1;
 }
 
-/// Numbers that say all of a defect.
+/// Number of inputs of a defect.
 std::size_t defect_numbers(const DefectKind& kind) {
   return place_numbers(kind) + static_cast<std::size_t>(kind.parameters()) - 1;
 }
 
-/// The stretch of the engine's line that is meant. Throws std::invalid_argument where there is
-/// none.
+/// The stretch of the engine's line with this site number. Throws std::invalid_argument for an
+/// unknown number.
 const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const double> said) {
   for (const SiteLine::Stretch& stretch : kind.line.stretches())
     if (static_cast<double>(stretch.site) == said[0]) return stretch;
@@ -143,9 +143,9 @@ const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const doub
                               ": must be one of " + allowed);
 }
 
-/// A place as the engine has it, one number along the line of all places; and ln of the length on
-/// that line of what is one in these numbers: a metre of a member, or a joint. Throws
-/// std::invalid_argument for a place that the kind does not have.
+/// A place in the engine's coordinate x along the line of all places, and ln of the length on this
+/// line per unit of the inputs (a metre of a member, or a joint). Throws std::invalid_argument for
+/// an invalid place.
 struct LinePlace {
   double x = 0.0, log_measure = 0.0;
 };
@@ -162,7 +162,8 @@ LinePlace line_place(const DefectKind& kind, std::span<const double> said) {
           .log_measure = std::log((stretch.end - stretch.start) / one)};
 }
 
-/// Frequencies of a damaged structure by its defects, from what the likelihood predicts them with.
+/// Frequencies of a damaged structure as a function of its defects, by the predictor of the
+/// likelihood.
 class DamageForward final : public OutsideModel {
  public:
   explicit DamageForward(std::shared_ptr<const DamageProblem> problem)
@@ -170,8 +171,8 @@ class DamageForward final : public OutsideModel {
     for (const DefectKind& kind : problem_->damage_case.kinds) {
       if (kind.severity_prior() == nullptr)
         throw std::invalid_argument("a " + kind.name +
-                                    " has a known severity: there is no number that says that "
-                                    "there is none");
+                                    " has a known severity: no input can state that there is "
+                                    "no defect");
       inputs_ += static_cast<int>(defect_numbers(kind)) * kind.max_count;
     }
   }
@@ -196,7 +197,7 @@ class DamageForward final : public OutsideModel {
     int model = 0;
     while (model < space.size() && space[model].counts != counts) ++model;
     if (model == space.size())
-      throw std::invalid_argument("the case has no model with so many defects");
+      throw std::invalid_argument("the case has no model with this number of defects");
     std::vector<double> x;
     for (int p = 0; p < problem_->common; ++p)
       x.push_back(space.prior(model, p).from_standard_normal(0.0));
@@ -212,7 +213,7 @@ class DamageForward final : public OutsideModel {
   int inputs_ = 0;
 };
 
-/// ln p(data | x), and ln p(x) with it, of defects that are told as DamageForward has them.
+/// ln p(data | x), and for the posterior plus ln p(x), with the inputs of DamageForward.
 class DamageDensity final : public OutsideModel {
  public:
   DamageDensity(std::shared_ptr<const DamageProblem> problem, int model, bool with_prior)
@@ -245,7 +246,7 @@ class DamageDensity final : public OutsideModel {
     density_.evaluate(x_, y);
     if (with_prior_) y[0] += log_measure;
   }
-  // Of a beam the two speak of the same numbers.
+  // On a beam both have the same inputs.
   bool gradient(std::span<const double> said, std::span<const double> sensitivity,
                 std::span<double> slope) override {
     const bool alike =
@@ -262,7 +263,7 @@ class DamageDensity final : public OutsideModel {
   int inputs_ = 0;
 };
 
-/// The motion of a chain by its parameters, where it was measured: record after record.
+/// The measured motion of a chain as a function of its parameters, record after record.
 class ChainForward final : public OutsideModel {
  public:
   ChainForward(std::shared_ptr<const SidProblem> problem, int model)
@@ -275,7 +276,7 @@ class ChainForward final : public OutsideModel {
     for (const SidProblem* record : records_) sum += samples_of(*record);
     return sum;
   }
-  // Misfits are y - x(θ): what is measured less these is the motion, whatever was measured.
+  // Misfits are y - x(θ): the measurement minus the misfit is the predicted motion.
   void evaluate(std::span<const double> x, std::span<double> y) override {
     for (const SidProblem* record : records_) {
       const std::vector<double> theta = record->theta(model_, x);
@@ -283,7 +284,7 @@ class ChainForward final : public OutsideModel {
       y = y.subspan(own.size());
       if (!misfit(*record).residuals(theta, own))
         throw std::invalid_argument(
-            "the chain has no such motion: it runs away, or makes no sense");
+            "the chain has no bounded motion with these parameters, or they are invalid");
       for (std::size_t c = 0, at = 0; at < own.size(); ++c)
         for (const double measured : observed(*record, c, theta)) {
           own[at] = measured - own[at];
@@ -306,8 +307,8 @@ class ChainForward final : public OutsideModel {
 
 using MakeDensity = std::function<std::unique_ptr<OutsideModel>(int model, bool with_prior)>;
 
-/// Whether there are derivatives: at the medians of the priors, which say what the model is asked
-/// for where the numbers are those of its parameters.
+/// True if the inputs are the parameters and the model has derivatives at the medians of their
+/// priors.
 bool has_gradient(const inference::Problem& problem, int model, const MakeDensity& make) {
   const std::unique_ptr<OutsideModel> trial = make(model, false);
   const inference::ModelSpace& space = problem.space;
@@ -322,7 +323,7 @@ bool has_gradient(const inference::Problem& problem, int model, const MakeDensit
 void add_densities(const inference::Problem& asked, const MakeDensity& make,
                    std::vector<ServedModel>& out) {
   for (int m = 0; m < asked.space.size(); ++m) {
-    if (asked.space[m].dimension == 0) continue;  // the protocol has no empty vectors
+    if (asked.space[m].dimension == 0) continue;  // the protocol does not support empty vectors
     const std::string name = asked.space.size() > 1 ? " " + asked.space[m].name : "";
     for (const bool with_prior : {false, true})
       out.push_back({.name = (with_prior ? "posterior" : "log_likelihood") + name,

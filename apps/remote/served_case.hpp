@@ -1,4 +1,4 @@
-// What of a case can be asked for by others: predictions, likelihood, posterior.
+// Predictions, likelihood and posterior of a case for other programs (`wheeltap serve`).
 #pragma once
 
 #include <memory>
@@ -11,25 +11,25 @@
 
 namespace wheeltap::apps {
 
-/// "forward": the parameters of the structure, alphabetically, to the frequencies [Hz] of the modes
-/// measured and of those to be foretold. "log_likelihood" and "posterior": all parameters to
-/// ln p(data | x), and to that and ln p(x). The problem must outlive them.
+/// Returns "forward": from the parameters of the structure, in alphabetical order, to the
+/// frequencies [Hz] of the measured modes and of the modes to predict. "log_likelihood" and
+/// "posterior": from all parameters to ln p(data | x), and to ln p(data | x) + ln p(x). The problem
+/// must outlive the models.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::UpdateProblem> problem);
 
-/// "forward": of each kind of defect, as many as there may be at the most, place and severity (and
-/// extent [m], where it is unknown) of each; a severity of 0 is none. The place is that of
-/// posterior.nc: on a beam location [m]; on other structures member (its number from 0) and
-/// location [m from its first node], or the number of a node, link or substructure. An emulator
-/// predicts where the likelihood uses it. For each model with its name, "log_likelihood NAME" and
-/// "posterior NAME", of the same numbers for the defects that there are. Throws
-/// std::invalid_argument where a kind has no severity to be 0.
+/// Returns "forward". Its inputs are place and severity (and extent [m], if unknown) of the largest
+/// number of defects of each kind; severity 0 means no defect. The place is that of posterior.nc:
+/// on a beam the location [m]; on other structures member (number from 0) and location [m from its
+/// first node], or the number of a node, link or substructure. It predicts with the emulator if the
+/// likelihood does. Each model NAME also has "log_likelihood NAME" and "posterior NAME", with the
+/// same inputs for its number of defects. Throws std::invalid_argument if a kind has no severity.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::DamageProblem> problem);
 
-/// For each model (with its name, where there are several), all of them from its parameters:
-/// "forward" to the response of every channel at the scored samples [SI], channel by channel,
-/// record by record, without noise; "log_likelihood" and "posterior".
+/// Returns for each model (with its name if there are several) three functions of its parameters.
+/// "forward" gives the response of every channel without noise at the samples of the likelihood
+/// [SI], channel by channel, record by record. The others are "log_likelihood" and "posterior".
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::SidProblem> problem);
 

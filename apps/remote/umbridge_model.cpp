@@ -34,7 +34,7 @@ std::unique_ptr<OutsideModel> umbridge_model(const UmbridgeSpec& spec, int /*inp
                                              int /*outputs*/) {
   throw OutsideModelError(Kind::unreachable,
                           spec.url +
-                              ": this wheeltap was built without cpp-httplib, and knows no "
+                              ": this wheeltap was built without cpp-httplib and cannot use "
                               "servers");
 }
 
@@ -43,9 +43,9 @@ std::unique_ptr<OutsideModel> umbridge_model(const UmbridgeSpec& spec, int /*inp
 namespace {
 
 constexpr double kFirstPause = 0.25, kLongestPause = 30.0;  // seconds between two tries
-constexpr std::size_t kLongest = 200;                       // characters of a server's own words
+constexpr std::size_t kLongest = 200;                       // characters of an answer in messages
 
-/// As much of a server's own words as a line has room for.
+/// The beginning of a server's answer, for a message.
 std::string beginning(const std::string& words) {
   return words.size() > kLongest ? words.substr(0, kLongest) + "..." : words;
 }
@@ -85,7 +85,7 @@ class UmbridgeModel final : public OutsideModel {
     }
   }
 
-  // The protocol has a row of sensitivities to one vector of outputs by one vector of inputs.
+  // The protocol has one row of sensitivities per pair of an output and an input vector.
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override {
     if (!has_gradient_) return false;
@@ -136,7 +136,7 @@ class UmbridgeModel final : public OutsideModel {
   static const Json& field(const Json& answer, const char* name, const std::string& where) {
     if (!answer.is_object() || !answer.contains(name))
       wrong(where, std::string("answered without \"") + name +
-                       "\": is it a server of UM-Bridge's protocol, version 1.0?");
+                       "\": is it a server of the UM-Bridge protocol, version 1.0?");
     return answer.at(name);
   }
   static void numbers(const Json& from, std::span<double> to, const std::string& where,
@@ -145,7 +145,7 @@ class UmbridgeModel final : public OutsideModel {
       wrong(where, "answered with " + std::to_string(from.size()) + " numbers at " + text(x) +
                        ", must be " + std::to_string(to.size()));
     for (std::size_t i = 0; i < to.size(); ++i) {
-      // JSON has no NaN: Python's writes one all the same, and others write null.
+      // JSON has no NaN, but Python writes NaN and other programs write null.
       if (!from[i].is_number() || !std::isfinite(from[i].get<double>()))
         wrong(where, "answered with " +
                          from[i].dump(-1, ' ', false, Json::error_handler_t::replace) + " at " +
@@ -173,11 +173,11 @@ class UmbridgeModel final : public OutsideModel {
       wrong(at("Info"), (spec_.model.empty() ? "offers several models"
                                              : "offers no model \"" + spec_.model + "\"") +
                             std::string(" (it has: ") + beginning(listed(names)) +
-                            "); \"model\" in the predictor names one");
+                            "); name one with \"model\" in the predictor");
     const Json about = ask("ModelInfo", {{"name", spec_.model}});
     const Json& support = field(about, "support", at("ModelInfo"));
     if (!support.is_object() || !support.value("Evaluate", false))
-      wrong(at("ModelInfo"), "says that \"" + spec_.model + "\" cannot be evaluated");
+      wrong(at("ModelInfo"), "states that \"" + spec_.model + "\" cannot be evaluated");
     has_gradient_ = support.value("Gradient", false);
   }
 
@@ -201,7 +201,7 @@ class UmbridgeModel final : public OutsideModel {
     return out;
   }
 
-  // Connections are kept: one for each thread that asks.
+  // One persistent connection per thread.
   std::unique_ptr<httplib::Client> take_client() {
     {
       const std::lock_guard lock(mutex_);
@@ -223,7 +223,7 @@ class UmbridgeModel final : public OutsideModel {
     return client;
   }
 
-  /// What a server said was wrong, in its own words.
+  /// The error message of a server.
   static std::string complaint(int status, const std::string& body) {
     const Json said = parse_answer(body);
     std::string words;
@@ -260,7 +260,7 @@ class UmbridgeModel final : public OutsideModel {
       };
       std::string text;
       bool too_long = false, too_slow = false;
-      // A server that never ends its answer, in no time or in drops, ends by this.
+      // Limits answers that never end, fast or slow.
       request.content_receiver = [&](const char* data, std::size_t n, auto, auto) {
         too_long = text.size() + n > kLargestAnswer;
         too_slow = seconds() > spec_.patience.timeout_seconds;
@@ -277,9 +277,9 @@ class UmbridgeModel final : public OutsideModel {
         if (said.is_discarded()) {
           const bool nan =
               text.find("NaN") != std::string::npos || text.find("Infinity") != std::string::npos;
-          wrong(where, (nan ? "answered with numbers that are not finite"
-                            : "answered with what is no JSON") +
-                           asked + ": " + text.substr(0, kLongest));
+          wrong(where,
+                (nan ? "answered with numbers that are not finite" : "answered with invalid JSON") +
+                    asked + ": " + text.substr(0, kLongest));
         }
         const std::lock_guard lock(mutex_);
         idle_.push_back(std::move(client));

@@ -1,4 +1,4 @@
-// A model behind a server, by the UM-Bridge protocol: HTTP and JSON.
+// Client of the UM-Bridge protocol (HTTP and JSON): models on a server.
 #pragma once
 
 #include <memory>
@@ -7,15 +7,15 @@
 
 namespace wheeltap::apps {
 
-/// Whether this program was built with what servers need.
+/// Returns true if this program was built with HTTP support.
 [[nodiscard]] bool knows_http();
 
-/// The model of protocol version 1 (Seelinger et al. 2023, UM-Bridge: Uncertainty quantification
-/// and modeling bridge; its page "UM-Bridge HTTP protocol"). /Info and /ModelInfo say which models
-/// there are and whether they have derivatives, /InputSizes and /OutputSizes their vectors: x is
-/// cut into those, y joined from them. Each thread has a connection of its own. A server that does
-/// not answer, or says 5xx, is asked again after ¼, ½, 1 … seconds; other answers are final.
-/// Throws OutsideModelError.
+/// Opens a model by protocol version 1 (Seelinger et al. 2023, UM-Bridge: Uncertainty
+/// quantification and modeling bridge; its page "UM-Bridge HTTP protocol"). /Info and /ModelInfo
+/// list the models and their derivatives, /InputSizes and /OutputSizes the sizes of their vectors:
+/// x is split into these, y joined from them. Each thread has its own connection. If a server does
+/// not answer or answers 5xx, the request is repeated after ¼, ½, 1 … seconds; other answers are
+/// final. Throws OutsideModelError.
 [[nodiscard]] std::unique_ptr<identification::OutsideModel> umbridge_model(const UmbridgeSpec& spec,
                                                                            int inputs, int outputs);
 

@@ -25,12 +25,12 @@ namespace {
 
 using identification::OutsideModel;
 
-/// What is wrong with a question, as the protocol says it.
+/// An error of a request, in the terms of the protocol.
 struct Refusal {
   std::string type, message;
 };
 
-/// Workers of a model that wait for work.
+/// Idle instances of a model.
 class Workers {
  public:
   explicit Workers(ServedModel model) : model_(std::move(model)), first_(model_.make()) {
@@ -101,11 +101,12 @@ Json evaluated(Workers& workers, const Json& question) {
     model.evaluate(x, y);
     return true;
   });
-  // JSON has no infinity: a density of zero is the least number there is.
+  // JSON has no infinity: a density of zero becomes the lowest number.
   for (double& value : y) {
     if (value == -std::numeric_limits<double>::infinity())
       value = std::numeric_limits<double>::lowest();
-    if (!std::isfinite(value)) throw Refusal{"InvalidOutput", "the answer is not finite there"};
+    if (!std::isfinite(value))
+      throw Refusal{"InvalidOutput", "the result is not finite for this input"};
   }
   return {{"output", Json::array({y})}};
 }
@@ -121,7 +122,7 @@ Json differentiated(Workers& workers, const Json& question) {
   std::vector<double> slope(x.size());
   const bool has =
       workers.with_one([&](OutsideModel& model) { return model.gradient(x, sens, slope); });
-  if (!has) throw Refusal{"UnsupportedFeature", "there is no gradient there"};
+  if (!has) throw Refusal{"UnsupportedFeature", "the model has no gradient for this input"};
   return {{"output", slope}};
 }
 
@@ -166,7 +167,8 @@ class Server {
       throw Failure(Exit::cannot_create,
                     "--port: " + options_.host +
                         (options_.port > 0 ? ", port " + std::to_string(options_.port) : "") +
-                        ": cannot be had: it is another's, or this machine has no such address");
+                        ": not available: another program uses it, or this machine does not have "
+                        "this address");
     std::jthread watch([this](const std::stop_token& done) {
       while (!done.stop_requested() && !(options_.stop && options_.stop()))
         std::this_thread::sleep_for(std::chrono::milliseconds(50));
@@ -186,10 +188,8 @@ class Server {
       const auto body = server_.body_of(reader);
       if (!body)
         return refuse(response,
-                      {"InvalidInput",
-                       "the question did not come to its end, or has "
-                       "more than " +
-                           std::to_string(kLargestAnswer) + " bytes"},
+                      {"InvalidInput", "the request is incomplete or has more than " +
+                                           std::to_string(kLargestAnswer) + " bytes"},
                       413);
       try {
         response.set_content(make_answer(*body, make).dump(), kType);
@@ -205,12 +205,12 @@ class Server {
 
   Json make_answer(const std::string& body, const Answer& make) {
     const Json question = parse_answer(body);
-    if (question.is_discarded()) throw Refusal{"InvalidInput", "the question is no JSON"};
+    if (question.is_discarded()) throw Refusal{"InvalidInput", "the request is not JSON"};
     const Json& name = field(question, "name");
     const auto found = std::ranges::find_if(
         models_, [&](const auto& model) { return name == model->model().name; });
-    if (found == models_.end()) throw Refusal{"ModelNotFound", "there is no model " + name.dump()};
-    // Connections are many; models at work are as many as threads.
+    if (found == models_.end()) throw Refusal{"ModelNotFound", "unknown model " + name.dump()};
+    // There may be many connections; at most one model per thread works at a time.
     struct Leave {
       std::counting_semaphore<>& of;
       ~Leave() { of.release(); }

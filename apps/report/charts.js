@@ -1,6 +1,6 @@
 // The figures of a report as Vega specifications: charts.figures(run) lists them, each with
-// spec(width, theme) and table() of the same numbers. Nothing here, nor in charts_*.js before it,
-// touches the page.
+// spec(width, theme) and table() of the same numbers. Neither this file nor charts_*.js changes
+// the page.
 const charts = (() => {
   const { themes, number, percent, probability, pValue, r2, slug, unit, bracketed, shares } = kit;
   const { modelProbabilities, evidence, sweep } = modelCharts;

@@ -1,4 +1,4 @@
-// Charts of a chain of masses: its drawing, the laws of its links, what they went through.
+// Charts of a chain of masses: its drawing, the laws of its links, and their motion and forces.
 const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, frame, linear, strokes, tickFormat, dots, dotMark, axisX, axisY }) => {
   // ---- the drawing ------------------------------------------------------------------------
   // A symbol reaches from (x, low) up to (x, top); its body is 36 px about the middle m.
@@ -11,7 +11,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     const m = (low + top) / 2;
     return `M${x},${low}L${x},${m + 12}M${x - 8},${m - 8}L${x - 8},${m + 12}L${x + 8},${m + 12}L${x + 8},${m - 8}M${x},${top}L${x},${m + 1}M${x - 6},${m + 1}L${x + 6},${m + 1}`;
   };
-  // What is not linear has an arrow through it.
+  // An arrow across the symbol of a nonlinear law.
   const across = (x, low, top) => { const m = (low + top) / 2; return `M${x - 10},${m + 13}L${x + 10},${m - 13}M${x + 4},${m - 11}L${x + 10},${m - 13}L${x + 9},${m - 6}`; };
   // Two plates that slide on each other, pressed together from both sides.
   const friction = (x, low, top) => {
@@ -19,7 +19,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     return `M${x},${low}L${x},${m + 17}L${x - 2},${m + 17}L${x - 2},${m - 11}M${x},${top}L${x},${m - 17}L${x + 2},${m - 17}L${x + 2},${m + 11}`
       + `M${x - 11},${m}L${x - 4},${m}M${x - 7},${m - 3}L${x - 4},${m}L${x - 7},${m + 3}M${x + 11},${m}L${x + 4},${m}M${x + 7},${m - 3}L${x + 4},${m}L${x + 7},${m + 3}`;
   };
-  // A stop: a spring that is met after a gap, from above (closing) or as a hook lets it (opening).
+  // A stop: a spring after a gap, met from above (closing) or by a hook (opening).
   const stop = (x, low, top, gap, opening) => {
     const m = (low + top) / 2;
     const body = `M${x},${low}${zigzag(x, m + 20, m + 2)}`;
@@ -27,7 +27,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       ? `${body}L${x},${m}M${x - 8},${m}L${x + 8},${m}M${x - 8},${m}L${x - 8},${m - 8 - gap}L${x - 3},${m - 8 - gap}M${x + 8},${m}L${x + 8},${m - 8 - gap}L${x + 3},${m - 8 - gap}M${x},${top}L${x},${m - 6}M${x - 5},${m - 6}L${x + 5},${m - 6}`
       : `${body}L${x},${m}M${x - 7},${m}L${x + 7},${m}M${x},${top}L${x},${m - gap}M${x - 7},${m - gap}L${x + 7},${m - gap}`;
   };
-  // Anything else is a box; a loop in it for what has a memory.
+  // All other laws: a box; a loop in it for laws with memory.
   const box = (x, low, top, inside) => { const m = (low + top) / 2; return `M${x},${low}L${x},${m + 13}M${x},${top}L${x},${m - 13}M${x - 10},${m - 13}L${x + 10},${m - 13}L${x + 10},${m + 13}L${x - 10},${m + 13}Z${inside}`; };
   const symbols = {
     stiffness: spring,
@@ -43,9 +43,9 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
   const symbol = (law, x, low, top) => (symbols[law.key] ? symbols[law.key](x, low, top, law.side)
     : box(x, low, top, `M${x - 7},${(low + top) / 2 + 8}C${x},${(low + top) / 2 + 8} ${x},${(low + top) / 2 - 8} ${x + 7},${(low + top) / 2 - 8}`));
 
-  // The coefficient of a term that was found: its law names it.
+  // The coefficient of an inferred term.
   class OfTerm { constructor(label) { this.label = label; } }
-  // "k = 12.3 N/m": what was found stands with its median, what the case states as it is.
+  // "k = 12.3 N/m": inferred values as medians, stated values as in the case.
   const said = (value, unit, found) => {
     const withUnit = (x, u) => number(x) + (written(u) ? ' ' + written(u) : '');
     if (typeof value === 'number') return withUnit(value, unit);
@@ -53,14 +53,14 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     const known = found[value];
     return typeof known?.q50 === 'number' ? `${value} = ${withUnit(known.q50, known.unit)}` : String(value);
   };
-  // A unit written with N and m, in the units of the run; none where those are not known.
+  // A unit written with N and m, in the units of the run; empty if those are not known.
   const inPlaceOf = (si, units) => {
     if (!units.force) return '';
     const factor = (u) => (/^[\p{L}\p{N}]*$/u.test(u) ? u : `(${u})`);
     return si.replace(/[A-Za-z]+/g, (word) => (word === 'N' ? factor(units.force) : word === 'm' ? factor(units.length) : word));
   };
-  // The laws of a link as { key, side, words }, in the order of their symbols. `infos`: the laws there
-  // are, with the SI units of their coefficients; `inRun` puts those in the units of the run.
+  // The laws of a link as { key, side, words }, in the order of their symbols. `infos`: all laws with
+  // the SI units of their coefficients; `inRun` converts these to the units of the run.
   const linkOrder = ['stiffness', 'damping'];
   function lawsOf(link, found, infos, inRun) {
     const keys = Object.keys(link).filter((k) => k !== 'between').sort((a, b) => (linkOrder.indexOf(a) + 1 || 9) - (linkOrder.indexOf(b) + 1 || 9));
@@ -73,7 +73,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       return { key, side: law.side, words: `${name}${law.side ? `, ${law.side}` : ''}${values.length ? ': ' : ''}${values.join(', ')}` };
     }));
   }
-  // In lines of at most so many characters, broken at ", " or ": ".
+  // Lines of at most `most` characters, broken at ", " or ": ".
   const pieces = (text) => text.split(/(?<=[,:]) /);
   function wrapped(text, most) {
     const lines = [];
@@ -115,7 +115,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     const unknowns = run.summary.unknowns?.[best.name] || [];
     const found = Object.fromEntries(Object.entries(run.summary.parameters[best.name] || {}).map(([name, row]) => [name, { ...row, unit: unknowns.find((u) => u.label === name)?.unit }]));
     const units = unitSystem(run), inRun = (si) => inPlaceOf(si || '', units);
-    // Links between the same two masses are drawn as one.
+    // Links between the same two masses form one drawing.
     const links = [];
     for (const l of model.links || []) {
       const a = Math.min(...l.between), b = Math.max(...l.between);
@@ -130,11 +130,11 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     const masses = model.masses.map((m, i) => `mass ${i + 1}: ${said(m, units.force === 'N' && units.length === 'm' ? 'kg' : inRun('N s^2/m'), found)}`);
     return [{
       id: 'chain', section: 'where', wide: true, title: `The chain of the most probable model, “${short(best.name, 60)}”`,
-      caption: `Masses and the laws of the links between them, beside their symbols from left to right; what was found stands with its median.${grounded ? ` 0 is the ${ground}.` : ''}`,
+      caption: `Masses and the laws of the links between them, named in the order of their symbols from left to right; inferred values are medians.${grounded ? ` 0 is the ${ground}.` : ''}`,
       table: () => ({ head: ['between', 'laws'], rows: links.map((l) => [l.name, l.laws.map((law) => law.words).join('; ')]) }),
       spec: (width, theme) => {
-        // A row a mass, from the ground up: readable at any width. Links that pass a mass stand beside
-        // the column, and all words to the right of them, or beneath where that is too narrow for them.
+        // One row per mass, from the ground up. Links that pass a mass are beside the column; all text is
+        // to the right of them, or beneath if there is too little width.
         const neighbours = links.filter((l) => l.b - l.a === 1), beside = links.filter((l) => l.b - l.a !== 1);
         const lane = 27, half = Math.max(56, Math.min(width / 4, 3.5 * Math.max(...masses.map((m) => m.length)) + 8), ...neighbours.map((l) => l.laws.length * lane / 2 + 8));
         const right = 4 + 2 * half;
@@ -151,14 +151,14 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
           const middle = l.x || 4 + half, low = yOf(l.a) - (l.a && !l.x ? 15 : 0), top = yOf(l.b) + (l.x ? 0 : 15);
           const at = (i) => middle + (i - (l.laws.length - 1) / 2) * lane;
           const first = at(0), last = at(l.laws.length - 1);
-          // Rails that the symbols hang between, and for a link beside the column its way to the masses.
+          // Rails between which the symbols lie, and the connection of a link beside the column to the masses.
           const rails = l.x
             ? `M${l.a ? right : right - 2},${low}L${last},${low}M${right},${top}L${last},${top}`
             : l.laws.length > 1 ? `M${first},${low - 5}L${last},${low - 5}M${middle},${low}L${middle},${low - 5}M${first},${top + 5}L${last},${top + 5}M${middle},${top}L${middle},${top + 5}` : '';
           const ends = l.x || l.laws.length < 2 ? [low, top] : [low - 5, top + 5];
           return { path: rails + l.laws.map((law, i) => symbol(law, at(i), ...ends)).join(''), text: lines.get(l), y: (low + top) / 2 - 6.5 * (lines.get(l).length - 1) };
         });
-        // Words that would run into each other move down.
+        // Move overlapping texts down.
         let free = beneath ? height + 12 : 0;
         for (const d of [...drawn].sort((a, b) => a.y - b.y)) { d.y = Math.max(d.y, free); free = d.y + 13 * d.text.length + 4; }
         return frame(width, Math.max(height, free), theme, {
@@ -179,12 +179,12 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     }];
   }
 
-  // The laws that the links were found to have, one chart a link, one band a model.
+  // The inferred laws of the links: one chart per link, one band per model.
   function laws(run) {
     const found = Object.entries(run.summary.links || {});
     const units = unitSystem(run), [force, length] = [bracketed(units.force), bracketed(units.length)];
     const keys = [...new Set(found.flatMap(([, links]) => links.map((l) => l.between.join(' – '))))];
-    // A damper or friction alone pulls nothing at rest: its picture is force against velocity.
+    // A damper or friction alone has no tension at rest: its chart is force against velocity.
     const pulls = (key) => found.some(([, links]) => links.some((l) => l.between.join(' – ') === key && Object.values(l.tension).flat().some((T) => T !== 0)));
     return keys.filter(pulls).map((key) => {
       const lines = found.flatMap(([model, links]) => links.filter((l) => l.between.join(' – ') === key).map((l) => ({ model, ...l })));
@@ -194,7 +194,7 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       const models = [...new Set(lines.map((l) => l.model))];
       return {
         id: 'law-' + slug(key), section: 'where', group: key, title: 'Law at rest', name: `Law of link ${key}`,
-        caption: 'Tension against extension (opening: positive), over the extensions that the record went through: median and 95 % band.',
+        caption: 'Tension against extension (opening: positive), over the extensions in the record: median and 95 % band.',
         table: () => ({ head: ['model', `extension${length}`, `2.5 %${force}`, `50 %${force}`, `97.5 %${force}`], rows: values.map((v) => [v.model, v.e, v.a, v.m, v.b]) }),
         spec: (width, theme) => frame(width, 170, theme, {
           data: [{ name: 'd', values }],
@@ -210,9 +210,9 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
     });
   }
 
-  // ---- what the links went through --------------------------------------------------------
-  // Force against displacement and velocity, and over both: the model's motion with its best draw,
-  // and the data where their accelerations are known.
+  // ---- motion and forces of the links -----------------------------------------------------
+  // Force against displacement, velocity and both: the model's motion with its best draw, and the
+  // data if their accelerations are known.
   function loops(run) {
     return (run.draws.link_paths || []).flatMap((link) => {
       const model = link.rows.map(([e, v, T]) => ({ e, v, T }));
@@ -227,10 +227,10 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
       const units = link.units || {}, [force, length, rate] = [units.tension, units.extension, units.rate].map(bracketed);
       const names = data.length ? ['data', 'model'] : ['model'];
       const thinned = link.rows.length < link.samples ? ` ${link.rows.length} of ${link.samples} samples.` : '';
-      // Once for the charts of a link.
+      // One lead for all charts of a link.
       const lead = "Dots: samples of the motion of the most probable model's best draw" + (data.length
-        ? `, and of the data: mass times acceleration less force, with ${link.differentiated ? 'accelerations differentiated from what was measured' : 'measured accelerations'} and the masses of that draw, over ${link.measured_extension ? 'measured displacements, and velocities' : 'displacements and velocities'} of the model.`
-        : '. The record has no accelerations that would tell the force in this link, or they are too noisy.') + thinned;
+        ? `, and of the data: mass times acceleration minus force, with ${link.differentiated ? 'accelerations from numerical derivatives of the measurements' : 'measured accelerations'} and the masses of that draw, over ${link.measured_extension ? 'measured displacements and velocities of the model' : 'displacements and velocities of the model'}.`
+        : '. The record has no accelerations that determine the force in this link, or they are too noisy.') + thinned;
       const table = () => ({ head: [`extension${length}`, `rate${rate}`, `tension of the model${force}`, `tension of the data${force}`, `measured extension${length}`], rows: link.rows });
       const loop = (id, title, key, axis, caption) => ({
         id: `${id}-${slug(link.between)}`, section: 'where', group: link.between, lead, title, name: `${title} of link ${link.between}`, caption, table,
@@ -245,12 +245,12 @@ const chainCharts = (({ number, written, bracketed, unitSystem, slug, short, fra
           });
         },
       });
-      // The tension as colour over extension and rate, of the data where they are known.
+      // The tension as colour over extension and rate; of the data if known, else of the model.
       const shown = data.length ? data : model;
       const top = Math.max(...shown.map((r) => Math.abs(r.T)));
       const map = {
         id: 'restoring-force-' + slug(link.between), section: 'where', group: link.between, title: 'Restoring force', name: `Restoring force of link ${link.between}`,
-        caption: `Tension of the ${data.length ? 'data' : 'model'}, as colour: a spring changes it along the extension, a damper along the rate; where neighbours differ, the force remembers.`, table,
+        caption: `Tension of the ${data.length ? 'data' : 'model'}, as colour: a spring changes it along the extension, a damper along the rate. Different colours of neighbours indicate a force with memory.`, table,
         spec: (width, theme) => {
           const x = extent('e', shown), y = extent('v', shown), shades = 9;
           const of = (T) => Math.min(shades - 1, Math.floor((T / top + 1) / 2 * shades));

@@ -1,4 +1,4 @@
-// Charts of a damaged beam: where, how bad, frequencies against the measured ones, the emulator.
+// Charts of damage: location, severity, predicted and measured frequencies, emulator errors.
 const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen, axisX, axisY, heat, cellTable }) => {
   function beam(run, kind, inclusion, several) {
     const { length, supports } = run.summary.beam;
@@ -7,8 +7,8 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     const top = Math.max(...inclusion, 1e-9);
     return {
       id: 'where' + (several ? '-' + slug(kind.name) : ''), section: 'where', wide: true,
-      title: several ? `Where the ${kind.plural} are` : `Where along the beam the ${kind.plural} are`,
-      caption: `Expected number of ${kind.plural} in each element, all counts together, above the beam (length to scale) and its supports.${truth.length ? ' Arrows: the truth that the data were simulated from.' : ''}`,
+      title: several ? `Location of ${kind.plural}` : `Location of ${kind.plural} along the beam`,
+      caption: `Expected number of ${kind.plural} in each element, all counts together, above the beam (length to scale) and its supports.${truth.length ? ' Arrows: truth of the simulated data.' : ''}`,
       table: () => ({ head: ['element', 'from [m]', 'to [m]', `expected ${kind.plural}`], rows: inclusion.map((p, e) => [e, e * step, (e + 1) * step, p]) }),
       spec: (width, theme) => frame(width, 182, theme, {
         data: [
@@ -35,8 +35,8 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     };
   }
 
-  // A structure, or a chain, drawn in the plane (space: seen from a corner), its cells coloured by the
-  // expected number of defects.
+  // A structure or chain in the plane (in space: an oblique view), with cells coloured by the expected
+  // number of defects.
   function structure(run, kind, inclusion, several) {
     const of = run.summary.structure, line = of.lines[kind.name];
     const view = (at) => of.dimension === 3
@@ -50,7 +50,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
       for (let c = s.first_cell; c < end; c += 1) {
         const what = { p: inclusion[c], name: s.name };
         if (line.of === 'node') { points.push({ ...what, x: nodes[s.site][0], y: nodes[s.site][1] }); continue; }
-        if (s.members) { // a group of them, each all along
+        if (s.members) { // a group of members, each over its whole length
           s.members.forEach((m) => {
             const [a, b] = bars[m].map((k) => nodes[k]);
             cells.push({ ...what, x: a[0], y: a[1], x2: b[0], y2: b[1] });
@@ -71,8 +71,8 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
       i + 1 < line.stretches.length ? line.stretches[i + 1].first_cell : inclusion.length).reduce((a, b) => a + b, 0)]);
     return {
       id: 'where' + (several ? '-' + slug(kind.name) : ''), section: 'where', wide: true,
-      title: `Where the ${kind.plural} are`,
-      caption: `The structure${of.dimension === 3 ? ', seen from a corner' : ''}; the darker, the more ${kind.plural} are expected there, all counts together (at most ${top.toPrecision(2)} in one ${line.of === 'member' ? 'element' : line.of}).`,
+      title: `Location of ${kind.plural}`,
+      caption: `The structure${of.dimension === 3 ? ' in an oblique view' : ''}; darker colours mean a larger expected number of ${kind.plural}, all counts together (at most ${top.toPrecision(2)} in one ${line.of === 'member' ? 'element' : line.of}).`,
       table: () => ({ head: [line.of, `expected ${kind.plural}`], rows: total }),
       spec: (width, theme) => {
         const height = Math.min(360, Math.max(140, size[0] > 0 ? width * size[1] / size[0] : 240));
@@ -114,7 +114,7 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
         out.push({
           id: `severity-and-location-${slug(kind.name)}-${view.count || 'all'}`, section: 'where', wide: true,
           title: `Severity and location, ${of}`,
-          caption: view.count ? '' : `Expected number of ${kind.plural} per metre and unit of ${joint.severity}. Separate islands are separate explanations of the same data, such as a place and its mirror image.`,
+          caption: view.count ? '' : `Expected number of ${kind.plural} per metre and unit of ${joint.severity}. Separate regions are separate explanations of the same data, such as a place and its mirror image.`,
           table: () => cellTable('location [m]', joint.severity, joint.bins_x, joint.bins_y, view.cells),
           spec: (width, theme) => heat(width, width < 480 ? 190 : 230, theme, {
             x: joint.bins_x, y: joint.bins_y, cells: view.cells, root: true, xTitle: 'location [m]', yTitle: yName, yFormat: fraction ? '%' : undefined,
@@ -136,8 +136,8 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     });
     const extent = 1.08 * Math.max(...values.flatMap((v) => [Math.abs(v.a), Math.abs(v.e)]));
     return [{
-      id: 'frequency-residuals', section: 'fit', wide: true, title: 'Replicated frequencies less the measured ones',
-      caption: `What the models found would measure, noise included: thick 50 %, thin 95 %, stroke the median. ${bySd ? 'In standard deviations of the data' : 'Relative to the measured frequency'}; the line at zero is the measurement, and bars that miss it are modes that the models cannot explain.`,
+      id: 'frequency-residuals', section: 'fit', wide: true, title: 'Replicated minus measured frequencies',
+      caption: `Frequencies that the models predict for a measurement, with noise: thick 50 %, thin 95 %, stroke the median. ${bySd ? 'In standard deviations of the data' : 'Relative to the measured frequency'}; the line at zero is the measurement. If a bar misses it, the models do not explain that mode.`,
       table: () => ({ head: ['mode', 'measured [Hz]', 'sd [Hz]', '2.5 % [Hz]', '25 % [Hz]', '50 % [Hz]', '75 % [Hz]', '97.5 % [Hz]'], rows: rows.map((r) => [r.mode, r.observed, r.sd, ...r.quantiles]) }),
       spec: (width, theme) => frame(width, 200, theme, {
         data: [{ name: 'r', values }],
@@ -160,8 +160,8 @@ const damageCharts = (({ probability, slug, circles, frame, linear, powersOfTen,
     if (!values.length) return [];
     const positive = values.flatMap((v) => [v.rmse, v.noise]).filter((v) => v > 0);
     return [{
-      id: 'emulator-error', section: 'emulator', wide: true, title: 'Error of the emulator for each mode, against the noise of the data',
-      caption: 'Root-mean-square error on finite-element runs that it was not trained on. Where points come near the short strokes, the noise, the emulator blurs the answer.',
+      id: 'emulator-error', section: 'emulator', wide: true, title: 'Error of the emulator for each mode, and noise of the data',
+      caption: 'Root-mean-square error on finite-element runs outside its training set. If points come near the short strokes (the noise), the emulator affects the answer.',
       table: () => ({ head: ['damages', 'mode', 'rmse [Hz]', 'largest error [Hz]', 'Q²', 'rmse / effect', 'noise [Hz]'], rows: rows.map((r) => [r.n, r.mode, r.rmse, r.max_error, r.q2, r.relative_rmse, r.noise]) }),
       spec: (width, theme) => frame(width, 190, theme, {
         data: [{ name: 'e', values }, { name: 'noise', values: values.filter((v) => v.noise > 0 && v.n === values[0].n) }],

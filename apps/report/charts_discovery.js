@@ -1,4 +1,4 @@
-// Charts of a discovery: which terms the links have, and the laws that they make.
+// Charts of a discovery: the terms of the links and their laws.
 const discoveryCharts = (({ percent, bracketed, unitSystem, inLines, nameRoom, namesInLines, tickFormat, slug, frame, linear, axisX, axisY }) => {
   function terms(run) {
     const all = run.summary.terms || [];
@@ -28,7 +28,7 @@ const discoveryCharts = (({ percent, bracketed, unitSystem, inLines, nameRoom, n
       }),
     }];
   }
-  // A law over all models, at rest or at no extension, over the forces that the record asks for.
+  // A law over all models, at rest or at zero extension, and the forces from the record.
   function foundLaw(law, at, { force, length, rate }) {
     const key = law.between.join(' – '), resting = at === 'extension';
     const bands = resting ? law.tension : law.resistance;
@@ -39,8 +39,8 @@ const discoveryCharts = (({ percent, bracketed, unitSystem, inLines, nameRoom, n
     const axis = resting ? `extension${length}` : `rate${rate}`, along = ends([...values.map((v) => v.x), ...points.map((p) => p.x)]);
     return {
       id: `found-law-${at}-` + slug(key), section: 'where', group: key, title: resting ? 'Law at rest, all models together' : 'Resistance, all models together', name: `${resting ? 'Law' : 'Resistance'} of link ${key}, all models together`,
-      caption: (resting ? 'Tension at rest: median and 95 % band over all models, each as probable as it is.' : 'Tension at no extension: median and 95 % band over all models. What has a memory (hysteresis) is not in it.')
-        + (points.length ? ` Dots: the tension that the measured motion asks for (force less mass times acceleration); they scatter about the line by what the other of extension and rate brings.` : ''),
+      caption: (resting ? 'Tension at rest: median and 95 % band over all models, weighted by their probabilities.' : 'Tension at zero extension: median and 95 % band over all models, without laws with memory (hysteresis).')
+        + (points.length ? ` Dots: the tension from the measured motion (force minus mass times acceleration); they scatter about the line by the part of the tension that depends on the ${resting ? 'rate' : 'extension'}.` : ''),
       table: () => ({ head: [axis, `2.5 %${force}`, `50 %${force}`, `97.5 %${force}`], rows: values.map((v) => [v.x, v.a, v.m, v.b]) }),
       spec: (width, theme) => frame(width, 190, theme, {
         data: [{ name: 'd', values }, { name: 'p', values: points }],
@@ -54,14 +54,14 @@ const discoveryCharts = (({ percent, bracketed, unitSystem, inLines, nameRoom, n
       }),
     };
   }
-  // Masri and Caughey's map: the tension that the record asks for, over extension and rate.
+  // Map of Masri and Caughey: the tension from the record over extension and rate.
   function forceMap(law, { force, length, rate }) {
     const key = law.between.join(' – ');
     const points = law.map.map(([e, v, t]) => ({ e, v, t }));
     const most = Math.max(...points.map((p) => Math.abs(p.t))), ends = (what) => [Math.min(...points.map((p) => p[what])), Math.max(...points.map((p) => p[what]))];
     return {
       id: 'force-map-' + slug(key), section: 'where', group: key, title: 'Restoring force', name: `Restoring force of link ${key} over its states`,
-      caption: 'Each dot is a sample of the record: where the link was, how fast it opened, and the tension that force less mass times acceleration leaves for it (Masri and Caughey 1979).',
+      caption: 'Each dot is a sample of the record: extension and rate of the link, and as colour its tension, force minus mass times acceleration (Masri and Caughey 1979).',
       table: () => ({ head: [`extension${length}`, `rate${rate}`, `tension${force}`], rows: law.map }),
       spec: (width, theme) => frame(width, 220, theme, {
         data: [{ name: 'p', values: points }],

@@ -1,4 +1,4 @@
-// What every chart is made with: themes, numbers in words, frames, scales and axes.
+// Shared parts of all charts: themes, formats of numbers, frames, scales and axes.
 const kit = (() => {
   // Okabe & Ito's colours, which remain apart for colour-blind readers.
   const themes = {

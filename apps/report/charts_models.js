@@ -1,4 +1,4 @@
-// Charts of models beside each other: their probabilities, evidences, and a sweep's.
+// Charts that compare models: probabilities, evidences, and probabilities over a sweep.
 const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame, linear, axisX, axisY }) => {
   function modelProbabilities(run) {
     const all = run.summary.models;
@@ -9,7 +9,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     const room = 14 + 7 * Math.max(...shown.map((m) => label(m).length));
     return {
       id: 'model-probabilities', section: 'models', wide: true, title: 'Probability of each model',
-      caption: `Bars: the posterior probability; whiskers: twice its Monte Carlo error; short strokes: the prior.${all.some((m) => m.basis === 'evidence') ? ' Values marked ᵉ, with bar and whisker, are those of the evidence: the draws cannot say.' : ''}${shown.length < all.length ? ` The ${shown.length} most probable of ${all.length}.` : ''}`,
+      caption: `Bars: the posterior probability; whiskers: twice its Monte Carlo error; short strokes: the prior.${all.some((m) => m.basis === 'evidence') ? ' Values marked ᵉ, with bar and whisker, come from the evidence, not from draws.' : ''}${shown.length < all.length ? ` The ${shown.length} most probable of ${all.length}.` : ''}`,
       table: () => ({ head: keys, rows: all.map((m) => keys.map((k) => m[k])) }),
       spec: (width, theme) => frame(width, 34 * shown.length, theme, {
         data: [{ name: 'm', values: shown.map((m, i) => ({ ...m, i, label: label(m), low: Math.max(0, m.probability - 2 * (m.mcse || 0)), high: Math.min(1, m.probability + 2 * (m.mcse || 0)) })) }],
@@ -45,8 +45,8 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
         low: Math.max(0, r.p - 2 * (r.se || 0)), high: Math.min(1, r.p + 2 * (r.se || 0)) })));
     const all = ['chains', ...methods.map(([m]) => m)];
     return [{
-      id: 'evidence', section: 'models', wide: true, title: 'The same probabilities from evidences computed apart',
-      caption: 'The chains beside methods that compute the evidence of each model on its own; whiskers: twice the standard error. They should agree.',
+      id: 'evidence', section: 'models', wide: true, title: 'Probabilities from independent evidences',
+      caption: 'The chains and methods that compute the evidence of each model separately; whiskers: twice the standard error. They should agree.',
       table: () => ({ head: ['method', 'model', 'ln evidence', 'standard error', 'ln Bayes factor', 'probability', 'error of the probability', 'likelihood evaluations'],
         rows: methods.flatMap(([method, rows]) => rows.map((r) => [method, r.model, r.log_evidence, r.standard_error, r.log_bayes_factor, r.probability, r.probability_error, r.likelihood_evaluations])) }),
       spec: (width, theme) => frame(width, (14 * all.length + 12) * models.length, theme, {
@@ -100,7 +100,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
       }
     }
     if (factors.length) {
-      out.push(lines('sweep-bayes-factor', 'Logarithm of the Bayes factor', 'Above zero the data favour the model named first. Missing points: a model was never visited, so that the chains only bound the factor.', 'ln B',
+      out.push(lines('sweep-bayes-factor', 'Logarithm of the Bayes factor', 'Above zero, the data favour the first model. Missing points: the chains did not visit a model and give only a bound of the factor.', 'ln B',
         factors, [...new Set(factors.map((f) => f.g))], [Math.min(0, ...factors.map((f) => f.low)), Math.max(0, ...factors.map((f) => f.high))], undefined,
         () => ({ head: [path, 'models', 'ln Bayes factor', 'low', 'high'], rows: factors.map((f) => [f.x, f.g, f.v, f.low, f.high]) })));
     }

@@ -1,4 +1,4 @@
-// Charts of measured mode shapes beside computed ones.
+// Charts that compare measured and computed mode shapes.
 const modeCharts = (({ frame, linear, axisY }) => {
   // Shapes beside each other: of an update those of its data, of damage those of each state.
   const sets = (run) => run.summary.data?.shapes_of || [run.summary.data || {}];
@@ -13,7 +13,7 @@ const modeCharts = (({ frame, linear, axisY }) => {
     const measured = [...new Set(cells.map((c) => c.measured))], computed = [...new Set(cells.map((c) => c.computed))];
     return [{
       id: `${slug(set)}mac`, section: 'fit', title: `MAC of measured and computed shapes${named(set)}`,
-      caption: 'At the best draw, over the sensors of each shape: 1 where two shapes are alike. Each measured mode is matched by its shape and its frequency together.',
+      caption: 'At the best draw, over the sensors of each shape; 1: same shape. Wheeltap matches each measured mode by shape and frequency together.',
       table: () => ({ head: ['measured mode', ...computed.map((c) => `computed ${c}`)], rows: measured.map((m) => [Number(m), ...computed.map((c) => cells.find((x) => x.measured === m && x.computed === c)?.value ?? null)]) }),
       spec: (width, theme) => frame(width, Math.max(120, 34 * measured.length), theme, {
         data: [{ name: 'c', values: cells }],
@@ -29,7 +29,7 @@ const modeCharts = (({ frame, linear, axisY }) => {
     }];
   }
 
-  // Measured entries and computed ones over the sensors, a figure a mode.
+  // Measured and computed entries over the sensors, one figure per mode.
   const shapes = (run) => sets(run).flatMap((set) => shapesOf(set));
   function shapesOf(set) {
     const { shapes: measured, computed_shapes: computed, sensors } = set;
@@ -40,7 +40,7 @@ const modeCharts = (({ frame, linear, axisY }) => {
       const all = values.flatMap((v) => [v.measured, v.computed, 0]);
       const low = Math.min(...all), high = Math.max(...all), pad = 0.08 * (high - low);
       return [{
-        id: `${slug(set)}shape-${i + 1}`, section: 'fit', title: `Shape of mode ${i + 1}${named(set)}`, caption: 'Points: as measured. Strokes: computed at the best draw, scaled to them.',
+        id: `${slug(set)}shape-${i + 1}`, section: 'fit', title: `Shape of mode ${i + 1}${named(set)}`, caption: 'Points: measured. Strokes: computed at the best draw, scaled to the points.',
         table: () => ({ head: ['sensor', 'measured', 'computed'], rows: values.map((v) => [v.name, v.measured, v.computed]) }),
         spec: (width, theme) => frame(width, 150, theme, {
           data: [{ name: 'v', values }],

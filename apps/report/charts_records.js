@@ -1,4 +1,4 @@
-// Charts of records against what models predict: over time, in frequency, what is left.
+// Charts of records and predictions: time histories, spectra, frequency responses, residuals.
 const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat, strokes, tickFormat, frequencyScale, frequencyAxis, axisX, axisY }) => {
   // |H1| of data and model over the coherence of the data, one frequency axis.
   function transfer(r, t) {
@@ -63,8 +63,8 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
         {
           id: 'response-' + slug(r.name), section: 'fit', wide: true, zoom: span, title: `Measured and predicted: ${label}`,
           caption: `${r.noise_free
-            ? 'Predicted: median and 95 % band of the motion, without noise, on top of the paler 95 % band of what the models found would measure, noise included.'
-            : 'Predicted: median and 95 % band of what the models found would measure, noise included (this run kept no prediction without).'} Drag to zoom, double-click for the whole record, or use the buttons.${bucket}`,
+            ? 'Predicted: median and 95 % band of the motion without noise, on the paler 95 % band of measurements with noise.'
+            : 'Predicted: median and 95 % band of measurements with noise (this run stored no prediction without noise).'} Drag to zoom, double-click for the whole record, or use the buttons.${bucket}`,
           table: () => ({ head: ['time [s]', 'measured', 'with noise 2.5 %', 'predicted 2.5 %', 'predicted 50 %', 'predicted 97.5 %', 'with noise 97.5 %', 'residual'], rows: r.history }),
           spec: (width, theme) => frame(width, 220, theme, {
             ...zoomed,
@@ -78,8 +78,8 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
           }),
         },
         {
-          id: 'residual-' + slug(r.name), section: 'fit', wide: true, zoom: span, title: `What is left: ${label}`,
-          caption: `Measured less predicted${r.noise_free ? ' (the median without noise)' : ''}. Noise looks alike everywhere; what grows with the motion, or goes with it, is what the model misses.${bucket}`,
+          id: 'residual-' + slug(r.name), section: 'fit', wide: true, zoom: span, title: `Residual: ${label}`,
+          caption: `Measured minus predicted${r.noise_free ? ' (the median without noise)' : ''}. Noise looks the same everywhere; residuals that follow the motion indicate an error of the model.${bucket}`,
           table: () => ({ head: ['time [s]', 'residual'], rows: values.map((v) => [v.t, v.rest]) }),
           spec: (width, theme) => frame(width, 120, theme, {
             ...zoomed,
@@ -91,7 +91,7 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
           }),
         },
         {
-          id: 'spectrum-' + slug(r.name), section: 'fit', title: `Spectrum: ${r.name}`, caption: `Power spectral density of the data, of the prediction${r.noise_free ? ' without noise' : ''} and of what is left.`,
+          id: 'spectrum-' + slug(r.name), section: 'fit', title: `Spectrum: ${r.name}`, caption: `Power spectral density of the data, of the prediction${r.noise_free ? ' without noise' : ''} and of the residual.`,
           table: () => ({ head: ['frequency [Hz]', 'data', 'predicted', 'residual'], rows: r.spectrum }),
           spec: (width, theme) => frame(width, 170, theme, {
             data: [{ name: 'd', values: ['data', 'predicted', 'residual'].flatMap((who, k) => r.spectrum.filter((s) => s[k + 1] > 0).map((s) => ({ f: s[0], v: s[k + 1], who }))) }],
@@ -104,7 +104,7 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
         },
         ...(r.transfer || []).filter((t) => t.rows.some((row) => row[1] > 0)).map((t) => transfer(r, t)),
         {
-          id: 'autocorrelation-' + slug(r.name), section: 'fit', title: `Autocorrelation of the residuals: ${r.name}`, caption: 'Outside the shaded band, white residuals would lie one time in twenty. Many outside mean that the model misses something, and that its intervals are too narrow.',
+          id: 'autocorrelation-' + slug(r.name), section: 'fit', title: `Autocorrelation of the residuals: ${r.name}`, caption: 'White residuals lie outside the shaded band one time in twenty. Many values outside mean that the model lacks an effect and that its intervals are too narrow.',
           table: () => ({ head: ['lag', 'autocorrelation'], rows: rho.map((v) => [v.lag, v.v]) }),
           spec: (width, theme) => frame(width, 170, theme, {
             data: [{ name: 'd', values: rho }],

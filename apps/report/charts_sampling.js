@@ -1,4 +1,4 @@
-// Charts of draws: posteriors of parameters, and how the sampler fared.
+// Charts of draws: posteriors of parameters, histories, model visits and acceptance.
 const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, circles, legend, tickFormat, frame, linear, axisX, axisY, heat, cellTable }) => {
   function marginal(model, p, fraction) {
     const x0 = p.bins.from, w = p.bins.width, shown = p.prior ? ['posterior', 'prior'] : ['posterior'];
@@ -55,7 +55,7 @@ const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, cir
     const { step, chains } = run.draws.visits;
     const names = fewNames(run.summary.models);
     const used = [...new Set(chains.flat().sort((a, b) => a - b).map((m) => names[m]))];
-    // Neighbouring draws in one model are one bar.
+    // Consecutive draws of one model form one bar.
     const values = chains.flatMap((c, i) => {
       const bars = [];
       c.forEach((m, n) => {
@@ -67,7 +67,7 @@ const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, cir
     });
     return {
       id: 'model-visits', section: 'sampling', wide: true, title: 'Model of each draw',
-      caption: `One row a chain${step === 1 ? "" : `, one draw in ${step}`}. Colours that alternate everywhere, alike in all rows, mean that the chains move freely between models.`,
+      caption: `One row per chain${step === 1 ? "" : `, one draw in ${step}`}. Colours that alternate everywhere, in all rows alike, mean that the chains move freely between models.`,
       table: () => ({ head: ['draw', ...chains.map((_, i) => 'chain ' + (i + 1))], rows: chains[0].map((_, n) => [n * step + 1, ...chains.map((c) => names[c[n]])]) }),
       spec: (width, theme) => frame(width, Math.max(60, 22 * chains.length), theme, {
         data: [{ name: 'v', values }],
@@ -86,12 +86,12 @@ const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, cir
     const used = names.map((_, m) => m).filter((m) => few[m] === names[m] && probability.some((row) => row[m] > 0));
     return {
       id: 'running-probability', section: 'sampling', wide: true, title: 'Probability of each model as draws accumulate',
-      caption: 'Lines that have become level say that more draws would change little.',
-      table: () => ({ head: ['draws a chain', ...names], rows: draws.map((d, i) => [d, ...probability[i]]) }),
+      caption: 'Level lines mean that more draws would change little.',
+      table: () => ({ head: ['draws per chain', ...names], rows: draws.map((d, i) => [d, ...probability[i]]) }),
       spec: (width, theme) => frame(width, 150, theme, {
         data: [{ name: 'd', values: used.flatMap((m) => draws.map((t, i) => ({ t, p: probability[i][m], m: names[m] }))) }],
         scales: [linear('x', [0, run.draws.draws], 'width'), linear('y', [0, 1], 'height'), { name: 'm', type: 'ordinal', domain: used.map((m) => names[m]), range: theme.series }],
-        axes: [axisX('draws a chain'), axisY(null, { format: '%' })],
+        axes: [axisX('draws per chain'), axisY(null, { format: '%' })],
         legends: [strokes(width, used.map((m) => names[m]), 'm')],
         marks: [{ type: 'group', from: { facet: { name: 'one', data: 'd', groupby: 'm' } }, marks: [{ type: 'line', from: { data: 'one' }, encode: { enter: {
           x: { scale: 'x', field: 't' }, y: { scale: 'y', field: 'p' }, stroke: { scale: 'm', field: 'm' }, strokeWidth: { value: 2 } } } }] }],
@@ -102,7 +102,7 @@ const samplingCharts = (({ percent, fewNames, restyled, slug, unit, strokes, cir
     const moves = Object.entries(run.summary.diagnostics.acceptance?.moves || {}).filter(([, m]) => m && m.proposed > 0);
     if (!moves.length) return [];
     return [{
-      id: 'acceptance', section: 'sampling', wide: true, title: 'Acceptance of each kind of move', caption: 'The share of proposals that were accepted.',
+      id: 'acceptance', section: 'sampling', wide: true, title: 'Acceptance of each kind of move', caption: 'The share of accepted proposals.',
       table: () => ({ head: ['move', 'proposed', 'accepted', 'rate'], rows: moves.map(([n, m]) => [n, m.proposed, m.accepted, m.rate]) }),
       spec: (width, theme) => frame(width, 22 * moves.length, theme, {
         data: [{ name: 'm', values: moves.map(([name, m]) => ({ name, rate: m.rate, label: percent(m.rate) })) }],

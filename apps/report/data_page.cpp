@@ -12,7 +12,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kColumns = 480;  // of pixels that hold data
+constexpr std::size_t kColumns = 480;  // columns of pixels for data
 
 std::string with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + " [" + unit + "]";

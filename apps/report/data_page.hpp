@@ -1,4 +1,4 @@
-// A page that draws a measured file.
+// HTML page of a measured file.
 #pragma once
 
 #include <string>
@@ -7,8 +7,8 @@
 
 namespace wheeltap::apps {
 
-/// One HTML file without anything from elsewhere: of each channel its history (the envelope where
-/// there are more samples than pixels) and its spectrum with the peaks marked, with what is odd.
+/// Returns one self-contained HTML file with the time history of each channel (its envelope if
+/// there are more samples than pixels), its spectrum with marked peaks, and its oddities.
 [[nodiscard]] std::string data_page(const MeasuredFile& file);
 
 }  // namespace wheeltap::apps

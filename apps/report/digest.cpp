@@ -14,7 +14,7 @@ using identification::weighted_quantile;
 
 namespace {
 
-// Of values and what each counts.
+// Quantiles of values with weights.
 Report quantiles_of(const std::vector<std::pair<double, double>>& values) {
   Report out = Report::array();
   for (const double p : {0.025, 0.25, 0.5, 0.75, 0.975}) {
@@ -79,12 +79,12 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
       high = std::max(high, y->values[i]);
     }
     if (!(low <= high)) continue;
-    // About a hundred along the beam, a whole number of them in each element.
+    // About a hundred bins along the beam, a whole number per element.
     const auto elements =
         std::max<std::size_t>(1, summary.at("beam").value("elements", std::size_t{1}));
     const std::size_t along = elements * std::max<std::size_t>(1, (100 + elements - 1) / elements);
     const Bins bx{0.0, length / static_cast<double>(along), along};
-    // Shares are drawn from zero to a round number above the largest.
+    // The axis of shares goes from zero to a round number above the largest.
     const double top = share ? std::min(1.0, std::ceil(10.0 * high) / 10.0) : high;
     const double bottom = share ? 0.0 : low;
     const Bins by{bottom, top > bottom ? (top - bottom) / 50.0 : 1.0, 50};
@@ -122,7 +122,7 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
   return out;
 }
 
-// Quantiles of replicated frequencies, one row a mode.
+// Quantiles of replicated frequencies, one row per mode.
 Report predictive(const io::NetcdfReader& file, const StoredDraws& posterior) {
   const auto group = file.group("posterior_predictive");
   const auto observed = file.group("observed_data");

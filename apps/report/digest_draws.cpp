@@ -4,14 +4,11 @@
 
 namespace wheeltap::apps {
 
-// As many bins as the draws can fill: in proportion to the cube root of their number, as Freedman &
-// Diaconis's rule (1981) has it, but finer, since posteriors here are often several narrow islands.
 std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest, std::size_t most) {
   const auto wanted = static_cast<std::size_t>(factor * std::cbrt(static_cast<double>(draws)));
   return std::clamp(wanted, fewest, most);
 }
 
-// Bins over the draws; all alike where they are one value.
 Bins bins_over(const std::vector<double>& values, std::size_t n) {
   const auto [low, high] = std::ranges::minmax(values);
   if (!(high > low)) {

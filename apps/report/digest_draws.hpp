@@ -1,4 +1,4 @@
-// What the parts of the digest share: variables of posterior.nc, the draws in them, bins.
+// Shared parts of the digest: variables of posterior.nc, their draws, bins.
 #pragma once
 
 #include <cmath>
@@ -14,7 +14,7 @@
 namespace wheeltap::apps {
 
 inline constexpr double kCharted = 0.005;           // models with less probability have no charts
-inline constexpr std::size_t kHistoryPoints = 400;  // a chain, in the histories
+inline constexpr std::size_t kHistoryPoints = 400;  // points per chain in the histories
 
 struct Bins {
   double from = 0.0, width = 1.0;
@@ -28,12 +28,11 @@ struct Bins {
   }
 };
 
-/// As many bins as the draws can fill: in proportion to the cube root of their number, as Freedman
-/// & Diaconis's rule (1981) has it, but finer, since posteriors here are often several narrow
-/// islands.
+/// Returns a number of bins in proportion to the cube root of the number of draws, by the rule of
+/// Freedman & Diaconis (1981), but finer, since posteriors often have several narrow modes.
 [[nodiscard]] std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest,
                                    std::size_t most);
-/// Bins over the draws; all alike where they are one value.
+/// Returns n bins over the range of the draws; one bin if all draws are equal.
 [[nodiscard]] Bins bins_over(const std::vector<double>& values, std::size_t n);
 /// A two-dimensional histogram.
 class CellCounts {
@@ -42,7 +41,7 @@ class CellCounts {
   void add(double x, double y, double weight = 1.0) {
     counts_[x_.at(x) * y_.n + y_.at(y)] += weight;
   }
-  /// Cells that hold anything: [i, j, density], of what adds up to `total`.
+  /// Returns the cells that are not empty as [i, j, density]; the counts add up to `total`.
   [[nodiscard]] Report json(double total) const;
 
  private:
@@ -50,16 +49,16 @@ class CellCounts {
   std::vector<double> counts_;
 };
 
-/// More draws make no other picture.
+/// Most draws in a chart: more do not change it visibly.
 constexpr std::size_t kMostCharted = 1 << 18;
 
 /// An unknown of a model and the variable that holds its draws.
 struct Series {
   std::string label;      ///< as in summary.json
-  std::size_t slot = 0;   ///< of the variable's rows, 0-based
-  std::string prior;      ///< where the case states it, a JSON pointer
-  int ordered_among = 0;  ///< of so many exchangeable ones it is the (slot + 1)-th; 0: of none
-  std::string unit;       ///< empty where not known
+  std::size_t slot = 0;   ///< row of the variable, 0-based
+  std::string prior;      ///< JSON pointer to its prior in the case
+  int ordered_among = 0;  ///< number of exchangeable ones, it is the (slot + 1)-th; 0: none
+  std::string unit;       ///< empty if not known
   const io::NetcdfArray* variable = nullptr;
 
   [[nodiscard]] double at(std::size_t draw) const {
@@ -67,24 +66,24 @@ struct Series {
   }
 };
 
-/// The draws of a run, of more than kMostCharted every step()-th.
+/// The draws of a run; every step()-th if there are more than kMostCharted.
 class StoredDraws {
  public:
   StoredDraws(const io::NetcdfReader& file, const Report& summary);
   [[nodiscard]] std::size_t chains() const { return chains_; }
-  /// Those held of each chain.
+  /// The number of stored draws of each chain.
   [[nodiscard]] std::size_t draws() const { return draws_; }
   [[nodiscard]] std::size_t step() const { return step_; }
-  /// Those made.
+  /// The number of draws of each chain in the run.
   [[nodiscard]] std::size_t all_draws() const { return all_draws_; }
-  /// The number, from 1, that the i-th held of a chain has among all of it.
+  /// The number (from 1) of the i-th stored draw among all draws of its chain.
   [[nodiscard]] std::size_t number(std::size_t i) const { return i * step_ + 1; }
   [[nodiscard]] std::size_t model(std::size_t at) const { return model_[at]; }
-  /// What a draw counts beside others, 1 on average.
+  /// The weight of a draw, 1 on average.
   [[nodiscard]] double weight(std::size_t at) const { return weights_[at]; }
   [[nodiscard]] std::size_t size() const { return model_.size(); }
   [[nodiscard]] const io::NetcdfArray* find(const std::string& name) const;
-  /// Those of a model, as summary.json lists them.
+  /// The unknowns of a model in the order of summary.json.
   [[nodiscard]] std::vector<Series> series(const std::string& model) const;
 
  private:
@@ -95,14 +94,14 @@ class StoredDraws {
   std::vector<double> weights_;
 };
 
-/// Histogram, prior density and thinned history of each parameter of the models that matter, and
-/// joint histograms of pairs, as "parameters" and "pairs" of `out`.
+/// Adds "parameters" (histogram, prior density and thinned history of each parameter of the models
+/// with P >= kCharted) and "pairs" (joint histograms) to `out`.
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out);
-/// Each response channel of a record: data, what is predicted without noise and with it, over time,
-/// spectra, frequency responses to what drove it, autocorrelation of the residuals.
+/// Returns for each response channel of a record: data and predictions with and without noise over
+/// time, spectra, frequency responses to the excitations, autocorrelation of the residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
-/// What each link went through in the motion of the best draw, and what the data say of its
-/// tension; thinned evenly. Empty where the run did not keep it.
+/// Returns extension, rate and tension of each link in the motion of the best draw, and the tension
+/// from the data; thinned evenly. Empty if the run did not store them.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

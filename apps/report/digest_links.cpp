@@ -7,7 +7,7 @@ namespace wheeltap::apps {
 namespace {
 
 constexpr std::size_t kMostLinks = 6;
-constexpr std::size_t kMostPoints = 2400;  // a link
+constexpr std::size_t kMostPoints = 2400;  // per link
 
 Report number_or_null(const std::vector<double>& values, std::size_t at) {
   return at < values.size() && std::isfinite(values[at]) ? Report(compact(values[at])) : Report();

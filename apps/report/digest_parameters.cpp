@@ -7,7 +7,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kMostPairs = 6;  // parameters that are paired
+constexpr std::size_t kMostPairs = 6;  // parameters in pairs
 constexpr std::size_t kCurve = 161;    // points of a prior's density
 
 double density(const inference::Prior& prior, double x) {
@@ -22,7 +22,7 @@ double order_statistic(const inference::Prior& prior, double x, int i, int n) {
   return choose * std::pow(f, i - 1) * std::pow(1.0 - f, n - i) * density(prior, x);
 }
 
-// The prior that the case states there; none where that is no plain prior.
+// The prior at this place of the case; none if it is not a plain prior.
 std::optional<inference::Prior> prior_of(const CaseFile& stated, const std::string& pointer) {
   if (pointer.empty()) return {};
   try {
@@ -34,8 +34,8 @@ std::optional<inference::Prior> prior_of(const CaseFile& stated, const std::stri
   }
 }
 
-// A discovery makes the priors of its terms: the summary has them in words, "uniform [0, 2]", which
-// are those of a case, written otherwise.
+// The priors that a discovery gives its terms: the summary has them as text, "uniform [0, 2]", with
+// the names of a case.
 void add_priors_made(const Report& summary, Json& stated) {
   if (!summary.contains("priors") || !summary["priors"].is_object()) return;
   for (const auto& [label, words] : summary["priors"].items()) {
@@ -102,7 +102,7 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
       x_list.push_back(compact(x, bins.width));
       p_list.push_back(compact(p));
     }
-    // The area that posterior and prior share: 1 where the data said nothing.
+    // The area that posterior and prior share: 1 if the data have no information.
     double overlap = 0.0;
     for (std::size_t b = 0; b < bins.n; ++b) {
       const double x = bins.from + (static_cast<double>(b) + 0.5) * bins.width;
@@ -140,7 +140,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
       Report one = one_parameter(posterior, series, m, all, stated);
       if (one.is_null()) continue;
       list.push_back(std::move(one));
-      // What never varies, the member of a damage say, is a pair of nothing.
+      // A constant (for example the member of a damage) has no pairs.
       const auto [low, high] = std::ranges::minmax(all);
       if (labels.size() < kMostPairs && low < high) {
         labels.push_back(series.label);

@@ -12,11 +12,11 @@ using identification::quantile;
 
 namespace {
 
-constexpr std::size_t kTimePoints = 8000;  // of all channels together
+constexpr std::size_t kTimePoints = 8000;  // all channels together
 constexpr std::size_t kMostDrivers = 2;    // excitations with frequency responses
-constexpr double kExcited = 1e-4;          // of its peak: a spectrum below has no response to show
+constexpr double kExcited = 1e-4;          // share of its peak below which a spectrum is zero
 
-// What drove the chain, as the run kept it.
+// An excitation of the chain, as the run stored it.
 struct Driver {
   std::string name, role, unit;
   std::vector<double> values;
@@ -40,11 +40,11 @@ std::vector<Driver> drivers(const io::NetcdfReader& file, std::size_t samples) {
   return out;
 }
 
-// What is predicted of a response, sample by sample: of replicates (noise included) and without
-// noise. Runs of before that group keep replicates alone: their median stands in, without a band.
+// Predictions of a response at each sample: replicates (with noise) and without noise. Older runs
+// stored replicates only: their median replaces the prediction without noise, without a band.
 struct Predicted {
   std::vector<double> low, high;            // 95 % band of replicates
-  std::vector<double> median, q2_5, q97_5;  // without noise; the quantiles empty where not kept
+  std::vector<double> median, q2_5, q97_5;  // without noise; the quantiles may be empty
 };
 
 std::optional<Predicted> predicted(const io::NetcdfReader& file, int replicates,
@@ -79,7 +79,7 @@ std::optional<Predicted> predicted(const io::NetcdfReader& file, int replicates,
 }
 
 // Over time: [t, measured, replicates 2.5 %, without noise 2.5 %, 50 %, 97.5 %, replicates 97.5 %,
-// residual]. Long records are cut into buckets that keep the extremes.
+// residual]. Long records are divided into buckets that keep the extremes.
 Report history(const std::vector<double>& time, const std::vector<double>& y, const Predicted& p,
                const std::vector<double>& residual, std::size_t points) {
   const std::size_t samples = time.size();
@@ -92,7 +92,7 @@ Report history(const std::vector<double>& time, const std::vector<double>& y, co
   Report rows = Report::array();
   for (std::size_t b = 0; b < points; ++b) {
     const std::size_t from = b * samples / points, to = (b + 1) * samples / points;
-    // Lowest, then highest of the bucket: a line through both fills what it spans.
+    // Minimum, then maximum of the bucket: a line through both covers its range.
     for (const bool high : {false, true}) {
       const double t = high ? 0.5 * (time[to - 1] + time[from]) : time[from];
       rows.push_back({t, extreme(y, from, to, high), extreme(p.low, from, to, false),
@@ -106,11 +106,11 @@ Report history(const std::vector<double>& time, const std::vector<double>& y, co
 }
 
 // Frequency responses H1 of the data and of the predicted median to one excitation, estimated with
-// the same windows: frequency, |H1| and phase of both, coherence of the data; frequencies that
-// nothing excited are left out.
+// the same windows: frequency, |H1| and phase of both, coherence of the data; without frequencies
+// that the excitation does not contain.
 Report transfer(const Driver& driver, const std::vector<double>& y,
                 const std::vector<double>& median, double rate, const std::string& unit) {
-  // At least fifteen half-overlapping segments: the coherence of few is near 1 whatever the data.
+  // At least fifteen half-overlapping segments: with few, the coherence of any data is near 1.
   const int segment = static_cast<int>(std::clamp<std::size_t>(y.size() / 8, 8, 1024));
   const auto data = signals::frequency_response(driver.values, y, rate, {.segment = segment});
   const auto model = signals::frequency_response(driver.values, median, rate, {.segment = segment});

@@ -1,5 +1,4 @@
-// Under Node.js: writes every figure as SVG into the working folder, and figures.txt that lists
-// them.
+// Writes every figure as SVG into the working folder under Node.js, and their list, figures.txt.
 const fs = require('node:fs');
 (async () => {
   const names = [];

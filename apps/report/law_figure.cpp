@@ -14,7 +14,7 @@ namespace {
 using dynamics::CyclePoint;
 
 struct Line {
-  std::string name;  ///< empty where there is one line only
+  std::string name;  ///< empty for a single line
   std::vector<CyclePoint> points;
 };
 
@@ -22,10 +22,10 @@ struct Axis {
   std::string title;
   double limit = 1.0;  ///< the axis goes from -limit to limit
   double step = 1.0;   ///< between its ticks
-  double scale = 1.0;  ///< from SI to what the ticks say
+  double scale = 1.0;  ///< from SI to the unit of the ticks
 };
 
-constexpr double kFigureWidth = 250.0, kHeight = 180.0;  // of a panel's inside [px]
+constexpr double kFigureWidth = 250.0, kHeight = 180.0;  // inside of a panel [px]
 constexpr double kLeft = 62.0, kTop = 14.0, kBelow = 44.0, kApart = 28.0;
 
 std::vector<Line> lines_of(const dynamics::LawInfo& info) {
@@ -41,9 +41,9 @@ std::vector<Line> lines_of(const dynamics::LawInfo& info) {
   return {line("opening", dynamics::Side::opening), line("closing", dynamics::Side::closing)};
 }
 
-/// Whether the way out and the way back differ with no memory to blame.
+/// True if the tension of a law without memory differs between opening and closing.
 bool depends_on_rate(const dynamics::LawInfo& info, const std::vector<CyclePoint>& points) {
-  // From e = 0 at the start, point i and point n/2 - i have one extension and opposite rates.
+  // The cycle starts at e = 0: points i and n/2 - i have the same extension and opposite rates.
   const std::size_t half = (points.size() - 1) / 2, i = half / 4;
   return !info.memory && std::abs(points[i].tension - points[half - i].tension) >
                              1e-6 * (std::abs(points[i].tension) + 1e-300);

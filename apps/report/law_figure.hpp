@@ -1,5 +1,4 @@
-// The picture of a force law: its tension over one cycle of a given motion, drawn from the law
-// itself.
+// Figure of a force law: its tension over one cycle of a given motion.
 #pragma once
 
 #include <string>
@@ -8,17 +7,18 @@
 
 namespace wheeltap::apps {
 
-/// The motion of every picture: a centimetre at 5 Hz, as in the examples.
+/// The motion of every figure: an amplitude of 0.01 m at 5 Hz, as in the examples.
 inline constexpr dynamics::Cycle kPictured{.amplitude = 0.01, .period = 0.2, .points = 121};
 
-/// Tension against extension, and beside it against the rate where it depends on that and on no
-/// memory: an SVG document. Coefficients are the law's examples; a one-sided law has both sides.
+/// Returns an SVG document of the tension against the extension, and beside it against the rate if
+/// the tension depends on the rate and has no memory. Coefficients are the examples of the law. A
+/// one-sided law shows both sides.
 [[nodiscard]] std::string law_figure(const dynamics::LawInfo& info);
 
-/// "law-coulomb.svg".
+/// Returns the file name, "law-coulomb.svg".
 [[nodiscard]] std::string law_figure_name(const dynamics::LawInfo& info);
 
-/// What the picture shows, a sentence.
+/// Returns the caption: the motion and the coefficients.
 [[nodiscard]] std::string law_caption(const dynamics::LawInfo& info);
 
 }  // namespace wheeltap::apps

@@ -16,7 +16,7 @@ std::span<const LawCoefficient> coefficients(const LawInfo& info) {
   return std::span(info.coefficients).first(static_cast<std::size_t>(info.size()));
 }
 
-/// Where the value may stand in an object: `"force": F`, and the side; `name` of each unknown.
+/// A law as a JSON object with `value` of each coefficient, and the side.
 template <class Value>
 std::string object(const LawInfo& info, const Value& value, bool everything) {
   std::string text;
@@ -37,7 +37,7 @@ std::string parameter_form(const LawInfo& info) {
       info, [](const LawCoefficient& c) { return quoted_law(c.symbol); }, false);
 }
 
-/// The ways in which it may be written, one a line.
+/// The forms in which a case may state the law, one per line.
 std::string forms(const LawInfo& info) {
   const auto number = [](const LawCoefficient& c) {
     return plain_number(c.required() ? c.example : c.otherwise);
@@ -73,34 +73,34 @@ std::string law_section(const LawInfo& info) {
   text += "![" + law_caption(info) + "](figures/" + law_figure_name(info) + ")\n\n*" +
           law_caption(info) + ".*\n\n";
   text +=
-      "| key | in the formula | unit | unless given | must be | what it is |\n"
+      "| key | symbol | unit | default | bounds | description |\n"
       "|---|---|---|---|---|---|\n";
   for (const LawCoefficient& c : coefficients(info)) {
     const std::string bounds = bounds_in_words(c);
     text += "| `" + std::string(c.name) + "` | " + std::string(c.symbol) + " | " +
-            std::string(c.unit) + " | " + (c.required() ? "needed" : plain_number(c.otherwise)) +
+            std::string(c.unit) + " | " + (c.required() ? "required" : plain_number(c.otherwise)) +
             " | " + (bounds.empty() ? "any number" : bounds) + " | " + std::string(c.words) +
             " |\n";
   }
   if (info.one_sided) {
     text +=
-        "| `side` | | | needed | `\"opening\"` or `\"closing\"` | where it acts: e > 0 or e < 0 "
+        "| `side` | | | required | `\"opening\"` or `\"closing\"` | acts for e > 0 or for e < 0 "
         "|\n";
   }
-  text += "\nIn a link, any of these lines:\n\n```text\n" + forms(info) + "```\n\n";
-  text += "A whole case that runs as it is:\n\n```json\n" + law_example(info) + "```\n\n```sh\n" +
-          "wheeltap laws " + name + " --example > " + name + ".json\n" + "wheeltap sid " + name +
-          ".json -o results/" + name + " --quick\n```\n";
+  text += "\nForms in a link:\n\n```text\n" + forms(info) + "```\n\n";
+  text += "Complete case:\n\n```json\n" + law_example(info) + "```\n\n```sh\n" + "wheeltap laws " +
+          name + " --example > " + name + ".json\n" + "wheeltap sid " + name + ".json -o results/" +
+          name + " --quick\n```\n";
   return text;
 }
 
 constexpr const char* kIntroduction = R"(# Force laws
 
-What a link of a `sid` case may have beside its linear spring (`stiffness`) and damper (`damping`): formula, sign,
-keys with units, picture, and a case that runs for each. `wheeltap laws` prints this page from the laws themselves,
-`wheeltap laws NAME` one part of it, and `wheeltap laws NAME --example` a case to start from.
+A link of a `sid` case has a linear spring (`stiffness`), a damper (`damping`) and any of the force laws below. For each
+law this page gives formula, sign, keys with units, a figure, and a complete case. `wheeltap laws` prints this page,
+`wheeltap laws NAME` prints one section, and `wheeltap laws NAME --example` prints the case.
 
-## What all laws share
+## Sign conventions and values
 
 ```text
       y_a →                    y_b →
@@ -109,23 +109,22 @@ keys with units, picture, and a case that runs for each. `wheeltap laws` prints 
 ```
 
 - **Extension.** e = y_b - y_a of a link `"between": [a, b]`, and ė is its rate. e > 0 is called *opening*, e < 0
-  *closing*. Mass 0 is the ground or the moving base: of `[0, 1]` on the ground, e is the displacement of mass 1.
-- **Tension.** T > 0 pulls the two together: the force +T on a and -T on b. A spring is T = k e with k > 0, a damper
-  T = c ė, friction T = F sgn(ė): with positive coefficients each opposes the motion. One mass on the ground obeys
+  *closing*. Mass 0 is the ground or the moving base: for `[0, 1]` on the ground, e is the displacement of mass 1.
+- **Tension.** T > 0 pulls the masses together: the force is +T on a and -T on b. A spring has T = k e with k > 0, a damper
+  T = c ė, friction T = F sgn(ė). With positive coefficients each opposes the motion. One mass on the ground obeys
   m ÿ = force - T.
-- **Laws add up.** The tension of a link is `stiffness` · e + `damping` · ė and the sum of its laws. Links between the
-  same two masses add up as well.
-- **Values.** A coefficient is a number (known), or the name of a parameter (unknown, with its prior under
-  `parameters`), in SI units. Where a law has one coefficient that is needed, the bare value may stand for the object;
-  a list has the law several times.
-- **Sides.** A law that acts on one side takes `"side": "opening"` (it acts for e > 0) or `"closing"` (e < 0: the same
-  law seen in a mirror, T(e) = -T_open(-e)). The words are about the link, not about a gap: a mass on the ground, link
-  `[0, 1]`, that meets its stop where its displacement is positive has `"opening"`, and one that meets it where that is
-  negative `"closing"`. A stop on the wrong side explains nothing: compare both where you are not sure.
-- **Rest.** A spring, a gap and a stop count from e = 0, where the links of the chain are without tension. A channel's
-  `offset` moves the zero of a sensor there; it may be a parameter.
+- **Sum of laws.** The tension of a link is `stiffness` · e + `damping` · ė plus the sum of its laws. The tensions of links
+  between the same two masses add up.
+- **Values.** A coefficient is a number (known) or the name of a parameter (unknown, with its prior under `parameters`),
+  in SI units. If a law needs only one coefficient, its value may replace the object. A list adds the law several times.
+- **Sides.** A law that acts on one side has `"side": "opening"` (it acts for e > 0) or `"closing"` (e < 0, mirrored:
+  T(e) = -T_open(-e)). The words describe the link, not the gap. Example: a mass on the ground, link `[0, 1]`, with a stop
+  at positive displacements has `"opening"`; with a stop at negative displacements it has `"closing"`. A stop on the wrong
+  side explains nothing: if you are not sure, compare both.
+- **Rest position.** Springs, gaps and stops count from e = 0, where the links of the chain have no tension. The `offset` of
+  a channel shifts the zero of its sensor to this position; it may be a parameter.
 
-A link with dry friction and a stop behind a gap of unknown width:
+Example: a link with dry friction and a stop after a gap of unknown width:
 
 ```json
 {"between": [0, 1], "stiffness": "k", "damping": "c", "coulomb": "F",
@@ -133,14 +132,14 @@ A link with dry friction and a stop behind a gap of unknown width:
 ```
 
 with `"F": {"uniform": [0, 20]}`, `"kc": {"log_uniform": [1e3, 1e6]}` and `"g": {"uniform": [0, 0.01]}` beside k and c
-under `parameters`. The examples below need the program where the shell finds it:
+under `parameters`. For the examples below, add the program to the search path of the shell:
 
 ```sh
 export PATH="$PWD/build/release/apps:$PATH"
 ```
 
-They are quick looks ([what that means](long-runs.md#quick-runs)); without `--quick` the same
-cases run in full. Each compares a chain without the law with one that has it, on a record simulated with the law.
+The examples are [quick runs](long-runs.md#quick-runs); for complete runs, omit `--quick`. Each compares a chain without the
+law and a chain with it, on a record simulated with the law.
 
 )";
 
@@ -192,7 +191,7 @@ std::string law_example(const LawInfo& info) {
 
 std::string laws_page() {
   std::string text = kIntroduction;
-  text += "| law | formula | what it is |\n|---|---|---|\n";
+  text += "| law | formula | description |\n|---|---|---|\n";
   for (const LawInfo& info : dynamics::law_infos()) {
     std::string formula(info.formula);
     for (std::size_t at = 0; (at = formula.find('|', at)) != std::string::npos; at += 2) {

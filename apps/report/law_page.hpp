@@ -1,5 +1,5 @@
-// The reference of force laws, written from the laws' own descriptions: `wheeltap laws` prints it,
-// docs/laws.md is what it printed.
+// The reference of force laws, generated from their descriptions. `wheeltap laws` prints it;
+// docs/laws.md holds its output.
 #pragma once
 
 #include <string>
@@ -8,13 +8,13 @@
 
 namespace wheeltap::apps {
 
-/// The part of the page about one law.
+/// Returns the section on one law.
 [[nodiscard]] std::string law_section(const dynamics::LawInfo& info);
-/// All laws, as Markdown.
+/// Returns the page of all laws as Markdown.
 [[nodiscard]] std::string laws_page();
 
-/// A complete case, simulated with the law and asked whether it is there: JSON as a person would
-/// lay it out.
+/// Returns a complete case as formatted JSON: data simulated with the law, and models with and
+/// without it.
 [[nodiscard]] std::string law_example(const dynamics::LawInfo& info);
 
 }  // namespace wheeltap::apps

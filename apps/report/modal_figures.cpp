@@ -14,7 +14,7 @@ namespace {
 using Eigen::Index;
 
 constexpr double kInterval = 1.96;
-constexpr double kSmall = 170.0;  // width and height of a small picture
+constexpr double kSmall = 170.0;  // width and height of a small figure
 
 std::string stroke(const char* kind, double x0, double y0, double x1, double y1) {
   return svg_line("class=\"" + std::string(kind) + "\"", x0, y0, x1, y1);
@@ -45,7 +45,7 @@ double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
   return aa * bb > 0.0 ? std::norm(product) / (aa * bb) : 0.0;
 }
 
-/// Real part of a turned entry, and its standard deviation; NaN without covariances.
+/// Real part of a rotated entry, and its standard deviation; NaN without covariances.
 struct Bar {
   double value = 0.0, sd = 0.0;
 };

@@ -1,4 +1,4 @@
-// Pictures of measured mode shapes, as SVG that needs no script.
+// Figures of measured mode shapes, as SVG without scripts.
 #pragma once
 
 #include <string>
@@ -7,16 +7,16 @@
 
 namespace wheeltap::apps {
 
-/// The modal assurance criterion between all modes over the sensors that both have, as a table of
-/// shaded cells.
+/// Returns the modal assurance criterion between all modes, over their common sensors, as a table
+/// of shaded cells.
 [[nodiscard]] std::string mac_figure(const MeasuredModes& modes);
 
-/// Of each mode its entries in the complex plane, turned to be as real as they can be: a mode that
-/// is a standing wave lies along the horizontal axis.
+/// Returns the entries of each mode shape in the complex plane, rotated for the smallest imaginary
+/// parts: the entries of a real mode lie along the horizontal axis.
 [[nodiscard]] std::string complexity_figures(const MeasuredModes& modes);
 
-/// Of each mode the entries that are turned so, as bars by channel, with 95 % intervals where
-/// there are covariances; and which channel has which number.
+/// Returns the rotated entries of each mode shape as bars by channel, with 95 % intervals if there
+/// are covariances, and the key of channel numbers.
 [[nodiscard]] std::string bar_figures(const MeasuredModes& modes);
 
 }  // namespace wheeltap::apps

@@ -169,7 +169,7 @@ std::string merged_table(const Report& modes) {
   return out + "</table></div>\n";
 }
 
-/// What each set-up says of each mode's frequency, less the merged one, in standard deviations of
+/// Plots the frequency of each mode in each set-up minus the merged one, in standard deviations of
 /// the set-up.
 std::string agreement(const Report& modes, const Report& set_ups) {
   const auto sets = static_cast<double>(set_ups.size());
@@ -205,12 +205,12 @@ std::string headed(const std::string& level, const std::string& words) {
   return "<" + level + ">" + words + "</" + level + ">\n";
 }
 
-/// What was left out of a record's diagram, and why.
+/// Rejected poles of a record, with reasons.
 std::string rejected(const Report& set_up, const std::string& level) {
   const Report& clusters = list_at(set_up, "rejected");
   const std::string poles = set_up.at("rejected_poles").get<std::string>();
   if (clusters.empty() && poles.empty()) return {};
-  std::string out = headed(level, "What was rejected, and why");
+  std::string out = headed(level, "Rejected poles");
   if (!clusters.empty()) {
     out +=
         "<div class=\"scroll\"><table><tr><th>f [Hz]</th><th>damping [%]</th><th>orders</th>"
@@ -232,9 +232,9 @@ std::string of_record(const Report& set_up, const std::string& level, bool alone
   std::string out;
   if (!alone && !modes.empty()) out += headed(level, "Modes") + table(modes);
   out += headed(level, orders ? "Stabilisation diagram" : "Spectrum") + diagram(set_up);
-  out += orders ? "<p>A dot a pole, blue those that make a mode, with 95 % intervals; ringed the "
-                  "pole that stands for it. Behind, in decibels, the mean spectrum of the "
-                  "channels, or the sum of the frequency responses' squares.</p>\n"
+  out += orders ? "<p>Each dot is a pole. Blue poles form a mode and have 95 % intervals; a ring "
+                  "marks the pole that represents the mode. Behind them: the mean spectrum of the "
+                  "channels, or the sum of the squared frequency responses, in decibels.</p>\n"
                 : "<p>The mean spectrum of the channels, or the first singular value of their "
                   "spectra, in decibels; lines mark the modes.</p>\n";
   if (std::ranges::any_of(modes, [](const Report& m) { return !m.at("damping").is_null(); }))
@@ -279,13 +279,12 @@ std::vector<std::string> details_of(const Report& modes, std::size_t warnings) {
     out.push_back((doubtful.size() == 1 ? "Doubtful: mode " : "Doubtful: modes ") +
                   in_words(doubtful) + ".");
   if (warnings > 0)
-    out.push_back(std::to_string(warnings) +
-                  (warnings == 1 ? " warning stands" : " warnings stand") +
+    out.push_back(std::to_string(warnings) + (warnings == 1 ? " warning is" : " warnings are") +
                   " near the end of this page.");
   return out;
 }
 
-/// The script of the pages with charts, for this page without them.
+/// The script that animates shapes, with the parts of the chart scripts that it needs.
 std::string moving(const Report& drawing) {
   if (drawing.is_null()) return {};
   return "<div id=\"moving\"></div>\n<script>\n"
@@ -303,20 +302,20 @@ std::string shapes(const MeasuredModes& modes) {
   if (modes.frequencies_hz.size() == 0) return {};
   std::string out = "<h2>Mode shapes by channel</h2>\n" + bar_figures(modes);
   out +=
-      "<p>Bars: shapes by channel, the largest entry 1, turned in the complex plane to be as "
-      "real as they can be";
+      "<p>Bars: shapes by channel, the largest entry 1, rotated in the complex plane for the "
+      "smallest imaginary parts";
   out += modes.shape_covariance.empty() ? ". Doubtful modes in red.</p>\n"
                                         : ", with 95 % intervals. Doubtful modes in red.</p>\n";
   out += "<h2>Modal assurance criterion</h2>\n" + mac_figure(modes);
   out +=
-      "<p>1: two modes have the same shape at these sensors; 0: they have nothing in common. "
-      "Large values beside the diagonal say that sensors are too few to tell modes apart, or "
-      "that one mode was found twice.</p>\n";
+      "<p>1: two modes have the same shape at these sensors; 0: their shapes are orthogonal. "
+      "Large values off the diagonal mean that there are too few sensors to distinguish the modes, "
+      "or that one mode was found twice.</p>\n";
   out += "<h2>Complexity</h2>\n" + complexity_figures(modes);
   out +=
-      "<p>The entries of each shape in the complex plane. A lightly damped mode is a standing "
-      "wave, whose entries lie along one line (MPC 1, MPD 0°); a fan of them is noise, two "
-      "modes in one, dampers, or channels that were not sampled at one time.</p>\n";
+      "<p>The entries of each shape in the complex plane. For a lightly damped mode they lie along "
+      "one line (MPC 1, MPD 0°). Other patterns indicate noise, two close modes taken as one, "
+      "dampers, or channels that were not sampled simultaneously.</p>\n";
   return out;
 }
 
@@ -343,7 +342,7 @@ std::string modal_page(const Report& summary, const MeasuredModes& modes) {
     if (!list_of_modes.empty())
       out += "<h2>Damping, with 95 % intervals</h2>\n" +
              damping(list_of_modes, band_of(set_ups.at(0))) +
-             "<h2>Set-ups against the whole</h2>\n" + agreement(list_of_modes, set_ups);
+             "<h2>Agreement of the set-ups</h2>\n" + agreement(list_of_modes, set_ups);
     out += shapes(modes);
     for (const Report& set_up : set_ups)
       out += "<h2>" + escaped(set_up.at("file").get<std::string>()) + "</h2>\n" +

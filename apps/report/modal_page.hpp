@@ -1,4 +1,4 @@
-// A page that draws identified modes.
+// HTML page of identified modes.
 #pragma once
 
 #include <string>
@@ -8,12 +8,11 @@
 
 namespace wheeltap::apps {
 
-/// One HTML file without anything from elsewhere, of what summary.json and modes.json keep: the
-/// modes in a table, their shapes on the geometry and by channel, MAC, complexity, the
-/// stabilisation diagram with intervals over the spectrum, damping with intervals, what is
-/// doubtful, what was rejected, and why. Of several set-ups, the merged modes first, and how the
-/// set-ups agree. Throws nlohmann exceptions, std::out_of_range and std::invalid_argument for a
-/// summary that is none.
+/// Returns one self-contained HTML file from summary.json and modes.json. It has a table of the
+/// modes, their shapes on the geometry and by channel, MAC and complexity; the stabilisation
+/// diagram with intervals over the spectrum, and damping with intervals; doubts and rejected poles
+/// with reasons. With several set-ups it begins with the merged modes and their agreement. Throws
+/// nlohmann exceptions, std::out_of_range and std::invalid_argument for an invalid summary.
 [[nodiscard]] std::string modal_page(const Report& summary, const MeasuredModes& modes);
 
 }  // namespace wheeltap::apps

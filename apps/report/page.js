@@ -1,4 +1,4 @@
-// Builds the page from the run's data. Everything that came from input is put in as text.
+// Builds the page from the run's data. Everything from input is inserted as text.
 (() => {
   const run = JSON.parse(document.getElementById('run').textContent);
   const { summary, draws = {}, told = [], resolution = '' } = run;
@@ -22,7 +22,7 @@
 
   // Values keep all their digits in data-value and in what is copied.
   function table({ head, rows, caption }) {
-    // Columns that hold words somewhere start at the left.
+    // Columns with text are left-aligned.
     const words = head.map((_, i) => rows.some((row) => typeof plain(row[i]) === 'string'));
     const body = rows.map((row) => element('tr', {}, ...row.map((cell, i) => {
       const name = i === 0 && typeof plain(cell) !== 'number';
@@ -84,7 +84,7 @@
     svg?.setAttribute('aria-label', one.figure.name || one.figure.title);
   }
   function figureElement(figure, level) {
-    const name = figure.name || figure.title; // where it does not stand beneath its heading
+    const name = figure.name || figure.title; // for uses outside of its section
     const place = element('div', { class: 'chart', id: 'figure-' + figure.id });
     const one = { figure, place };
     drawn.push(one);
@@ -127,7 +127,7 @@
     document.getElementById('contents').append(element('a', { href: '#' + id }, title));
   }
 
-  // As many digits as tell the ends of the interval apart; a copied table keeps all of them.
+  // As many digits as distinguish the ends of the interval; a copied table keeps all digits.
   const digits = (row, key) => {
     const x = row[key];
     if (key.startsWith('ess')) return String(Math.round(x));
@@ -153,10 +153,10 @@
       rows: rows.map((m, i) => [i + 1, ...cells(m.frequency_hz), ...cells(m.damping_ratio)]) })];
   }
 
-  // A sentence in which no line ends within "--warmup".
+  // A sentence without line breaks within "--warmup".
   const prose = (text) => String(text).split(/(--[a-z][a-z-]*)/).map((part, i) => (i % 2 ? element('code', { class: 'option' }, part) : part));
 
-  // What white residuals say of each parameter beside what windows do, and which of them to use.
+  // Intervals of each parameter from white residuals and between windows, and the one to use.
   const windowRows = (rows, unknowns) => {
     const windowed = Object.entries(rows).filter(([, r]) => r.between_windows);
     if (!windowed.length) return null;
@@ -165,7 +165,7 @@
     return { head: ['parameter', 'this run', 'longer records', 'a further window', 'windows scatter by', 'use'],
       rows: windowed.map(([name, r]) => [name + unit(name), interval(r), interval(r.between_windows.whole), interval(r.between_windows),
         { value: r.between_windows.scatter.times_own_interval, text: `${number(r.between_windows.scatter.times_own_interval, 2)} times` }, r.between_windows.use]),
-      caption: 'Intervals (95 %) of this run, from residuals as its likelihood takes them, beside those between windows of the record: of what ever longer records would give, and of what a further window would. Scatter in terms of what the windows’ own intervals allow for' };
+      caption: 'Intervals (95 %) of this run, with the residuals of its likelihood, and intervals from the windows of the record: for the value that ever longer records would give, and for that of a further window. Scatter: relative to the scatter that the windows’ own intervals allow' };
   };
 
   // ---- sections ---------------------------------------------------------------------------
@@ -178,7 +178,7 @@
     if (!rows.length) return [];
     const said = (r) => (typeof r.log_bayes_factor === 'number' ? { value: r.log_bayes_factor, text: r.log_bayes_factor.toFixed(2) } : r.evaluated === false ? 'not evaluated' : 'not known');
     return [element('h3', { class: 'apart' }, 'Bayes factors'),
-      copyable({ head: ['model', 'against', 'ln Bayes factor', 'Monte Carlo error', 'from', 'never visited'], caption: 'Above zero the data favour the model named first',
+      copyable({ head: ['model', 'against', 'ln Bayes factor', 'Monte Carlo error', 'from', 'never visited'], caption: 'Above zero, the data favour the first model',
         rows: rows.map((r) => [r.model, r.against, said(r), typeof r.mcse === 'number' ? { value: r.mcse, text: number(r.mcse, 2) } : null, r.basis, r.never_visited]) })];
   }
   function evidenceTable() {
@@ -186,10 +186,10 @@
       ...[[r.log_evidence, 6], [r.standard_error, 2], [r.log_bayes_factor, 5], [r.probability, 4], [r.probability_error, 2], [r.likelihood_evaluations, 8]].map(([x, n]) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null)),
       (r.warnings || []).join(' ') || 'none']));
     if (!rows.length) return [];
-    return [element('h3', { class: 'apart' }, 'Evidence of each model on its own'),
-      copyable({ head: ['method', 'model', 'ln evidence', '±', 'ln Bayes factor', 'P(model)', '±', 'likelihood evaluations', 'warnings'], rows, caption: 'ln Bayes factors are against the first model; of the errors, ± is one standard error' })];
+    return [element('h3', { class: 'apart' }, 'Evidence of each model'),
+      copyable({ head: ['method', 'model', 'ln evidence', '±', 'ln Bayes factor', 'P(model)', '±', 'likelihood evaluations', 'warnings'], rows, caption: 'ln Bayes factors are against the first model; ± is one standard error' })];
   }
-  // Of an update: what each measured mode says, and the modes foretold.
+  // Tables of an update: measured modes with their information, and predicted modes.
   function updateTables() {
     if (about.command !== 'update') return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
@@ -201,32 +201,32 @@
       head: ['parameter', ...solutions.map((s, i) => `solution ${i + 1} (${percent(s.probability)})`)],
       rows: Object.keys(solutions[0].parameters).map((name) => [name, ...solutions.map((s) => range(s.parameters[name]))]), caption: 'Median and 95 % interval of each parameter within each solution, and the probability of the solution' })] : []),
     element('h3', { class: 'apart' }, 'Each measured mode'), copyable({
-      head: ['mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]', 'computed mode', 'MAC', 'p of the shape', 'information [nats]', 'without it moves', 'by [posterior sd]'],
+      head: ['mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]', 'computed mode', 'MAC', 'p of the shape', 'information [nats]', 'largest shift without it', 'by [posterior sd]'],
       rows: (summary.data?.modes || []).map((m) => [m.mode, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3), m.spurious > 0.5 ? `none (P ${number(m.spurious, 3)})` : m.computed_mode, of(m.shape?.mac?.q50, 4), of(m.shape?.p, 3),
-        of(m.without_it?.information_nats, 3), (m.without_it?.reliable && m.without_it.moves) || '–', m.without_it?.reliable ? of(m.without_it.by_sd, 2) : null]), caption: 'Frequencies and shapes, and what the posterior would lose without each' }),
-    ...(foretold.length ? [element('h3', { class: 'apart' }, 'Modes foretold'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the band'],
-      rows: foretold.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Bands of a measurement, its noise included' })] : [])];
+        of(m.without_it?.information_nats, 3), (m.without_it?.reliable && m.without_it.moves) || '–', m.without_it?.reliable ? of(m.without_it.by_sd, 2) : null]), caption: 'Frequencies and shapes, and the change of the posterior without each mode' }),
+    ...(foretold.length ? [element('h3', { class: 'apart' }, 'Predicted modes'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the band'],
+      rows: foretold.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Bands of a measurement, with noise' })] : [])];
   }
-  // Of a damage run with states: every mode of each, and the intact structure's parameters.
+  // Table of a damage run with states: every mode of each state.
   function statesTable() {
     const rows = (summary.data?.modes || []).filter((m) => m.state);
     if (!rows.length) return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
     return [element('h3', { class: 'apart' }, 'Each measured mode'), copyable({ head: ['state', 'mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]'],
-      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state. Off by: in standard deviations of the measurement and of what the model leaves out, together' })];
+      rows: rows.map((m) => [m.state, m.mode_of_state, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3)]), caption: 'Frequencies of every state. Off by: in standard deviations of measurement and model error together' })];
   }
-  // Of a damage run: what the answer would be without each measured mode.
+  // Table of a damage run: the answer without each measured mode.
   function contributionsTable() {
     const rows = summary.damage ? (summary.data?.modes || []).filter((m) => m.without_it) : [];
     if (rows.length < 2) return [];
     const best = [...summary.models].sort((a, b) => b.probability - a.probability)[0];
     const states = rows.some((m) => m.state), shaped = rows.some((m) => m.shape);
     const said = ({ information_nats: x, reliable }) => (typeof x === 'number' ? { value: x, text: (reliable ? '' : '> ') + number(x, 2) } : null);
-    return [element('h3', { class: 'apart' }, 'What each mode says'), copyable({
+    return [element('h3', { class: 'apart' }, 'Information of each mode'), copyable({
       head: [...(states ? ['state'] : []), 'mode', ...(shaped ? ['MAC'] : []), 'information [nats]', `P(${best.name}) without it`],
       rows: rows.map((m) => [...(states ? [m.state ?? ''] : []), states ? m.mode_of_state : m.mode, ...(shaped ? [m.shape ? { value: m.shape.mac.q50, text: number(m.shape.mac.q50, 4) } : null] : []),
         said(m.without_it), m.without_it.reliable ? worded(m.without_it.probability, percent) : '–']),
-      caption: `What the posterior would lose without the mode; ${best.name} has ${percent(best.probability)} with all. –: so much that the draws cannot tell` })];
+      caption: `Change of the posterior without the mode; with all modes, ${best.name} has ${percent(best.probability)}. –: too large for the draws to determine` })];
   }
   function baselineTable() {
     const rows = Object.entries(summary.baseline?.parameters || {});
@@ -238,60 +238,60 @@
     return [element('h3', { class: 'apart' }, 'The intact structure'), ...(rows.length ? [table] : []),
       element('p', { class: 'lead' }, [summary.baseline.check.statement, error].filter(Boolean).join(' '))];
   }
-  // The count with neighbouring damages counted as one, where that changes it.
+  // The count with neighbouring damages counted as one, if it differs.
   function mergedCounts() {
     const all = summary.damage?.merged;
     const kinds = !all ? [] : all.probability_of_count ? [[null, all]] : Object.entries(all);
     const rows = kinds.filter(([, m]) => m.probability_merged >= 0.005).flatMap(([kind, m]) => Object.entries(m.probability_of_count)
       .map(([n, p]) => [kind === null ? n : `${n} (${kind})`, { value: p, text: charts.probability(p) }]));
     return rows.length ? [element('h3', { class: 'apart' }, 'Neighbouring damages counted as one'),
-      copyable({ head: ['count', 'probability'], rows, caption: 'Damages that one longer damage explains as well are one' })] : [];
+      copyable({ head: ['count', 'probability'], rows, caption: 'Damages that one longer damage explains equally well count as one' })] : [];
   }
-  // Models that the draws cannot speak for.
+  // Models whose probability does not come from draws.
   function toldByEvidence() {
     if (!told.length) return [];
     const list = element('ul', { class: 'warnings' }, ...told.map((t) => element('li', { dir: 'auto' }, t)));
-    return [told.length > 6 ? element('details', {}, element('summary', {}, `${told.length} models that the chains did not enter, and what their evidences say of them`), list) : list];
+    return [told.length > 6 ? element('details', {}, element('summary', {}, `${told.length} models without draws, and their probabilities from evidence`), list) : list];
   }
-  // How the tempered replicas fared, where the run has them.
+  // Parallel tempering, if the run used it.
   function ladder(d) {
     if (!d.ladder) return [];
     const trips = d.ladder.round_trips;
-    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: a ladder needs about as many rungs, and twice as many are comfortable.` : '';
+    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: a ladder needs at least this number of rungs, better twice as many.` : '';
     return [element('p', {}, d.ladder.while_drawing
-      ? `The draws were made with parallel tempering: replicas went ${trips} times from the prior to the posterior and back. Few round trips, say below ten, would mean that chains explore places of their own.${barrier}`
-      : `Tempering was needed in warm-up only: the draws are of one chain each, at the posterior itself.${barrier}`)];
+      ? `The draws come from parallel tempering: replicas went ${trips} times from the prior to the posterior and back. With fewer than about ten round trips, each chain may explore a different region.${barrier}`
+      : `The run used tempering in warm-up only: the draws come from single chains at the posterior.${barrier}`)];
   }
   function runSections() {
     const d = summary.diagnostics;
     const warnings = d.warnings || [];
     const several = summary.models.length > 1; // one needs no comparison
     const p = summary.data?.posterior_predictive_p;
-    section('warnings', 'What to keep in mind', null,
+    section('warnings', 'Warnings', null,
       element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
         `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
         (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +
         (d.round_trips > 0 ? `; ${d.round_trips} round trips between the smallest and the largest model` : '') + '.'),
-      resolution ? element('p', {}, ...prose(`Resolution of the searches: ${resolution}. More searches (--search) make it finer.`)) : null,
+      resolution ? element('p', {}, ...prose(`Resolution of the searches: ${resolution}. More searches (--search) refine it.`)) : null,
       warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'),
       ...(d.notes || []).map((n) => element('p', { dir: 'auto' }, ...prose(n))), ...caseNotes());
 
     const evidences = [...mergedCounts(), ...toldByEvidence(), ...bayesFactors(), ...evidenceTable()];
-    if (several || evidences.length) section('models', summary.damage ? 'How many' : several ? 'Which model' : 'Evidence', null, grid(of('models')), ...evidences);
+    if (several || evidences.length) section('models', summary.damage ? 'Number of damages' : several ? 'Model probabilities' : 'Evidence', null, grid(of('models')), ...evidences);
 
     const mirrored = d.symmetry?.statement;
-    // Charts of a link stand together.
+    // Charts of a link form one group.
     const links = [...new Set(of('where').map((f) => f.group).filter(Boolean))];
     const whole = of('where').filter((f) => !f.group);
-    section('where', summary.damage ? 'Where and how bad' : 'The structure', mirrored, whole.length ? grid(whole) : null, ...links.flatMap((key) => {
+    section('where', summary.damage ? 'Location and severity' : 'The structure', mirrored, whole.length ? grid(whole) : null, ...links.flatMap((key) => {
       const lead = of('where', key).find((f) => f.lead)?.lead;
       return [element('h3', { class: 'apart' }, `Link ${key}`), lead ? element('p', { class: 'lead' }, lead) : null, grid(of('where', key), 4, ' pairs')];
     }));
 
-    if (summary.structure?.drawing?.modes?.length) section('shapes', 'How the structure moves', null, shapeView(summary.structure, element));
+    if (summary.structure?.drawing?.modes?.length) section('shapes', 'Mode shapes', null, shapeView(summary.structure, element));
 
     const folded = summary.damage?.folded;
-    section('fit', 'Data against model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the chance that data from these models would lie at least as far from them as the measured ones do. Below 0.005 no model here explains the data.` : null,
+    section('fit', 'Data and model', typeof p === 'number' ? `Posterior predictive p-value ${pValue(p)}: the probability that data simulated from these models deviate from them at least as much as the measured data. Below 0.005, no model here explains the data.` : null,
       of('fit').length ? grid(of('fit')) : null);
 
     const fits = Object.entries(summary.fit_at_mean || summary.fit || {}).filter(([, rows]) => Array.isArray(rows) && rows.length && rows.every((r) => r && typeof r === 'object'));
@@ -309,23 +309,23 @@
       out.push(...modesTable(summary.modes?.[model]));
       const windows = windowRows(summary.parameters[model], summary.unknowns?.[model]);
       if (windows) out.push(copyable(windows));
-      if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations counted from the nearer end, so that mirror images agree' }));
+      if (folded?.[model]) out.push(copyable({ ...parameterRows(folded[model]), caption: 'Folded: locations from the nearer end, so that mirror images coincide' }));
       if (of('parameters', model).length) out.push(grid(of('parameters', model), 4));
       if (of('pairs', model).length) out.push(element('h4', {}, 'Pairs'), grid(of('pairs', model), 4));
       return [element('section', { class: 'model', 'aria-label': model }, ...out)];
     });
-    section('parameters', 'Parameters', 'Posterior beside prior. A posterior that repeats its prior is not a finding.', ...baselineTable(), ...perModel);
+    section('parameters', 'Parameters', 'Posterior and prior. A posterior that repeats its prior is not a result.', ...baselineTable(), ...perModel);
 
     const histories = [...new Set(of('histories').map((f) => f.group))].flatMap((model) => [element('h4', { dir: 'auto' }, `Histories given ${model}`), grid(of('histories', model), 4)]);
-    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of what means the same in every model, and of parameters within a model' }) : null;
-    section('sampling', 'How the sampler fared', 'Chains that have converged look alike, keep no trend and move often between models.', ...ladder(d), grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
+    const rhats = d.rhat && Object.keys(d.rhat).length ? copyable({ head: ['quantity', 'R-hat'], rows: Object.entries(d.rhat), caption: 'R-hat of quantities that all models share, and of parameters within a model' }) : null;
+    section('sampling', 'Sampling', 'Converged chains look alike, have no trend and change often between models.', ...ladder(d), grid(of('sampling')), ...histories, rhats ? element('h4', {}, 'Convergence') : null, rhats);
 
     section('emulator', 'The emulator', null, of('emulator').length ? grid(of('emulator')) : null);
   }
   function sweepSections() {
     const { path, rows } = summary.sweep;
     const warnings = rows.flatMap((r) => r.warnings.map((w) => `${path} = ${JSON.stringify(r.value)}: ${w}`));
-    section('warnings', 'What to keep in mind', null, warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'));
+    section('warnings', 'Warnings', null, warnings.length ? element('ul', { class: 'warnings' }, ...warnings.map((w) => element('li', { dir: 'auto' }, ...prose(w)))) : element('p', {}, 'No warnings.'));
     section('sweep', 'The sweep', null, grid(of('sweep')), ...toldByEvidence());
     section('parameters', 'Parameters', null, ...rows.flatMap((r) => [element('h3', { class: 'apart' }, `${path} = ${JSON.stringify(r.value)}`),
       ...Object.entries(r.parameters).filter(([, list]) => Object.keys(list).length).map(([model, list]) => copyable({ ...parameterRows(list), caption: model }))]));
@@ -349,7 +349,7 @@
     theme = wantedTheme();
     for (const one of drawn) draw(one);
   }
-  // What is seen first is drawn first; the rest follows without holding up the page.
+  // Draws the first figures first; the rest follows without blocking the page.
   async function drawInTurn() {
     theme = wantedTheme();
     let since = performance.now();

@@ -44,7 +44,7 @@ std::string modes_page(const fs::path& directory, const Report& summary) {
     return modal_page(summary, modes);
   } catch (const std::logic_error& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
-                    std::string("does not hold what a run writes: ") + error.what());
+                    std::string("is not the summary of a wheeltap run: ") + error.what());
   }
 }
 
@@ -62,7 +62,7 @@ Report read_summary(const fs::path& directory) {
     throw FileError(FileError::Kind::foreign, path,
                     "has no " + what + ": not the summary of a wheeltap run");
   };
-  // Charts have a bin an element; no beam of a case has nearly so many.
+  // Charts have one bin per element; no beam of a case has nearly so many.
   constexpr double kMostElements = 1e5;
   const bool sweep = summary.is_object() && summary.contains("sweep");
   const auto need = [&](const std::string& key, Report::value_t type) {
@@ -109,7 +109,7 @@ Report read_summary(const fs::path& directory) {
   return summary;
 }
 
-// Sentences on models that their draws cannot speak for.
+// Sentences on models whose probability does not come from draws.
 Report told(const Report& models, const std::string& before) {
   Report out = Report::array();
   for (const auto& model : models) {
@@ -120,8 +120,7 @@ Report told(const Report& models, const std::string& before) {
   return out;
 }
 
-// The coefficients of every law a link may have: {"contact": [{"name": "stiffness", "unit": "N/m"},
-// …], …}.
+// The coefficients of every force law: {"contact": [{"name": "stiffness", "unit": "N/m"}, …], …}.
 Report laws() {
   Report out = Report::object();
   for (const dynamics::LawInfo& law : dynamics::law_infos()) {
@@ -135,7 +134,7 @@ Report laws() {
   return out;
 }
 
-// What the scripts draw: the summary, what charts need of the draws, and the answer.
+// The data of the scripts: the summary, the digest of the draws, and the answer.
 Report content(const Report& summary, const Answer& said, const io::NetcdfReader* draws) {
   Report out = {{"summary", summary}, {"answer", json(said)}};
   if (summary.contains("sweep")) {  // its runs keep no draws
@@ -155,17 +154,17 @@ Report content(const Report& summary, const Answer& said, const io::NetcdfReader
   return out;
 }
 
-/// None where there are none.
+/// Opens posterior.nc of the run; null if the run has none.
 std::unique_ptr<const io::NetcdfReader> stored_draws(const fs::path& directory,
                                                      const Report& summary) {
   if (summary.contains("sweep") || !is_sealed(directory, "posterior.nc", summary)) return nullptr;
   const fs::path path = directory / "posterior.nc";
-  if (!summary.contains("files"))  // no checksum vouches for it
+  if (!summary.contains("files"))  // no checksum
     io::check_apart(path, [&] { (void)digest(*read_posterior(path, path), summary); });
   return read_posterior(path, path);
 }
 
-// Prose as HTML, numbers and their units kept on one line.
+// Text as HTML, without line breaks between numbers and their units.
 std::string prose(const std::string& text) {
   std::string out = html_text(text);
   for (const std::string sign : {"&lt; ", "&gt; "}) {
@@ -178,7 +177,7 @@ std::string prose(const std::string& text) {
       out.replace(at, 1, "&nbsp;");
     }
   }
-  // No line ends within "4.6e-6": word joiners about the sign.
+  // Word joiners prevent a line break within "4.6e-6".
   for (std::size_t at = 1; (at = out.find("e-", at)) != std::string::npos; at += 2) {
     const auto digit = [&](std::size_t i) {
       return i < out.size() && std::isdigit(static_cast<unsigned char>(out[i])) != 0;
@@ -188,7 +187,7 @@ std::string prose(const std::string& text) {
   return out;
 }
 
-// `text` with each {{key}} replaced, in one pass: what is put in is not looked at again.
+// `text` with each {{key}} replaced, in one pass: inserted values are not searched for keys.
 std::string fill_page(std::string_view text,
                       const std::vector<std::pair<std::string_view, std::string_view>>& values) {
   std::string out;
@@ -207,15 +206,15 @@ std::string fill_page(std::string_view text,
   return out += text.substr(at);
 }
 
-/// work(), in which a summary is read that anybody may have edited: what is not as a run writes it
-/// is the file's fault.
+/// Calls work(), which reads a summary that a user may have edited. JSON errors become
+/// io::FileError (foreign).
 template <class Work>
 auto trusting(const fs::path& directory, const Work& work) {
   try {
     return work();
   } catch (const nlohmann::json::exception& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
-                    std::string("does not hold what a run writes: ") + error.what());
+                    std::string("is not the summary of a wheeltap run: ") + error.what());
   }
 }
 
@@ -305,7 +304,7 @@ namespace {
 
 constexpr const char* kFigureList = "figures.txt";
 
-/// A new folder, in which no name is anybody else's; removed with what is in it.
+/// A new private folder; the destructor removes it with its contents.
 class Scratch {
  public:
   explicit Scratch(const fs::path& in) {
@@ -330,12 +329,12 @@ void make_figures_folder(const fs::path& folder) {
   std::error_code error;
   if (fs::is_symlink(fs::symlink_status(folder, error)))
     throw FileError(FileError::Kind::unwritable, folder,
-                    "is a symbolic link, which is not followed: remove it");
+                    "is a symbolic link, which Wheeltap does not follow: remove it");
   fs::create_directories(folder, error);
   if (error) throw FileError(FileError::Kind::unwritable, folder, error.message());
 }
 
-/// Takes the place of whatever has the name, a symbolic link included.
+/// Copies a file and replaces an existing file or symbolic link of the name.
 void put_file(const fs::path& from, const fs::path& to) {
   io::AtomicFile file(to);
   file.write(io::read_bytes(from));
@@ -349,7 +348,7 @@ int write_figures(const fs::path& directory) {
     const Report summary = read_summary(directory);
     if (is_modal(summary))
       throw Failure(Exit::usage,
-                    "--figures: the pictures of a modal report are SVG in report.html itself");
+                    "--figures: the figures of a modal report are SVG in report.html itself");
     return content(summary, {}, stored_draws(directory, summary).get());
   });
   const fs::path folder = directory / "figures";
@@ -367,7 +366,7 @@ int write_figures(const fs::path& directory) {
                                           .output = STDOUT_FILENO,
                                           .error = STDERR_FILENO});
   close(input);
-  if (node < 0) throw Failure(Exit::internal, "no process can be started");
+  if (node < 0) throw Failure(Exit::internal, "cannot start a process for node");
   const int status = base::wait_for(node);
   std::ifstream written(scratch.folder() / kFigureList);
   if (status != 0 || !written) {

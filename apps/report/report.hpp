@@ -1,4 +1,4 @@
-// report.html: a finished run as one file that needs no network.
+// report.html: a finished run as one self-contained file.
 #pragma once
 
 #include <filesystem>
@@ -12,26 +12,24 @@ class NetcdfReader;
 
 namespace wheeltap::apps {
 
-/// JSON that can stand inside a <script> element: no "<", and none of the two line separators that
-/// older JavaScript refuses.
+/// Returns JSON for use inside a <script> element: without "<" and without the two line separators
+/// that older JavaScript rejects.
 [[nodiscard]] std::string script_safe(const Report& json);
 
-/// Text as HTML: & < > " ' become entities.
+/// Returns text as HTML: & < > " ' become entities.
 [[nodiscard]] std::string html_text(const std::string& text);
 
-/// report.html of the run in `directory` (for messages) with this summary and this posterior.nc;
-/// without one, no pictures of draws. Throws io::FileError as write_report does.
+/// Returns report.html of the run in `directory` (for messages) from its summary and posterior.nc;
+/// without `draws`, it has no charts of draws. Throws io::FileError as write_report does.
 [[nodiscard]] std::string report_page(const std::filesystem::path& directory, const Report& summary,
                                       const io::NetcdfReader* draws);
 
-/// Writes DIRECTORY/report.html from DIRECTORY/summary.json and posterior.nc. Throws
-/// io::FileError: missing where a file is not there, corrupt, foreign or mismatch where it is not
-/// what the run wrote, unwritable.
+/// Writes DIRECTORY/report.html from DIRECTORY/summary.json and posterior.nc. Throws io::FileError:
+/// missing; corrupt, foreign or mismatch if a file is not the one of the run; unwritable.
 void write_report(const std::filesystem::path& directory);
 
-/// Writes the report's figures as SVG files into DIRECTORY/figures, drawn by the same scripts under
-/// Node.js. Throws Failure (66) where there is no `node`, and as write_report does. Returns how
-/// many.
+/// Writes the figures of the report as SVG files into DIRECTORY/figures, by the same scripts under
+/// Node.js. Returns their number. Throws Failure (66) without `node`, and as write_report does.
 int write_figures(const std::filesystem::path& directory);
 
 }  // namespace wheeltap::apps

@@ -17,7 +17,7 @@ constexpr const char* kCentroid = "fill=\"#222\"";
 constexpr const char* kShearCentre = "fill=\"none\" stroke=\"#c2571a\" stroke-width=\"2\"";
 constexpr double kInside = 420.0, kMargin = 46.0, kLegend = 92.0;  // [px]
 
-/// From metres to the sheet.
+/// Converts metres to pixels of the sheet.
 struct Sheet {
   Vector2d low, high;
   double scale;
@@ -55,7 +55,7 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
   const double size = (sheet.high - sheet.low).maxCoeff();
   sheet.scale = kInside / size;
   std::string body;
-  // Triangles, lightly; regions of other materials in other shades.
+  // Triangles in thin lines; one shade per material.
   static const char* shades[] = {"#dde7f3", "#f3e3d6", "#e0efdf", "#efe0ee"};
   for (std::size_t r = 0; r < section.outline.regions.size(); ++r) {
     std::string path;
@@ -110,7 +110,7 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
   body += svg_text(left, below + 58,
                    "1, 2: principal axes, I1 = " + significant(axes.largest, 5) +
                        " m⁴, I2 = " + significant(axes.smallest, 5) + " m⁴");
-  // A round length below a third of the width.
+  // Scale bar: a round length below a third of the width.
   double bar = std::pow(10.0, std::floor(std::log10(size / 3.0)));
   for (const double more : {5.0, 2.0})
     if (more * bar <= size / 3.0) {

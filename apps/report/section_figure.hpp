@@ -1,4 +1,4 @@
-// The picture of a cross-section: outline, triangles, centroid, principal axes and shear centre.
+// Figure of a cross-section: outline, triangles, centroid, principal axes and shear centre.
 #pragma once
 
 #include <string>
@@ -7,7 +7,7 @@
 
 namespace wheeltap::apps {
 
-/// An SVG document; y to the right, z up.
+/// Returns an SVG document; y to the right, z up.
 [[nodiscard]] std::string section_figure(const MeshedSection& section, const std::string& title);
 
 }  // namespace wheeltap::apps

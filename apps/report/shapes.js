@@ -1,5 +1,5 @@
-// A structure moving in one of its modes: a picture that plays, and in space turns. A measured mode has a quadrature
-// part, a quarter of a period ahead.
+// Animation of a structure in one of its modes; drawings in space can be rotated. A measured mode has a quadrature part,
+// a quarter of a period ahead.
 const shapeView = (() => {
   const svg = (name, attributes) => {
     const node = document.createElementNS('http://www.w3.org/2000/svg', name);
@@ -37,11 +37,11 @@ const shapeView = (() => {
       const { motions, quadrature } = modes[mode], amplitude = reach * Math.sin(phase), ahead = reach * Math.cos(phase);
       rest.setAttribute('d', path((i) => flat(points[i])));
       moving.setAttribute('d', path((i) => flat(points[i].map((v, k) => v + amplitude * motions[i][k] + (quadrature ? ahead * quadrature[i][k] : 0)))));
-      picture.setAttribute('aria-label', `Mode ${mode + 1}, ${charts.number(modes[mode].frequency_hz, 4)} Hz, at rest and moved`);
+      picture.setAttribute('aria-label', `Mode ${mode + 1}, ${charts.number(modes[mode].frequency_hz, 4)} Hz, at rest and deformed`);
     };
     const step = (time) => {
       if (!playing) return;
-      phase = (time / 1000) * Math.PI; // half a turn a second, whatever the frequency
+      phase = (time / 1000) * Math.PI; // half a period per second for every frequency
       show();
       frame = requestAnimationFrame(step);
     };
@@ -74,7 +74,7 @@ const shapeView = (() => {
     addEventListener('beforeprint', () => play(false));
     show();
     return element('figure', { class: 'wide' }, element('p', { class: 'tools' }, element('label', {}, 'Shown: ', choice), button),
-      picture, element('figcaption', {}, `At rest (thin) and moved. Motions are drawn ${charts.number(100 * reach / size, 2)} % of the structure's size, slowed down, and ${drawing.as ?? 'as computed for the intact structure'}.` + (solid ? ' Drag to turn it, or use the arrow keys.' : '')));
+      picture, element('figcaption', {}, `At rest (thin) and deformed. The largest motion is drawn as ${charts.number(100 * reach / size, 2)} % of the structure's size, in slow motion, ${drawing.as ?? 'as computed for the intact structure'}.` + (solid ? ' Drag it or use the arrow keys to rotate it.' : '')));
   };
 })();
 

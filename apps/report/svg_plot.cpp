@@ -24,7 +24,7 @@ std::vector<double> ticks(double low, double high, int about) {
   return out;
 }
 
-// Beside report.css, whose design these pages share.
+// Styles in addition to report.css.
 constexpr const char* kPageStyle = R"(
 .odd { color: var(--caution); }
 ul.odd { list-style: none; padding: 0; margin: .75rem 0; display: grid; gap: .5rem; }
@@ -128,7 +128,7 @@ std::string Plot::framed(const std::string& label, const std::string& horizontal
                          const std::string& vertical, const std::string& inside) const {
   std::string out = "<svg class=\"plot\" role=\"img\" aria-label=\"" + escaped(label) +
                     "\" viewBox=\"0 0 " + fixed(kWidth, 0) + " " + fixed(height_, 0) + "\">\n";
-  // On narrow screens every second label goes (class "between"), so that larger ones have room.
+  // Narrow screens hide every second label (class "between") to make room for larger ones.
   int number = 0;
   for (const double t : ticks(x0_, x1_, 6))
     out += svg_line("class=\"grid\"", x(t), kTop, x(t), height_ - kBottom) +

@@ -12,7 +12,7 @@ using namespace identification;
 
 namespace {
 
-/// Modes that the solver may be said to have right.
+/// Relative error of frequencies below which modes count as exact.
 constexpr double kExact = 1e-5;
 
 std::string baseline_interval(const Marginal& e) {
@@ -20,14 +20,14 @@ std::string baseline_interval(const Marginal& e) {
 }
 
 std::string check_in_words(const StatesLikelihood::Check& check) {
-  return "Computed modes were held against full solutions at " + std::to_string(check.points) +
-         " draws of the priors: frequencies were off by " + significant(check.largest_error, 2) +
-         " of themselves at the most" +
+  return "Computed modes were compared with full solutions at " + std::to_string(check.points) +
+         " draws of the priors: the largest relative error of a frequency is " +
+         significant(check.largest_error, 2) +
          (check.missed > 0 ? ", and " + std::to_string(check.missed) + " modes were missed" : "") +
          ".";
 }
 
-/// The discrepancies that were inferred, under the most probable model; empty where none was.
+/// The inferred discrepancies under the most probable model; empty without them.
 std::string model_error_in_words(const DamageFindings& findings) {
   const auto model = std::ranges::max_element(
       findings.models, {}, [](const ModelFinding& m) { return m.probability(); });
@@ -44,7 +44,7 @@ std::string model_error_in_words(const DamageFindings& findings) {
     list.push_back(words + share(e.q50) + " % (" + share(e.q2_5) + " to " + share(e.q97_5) + ")");
   }
   if (list.empty()) return {};
-  return "How far the model is off was inferred: " + in_words(list) + ".";
+  return "Inferred error of the model: " + in_words(list) + ".";
 }
 
 }  // namespace
@@ -57,21 +57,22 @@ std::vector<std::string> baseline_sentences(const DamageFindings& findings) {
   for (const Contraction& c : b.contractions)
     if (c.at_prior()) unmoved.push_back(c.name);
   if (!unmoved.empty())
-    out.push_back("The data leave " + in_words(unmoved) + " of the intact structure at " +
-                  (unmoved.size() == 1 ? "its prior" : "their priors") + ": what is said of " +
-                  (unmoved.size() == 1 ? "it" : "them") + " was assumed, not measured.");
+    out.push_back(
+        "The data leave " + in_words(unmoved) + " of the intact structure at " +
+        (unmoved.size() == 1 ? "its prior: its value is" : "their priors: their values are") +
+        " assumed, not measured.");
   for (const Contraction& c : b.contractions)
     if (c.bound != Contraction::Bound::none)
-      out.push_back(c.name + " of the intact structure leans on the " +
+      out.push_back("The posterior of " + c.name + " of the intact structure piles up at the " +
                     (c.bound == Contraction::Bound::upper ? "upper" : "lower") +
-                    " end of its prior: that end says more than the data.");
+                    " bound of its prior: widen the prior unless that bound is certain.");
   for (const Entangled& e : b.entangled)
     out.push_back(e.a + " and " + e.b +
-                  " of the intact structure cannot be told apart (correlation " +
-                  fixed(e.correlation, 2) + "): the data know a combination of them.");
+                  " of the intact structure are not identifiable separately (correlation " +
+                  fixed(e.correlation, 2) + "): the data determine a combination of them.");
   for (const HiddenDamage& h : b.hidden)
     out.push_back("With " + h.model + ", " + h.severity + " and " + h.parameter +
-                  " of the intact structure cannot be told apart (correlation " +
+                  " of the intact structure are not identifiable separately (correlation " +
                   fixed(h.correlation, 2) +
                   "): measure the healthy structure better, or narrow the prior.");
   if (findings.fit) {

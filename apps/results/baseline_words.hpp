@@ -1,4 +1,4 @@
-// The intact structure's parameters beside its damage: in words, as a report, on the terminal.
+// Parameters of the intact structure in a damage run: sentences, summary.json and terminal text.
 #pragma once
 
 #include "apps/report_json.hpp"
@@ -7,12 +7,12 @@
 
 namespace wheeltap::apps {
 
-/// What the data leave at its prior, what leans on a bound, what cannot be told apart, and which
-/// modes of which states are off.
+/// Returns sentences on parameters at their priors or at a bound of them, on pairs that are not
+/// identifiable separately, and on modes with large residuals.
 [[nodiscard]] std::vector<std::string> baseline_sentences(
     const identification::DamageFindings& findings);
 
-/// `baseline` of a summary.
+/// Returns `baseline` of summary.json.
 [[nodiscard]] Report baseline_report(const identification::DamageCase& damage_case,
                                      const identification::DamageFindings& findings);
 

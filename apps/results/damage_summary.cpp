@@ -14,8 +14,7 @@ using namespace identification;
 
 namespace {
 
-// Expected number on each member (node, link): {"left post": 0.9}; per kind where there are
-// several.
+// Expected number on each member (node, link): {"left post": 0.9}; per kind if there are several.
 Report by_member(const DamageCase& damage_case, const DamageFindings& findings) {
   Report out = Report::object();
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
@@ -32,7 +31,7 @@ Report by_member(const DamageCase& damage_case, const DamageFindings& findings) 
   return out;
 }
 
-// The count with neighbouring damages counted as one, and the longer damages that they are.
+// The count with neighbouring damages counted as one, and the longer damages that replace them.
 Report merged_report(const DefectKind& kind, const DamageFindings& findings,
                      const MergedFinding& merged) {
   Report counts = Report::object(), models = Report::object();
@@ -192,7 +191,7 @@ bool is_of_structure(const ObservedStates& states, const std::string& name) {
   return std::ranges::find(parameters, name, &inference::Parameter::name) != parameters.end();
 }
 
-// Where posterior.nc keeps each unknown, and where the case states its prior.
+// The variable of posterior.nc and the prior in the case of each unknown.
 Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
   Report out = Report::object();
   for (const ModelFinding& model : findings.models) {
@@ -215,7 +214,7 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
                     {"prior", prior.to_string()}};
       if (u.kind >= 0) {
         one["slot"] = u.component + 1;
-        // Components stand in order of their first parameter.
+        // Components are sorted by their first parameter.
         if (u.parameter == 0) one["ordered_among"] = model.counts[kind];
       }
       list.push_back(std::move(one));
@@ -225,7 +224,7 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
   return out;
 }
 
-// What one defect covers: "element", metres, or null where it is inferred or there is no length.
+// The length of one defect: "element", metres, or null if it is inferred or has no length.
 Report extent_of(const DefectKind& kind) {
   if (kind.extent) return *kind.extent;
   return has_fixed_extent(kind) ? Report("element") : Report();
@@ -276,7 +275,7 @@ Report beam_of(const fem::Beam& beam) {
           {"shear_coefficient", beam.section.shear_coefficient}};
 }
 
-// Points and lines, and how the intact structure's modes move them: what the report plays.
+// Points and lines, and their motion in the modes of the intact structure, for the animation.
 Report drawing_of(const DrawnModes& drawn) {
   const auto rounded = [](const fem::Vector3& v) {
     Report row = Report::array();
@@ -293,7 +292,7 @@ Report drawing_of(const DrawnModes& drawn) {
   return {{"points", points}, {"lines", drawn.drawing.lines}, {"modes", modes}};
 }
 
-// Nodes, members, held nodes, and where each kind's cells lie.
+// Nodes, members, supported nodes, and the cells of each kind.
 Report structure_of(const DamageCase& damage_case, const std::optional<DrawnModes>& drawn) {
   Report out = Report::object();
   if (const auto* s = std::get_if<fem::Structure>(&damage_case.structure->nominal)) {

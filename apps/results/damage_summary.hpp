@@ -7,20 +7,20 @@
 
 namespace wheeltap::apps {
 
-/// What the words about a damage run refer to. The arguments must outlive it.
+/// Returns the case and findings that sentences refer to. The arguments must outlive it.
 [[nodiscard]] Context damage_context(const DamageCaseFile& damage_case,
                                      const identification::DamageFindings& findings);
 
-/// All that a reader should keep in mind, the gravest first.
+/// Returns all warnings, the gravest first.
 [[nodiscard]] std::vector<std::string> damage_warnings(
     const DamageCaseFile& damage_case, const identification::DamageFindings& findings);
 
-/// The whole of summary.json.
+/// Returns summary.json.
 [[nodiscard]] Report damage_summary(const DamageCaseFile& damage_case,
                                     const identification::DamageFindings& findings,
                                     const RunInfo& info);
 
-/// {"counts": {"1": {…}}}: an emulator's errors per count and mode.
+/// Returns an emulator's errors per count and mode: {"counts": {"1": {…}}}.
 [[nodiscard]] Report emulator_report(const identification::EmulatorFinding& emulator);
 
 }  // namespace wheeltap::apps

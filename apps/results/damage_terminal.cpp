@@ -38,7 +38,7 @@ std::string true_place(const DefectKind& kind, double location) {
   return on.size > 0.0 ? on.name + ", " + place_in_metres(spot.s) + " m" : on.name;
 }
 
-// One line a defect.
+// One line per defect.
 void print_defects(const Page& page, const DamageCase& damage_case,
                    const std::vector<ParameterFinding>& shown, bool folded) {
   std::vector<std::vector<std::string>> rows;
@@ -74,7 +74,7 @@ void print_defects(const Page& page, const DamageCase& damage_case,
   page.table(rows);
 }
 
-// Of a structure, the places that hold a tenth of a defect or more.
+// Places of a structure with an expected number of at least 0.1 defects.
 void print_places(const Page& page, const DamageCase& damage_case, const DamageFindings& findings) {
   std::vector<std::vector<std::string>> rows = {
       {"", "on", "expected", "location", "95 % interval", "severity", "95 % interval"}};
@@ -114,7 +114,7 @@ std::string support_glyph(const fem::Support& s) {
   return s.deflection ? "▲" : "◆";
 }
 
-// What predicted, and how far that can be trusted.
+// The predictor and its error.
 void print_predictor(const Page& page, const DamageCase& damage_case,
                      const DamageFindings& findings) {
   if (!findings.emulator) return;
@@ -123,8 +123,9 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
   print_emulator(page.out, e, false, false);
   if (e.exact) {
     page.wrapped(
-        "It screened proposals only: the posterior is the FE solution's. The FE was called " +
-            rounded_count(static_cast<double>(e.likelihood_calls)) + " times, the emulator " +
+        "It only screened proposals: the posterior is that of the FE solution. The run called the "
+        "FE solution " +
+            rounded_count(static_cast<double>(e.likelihood_calls)) + " times and the emulator " +
             rounded_count(static_cast<double>(findings.sampling.likelihood_evaluations)) +
             " times.",
         "", "  ");
@@ -143,7 +144,7 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
   page.wrapped(
       "Check of " + std::to_string(e.check->draws) + " draws with the FE solution: error up to " +
           significant(at.rms, 2) + " of the noise (mode " + std::to_string(e.check->worst_mode) +
-          "), weights as good as " + percent(e.check->effective_share) + " of the draws. " +
+          "), effective share of the weighted draws " + percent(e.check->effective_share) + ". " +
           (e.check->answer_moved() ? "The emulator moved the answer: see below."
                                    : "The emulator did not move the answer."),
       "", "  ");
@@ -244,7 +245,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
 
   const bool several = findings.models.size() > 1;
   if (several) {
-    page.heading(damage_case.kinds.size() > 1 ? "What is there?"
+    page.heading(damage_case.kinds.size() > 1 ? "Which defects?"
                                               : "How many " + damage_case.kinds[0].plural + "?");
     print_models(page, findings.models);
     for (const MergedFinding& merged : findings.merged) {
@@ -266,7 +267,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
     print_defects(page, damage_case, findings.shown(m), !findings.folded.empty());
   }
   if (damage_case.structure) {
-    page.heading("Where, and how bad?");
+    page.heading("Location and severity");
     print_places(page, damage_case, findings);
   }
   for (const ModelFinding& model : findings.models) {
@@ -290,8 +291,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
         if (kind.type->percent) truth += ", " + severity_text(kind, t.severity);
       }
     }
-    out << "\nTruth that the data were simulated from: " << (truth.empty() ? "nothing" : truth)
-        << ".\n";
+    out << "\nTruth of the simulated data: " << (truth.empty() ? "no damage" : truth) << ".\n";
   }
 
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {

@@ -1,4 +1,4 @@
-// The text of a damage run.
+// Terminal text of a damage run.
 #pragma once
 
 #include <iosfwd>
@@ -10,15 +10,15 @@
 
 namespace wheeltap::apps {
 
-/// The text of a finished damage run.
+/// Prints the results of a finished damage run.
 void print_damage(std::ostream& out, const DamageCaseFile& damage_case,
                   const identification::DamageFindings& findings, bool colour);
 
-/// An emulator's errors: per mode and with its warnings, or a line a count.
+/// Prints an emulator's errors: per mode and with its warnings (`in_full`), or one line per count.
 void print_emulator(std::ostream& out, const identification::EmulatorFinding& emulator, bool colour,
                     bool in_full);
 
-/// The beam as text, `width` characters long: expected number of defects along it, the beam, its
+/// Draws the beam as text of `width` characters: expected number of defects along it, beam,
 /// supports.
 [[nodiscard]] std::string draw_beam(const fem::Beam& beam, const std::vector<double>& expected,
                                     int width);

@@ -67,8 +67,8 @@ Report rejected_json(const signals::Stabilisation& diagram) {
   return out;
 }
 
-/// What a record holds, in decibels within the band; of many lines the highest of each
-/// neighbourhood.
+/// The spectrum of a record within the band [dB]; if it has many lines, the maximum of each
+/// interval.
 Report spectrum_json(const SetUp& set_up, const ModalResult& result) {
   constexpr std::size_t kMostLines = 1000;
   Report frequencies = Report::array(), level = Report::array();
@@ -98,7 +98,7 @@ Report record_json(const SetUp& set_up) {
   return out;
 }
 
-/// "modes", "procedure", "spectrum", "stabilisation" and what was rejected, of one record.
+/// "modes", "procedure", "spectrum", "stabilisation" and rejected poles of one record.
 Report set_up_json(const SetUp& set_up, const ModalResult& result) {
   Report modes = Report::array();
   for (const Mode& m : result.modes) modes.push_back(mode_json(m));

@@ -6,8 +6,8 @@
 
 namespace wheeltap::apps {
 
-/// "modes", "procedure", "spectrum", "stabilisation", … of one record; of several the merged modes
-/// and "set_ups"; "geometry" where there is one, and "diagnostics".
+/// Returns "modes", "procedure", "spectrum", "stabilisation", … of one record; for several records
+/// the merged modes and "set_ups"; "geometry" if the case has one; "diagnostics".
 [[nodiscard]] Report modal_summary(const ModalCaseFile& modal, const IdentifiedModes& found);
 
 }  // namespace wheeltap::apps

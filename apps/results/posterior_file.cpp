@@ -45,7 +45,7 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
     });
     file.text(
         group, weight, "description",
-        "what a draw counts in averages over models, which were sampled evenly; 1 on average");
+        "weight of a draw in averages over models, because models were sampled evenly; mean 1");
   }
   put(
       0, "accepted", [](const Chain& c, std::size_t i) { return static_cast<int>(c.accepted[i]); },
@@ -54,7 +54,7 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 
 namespace {
 
-// Of a parameter that all models have: its name, unless something else is called so.
+// The variable of a parameter that all models have: its name, unless that name is taken.
 std::string common_variable(const std::string& name) {
   static const std::set<std::string> taken = {
       "model", "k",    "chain",        "draw",  "slot", "location", "reduction", "member",
@@ -108,7 +108,7 @@ std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
     const std::string prefix = several ? kind.name + "_" : "";
     if (several) columns.push_back(counts("k_" + kind.name, static_cast<int>(k)));
     const auto parameters = static_cast<std::size_t>(kind.parameters());
-    // One number a draw and slot, NaN where there are fewer defects.
+    // One number per draw and slot; NaN in unused slots.
     const auto add = [&](const std::string& name, const std::string& unit, std::size_t p, auto of) {
       std::vector<std::pair<std::size_t, std::size_t>> places;  // slots used, and where they begin
       for (const auto& m : space.models())

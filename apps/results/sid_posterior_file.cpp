@@ -17,11 +17,11 @@ using namespace identification;
 
 namespace {
 
-/// A channel's name without its unit, unlike the `others`.
+/// A channel's name without its unit, different from the `others`.
 std::string variable_name(const SidChannel& channel, const std::vector<std::string>& others) {
   std::string name = io::netcdf_name(channel.column.substr(0, channel.column.find(" [")));
   if (name.find_first_not_of("0123456789") == std::string::npos) name = "column_" + name;
-  // Names that the groups have for something else.
+  // Names that the groups already use.
   static const std::vector<std::string> kTaken = {"time", "sample",     "chain",
                                                   "draw", "draw_index", "quantile"};
   const auto taken = [&](const std::string& one) {
@@ -40,7 +40,8 @@ std::vector<std::string> variable_names(const SidCase& sid_case) {
   return names;
 }
 
-/// What drove the chain, in SI units at the samples scored: ArviZ's group for what is given.
+/// Writes the excitation in SI units at the samples of the likelihood, in ArviZ's group for
+/// constant data.
 void write_excitation(const io::NetcdfWriter& file, const SidCase& sid_case, std::size_t samples,
                       std::span<const double> theta) {
   const int group = file.group("constant_data");
@@ -71,7 +72,7 @@ std::vector<float> single(const std::vector<double>& values) {
   return {values.begin(), values.end()};
 }
 
-/// What the draws of `predictive` predict without noise. Left out without draws.
+/// Writes the predictions of `predictive` without noise; nothing without draws.
 void write_noise_free(const io::NetcdfWriter& file, const SidProblem& problem,
                       const inference::Posterior& posterior, const SidPredictive& predictive,
                       const std::vector<std::string>& names) {
@@ -92,7 +93,7 @@ void write_noise_free(const io::NetcdfWriter& file, const SidProblem& problem,
   }
 }
 
-/// What the links of a model went through with its best draw. Left out where that is not known.
+/// Writes the motion of the links with a model's best draw; nothing if it is not known.
 void write_link_paths(const io::NetcdfWriter& file, const SidProblem& problem,
                       const inference::Posterior& posterior, int model) {
   const auto draw = best_draw(problem, posterior, model);

@@ -9,23 +9,23 @@
 
 namespace wheeltap::apps {
 
-/// A column a parameter, after that of the model.
+/// Returns the column of the model and then one column per parameter.
 [[nodiscard]] std::vector<DrawColumn> sid_columns(const identification::SidProblem& problem,
                                                   const inference::Posterior& posterior);
 
-/// Fills a NetCDF-4 file with the groups
-///   posterior             one variable a parameter (chain, draw), NaN where the model has none;
-///                         model, the model's number
-///   sample_stats          as in posterior_file.hpp
-///   posterior_predictive  one variable a response (chain, draw, sample), noise of `seed` added;
-///                         its draws are those of `predictive`, numbered in draw_index
-///   noise_free            one variable a response (quantile, sample): 2.5, 50 and 97.5 % of what
-///                         the same draws predict without noise
-///   link_paths            extension, rate, tension of each link (sample) in the motion of the most
-///                         probable model's best draw, and what the data say of the tension
-///                         (identification/sid/findings/link_paths.hpp)
-///   observed_data         one variable a response (sample) [SI], and time [s]
-/// Throws io::FileError (unwritable) for what NetCDF does not take.
+/// Fills a NetCDF-4 file. Groups:
+/// - posterior: one variable per parameter (chain, draw), NaN if the model lacks it;
+///   model: the number of the model.
+/// - sample_stats: as in posterior_file.hpp.
+/// - posterior_predictive: one variable per response (chain, draw, sample), with noise of `seed`;
+///   the draws of `predictive`, numbered in draw_index.
+/// - noise_free: one variable per response (quantile, sample): 2.5, 50 and 97.5 % of the
+///   predictions of the same draws without noise.
+/// - link_paths: extension, rate and tension of each link (sample) in the motion of the
+///   most probable model's best draw, and the tension from the data
+///   (identification/sid/findings/link_paths.hpp).
+/// - observed_data: one variable per response (sample) [SI], and time [s].
+/// Throws io::FileError (unwritable) if NetCDF rejects a value.
 void write_sid_posterior(const io::NetcdfWriter& file, const std::string& run,
                          const SidCaseFile& parsed, const identification::SidProblem& problem,
                          const inference::Posterior& posterior,

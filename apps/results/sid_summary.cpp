@@ -51,7 +51,7 @@ Report json(const std::vector<LinkCurve>& links) {
   return rows;
 }
 
-/// {model: value(finding, m), …} of the drawn models that are told of in full.
+/// {model: value(finding, m), …} of the models with draws that the summary describes in full.
 template <class Value>
 Report of_drawn(const SidFindings& findings, const Value& value) {
   Report out = Report::object();
@@ -84,7 +84,7 @@ Report links_report(const SidFindings& findings) {
   return out;
 }
 
-/// One row a term of a discovery.
+/// One row per term of a discovery.
 Report terms_report(const SidFindings& findings) {
   Report rows = Report::array();
   for (const TermFinding& term : findings.discovery.terms) {
@@ -100,7 +100,7 @@ Report terms_report(const SidFindings& findings) {
   return rows;
 }
 
-/// Laws over all models, and what their links went through.
+/// Laws over all models, and the range of motion of their links.
 Report discovery_report(const SidCase& sid_case, const SidFindings& findings) {
   Report laws = Report::array(), motions = Report::array();
   for (const LinkLaw& law : findings.discovery.laws) {
@@ -153,7 +153,7 @@ Report best_draws(const SidFindings& findings) {
   });
 }
 
-// Where posterior.nc keeps each unknown, and where the case states its prior.
+// The variable of posterior.nc and the prior in the case of each unknown.
 Report sid_unknowns_of(const SidFindings& findings) {
   return of_drawn(findings, [&](const SidModelFinding&, std::size_t m) {
     Report list = Report::array();
@@ -223,7 +223,7 @@ Report data_of(const SidCaseFile& parsed) {
   return out;
 }
 
-/// Of each further record: where it is from, and how the models fit it.
+/// Origin and fit of each further record.
 Report further_of(const SidCase& sid_case, const SidFindings& findings) {
   Report out = Report::array();
   for (std::size_t r = 0; r < sid_case.further.size(); ++r) {

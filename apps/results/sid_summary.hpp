@@ -7,19 +7,18 @@
 
 namespace wheeltap::apps {
 
-/// The whole of summary.json. `problem` is the one that was run: its case has the steps that were
-/// used.
+/// Returns summary.json. `problem` is that of the run: its case has the time steps used.
 [[nodiscard]] Report sid_summary(const SidCaseFile& parsed,
                                  const identification::SidProblem& problem,
                                  const identification::SidFindings& findings, const RunInfo& info);
 
-/// [{"model", "against", "log_bayes_factor", "mcse", "basis", "never_visited"}, …].
+/// Returns [{"model", "against", "log_bayes_factor", "mcse", "basis", "never_visited"}, …].
 [[nodiscard]] Report bayes_factors_report(const identification::SidFindings& findings);
 
-/// {model: [{"channel", "mass", "mse", …}, …], …}, at the means of the models' parameters.
+/// Returns {model: [{"channel", "mass", "mse", …}, …], …} at the means of the models' parameters.
 [[nodiscard]] Report fits_report(const identification::SidFindings& findings);
 
-/// Which of the two models no draw was in: a name, "both", or "".
+/// Returns the one of the two models that has no draws: its name, "both", or "".
 [[nodiscard]] std::string never_visited(const identification::SidFindings& findings,
                                         const identification::BayesFactor& factor);
 

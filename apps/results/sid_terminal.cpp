@@ -24,8 +24,7 @@ void print_bayes_factors(std::ostream& out, const SidFindings& findings) {
     } else if (findings.models[static_cast<std::size_t>(b.model)].standing.passed_over) {
       out << "not evaluated\n";
     } else {
-      out << "not known (never drawn, and of no known evidence: " << never_visited(findings, b)
-          << ")\n";
+      out << "not known (without draws and evidence: " << never_visited(findings, b) << ")\n";
     }
   }
 }
@@ -94,8 +93,8 @@ void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
   if (rows.size() > 1) page.table(rows);
 }
 
-// Models whose parameters are tabulated: those that matter, of a discovery the first alone, since
-// its terms have been told already.
+// Models with a table of parameters: those with enough probability; for a discovery the most
+// probable one only, since the terms have a table.
 std::vector<bool> worth_printing(const SidFindings& findings) {
   std::vector<bool> out;
   std::size_t best = 0;

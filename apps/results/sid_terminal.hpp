@@ -1,4 +1,4 @@
-// The text of a system-identification run.
+// Terminal text of a system-identification run.
 #pragma once
 
 #include <iosfwd>
@@ -8,7 +8,7 @@
 
 namespace wheeltap::apps {
 
-/// The text of a finished run.
+/// Prints the results of a finished run.
 void print_sid(std::ostream& out, const SidCaseFile& parsed,
                const identification::SidFindings& findings, bool colour);
 

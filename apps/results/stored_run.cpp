@@ -18,7 +18,7 @@ namespace {
 using io::FileError;
 namespace fs = std::filesystem;
 
-/// The run that a posterior.nc, damaged perhaps, says it is of; empty where it says nothing.
+/// The run identifier in a posterior.nc, which may be damaged; empty without one.
 std::string run_of(const fs::path& path) {
   try {
     return io::read_apart(path, [&] { return read_posterior(path, path)->text("run_id"); });
@@ -27,7 +27,7 @@ std::string run_of(const fs::path& path) {
   }
 }
 
-/// The run that a summary is of; empty where it does not say so.
+/// The run identifier in a summary; empty without one.
 std::string run_of(const Report& summary) {
   const auto about = summary.find("wheeltap");
   if (about == summary.end()) return {};
@@ -71,7 +71,7 @@ std::unique_ptr<const io::NetcdfReader> read_posterior(const fs::path& file, con
 
 namespace {
 
-/// Throws where a file is not what its run wrote; `is`, its seal, says what it is.
+/// Throws if the seal of a file, `is`, differs from the seal of the file that the run wrote.
 void check_seal(const fs::path& path, const Report& wrote_one, const Report& summary,
                 const Report& is) {
   if (wrote_one == is) return;
@@ -84,13 +84,12 @@ void check_seal(const fs::path& path, const Report& wrote_one, const Report& sum
   const auto wanted = wrote.is_number_unsigned() ? wrote.get<std::size_t>() : 0;
   const auto there = is.at("bytes").get<std::size_t>();
   throw FileError(FileError::Kind::corrupt, path,
-                  there < wanted
-                      ? "is truncated: it has " + std::to_string(there) + " of the " +
-                            std::to_string(wanted) + " bytes that its run wrote"
-                      : "is damaged: it is not what its run wrote (summary.json has its checksum)");
+                  there < wanted ? "is truncated: it has " + std::to_string(there) + " of the " +
+                                       std::to_string(wanted) + " bytes that its run wrote"
+                                 : "is damaged: its checksum differs from that in summary.json");
 }
 
-/// What a summary says of the file; null: it could not be written; none: nothing.
+/// The seal of the file in a summary; null: the file could not be written; none: no entry.
 std::optional<Report> seal_in(const Report& summary, const std::string& name) {
   const auto files = summary.find("files");
   if (files == summary.end() || !files->is_object() || !files->contains(name)) return {};
@@ -160,7 +159,8 @@ std::optional<std::string> finished_run(const fs::path& folder, const CaseFile& 
   const auto& of = summary["files"].value("summary.txt", Report::object());
   if (!text.ends_with('\n') || of != Report{{"lines", std::ranges::count(text, '\n')}}) {
     throw FileError(FileError::Kind::corrupt, folder / "summary.txt",
-                    "is truncated or damaged: it has not the lines that its run wrote");
+                    "is truncated or damaged: its number of lines differs from that in "
+                    "summary.json");
   }
   return text;
 }

@@ -15,7 +15,7 @@ using On = StructureDrawing::Point::On;
 
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
-/// "0.5", with three digits more than a part in a thousand of the size.
+/// "0.5", with four significant digits.
 std::string metres(double s) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", s);
@@ -37,7 +37,7 @@ std::string point_in_words(const StructureDrawing::Point& point) {
   return point.name;
 }
 
-/// "x", or "x and y" where a second component is not much less.
+/// "x", or "x and y" if a second component is not much smaller.
 std::string axes_of(const Vector3& v) {
   double largest = 0.0;
   for (const double x : v) largest = std::max(largest, std::abs(x));
@@ -63,7 +63,7 @@ std::string largest_motion(const StructureDrawing& drawing, const Eigen::VectorX
     Vector3 components = {};
   } moved, turned;
   const auto look = [&](Most& most, const StructureDrawing::Point& point, const Vector3& v) {
-    // Nodes come first: one that moves almost as much as anything is named.
+    // Prefer a node that moves almost as much as the maximum.
     const double tie =
         most.point != nullptr && most.point->is_node() && !point.is_node() ? 1.01 : 1.0 + 1e-6;
     if (fem::norm(v) <= most.motion * tie) return;
@@ -113,7 +113,7 @@ std::vector<NodeMotion> node_motions(const StructureDrawing& drawing,
 std::string vtk_text(const StructureDrawing& drawing, const fem::StructureModes& modes,
                      const std::string& title) {
   if (drawing.points.empty())
-    throw std::invalid_argument("matrices have no places: there is nothing to draw");
+    throw std::invalid_argument("matrices have no coordinates: nothing can be drawn");
   const auto row = [](const Vector3& v) {
     return base::number(v[0]) + ' ' + base::number(v[1]) + ' ' + base::number(v[2]) + '\n';
   };

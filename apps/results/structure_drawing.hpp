@@ -16,12 +16,12 @@ using fem::DrawnStructure;
 using fem::StructureDrawing;
 using identification::drawn;
 
-/// What moves most in a shape (a node within 1 % of it, where there is one), and which way: "beam
-/// at 0.5 m, y", "node B, x and y", "rotation of post at 0.5 m about y".
+/// Returns the point with the largest motion in a shape (preferably a node within 1 % of it) and
+/// its direction: "beam at 0.5 m, y", "node B, x and y", "rotation of post at 0.5 m about y".
 [[nodiscard]] std::string largest_motion(const StructureDrawing& drawing,
                                          const Eigen::VectorXd& shape);
 
-/// Of each node (mass, or named place) the motions in a shape, by direction.
+/// The motions of a node (mass, or named place) in a shape, by direction.
 struct NodeMotion {
   std::string node;
   std::vector<std::pair<std::string, double>> motions;
@@ -29,9 +29,9 @@ struct NodeMotion {
 [[nodiscard]] std::vector<NodeMotion> node_motions(const StructureDrawing& drawing,
                                                    const Eigen::VectorXd& shape);
 
-/// Legacy VTK polydata (The VTK User's Guide, "VTK file formats"): members as polylines, and one
-/// vector field of displacements a mode, scaled to a largest one of 1. Throws std::invalid_argument
-/// for a structure that has no places.
+/// Returns legacy VTK polydata (The VTK User's Guide, "VTK file formats"): members as polylines and
+/// one vector field of displacements per mode, with a maximum of 1. Throws std::invalid_argument
+/// for a structure of matrices, which has no coordinates.
 [[nodiscard]] std::string vtk_text(const StructureDrawing& drawing,
                                    const fem::StructureModes& modes, const std::string& title);
 

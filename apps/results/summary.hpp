@@ -1,4 +1,4 @@
-// What a run found, as the JSON of summary.json: the part that does not know what the models mean.
+// Parts of summary.json that all kinds of runs share.
 #pragma once
 
 #include <nlohmann/json.hpp>
@@ -12,51 +12,50 @@
 
 namespace wheeltap::apps {
 
-/// What the user asked for, to be repeated.
+/// Seed and command line of a run, for its repetition.
 struct RunInfo {
   std::uint64_t seed = 1;
   std::string command_line;
 };
 
-/// {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk", "ess_tail", "rhat"}.
+/// Returns {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk", "ess_tail", "rhat"}.
 [[nodiscard]] Report json(const identification::Marginal& estimate);
 
-/// {"mean", "sd", "q2.5", "q5", "q50", "q95", "q97.5"} of a further window, "whole": the same of
-/// what ever longer records would give, "scatter", "use": "windows" or "run", and "windows": what
-/// each of them said.
+/// Returns {"mean", "sd", "q2.5", "q5", "q50", "q95", "q97.5"} for a further window; "whole": the
+/// same in the limit of long records; "scatter"; "use": "windows" or "run"; "windows": the value of
+/// each window.
 [[nodiscard]] Report json(const identification::BetweenWindows& between);
 
-/// {label: estimate, …}, an estimate with its "between_windows" where windows were asked for.
+/// Returns {label: estimate, …}, with "between_windows" if the case requests windows.
 [[nodiscard]] Report json(const std::vector<identification::ParameterFinding>& parameters);
 
-/// One row a model: name, prior, probability and its Monte Carlo standard error, and what both rest
-/// on: "visited" (chains that drew it), "proposed" and "entered" (jumps into it), "log_evidence"
-/// and "log_evidence_se", "basis" ("draws" or "evidence"), "told": a sentence where draws cannot
-/// speak for it. `mcse` is null where nothing is known.
+/// Returns one row per model: name, prior, probability and its Monte Carlo standard error (`mcse`,
+/// null if not known), and their basis: "visited" (chains that drew it), "proposed" and "entered"
+/// (jumps into it), "log_evidence" and "log_evidence_se", "basis" ("draws" or "evidence"), "told"
+/// (a sentence, if the probability does not come from draws).
 [[nodiscard]] Report model_table(const identification::Findings& findings);
 
-/// Estimates of every visited model that is told of in full (told_in_full), as everything is that
-/// a summary keeps by model beside its table.
+/// Returns the estimates of every model with draws that the summary describes in full
+/// (told_in_full), like all entries by model except the model table.
 [[nodiscard]] Report parameter_tables(const identification::Findings& findings);
 
-/// Convergence, acceptance and mixing between models.
+/// Returns convergence, acceptance and mixing between models.
 [[nodiscard]] Report diagnostics(const identification::Findings& findings,
                                  const std::vector<std::string>& warnings);
 
-/// {"tmcmc": [{"model", "log_evidence", "standard_error", "log_bayes_factor", "probability", …},
-/// …], …}.
-/// Whether the models explain the data: {ok, r2, p, why}.
+/// Returns whether the models explain the data: {ok, r2, p, why}.
 [[nodiscard]] Report fit_report(const identification::FitVerdict& verdict);
+/// Returns {"tmcmc": [{"model", "log_evidence", "standard_error", "log_bayes_factor",
+/// "probability", …}, …], …}.
 [[nodiscard]] Report evidence_report(const identification::Findings& findings);
 
-/// What repeats the run: version, command, seed, machine and case.
+/// Returns the data that repeat the run: version, command, seed, machine and case.
 [[nodiscard]] Report about(const std::string& command, const RunInfo& info, const CaseFile& file);
 
-/// Processor and number of cores, in words; nothing that tells one machine of its kind from
-/// another.
+/// Returns processor and number of cores, in words; nothing that identifies a single machine.
 [[nodiscard]] std::string machine();
 
-/// What the run cost.
+/// Returns the cost of the run: evaluations, time, draws.
 [[nodiscard]] Report cost(const identification::Sampling& sampling);
 
 }  // namespace wheeltap::apps

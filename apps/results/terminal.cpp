@@ -22,7 +22,6 @@ bool colour_wanted() {
   return isatty(STDOUT_FILENO) != 0 && std::getenv("NO_COLOR") == nullptr;
 }
 
-// Characters, not bytes, of UTF-8 text.
 std::size_t columns(const std::string& text) {
   return static_cast<std::size_t>(std::ranges::count_if(
       text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -44,14 +43,12 @@ std::string repeated(const std::string& glyph, int n) {
   return text;
 }
 
-// A bar of eighths of a character.
 std::string bar(double fraction, int width) {
   static const char* parts[] = {"", "▏", "▎", "▍", "▌", "▋", "▊", "▉"};
   const int eighths = static_cast<int>(std::lround(std::clamp(fraction, 0.0, 1.0) * width * 8));
   return repeated("█", eighths / 8) + parts[eighths % 8];
 }
 
-// Text broken at spaces, further lines indented.
 void Page::wrapped(const std::string& text, const std::string& first,
                    const std::string& further) const {
   std::string line = first;
@@ -74,7 +71,6 @@ void Page::wrapped(const std::string& text, const std::string& first,
   out << line << '\n';
 }
 
-// Rows of cells, the first column left-aligned, all others right-aligned.
 void Page::table(const std::vector<std::vector<std::string>>& rows) const {
   std::vector<std::size_t> widths;
   for (const auto& row : rows) {
@@ -118,7 +114,7 @@ void print_models(const Page& page, const std::vector<ModelFinding>& all) {
   for (const ModelFinding& m : models) {
     const double p = m.probability();
     const bool known = std::isfinite(m.standing.mcse);
-    // Beside "< 0.1 %" an error of 1e-24 % would only puzzle; the line below has the number.
+    // Beside "< 0.1 %" an error of 1e-24 % has no use; the line below has the number.
     const bool with_error = known && !(m.standing.basis == inference::Basis::evidence && p < 0.001);
     const std::string error = with_error ? shown_error(p, m.standing.mcse) : "";
     const std::string said = with_error               ? percent(p, m.standing.mcse)
@@ -174,7 +170,7 @@ void print_evidence(const Page& page, const Findings& findings) {
 
 void print_closing(const Page& page, const Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what) {
-  if (!warnings.empty()) page.heading("What to keep in mind");
+  if (!warnings.empty()) page.heading("Warnings");
   for (const std::string& w : warnings) page.wrapped(w, page.warn("! "), "  ");
 
   const Sampling& sampling = findings.sampling;
@@ -190,14 +186,14 @@ void print_closing(const Page& page, const Findings& findings,
     page.wrapped("Resolution: " + resolution + " (--search).", "", "  ");
   }
   if (sampling.tempered_draws) {
-    page.out << "The draws were tempered: " << sampling.ladder_round_trips
+    page.out << "Parallel tempering: " << sampling.ladder_round_trips
              << " round trips between prior and posterior.\n";
   }
   page.out << (verdict.converged
                    ? "Converged."
                    : page.warn(in_words(verdict.not_established, *findings.space).size() > 1
-                                   ? "NOT CONVERGED: see the first points above."
-                                   : "NOT CONVERGED: see the first point above."))
+                                   ? "NOT CONVERGED: see the first warnings above."
+                                   : "NOT CONVERGED: see the first warning above."))
            << '\n';
 }
 
@@ -213,7 +209,7 @@ std::string cut(const std::string& text, std::size_t width) {
   return text;
 }
 
-// Columns of the terminal on standard error; a line that is longer could not be overwritten.
+// Columns of the terminal on standard error; a longer line could not be overwritten.
 std::size_t terminal_width() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;

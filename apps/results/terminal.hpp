@@ -1,4 +1,4 @@
-// What a person at a terminal sees, whatever the run was about: text in columns, tables, bars.
+// Terminal output that all kinds of runs share: wrapped text, tables, bars, progress.
 #pragma once
 
 #include <chrono>
@@ -16,10 +16,10 @@ inline constexpr int kTerminalWidth = 76;
 /// Models with less probability are not described.
 inline constexpr double kWorthPrinting = 0.05;
 
-/// True where standard output is a terminal and NO_COLOR is not set.
+/// True if standard output is a terminal and NO_COLOR is not set.
 [[nodiscard]] bool colour_wanted();
 
-/// Where text goes, and whether it may be coloured.
+/// An output stream for text, with or without colours.
 struct Page {
   std::ostream& out;
   bool colour;
@@ -30,48 +30,50 @@ struct Page {
   [[nodiscard]] std::string warn(const std::string& text) const {
     return colour ? "\x1b[33m" + text + "\x1b[0m" : text;
   }
-  /// Text broken at spaces, further lines indented.
+  /// Prints text with line breaks at spaces and the given indents.
   void wrapped(const std::string& text, const std::string& first, const std::string& further) const;
-  /// Rows of cells, the first one their heading; the first column left-aligned, all others
-  /// right-aligned.
+  /// Prints rows of cells; the first row is the heading. The first column is left-aligned, all
+  /// others are right-aligned.
   void table(const std::vector<std::vector<std::string>>& rows) const;
   void heading(const std::string& text) const;
 };
 
-/// Columns that UTF-8 text takes.
+/// Returns the number of columns that UTF-8 text takes.
 [[nodiscard]] std::size_t columns(const std::string& text);
 [[nodiscard]] std::string pad_right(const std::string& text, std::size_t width);
 [[nodiscard]] std::string pad_left(const std::string& text, std::size_t width);
 [[nodiscard]] std::string repeated(const std::string& glyph, int n);
-/// A bar of eighths of a character.
+/// Returns a bar with a resolution of an eighth of a character.
 [[nodiscard]] std::string bar(double fraction, int width);
-/// `digits` significant ones; "-" for what is not finite.
+/// Returns x with `digits` significant digits; "-" if it is not finite.
 [[nodiscard]] std::string number_or_dash(double x, int digits);
 
-/// The answer in two sentences, before any number.
+/// Prints the answer in two sentences.
 void print_answer(const Page& page, const Answer& said);
-/// One bar a model; of more than kMostBars the kTopModels most probable.
+/// Prints one bar per model; of more than kMostBars models the kTopModels most probable.
 inline constexpr std::size_t kMostBars = 12, kTopModels = 5;
 void print_models(const Page& page, const std::vector<identification::ModelFinding>& models);
-/// What is said below holds under this model: "If cubic (56 %)", or its name where it is the only
-/// one.
+/// Prints the heading of numbers that are conditional on a model: "If cubic (56 %)", or its name if
+/// it is the only model.
 void print_condition(const Page& page, const identification::ModelFinding& model, bool several);
 void print_evidence(const Page& page, const identification::Findings& findings);
-/// Warnings, cost and convergence; `what` the models count.
+/// Prints warnings, cost and convergence; `what` names the quantity that the models count.
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
-/// What a run's draws say of its models so far: "P = 0.25 0.75"; of more than kMostListed models
-/// the two most probable by name, "P = 0.97 linear + cubic, 0.02 linear". Nothing before any draw.
+/// Returns the model probabilities of the draws so far: "P = 0.25 0.75"; of more than kMostListed
+/// models the two most probable by name, "P = 0.97 linear + cubic, 0.02 linear". Empty before the
+/// first draw.
 inline constexpr std::size_t kMostListed = 6;
 [[nodiscard]] std::string probabilities_so_far(const std::vector<double>& probabilities,
                                                const std::vector<std::string>& names);
 
-/// Which lines a log gets of a run: one a stage, and further ones at least a tenth of the stage and
-/// five seconds apart, or half a minute.
+/// Selects the progress lines of a log: one at the start of a stage; then one after at least a
+/// tenth of the stage and 5 s, or after 30 s.
 class ProgressLines {
  public:
-  /// A line, or none yet. `seconds` since the run began, `left` of it: negative where not known.
+  /// Returns a line, or none yet. `seconds`: since the start of the run; `left`: remaining,
+  /// negative if not known.
   [[nodiscard]] std::optional<std::string> next(const std::string& stage, double fraction,
                                                 double seconds, double left,
                                                 const std::string& detail);
@@ -81,8 +83,8 @@ class ProgressLines {
   double fraction_ = 0.0, seconds_ = 0.0;
 };
 
-/// How far a run is, on standard error: a line that overwrites itself on a terminal, plain lines in
-/// a file or a pipe.
+/// Shows the progress of a run on standard error: one line that overwrites itself on a terminal,
+/// plain lines in a file or a pipe.
 class ProgressBar {
  public:
   explicit ProgressBar(bool quiet);
@@ -90,8 +92,8 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar() { clear(); }
 
-  /// `fraction` of `stage` is done; `detail` stands behind the bar. `left` are the seconds left of
-  /// the whole run, where the caller knows; the bar else extrapolates the stage.
+  /// Shows that `fraction` of `stage` is done, followed by `detail`. `left`: remaining seconds of
+  /// the whole run; without it the bar extrapolates the stage.
   void show(const std::string& stage, double fraction, const std::string& detail,
             std::optional<double> left = {});
   void clear();

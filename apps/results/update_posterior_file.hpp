@@ -10,13 +10,13 @@
 
 namespace wheeltap::apps {
 
-/// Fills a NetCDF-4 file with the groups
-///   posterior             a variable a parameter (chain, draw)
-///   sample_stats          lp, log_likelihood, k, move, accepted (chain, draw)
-///   posterior_predictive  frequency (chain, draw, mode): of the modes measured, with noise of
-///                         `seed` by the likelihood's own covariance
-///   observed_data         frequency, sd (mode), shape (mode, sensor)
-/// Throws io::FileError (unwritable) for what NetCDF does not take.
+/// Fills a NetCDF-4 file. Groups:
+/// - posterior: one variable per parameter (chain, draw).
+/// - sample_stats: lp, log_likelihood, k, move, accepted (chain, draw).
+/// - posterior_predictive: frequency (chain, draw, mode) of the measured modes, with noise of
+///   `seed` by the covariance of the likelihood.
+/// - observed_data: frequency, sd (mode), shape (mode, sensor).
+/// Throws io::FileError (unwritable) if NetCDF rejects a value.
 void write_update_posterior(const io::NetcdfWriter& file, const std::string& run,
                             const UpdateCaseFile& parsed,
                             const identification::UpdateProblem& problem,

@@ -1,4 +1,4 @@
-// What an update found, as summary.json.
+// summary.json of an update.
 #pragma once
 
 #include "apps/cases/update_case.hpp"
@@ -7,9 +7,10 @@
 
 namespace wheeltap::apps {
 
-/// Beside what every summary has: "contraction" of each parameter, "cannot_tell" (sentences,
-/// "entangled" pairs, "untouched" directions), "data" with "modes" (frequencies, residuals, shapes'
-/// MAC, matching, and what each mode contributes), "mac", "predictions", and "reduced_basis".
+/// Returns the common parts of a summary and "contraction" of each parameter, "cannot_tell"
+/// (sentences, "entangled" pairs, "untouched" directions), "data" with "modes" (frequencies,
+/// residuals, MAC of shapes, matching, information of each mode), "mac", "predictions" and
+/// "reduced_basis".
 [[nodiscard]] Report update_summary(const UpdateCaseFile& parsed,
                                     const identification::UpdateProblem& problem,
                                     const identification::UpdateFindings& findings,

@@ -39,7 +39,7 @@ void print_parameters(const Page& page, const UpdateFindings& findings) {
   }
   page.table(rows);
   page.out << "Contraction: 1 - posterior variance over prior variance, in the prior's standard "
-              "normal\ncoordinate. 0 % was not measured, 100 % was not assumed.\n";
+              "normal\ncoordinate. 0 %: assumed, not measured; 100 %: measured, not assumed.\n";
 }
 
 void print_solutions(const Page& page, const UpdateFindings& findings) {
@@ -92,7 +92,7 @@ void print_modes(const Page& page, const UpdateFindings& findings) {
 
 void print_predictions(const Page& page, const UpdateFindings& findings) {
   if (findings.predictions.empty()) return;
-  page.heading("Modes foretold");
+  page.heading("Predicted modes");
   std::vector<std::vector<std::string>> rows = {
       {"mode", "model [Hz]", "95 % of a measurement", "held out [Hz]", ""}};
   for (const PredictedMode& p : findings.predictions)
@@ -101,7 +101,7 @@ void print_predictions(const Page& page, const UpdateFindings& findings) {
                         resolved(p.high_hz, p.high_hz - p.low_hz),
                     p.measured_hz ? significant(*p.measured_hz, 6) : "-",
                     p.misses()      ? "OUTSIDE"
-                    : p.useless()   ? "too wide to be of use"
+                    : p.useless()   ? "too wide to be useful"
                     : p.measured_hz ? "inside"
                                     : ""});
   page.table(rows);

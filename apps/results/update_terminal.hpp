@@ -1,4 +1,4 @@
-// What an update found, for a terminal.
+// Terminal text of an update.
 #pragma once
 
 #include <iosfwd>

@@ -13,7 +13,7 @@ void CaseRun::dry_run(const std::optional<RunCost>& cost, RunWatch& /*watch*/) {
 }
 
 CaseFile case_to_sample(const CommonOptions& common, const SamplingOptions& options) {
-  static_cast<void>(evidence_methods(options.evidence));  // refuse before anything runs
+  static_cast<void>(evidence_methods(options.evidence));  // throws before the run starts
   return read_case(common.case_path, common.overrides);
 }
 

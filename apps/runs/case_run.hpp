@@ -1,4 +1,4 @@
-// A run of a case that is sampled: the steps in which the kinds of case differ, and their order.
+// A sampling run of a case: the steps that differ between kinds of cases, and their order.
 #pragma once
 
 #include <functional>
@@ -15,8 +15,8 @@
 
 namespace wheeltap::apps {
 
-/// A case that has been parsed, with the options of its run. `run_case` and Python call the steps
-/// in the order of their declaration; `serve` prepares only.
+/// A parsed case with the options of its run. `run_case` and Python call the steps in the order of
+/// their declaration; `serve` only prepares.
 class CaseRun {
  public:
   CaseRun(const CommonOptions& common, const SamplingOptions& options)
@@ -29,22 +29,23 @@ class CaseRun {
   [[nodiscard]] const SamplingOptions& options() const { return options_; }
   [[nodiscard]] std::uint64_t seed() const { return common_.seed.value_or(1); }
   [[nodiscard]] virtual const CaseFile& file() const = 0;
-  /// The key in /wheeltap of a summary under which the requested options stand.
+  /// The key of the requested options in /wheeltap of a summary.
   [[nodiscard]] virtual const char* options_key() const { return "options"; }
 
-  /// Memory and time of the run; none where they are known only after prepare(), which is then to
-  /// be followed by another call. Throws Failure (65) where the limits in common() are exceeded.
+  /// Returns memory and time of the run; none if they are known only after prepare(): then call it
+  /// again. Throws Failure (65) if they exceed the limits in common().
   virtual std::optional<RunCost> estimate() = 0;
-  /// Passes the estimates to CommonOptions::dry_run; `cost` is what estimate() returned.
+  /// Passes the estimates to CommonOptions::dry_run; `cost` is the result of estimate().
   virtual void dry_run(const std::optional<RunCost>& cost, RunWatch& watch);
-  /// Trains or opens what predicts. Throws Failure, io::FileError, OutsideModelError.
+  /// Trains or opens the predictor. Throws Failure, io::FileError, OutsideModelError.
   virtual void prepare(RunWatch& /*watch*/) {}
-  /// Prints what a terminal shows of the preparation.
+  /// Prints the results of the preparation.
   virtual void print_preparation() const {}
-  /// Samples and judges; none on ranks but the first. Throws as the watch does.
+  /// Samples and diagnoses convergence; none on ranks other than the first. Throws as the watch
+  /// does.
   virtual std::optional<FinishedRun> sample(RunWatch& watch) = 0;
 
-  /// The case's predictor, likelihood and posterior, after prepare(). Throws Failure.
+  /// Returns the case's predictor, likelihood and posterior, after prepare(). Throws Failure.
   virtual std::vector<ServedModel> served() = 0;
 
  private:
@@ -61,12 +62,13 @@ using MakeCaseRun =
 [[nodiscard]] std::unique_ptr<CaseRun> make_update_run(CaseFile file, const CommonOptions& common,
                                                        const SamplingOptions& options);
 
-/// The case on the command line, once the options can be obeyed. Throws Failure.
+/// Checks the options and returns the case on the command line. Throws Failure.
 [[nodiscard]] CaseFile case_to_sample(const CommonOptions& common, const SamplingOptions& options);
 
-/// Writes summary.json, posterior.nc and the report into the output folder and prints the findings.
-/// With --dry-run, estimates only; with --resume, a folder that holds a finished run of the same
-/// case and options is printed again instead. Throws Failure, io::FileError.
+/// Runs the case, writes summary.json, posterior.nc and the report into the output folder, and
+/// prints the findings. With --dry-run it only estimates. With --resume it only prints the stored
+/// text if the folder has a finished run of the same case and options. Throws Failure,
+/// io::FileError.
 void run_case(CaseRun& run);
 
 }  // namespace wheeltap::apps

@@ -35,7 +35,7 @@ std::string_view seal_of(std::string_view bytes) {
   return bytes.substr(bytes.size() - kSeal);
 }
 
-// The files of parts in a folder, by their numbers, written to the end or not.
+// The numbers of the files of parts in a folder, complete or not.
 std::set<long> parts_in(const fs::path& folder) {
   std::set<long> numbers;
   std::error_code ignored;
@@ -52,8 +52,7 @@ std::set<long> parts_in(const fs::path& folder) {
   return numbers;
 }
 
-// Removes a part that is ours and what a killed run left of one half-written; false where there is
-// another file of that name, or one that cannot be read.
+// Removes a part and its temporary file; false if the file is not a part or is unreadable.
 bool remove_part(const fs::path& path) {
   try {
     { const io::AtomicFile writable(path); }
@@ -88,12 +87,13 @@ std::string write_sealed(const fs::path& path, io::NetcdfWriter& file) {
 
 [[noreturn]] void in_the_way(const fs::path& path) {
   throw FileError(FileError::Kind::unwritable, path,
-                  std::string("is in the way: not ") + kWhat + ", and not to be written over");
+                  std::string("is in the way: it is not ") + kWhat +
+                      ", and Wheeltap does not overwrite it; remove it or choose another folder");
 }
 
 [[noreturn]] void differs(const fs::path& path, const std::string& how) {
   throw FileError(FileError::Kind::mismatch, path,
-                  "is of another run: " + how + " (without --resume a new one begins)");
+                  "is of another run: " + how + " (omit --resume to start a new run)");
 }
 
 std::string member_at(const Json& json, const Json::json_pointer& pointer) {
@@ -104,7 +104,7 @@ std::string member_at(const Json& json, const Json::json_pointer& pointer) {
   return text;
 }
 
-// The first place where two cases are not the same.
+// The first difference between two cases.
 std::string difference(const Json& was, const Json& is) {
   const Json patch = Json::diff(was, is);
   if (patch.empty()) return {};
@@ -113,7 +113,7 @@ std::string difference(const Json& was, const Json& is) {
   return place + " was " + member_at(was, pointer) + " and is " + member_at(is, pointer);
 }
 
-// The first file that is another, new or gone; none where all are the same.
+// The first file that changed, is new or is missing; none if all are the same.
 std::optional<std::string> changed_input(const Json& was, const Json& is) {
   for (const auto& [name, content] : was.items())
     if (!is.contains(name) || is[name] != content) return name;
@@ -138,7 +138,7 @@ std::optional<identification::StepsRefined> refined_of(const Report& place) {
                                       .repeats = place.at("repeats").get<int>()};
 }
 
-// f(vector of T) for the column type whose NetCDF type this is.
+// Calls f(vector of T) for the column type of this NetCDF type.
 template <std::size_t I = 0, class F>
 bool with_column_of(nc_type type, F&& f) {
   if constexpr (I < std::variant_size_v<Checkpoint::Column>) {
@@ -169,7 +169,7 @@ CheckpointFile::CheckpointFile(const fs::path& folder, CheckpointOf of, const Co
                                bool others_pass)
     : path_(folder / kName), of_(std::move(of)), every_seconds_(common.checkpoint_seconds) {
   const auto bytes = first_rank_says([&]() -> std::optional<std::string> {
-    { const io::AtomicFile writable(path_); }  // and what a killed run left half-written is gone
+    { const io::AtomicFile writable(path_); }  // also removes the temporary file of a killed run
     const bool there = fs::exists(path_);
     std::string found = there ? io::read_bytes(path_) : std::string();
     if (there && common.resume) return found;
@@ -221,14 +221,14 @@ void CheckpointFile::read(std::string bytes, bool others_pass) {
     if (const auto changed = changed_input(Json::parse(text("inputs")), of_.inputs)) {
       if (base::is_first_rank())
         std::cerr << "wheeltap: " << io::printable(*changed)
-                  << " is not what the checkpoint was made from: a new run begins\n";
+                  << " has changed since the checkpoint: a new run begins\n";
       return;
     }
     refined_ = refined_of(Report::parse(text("repeat")));
     for (const Json& part : Json::parse(text("parts")))
       seals_[part.at(0).get<long>()] = part.at(1).get<std::string>();
   } catch (const Json::exception&) {
-    file.foreign("has texts that cannot be read");
+    file.foreign("has unreadable texts");
   }
   from_ = std::make_shared<const Checkpoint>(read_state(file));
   if (!seals_.empty()) first_ = seals_.begin()->first - inference::parts_of(*from_).first;
@@ -258,7 +258,7 @@ void CheckpointFile::save(const Checkpoint& checkpoint) {
     write_state(file, checkpoint);
     write_sealed(path_, file);
     kept_ = true;
-    // Those that no checkpoint stands on any more.
+    // Parts that the checkpoint no longer needs.
     std::error_code ignored;
     for (; !seals_.empty() && seals_.begin()->first < first; seals_.erase(seals_.begin()))
       fs::remove(part(seals_.begin()->first), ignored);
@@ -307,7 +307,7 @@ fs::path CheckpointFile::part(long number) const {
 
 void CheckpointFile::warn(const std::exception& error) {
   if (!std::exchange(warned_, true))
-    std::cerr << "wheeltap: no checkpoint, the run goes on without: " << error.what() << '\n';
+    std::cerr << "wheeltap: the run continues without checkpoint: " << error.what() << '\n';
 }
 
 void CheckpointFile::attach(inference::Options& engine) {

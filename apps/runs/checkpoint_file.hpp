@@ -1,4 +1,4 @@
-// A run's checkpoint beside its results: written while it runs, taken up by --resume.
+// Checkpoint of a run in its results folder: written during the run, read by --resume.
 #pragma once
 
 #include <exception>
@@ -16,52 +16,52 @@
 
 namespace wheeltap::apps {
 
-/// What a checkpoint is a checkpoint of: its draws are those of no other run.
+/// The identity of the run to which a checkpoint belongs.
 struct CheckpointOf {
   std::string command;  ///< "damage" or "sid"
   std::uint64_t seed = 1;
   Report options;  ///< options_report
-  Json case_json;  ///< with what the command line overrode
-  Json inputs;     ///< the content of the files that the case reads, InputFiles::json
+  Json case_json;  ///< with the overrides of the command line
+  Json inputs;     ///< the contents of the input files, InputFiles::json
 };
 
-/// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case, the
-/// content of its input files, what of it a sid run is repeating, and the seals of the parts), a
-/// group "state" (inference::Checkpoint), and behind it 16 hexadecimal digits, the fingerprint of
-/// all bytes before. Where there are many draws, FOLDER/checkpoint-N.nc has a part of them, in the
-/// same way, without "run".
+/// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case,
+/// contents of its input files, state of a repeated sid run, seals of the parts) and a group
+/// "state" (inference::Checkpoint). After them follow 16 hexadecimal digits, the fingerprint of all
+/// previous bytes. If there are many draws, each FOLDER/checkpoint-N.nc has a part of them in the
+/// same format, without "run".
 class CheckpointFile {
  public:
   static constexpr const char* kName = "checkpoint.nc";
 
-  /// With `resume`, reads what is there: throws io::FileError for a file that is truncated or
-  /// damaged (corrupt), none of ours (foreign), of another version of the format (version), or of
-  /// another run (mismatch, the difference said; where `others_pass`, one of another case is passed
-  /// over). One whose case reads files of another content now is passed over: a line on standard
-  /// error says which file, and a new run begins. Without, removes it, unless it is none of ours
-  /// (unwritable).
+  /// With `resume`, reads an existing checkpoint. Throws io::FileError if the file is truncated or
+  /// damaged (corrupt), not a checkpoint (foreign), of another format (version) or of another run
+  /// (mismatch, with the difference); with `others_pass` it ignores one of another case. If an
+  /// input file has changed, a line on standard error names it and a new run begins. Without
+  /// `resume`, removes a checkpoint; throws (unwritable) if the file is not a checkpoint.
   CheckpointFile(const std::filesystem::path& folder, CheckpointOf of, const CommonOptions& common,
                  bool others_pass = false);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// How the run that is taken up was being repeated.
+  /// The time steps with which the resumed run was being repeated.
   [[nodiscard]] const std::optional<identification::StepsRefined>& refined() const {
     return refined_;
   }
-  /// The run is repeated like this from here on.
+  /// States that the run is now being repeated with these time steps.
   void repeat(const identification::StepsRefined& refined) {
     refined_ = refined;
-    if (!seals_.empty()) first_ = seals_.rbegin()->first + 1;  // the last one's are needed yet
+    if (!seals_.empty())
+      first_ = seals_.rbegin()->first + 1;  // the last checkpoint still needs its parts
   }
-  /// Makes the engine save here, and go on from what was read the first time. Where a checkpoint
-  /// cannot be written, a line on standard error says so once and the run goes on.
+  /// Makes the engine save its checkpoints here and, at the first call, resume from the one that
+  /// was read. If a checkpoint cannot be written, the run continues and standard error shows one
+  /// line about it.
   void attach(inference::Options& engine);
-  /// A checkpoint of this run is there.
+  /// True if a checkpoint of this run exists.
   [[nodiscard]] bool kept() const { return kept_; }
-  /// The run is finished, and its results are kept.
+  /// Removes the checkpoint of a finished run.
   void remove();
-  /// Of a folder whose run was finished already: removes what is ours, as a run killed just then
-  /// could not.
+  /// Removes checkpoints from the folder of a finished run, which was killed before it could.
   static void discard(const std::filesystem::path& folder);
 
  private:
@@ -77,8 +77,8 @@ class CheckpointFile {
   double every_seconds_;
   std::shared_ptr<const inference::Checkpoint> from_;
   std::optional<identification::StepsRefined> refined_;
-  std::map<long, std::string> seals_;  // of the parts of the draws, by the numbers of their files
-  long first_ = 0;                     // number of the file that has the engine's part 0
+  std::map<long, std::string> seals_;  // seals of the parts of draws, by file number
+  long first_ = 0;                     // file number of the engine's part 0
   bool kept_ = false, warned_ = false;
 };
 

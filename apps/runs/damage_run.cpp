@@ -54,7 +54,7 @@ class DamageRun final : public CaseRun {
     if (parsed_->outside) {
       if (base::ranks() != nullptr)
         throw Failure(Exit::usage,
-                      "a predictor of one's own runs in one process, not under mpirun");
+                      "an external predictor runs in one process: start it without mpirun");
       how.outside = open_outside(file(), *parsed_->outside, parsed_->damage.modes(), common());
     }
     problem_ = explained(*parsed_, [&] { return make_damage_problem(parsed_->damage, how); });
@@ -74,7 +74,7 @@ class DamageRun final : public CaseRun {
   }
 
  private:
-  // States that do not fit their structure show where it is first solved.
+  // The first solution of the structure reveals states that do not fit it.
   [[nodiscard]] RunCost explained_cost() const {
     try {
       return cost_of_damages(parsed_->damage, engine_options(common(), options()),
@@ -86,8 +86,8 @@ class DamageRun final : public CaseRun {
     }
   }
 
-  // By a likelihood that is solved, unless that means to ask a model of someone else's, to train an
-  // emulator, or to prepare for long.
+  // Times one likelihood, unless this calls an external model, trains an emulator or needs long
+  // preparation.
   RunCost measured(RunCost cost, RunWatch& watch) {
     constexpr double kLongPreparation = 20.0;  // seconds
     if (parsed_->outside || parsed_->damage.emulator || cost.preparation > kLongPreparation)

@@ -25,7 +25,7 @@ Exit exit_of(io::FileError::Kind kind) {
 }  // namespace
 
 Failure failure_of(const std::exception_ptr& thrown, const std::filesystem::path& case_path) {
-  // Names, keys and values in it are a user's: one line, whatever they hold.
+  // Names, keys and values come from the user: make them one printable line.
   const auto failure = [](Exit exit, const std::string& line) {
     return Failure(exit, io::printable(line));
   };
@@ -44,19 +44,19 @@ Failure failure_of(const std::exception_ptr& thrown, const std::filesystem::path
                    case_path.string() + ": /predictor: " + error.what());
   } catch (const std::bad_alloc&) {
     return failure(Exit::bad_input, case_path.string() +
-                                        ": asks for more memory than there is (--dry-run estimates "
-                                        "how much a run takes)");
+                                        ": needs more memory than the system has (--dry-run "
+                                        "estimates the memory of a run)");
   } catch (const std::filesystem::filesystem_error& error) {
     return failure(Exit::no_input, error.path1().string() + ": " + error.code().message());
   } catch (const std::system_error& error) {
     if (error.code() == std::errc::resource_unavailable_try_again) {
       return failure(Exit::bad_input,
-                     "the system grants not one more thread or process (its limit, or the "
-                     "container's, is reached: see `ulimit -u`)");
+                     "cannot start another thread or process: the limit of the system or "
+                     "container is reached (see `ulimit -u`)");
     }
     return failure(Exit::internal, std::string("internal fault: ") + error.what());
   } catch (const std::runtime_error& error) {
-    // Misuse throws logic errors; what is left are numbers for which the arithmetic gives up.
+    // Misuse throws logic errors; the other errors are numerical failures.
     return failure(Exit::bad_input, case_path.string() + ": cannot be computed: " + error.what() +
                                         "; check units and sizes");
   } catch (const std::exception& error) {

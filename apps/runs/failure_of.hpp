@@ -1,4 +1,4 @@
-// Whatever a command may throw, as the one line and the exit code that it ends with.
+// Converts exceptions of a command to its error line and exit code.
 #pragma once
 
 #include <exception>
@@ -8,7 +8,8 @@
 
 namespace wheeltap::apps {
 
-/// `case_path` stands in lines about numbers that name no place themselves. The line is printable.
+/// Returns the printable error line and exit code of an exception. The line names `case_path` for
+/// numerical errors that name no place themselves.
 [[nodiscard]] Failure failure_of(const std::exception_ptr& error,
                                  const std::filesystem::path& case_path);
 

@@ -1,4 +1,4 @@
-// A run of whichever command that is finished, and not written anywhere yet.
+// A finished run of any command, before its files are written.
 #pragma once
 
 #include <filesystem>
@@ -17,23 +17,23 @@
 
 namespace wheeltap::apps {
 
-/// Refers to nothing that it does not keep alive.
+/// Results of a run. It owns everything that it refers to.
 struct FinishedRun {
-  Report summary;   ///< but for what RunFiles::keep adds
+  Report summary;   ///< without the entries that RunFiles::keep adds
   std::string run;  ///< run_id
   std::shared_ptr<const inference::Posterior> posterior;
-  std::function<void(std::ostream&, bool colour)> print;  ///< what it says at a terminal
+  std::function<void(std::ostream&, bool colour)> print;  ///< prints the terminal text
   io::FillNetcdf draws;                                   ///< posterior.nc
   std::function<std::vector<DrawColumn>()> columns;       ///< its group `posterior`
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] bool converged() const;
-  /// What its draws take, about.
+  /// Approximate memory of its draws.
   [[nodiscard]] std::size_t bytes_of_draws() const;
 };
 
-/// Keeps it in its folder, prints it, says where it is, and removes the checkpoint of a run that
-/// was not stopped. Throws io::FileError.
+/// Writes the files of a run, prints its text and the paths of its files, and removes the
+/// checkpoint of a complete run. Throws io::FileError.
 void deliver(const FinishedRun& run, RunFiles& files, const std::filesystem::path& folder,
              CheckpointFile& checkpoint);
 

@@ -32,7 +32,7 @@ std::string sparkline(const Eigen::VectorXd& shape) {
   return text;
 }
 
-// Of a beam whose truth only structures know: frequencies, and deflections at its nodes.
+// Frequencies and nodal deflections of a beam with a truth that only structures support.
 fem::Modes true_modes(const DamageCase& damage_case, int wanted) {
   const fem::StructureModes found = fem::structure_modes(true_structure(damage_case), wanted);
   const fem::Beam& beam = damage_case.beam;
@@ -65,11 +65,11 @@ fem::Modes true_modes(const DamageCase& damage_case, int wanted) {
 FoundModes find_modes(CaseFile file, const ModesOptions& options) {
   if (has_structure(file)) return find_structure_modes(std::move(file), options);
   if (!options.vtk.empty())
-    throw Failure(Exit::usage, "--vtk: goes with a structure; this case has a beam");
+    throw Failure(Exit::usage, "--vtk: needs a structure; this case has a beam");
   const DamageCaseFile parsed = parse_damage_case(std::move(file), Needs::structure);
   const DamageCase& damage_case = parsed.damage;
   if (options.truth && !damage_case.simulation) {
-    parsed.file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");
+    parsed.file.refuse(Pointer("/damage/truth"), "is missing: --truth needs it");
   }
   const fem::Defects defects = options.truth && !damage_case.solved_as_structure()
                                    ? damage_case.true_defects()

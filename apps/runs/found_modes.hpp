@@ -1,4 +1,4 @@
-// Natural frequencies of a case's beam or structure, for whoever shows them.
+// Natural frequencies of the beam or structure of a case.
 #pragma once
 
 #include <filesystem>
@@ -13,19 +13,19 @@
 namespace wheeltap::apps {
 
 struct ModesOptions {
-  std::optional<int> modes;  ///< rigid-body ones included
-  bool truth = false;        ///< damaged as the case's truth says
+  std::optional<int> modes;  ///< number, with rigid-body modes
+  bool truth = false;        ///< with the damage of the case's truth
   bool json = false;
   bool shapes = false;        ///< with json: add the shapes
-  std::filesystem::path vtk;  ///< of a structure: draw it and its shapes into this file
+  std::filesystem::path vtk;  ///< write the structure and its shapes into this file
 };
 
 struct FoundModes {
-  Report report;     ///< as --json prints it; shapes where `shapes` asks for them
-  std::string text;  ///< as a terminal shows it
-  std::vector<identification::Remark> doubts = {};  ///< what the case can hardly mean
+  Report report;                                    ///< output of --json; with shapes if `shapes`
+  std::string text;                                 ///< terminal text
+  std::vector<identification::Remark> doubts = {};  ///< implausible values of the case
 };
-/// Throws Failure.
+/// Computes the modes of a case. Throws Failure.
 [[nodiscard]] FoundModes find_modes(CaseFile file, const ModesOptions& options);
 
 }  // namespace wheeltap::apps

@@ -55,7 +55,7 @@ Report shapes_of(const DrawnStructure& structure, const fem::StructureModes& mod
 
 FoundModes find_structure_modes(CaseFile file, const ModesOptions& options) {
   const bool update = file.json.value("kind", Json()) == "update";
-  // Modes may be asked for before anything is to be learnt.
+  // `wheeltap modes` does not need data or parameters.
   validate_against_schema(file,
                           update && file.json.contains("parameters") ? "update" : "structure");
   std::vector<std::string> remarks;
@@ -63,13 +63,12 @@ FoundModes find_structure_modes(CaseFile file, const ModesOptions& options) {
   DrawnStructure structure = build(file, model.nominal);
   if (options.truth && update) {
     const UpdateCaseFile parsed = parse_update_case(file, UpdateNeeds::structure);
-    if (!parsed.update.simulation)
-      file.refuse(Pointer("/truth"), "is missing: --truth has nothing to show");
+    if (!parsed.update.simulation) file.refuse(Pointer("/truth"), "is missing: --truth needs it");
     structure = build(file, model.at(parsed.update.simulation->parameters));
   } else if (options.truth) {
     const DamageCaseFile parsed = parse_damage_case(file, Needs::structure);
     if (!parsed.damage.simulation)
-      file.refuse(Pointer("/damage/truth"), "is missing: --truth has nothing to show");
+      file.refuse(Pointer("/damage/truth"), "is missing: --truth needs it");
     structure.discretisation = explained(parsed, [&] { return true_structure(parsed.damage); });
   }
   const auto rigid = static_cast<int>(structure.discretisation.rigid_motions.cols());
@@ -80,7 +79,7 @@ FoundModes find_structure_modes(CaseFile file, const ModesOptions& options) {
   const std::string title = file.json.value("title", file.path.stem().string());
   if (!options.vtk.empty()) {
     if (structure.drawing.points.empty())
-      throw Failure(Exit::usage, "--vtk: matrices have no places, there is nothing to draw");
+      throw Failure(Exit::usage, "--vtk: matrices have no coordinates, so nothing can be drawn");
     write_text(options.vtk, vtk_text(structure.drawing, modes, title));
   }
   const std::vector<double> frequencies(modes.frequencies_hz.begin(), modes.frequencies_hz.end());

@@ -6,8 +6,8 @@
 
 namespace wheeltap::apps {
 
-/// Natural frequencies and shapes with every parameter at its nominal value; writes the VTK file
-/// that is asked for. Throws Failure; 65 for mechanisms and axial forces beyond buckling.
+/// Computes natural frequencies and shapes with every parameter at its nominal value, and writes
+/// the VTK file of the options. Throws Failure; 65 for mechanisms and axial forces beyond buckling.
 [[nodiscard]] FoundModes find_structure_modes(CaseFile file, const ModesOptions& options);
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,4 @@
-// A run of a problem that is nobody's case: models, priors and a likelihood that a program brings.
+// A run of a general problem: models, priors and a likelihood from a program (Python).
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace wheeltap::apps {
 
-/// The problem as JSON, by the schema "sample". The same name in two models is the same parameter,
-/// with the same prior.
+/// A problem as JSON, by the schema "sample". Parameters of the same name in two models are the
+/// same parameter, with the same prior.
 struct ProblemFile {
   CaseFile file;
   std::string title;
@@ -21,15 +21,14 @@ struct ProblemFile {
 /// Throws Failure.
 [[nodiscard]] ProblemFile parse_problem(CaseFile file);
 
-/// A parameter that was sampled by its probability u ~ U(0, 1): the quantiles x(u) of many, in
-/// place.
+/// A parameter sampled by its probability u ~ U(0, 1); `quantiles` replaces each u by x(u).
 struct QuantilePrior {
   std::string name;
   std::function<void(std::vector<double>& u)> quantiles;
 };
 
-/// Samples and judges; its summary has "answer", "models", "parameters", "priors", "diagnostics"
-/// and "cost". `problem` has the space of `parsed`. Throws as the watch does.
+/// Samples and diagnoses convergence. The summary has "answer", "models", "parameters", "priors",
+/// "diagnostics" and "cost". `problem` has the model space of `parsed`. Throws as the watch does.
 [[nodiscard]] FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
                                          const inference::Problem& problem,
                                          const CommonOptions& common,

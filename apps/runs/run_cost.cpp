@@ -81,11 +81,12 @@ void require_room(const RunCost& cost, const CommonOptions& common) {
   if (cost.disk <= left) return;
   throw io::FileError(io::FileError::Kind::unwritable, folder,
                       "the draws would take about " + gigabytes(cost.disk) + " GB there; " +
-                          gigabytes(left) + " GB are free (--max-disk allows more)");
+                          gigabytes(left) + " GB are free (--max-disk overrides this check)");
 }
 
 double draws_in_memory(const CommonOptions& common) {
-  const bool has_folder = !common.output.empty() || common.dry_run;  // as every command's run has
+  const bool has_folder =
+      !common.output.empty() || common.dry_run;  // like the run of every command
   return has_folder ? double{io::kNetcdfInMemory} : std::numeric_limits<double>::infinity();
 }
 
@@ -105,7 +106,7 @@ RunCost cost_of_truth(const CaseFile& file) {
   };
   if (file.json.contains("record")) count(file.json["record"]);
   for (const Json& record : file.json.value("records", Json::array())) count(record);
-  // Every column as drawn, between samples, simulated and with noise.
+  // Every column as drawn, interpolated, simulated and with noise.
   return {.bytes = 8.0 * samples * (4.0 + 6.0 * static_cast<double>(columns))};
 }
 

@@ -1,4 +1,4 @@
-// The estimate of a run in words, held against the limits that the command line sets.
+// Estimates of memory, disk and time of a run, and the limits of the command line.
 #pragma once
 
 #include <filesystem>
@@ -10,37 +10,37 @@
 
 namespace wheeltap::apps {
 
-/// "about 0.02 GB of memory, 120 000 likelihoods or FE runs of 0.3 ms each, 10 s".
+/// Returns "about 0.02 GB of memory, 120 000 likelihoods or FE runs of 0.3 ms each, 10 s".
 [[nodiscard]] std::string in_words(const RunCost& cost);
 
-/// Says so of a "run", a "table", on standard output: CommonOptions::dry_run of one case.
+/// Prints the estimate of a "run" or "table" on standard output: CommonOptions::dry_run of one
+/// case.
 void print_estimate(const std::string& what, const RunCost& cost);
 
-/// The same as JSON text: "what", "memory_bytes", "disk_bytes", "likelihoods", "seconds".
+/// Returns the same as JSON text: "what", "memory_bytes", "disk_bytes", "likelihoods", "seconds".
 [[nodiscard]] std::string estimate_json(const std::string& what, const RunCost& cost);
 
-/// Throws Failure (65) at `where` for what takes more than --max-memory, --max-hours or --max-disk
-/// allow, with the estimate in words.
+/// Throws Failure (65) at `where`, with the estimate, if it exceeds --max-memory, --max-hours or
+/// --max-disk.
 void require_affordable(const CaseFile& file, const Pointer& where, const RunCost& cost,
                         const CommonOptions& common);
 
-/// Throws io::FileError (unwritable) where the folder of the results, which is there, has not so
-/// much room, unless --max-disk says how much may be taken. What a checkpoint has is there already.
+/// Throws io::FileError (unwritable) if the existing results folder has too little free space,
+/// unless --max-disk is given. The files of a checkpoint count as free space.
 void require_room(const RunCost& cost, const CommonOptions& common);
 
-/// Half a second where that is all that is asked for, else a tenth.
+/// Returns the time for timing a likelihood: 0.5 s with --dry-run, else 0.1 s.
 [[nodiscard]] inline double probe_seconds(const CommonOptions& common) {
   return common.dry_run ? 0.5 : 0.1;
 }
 
-/// Bytes of draws above which a run keeps them on the disk; infinity without a folder for them.
+/// Returns the bytes of draws above which a run stores them on disk; infinity without a folder.
 [[nodiscard]] double draws_in_memory(const CommonOptions& common);
 
-/// The most that this process has held so far [bytes].
+/// Returns the peak memory of this process so far [bytes].
 [[nodiscard]] double bytes_held();
 
-/// Of a record that is simulated from the truth, from a case that its schema has passed; none
-/// without a truth.
+/// Returns the cost of simulating a record from the truth of a valid case; zero without a truth.
 [[nodiscard]] RunCost cost_of_truth(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -17,7 +17,7 @@ namespace {
 using io::AtomicFile;
 using io::FileError;
 
-// More than any summary we have seen needs.
+// More than any summary needs.
 constexpr std::size_t kRoom = 1 << 20;
 
 std::filesystem::path made(std::filesystem::path folder) {
@@ -68,7 +68,7 @@ std::optional<FileError> RunFiles::keep(Report summary, const std::string& text,
                                         const std::string& run, const WriteDraws& draws) {
   summary["wheeltap"]["run"] = run;
   summary["files"] = {{"posterior.nc", nullptr},
-                      // The text tells of seconds: its checksum would differ from run to run.
+                      // The text has wall times: its checksum would differ from run to run.
                       {"summary.txt", {{"lines", std::ranges::count(text, '\n')}}}};
   std::filesystem::path where = folder_ / "posterior.nc";
   try {
@@ -94,18 +94,18 @@ std::optional<FileError> RunFiles::keep(Report summary, const std::string& text,
   }
 }
 
-// Returns what was kept, in words.
+// Returns a description of the files kept.
 std::string RunFiles::keep_without_draws(Report& summary, const std::string& text,
                                          const std::string& reason) {
   if (std::filesystem::exists(folder_ / io::kCommitNote)) {
-    return "all of this run is written, but not in its place: wheeltap report " + folder_.string() +
-           " puts it there";
+    return "all files of this run are written, but not yet in place: run wheeltap report " +
+           folder_.string();
   }
   posterior_.reset();  // makes room
   summary["files"]["posterior.nc"] = nullptr;
   if (Report& warnings = summary["diagnostics"]["warnings"]; warnings.is_array()) {
     warnings.insert(warnings.begin(), "The draws could not be written (posterior.nc: " + reason +
-                                          "): the numbers are of all draws, the pictures of draws "
+                                          "): the numbers use all draws, but the figures of draws "
                                           "are missing.");
   }
   try {
@@ -114,13 +114,13 @@ std::string RunFiles::keep_without_draws(Report& summary, const std::string& tex
       AtomicFile unkept(path);
       unkept.write(dumped(summary));
       unkept.commit();
-      return "the run that was in " + folder_.string() + " is as it was, the numbers of this one " +
-             "are in " + path.string();
+      return "the earlier run in " + folder_.string() +
+             " is unchanged, the numbers of this run are in " + path.string();
     }
     summary_.write(dumped(summary));
     summary_.commit();
   } catch (const FileError&) {
-    return "nothing of this run could be kept";
+    return "no file of this run could be written";
   }
   std::string kept = "summary.json";
   const auto also = [&](AtomicFile& file, const std::function<std::string()>& bytes) {
@@ -133,7 +133,7 @@ std::string RunFiles::keep_without_draws(Report& summary, const std::string& tex
   };
   also(text_, [&] { return text; });
   also(report_, [&] { return report_page(folder_, summary, nullptr); });
-  return "the draws are lost, kept without them: " + kept;
+  return "the draws are lost, the other results are in " + kept;
 }
 
 void print_finished(const std::filesystem::path& folder, const std::string& text,
@@ -142,7 +142,7 @@ void print_finished(const std::filesystem::path& folder, const std::string& text
   log.info("{} holds a finished run of this case; nothing is run again.",
            io::printable(folder.string()));
   std::cout << text;
-  print_results(folder, true);  // what else there is to say stands in the text
+  print_results(folder, true);  // the text already has the convergence
 }
 
 void print_results(const std::filesystem::path& folder, bool converged) {

@@ -1,4 +1,4 @@
-// What a run of either command leaves behind: files, and where they are.
+// Result files of a run.
 #pragma once
 
 #include <spdlog/logger.h>
@@ -15,28 +15,29 @@
 
 namespace wheeltap::apps {
 
-/// The engine's options that a command line states.
+/// Returns the engine options of a command line.
 [[nodiscard]] inference::Options engine_options(const CommonOptions& common,
                                                 const SamplingOptions& options);
 
-/// The options as a summary repeats them, and `--resume` compares them.
+/// Returns the options as a summary stores them and `--resume` compares them.
 [[nodiscard]] Report options_report(const SamplingOptions& options);
 
 /// Writes posterior.nc. Throws io::FileError.
 using WriteDraws = std::function<void(io::AtomicFile&)>;
 
-/// posterior.nc, summary.json, summary.txt and report.html of one run. The names are reserved
-/// first, and room for the numbers: a run that cannot be kept should not start. What is not kept is
-/// removed.
+/// posterior.nc, summary.json, summary.txt and report.html of one run. The constructor reserves the
+/// names and space for the numbers, so that a run whose results cannot be stored does not start.
+/// The destructor removes files that were not kept.
 class RunFiles {
  public:
-  /// Makes the folder. Throws io::FileError.
+  /// Creates the folder. Throws io::FileError.
   explicit RunFiles(std::filesystem::path folder);
 
-  /// Puts all four in their places as if at once, the summary with the run's name and the seals of
-  /// the others. Where that fails (a full disk): in a folder without a run, everything but the
-  /// draws; in a folder that has one already, which stays as it is, summary.unkept.json. Returns
-  /// then what failed and what was kept, for the caller to throw once it has printed the text.
+  /// Writes all four files as one transaction; the summary has the run identifier and the seals of
+  /// the others. If this fails (full disk), it writes everything except the draws in a folder
+  /// without a run. In a folder with an earlier run it changes nothing and writes
+  /// summary.unkept.json. It then returns the error with the files kept; the caller throws it after
+  /// printing the text.
   [[nodiscard]] std::optional<io::FileError> keep(Report summary, const std::string& text,
                                                   const std::string& run, const WriteDraws& draws);
 
@@ -45,16 +46,16 @@ class RunFiles {
                                  const std::string& reason);
 
   std::filesystem::path folder_;
-  bool earlier_;  // there is a run in the folder
+  bool earlier_;  // the folder has an earlier run
   std::optional<io::AtomicFile> posterior_;
   io::AtomicFile summary_, text_, report_;
 };
 
-/// Says again what a finished run said (finished_run).
+/// Prints the stored text of a finished run (finished_run).
 void print_finished(const std::filesystem::path& folder, const std::string& text,
                     spdlog::logger& log);
 
-/// Says where the results are, and whether they may be trusted.
+/// Prints the paths of the results, and a warning if the run has not converged.
 void print_results(const std::filesystem::path& folder, bool converged);
 
 }  // namespace wheeltap::apps

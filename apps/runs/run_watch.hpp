@@ -1,4 +1,4 @@
-// Who watches a run: a terminal with its log and checkpoints, or another program.
+// Interface to the observer of a run: a terminal with log and checkpoints, or another program.
 #pragma once
 
 #include <optional>
@@ -16,22 +16,22 @@ class RunWatch {
   RunWatch& operator=(const RunWatch&) = delete;
   virtual ~RunWatch() = default;
 
-  /// Runs the engine. All chains of what it returns are of one length.
+  /// Runs the engine. All returned chains have the same length.
   virtual inference::Posterior sample(const inference::Problem& problem,
                                       inference::Options options) = 0;
-  /// Work before the engine's: `fraction` of `stage` is done; `clear` once all of it is. What it
-  /// throws ends the work.
+  /// Reports progress of work before sampling: `fraction` of `stage` is done. Call `clear` at the
+  /// end. An exception stops the work.
   virtual void show(const char* stage, double fraction, const std::string& detail) = 0;
   virtual void clear() {}
-  /// Lines for people.
+  /// Shows a line to the user.
   virtual void note(const std::string& line) = 0;
   virtual void warn(const std::string& line) = 0;
-  /// Whether work beside the engine's is to be left.
+  /// True if work outside the engine should stop.
   [[nodiscard]] virtual bool stopped() const = 0;
 
-  /// A system identification is repeated with better steps from here on.
+  /// States that a system identification is now being repeated with better time steps.
   virtual void repeat(const identification::StepsRefined& /*refined*/) {}
-  /// With which it was being repeated where it is taken up.
+  /// Returns the time steps with which a resumed run was being repeated.
   [[nodiscard]] virtual std::optional<identification::StepsRefined> refined() const { return {}; }
 };
 

@@ -37,10 +37,10 @@ bool interrupted() {
 
 constexpr double kBriefProbe = 0.05;  // seconds
 
-constexpr const char* kGoesOn = "; the same command with --resume goes on";
+constexpr const char* kHowToResume = "; the same command with --resume continues it";
 
-// One wish may come as several signals: `timeout` and schedulers send theirs to the program and to
-// its group. Who asks again after a second means it.
+// One request may arrive as several signals: `timeout` and schedulers signal the program and its
+// process group. A signal after a second is a second request.
 void ask_to_stop(int signal) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   timespec time{};
@@ -79,8 +79,8 @@ std::shared_ptr<spdlog::logger> make_log(bool quiet) {
   return log;
 }
 
-void say_what_goes_on(const CheckpointFile& checkpoint, bool stopped) {
-  if (stopped && checkpoint.kept()) std::cerr << "wheeltap: stopped" << kGoesOn << '\n';
+void print_how_to_resume(const CheckpointFile& checkpoint, bool stopped) {
+  if (stopped && checkpoint.kept()) std::cerr << "wheeltap: stopped" << kHowToResume << '\n';
 }
 
 bool was_interrupted() {
@@ -97,7 +97,7 @@ StopOnInterrupt::StopOnInterrupt() {
 }
 
 StopOnInterrupt::~StopOnInterrupt() {
-  if (interrupted()) return;  // the same wish, once more, is not to kill what is being written
+  if (interrupted()) return;  // a repeated signal must not end a write
   for (std::size_t i = 0; i < before_.size(); ++i) std::signal(base::kStopSignals[i], before_[i]);
 }
 
@@ -112,7 +112,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   options.draws_folder = checkpoint.path().parent_path();
   if (options.draws_folder.empty()) options.draws_folder = ".";
   ProgressBar bar(quiet);
-  // The climbs on a record are made on its first samples; all that follows, on the whole of it.
+  // The searches on a record use its first samples; all later stages use the whole record.
   TimeLeft time_left(problem.shortened
                          ? inference::probe(problem, kBriefProbe).middle /
                                std::min(base::thread_count(options.threads), options.chains)
@@ -123,7 +123,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   options.progress = [&](const inference::Options::Progress& progress) {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    // Likelihoods a second, over the run so far.
+    // Likelihoods per second, over the run so far.
     std::string detail =
         seconds > 1.0
             ? rounded_count(static_cast<double>(progress.likelihood_evaluations) / seconds) + "/s"
@@ -143,7 +143,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
     require_same_on_all_ranks("draws", fingerprint_of(posterior));
     if (posterior.draws < 100) {
       throw Failure(Exit::interrupted, "stopped before anything was found: nothing to report" +
-                                           std::string(checkpoint.kept() ? kGoesOn : ""));
+                                           std::string(checkpoint.kept() ? kHowToResume : ""));
     }
     return posterior;
   } catch (const inference::CheckpointError& error) {
@@ -152,8 +152,8 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   } catch (const inference::DrawsLost& lost) {
     bar.clear();
     throw io::FileError(io::FileError::Kind::unwritable, options.draws_folder,
-                        std::string("the draws that are kept there are lost: ") + lost.what() +
-                            (checkpoint.kept() ? kGoesOn : ""));
+                        std::string("the draws stored there are lost: ") + lost.what() +
+                            (checkpoint.kept() ? kHowToResume : ""));
   } catch (const inference::LikelihoodError& error) {
     bar.clear();
     throw Failure(Exit::bad_input, case_path.string() + ": " + error.what());
@@ -233,11 +233,12 @@ void claim_output_folder(const std::filesystem::path& directory) {
   make_output_folder(directory);
   const std::filesystem::path whole = std::filesystem::canonical(directory);
   if (claimed.contains(whole)) return;
-  constexpr std::chrono::seconds kToEnd{2};  // a run that was killed, with the ranks of it
+  constexpr std::chrono::seconds kToEnd{2};  // time for a killed run and its ranks to end
   std::optional<io::FileLock> lock = io::FileLock::take(whole, kToEnd);
   if (!lock)
     throw io::FileError(io::FileError::Kind::unwritable, directory,
-                        "another run is writing into it: wait for that, or choose another folder");
+                        "another run is writing into it: wait for its end, or choose another "
+                        "folder");
   claimed.emplace(whole, std::move(*lock));
 }
 

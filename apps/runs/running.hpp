@@ -1,4 +1,4 @@
-// What the commands that sample have in common: a log, an engine that can be interrupted, files.
+// Shared parts of the sampling commands: log, interruptible engine, output files.
 #pragma once
 
 #include <array>
@@ -23,13 +23,13 @@ namespace wheeltap::apps {
 
 class CheckpointFile;
 
-/// Lines for people who watch, on standard error; warnings only where `quiet`.
+/// Returns a log on standard error; with `quiet`, only for warnings.
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
-/// While it lives, Ctrl-C (or another of base::kStopSignals; SIGHUP unless it was ignored) asks the
-/// engine to stop: the run ends with what there is. Another one, a second later or more, ends the
-/// program; sooner it is the same wish, and so is SIGXCPU, which the system repeats. Once asked,
-/// they stay caught.
+/// While an object exists, Ctrl-C (or another of base::kStopSignals; SIGHUP unless it was ignored)
+/// stops the engine: the run ends with the draws so far. A second signal after at least 1 s ends
+/// the program. Earlier signals and SIGXCPU, which the system repeats, have no further effect.
+/// After the first signal the handlers stay installed.
 class StopOnInterrupt {
  public:
   StopOnInterrupt();
@@ -42,40 +42,40 @@ class StopOnInterrupt {
   std::array<Handler, base::kStopSignals.size()> before_{};
 };
 
-/// From now on a reader of standard output who goes away does not end the program: what a run found
-/// is written to files all the same.
+/// Ignores SIGPIPE: if the reader of standard output ends, the program continues and writes its
+/// files.
 void outlive_readers();
 
 [[nodiscard]] bool was_interrupted();
 
-/// Samples with a progress bar, until it is interrupted (StopOnInterrupt), keeping checkpoints, and
-/// from the one that is there. Chains are cut to one length. Throws Failure where the likelihood
-/// fails, or nothing was sampled.
+/// Samples with a progress bar and checkpoints, from the checkpoint that was read, to the end or an
+/// interruption (StopOnInterrupt). It cuts chains to one length. Throws Failure if the likelihood
+/// fails or there are no draws.
 [[nodiscard]] inference::Posterior run_engine(const inference::Problem& problem,
                                               inference::Options options,
                                               const std::filesystem::path& case_path, bool quiet,
                                               CheckpointFile& checkpoint);
 
-/// Says on standard error, of a run that was stopped early, that --resume goes on with it.
-void say_what_goes_on(const CheckpointFile& checkpoint, bool stopped);
+/// Prints on standard error that --resume continues a stopped run.
+void print_how_to_resume(const CheckpointFile& checkpoint, bool stopped);
 
-/// "tmcmc+bridge" → both methods; none for "". Throws Failure (usage) for a method that is neither
-/// tmcmc, bridge nor laplace.
+/// Returns the methods of a text such as "tmcmc+bridge"; none for "". Throws Failure (usage) for a
+/// method other than tmcmc, bridge and laplace.
 [[nodiscard]] std::vector<identification::EvidenceMethod> evidence_methods(const std::string& text);
 
-/// identification::compute_evidence, with a note of each method; those that an interruption leaves
-/// unfinished are missing.
+/// Calls identification::compute_evidence for each method with a note. Methods that an interruption
+/// leaves unfinished are missing.
 [[nodiscard]] std::vector<identification::MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<identification::EvidenceMethod>& methods,
     std::uint64_t seed, int threads, RunWatch& watch);
 
-/// The terminal's: a bar, a log, and checkpoints. From its first sample on, signals stop the run
-/// (StopOnInterrupt).
+/// Observer for a terminal: progress bar, log and checkpoints. From the first sample() on, signals
+/// stop the run (StopOnInterrupt).
 class TerminalWatch : public RunWatch {
  public:
   /// Both must outlive it.
   TerminalWatch(const CommonOptions& common, spdlog::logger& log);
-  /// Where to keep checkpoints: to be said before anything is sampled.
+  /// Sets the checkpoint file; call it before sample().
   void keep(CheckpointFile& checkpoint) { checkpoint_ = &checkpoint; }
 
   inference::Posterior sample(const inference::Problem& problem,
@@ -96,17 +96,17 @@ class TerminalWatch : public RunWatch {
   std::optional<StopOnInterrupt> stop_;
 };
 
-/// Throws io::FileError where it cannot be made.
+/// Creates the folder. Throws io::FileError if this fails.
 void make_output_folder(const std::filesystem::path& directory);
 
-/// The same, and holds it for this process until that ends: two runs that wrote into one folder
-/// would mix their files. Throws io::FileError also where another run has it.
+/// Creates the folder and locks it until this process ends, since two runs would mix their files.
+/// Throws io::FileError also if another run has locked it.
 void claim_output_folder(const std::filesystem::path& directory);
 
-/// The whole file at once. Throws io::FileError.
+/// Writes a file atomically. Throws io::FileError.
 void write_text(const std::filesystem::path& path, const std::string& text);
 
-/// What `simulate --json` prints: {"file", "origin", KEY: count}, as JSON text.
+/// Returns the output of `simulate --json`: {"file", "origin", KEY: count}.
 [[nodiscard]] std::string written_data(const std::filesystem::path& path, const std::string& origin,
                                        std::size_t count, const std::string& key);
 

@@ -15,9 +15,9 @@ namespace {
 
 constexpr const char* kModule = "wheeltap_mpi.so";
 constexpr double kRankPatience =
-    30.0;  // seconds that a rank that failed waits for others to fail alike
+    30.0;  // seconds that a failed rank waits for others to fail likewise
 
-// What a launcher tells its processes.
+// Environment variables that a launcher sets.
 bool is_launched() {
   for (const char* variable : {"OMPI_COMM_WORLD_SIZE", "PMIX_RANK"}) {
     if (std::getenv(variable) != nullptr) return true;
@@ -30,13 +30,13 @@ bool is_one_of_several() {
   return size != nullptr && std::string(size) != "1";
 }
 
-// Beside the program, or where an installed one has it.
+// In the folder of the program, or in the installed place.
 void* load_module() {
   std::error_code ignored;
   const std::filesystem::path here =
       std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
   for (const std::filesystem::path& place : {here / kModule, here / WHEELTAP_MODULES / kModule}) {
-    // Open MPI's own parts look for its symbols among those of the program.
+    // Components of Open MPI look for its symbols among the global ones.
     if (void* module = dlopen(place.c_str(), RTLD_NOW | RTLD_GLOBAL)) return module;
   }
   return nullptr;
@@ -63,11 +63,11 @@ JoinedRanks::JoinedRanks() {
   if (module == nullptr) {
     if (!is_one_of_several()) return;
     throw Failure(Exit::usage, std::string("started by mpirun, but ") + kModule +
-                                   " is not beside the program: it was built without MPI");
+                                   " is missing: this wheeltap was built without MPI");
   }
   const auto join = reinterpret_cast<base::Ranks* (*)()>(dlsym(module, "wheeltap_join_ranks"));
   if (join == nullptr)
-    throw Failure(Exit::internal, std::string(kModule) + " is not of this program");
+    throw Failure(Exit::internal, std::string(kModule) + " is of another version of wheeltap");
   base::Ranks* all = join();
   if (all->size() == 1) {
     delete all;
@@ -102,7 +102,7 @@ void JoinedRanks::leave(int exit_code, const std::string& last_words) {
 
 void require_same_on_all_ranks(const std::string& what, const std::string& text) {
   if (base::Ranks* all = base::ranks(); all != nullptr && !all->all_have(text)) {
-    throw Failure(Exit::bad_input, "the ranks have not the same " + what +
+    throw Failure(Exit::bad_input, "the ranks do not have the same " + what +
                                        ": each reads its files on its own machine");
   }
 }
@@ -110,8 +110,8 @@ void require_same_on_all_ranks(const std::string& what, const std::string& text)
 void require_equal_processors() {
   if (base::Ranks* all = base::ranks(); all != nullptr && !all->all_have(processor())) {
     throw Failure(Exit::usage,
-                  "the ranks run on unequal processors, on which numbers differ in their last bit: "
-                  "give --simd baseline, which all have");
+                  "the ranks run on different processors, on which numbers differ in their last "
+                  "bit: use --simd baseline");
   }
 }
 

@@ -1,4 +1,4 @@
-// The program as one of several ranks that mpirun has started (base/ranks.hpp).
+// The program as one of several MPI ranks (base/ranks.hpp).
 #pragma once
 
 #include <exception>
@@ -10,39 +10,39 @@
 
 namespace wheeltap::apps {
 
-/// Rank 0 could not do what it does for all, and says so itself.
+/// Thrown on the other ranks if work of rank 0 for all ranks failed; rank 0 reports the error.
 class FailedOnFirstRank : public std::exception {};
 
-/// Joins the others where mpirun (or srun with PMIx) has started this process, by the module that
-/// speaks MPI; else does nothing. Ranks but the first say nothing on standard output and error, and
-/// have each one thread unless --threads says otherwise.
+/// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) has started this
+/// process; else does nothing. Ranks other than the first print nothing on standard output and
+/// error, and use one thread each unless --threads is given.
 class JoinedRanks {
  public:
-  /// Throws Failure (64) where there are others and the module is missing.
+  /// Throws Failure (64) if there are other ranks and the module is missing.
   JoinedRanks();
   JoinedRanks(const JoinedRanks&) = delete;
   JoinedRanks& operator=(const JoinedRanks&) = delete;
   ~JoinedRanks();
 
-  /// The end of this rank's work. One that failed alone ends the others, which would wait for it;
-  /// `last_words` then are said on the error stream that all had.
+  /// Ends this rank's work. If only this rank failed, it ends the others, which would wait for it,
+  /// and prints `last_words` on the original standard error.
   void leave(int exit_code, const std::string& last_words);
 
  private:
   base::Ranks* all_ = nullptr;
-  int said_ = -1;  // standard error as it was
+  int said_ = -1;  // descriptor of the original standard error
 };
 
-/// Throws Failure (65) where the ranks do not all have this, e.g. the text of a case that each has
-/// read on its own machine: "the ranks have not the same WHAT".
+/// Throws Failure (65) if `text` (e.g. of a case that each rank read on its own machine) differs
+/// between ranks: "the ranks do not have the same WHAT".
 void require_same_on_all_ranks(const std::string& what, const std::string& text);
 
-/// Throws Failure (64) where ranks run on unlike processors, whose library functions differ in the
-/// last bit, and have not been told to keep to what all have (--simd baseline).
+/// Throws Failure (64) if ranks run on different processors, whose library functions differ in the
+/// last bit, without --simd baseline.
 void require_equal_processors();
 
-/// What f returns on rank 0, which alone calls it, on all. Throws FailedOnFirstRank on the others
-/// where it throws there.
+/// Calls f on rank 0 only and returns its result on all ranks. If f throws, the other ranks throw
+/// FailedOnFirstRank.
 template <class F>
 [[nodiscard]] std::optional<std::string> first_rank_says(F&& f) {
   base::Ranks* all = base::ranks();
@@ -66,7 +66,7 @@ template <class F>
   return bytes.substr(1);
 }
 
-/// f() on rank 0 alone.
+/// Calls f on rank 0 only.
 template <class F>
 void on_first_rank(F&& f) {
   static_cast<void>(first_rank_says([&]() -> std::optional<std::string> {

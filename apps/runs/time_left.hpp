@@ -1,4 +1,4 @@
-// How long a run will take from here.
+// Estimate of the remaining time of a run.
 #pragma once
 
 #include <algorithm>
@@ -9,20 +9,21 @@
 
 namespace wheeltap::apps {
 
-/// The rest of the present stage as long as that has taken so far, and the calls of the stages to
-/// come as fast as those of this stage, or of the whole run where that is faster: a stage may have
+/// Extrapolates the present stage from its time so far. For later stages it uses the time per
+/// likelihood call of this stage or of the whole run, whichever is shorter, since a stage may have
 /// counted few calls so far.
 class TimeLeft {
  public:
-  /// `least_a_call`: what a call of the stages to come takes at the least [s], where that is known.
+  /// `least_a_call`: lower bound of the time of a likelihood call in later stages [s]; 0: not
+  /// known.
   explicit TimeLeft(double least_a_call = 0.0) : least_a_call_(least_a_call) {}
 
   struct Shown {
-    double fraction = 0.0;       ///< of the run's time: seconds / (seconds + left); 0: not known
+    double fraction = 0.0;       ///< seconds / (seconds + left); 0: not known
     std::optional<double> left;  ///< [s]
   };
-  /// What there is to show of the whole run: where a stage has just begun, what was left before
-  /// less the time since.
+  /// Returns the progress of the whole run. At the beginning of a stage, it uses the last estimate
+  /// minus the time since.
   Shown of_run(const inference::Options::Progress& progress, double seconds) {
     if (const auto now = estimate(progress, seconds)) {
       left_ = *now;
@@ -33,14 +34,14 @@ class TimeLeft {
     return {.fraction = seconds / std::max(seconds + left, 1e-9), .left = left};
   }
 
-  /// [s], `seconds` after the run began; nothing while there is too little to go by.
+  /// Returns the remaining time [s], `seconds` after the start; none without enough progress.
   std::optional<double> estimate(const inference::Options::Progress& progress, double seconds) {
-    constexpr double kEnough = 1.0, kShare = 0.005;  // seconds, of the stage
+    constexpr double kEnough = 1.0, kShare = 0.005;  // seconds, share of the stage
     if (stage_ != progress.stage) {
       stage_ = progress.stage;
       began_ = seconds;
       calls_before_ = progress.likelihood_evaluations;
-      share_before_ = progress.fraction;  // of a run that was taken up
+      share_before_ = progress.fraction;  // not 0 in a resumed run
     }
     const double here = seconds - began_, share = progress.fraction - share_before_;
     if (here < kEnough || share < kShare) return {};

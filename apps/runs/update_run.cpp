@@ -22,7 +22,7 @@ using namespace identification;
 
 namespace {
 
-/// What the library finds wrong, as a complaint about the case.
+/// Converts errors of the library to errors of the case.
 template <class Work>
 auto complaining(const UpdateCaseFile& parsed, const Work& work) {
   try {
@@ -34,13 +34,14 @@ auto complaining(const UpdateCaseFile& parsed, const Work& work) {
   }
 }
 
-/// What stands in front of the model, before it is trusted.
+/// Reports the emulator of an external model and its error.
 void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem, RunWatch& watch) {
   const auto& emulator = problem.program()->emulator;
   watch.note("predictions by " + in_words(*parsed.outside) +
-             (emulator ? ", with an emulator in front: " + std::to_string(emulator->runs()) +
-                             " runs of the model, and " + std::to_string(emulator->fresh_runs()) +
-                             " fresh ones that measure its error"
+             (emulator ? ", replaced by an emulator: " + std::to_string(emulator->runs()) +
+                             " training runs of the model, and " +
+                             std::to_string(emulator->fresh_runs()) +
+                             " further runs that measure its error"
                        : std::string()));
   if (!emulator) return;
   const auto& holdout = emulator->error().holdout;
@@ -50,19 +51,19 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
     const std::string mode = "mode " + std::to_string(m + 1);
     if (holdout[m].cannot_be_predicted())
       watch.warn("the emulator cannot predict " + mode + " (Q² " + fixed(holdout[m].q2, 2) +
-                 "): more runs, or narrower priors");
+                 "): use more runs or narrower priors");
     else if (i < noise.rows() && holdout[m].rmse > std::sqrt(noise(i, i)))
       watch.warn("the emulator's error of " + mode + ", " + significant(holdout[m].rmse, 2) +
                  " Hz, is above the noise, " + significant(std::sqrt(noise(i, i)), 2) +
-                 " Hz: more runs would tell more");
+                 " Hz: use more runs");
   }
 }
 
-/// A posterior that leans on the emulator's box would go on beyond it.
+/// Warns of posteriors that pile up at a bound of the emulator's box, since they may extend beyond.
 void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& posterior,
                      RunWatch& watch) {
   if (!problem.program()->emulator) return;
-  constexpr double kNear = 3.5, kShare = 0.01;  // standard normal, of the draws
+  constexpr double kNear = 3.5, kShare = 0.01;  // standard normal, share of the draws
   const auto& space = problem.problem.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   for (int p = 0; p < problem.structural; ++p) {
@@ -74,30 +75,32 @@ void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& p
         near += std::abs(prior.to_standard_normal(
                     chain.theta[i * width + static_cast<std::size_t>(p)])) > kNear;
     if (near > kShare * all)
-      watch.warn(space.parameter_name(0, p) +
-                 " leans on the end of the emulator's box, four standard deviations of its prior: "
-                 "widen the prior");
+      watch.warn(
+          space.parameter_name(0, p) +
+          " piles up at a bound of the emulator's box, four standard deviations of its prior: "
+          "widen the prior");
   }
 }
 
-/// The reduced basis, or the predictor of one's own, before anything is sampled.
+/// Reports the reduced basis or the external predictor before sampling.
 void tell_of_preparation(const UpdateCaseFile& parsed, const UpdateProblem& problem,
                          RunWatch& watch) {
   const auto basis = problem.basis() != nullptr ? problem.basis()->training()
                                                 : fem::ParametricModes::Training{.complete = true};
   if (!basis.complete)
-    watch.note("reduced basis: " + std::to_string(basis.basis) + " modes stand for " +
+    watch.note("reduced basis: " + std::to_string(basis.basis) + " modes replace " +
                std::to_string(problem.basis()->structure().nominal().size()) +
                " degrees of freedom, " + significant(1e3 * problem.seconds_a_likelihood, 2) +
-               " ms a solution");
+               " ms per solution");
   if (basis.beyond > 0)
     watch.warn(std::to_string(basis.beyond) + " of " + std::to_string(basis.points) +
-               " draws of the prior are beyond the basis and solved in full: this may take long");
+               " draws of the prior are outside the basis and need full solutions: this may take "
+               "long");
   if (parsed.outside) return tell_of_outside(parsed, problem, watch);
   for (const Remark& doubt : implausible(problem.update_case)) watch.warn(sentence(doubt, {}));
 }
 
-/// Only the trained basis tells what a likelihood takes: estimated once before, once after.
+/// The time of a likelihood is known only after training the basis: estimates before and after.
 class UpdateRun final : public CaseRun {
  public:
   UpdateRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)
@@ -123,7 +126,8 @@ class UpdateRun final : public CaseRun {
                          {.bytes = 8.0 * n * 800.0, .seconds = 60.0 * 1e-5 * n}, common());
     }
     if (parsed_->outside && !common().dry_run && base::ranks() != nullptr)
-      throw Failure(Exit::usage, "a predictor of one's own runs in one process, not under mpirun");
+      throw Failure(Exit::usage,
+                    "an external predictor runs in one process: start it without mpirun");
     return {};
   }
 
@@ -145,7 +149,7 @@ class UpdateRun final : public CaseRun {
   }
 
   void prepare(RunWatch& watch) override {
-    if (parsed_->outside && !common().output.empty())  // for answers
+    if (parsed_->outside && !common().output.empty())  // for the journal of answers
       on_first_rank([&] { claim_output_folder(common().output); });
     UpdateProblemOptions how = {.threads = base::thread_count(common().threads)};
     const char* stage = "reduced basis";

@@ -17,7 +17,7 @@ namespace {
 constexpr double kDecided = 0.6;
 constexpr double kCertain = 0.95;
 constexpr double kWorthNaming = 0.1;
-constexpr double kLocated = 0.25;  // of the beam
+constexpr double kLocated = 0.25;  // share of the beam's length
 constexpr std::size_t kMostValues = 6;
 
 using Namer = std::function<std::string(const ModelFinding&)>;
@@ -41,11 +41,11 @@ std::string counted(const DamageCase& damage_case, const ModelFinding& model) {
   return text;
 }
 
-// What the count comes to where neighbours are one damage: " These two are adjacent …;
-// counted as one: 1 damage 99 % and 2 damages 1 %."
+// The count with neighbours merged: " These two are adjacent: … Counted as one: 1 damage 99 % and
+// 2 damages 1 %."
 std::string neighbours(const DamageCase& damage_case, const DamageFindings& findings,
                        std::size_t model) {
-  constexpr double kMost = 0.5;  // of the model's draws
+  constexpr double kMost = 0.5;  // share of the model's draws
   std::string text;
   for (const MergedFinding& merged : findings.merged) {
     const auto k = static_cast<std::size_t>(merged.kind);
@@ -85,7 +85,7 @@ std::string place_in_words(const Marginal& x, const Marginal* severity, const Ma
   std::string text;
   if (x.width() > kLocated * length) {
     text = "not located: anywhere from " + answer_in_metres(x) +
-           (mirrored ? " or in the mirror image of that" : "") + " (95 %)";
+           (mirrored ? " or in the mirror image of this range" : "") + " (95 %)";
   } else {
     text = "near " + fixed(x.q50, 3) + " m (95 % interval " + answer_in_metres(x) + ")";
     if (mirrored && std::abs(length - 2.0 * x.q50) > 0.01 * length) {
@@ -111,8 +111,9 @@ std::string how_bad(const DefectKind& kind, const Marginal& severity) {
          answer_interval(severity) + ")";
 }
 
-// Of a structure, the places that hold a tenth of a defect or more, likeliest first: "crack on beam
-// near 0.37 m (0.35 to 0.4 m; 93 %), depth a/h 30 % (20 to 40 %)".
+// Places of a structure with an expected number of at least 0.1 defects, largest first: "crack on
+// beam near 0.37 m (95 % interval 0.35 to 0.4 m; expected number 0.93), depth a/h 30 % (20 to
+// 40 %)".
 std::string places_in_structure(const DamageCase& damage_case, const DamageFindings& findings) {
   struct One {
     double expected;
@@ -157,7 +158,9 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
     const std::string places = places_in_structure(damage_case, findings);
     return places.empty() || !findings.symmetry
                ? places
-               : places + " Frequencies cannot tell a place from its images in this structure.";
+               : places +
+                     " Frequencies alone cannot distinguish a place from its images in this "
+                     "symmetric structure.";
   }
   const bool mirrored = findings.symmetry.has_value();
   const auto& shown = findings.shown(model);
@@ -186,7 +189,7 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
     text += (i == 0 ? "" : "; ") + one;
   }
   text += ".";
-  if (mirrored) text += " Frequencies cannot tell a place from its mirror image.";
+  if (mirrored) text += " Frequencies alone cannot distinguish a place from its mirror image.";
   return text;
 }
 
@@ -210,11 +213,10 @@ std::string capitalised(std::string text) {
   return text;
 }
 
-// What stands before everything else where the models do not explain the data; the model it is
-// said of by name.
+// The beginning of the headline if the models do not explain the data; it may name the model.
 using MisfitWords = std::function<std::string(const FitVerdict&, const ModelFinding&)>;
 
-// Caution and headline; `undecided` begins the latter where no model stands out.
+// Caution and headline; if no model reaches kDecided, the headline begins with `undecided`.
 Answer verdict_on(const Findings& findings, const std::string& undecided, const Namer& said,
                   const MisfitWords& misfit) {
   Answer out;
@@ -249,10 +251,11 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
   }
   if (!explained) {
     out.misfit = true;
-    out.headline = misfit(findings.fit_verdict, best) +
-                   (models.size() == 1
-                        ? std::string()
-                        : (converged ? " Least wrong: " : " Least wrong so far: ") + out.headline);
+    out.headline =
+        misfit(findings.fit_verdict, best) +
+        (models.size() == 1
+             ? std::string()
+             : (converged ? " Best of them: " : " Best of them so far: ") + out.headline);
   }
   return out;
 }
@@ -262,10 +265,10 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
 std::string caution(const Findings& findings) {
   if (findings.sampling.verdict.converged) return {};
   if (findings.sampling.quick)
-    return "Quick look: modes and short chains, not a posterior. Run without --quick before these "
-           "numbers are used.";
+    return "Quick run: posterior modes and short chains, not a posterior. Run without --quick "
+           "before you use these numbers.";
   return findings.sampling.stopped_early
-             ? "This run was stopped before it had converged: do not trust these numbers yet."
+             ? "This run stopped before it had converged: do not trust these numbers yet."
              : "The chains have not converged: do not trust these numbers yet.";
 }
 
@@ -291,8 +294,9 @@ Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
     }
   } else if (findings.models.size() > 1) {
     out.detail =
-        "That there is any at all has a probability of " + percent(1.0 - best.probability()) +
-        (best.probability() >= kDecided ? "; what is said below of places is for that case." : ".");
+        "P(at least one) = " + percent(1.0 - best.probability()) + "." +
+        (best.probability() >= kDecided ? " The places below are conditional on at least one."
+                                        : "");
   }
   return out;
 }
@@ -317,7 +321,7 @@ Answer answer(const SidFindings& findings) {
   if (!findings.sampling.verdict.converged) out.headline = "So far: " + out.headline;
   if (out.misfit) {
     out.headline = "No subset of these terms explains the record (" +
-                   in_brief(findings.fit_verdict) + "). Least wrong: " + out.headline;
+                   in_brief(findings.fit_verdict) + "). Best of them: " + out.headline;
   }
   out.detail.clear();
   std::vector<std::string> values;

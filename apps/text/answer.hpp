@@ -1,4 +1,4 @@
-// What a run found, in the two sentences that people read first.
+// The answer of a run: two sentences that head the terminal text and the report.
 #pragma once
 
 #include <string>
@@ -11,26 +11,26 @@
 namespace wheeltap::apps {
 
 struct Answer {
-  std::string caution;  ///< empty, or why the rest cannot be trusted yet
-  /// How many, or which model, with its probability; before it, where the models do not explain the
-  /// data, that they do not.
+  std::string caution;  ///< why the rest cannot be trusted yet; may be empty
+  /// The number of damages or the model, with its probability. If no model explains the data, the
+  /// headline begins with that.
   std::string headline;
-  std::string detail;   ///< where and how bad, with 95 % intervals; may be empty
-  bool misfit = false;  ///< the headline begins with that the models do not explain the data
+  std::string detail;   ///< locations, severities or parameters with 95 % intervals; may be empty
+  bool misfit = false;  ///< no model explains the data, and the headline begins with that
 };
 
-/// Why a run's numbers cannot be trusted yet; empty where they can.
+/// Returns why a run's numbers cannot be trusted yet; empty if they can.
 [[nodiscard]] std::string caution(const identification::Findings& findings);
 
-/// How many damages. A count (a model) is "most likely" from a probability of 0.6; below, the run
-/// is undecided and all with 10 % or more are named. A location whose 95 % interval covers more
-/// than a quarter of the beam is not called located.
+/// Returns the answer of a damage run. A count (a model) with a probability of at least 0.6 is
+/// "most likely". Below that the run is undecided, and the headline names all models with 10 % or
+/// more. A damage is "not located" if its 95 % interval covers more than a quarter of the beam.
 [[nodiscard]] Answer answer(const identification::DamageCase& damage_case,
                             const identification::DamageFindings& findings);
 
-/// Which equation of motion.
+/// Returns the most probable equation of motion.
 [[nodiscard]] Answer answer(const identification::Findings& findings);
-/// The same; of a discovery, which terms.
+/// The same; for a discovery it names the terms.
 [[nodiscard]] Answer answer(const identification::SidFindings& findings);
 
 /// One run of a sweep.
@@ -40,12 +40,12 @@ struct SweepRow {
   bool converged = false;
   bool explained = true;  ///< by one of the models
 };
-/// Which model is the most probable, and where along the values that changes.
+/// Returns the most probable model of each range of the swept values.
 [[nodiscard]] Answer answer(const std::string& path, const std::vector<SweepRow>& rows);
 
 [[nodiscard]] Report json(const Answer& answer);
-/// What a summary keeps of it. A summary from before answers were kept has the models named, and no
-/// detail.
+/// Reads the answer from a summary. If the summary has none (older versions), the answer names the
+/// models, without detail.
 [[nodiscard]] Answer read_answer(const Report& summary);
 
 }  // namespace wheeltap::apps

@@ -10,8 +10,8 @@ using namespace identification;
 
 namespace {
 
-constexpr double kMillimetres = 0.1;  // m: shorter lengths are told in mm
-constexpr double kBetter = 1.0;       // ln likelihood
+constexpr double kMillimetres = 0.1;  // m: shorter lengths are in mm
+constexpr double kBetter = 1.0;       // difference of ln likelihood
 
 std::string number_words(int n) {
   static const char* words[] = {"no", "one", "two", "three", "four", "five"};

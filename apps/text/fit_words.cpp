@@ -24,18 +24,18 @@ struct Brief {
     return "R² " + fixed(r.r2, 2) + " for " + quoted_channel(r.channel);
   }
   std::string operator()(const misfit::NotNoise& r) const {
-    return "what is left of " + quoted_channel(r.channel) + " is " + share_of_response(r.share) +
-           ", and no noise";
+    return "the residual of " + quoted_channel(r.channel) + " is " + share_of_response(r.share) +
+           " and not noise";
   }
   std::string operator()(const misfit::WorseBeyond& r) const {
-    return "beyond the window the error of " + quoted_channel(r.channel) + " grows from " +
+    return "after the window the error of " + quoted_channel(r.channel) + " grows from " +
            significant(100.0 * r.inside, 2) + " to " + significant(100.0 * r.beyond, 2) + " %";
   }
   std::string operator()(const misfit::BeyondNoise& r) const { return "predictive " + p_is(r.p); }
   std::string operator()(const misfit::WithinNoise& r) const { return "predictive " + p_is(r.p); }
 };
 
-// Reasons of one kind, a response each, in one sentence.
+// One sentence for all reasons of one kind; each reason is of one response.
 struct Sentence {
   template <class Reason>
   using All = std::vector<Reason>;
@@ -45,16 +45,14 @@ struct Sentence {
     for (const auto& r : all)
       parts.push_back(quoted_channel(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
     return "The model misses most of " + in_words(parts) +
-           " and what is left is no noise. Check that channels, signs, units, the initial state "
-           "and the "
-           "sides of one-sided laws are those of this record; then the models. Parameters and "
-           "intervals mean nothing until "
-           "then.";
+           ", and the residual is not noise. Do not use parameters and intervals of this fit. "
+           "Check channels, signs, units, the initial state and the sides of one-sided laws "
+           "against the record; then the models.";
   }
   std::string operator()(const All<misfit::NotNoise>& all) const {
     std::vector<std::string> parts;
     for (const auto& r : all) {
-      std::string text = parts.empty() ? "What the model leaves of " : "of ";
+      std::string text = parts.empty() ? "The residual of " : "of ";
       text += quoted_channel(r.channel) + (parts.empty()
                                                ? " is " + share_of_response(r.share)
                                                : " " + significant(100.0 * r.share, 2) + " %");
@@ -63,26 +61,25 @@ struct Sentence {
         more.push_back("correlation " + fixed(r.autocorrelation, 2) + " at lag " +
                        std::to_string(r.lag));
       if (std::isfinite(r.share_of_free))
-        more.push_back("a chain with free cubic springs leaves " +
+        more.push_back("with a chain of free cubic springs " +
                        significant(100.0 * r.share_of_free, 2) + " %");
       for (std::size_t i = 0; i < more.size(); ++i) text += (i == 0 ? " (" : "; ") + more[i];
       parts.push_back(text + (more.empty() ? "" : ")"));
     }
     return in_words(parts) +
-           ", and no noise. Intervals here are those of a model that is wrong by so much: offer "
-           "one that explains more.";
+           ", and not noise. The intervals do not cover a model error of this size: add a model "
+           "that explains more.";
   }
   std::string operator()(const All<misfit::WorseBeyond>& all) const {
     std::vector<std::string> parts;
     for (const auto& r : all) {
-      parts.push_back((parts.empty() ? "" : "of ") + quoted_channel(r.channel) + " by " +
-                      significant(100.0 * r.beyond, 2) +
+      parts.push_back(quoted_channel(r.channel) + " by " + significant(100.0 * r.beyond, 2) +
                       (parts.empty() ? " % of the response, against " : " % against ") +
-                      significant(100.0 * r.inside, 2) + " % within");
+                      significant(100.0 * r.inside, 2) + " % inside");
     }
-    return "Run on beyond its window, the model misses the next " +
-           std::to_string(all.front().samples) + " samples of " + in_words(parts) +
-           ", whichever draw is taken: it is fitted to the window, not to the rig.";
+    return "In the " + std::to_string(all.front().samples) +
+           " samples after the window, every draw of the model misses " + in_words(parts) +
+           ": the model describes the window, not the structure.";
   }
   std::string operator()(const All<misfit::BeyondNoise>& all) const {
     const misfit::BeyondNoise& r = all.front();
@@ -92,9 +89,9 @@ struct Sentence {
   std::string operator()(const All<misfit::WithinNoise>& all) const {
     const misfit::WithinNoise& r = all.front();
     return "The frequencies agree with the model far more closely than the stated noise" +
-           stated(r.cv) + " would have them (predictive " + p_is(r.p) +
-           "): it is too large, perhaps in per cent. With it the data decide less than they could; "
-           "or infer it: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
+           stated(r.cv) + " allows (predictive " + p_is(r.p) +
+           "): the stated noise is too large, perhaps in per cent, and hides information in the "
+           "data. Correct it, or infer it: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
   }
 };
 
@@ -104,7 +101,7 @@ bool said_together(const Reason& /*first*/, const Reason& /*other*/) {
 }
 
 bool said_together(const misfit::WorseBeyond& first, const misfit::WorseBeyond& other) {
-  return first.samples == other.samples;  // of another record where they differ
+  return first.samples == other.samples;  // different records if they differ
 }
 
 }  // namespace
@@ -118,9 +115,8 @@ std::string what_to_check(const std::vector<int>& modes, bool emulated) {
          (emulated ? ". The emulator's error may be larger here than on average over its box: try "
                      "\"predictor\": \"fe\". Otherwise check"
                    : ". Check") +
-         " the model's properties, the mode numbering and data.cov before believing the locations; "
-         "or "
-         "infer the noise: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
+         " the model's properties, the mode numbering and data.cov before you use the locations; "
+         "or infer the noise: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
 }
 
 std::vector<std::string> in_words(const FitVerdict& verdict) {

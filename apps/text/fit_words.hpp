@@ -1,4 +1,4 @@
-// Misfit in words: what heads an answer whose models do not explain the data, and what to do.
+// Sentences on misfit: the reasons why models do not explain the data, and what to do.
 #pragma once
 
 #include <string>
@@ -8,17 +8,17 @@
 
 namespace wheeltap::apps {
 
-/// A sentence a reason, with what to check.
+/// Returns one sentence per kind of reason, with what to check.
 [[nodiscard]] std::vector<std::string> in_words(const identification::FitVerdict& verdict);
 
-/// "R² -0.28", "the residual of "a" is 14 % of the response and no noise": the gravest reason, for
-/// a headline. The verdict must have one.
+/// Returns the gravest reason for a headline: "R² -0.28 for "a"", "the residual of "a" is 14 % of
+/// the response and not noise". The verdict must have a reason.
 [[nodiscard]] std::string in_brief(const identification::FitVerdict& verdict);
 [[nodiscard]] std::string in_brief(const identification::misfit::Reason& reason);
 
-/// " (off by more than 3 sd: modes 1 to 3). Check the beam's properties …"
+/// Returns " (off by more than 3 sd: modes 1 to 3). Check the model's properties …".
 [[nodiscard]] std::string what_to_check(const std::vector<int>& modes, bool emulated);
-/// " of 20 %"; empty where it differs from mode to mode.
+/// Returns " of 20 %"; empty if the noise differs from mode to mode.
 [[nodiscard]] std::string stated(double cv);
 
 }  // namespace wheeltap::apps

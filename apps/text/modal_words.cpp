@@ -25,24 +25,24 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
   for (const ModeDoubt doubt : mode.doubts) {
     switch (doubt) {
       case ModeDoubt::few_orders:
-        out.push_back("in " + std::to_string(mode.present) + " of " + std::to_string(mode.orders) +
-                      " orders only");
+        out.push_back("in only " + std::to_string(mode.present) + " of " +
+                      std::to_string(mode.orders) + " orders");
         break;
       case ModeDoubt::damping_unknown:
-        out.emplace_back("its damping is hardly known");
+        out.emplace_back("the damping ratio is very uncertain");
         break;
       case ModeDoubt::complex_shape:
-        out.emplace_back("its shape is no standing wave: noise, or two modes in one");
+        out.emplace_back("the mode shape is complex: noise, or two close modes taken as one");
         break;
       case ModeDoubt::tone:
-        out.emplace_back("a steady tone, as of a machine, rather than a mode");
+        out.emplace_back("probably a harmonic of a machine, not a mode");
         break;
       case ModeDoubt::twin:
         out.emplace_back(
-            "another one is as near as both are uncertain or wide, with the same shape");
+            "another mode of the same shape lies within their uncertainty or bandwidth");
         break;
       case ModeDoubt::at_the_edge:
-        out.emplace_back("at an end of the band, where a filter may bend it");
+        out.emplace_back("at an end of the band, where a filter may distort it");
         break;
     }
   }
@@ -54,16 +54,16 @@ std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
   for (const signals::MergeDoubt doubt : mode.doubts) {
     switch (doubt) {
       case signals::MergeDoubt::few_set_ups:
-        out.push_back("in " + std::to_string(mode.found()) + " of " +
-                      std::to_string(mode.places.size()) + " set-ups only");
+        out.push_back("in only " + std::to_string(mode.found()) + " of " +
+                      std::to_string(mode.places.size()) + " set-ups");
         break;
       case signals::MergeDoubt::doubted:
         out.emplace_back("doubtful in most set-ups that have it");
         break;
       case signals::MergeDoubt::inconsistent:
         out.push_back(
-            "its frequency moves by " + significant(mode.between_hz, 2) +
-            " Hz between set-ups, beyond their own scatter (p " +
+            "its frequency varies by " + significant(mode.between_hz, 2) +
+            " Hz between set-ups, more than its standard deviations allow (p " +
             (mode.consistency_p < 1e-15 ? "< 1e-15" : significant(mode.consistency_p, 2)) +
             "): the structure changed, or blocks are too short");
         break;
@@ -78,7 +78,7 @@ std::vector<std::string> doubts_in_words(const signals::MergedMode& mode) {
 
 std::vector<std::string> record_in_words(const SetUp& set_up) {
   std::vector<std::string> out;
-  // Channels of one unit are named together.
+  // Channels with the same unit form one entry.
   std::vector<std::pair<std::string, std::vector<std::string>>> units;
   for (const ChannelUse& use : set_up.channels) {
     const std::string words = conversion_in_words(use.conversion);
@@ -97,8 +97,8 @@ std::vector<std::string> record_in_words(const SetUp& set_up) {
   if (!text.empty()) out.push_back(text + ".");
   if (!set_up.orders.empty() && std::ranges::min(set_up.orders) != std::ranges::max(set_up.orders))
     out.emplace_back(
-        "Channels measure unlike quantities: each mode's shape is taken to that of the highest "
-        "derivative, by the mode's own frequency and damping.");
+        "Channels measure different quantities: Wheeltap converts each mode shape to the highest "
+        "derivative, with the mode's frequency and damping.");
   if (std::string words = sampling_in_words(set_up.sampling);
       !words.empty() && !set_up.sampling.doubtful_unit)
     out.push_back(std::move(words));
@@ -115,9 +115,9 @@ std::string rejection_in_words(signals::Rejection why) {
     case signals::Rejection::few_orders:
       return "in too few orders";
     case signals::Rejection::splinter:
-      return "part of a mode that is known better: large orders split it";
+      return "part of a better-known mode that large orders split";
     case signals::Rejection::noise:
-      return "the decays are explained as well without it";
+      return "the other modes explain the decays equally well";
   }
   return {};
 }
@@ -136,8 +136,9 @@ std::string rejected_poles_in_words(const signals::ModalResult& result) {
   std::string out = "Of " + base::grouped(static_cast<long>(of.poles.size())) +
                     " poles in the band with a damping from -0.2 to 20 %, ";
   if (unknown > 0)
-    out += base::grouped(unknown) + " were left out for a frequency that is not known to 5 %, ";
-  return out + base::grouped(alone) + " for having none like them in two other orders.";
+    out += base::grouped(unknown) + " were left out because their frequency is not known to 5 %, ";
+  return out + base::grouped(alone) +
+         " were left out because two other orders have no similar pole.";
 }
 
 std::vector<std::string> procedure_in_words(const signals::ModalResult& result) {
@@ -145,9 +146,9 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
   if (result.method == signals::ModalMethod::bayesian) {
     out.emplace_back(
         "The posterior of each band's modes, modal forces and noise, sampled given the lines of "
-        "the "
-        "Fourier transform within it; means and standard deviations of the draws. The forces are "
-        "taken to be white within a band, and other bands' modes to be absent from it.");
+        "the Fourier transform within the band; means and standard deviations of the draws. It "
+        "assumes that the forces are white within a band and that modes of other bands are absent "
+        "from it.");
     return out;
   }
   if (result.method == signals::ModalMethod::polyreference) {
@@ -165,15 +166,15 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   " Hz between their lines; modes are peaks of the first singular value.");
     if (result.method == signals::ModalMethod::enhanced)
       out.push_back(
-          "Frequency and damping are those of the decay that the lines about a peak "
-          "hold. Standard deviations are the scatter between " +
+          "Frequency and damping are fitted to the decay of the spectral lines about each peak. "
+          "Standard deviations are the scatter between " +
           std::to_string(result.blocks) +
-          " parts of the record: they know nothing of bias, and a bell that is cut, by "
-          "another mode or where the shape changes, makes damping come out wrong.");
+          " parts of the record and contain no bias: damping is wrong if another mode or a change "
+          "of shape cuts off the spectral bell.");
     else
       out.emplace_back(
-          "Frequencies are known to the spacing of the lines at best. Nothing is said of damping, "
-          "and nothing of scatter: a damage or update case does not take these modes as data.");
+          "Frequencies are known at best to the spacing of the lines. This method gives no damping "
+          "and no standard deviations: damage and update cases reject these modes as data.");
     return out;
   }
   if (result.decimated > 1)
@@ -184,14 +185,14 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   significant(result.lags / result.sample_rate_hz, 3) + " s); orders up to " +
                   std::to_string(result.largest_order) + "; scatter from " +
                   std::to_string(result.replicates) +
-                  " surrogates of what the modes leave of the decays.");
+                  " surrogates of the residuals of the decays.");
     return out;
   }
   if (result.set_ups > 1)
     out.push_back("The covariances of " + std::to_string(result.set_ups) +
                   " set-ups were merged through the " + std::to_string(result.references.size()) +
                   (result.references.size() == 1 ? " sensor" : " sensors") +
-                  " that all have, and identified together; the spectrum is that of the first.");
+                  " that all have, and identified together; the spectrum is of the first set-up.");
   out.push_back("Covariances over " + std::to_string(result.lags) + " lags (" +
                 significant(result.lags / result.sample_rate_hz, 3) + " s), their scatter from " +
                 std::to_string(result.blocks) + " blocks of " +
@@ -204,45 +205,45 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
   std::vector<std::string> out;
   if (result.modes.empty())
     out.emplace_back(
-        "No mode was found in the band: no pole is stable over orders. Look at the spectra, widen "
+        "No mode was found in the band: no pole is stable over orders. Check the spectra, widen "
         "the band, or record for longer.");
   if (const int n = result.remarks.narrow; n > 0)
     out.push_back(
         std::to_string(n) + (n == 1 ? " mode is" : " modes are") +
-        " narrower than the spacing of the frequencies: damping rests on the fit alone, and on "
-        "responses that no window has smeared.");
+        " narrower than the frequency spacing: the damping then depends on the fit alone and is "
+        "valid only if no window has smeared the responses.");
   if (const int n = result.remarks.moved; n > 0)
-    out.push_back(std::to_string(n) + (n == 1 ? " mode was" : " modes were") +
-                  " moved by the last fit of all modes together away from where the diagram has " +
-                  (n == 1 ? "it" : "them") + ": another mode may be missing nearby.");
+    out.push_back("The final fit of all modes moved " + std::to_string(n) +
+                  (n == 1 ? " mode" : " modes") + " away from " + (n == 1 ? "its" : "their") +
+                  " place in the stabilisation diagram: another mode may be missing nearby.");
   for (const std::string& why : result.remarks.unsettled)
-    out.push_back("Not converged, do not trust its numbers yet: " + why);
+    out.push_back("Not converged, do not trust these numbers yet: " + why);
   if (result.remarks.short_blocks)
     out.push_back("The record is short: it gives " + std::to_string(result.blocks) + " blocks of " +
                   significant(result.block_seconds, 3) +
-                  " s, and standard deviations themselves are known to about " +
+                  " s, so that standard deviations themselves are known to about " +
                   significant(100.0 / std::sqrt(2.0 * (result.blocks - 1)), 2) + " %.");
   if (const int n = result.remarks.longer_decays; n > 0)
     out.push_back("Blocks of " + significant(result.block_seconds, 3) +
                   " s are shorter than the decay 1 / (ζω) of " + std::to_string(n) +
-                  (n == 1 ? " mode" : " modes") +
-                  ", whose standard deviations are rougher for it: a longer record would tell.");
+                  (n == 1 ? " mode: its" : " modes: their") +
+                  " standard deviations are less accurate. Use a longer record.");
   if (result.remarks.order_cut > 0)
     out.push_back("Orders stop at " + std::to_string(result.largest_order) + ", not at " +
                   std::to_string(result.remarks.order_cut) +
                   (result.method == signals::ModalMethod::polyreference
-                       ? ": there are too few frequencies for more."
-                       : ": the record is too short for the lags that more would need."));
+                       ? ": there are too few frequencies for higher orders."
+                       : ": the record is too short for the lags of higher orders."));
   if (result.method != signals::ModalMethod::subspace) return out;
   if (result.blocks <= 2 * static_cast<int>(result.modes.size()))
     out.push_back("There are " + std::to_string(result.blocks) + " blocks for " +
                   std::to_string(2 * result.modes.size()) +
-                  " frequencies and damping ratios: their joint covariance is singular; single "
-                  "standard deviations hold.");
+                  " frequencies and damping ratios: their joint covariance is singular, but the "
+                  "single standard deviations are valid.");
   if (result.references.size() == 1 && result.modes.size() > 1)
     out.emplace_back(
-        "There is one reference: modes that hardly move it cannot be seen, and two modes of one "
-        "frequency look like one.");
+        "There is only one reference sensor: modes with little motion there are missing, and two "
+        "modes of one frequency appear as one.");
   return out;
 }
 
@@ -261,7 +262,7 @@ std::vector<std::string> cautions(const ModalCaseFile& modal, const IdentifiedMo
     return out;
   }
   std::vector<std::string> out;
-  // What several set-ups have in common is said once.
+  // A warning that several set-ups share appears once.
   std::vector<std::pair<std::string, std::vector<std::string>>> said;
   for (std::size_t s = 0; s < found.set_ups.size(); ++s)
     for (const std::string& text : cautions(modal.set_ups[s], found.set_ups[s])) {
@@ -284,7 +285,7 @@ std::vector<std::string> cautions(const ModalCaseFile& modal, const IdentifiedMo
 std::string merging_in_words(const signals::MergedModes& merged, std::size_t set_ups) {
   const std::size_t references = merged.references.size();
   return std::to_string(set_ups) +
-         " set-ups were identified one by one and their modes merged: frequencies and damping as "
+         " set-ups were identified separately and their modes merged: frequencies and damping as "
          "weighted means, shapes by the " +
          (references == 1 ? std::string("one sensor") : std::to_string(references) + " sensors") +
          " that all have.";

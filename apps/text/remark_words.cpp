@@ -1,4 +1,4 @@
-// Remarks in words, and the one list that terminal, summary and report show.
+// Sentences of remarks, and the list of warnings that terminal, summary and report show.
 #include <algorithm>
 #include <cmath>
 
@@ -45,14 +45,14 @@ std::string probability_with_error(double p, double error) {
   return fixed(p, 4) + " ± " + fixed(error, 4);
 }
 
-// One overload a remark.
+// One overload per remark.
 class Speaker {
  public:
   explicit Speaker(const Context& context) : context_(context) {}
 
   std::string operator()(const remark::ImpossibleLikelihoods& r) const {
     return "The likelihood was NaN or infinite at " + grouped(r.places) + " of " +
-           grouped(r.evaluated) + " places: these count as impossible.";
+           grouped(r.evaluated) + " points: Wheeltap treats these points as impossible.";
   }
   std::string operator()(const remark::EvidenceFailed& r) const {
     const bool failed = r.why.kind == inference::EvidenceWarning::Kind::failed;
@@ -68,7 +68,7 @@ class Speaker {
 
   std::string operator()(const remark::NearlyPrior& r) const {
     constexpr std::size_t kNamed = 6, kLongNames = 60;
-    // One of several models: by its name if it is the only one, else all that have it together.
+    // Models that share a parameter form one entry.
     std::vector<std::string> names, loose;
     for (const auto& p : r.parameters)
       if (std::ranges::find(names, p.name) == names.end()) names.push_back(p.name);
@@ -92,7 +92,7 @@ class Speaker {
       loose.push_back(name + " under " + of + " (overlap " + said + ")");
     }
     return "Nearly the prior: the data say little about " + in_words(loose) +
-           ". Such a posterior repeats what the case assumed; do not report it as a finding.";
+           ". Such a posterior repeats the assumptions of the case; do not report it as a result.";
   }
 
   std::string operator()(const remark::ImplausibleMaterial& r) const { return sentence(r); }
@@ -102,29 +102,29 @@ class Speaker {
   std::string operator()(const remark::CrossingMembers& r) const { return sentence(r); }
   std::string operator()(const remark::SensorsAtOnePlace& r) const { return sentence(r); }
   std::string operator()(const remark::FrequenciesOutOfReach& r) const {
-    return "The measured frequencies are far from anything that this model does, whatever its "
-           "damage: mode " +
+    return "No damage brings this model near the measured frequencies: mode " +
            std::to_string(r.mode) + " is measured at " + significant(r.measured, 4) +
            " Hz and predicted at " + significant(r.lowest, 4) + " to " + significant(r.highest, 4) +
-           " Hz, and over the modes measured frequencies are " + significant(r.ratio, 3) +
-           " times those predicted. Check units (m, Pa, kg/m³, Hz), dimensions, supports and the "
-           "numbering of the modes: a length in mm makes a factor of 10^6.";
+           " Hz. Over all modes, measured frequencies are " + significant(r.ratio, 3) +
+           " times the predicted ones. Check units (m, Pa, kg/m³, Hz), dimensions, supports and "
+           "the numbering of the modes: a length in mm gives a factor of 10^6.";
   }
   std::string operator()(const remark::NoiseHidesDamage& r) const {
     return "The stated noise" + stated(r.cv) +
-           " hides whatever damage may do: of all damages that the prior allows, the largest moves "
-           "a frequency by " +
+           " hides the effect of any damage: the largest damage that the prior allows shifts a "
+           "frequency by " +
            significant(r.effect, 2) +
            " of its noise. Frequencies are commonly known to 0.01 to 1 % (\"cov\": 0.0001 to "
            "0.01); is the number in per cent?";
   }
   std::string operator()(const remark::MirrorImages& r) const {
     return symmetry_statement(r.emulated) +
-           " To tell them apart, measure mode shapes or add a small mass off the middle.";
+           " To distinguish them, measure mode shapes or add a small mass off the middle.";
   }
   std::string operator()(const remark::StructureImages& r) const {
     return images_statement(r.alike, r.turned) +
-           " To tell them apart, measure mode shapes or add a small mass that breaks the symmetry.";
+           " To distinguish them, measure mode shapes or add a small mass that breaks the "
+           "symmetry.";
   }
   std::string operator()(const remark::RivalPlaces& r) const {
     static constexpr std::size_t kNamed = 8;
@@ -140,24 +140,23 @@ class Speaker {
     }
     if (r.places.size() > kNamed)
       list.push_back("at one of " + std::to_string(r.places.size() - kNamed) + " more");
-    return "The data do not say which: " + in_words(list, "or") + ". It is one of these with " +
-           probability_is(std::min(sum, 1.0)) +
-           ", hardly ever two at once. To tell them apart, measure mode shapes or more "
-           "modes, or look there.";
+    return "The data do not distinguish between these places: " + in_words(list, "or") +
+           ". It is one of these with " + probability_is(std::min(sum, 1.0)) +
+           ", and very rarely two. To distinguish them, measure mode shapes or more modes, or "
+           "inspect these places.";
   }
   std::string operator()(const remark::FittedNotTested& r) const {
     return "The " + unknowns_of(r.unknowns) + " of " + r.model + " are fitted to " +
            frequencies_of(r.frequencies) +
-           ", not tested by them: how bad the fit of a wrong model would be cannot be seen, and "
-           "the intervals are dominated by the priors. Measure more frequencies.";
+           ", not tested by them: a wrong model would fit equally well, and the priors dominate "
+           "the intervals. Measure more frequencies.";
   }
   std::string operator()(const remark::CannotExclude& r) const {
     std::string text = frequencies_of(r.frequencies) + " cannot exclude " + r.model + " (" +
                        probability_is(r.probability) + "): with " + unknowns_of(r.unknowns) +
-                       " it has as many as there are data, or more, and fits them however they "
-                       "fall";
+                       " it has at least as many unknowns as there are data and fits any data";
     for (const auto& hidden : r.hidden) {
-      text += ". Under it, a further " + hidden.kind + " would hide between " + said(hidden.below) +
+      text += ". Under it, a further " + hidden.kind + " could lie between " + said(hidden.below) +
               " and " + said(hidden.above) + ", at " + significant(hidden.from, 2) + " to " +
               significant(hidden.to, 2) + " m (95 %)";
     }
@@ -180,7 +179,7 @@ class Speaker {
            kind.plural + " counted as one: " + merged_counts_in_words(kind, merged) +
            ". The case fixes what one " + kind.name + " covers (" + length_in_words(most.fixed) +
            (kind.extent ? "" : ", one element") +
-           "), so that its count depends on that length. Infer the length: \"extent\": "
+           "), and the count depends on that length. Infer the length: \"extent\": "
            "{\"uniform\": [0, " +
            significant(0.2 * longest, 2) + "]} in " +
            context_.kinds[static_cast<std::size_t>(r.kind)] + ".";
@@ -189,14 +188,14 @@ class Speaker {
     const DefectKind& kind = kind_of(r.kind);
     return "The largest number of " + kind.plural + " that the case allows, " +
            std::to_string(kind.max_count) + ", has " + probability_is(r.probability) +
-           ". More were never asked about: raise " +
-           context_.kinds[static_cast<std::size_t>(r.kind)] + ".count.max to ask.";
+           ". The run did not consider more: raise " +
+           context_.kinds[static_cast<std::size_t>(r.kind)] + ".count.max.";
   }
   std::string operator()(const remark::SeverityAtBound& r) const {
     const DefectKind& kind = kind_of(r.kind);
     return "The posterior of the " + kind.severity_name() +
            " piles up at the upper bound of its prior, " + kind.severity_prior()->describe() +
-           ": larger values would fit as well. Widen the prior if they are possible.";
+           ": larger values would fit equally well. Widen the prior if they are possible.";
   }
   std::string operator()(const remark::EmulatorBlind& r) const {
     return emulator_warning(r.damages, r.modes);
@@ -205,14 +204,14 @@ class Speaker {
     const DamageFindings& found = *context_.damage;
     const EmulatorCheck& check = *found.emulator->check;
     const auto& worst = check.error_to_noise[static_cast<std::size_t>(check.worst_mode - 1)];
-    const std::string ending = "At these draws its error is " + significant(worst.rms, 2) +
-                               " times the noise in mode " + std::to_string(check.worst_mode) +
-                               ", its worst. Use \"predictor\": \"fe\", add \"exact\": true, or "
-                               "choose a better emulator (docs/emulators.md).";
+    const std::string ending = "At these draws its largest error is " + significant(worst.rms, 2) +
+                               " times the noise, in mode " + std::to_string(check.worst_mode) +
+                               ". Use \"predictor\": \"fe\", add \"exact\": true, or choose a "
+                               "better emulator (docs/emulators.md).";
     if (!check.conclusive) {
-      return "The emulator moved the answer, by more than its draws can tell: of " +
+      return "The emulator moved the answer, by more than its draws can measure: of " +
              std::to_string(check.draws) +
-             " draws checked with the FE solution, the FE's likelihood puts its weight on some " +
+             " draws checked with the FE solution, the FE likelihood gives weight to only about " +
              rounded_count(std::max(1.0, check.effective_share * check.draws)) + ". " + ending;
     }
     std::string text;
@@ -221,16 +220,16 @@ class Speaker {
       const ModelFinding& model = found.models[static_cast<std::size_t>(moved.model)];
       text += i > 0 ? "; " : "";
       if (moved.parameter < 0) {
-        text += "P(" + model.name + ") is " + percent(moved.shift.fe) + " and not " +
+        text += "P(" + model.name + ") is " + percent(moved.shift.fe) + ", not " +
                 percent(moved.shift.emulator);
       } else {
         const auto p = static_cast<std::size_t>(moved.parameter);
         text += "the mean of " + model.parameters[p].unknown.label + " with " + model.name +
-                " is " + significant(moved.shift.fe, 3) + " and not " +
+                " is " + significant(moved.shift.fe, 3) + ", not " +
                 significant(moved.shift.emulator, 3);
       }
     }
-    return "The emulator moved the answer. By the FE solution " + text + " (" +
+    return "The emulator moved the answer. With the FE solution, " + text + " (" +
            std::to_string(check.draws) + " draws checked). " + ending;
   }
 
@@ -238,7 +237,7 @@ class Speaker {
     std::vector<std::string> list;
     for (const auto& p : r.parameters)
       list.push_back("\"" + p.name + "\" = " + significant(p.value, 6) + " (" + p.prior + ")");
-    return "The true model has parameters that their priors exclude, so that no run can find it: " +
+    return "The priors exclude parameters of the true model, so that no run can find it: " +
            in_words(list) + ". Are they in SI units?";
   }
   std::string operator()(const remark::ResponsesOutOfReach& r) const {
@@ -248,7 +247,7 @@ class Speaker {
                      ", predicted " + significant(channel.lowest, 3) + " to " +
                      significant(channel.highest, 3) + ", root mean squares in SI units)");
     }
-    return "No parameters that the priors allow give a response of the measured size: " +
+    return "No parameters within the priors give a response of the measured size: " +
            in_words(list) + ". Check the units and scales of the channels, masses and priors.";
   }
   std::string operator()(const remark::NoiseAboveResponse& r) const {
@@ -258,7 +257,7 @@ class Speaker {
                      ", response " + significant(channel.response, 3) + " RMS)");
     }
     return "The stated noise is larger than the response itself: " + in_words(list) +
-           ". Is it in other units than the response?";
+           ". Does it have other units than the response?";
   }
   std::string operator()(const remark::PeculiarWindow& r) const {
     const auto decibel = [](double x) { return fixed(x, 0) + " dB"; };
@@ -267,15 +266,15 @@ class Speaker {
       list.push_back("\"" + channel.name + "\" by " + decibel(channel.difference_db) +
                      " (scatter alone gives " + decibel(channel.scatter_db) + ")");
     }
-    return "The window is not like the rest of the record: its spectra differ, " + in_words(list) +
-           ". What is found holds for the window; try another, or a longer one.";
+    return "The window differs from the rest of the record in the spectra of " + in_words(list) +
+           ". The results are valid for the window only; try another or a longer one.";
   }
   std::string operator()(const remark::LinearExcitation& r) const {
-    return "The excitation \"" + r.channel +
-           "\" is taken as linear between its samples; if it was measured behind an anti-alias "
-           "filter this loses " +
+    return "Wheeltap interpolates the excitation \"" + r.channel +
+           "\" linearly between its samples; after an anti-alias filter this loses " +
            fixed(100.0 * r.loss, 0) +
-           " % of its amplitude. Then set \"between_samples\": \"band-limited\" in the record.";
+           " % of its amplitude. In that case set \"between_samples\": \"band-limited\" in the "
+           "record.";
   }
   std::string operator()(const remark::UnknownUnits& r) const {
     std::vector<std::string> list;
@@ -283,43 +282,45 @@ class Speaker {
       list.push_back("\"" + channel.name + "\" in " + channel.unit + " (known units of " +
                      channel.dimension + ": " + channel.known + ")");
     }
-    return "Channels without \"scale\" whose units are not known are used as they are, as if they "
-           "were in SI units: " +
+    return "Wheeltap does not know the units of these channels without \"scale\" and treats them "
+           "as SI units: " +
            in_words(list) + ".";
   }
   std::string operator()(const remark::UnevenTime& r) const { return jitter_in_words(r.sampling); }
   std::string operator()(const remark::BaseIntegrated&) const {
-    return "Responses are absolute and only the base's acceleration was measured, so its motion "
-           "was integrated, less a drift of second order in time that the responses do not have: "
-           "slower drifts of the rig itself are taken for the base's.";
+    return "Responses are absolute and only the acceleration of the base was measured. Wheeltap "
+           "integrated it and removed a drift of second order in time that the responses do not "
+           "have: slower drifts of the structure itself then appear as drifts of the base.";
   }
   std::string operator()(const remark::MostProbableFails& r) const {
     std::string why;
     for (const auto& reason : r.why) why += (why.empty() ? "" : "; ") + in_brief(reason);
     return "\"" + r.model + "\", the most probable model, does not explain the record (" + why +
            "); \"" + r.other +
-           "\", which the window leaves possible, does. A window in which they "
-           "differ would decide between them.";
+           "\", which the window leaves possible, does. Use a window in which their predictions "
+           "differ.";
   }
   std::string operator()(const remark::MostlyNoise& r) const {
     return "Under \"" + r.model + "\" most of \"" + r.channel + "\" is noise (R² " +
            significant(r.r2, 2) +
-           ", what is left is white): the record says little of the response.";
+           ", white residual): the record has little information about the response.";
   }
   std::string operator()(const remark::InitialStateInferred& r) const {
     return "The window does not start at rest (the responses begin at " + percent(r.share) +
-           " of their root mean square), so the initial state is inferred, with normal priors of "
-           "the responses' size; \"initial\": \"rest\" in the record would hold it at rest.";
+           " of their root mean square). Wheeltap infers the initial state, with normal priors of "
+           "the responses' size; \"initial\": \"rest\" in the record fixes it at rest.";
   }
   std::string operator()(const remark::StepsTooLong& r) const {
-    return "Under \"" + r.model + "\" steps a quarter as long change the best draw's response by " +
+    return "Under \"" + r.model +
+           "\" time steps a quarter as long change the best draw's response by " +
            significant(r.error, 2) +
-           " of the noise (root of the sum of squares): parameters may be off by up to " +
-           significant(r.error, 2) + " standard deviations for the steps alone. " +
-           (r.fixed ? "Leave \"integration\" out of the case, and the run is repeated with better "
-                      "ones; or lower its \"step_limit\"."
-                    : "A run that is neither quick nor stopped is repeated with better ones, twice "
-                      "at most; a lower \"step_limit\" (\"integration\") goes further.");
+           " of the noise (root of the sum of squares): the steps alone may shift parameters by "
+           "up to " +
+           significant(r.error, 2) + " standard deviations. " +
+           (r.fixed ? "Remove \"integration\" from the case, and Wheeltap repeats the run with "
+                      "better steps; or lower its \"step_limit\"."
+                    : "Wheeltap repeats a complete run with better steps, at most twice; for more, "
+                      "lower \"step_limit\" (\"integration\").");
   }
   std::string operator()(const remark::MeansDoNotGoTogether& r) const {
     std::string errors;
@@ -329,8 +330,8 @@ class Speaker {
                 significant(100.0 * channel.of_best, 3) + " %";
     }
     return "Under \"" + r.model +
-           "\" the means of the parameters do not go together: a forward run with them misses the "
-           "record by more than the best draw does (" +
+           "\" the means of the parameters are not a solution: a forward run with the means misses "
+           "the record by more than the best draw does (" +
            errors + "). Use draws, or \"best_draw\" in summary.json, not the means.";
   }
   std::string operator()(const remark::NoiseMisstated& r) const {
@@ -340,8 +341,8 @@ class Speaker {
              significant(channel.factor, 3);
     }
     return "Under \"" + r.model + "\" the residuals differ from the stated noise: " + off +
-           ". Either the noise is not what the case says (make it a parameter), or no model here "
-           "explains the record.";
+           ". Either the stated noise is wrong (make it a parameter), or no model here explains "
+           "the record.";
   }
   std::string operator()(const remark::ColouredResiduals& r) const {
     std::string coloured;
@@ -353,16 +354,16 @@ class Speaker {
     }
     return "Under \"" + r.model + "\" the residuals are not white: " + coloured + ". " +
            (!r.residual_model.empty()
-                ? "The " + r.residual_model + " does not take up all of it: " + r.remedy +
-                      (r.remedy.empty() ? "" : ", or ") + "offer a model that explains more."
-                : "The likelihood takes them for independent, so its probabilities and intervals "
-                  "are too sure; add \"residuals\": {\"" +
+                ? "The " + r.residual_model + " does not describe all of it: " + r.remedy +
+                      (r.remedy.empty() ? "" : ", or ") + "add a model that explains more."
+                : "The likelihood assumes independent residuals, so that probabilities are too "
+                  "extreme and intervals too narrow; add \"residuals\": {\"" +
                       std::string(residual_kinds().front()->key) +
                       "\": \"auto\"} to the case, or a model that explains more.") +
-           (r.others.empty()       ? ""
-            : r.others.size() == 1 ? " Under \"" + r.others[0] + "\" they are much the same."
-                                   : " Under " + std::to_string(r.others.size()) +
-                                         " other models they are much the same.");
+           (r.others.empty() ? ""
+            : r.others.size() == 1
+                ? " Under \"" + r.others[0] + "\" they are similar."
+                : " Under " + std::to_string(r.others.size()) + " other models they are similar.");
   }
   std::string operator()(const remark::ParameterAtBound& r) const {
     return "Under \"" + r.model + "\" the posterior of " + r.parameter + " piles up at the " +
@@ -373,29 +374,28 @@ class Speaker {
     const auto end = [](int mass) {
       return mass == 0 ? std::string("the ground") : "mass " + std::to_string(mass);
     };
-    return "Under \"" + r.model + "\" the motion does not come to where " + r.law + " (" +
+    return "Under \"" + r.model + "\" the gap of " + r.law + " (" +
            (r.opening ? "opening" : "closing") + ") between " + end(r.a) + " and " + end(r.b) +
-           " begins to act: it goes to " + significant(r.reach, 3) + " m to that side, and in " +
-           percent(r.share) + " of the draws that is too little. The data say nothing else of " +
-           r.law + ".";
+           " does not close in this record: the motion to that side is at most " +
+           significant(r.reach, 3) + " m, too little in " + percent(r.share) +
+           " of the draws. The data have no other information about " + r.law + ".";
   }
   std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
   std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }
   std::string operator()(const remark::ChangesTakenForExact& r) const {
-    return "The model's frequencies are off by some " + percent(r.discrepancy) +
-           " in every state, and what it says of their changes is taken for exact all the same: "
-           "place and size of the damage look better known than they are. \"stiffness\": "
-           "{\"log_uniform\": [0.01, 0.5]} in \"discrepancy\" (of matrices \"mixing\": 0.7) takes "
-           "it in.";
+    return "The model's frequencies are off by about " + percent(r.discrepancy) +
+           " in every state, but the likelihood assumes that it predicts their changes exactly: "
+           "the intervals of place and size of the damage are too narrow. To include this error, "
+           "set \"stiffness\": {\"log_uniform\": [0.01, 0.5]} in \"discrepancy\" (for matrices "
+           "\"mixing\": 0.7).";
   }
   std::string operator()(const remark::SpuriousMode& r) const {
     const std::string mode = "Mode " + std::to_string(r.mode) +
                              (std::isnan(r.hz) ? "" : " (" + significant(r.hz, 4) + " Hz)");
-    return r.probability > 0.5
-               ? mode + " is taken for none of the structure's (P " + percent(r.probability) +
-                     "): it says next to nothing here. Look at it again, or leave it out."
-               : mode + " may be none of the structure's (P " + percent(r.probability) +
-                     "): it counts the less.";
+    return r.probability > 0.5 ? mode + " is probably spurious (P " + percent(r.probability) +
+                                     ") and has almost no influence. Check it, or leave it out."
+                               : mode + " may be spurious (P " + percent(r.probability) +
+                                     ") and has less influence.";
   }
 
  private:
@@ -413,8 +413,8 @@ std::string sentence(const Remark& remark, const Context& context) {
 
 namespace {
 
-// What to doubt first: answers that are wrong, then ones that are too sure, then what the data
-// leave open, then what the case may mean otherwise.
+// Order of warnings: wrong answers, too narrow intervals, questions that the data leave open,
+// ambiguities of the case.
 struct Rank {
   int operator()(const remark::ImplausibleMaterial&) const { return 0; }
   int operator()(const remark::DeepSection&) const { return 0; }

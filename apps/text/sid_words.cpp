@@ -11,7 +11,7 @@ std::string sentence(const remark::ScatterBetweenWindows& r) {
   for (const auto& parameter : r.parameters) {
     parts.push_back(parameter.name + (parts.empty() ? " scatters by " : " by ") +
                     significant(parameter.factor, 2) +
-                    (parts.empty() ? " times what its interval allows for" : " times"));
+                    (parts.empty() ? " times what its interval allows" : " times"));
   }
   return "Under \"" + r.model + "\", between the " + std::to_string(r.windows) + " windows " +
          in_words(parts) + ": use the " + (parts.size() == 1 ? "interval" : "intervals") +
@@ -28,20 +28,20 @@ std::string sentence(const remark::WindowsUnsound& r) {
     text += std::string(r.failed > 0 ? ", and " : "") +
             "the likelihood of single windows is far from " + "normal along " + in_words(r.rough);
   }
-  return text + ": the intervals between windows are rough there. Use fewer, longer windows.";
+  return text + ": the intervals between windows are inaccurate. Use fewer, longer windows.";
 }
 
 std::string residuals_note(const SidModel& model) {
   const SidResiduals& residuals = model.residuals;
   if (residuals.chosen_kind == nullptr) return {};
   const ResidualWords words = residuals.model->words();
-  const std::string chosen = "Under \"" + model.name + "\" the residuals are taken for " +
+  const std::string chosen = "Under \"" + model.name + "\" the residuals are modelled as " +
                              std::string(words.article) + (words.article.empty() ? "" : " ") +
                              std::string(words.name) + words.detail + ", ";
   return chosen + (residuals.model->is_white()
-                       ? "as those of its best fit are."
+                       ? "like those of its best fit."
                        : "chosen by " + std::string(residuals.chosen_kind->criterion) +
-                             " from those of its best fit with white ones.");
+                             " from the residuals of its best fit with white noise.");
 }
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,4 @@
-// What only system identifications have to say, in words.
+// Sentences that only system identification uses.
 #pragma once
 
 #include <string>
@@ -11,8 +11,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string sentence(const identification::remark::ScatterBetweenWindows& remark);
 [[nodiscard]] std::string sentence(const identification::remark::WindowsUnsound& remark);
 
-/// What the residuals of a model were taken for where the case leaves it open; empty where it does
-/// not.
+/// Returns the residual model that Wheeltap chose for a model; empty if the case states it.
 [[nodiscard]] std::string residuals_note(const identification::SidModel& model);
 
 }  // namespace wheeltap::apps

@@ -42,12 +42,12 @@ std::string one_mode(const ModeFinding& m) {
     why.push_back("its frequency is " + fixed(std::abs(m.residual), 1) + " sd " +
                   (m.residual > 0.0 ? "above" : "below") + " the model's");
   if (m.has_shape && m.shape_p < kMisfit)
-    why.push_back("its shape is none of the model's (MAC " + fixed(m.mac.q50, 3) + ", " +
+    why.push_back("its shape does not match the model (MAC " + fixed(m.mac.q50, 3) + ", " +
                   p_value(m.shape_p) + ")");
   return text + " (" + in_words(why) + ")";
 }
 
-/// Parameters by how far the solutions lie apart in them, in terms of their intervals.
+/// Parameters sorted by the largest distance between solutions, relative to their intervals.
 std::vector<std::size_t> by_separation(const std::vector<Solution>& solutions) {
   const std::size_t n = solutions.front().parameters.size();
   std::vector<double> apart(n, 0.0);
@@ -104,7 +104,8 @@ std::string one_solution(const UpdateFindings& findings, std::size_t which) {
          "): " + in_words(parts) + ".";
 }
 
-/// One or two shapes of several that are none of the model's, and no doubt allowed.
+/// True if at most a third of the modes have a shape that the model does not have, and the case
+/// does not allow for spurious modes ("doubt").
 bool may_be_spurious(const UpdateFindings& findings) {
   std::size_t strange = 0;
   for (const ModeFinding& m : findings.modes) {
@@ -146,19 +147,17 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
         (fit.p < kMisfit ? "predictive " + p_value(fit.p)
                          : "even the best draw has " + p_value(fit.best_p)) +
         ")" + (modes.empty() ? "." : ": " + in_words(modes) + ".") +
-        " Check scatter, units, sensors and directions; then the model: what it leaves out can be "
-        "inferred, by \"discrepancy\": {\"cov\": {\"log_uniform\": [1e-3, 0.3]}}" +
-        (may_be_spurious(findings) ? ", and a mode may be none of the structure's, by "
-                                     "\"doubt\": 0.05."
-                                   : "."));
+        " Check scatter, units, sensors and directions; then the model. To infer its error, add "
+        "\"discrepancy\": {\"cov\": {\"log_uniform\": [1e-3, 0.3]}}" +
+        (may_be_spurious(findings) ? "; to allow for spurious modes, add \"doubt\": 0.05." : "."));
   }
   for (const PredictedMode& p : findings.predictions)
     if (p.misses())
-      out.push_back("Mode " + std::to_string(p.mode) + (p.state.empty() ? "" : " of " + p.state) +
-                    ", held out, was measured at " + significant(*p.measured_hz, 5) +
-                    " Hz, outside of the band foretold, " + significant(p.low_hz, 4) + " to " +
-                    significant(p.high_hz, 4) +
-                    " Hz: the model is wrong there, however well it fits the others.");
+      out.push_back("Held-out mode " + std::to_string(p.mode) +
+                    (p.state.empty() ? "" : " of " + p.state) + " was measured at " +
+                    significant(*p.measured_hz, 5) + " Hz, outside the predicted band, " +
+                    significant(p.low_hz, 4) + " to " + significant(p.high_hz, 4) +
+                    " Hz: the model is wrong there, even if it fits the other modes.");
   return out;
 }
 
@@ -166,18 +165,19 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
   std::vector<std::string> out;
   const auto unmoved = at_prior(findings);
   if (!unmoved.empty())
-    out.push_back("The data leave " + named(unmoved) + " at " +
-                  (unmoved.size() == 1 ? "its prior" : "their priors") + ": what is said of " +
-                  (unmoved.size() == 1 ? "it" : "them") + " was assumed, not measured.");
+    out.push_back(
+        "The data leave " + named(unmoved) + " at " +
+        (unmoved.size() == 1 ? "its prior: its value is" : "their priors: their values are") +
+        " assumed, not measured.");
   for (std::size_t i = 0; i < findings.entangled.size(); ++i) {
     if (i == kMostNamed) {
       out.push_back(std::to_string(findings.entangled.size() - kMostNamed) +
-                    " more pairs cannot be told apart (summary.json lists them).");
+                    " more pairs are not identifiable separately (summary.json lists them).");
       break;
     }
     const Entangled& e = findings.entangled[i];
-    out.push_back(e.a + " and " + e.b + " cannot be told apart (correlation " +
-                  fixed(e.correlation, 2) + "): the data know a combination of them.");
+    out.push_back(e.a + " and " + e.b + " are not identifiable separately (correlation " +
+                  fixed(e.correlation, 2) + "): the data determine a combination of them.");
   }
   // Directions that are not a single parameter already named.
   std::vector<std::string> directions;
@@ -187,10 +187,11 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
     if (!single && !d.weights.empty()) directions.push_back(in_words(d));
   }
   if (!findings.untouched.empty()) {
-    std::string text = "Of " + std::to_string(findings.contractions.size()) +
-                       " directions in the space of the parameters (each in its prior's sd), the "
-                       "data say next to nothing of " +
-                       std::to_string(findings.untouched.size()) + " (contracted by less than " +
+    std::string text = "The data have almost no information about " +
+                       std::to_string(findings.untouched.size()) + " of " +
+                       std::to_string(findings.contractions.size()) +
+                       " directions in the parameter space (each parameter in units of its "
+                       "prior's sd; contracted by less than " +
                        percent(kUntouched) + ")";
     if (!directions.empty()) {
       const std::size_t shown = std::min(directions.size(), kMostNamed);
@@ -206,8 +207,8 @@ std::vector<std::string> solution_sentences(const UpdateFindings& findings) {
   if (findings.solutions.empty()) return {};
   return {"The posterior has " + std::to_string(findings.solutions.size()) +
           " separate solutions (" + probabilities(findings.solutions) +
-          "): an interval over all of them contains values that no solution has. To tell them "
-          "apart, measure mode shapes at two or more sensors or further modes, or state narrower "
+          "): an interval over all of them contains values that no solution has. To distinguish "
+          "them, measure mode shapes at two or more sensors or further modes, or state narrower "
           "priors of " +
           in_words(separated(findings)) + "."};
 }
@@ -223,14 +224,14 @@ std::string numbering_sentence(const UpdateFindings& findings) {
                        : std::string("null"));
     if (measured) ++i;
   }
-  return "The numbering of the modes is doubtful: without shapes each measured mode is taken for "
-         "the model's mode of its number (" +
-         name_modes(n.measured) + "), which has " + probability_is(n.probability) +
-         " under the priors; that they are the model's " + name_modes(n.likeliest.modes) + " has " +
+  return "The numbering of the modes is doubtful. Without shapes, Wheeltap assigns each measured "
+         "mode to the model's mode of its number (" +
+         name_modes(n.measured) + "): " + probability_is(n.probability) +
+         " under the priors. The model's " + name_modes(n.likeliest.modes) + " have " +
          probability_is(n.likeliest.probability) +
-         ". If that is right, state \"model_modes\": " + listed_numbers(n.likeliest.modes) +
+         ". If these are right, state \"model_modes\": " + listed_numbers(n.likeliest.modes) +
          " beside \"from\", or \"frequencies\": [" + nulls +
-         "]; mode shapes at two or more sensors settle it.";
+         "]; or measure mode shapes at two or more sensors.";
 }
 
 std::vector<std::string> update_warnings(const UpdateFindings& findings) {
@@ -244,12 +245,12 @@ std::vector<std::string> update_warnings(const UpdateFindings& findings) {
     if (std::string one = matched_in_words(m); !one.empty()) elsewhere.push_back(std::move(one));
   if (!elsewhere.empty())
     out.push_back("By shape and frequency, " + in_words(elsewhere) +
-                  ": the order of the data is not that of the model.");
+                  ": data and model have different mode orders.");
   for (const PredictedMode& p : findings.predictions)
     if (p.useless())
-      out.push_back("The band foretold for mode " + std::to_string(p.mode) + ", " +
+      out.push_back("The predicted band of mode " + std::to_string(p.mode) + ", " +
                     significant(p.low_hz, 3) + " to " + significant(p.high_hz, 3) +
-                    " Hz, is too wide to be of use.");
+                    " Hz, is too wide to be useful.");
   return out;
 }
 
@@ -258,27 +259,27 @@ Answer answer(const UpdateFindings& findings) {
   out.caution = caution(findings);
   const std::size_t all = findings.contractions.size(), unmoved = at_prior(findings).size();
   const std::string numbers = std::to_string(findings.numbers) + " measured numbers";
-  out.headline = unmoved == 0
-                     ? "The " + numbers + " tell something of every parameter."
-                     : "The " + numbers + " tell something of " + std::to_string(all - unmoved) +
-                           " of the " + std::to_string(all) + " parameters; " +
-                           (unmoved == 1 ? "one stays" : std::to_string(unmoved) + " stay") +
-                           " at " + (unmoved == 1 ? "its prior." : "their priors.");
+  out.headline =
+      unmoved == 0 ? "The " + numbers + " have information about every parameter."
+                   : "The " + numbers + " have information about " + std::to_string(all - unmoved) +
+                         " of the " + std::to_string(all) + " parameters; " +
+                         (unmoved == 1 ? "one stays" : std::to_string(unmoved) + " stay") + " at " +
+                         (unmoved == 1 ? "its prior." : "their priors.");
   if (!findings.solutions.empty())
     out.headline = "The " + numbers + " have " + std::to_string(findings.solutions.size()) +
                    " separate solutions, with probabilities of " +
                    probabilities(findings.solutions) + ".";
   if (findings.numbering && findings.numbering->probability < 0.5)
-    out.headline = "The modes are probably numbered wrongly (" +
+    out.headline = "The mode numbers are probably wrong (" +
                    probability_is(findings.numbering->probability) +
-                   " that their numbers are the model's). " + out.headline;
+                   " that they are the model's). " + out.headline;
   if (!findings.fit.ok()) {
     out.misfit = true;
     const bool fits = findings.fit.p >= kMisfit && findings.fit.best_p >= kMisfit;
     std::vector<std::string> off;
     for (const int mode : fits ? findings.fit.missed : findings.fit.off)
       off.push_back(std::to_string(mode));
-    out.headline = (fits ? "The updated structure does not foretell the modes held out"
+    out.headline = (fits ? "The updated structure does not predict the held-out modes"
                          : "The structure does not explain the measured modes") +
                    (off.empty() ? std::string()
                                 : std::string(" (mode") + (off.size() == 1 ? " " : "s ") +
@@ -291,7 +292,7 @@ Answer answer(const UpdateFindings& findings) {
       out.detail += " " + one_solution(findings, s);
     return out;
   }
-  // What the data tell best comes first.
+  // Best-known parameters first.
   std::vector<std::size_t> order;
   const auto& parameters = findings.models[0].parameters;
   for (std::size_t p = 0; p < parameters.size(); ++p)

@@ -1,4 +1,4 @@
-// What an update found, in words.
+// Sentences on the results of model updating.
 #pragma once
 
 #include <string>
@@ -9,27 +9,29 @@
 
 namespace wheeltap::apps {
 
-/// What the data tell, in two sentences.
+/// Returns the information in the data, in two sentences.
 [[nodiscard]] Answer answer(const identification::UpdateFindings& findings);
 
-/// Why the structure does not explain the modes: empty where it does.
+/// Returns why the structure does not explain the modes; empty if it does.
 [[nodiscard]] std::vector<std::string> misfit_sentences(
     const identification::UpdateFindings& findings);
-/// That the posterior has separate solutions, and how to tell them apart; empty where it has one.
+/// Returns a sentence on separate solutions and how to distinguish them; empty if there is one.
 [[nodiscard]] std::vector<std::string> solution_sentences(
     const identification::UpdateFindings& findings);
-/// That the numbers of modes without shapes are doubtful, and what to do; empty where they are not.
+/// Returns a sentence on doubtful numbers of modes without shapes, with the remedy; empty if they
+/// are not doubtful.
 [[nodiscard]] std::string numbering_sentence(const identification::UpdateFindings& findings);
-/// What the data cannot tell: parameters left at their priors, those that cannot be told apart, and
-/// directions in which nothing was learnt.
+/// Returns sentences on the limits of the data: parameters left at their priors, pairs that the
+/// data do not distinguish, and directions without information.
 [[nodiscard]] std::vector<std::string> cannot_tell(const identification::UpdateFindings& findings);
-/// All that a reader should keep in mind, the gravest first.
+/// Returns all warnings, the gravest first.
 [[nodiscard]] std::vector<std::string> update_warnings(
     const identification::UpdateFindings& findings);
 
-/// "0.8 · k1 - 0.6 · k2".
+/// Returns "0.8 · k1 - 0.6 · k2".
 [[nodiscard]] std::string in_words(const identification::UntouchedDirection& direction);
-/// "mode 2 as computed mode 3"; empty where a mode is matched to its own place in every draw.
+/// Returns "mode 2 is the model's mode 3"; empty if a mode matches the model's mode of its number
+/// in every draw.
 [[nodiscard]] std::string matched_in_words(const identification::ModeFinding& mode);
 
 }  // namespace wheeltap::apps

@@ -9,12 +9,12 @@ namespace {
 
 using namespace inference;
 
-constexpr std::size_t kNamed = 4;  // of many models alike
+constexpr std::size_t kNamed = 4;  // models named if a reason holds for many
 
 const char* const kRunLonger = " Run longer (--warmup, --draws).";
 const char* const kSearchMore = " Search more (--search), or run longer (--warmup, --draws).";
 
-// What to do about it: the program's own options.
+// The options that help.
 const char* advice(const Reason& reason) {
   if (std::holds_alternative<StoppedEarly>(reason)) return " Run it to its end.";
   if (std::holds_alternative<QuickLook>(reason)) return " Run without --quick.";
@@ -23,7 +23,7 @@ const char* advice(const Reason& reason) {
   return search ? kSearchMore : kRunLonger;
 }
 
-// Reasons that follow each other and are told together.
+// Consecutive reasons of one topic form one group of sentences.
 enum class Topic { absent, partial, unknown, evidence, chains, parameters, alone };
 
 Topic topic_of(const Reason& reason) {

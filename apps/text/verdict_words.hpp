@@ -1,5 +1,4 @@
-// What a run's verdict says to people: sentences of its typed reasons, each with what to do about
-// it in the program's own terms.
+// Sentences of a run's convergence verdict, each with the option that helps.
 #pragma once
 
 #include <string>
@@ -10,8 +9,9 @@
 
 namespace wheeltap::apps {
 
-/// In the order of the reasons. What says that the chains have not converged is one sentence; of
-/// many models alike the first four are named and the rest counted.
+/// Returns sentences in the order of the reasons. All reasons why the chains have not converged
+/// form one sentence. If one reason holds for many models, the first four are named and the others
+/// counted.
 [[nodiscard]] std::vector<std::string> in_words(const std::vector<inference::Reason>& reasons,
                                                 const inference::ModelSpace& space);
 

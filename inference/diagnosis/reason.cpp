@@ -21,7 +21,7 @@ std::string share_of(double share) {
   return base::readable(100.0 * share, 2) + " %";
 }
 
-// Of a model in no draw: some jump may have entered it between two draws that were kept.
+// For a model without draws: a jump may have entered it between two kept draws.
 std::string jumps(long proposed) {
   return proposed > 0 ? "has no draws after " + base::grouped(proposed) + " proposals"
                       : "has no draws";
@@ -31,7 +31,7 @@ std::string implied(const Estimate& p) {
   return "; its evidence puts it at P ≈ " + plus_minus(p);
 }
 
-// A sentence, but of ChainsDisagree and TooFewEffectiveDraws a clause of one.
+// Returns a sentence; for ChainsDisagree and TooFewEffectiveDraws a clause.
 struct VerdictSentence {
   const ModelSpace& space;
 
@@ -44,8 +44,8 @@ struct VerdictSentence {
     return "Model " + quoted(r.model) + " " + jumps(r.proposed) + implied(r.by_evidence) + ".";
   }
   std::string operator()(const ModelNotInEveryChain& r) const {
-    return "Model " + quoted(r.model) + " was drawn by " + std::to_string(r.visited) + " of " +
-           std::to_string(r.chains) + " chains only" +
+    return "Only " + std::to_string(r.visited) + " of " + std::to_string(r.chains) +
+           " chains have draws of model " + quoted(r.model) +
            (std::isnan(r.by_evidence.value) ? std::string() : implied(r.by_evidence)) + ".";
   }
   std::string operator()(const ModelUnknown& r) const {
@@ -53,37 +53,37 @@ struct VerdictSentence {
            "; nothing is known of its evidence.";
   }
   std::string operator()(const ModeNotInEveryChain& r) const {
-    return "A mode of model " + quoted(r.model) + " that the searches found, about " +
-           share_of(r.share) + " of that model, is in the draws of " +
-           (r.visited == 0
-                ? std::string("no chain.")
-                : std::to_string(r.visited) + " of " + std::to_string(r.chains) + " chains only.");
+    return (r.visited == 0 ? std::string("No chain has")
+                           : "Only " + std::to_string(r.visited) + " of " +
+                                 std::to_string(r.chains) + " chains have") +
+           " draws of a mode of model " + quoted(r.model) +
+           " that the searches found, with about " + share_of(r.share) + " of that model.";
   }
   std::string operator()(const ModeSharesDisagree& r) const {
-    return "The chains disagree about a mode of model " + quoted(r.model) + ": it has " +
-           share_of(r.lowest) + " to " + share_of(r.highest) +
-           " of their draws of that model (R-hat " + base::readable(r.rhat, 3) + ").";
+    return "The chains disagree about a mode of model " + quoted(r.model) +
+           ": its share of their draws of that model is " + share_of(r.lowest) + " to " +
+           share_of(r.highest) + " (R-hat " + base::readable(r.rhat, 3) + ").";
   }
   std::string operator()(const AnnealingFindsMore& r) const {
-    return "Annealing finds more evidence for model " + quoted(r.model) +
-           " (ln Z = " + fixed_plus_minus(r.annealed) + ") than its draws have (" +
-           fixed_plus_minus(r.drawn) + "): a mode may be missing from them.";
+    return "SMC finds more evidence for model " + quoted(r.model) +
+           " (ln Z = " + fixed_plus_minus(r.annealed) + ") than its draws (" +
+           fixed_plus_minus(r.drawn) + "): the draws may lack a posterior mode.";
   }
   std::string operator()(const EvidenceDisagrees& r) const {
     return "Model " + quoted(r.model) + " has P = " + plus_minus(r.by_draws) +
            " by its draws, but its evidence implies " + plus_minus(r.by_evidence) + ".";
   }
   std::string operator()(const DrawsBeyondMixture& r) const {
-    return "Of the draws of model " + quoted(r.model) + " " + share_of(r.share) +
-           " lie where no proposal but small steps leads, in " + base::readable(r.visits, 2) +
-           " effective visits (must exceed " + base::readable(r.limit, 3) +
-           "): as much again may not have been found.";
+    return share_of(r.share) + " of the draws of model " + quoted(r.model) +
+           " lie outside the support of the global proposals, in only " +
+           base::readable(r.visits, 2) + " effective visits (must exceed " +
+           base::readable(r.limit, 3) + "): the chains may have missed as much again.";
   }
   std::string operator()(const AnnealingDrawsBeyond& r) const {
-    return "Of model " + quoted(r.model) + " annealing drew " + share_of(r.annealed) +
-           " where the chains have " + share_of(r.drawn) +
-           " of their draws, and chains started there stay: a part of its posterior is missing "
-           "from them.";
+    return share_of(r.annealed) + " of the SMC draws of model " + quoted(r.model) +
+           " lie in a region with only " + share_of(r.drawn) +
+           " of the chain draws, and chains started there stay: the draws lack a part of its "
+           "posterior.";
   }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " is " + base::readable(r.rhat, 4) + " (must be below " +
@@ -102,15 +102,13 @@ struct VerdictSentence {
            base::readable(r.ess, 3) + " (must exceed " + base::readable(r.limit, 3) + ").";
   }
   std::string operator()(const TooFewRoundTrips& r) const {
-    return "The draws were tempered, but completed only " + std::to_string(r.completed) +
+    return "The tempered replicas completed only " + std::to_string(r.completed) +
            " round trips between prior and posterior (" + std::to_string(r.limit) + " are needed).";
   }
-  std::string operator()(const StoppedEarly& /*unused*/) const {
-    return "The run was stopped early.";
-  }
+  std::string operator()(const StoppedEarly& /*unused*/) const { return "The run stopped early."; }
   std::string operator()(const QuickLook& /*unused*/) const {
-    return "This is a quick look: modes, the evidence of normals about them and short chains; not "
-           "a posterior.";
+    return "This is a quick run: posterior modes, their Laplace evidence and short chains, not a "
+           "posterior.";
   }
 };
 

@@ -272,7 +272,7 @@ TEST_F(Batch, ResumeKnowsACaseByItsPathAndByTheContentOfItsFiles) {
   EXPECT_EQ(stiffness("case"), of_a);
   EXPECT_GT(stiffness("case-2"), of_a + 10.0);
   EXPECT_THAT(read_all(where / "out/batch.json"), HasSubstr("../cases/B/case.json"));
-  // The same path with another record is a new run.
+  // A changed record at the same path means a new run.
   std::filesystem::copy_file(where / "cases/B/sid.csv", where / "cases/A/sid.csv",
                              std::filesystem::copy_options::overwrite_existing);
   ASSERT_EQ(run("B/case.json\nA/case.json\n", "--resume").exit_code, 0);

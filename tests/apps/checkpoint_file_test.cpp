@@ -1,5 +1,4 @@
-// Draws that a checkpoint keeps in files of their own: written once, needed to go on, and gone in
-// the end.
+// Parts of draws in separate checkpoint files: written once, needed to resume, removed at the end.
 #include "apps/runs/checkpoint_file.hpp"
 
 #include <gmock/gmock.h>
@@ -33,20 +32,20 @@ class CheckpointParts : public testing::Test {
             {.command = "damage", .options = {}, .case_json = {}, .inputs = {}},
             common};
   }
-  // Until so many parts have been kept, and a little longer; 0: to the end.
+  // Runs until shortly after this number of saved parts; 0: to the end.
   [[nodiscard]] Posterior run(CheckpointFile& file, int saved = 0) const {
     inference::Options options{
         .seed = 3, .chains = 2, .threads = 1, .warmup = 40, .draws = 45, .thin = 1, .searches = 2};
     file.attach(options);
     options.checkpoints.part = kPart;
-    options.checkpoints.every_seconds = 0.0;  // wherever the run can be left
+    options.checkpoints.every_seconds = 0.0;  // at every safe point
     struct Enough {};
     int seen = 0, drawing = 0;
     const auto save = options.checkpoints.save;
     options.checkpoints.save = [&](const inference::Checkpoint& checkpoint) {
       const long parts = inference::parts_of(checkpoint).second;
       if (parts > 0 && drawing++ % 4 == 0) save(checkpoint);
-      if (saved > 0 && parts >= saved && ++seen > 5) throw Enough();  // as a kill would
+      if (saved > 0 && parts >= saved && ++seen > 5) throw Enough();  // like a kill
     };
     try {
       return inference::reversible_jump(inference::toy::bumps(), options);
@@ -60,7 +59,7 @@ class CheckpointParts : public testing::Test {
       all.insert(entry.path().filename().string());
     return all;
   }
-  // Of `n` parts and their checkpoint.
+  // The names of `n` parts and their checkpoint.
   [[nodiscard]] static std::set<std::string> files(int first, int n) {
     std::set<std::string> all{"checkpoint.nc"};
     for (int i = first; i < first + n; ++i) all.insert("checkpoint-" + std::to_string(i) + ".nc");
@@ -91,7 +90,7 @@ TEST_F(CheckpointParts, ARunGoesOnFromThemAndLeavesNone) {
   CheckpointFile killed = file(false);
   static_cast<void>(run(killed, 2));
   EXPECT_EQ(names(), files(0, 2));
-  // As if a kill had come between a part and its checkpoint, and before that into its bytes.
+  // Simulates a kill between a part and its checkpoint, and an earlier one during its write.
   fs::copy(directory_ / "checkpoint-1.nc", directory_ / "checkpoint-2.nc");
   write("checkpoint-2.nc.part0123456789abcdef", "half of it");
   CheckpointFile again = file(true);

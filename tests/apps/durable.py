@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Nothing a machine does loses a finished result or leaves a half-written one.
+"""Failures of the machine neither lose a finished result nor leave a half-written one.
 
 durable.py PROGRAM PRELOAD CHECK... [--kills N]     CHECK: a function below without its "check_"
 
@@ -114,7 +114,7 @@ def damage(bench, out, *more):
 
 
 def check_full_disk(bench):
-    """posterior.nc does not fit: exit 73, one line, the numbers and the report are there and say so."""
+    """posterior.nc does not fit on the disk: exit 73, one line; the numbers and the report exist and state this."""
     out = bench.folder / 'run'
     big = ['damage', bench.case('beam', BEAM), '-o', out, '--chains', '2', '--warmup', '200', '--draws', '40000',
            '--search', '20', '--quiet']
@@ -133,7 +133,7 @@ def check_full_disk(bench):
     expect(summary['files']['posterior.nc'] is None, summary['files'])
     expect('could not be written' in summary['diagnostics']['warnings'][0], summary['diagnostics'])
     bench.run('report', out)
-    # Beside an earlier run: that stays.
+    # An earlier run in the folder stays unchanged.
     bench.run(*damage(bench, out))
     before = files(out)
     _, _, err = bench.run(*big, '--seed', '2', limit=limit, code=73)
@@ -141,11 +141,11 @@ def check_full_disk(bench):
     after = files(out)
     unkept = json.loads(after.pop('summary.unkept.json'))
     expect(unkept['wheeltap']['seed'] == 2, 'this run')
-    expect(after == before, 'the earlier run is as it was')
+    expect(after == before, 'the earlier run is unchanged')
 
 
 def check_many_draws_are_not_held(bench):
-    """Of so many draws that memory should not hold them: the same files with little memory; on a full disk, 73."""
+    """A run with more draws than memory: the same files with little memory; exit 73 on a full disk."""
     out = bench.folder / 'run'
     many = ['damage', bench.case('beam', BEAM | {'damage': BEAM['damage'] | {'count': {'min': 0, 'max': 4, 'prior': 'uniform'}}}),
             '-o', out, '--prior-only', '--chains', '4', '--threads', '2', '--warmup', '200', '--draws', '200000', '--quiet']
@@ -155,11 +155,11 @@ def check_many_draws_are_not_held(bench):
     bench.run('report', out, memory=LITTLE)
     bench.run(*many, '--resume', memory=LITTLE)
     same(whole, files(out))
-    # What a file system had given and cannot keep is not taken for draws: after the four of its files, the wait for them.
+    # Draws that the file system accepted but cannot store are lost: fsync 5 follows those of the four result files.
     fail = {'FAIL_CALL': 'fsync', 'FAIL_AT': 5, 'FAIL_UNDER': bench.folder}
     _, _, err = bench.run(*many, '--checkpoint', '0', fail=fail, code=73)
     one_line(err)
-    expect('the draws that are kept there are lost: No space left' in err, err)
+    expect('the draws stored there are lost: No space left' in err, err)
     same(whole, files(out))
     shutil.rmtree(out)
     limit = max(len(whole['report.html']), len(whole['summary.json'])) + 50000
@@ -171,7 +171,7 @@ def check_many_draws_are_not_held(bench):
 
 
 def check_file_size_limit_ends_with_73(bench):
-    """SIGXFSZ ends nothing."""
+    """SIGXFSZ does not end the program."""
     table = bench.case('table', TABLE)
     _, _, err = bench.run('table', table, '-o', bench.folder / 't.nc', '--quiet', limit=20000, code=73)
     one_line(err)
@@ -179,7 +179,7 @@ def check_file_size_limit_ends_with_73(bench):
 
 
 def check_failed_calls(bench):
-    """The n-th write, rename, fsync, open, link, ftruncate, for all n; alone, and all that follow too."""
+    """Failure of the n-th write, rename, fsync, open, link, ftruncate, for all n; of this call or of all from it on."""
     out = bench.folder / 'run'
     bench.run(*damage(bench, out))
     before = files(out)
@@ -192,7 +192,7 @@ def check_failed_calls(bench):
                 now = files(out)
                 now.pop('summary.unkept.json', None)
                 expect(again[0] in (0, 73), f'{what}: {again}')
-                if (out / '.wheeltap-commit').exists():  # it could not go back either
+                if (out / '.wheeltap-commit').exists():  # undoing failed as well
                     bench.run('report', out)
                     expect(sorted(files(out)) == COMMIT_FILES, f'{what}: {sorted(files(out))}')
                     expect(json.loads((out / 'summary.json').read_text())['wheeltap']['seed'] == 2, 'the new run, whole')
@@ -212,11 +212,11 @@ def check_failed_calls(bench):
                 for name, content in before.items():
                     (out / name).write_bytes(content)
                 if again[0] == 0 and first[0] == 0:
-                    break  # there are no more such calls (or they do not matter: folders, links)
+                    break  # no more such calls (or without effect: folders, links)
 
 
 def check_init_writes_all_or_nothing(bench):
-    """A disk that fills up while a case to start from is written leaves no case without its record."""
+    """A disk that fills up during `wheeltap init` leaves no case without its record."""
     for call in ('write', 'rename', 'fsync', 'open', 'ftruncate'):
         for n in range(1, 30):
             out = bench.folder / 'start'
@@ -234,7 +234,7 @@ def check_init_writes_all_or_nothing(bench):
 
 
 def vibration(path, frequencies):
-    """Two channels of a record [m/s2] at 50 Hz, each of two lightly damped modes that noise drives."""
+    """Writes two channels of a record [m/s2] at 50 Hz: two lightly damped modes under noise."""
     randomly, rows, states = random.Random(1), ['a [m/s2],b [m/s2]'], [(0.0, 0.0)] * len(frequencies)
     for _ in range(3000):
         for i, f in enumerate(frequencies):
@@ -246,7 +246,7 @@ def vibration(path, frequencies):
 
 
 def check_modes_are_kept_as_a_whole(bench):
-    """Killed before any of its renames, a modal run leaves the files of the run before, or its own: of no two runs."""
+    """A modal run killed before one of its renames leaves the files of the earlier run or its own, never a mixture."""
     record = {'file': 'record.csv', 'sample_rate': 50,
               'channels': [{'column': c + ' [m/s2]', 'role': 'response', 'node': c, 'direction': 'x'} for c in 'ab']}
     case = bench.case('modal', {'kind': 'modal', 'record': record, 'band': [1, 15], 'order': {'max': 20}})
@@ -276,7 +276,7 @@ def check_modes_are_kept_as_a_whole(bench):
 
 
 def check_threads_that_are_refused(bench):
-    """A limit of processes is reached: fewer threads do the same, to the same files."""
+    """At the limit of processes, fewer threads write the same files."""
     out = bench.folder / 'run'
     bench.run(*damage(bench, out, '--threads', '4'))
     whole = files(out)
@@ -330,7 +330,7 @@ def sweep(bench, out, *more):
 
 
 def interrupted_sweep(bench, out, number):
-    """Ended by a signal once a row stands in the journal."""
+    """Exit code and standard error of a sweep that a signal ends when the journal has a row."""
     process = bench.start(*sweep(bench, out), stdout=subprocess.DEVNULL)
     journal = out / 'sweep.rows'
     while process.poll() is None and not (journal.exists() and journal.read_bytes().count(b'\n') > 1):
@@ -395,13 +395,13 @@ UPDATE = json.loads((pathlib.Path(__file__).parents[2] / 'data/structures/storey
 
 
 def resumable(bench, *more):
-    """Name, arguments and folder of a run of each sort that keeps checkpoints."""
+    """Name, arguments and folder of a run of each kind with checkpoints."""
     return [(name, [command, bench.case(name, case), '-o', bench.folder / name, *LONGER, '--resume'], bench.folder / name)
             for name, case, command in (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid'), *more)]
 
 
 def until_checkpoint(bench, arguments, out, number):
-    """Sends the signal once there is a checkpoint; what the program said and how it ended."""
+    """Sends the signal after the first checkpoint; returns exit code and standard error."""
     process = bench.start(*arguments, stdout=subprocess.DEVNULL)
     while process.poll() is None and not (out / 'checkpoint.nc').exists():
         os.sched_yield()
@@ -411,7 +411,7 @@ def until_checkpoint(bench, arguments, out, number):
 
 
 def check_signals_leave_a_checkpoint(bench):
-    """One line, a checkpoint, and --resume comes to what an undisturbed run does."""
+    """A signal causes one line and a checkpoint; --resume writes the files of an undisturbed run."""
     for name, arguments, out in resumable(bench):
         bench.run(*arguments)
         whole = files(out)
@@ -423,7 +423,7 @@ def check_signals_leave_a_checkpoint(bench):
             expect('--resume' in err and (out / 'checkpoint.nc').exists(), f'{name}, {number.name}: {err}')
             bench.run(*arguments)
             same(files(out), whole)
-        # Without --resume a run begins anew.
+        # Without --resume a new run begins.
         until_checkpoint(bench, arguments, out, signal.SIGKILL)
         bench.run(*[a for a in arguments if a != '--resume'])
         expect(files(out).keys() == whole.keys(), sorted(files(out)))
@@ -431,7 +431,7 @@ def check_signals_leave_a_checkpoint(bench):
 
 
 def check_signals_that_come_twice_are_one(bench):
-    """`timeout` and schedulers send theirs to the program and to its group."""
+    """`timeout` and schedulers send a signal to the program and to its process group."""
     name, arguments, out = resumable(bench)[0]
     bench.run(*arguments)
     whole = files(out)
@@ -455,8 +455,8 @@ def check_foreign_checkpoints_are_refused(bench):
         until_checkpoint(bench, arguments, out, signal.SIGKILL)
         path = out / 'checkpoint.nc'
         whole = path.read_bytes()
-        expect(len(whole) > 1000, 'there is one')
-        if name != 'sweep':  # its journal refuses these
+        expect(len(whole) > 1000, 'the checkpoint exists')
+        if name != 'sweep':  # the journal of a sweep rejects these
             more_draws = [a if a != '2000' or b != '--draws' else '2001' for a, b in zip(arguments, ['', *arguments])]
             for other, what in (([*arguments, '--seed', '7'], 'the seed was 1 and is 7'),
                                 (more_draws, '/draws was 2000 and is 2001'),
@@ -474,7 +474,7 @@ def check_foreign_checkpoints_are_refused(bench):
             _, _, err = bench.run(*arguments, code=65)
             one_line(err)
             expect('checkpoint.nc' in err, err)
-            expect(path.read_bytes() == content, 'it stays')
+            expect(path.read_bytes() == content, 'the file is unchanged')
         path.write_bytes(b'my notes')
         _, _, err = bench.run(*[a for a in arguments if a != '--resume'], code=73)
         one_line(err)
@@ -485,7 +485,7 @@ def check_foreign_checkpoints_are_refused(bench):
 
 
 def check_kills_between_checkpoints(bench, kills=30 if LONG else 12):
-    """Killed again and again, and resumed each time until it ends: the files of an undisturbed run."""
+    """Runs that are killed and resumed until they end write the files of an undisturbed run."""
     randomly = random.Random(os.environ.get('SEED', '1'))
     jobs = []
     for name, arguments, out in resumable(bench, ('frame', FRAME, 'damage')):
@@ -500,8 +500,8 @@ def check_kills_between_checkpoints(bench, kills=30 if LONG else 12):
             while True:
                 process = bench.start(*arguments, stdout=subprocess.DEVNULL)
                 try:
-                    # What follows the last checkpoint is done again each time: it must fit in some day, on a machine
-                    # that has become slower, too.
+                    # Each attempt repeats the work after the last checkpoint: longer times let it finish, also on a
+                    # machine that has become slower.
                     longest *= 1.1
                     process.wait(randomly.uniform(0, longest))
                     _, err = process.communicate()
@@ -518,7 +518,7 @@ def check_kills_between_checkpoints(bench, kills=30 if LONG else 12):
 
 
 def batch(bench):
-    """Arguments and folder of a batch of a case of each sort."""
+    """Arguments and folder of a batch with a case of each kind."""
     cases = [bench.case(name, case) for name, case in (('beam', BEAM), ('chain', CHAIN), ('sweep', SWEEP), ('beam2', BEAM | {'title': 'Another'}))]
     plan, out = bench.folder / 'list.txt', bench.folder / 'out'
     plan.write_text('\n'.join(cases))
@@ -530,7 +530,7 @@ def runs_of(out):
 
 
 def check_interrupted_batches_go_on(bench):
-    """Stopped and killed, with several cases on their way: --resume comes to what an undisturbed batch does."""
+    """A batch stopped or killed with several running cases: --resume writes the files of an undisturbed batch."""
     command, out = batch(bench)
     bench.run(*command)
     whole, table = runs_of(out), (out / 'batch.csv').read_text().splitlines()
@@ -552,7 +552,7 @@ def check_interrupted_batches_go_on(bench):
 
 
 def check_kills_of_batches(bench, kills=6 if LONG else 4):
-    """Killed again and again, the programs that it started with it, and resumed each time."""
+    """A batch that is killed and resumed until it ends, with the programs that it started."""
     randomly = random.Random(os.environ.get('SEED', '1'))
     command, out = batch(bench)
     began = os.times().elapsed
@@ -579,7 +579,7 @@ def check_kills_of_batches(bench, kills=6 if LONG else 4):
 
 
 def check_kills(bench, kills=8):
-    """SIGKILL at random instants; then --resume, and the files are those of an undisturbed run."""
+    """After SIGKILL at random instants, --resume writes the files of an undisturbed run."""
     randomly = random.Random(os.environ.get('SEED', '1'))
     jobs = []
     for name, case, command in (('table', TABLE, 'table'), ('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('sweep', SWEEP, 'sid')):

@@ -106,7 +106,7 @@ TEST(EmulatorCoverage, TrustingTheEmulatorBlindlyIsWrong) {
   EXPECT_GT(m.reduction, 60);
   RecordProperty("blind", std::to_string(m.location) + " " + std::to_string(m.reduction));
   const Misses one_sided = misses(kSites + R"(, "symmetrise": false})", "simply-supported", 20);
-  EXPECT_GT(one_sided.location, 25) << "the mirror images are taken for different";
+  EXPECT_GT(one_sided.location, 25) << "mirror images count as different";
   RecordProperty("one_sided", std::to_string(one_sided.location));
 }
 

@@ -1,4 +1,4 @@
-// Evidence that is asked for beside the run's own.
+// Evidence by additional methods (--evidence).
 #include <gtest/gtest.h>
 
 #include <cmath>
@@ -22,7 +22,7 @@ TEST(Evidence, AMethodThatFailsLeavesTheRunAndSaysWhy) {
   Findings findings;
   findings.models.push_back({.name = "only", .standing = {.probability = 1.0, .mcse = 0.0}});
   conclude(findings, problem.space, list);
-  ASSERT_EQ(findings.remarks.size(), 2U) << "one of each method, and no comparison with nothing";
+  ASSERT_EQ(findings.remarks.size(), 2U) << "one per method, and no comparison without draws";
   const std::string said = sentence(findings.remarks[0], {});
   EXPECT_NE(said.find("by tmcmc failed: model 'only'"), std::string::npos) << said;
   for (const EvidenceFinding& by : findings.evidence) {

@@ -1,4 +1,4 @@
-// What is said of a model that does not explain the data.
+// Sentences on models that do not explain the data.
 #include "apps/text/fit_words.hpp"
 
 #include <gmock/gmock.h>
@@ -13,7 +13,7 @@ using namespace identification;
 using testing::ElementsAre;
 using testing::StartsWith;
 
-// Fault: three floors gave three sentences of forty words that differed in two numbers.
+// Fault: three floors gave three sentences of forty words that differed only in two numbers.
 TEST(FitWords, ResponsesOfOneKindShareASentence) {
   const FitVerdict verdict{
       .why = {misfit::NotNoise{"a", 0.12, kNaN, 1, 0.99}, misfit::WorseBeyond{"a", 0.12, 0.28, 100},
@@ -22,14 +22,14 @@ TEST(FitWords, ResponsesOfOneKindShareASentence) {
   EXPECT_THAT(
       in_words(verdict),
       ElementsAre(
-          "What the model leaves of \"a\" is 12 % of the response (correlation 0.99 at lag 1) and "
-          "of \"b\" 11 % (correlation -0.50 at lag 4; a chain with free cubic springs leaves 3 %), "
-          "and no noise. Intervals here are those of a model that is wrong by so much: offer one "
-          "that explains more.",
-          "Run on beyond its window, the model misses the next 100 samples of \"a\" by 28 % of the "
-          "response, against 12 % within and of \"b\" by 25 % against 11 % within, whichever draw "
-          "is taken: it is fitted to the window, not to the rig.",
-          StartsWith("Run on beyond its window, the model misses the next 50 samples of \"c\"")));
+          "The residual of \"a\" is 12 % of the response (correlation 0.99 at lag 1) and of \"b\" "
+          "11 % (correlation -0.50 at lag 4; with a chain of free cubic springs 3 %), and not "
+          "noise. The intervals do not cover a model error of this size: add a model that explains "
+          "more.",
+          "In the 100 samples after the window, every draw of the model misses \"a\" by 28 % of "
+          "the response, against 12 % inside and \"b\" by 25 % against 11 % inside: the model "
+          "describes the window, not the structure.",
+          StartsWith("In the 50 samples after the window, every draw of the model misses \"c\"")));
 }
 
 TEST(FitWords, TheHeadlineNamesTheFirst) {
@@ -37,7 +37,7 @@ TEST(FitWords, TheHeadlineNamesTheFirst) {
   EXPECT_EQ(in_brief(verdict), "R² -0.28 for \"a\"");
   EXPECT_THAT(in_words(verdict),
               ElementsAre(StartsWith("The model misses most of \"a\" (R² -0.28) and \"b\" (R² "
-                                     "0.20) and what is left is no noise.")));
+                                     "0.20), and the residual is not noise.")));
 }
 
 // Fault: "6.1e+02 s".

@@ -283,7 +283,7 @@ TEST(StructureCommand, BeamAndStructureAreNotMixed) {
             64);
   const Outcome no_truth = wheeltap(where, "modes " + path + " --truth");
   EXPECT_EQ(no_truth.exit_code, 65);
-  EXPECT_THAT(no_truth.err, HasSubstr("--truth has nothing to show"));
+  EXPECT_THAT(no_truth.err, HasSubstr("--truth needs it"));
   EXPECT_EQ(wheeltap(where, "modes " + path + " --modes 1000").exit_code, 65);
 }
 

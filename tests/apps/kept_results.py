@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Makes small runs of every command, changes one file of a run's folder at random, and reads the folder again.
+"""Makes small runs of every command, changes one file of a results folder at random, and reads the folder again.
 
 usage: kept_results.py PROGRAM DATA [COUNT] [SEED]
 
-Values of summary.json and modes.json are taken away, become of another shape, or are changed as mutations.py changes
-cases; of whatever else is there, bytes are. Then `report`, `compare` with the run as it was, and one time in ten
-`--resume` must end with exit code 0, 65 or 66, without a signal, within 10 s of processor time, and say one line where
-that is not 0. Where one ends otherwise, its folder is kept, in the one that the last line names.
+In summary.json and modes.json it removes values, gives them another shape, or changes them like mutations.py; in other
+files it changes bytes. Then `report`, `compare` with the unchanged run and, one time in ten, `--resume` must end with
+exit code 0, 65 or 66, without a signal, within 10 s of processor time, with one error line if the code is not 0. The
+script keeps the folders of all other ends in the folder that its last line names.
 
 ctest makes 60 of them (apps.kept_results). The long run, three minutes on two idle cores:
 
@@ -43,7 +43,7 @@ def said(command):
 
 
 def reshape(kept, rng):
-    """With a few parts taken away or replaced; of a long list one of the first, so that parts of all kinds are met."""
+    """A copy with a few parts removed or replaced; in a long list one of the first, so that all kinds of parts occur."""
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
         path = rng.choice([p for p in places(kept) if all(isinstance(key, str) or key < 5 for key in p)])
         parent = at(kept, path[:-1])
@@ -59,7 +59,7 @@ def change(folder, rng):
     path = folder / rng.choice([f.name for f in sorted(folder.iterdir())] + 8 * ["summary.json"])
     if path.suffix == ".json" and rng.random() < 0.9:
         path.write_text(json.dumps(rng.choice((mutate, reshape, reshape))(json.loads(path.read_text()), rng)))
-    elif path.suffix == ".html":  # is drawn anew
+    elif path.suffix == ".html":  # is written again
         path.unlink()
     else:
         data = path.read_bytes()
@@ -67,7 +67,7 @@ def change(folder, rng):
 
 
 def again(program, data, made, number, seed, scratch):
-    """The exit codes of those who read one changed folder, and a complaint or None."""
+    """The exit codes of the commands that read a changed folder, and a complaint or None."""
     rng = random.Random(f"{seed}/{number}")
     name = sorted(RUNS)[number % len(RUNS)]
     command, case, options = RUNS[name]

@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Runs shipped cases with one to three values changed at random, and looks at shipped measured files with some bytes
-changed, and holds the program to its word.
+"""Runs shipped cases with one to three values changed at random, reads shipped measured files with some bytes changed,
+and checks the documented exit codes and limits.
 
 usage: mutations.py PROGRAM DATA [COUNT] [SEED]
 
-Every mutation must end with exit code 0, 65 or 66, without a signal, within 10 s of processor time and 1 GB; where it
-ends otherwise, its case and what it said are printed, and kept in the folder that the last line names. A run that
---dry-run announces as long or large may be either. Runs are `--warmup 100 --draws 100`; cases of damage and
-identification are run, simulated from or have their modes computed, one in ten each.
+Every mutation must end with exit code 0, 65 or 66, without a signal, within 10 s of processor time and 1 GB. The script
+prints the case and output of all other ends and keeps them in the folder that its last line names. A run may be long or
+large if --dry-run announces it. Runs have `--warmup 100 --draws 100`; one case of damage or identification in ten is
+simulated and one in ten has its modes computed.
 
 ctest runs 40 of them (apps.mutations). The long run, about half an hour on two cores:
 
@@ -62,7 +62,7 @@ def mutate(case, rng):
     case = copy.deepcopy(case)
     for _ in range(rng.choice((1, 1, 1, 2, 3))):
         path = rng.choice(list(places(case)))
-        if rng.random() < 0.5:  # most of what is changed otherwise is refused at the door
+        if rng.random() < 0.5:  # the parser rejects most other changes
             path = rng.choice([p for p in places(case) if is_number(at(case, p))] or [path])
         parent = at(case, path[:-1])
         key, old = path[-1], parent[path[-1]]
@@ -84,7 +84,7 @@ def mutate(case, rng):
 
 
 def mutate_bytes(data, rng):
-    """A file with a few bytes changed, or cut, or a piece of it repeated or moved."""
+    """A file with a few bytes changed, truncated, or with a part repeated or moved."""
     data = bytearray(data[:200_000])
     for _ in range(rng.choice((1, 1, 2, 5))):
         if not data:
@@ -111,7 +111,7 @@ def limits():
 
 
 def announced(program, case, out):
-    """Whether the program says beforehand that a run is long or large."""
+    """Whether --dry-run announces a long or large run."""
     kind = kind_of(case)
     try:
         asked = subprocess.run([program, kind, str(case), "-o", str(out), "--dry-run", *options_of(kind)],
@@ -122,7 +122,7 @@ def announced(program, case, out):
     seconds = sum(float(n.replace(" ", "")) * {"s": 1, "min": 60, "h": 3600}[unit]
                   for n, unit in re.findall(r", ([0-9][0-9. e+]*) (s|min|h)\b", text))
     gigabytes = max([float(n) for n in re.findall(r"about ([0-9.e+-]+) GB", text)], default=0.0)
-    # An estimate is right within a factor of ten.
+    # Estimates are correct within a factor of ten.
     return seconds > SECONDS / 10 or gigabytes > BYTES / 1e9 / 10
 
 
@@ -136,7 +136,7 @@ def options_of(command):
 
 
 def command_line(program, kind, case, folder, rng):
-    """What is done with a mutated case: mostly its run."""
+    """The command for a mutated case: mostly its run."""
     how = rng.random()
     if kind in ("damage", "sid") and how < 0.1:
         return [program, "simulate", str(case), "-o", str(folder / "simulated.csv")]
@@ -154,7 +154,7 @@ def run(program, origin, number, seed, scratch):
     rng = random.Random(f"{seed}/{number}")
     folder = scratch / str(number)
     folder.mkdir()
-    # Beside links to the original's neighbours, whose files it names.
+    # In a folder with links to the files next to the original, which the case names.
     for neighbour in origin.parent.iterdir():
         (folder / neighbour.name).symlink_to(neighbour)
     if origin.suffix == ".json":

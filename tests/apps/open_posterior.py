@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Opens posterior.nc with xarray and holds it against summary.json: open_posterior.py PROGRAM CASE"""
+"""Opens posterior.nc with xarray and compares it with summary.json: open_posterior.py PROGRAM CASE"""
 import json
 import os
 import subprocess

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Opens a sid run's posterior.nc with xarray and holds it against summary.json:
+"""Opens posterior.nc of a sid run with xarray and compares it with summary.json:
 open_sid_posterior.py PROGRAM CASE"""
 import json
 import os
@@ -41,7 +41,7 @@ assert stats["move"].min() >= 0 and stats["move"].max() < len(moves)
 assert set(np.unique(stats["accepted"])) <= {0, 1}
 assert np.all(np.isfinite(stats["lp"])) and np.all(np.isfinite(stats["log_likelihood"]))
 
-# A parameter that the draw's model does not have is NaN, one that it has is not.
+# A parameter is NaN exactly if the model of the draw does not have it.
 for name in {p for table in summary["parameters"].values() for p in table}:
     values = posterior[name].values
     for i, m in enumerate(names):
@@ -51,7 +51,7 @@ for name in {p for table in summary["parameters"].values() for p in table}:
         assert np.all(np.isnan(mine) != (name in summary["parameters"][m])), (name, m)
         if name in summary["parameters"][m]:
             assert abs(mine.mean() - summary["parameters"][m][name]["mean"]) < 1e-9 * abs(mine.mean())
-# What drove the record: white with variance 100, 300 samples (its standard error is 8 %).
+# The excitation of the record: white with variance 100, 300 samples (standard error 8 %).
 force = given["force"]
 assert force.dims == ("sample",) and force.size == 300 and force.attrs["units"] == "N"
 assert 60 < force.values.var() < 140, force.values.var()
@@ -60,7 +60,7 @@ assert 60 < force.values.var() < 140, force.values.var()
 quantiles = noise_free["displacement"]
 assert quantiles.dims == ("quantile", "sample") and quantiles.attrs["units"] == "m", quantiles
 assert np.all(np.diff(quantiles.values, axis=0) >= 0)
-# What the link went through: its units, and the stiff ends of a hardening spring.
+# The motion of the link: its units, and the stiff ends of a hardening spring.
 assert [paths[name + "_0_1"].attrs["units"] for name in ("extension", "rate", "tension")] == ["m", "m/s", "N"]
 assert paths["tension_0_1"].values.argmax() == paths["extension_0_1"].values.argmax()
 
@@ -72,7 +72,7 @@ low, middle, high = (np.array(law["tension"][q]) for q in ("q2.5", "q50", "q97.5
 assert np.all(low <= middle) and np.all(middle <= high) and e.min() < 0 < e.max()
 mine = model == names.index("duffing")
 tension = np.outer(posterior["k"].values[mine], e) + np.outer(posterior["k3"].values[mine], e**3)
-# 400 of them are summarised: their median misses by 1.25 / sqrt(400) sd, six of which are allowed.
+# The median of 400 draws has a standard error of 1.25 / sqrt(400) sd; six of these are allowed.
 assert np.all(np.abs(np.median(tension, axis=0) - middle) <= 6 * 1.25 / 20 * tension.std(axis=0) + 1e-12)
 
 ladder = summary["diagnostics"]["ladder"]

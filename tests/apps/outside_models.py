@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Predictions by models of someone else's, and ours offered to others.
+"""Predictions by external models, and models of Wheeltap on a server.
 
 usage: outside_models.py PROGRAM CASE_A CHECK
 """
@@ -17,7 +17,7 @@ import time
 
 from umbridge import Broken, Client, Model, Server
 
-# A steel strip under tension: L = 1 m, 20 x 2 mm, so slender that shear is nothing.
+# A steel strip under tension: L = 1 m, 20 x 2 mm, so slender that shear is negligible.
 LENGTH, WIDTH, HEIGHT, DENSITY = 1.0, 0.02, 0.002, 7850.0
 AREA, INERTIA = WIDTH * HEIGHT, WIDTH * HEIGHT**3 / 12
 TRUTH = {"E": 2.05e11, "N": 40.0}
@@ -42,7 +42,7 @@ def strip_gradient(x, sens):
     return slope
 
 
-OFF = [1.001, -0.5e-3 + 1, 1.0005, 0.9992]  # the measurement's errors
+OFF = [1.001, -0.5e-3 + 1, 1.0005, 0.9992]  # relative errors of measurement
 DATA = [f * e for f, e in zip(strip(list(TRUTH.values())), OFF)]
 
 NATIVE = {
@@ -88,7 +88,7 @@ class Runs:
         return json.loads((out / "summary.json").read_text())
 
     def fails(self, case, code, *words, options=(), command="update"):
-        """It ends with the code and with one line that has all the words."""
+        """Checks that the program ends with the code and with one line that has all the words."""
         done, _ = self.run(case, *options, command=command)
         assert done.returncode == code, (done.returncode, done.stderr)
         lines = done.stderr.strip().splitlines()
@@ -118,7 +118,7 @@ def same_posterior(a, b, model="the structure"):
 
 
 class Serving:
-    """`wheeltap serve` as a process, once it says where it is."""
+    """`wheeltap serve` as a process, after it has printed its address."""
 
     def __init__(self, program, case, *options):
         self.process = subprocess.Popen([program, "serve", case, "--quiet", *options], stdout=subprocess.PIPE, text=True)
@@ -141,7 +141,7 @@ def a_python_server_predicts_the_beam(runs, _):
             told = runs.summary(outside({"umbridge": server.url}))
             same_posterior(native, told)
             assert told["fit"]["ok"] == native["fit"]["ok"]
-            # Nothing is asked twice.
+            # No request is sent twice.
             assert told["predictor"]["asked"] == server.calls, (told["predictor"], server.calls)
             assert len({tuple(x) for x in server.asked}) == server.calls
             assert (told["predictor"]["gradients"] > 0) == bool(gradient)
@@ -177,7 +177,7 @@ def ours_passes_a_client(runs, case_a):
         assert status == 200, answer
         for ours, exact in zip(answer["output"], strip_gradient(x, sens)):
             assert abs(ours / exact - 1) < 5e-3, (ours, exact)
-        # The density of the data by hand, from the predictions; the prior's beside it.
+        # The density of the data, computed here from the predictions; plus that of the prior.
         density = sum(-0.5 * ((d - f) / (0.001 * d))**2 - math.log(0.001 * d * math.sqrt(2 * math.pi))
                       for d, f in zip(DATA, client.evaluate("forward", x)))
         likelihood, = client.evaluate("log_likelihood", x)
@@ -204,7 +204,7 @@ def ours_passes_a_client(runs, case_a):
             answer.read()
             assert answer.status in (400, 413), (question[:40], answer.status)
             client.connection.close()
-        assert client.evaluate("forward", x)  # and goes on
+        assert client.evaluate("forward", x)  # and the server continues
     with Serving(runs.program, pathlib.Path(case_a)) as server:
         client = Client(server.url)
         most = json.loads(pathlib.Path(case_a).read_text())["damage"]["count"]["max"]
@@ -215,7 +215,7 @@ def ours_passes_a_client(runs, case_a):
 
 
 def chains_are_served(runs, _):
-    """A mass on a spring under a force that stays: its motion has a closed form, and with it its likelihood."""
+    """A mass on a spring under a constant force: its motion and likelihood have a closed form."""
     mass, damping, force, sd = 2.0, 1.5, 3.0, 0.001
     times = [0.02 * i for i in range(150)]
 
@@ -252,19 +252,19 @@ def chains_are_served(runs, _):
         assert stiffer != client.evaluate("forward linear", [100.0])
         limp = client.evaluate("forward duffing", [100.0, 0.0])
         assert max(abs(a - b) for a, b in zip(limp, motion(100.0))) < 1e-5
-        # Two records give their responses one after the other, and their likelihoods add up.
+        # Responses of two records follow each other, and their likelihoods add up.
         alone = client.evaluate("forward linear", [90.0]), client.evaluate("log_likelihood linear", [90.0])[0]
         twice = {**case, "records": [case["record"], case["record"]]}
         del twice["record"]
         with Serving(runs.program, runs.case(twice)) as both:
             assert Client(both.url).evaluate("forward linear", [90.0]) == alone[0] * 2
             assert abs(Client(both.url).evaluate("log_likelihood linear", [90.0])[0] / (2 * alone[1]) - 1) < 1e-12
-        # An order that is left to the program is chosen as a run chooses it: these residuals are a sine.
+        # The server chooses an unspecified order like a run: these residuals are a sine.
         with Serving(runs.program, runs.case({**case, "residuals": {"ar": "auto"}})) as coloured:
             inputs, = Client(coloured.url).post("/InputSizes", name="log_likelihood linear", config={})[1]["inputSizes"]
             assert inputs > 1, inputs
         status, answer = client.post("/Evaluate", name="forward linear", input=[[-4.0e9]])
-        assert status in (400, 500) and "no such motion" in answer["error"]["message"], (status, answer)
+        assert status in (400, 500) and "no bounded motion" in answer["error"]["message"], (status, answer)
 
 
 def a_damage_is_found_by_a_served_beam(runs, case_a):
@@ -278,7 +278,7 @@ def a_damage_is_found_by_a_served_beam(runs, case_a):
     assert told["predictor"]["inputs"] == ["location[1]", "reduction[1]"]
     for a, b in zip(mine["models"], told["models"]):
         assert abs(a["probability"] - b["probability"]) < 4.5 * math.hypot(a["mcse"], b["mcse"]) + 1e-6, (a, b)
-    # Of a place and its mirror image, which a beam's frequencies cannot tell apart, the share may differ.
+    # The shares of a place and its mirror image, which frequencies cannot distinguish, may differ.
     a, b = (run["parameters"]["1 damage"]["reduction[1]"] for run in (mine, told))
     error = math.sqrt(a["sd"]**2 / a["ess_bulk"] + b["sd"]**2 / b["ess_bulk"])
     print(a["mean"], b["mean"], error)
@@ -286,11 +286,11 @@ def a_damage_is_found_by_a_served_beam(runs, case_a):
 
 
 def an_emulator_in_front_of_a_beam(runs, case_a):
-    """Trained on a served beam it is the one trained on our own, bit for bit; the model is asked for its runs alone."""
+    """An emulator trained on a served beam equals one trained on Wheeltap's beam, bit for bit; only training calls it."""
     native = json.loads(pathlib.Path(case_a).with_name("case-a-table.json").read_text())
     native["damage"]["count"]["max"] = 1
     front = {**native["predictor"], "sites": native["predictor"]["sites"][0], "holdout": 60}
-    # The case's own beam is another one, and counts for nothing.
+    # The beam of the case is a different one and has no effect.
     softer = copy.deepcopy(native)
     softer["beam"]["material"]["young"] = 6e10
     with Serving(runs.program, runs.case({**softer, "predictor": "fe"})) as server:
@@ -307,7 +307,7 @@ def an_emulator_in_front_of_a_beam(runs, case_a):
         assert draws(mine) == draws(other)
         a, b = (json.loads((out / "summary.json").read_text())["emulator"] for out in (mine, other))
         assert a["counts"] == b["counts"], (a, b)
-        # 10 sites x 4 levels, 60 fresh runs, the intact beam, and 50 draws looked at again.
+        # 10 sites x 4 levels, 60 validation runs, the intact beam, and 50 checked draws.
         assert 100 < told["predictor"]["asked"] <= 40 + 60 + 1 + 60, told["predictor"]
         for wrong, words in (({"table": "x.nc"}, "Wheeltap's beam model"), ({**front, "symmetrise": True}, "symmetric"),
                              ({"runs": 40}, "runs")):
@@ -334,7 +334,7 @@ open(sys.argv[2], "w").write(" ".join(map(repr, model([e, n]))))
 
 
 def write_program(path, text, model="strip"):
-    """A program that has this file's strip in it, or another model."""
+    """Writes a program with the strip of this file, or another model."""
     here = pathlib.Path(__file__).read_text()
     source = here[here.index("# A steel strip"):here.index("def strip_gradient")]
     path.write_text(text.replace("\nimport ", "\nimport math, ", 1).replace("\nasked", f"\n{source}\nmodel = {model}\nasked")
@@ -378,7 +378,7 @@ def an_emulator_in_front(runs, _):
     print(emulator)
     assert emulator["runs"] == 40 and emulator["fresh_runs"] == 10
     assert all(mode["q2"] > 0.99 for mode in emulator["modes"]), emulator
-    # A bad one says so, and its error widens the posterior.
+    # A bad emulator causes a warning, and its error widens the posterior.
     with Server({"strip": Model(2, MODES, lambda x: [f * (1 + 0.01 * math.sin(40 * x[1])) for f in strip(x)])}) as server:
         rough = runs.summary(outside({"umbridge": server.url, "emulator": {}}))
     print(rough["predictor"]["emulator"])
@@ -407,13 +407,13 @@ def failing_programs_are_named(runs, _):
     program(out.format('[1.0, 2.0, float("nan"), 4.0]'))
     fails("not finite")
     program('open(sys.argv[2], "w").write("[" * 100_000 + "]" * 100_000)')
-    fails("no JSON")
+    fails("invalid JSON")
     program('open(sys.argv[2], "w").write(" " * (17 << 20))')
     fails("17825792 bytes", "16777216")
     program('open(sys.argv[2], "w").write("1 2 nan 4")')
     fails("prediction 3 is nan", format="numbers")
     program('open(sys.argv[2], "w").write("1 2 three 4")')
-    fails("three", "no number", format="numbers")
+    fails("three", "not a number", format="numbers")
     program("time.sleep(600)")
     began = time.monotonic()
     fails("longer than 0.3 s", timeout=0.3)
@@ -426,7 +426,7 @@ def failing_programs_are_named(runs, _):
 
 
 def a_stop_is_heard_before_anything_is_possible(runs, _):
-    """Where nothing that the prior proposes is possible, a hundred thousand points are tried: for hours, by a program."""
+    """If every point of the prior is impossible, a run tries a hundred thousand points, for hours with a program."""
     path = runs.folder / "bad"
     path.write_text("#!/usr/bin/env python3\nimport os, pathlib, signal, sys\n"
                     f"calls = pathlib.Path({str(runs.folder / 'calls')!r})\n"
@@ -461,8 +461,8 @@ def failing_servers_are_named(runs, _):
     fails(Model(2, MODES, lambda x: strip(x)[:3]), 65, "3 numbers", "must be 4")
     fails(Model(2, MODES, lambda x: [1.0, math.nan, 2.0, 3.0]), 65, "not finite")
     fails(Model(2, MODES, lambda x: [1.0, None, 2.0, 3.0]), 65, "null", "finite number")
-    fails(Model(2, MODES, raising(Broken(text="<html>"))), 65, "no JSON")
-    fails(Model(2, MODES, raising(Broken(text="[" * 100_000 + "]" * 100_000))), 65, "no JSON")
+    fails(Model(2, MODES, raising(Broken(text="<html>"))), 65, "invalid JSON")
+    fails(Model(2, MODES, raising(Broken(text="[" * 100_000 + "]" * 100_000))), 65, "invalid JSON")
     fails(Model(2, MODES, raising(Broken(text=" " * (17 << 20)))), 65, "more than 16777216 bytes")
     fails(Model(2, MODES, raising(Broken(endless=True))), 66, "no answer in 0.3 s", timeout=0.3)
     fails(Model(2, MODES, raising(Broken(status=400))), 65, "HTTP 400", "broken")
@@ -471,7 +471,7 @@ def failing_servers_are_named(runs, _):
     never = threading.Event()
     fails(Model(2, MODES, lambda x: never.wait(600)), 66, "no answer in 0.3 s", timeout=0.3)
 
-    # One that stumbles and recovers costs nothing but time.
+    # A server that fails temporarily costs only time.
     stumbles = iter([500, 503])
 
     def stumbling(x):
@@ -503,7 +503,7 @@ def a_killed_server_costs_nothing(runs, _):
         done, _ = runs.run(path, out=out)
     kept = re.search(r"(\d+) answers are kept", done.stderr)
     assert done.returncode == 66 and kept, (done.returncode, done.stderr)
-    assert last - 2 <= int(kept[1]) <= last, (kept[1], last)  # one may still be on its way
+    assert last - 2 <= int(kept[1]) <= last, (kept[1], last)  # one answer may still be in progress
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr
     assert not (out / "summary.json").exists()
     with Server({"strip": Model(2, MODES, strip)}, port) as server:
@@ -514,7 +514,7 @@ def a_killed_server_costs_nothing(runs, _):
     assert draws(out) == draws(runs.folder / "whole")
     told = json.loads((out / "summary.json").read_text())["predictor"]
     assert told["remembered"] == last and told["asked"] == all_calls - last
-    # A file of one's own outlives cases: other data ask for what is not in it alone.
+    # A user's file outlives cases: with other data, the run requests only missing answers.
     with Server({"strip": Model(2, MODES, strip)}) as server:
         case = outside({"umbridge": server.url, "memory": "answers", "emulator": FRONT})
         runs.summary(case)

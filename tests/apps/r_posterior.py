@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""posterior.nc read by R: ESS and R-hat by r-cran-posterior, an implementation that is not ours, equal those of
-summary.json to three digits.
+"""posterior.nc read by R: ESS and R-hat by r-cran-posterior, an independent implementation, equal those of summary.json
+to three digits.
 
 usage: r_posterior.py PROGRAM DATA     exit code 77 without R, ncdf4 or posterior
 """

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""mpirun -n N wheeltap comes to the same files as one process, whatever N.
+"""mpirun -n N wheeltap writes the same files as one process, for every N.
 
 ranks.py PROGRAM PRELOAD CHECK...     CHECK: a function below without its "check_"
 
-Exit code 77, and a line, where there is no mpirun or no module beside the program.
+Exit code 77, and a line, without mpirun or without the module in the folder of the program.
 """
 import errno
 import os
@@ -20,7 +20,7 @@ from durable import BEAM, CHAIN, LONGER, SHORT, SWEEP, UPDATE, Bench, expect, fi
 MPIRUN = ['mpirun', '--oversubscribe']
 JOBS = (('damage', BEAM, 'damage'), ('sid', CHAIN, 'sid'), ('update', UPDATE, 'update'))
 TABLE = BEAM | {'predictor': {'sites': [1, 4, 7, 9], 'multipliers': [0.4, 0.7, 1.0]}}
-# A list of many models of a record, and evidence by methods of its own.
+# A list of many models of a record, and evidence by additional methods.
 TERMS = CHAIN | {'models': [{'name': f'm{i}', 'masses': [0.5], 'noise': 0.05,
                              'links': [{'between': [0, 1], 'stiffness': 'k', 'damping': 0.1,
                                         **({'cubic': 'k3'} if i & 1 else {}), **({'coulomb': 'f'} if i & 2 else {}),
@@ -31,7 +31,7 @@ TERMS = CHAIN | {'models': [{'name': f'm{i}', 'masses': [0.5], 'noise': 0.05,
 
 
 class Ranks(Bench):
-    """The program, by itself or as several ranks."""
+    """The program as one process or as several ranks."""
 
     def __init__(self, program, preload):
         super().__init__(program, preload)
@@ -42,7 +42,7 @@ class Ranks(Bench):
         return super().run(*self.words(ranks, arguments), **how)
 
     def words(self, ranks, arguments):
-        """Of one process, or of mpirun."""
+        """Arguments of one process, or of mpirun."""
         self.program = 'mpirun' if ranks else self.alone
         return [*MPIRUN[1:], '-n', ranks, self.alone, *arguments] if ranks else list(arguments)
 
@@ -85,7 +85,7 @@ def check_any_number_of_ranks_makes_the_same_table(bench):
         bench.run(*words, ranks=n)
         same(files(out), whole)
     bench.run('table', case, '-o', out / 'part.nc', '--part', '1/2', '--quiet', ranks=2)
-    # What one process had done, ranks take up; and what they had done, it does.
+    # Ranks resume the work of one process, and one process that of ranks.
     for first, then in ((0, 3), (3, 0)):
         shutil.rmtree(out)
         out.mkdir()
@@ -95,14 +95,14 @@ def check_any_number_of_ranks_makes_the_same_table(bench):
 
 
 def stopped_table(bench, ranks, words, out):
-    """Killed once it remembers runs; ended, where it was too fast for that."""
+    """Kills the program when its journal has runs, unless it has ended before."""
     process = bench.start(*(bench.words(ranks, words) if ranks else words))
     while process.poll() is None and not any(p.stat().st_size for p in out.glob('*.runs.*')):
         pass
     left = handles(process)
     process.kill()
     process.communicate()
-    # Ranks learn that mpirun is gone when they next speak to it; until then they write.
+    # Ranks notice the end of mpirun at their next communication with it; until then they write.
     for rank in left:
         select.select([rank], [], [])
         os.close(rank)
@@ -136,7 +136,7 @@ def check_any_number_of_ranks_makes_the_same_batch(bench):
 
 
 def started(bench, words, out):
-    """mpirun with 3 ranks, once there is a checkpoint."""
+    """Starts mpirun with 3 ranks and returns after the first checkpoint."""
     process = bench.start(*bench.words(3, words))
     while process.poll() is None and not (out / 'checkpoint.nc').exists():
         time.sleep(0.005)
@@ -155,7 +155,7 @@ def children(process):
 
 
 def handles(process):
-    """Of its ranks: readable once they have ended."""
+    """Descriptors of the ranks, readable after their end."""
     if process.poll() is not None:
         return []
     found = []
@@ -180,7 +180,7 @@ def check_a_killed_rank_leaves_a_checkpoint(bench):
             _, err = process.communicate()
             expect(process.returncode != 0 and 'signal 9 (Killed)' in err, f'{name}: {process.returncode}: {err}')
             expect((out / 'checkpoint.nc').exists(), 'the checkpoint stays')
-            bench.run(*words, ranks=2)  # as many as are left
+            bench.run(*words, ranks=2)  # as many as remain
             same(files(out), whole)
 
 
@@ -195,11 +195,11 @@ def check_signals_leave_a_checkpoint(bench):
             process = started(bench, words, out)
             process.send_signal(number)
             _, err = process.communicate()
-            if number == signal.SIGUSR1:  # the others make mpirun deaf
-                expect('--resume goes on' in err and err.count('wheeltap: ') == 1, f'{name}: {err}')
-            # On SIGTERM mpirun waits for a second before it tells them: they may have ended by then.
+            if number == signal.SIGUSR1:  # mpirun does not forward output after the other signals
+                expect('--resume continues it' in err and err.count('wheeltap: ') == 1, f'{name}: {err}')
+            # On SIGTERM mpirun waits for a second before it forwards the signal: ranks may have ended by then.
             expect((out / 'checkpoint.nc').exists() or (out / 'posterior.nc').exists(), f'{number.name}: {err}')
-            bench.run(*words)  # one process takes it up
+            bench.run(*words)  # one process resumes it
             same(files(out), whole)
 
 
@@ -220,7 +220,7 @@ def check_errors_are_said_once(bench):
 
 
 def check_threads_that_are_refused(bench):
-    """A rank that gets fewer threads than it asks for, or none, leaves the work to others; what nobody can do, all do."""
+    """Other ranks take the work of a rank that gets too few threads or none; the program never faults."""
     out = bench.folder / 'run'
     words = [bench.alone, 'damage', bench.case('beam', BEAM), '-o', out, *SHORT, '--threads', '2']
     bench.run(*words[1:])
@@ -228,7 +228,7 @@ def check_threads_that_are_refused(bench):
     bench.program = 'mpirun'
     refused = ['-x', f'LD_PRELOAD={bench.preload}', '-x', 'FAIL_CALL=pthread_create', '-x', f'FAIL_ERRNO={errno.EAGAIN}']
     lived = 0
-    for at in range(1, 6):  # the first ones are Open MPI's own, which it does not live without
+    for at in range(1, 6):  # Open MPI needs the first ones
         for more, healthy in (([], 1), (['-x', 'FAIL_AFTER=1'], 1), (['-x', 'FAIL_AFTER=1'], 0)):
             ranks = [['-n', '1', *words]] * healthy + [['-n', str(2 - healthy), *refused, '-x', f'FAIL_AT={at}', *more, *words]]
             shutil.rmtree(out, ignore_errors=True)
@@ -248,13 +248,13 @@ def check_unequal_ranks_are_refused(bench):
     bench.program = 'mpirun'
     arguments = [*MPIRUN[1:], '-n', '1', *words, ':', '-n', '1', *other]
     _, _, err = Bench.run(bench, *arguments, code=64)
-    expect('unequal processors' in err and '--simd baseline' in err, err)
+    expect('different processors' in err and '--simd baseline' in err, err)
     Bench.run(bench, *[word for a in arguments for word in ([a, '--simd', 'baseline'] if a == bench.folder / 'o' else [a])])
-    # Other cases, as on machines whose folders are not the same.
+    # Different cases, as on machines with different folders.
     different = bench.case('different', BEAM | {'title': 'Another'})
     swapped = [different if a == good else a for a in words]
     _, _, err = Bench.run(bench, *MPIRUN[1:], '-n', '1', *words, ':', '-n', '1', *swapped, code=65)
-    expect('have not the same case' in err, err)
+    expect('do not have the same case' in err, err)
 
 
 def main():

@@ -1,5 +1,4 @@
-// `wheeltap report`: draws a finished run again, and ends with the contract's codes where it
-// cannot.
+// `wheeltap report`: writes the report of a finished run again; documented exit codes on failure.
 #include <gmock/gmock.h>
 #include <netcdf.h>
 
@@ -11,7 +10,7 @@ namespace {
 using nlohmann::json;
 using testing::HasSubstr;
 
-// What the page of a run draws.
+// The data of the page of a run.
 json drawn_data(const std::filesystem::path& run) {
   const std::string page = read_all(run / "report.html");
   const std::string opening = "<script type=\"application/json\" id=\"run\">";
@@ -33,7 +32,7 @@ class ReportCommand : public testing::Test {
     EXPECT_EQ(ran.exit_code, 0) << ran.err;
     drawn_ = read_all(run_ / "report.html");
   }
-  // The report of the run as the test left it: refused with `code`, what was there before kept.
+  // The report fails with `code` for the changed run and keeps the earlier page.
   void expect_refusal(int code, const std::string& words) const {
     const Outcome outcome = wheeltap(where_, "report " + run_.string());
     EXPECT_EQ(outcome.exit_code, code) << outcome.err;
@@ -125,7 +124,7 @@ TEST_F(ReportCommand, ForeignPosteriorEndsWith65) {
   expect_refusal(65, "posterior.nc");
 }
 
-// Any part of a summary may be of another shape: refused in one line, never a fault of ours.
+// A summary with any part of another shape: one error line, never an internal fault.
 TEST_F(ReportCommand, SummaryWithPartsOfAnotherShapeEndsWith65) {
   const json whole = json::parse(read_all(run_ / "summary.json"));
   for (const char* key :
@@ -140,7 +139,7 @@ TEST_F(ReportCommand, SummaryWithPartsOfAnotherShapeEndsWith65) {
   }
 }
 
-// Fault: priors in the case that a summary repeats were taken to have as many numbers as they need.
+// Fault: the report assumed that priors in the case of a summary have all their numbers.
 TEST_F(ReportCommand, PriorsOfAnotherShapeAreNotDrawn) {
   const json whole = json::parse(read_all(run_ / "summary.json"));
   for (const char* wrong : {R"({"normal": []})", R"({"log_normal": 2})", R"({"beta": [1]})",
@@ -154,7 +153,7 @@ TEST_F(ReportCommand, PriorsOfAnotherShapeAreNotDrawn) {
   }
 }
 
-// Fault: of a hundred bins along any beam, some lay across the ends of elements.
+// Fault: with a hundred bins along any beam, some bins crossed the ends of elements.
 TEST_F(ReportCommand, BinsAlongTheBeamEndWhereElementsDo) {
   const json elements = json::parse(read_all(run_ / "summary.json"))["beam"]["elements"];
   const json bins = drawn_data(run_)["draws"]["joint"][0]["bins_x"];
@@ -171,9 +170,9 @@ TEST_F(ReportCommand, UnwritableEndsWith73) {
   EXPECT_THAT(outcome.err, HasSubstr("report.html"));
 }
 
-// A run of before posterior.nc held predictions without noise and the paths of links: its report
-// has the median of replicates in their place, no loops, and says so. A netCDF file gives up no
-// group: other names hide them.
+// A run of an older version, without predictions without noise and paths of links in posterior.nc:
+// its report has the median of replicates instead, states this, and has no loops. Groups of a
+// NetCDF file cannot be removed, so the test renames them.
 TEST(ReportOfAnEarlierRun, IsDrawnFromReplicatesAlone) {
   const Workspace where;
   const auto run = where / "run";
@@ -194,7 +193,7 @@ TEST(ReportOfAnEarlierRun, IsDrawnFromReplicatesAlone) {
   }
   ASSERT_EQ(nc_close(file), NC_NOERR);
   json summary = json::parse(read_all(run / "summary.json"));
-  summary.erase("files");  // nor did such a run seal its files
+  summary.erase("files");  // older runs have no seals
   where.write("run/summary.json", summary.dump());
   const Outcome again = wheeltap(where, "report " + run.string());
   ASSERT_EQ(again.exit_code, 0) << again.err;

@@ -1,11 +1,11 @@
 #!/usr/bin/env python3
-"""Every shipped case, shortened and with a fixed seed, against a stored summary.
+"""Compares every shipped case, shortened and with a fixed seed, with a stored summary.
 
-usage: shipped_cases.py check   PROGRAM CASE EXPECTED   one case; exits 1 where a number moved
-       shipped_cases.py refresh PROGRAM DATA EXPECTED   all cases under DATA; stores and shows what moved
+usage: shipped_cases.py check   PROGRAM CASE EXPECTED   one case; exits 1 if a number changed
+       shipped_cases.py refresh PROGRAM DATA EXPECTED   all cases under DATA; stores and shows the changes
 
 The same seed gives the same chain, so numbers are compared to floating-point tolerance (convergence
-measures to 1 %: they are built on ranks, which the last bit of a draw can swap).
+measures to 1 %: they use ranks, which the last bit of a draw can swap).
 """
 import json
 import math
@@ -25,7 +25,7 @@ def expected_path(case, data, folder):
 
 
 def run(program, case):
-    """The numbers of a shortened run that its user would notice if they moved."""
+    """The numbers of a shortened run whose change a user would notice."""
     with open(case) as f:
         kind = json.load(f)["kind"]
     with tempfile.TemporaryDirectory() as out:

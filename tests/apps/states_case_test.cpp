@@ -61,7 +61,7 @@ TEST(StatesCase, UnknownStiffnessBesideDamage) {
   EXPECT_TRUE(summary["parameters"]["1 soft storey"].contains("k"));
   EXPECT_EQ(summary["unknowns"]["1 soft storey"][0]["prior"], "/parameters/k");
   EXPECT_THAT(out, HasSubstr("The intact structure"));
-  EXPECT_THAT(out, HasSubstr("held against full solutions"));
+  EXPECT_THAT(out, HasSubstr("compared with full solutions"));
   EXPECT_THAT(read_all(where / "out/report.html"), HasSubstr("baselineTable"));
 }
 
@@ -75,7 +75,7 @@ TEST(StatesCase, HowFarTheModelIsOffIsInferred) {
     (*data)["discrepancy"] = {{"stiffness", {{"log_uniform", {0.01, 0.5}}}}};
   std::string out;
   const json summary = run(where, c, "damage", out);
-  EXPECT_THAT(out, HasSubstr("How far the model is off was inferred: stiffnesses of pieces by"));
+  EXPECT_THAT(out, HasSubstr("Inferred error of the model: stiffnesses of pieces by"));
   EXPECT_THAT(summary["baseline"]["model_error"].get<std::string>(), HasSubstr("pieces"));
   EXPECT_EQ(summary["unknowns"]["1 soft storey"][0]["prior"], "/data/discrepancy/stiffness");
   // Replicates include it: they scatter by more than the 1 % measurement error of the frequencies.
@@ -107,7 +107,7 @@ TEST(StatesCase, WhatCannotBeToldApartIsSaid) {
   ASSERT_FALSE(summary["baseline"]["hides_damage"].empty());
   EXPECT_EQ(summary["baseline"]["hides_damage"][0]["parameter"], "k");
   EXPECT_THAT(summary["diagnostics"]["warnings"].dump(),
-              HasSubstr("cannot be told apart (correlation"));
+              HasSubstr("are not identifiable separately (correlation"));
 }
 
 TEST(StatesCase, TheDryRunSaysWhatALikelihoodCosts) {

@@ -26,7 +26,7 @@ const inference::ModelSpace& coin_space() {
   return space;
 }
 
-// Independent draws: model 1 with probability p, its parameter uniform on [low, high] in chain c.
+// Independent draws: model 1 has probability p; its parameter is uniform on [low, high] in chain c.
 Posterior made_up(double p, int draws, double shift_of_last_chain = 0.0, double p_of_last = -1.0) {
   Posterior posterior;
   posterior.space = std::make_shared<const inference::ModelSpace>(coin_space());
@@ -131,7 +131,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   EXPECT_THAT(d["warnings"][misfit + 1].get<std::string>(),
               HasSubstr("\"a\" (2 % of the response, correlation -0.58 at lag 4, p < 1e-15)"));
   EXPECT_THAT(d["warnings"][misfit + 2].get<std::string>(),
-              HasSubstr("its spectra differ, \"force\" by 9 dB (scatter alone gives 2 dB) and "
+              HasSubstr("in the spectra of \"force\" by 9 dB (scatter alone gives 2 dB) and "
                         "\"displacement\" by 7 dB"));
   EXPECT_NEAR(d["resolution"].get<double>(), 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
   EXPECT_EQ(d["resolution_words"],
@@ -210,7 +210,7 @@ TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   EXPECT_NEAR(report["tmcmc"][0]["log_evidence"].get<double>(), 0.0, 1e-9);
   EXPECT_TRUE(report["tmcmc"][1]["log_evidence"].is_null());
   EXPECT_TRUE(report["tmcmc"][1]["probability"].is_null());
-  ASSERT_EQ(findings.remarks.size(), 2U) << "and that the location is nearly its prior";
+  ASSERT_EQ(findings.remarks.size(), 2U) << "the second: the location is nearly its prior";
   EXPECT_THAT(sentence(findings.remarks[0], {}), HasSubstr("Evidence of 1 damage by tmcmc failed"));
 }
 
@@ -225,7 +225,7 @@ TEST(Summary, ImpossibleLikelihoodsAreToldOfAnyRun) {
   EXPECT_THAT(
       sentence(findings.remarks[0], {}),
       HasSubstr("Nearly the prior: the data say little about location[1] under \"1 damage\""));
-  EXPECT_THAT(sentence(findings.remarks[1], {}), HasSubstr("at 12 of 34 567 places"));
+  EXPECT_THAT(sentence(findings.remarks[1], {}), HasSubstr("at 12 of 34 567 points"));
 }
 
 // Fault: 64 subsets of terms gave the same warning four times.
@@ -239,11 +239,11 @@ TEST(Summary, ModelsThatAreAlikeAreToldOfTogether) {
   EXPECT_THAT(sentence(nearly, {}), HasSubstr("gap under 3 models (overlap 97 % to 98 %)"));
 
   remark::ColouredResiduals coloured{.model = "m", .channels = {{"a", 4, -0.58, 0.02, 0.0}}};
-  EXPECT_THAT(sentence(coloured, {}), Not(HasSubstr("much the same")));
+  EXPECT_THAT(sentence(coloured, {}), Not(HasSubstr("similar")));
   coloured.others = {"n"};
-  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under \"n\" they are much the same."));
+  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under \"n\" they are similar."));
   coloured.others = {"n", "o"};
-  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under 2 other models they are much the same."));
+  EXPECT_THAT(sentence(coloured, {}), EndsWith("Under 2 other models they are similar."));
 }
 
 TEST(Summary, ParameterSummary) {

@@ -15,7 +15,7 @@ BOLD, CLEAR_LINE = b"\x1b[1m", b"\x1b[K"
 
 
 def at_a_terminal(arguments, environment=None, interrupt_at=None):
-    """Exit code and everything that was shown. Ctrl-C is typed when `interrupt_at` has been seen."""
+    """Returns exit code and all output. Types Ctrl-C when `interrupt_at` is true of the output."""
     child, terminal = pty.fork()
     if child == 0:
         os.execve(arguments[0], arguments, {**os.environ, "TERM": "xterm", **(environment or {})})
@@ -23,7 +23,7 @@ def at_a_terminal(arguments, environment=None, interrupt_at=None):
     while True:
         try:
             piece = os.read(terminal, 65536)
-        except OSError:  # Linux's word for the end
+        except OSError:  # Linux reports the end like this
             break
         if not piece:
             break
@@ -49,14 +49,14 @@ def main(program, case):
         quiet = subprocess.run(run + SHORT + ["--quiet"], capture_output=True, check=True)
         assert quiet.stderr == b"", "lines in spite of --quiet"
 
-        # A look: marked, and never converged.
+        # A quick run is marked and never converged.
         look = subprocess.run(run + ["--quick"], capture_output=True, check=True)
-        assert b"quick look" in look.stdout and b"NOT CONVERGED" in look.stdout.splitlines()[-1]
+        assert b"quick run" in look.stdout and b"NOT CONVERGED" in look.stdout.splitlines()[-1]
         with open(os.path.join(run[-1], "summary.json")) as f:
             summary = json.load(f)
         assert summary["diagnostics"]["quick"] and not summary["diagnostics"]["converged"]
         with open(os.path.join(run[-1], "report.html"), encoding="utf-8") as f:
-            assert "Quick look" in f.read(), "the report does not say that it was a look"
+            assert "Quick run" in f.read(), "the report does not say that the run was quick"
 
         code, shown = at_a_terminal(run + SHORT)
         assert code == 0 and BOLD in shown and CLEAR_LINE in shown, "no bar or colour at a terminal"
@@ -65,7 +65,7 @@ def main(program, case):
         code, shown = at_a_terminal(run + SHORT, {"NO_COLOR": "1"})
         assert code == 0 and BOLD not in shown and b"\x1b[3" not in shown, "colour in spite of NO_COLOR"
 
-        # Ctrl-C, once the bar of the draws shows probabilities and the time left, keeps and summarises them.
+        # Ctrl-C, when the bar of the draws shows probabilities and the time left, keeps and summarises the draws.
         def sampling(shown):
             bars = shown.split(b"sampling", 1)
             return len(bars) == 2 and b"P = " in bars[1] and b" left" in bars[1]
@@ -82,7 +82,7 @@ def main(program, case):
         for name in ("posterior.nc", "report.html"):
             assert os.path.getsize(os.path.join(run[-1], name)) > 1000, name
         assert b"NOT CONVERGED" in shown.splitlines()[-1]
-        # Before there are draws it keeps what was found.
+        # Before the first draw, it keeps the results of the searches.
         for stage, warmup in (b"exploring", "2000000"), (b"tuning", "40000"):
             run[-1] = os.path.join(out, "stopped-" + stage.decode())
             code, shown = at_a_terminal(run + ["--warmup", warmup],

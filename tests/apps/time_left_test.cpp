@@ -23,7 +23,7 @@ TEST(TimeLeft, IsTheRestOfTheStageAndTheCallsToCome) {
   EXPECT_DOUBLE_EQ(*seconds, 15.0 + 40.0);
 }
 
-// A search counts the calls of a model when it is done with it.
+// A search counts the calls of a model after finishing it.
 TEST(TimeLeft, AStageThatHasCountedFewCallsGoesByTheRunsPace) {
   TimeLeft left;
   static_cast<void>(left.estimate(progress("exploring", 0.5, 10000, 0.0), 1.0));
@@ -41,7 +41,7 @@ TEST(TimeLeft, WhatWasDoneBeforeAResumeCountsForNothing) {
   EXPECT_DOUBLE_EQ(*seconds, 2.0);
 }
 
-// Climbs on the first samples of a record cost little; what follows does not.
+// Searches on the first samples of a record are cheap; later stages are not.
 TEST(TimeLeft, CallsToComeTakeNoLessThanALikelihoodWasMeasuredToTake) {
   TimeLeft left(0.01);
   static_cast<void>(left.estimate(progress("searching", 0.0, 0, 6000.0), 0.0));
@@ -50,7 +50,7 @@ TEST(TimeLeft, CallsToComeTakeNoLessThanALikelihoodWasMeasuredToTake) {
   EXPECT_DOUBLE_EQ(*seconds, 2.0 + 60.0);
 }
 
-// 60 % were shown while the time left grew from 74 s to 20 min.
+// Fault: the bar showed 60 % while the time left grew from 74 s to 20 min.
 TEST(TimeLeft, ShareAndTimeLeftBelongTogether) {
   TimeLeft left;
   EXPECT_FALSE(left.of_run(progress("exploring", 0.6, 0, 4000.0), 0.5).left);
@@ -58,7 +58,7 @@ TEST(TimeLeft, ShareAndTimeLeftBelongTogether) {
   const auto first = left.of_run(progress("exploring", 0.75, 500, 4000.0), 5.5);
   ASSERT_TRUE(first.left);
   EXPECT_NEAR(first.fraction, 5.5 / (5.5 + *first.left), 1e-12);
-  // A new stage has not shown its pace yet: the time goes on.
+  // The pace of a new stage is not known yet: the time left decreases.
   const auto next = left.of_run(progress("tuning", 0.0, 500, 4000.0), 6.5);
   ASSERT_TRUE(next.left);
   EXPECT_NEAR(*next.left, *first.left - 1.0, 1e-9);

@@ -8,7 +8,7 @@ import urllib.parse
 
 
 class Broken(Exception):
-    """What a test wants to go wrong: an HTTP status, or the bare text that is answered, or one that never ends."""
+    """A fault that a test injects: an HTTP status, a plain text as answer, or an endless answer."""
 
     def __init__(self, status=None, text=None, endless=False):
         super().__init__(status or text)
@@ -16,7 +16,7 @@ class Broken(Exception):
 
 
 class Model:
-    """f(list of numbers) -> list of numbers, with its vector-Jacobian product where it has one."""
+    """f(list of numbers) -> list of numbers, and its vector-Jacobian product, if it has one."""
 
     def __init__(self, inputs, outputs, function, gradient=None, input_sizes=None):
         self.input_sizes, self.output_sizes = input_sizes or [inputs], [outputs]
@@ -24,7 +24,7 @@ class Model:
 
 
 class Server:
-    """Serves models by name at a port of the system's choice, or at `port`, until it is closed."""
+    """Serves models by name at any free port, or at `port`, until it is closed."""
 
     def __init__(self, models, port=0):
         self.calls = 0
@@ -34,7 +34,7 @@ class Server:
 
         class Handler(http.server.BaseHTTPRequestHandler):
             protocol_version = "HTTP/1.1"
-            wbufsize = -1  # one packet an answer
+            wbufsize = -1  # one packet per answer
 
             def log_message(self, *_):
                 pass
@@ -66,7 +66,7 @@ class Server:
                             outer.calls += 1
                             outer.asked.append(sum(asked["input"], []))
                     self.say(200, json.dumps(answer()))
-                except ConnectionAbortedError:  # as of a server that is killed
+                except ConnectionAbortedError:  # like a killed server
                     self.close_connection = True
                 except Broken as broken:
                     if broken.status:
@@ -75,7 +75,7 @@ class Server:
                         self.send_response(200)
                         self.send_header("Content-Length", str(10**12))
                         self.end_headers()
-                        while True:  # until the client goes away
+                        while True:  # until the client disconnects
                             self.wfile.write(b" ")
                             self.wfile.flush()
                     else:
@@ -86,7 +86,7 @@ class Server:
             daemon_threads = True
             request_queue_size = 64
 
-            def handle_error(self, *_):  # a client that goes away
+            def handle_error(self, *_):  # a client that disconnects
                 pass
 
         self.listener = Listener(("127.0.0.1", port), Handler)
@@ -103,7 +103,7 @@ class Server:
 
 
 class Client:
-    """What one may ask of a server. `error` answers are returned with their status."""
+    """Requests to a server. It returns `error` answers with their status."""
 
     def __init__(self, url):
         self.connection = http.client.HTTPConnection(urllib.parse.urlparse(url).netloc, timeout=60)

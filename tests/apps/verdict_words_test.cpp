@@ -23,7 +23,7 @@ std::string sentence(const Reason& reason) {
   return said.empty() ? std::string() : said[0];
 }
 
-// The words of each reason, with what to do about it.
+// The sentence of each reason, with the remedy.
 TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(sentence(ModelNotEntered{
                 .model = 1, .proposed = 2469134, .by_evidence = {.value = 0.25, .mcse = 0.019}}),
@@ -33,44 +33,44 @@ TEST(VerdictWords, OfEachReason) {
             "Model 'two' has no draws; its evidence puts it at P ≈ 0.25. Search more "
             "(--search), or run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotInEveryChain{.model = 0, .visited = 3, .chains = 4}),
-            "Model 'one' was drawn by 3 of 4 chains only. Run longer (--warmup, --draws).");
+            "Only 3 of 4 chains have draws of model 'one'. Run longer (--warmup, --draws).");
   EXPECT_EQ(
       sentence(ModelNotInEveryChain{
           .model = 0, .visited = 3, .chains = 4, .by_evidence = {.value = 0.1, .mcse = 0.01}}),
-      "Model 'one' was drawn by 3 of 4 chains only; its evidence puts it at P ≈ 0.1 ± 0.01. "
+      "Only 3 of 4 chains have draws of model 'one'; its evidence puts it at P ≈ 0.1 ± 0.01. "
       "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelUnknown{.model = 1, .proposed = 12}),
             "Model 'two' has no draws after 12 proposals; nothing is known of its evidence. Run "
             "longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
-            "A mode of model 'one' that the searches found, about 30 % of that model, is in the "
-            "draws of 3 of 4 chains only. Run longer (--warmup, --draws).");
+            "Only 3 of 4 chains have draws of a mode of model 'one' that the searches found, with "
+            "about 30 % of that model. Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 0, .chains = 4}),
-            "A mode of model 'one' that the searches found, about 30 % of that model, is in the "
-            "draws of no chain. Run longer (--warmup, --draws).");
+            "No chain has draws of a mode of model 'one' that the searches found, with about 30 % "
+            "of that model. Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeSharesDisagree{
                 .model = 0, .lowest = 0.1, .highest = 0.7, .rhat = 1.3456, .limit = 1.05}),
-            "The chains disagree about a mode of model 'one': it has 10 % to 70 % of their draws "
-            "of that model (R-hat 1.35). Run longer (--warmup, --draws).");
+            "The chains disagree about a mode of model 'one': its share of their draws of that "
+            "model is 10 % to 70 % (R-hat 1.35). Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(AnnealingFindsMore{.model = 0,
                                         .annealed = {.value = -47.5, .mcse = 0.1},
                                         .drawn = {.value = -50.51, .mcse = 0.01}}),
-            "Annealing finds more evidence for model 'one' (ln Z = -47.50 ± 0.10) than its draws "
-            "have (-50.51 ± 0.01): a mode may be missing from them. Search more (--search), or "
-            "run longer (--warmup, --draws).");
+            "SMC finds more evidence for model 'one' (ln Z = -47.50 ± 0.10) than its draws "
+            "(-50.51 ± 0.01): the draws may lack a posterior mode. Search more (--search), or run "
+            "longer (--warmup, --draws).");
   EXPECT_EQ(sentence(EvidenceDisagrees{.model = 1,
                                        .by_draws = {.value = 0.3, .mcse = 0.004},
                                        .by_evidence = {.value = 0.42, .mcse = 0.003}}),
             "Model 'two' has P = 0.3 ± 0.004 by its draws, but its evidence implies 0.42 ± 0.003. "
             "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(DrawsBeyondMixture{.model = 0, .share = 0.07, .visits = 27.3, .limit = 100.0}),
-            "Of the draws of model 'one' 7 % lie where no proposal but small steps leads, in 27 "
-            "effective visits (must exceed 100): as much again may not have been found. Run longer "
-            "(--warmup, --draws).");
+            "7 % of the draws of model 'one' lie outside the support of the global proposals, in "
+            "only 27 effective visits (must exceed 100): the chains may have missed as much again. "
+            "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(AnnealingDrawsBeyond{.model = 0, .annealed = 0.061, .drawn = 0.003}),
-            "Of model 'one' annealing drew 6.1 % where the chains have 0.3 % of their draws, and "
-            "chains started there stay: a part of its posterior is missing from them. Run longer "
-            "(--warmup, --draws).");
+            "6.1 % of the SMC draws of model 'one' lie in a region with only 0.3 % of the chain "
+            "draws, and chains started there stay: the draws lack a part of its posterior. Run "
+            "longer (--warmup, --draws).");
   EXPECT_EQ(
       sentence(ParameterDisagrees{.model = 1, .parameter = "a", .rhat = 1.23456, .limit = 1.01}),
       "Within model 'two' the chains disagree about a (R-hat 1.235). Run longer (--warmup, "
@@ -80,12 +80,12 @@ TEST(VerdictWords, OfEachReason) {
       "Within model 'two' the effective sample size of a is 123 (must exceed 400). Run longer "
       "(--warmup, --draws).");
   EXPECT_EQ(sentence(TooFewRoundTrips{.completed = 3, .limit = 10}),
-            "The draws were tempered, but completed only 3 round trips between prior and "
-            "posterior (10 are needed). Run longer (--warmup, --draws).");
-  EXPECT_EQ(sentence(StoppedEarly{}), "The run was stopped early. Run it to its end.");
+            "The tempered replicas completed only 3 round trips between prior and posterior (10 "
+            "are needed). Run longer (--warmup, --draws).");
+  EXPECT_EQ(sentence(StoppedEarly{}), "The run stopped early. Run it to its end.");
   EXPECT_EQ(sentence(QuickLook{}),
-            "This is a quick look: modes, the evidence of normals about them and short chains; not "
-            "a posterior. Run without --quick.");
+            "This is a quick run: posterior modes, their Laplace evidence and short chains, not a "
+            "posterior. Run without --quick.");
 }
 
 TEST(VerdictWords, ChainsThatHaveNotConvergedAreOneSentence) {

@@ -111,7 +111,7 @@ TEST(Posterior, ReportsConvergenceWithReasons) {
   const std::vector<Reason> why = posterior.why_not();
   ASSERT_EQ(why.size(), 1U);
   EXPECT_TRUE(std::holds_alternative<StoppedEarly>(why[0]));
-  EXPECT_EQ(describe(why[0], *posterior.space), "stopped early");
+  EXPECT_EQ(describe(why[0], *posterior.space), "The run stopped early.");
 }
 
 TEST(Posterior, RejectsUnknownModelsAndParameters) {

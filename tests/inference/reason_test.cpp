@@ -39,7 +39,7 @@ TEST(Reason, IsDescribedInASentence) {
       "R-hat of log posterior is 1.02 (must be below 1.01)");
   EXPECT_EQ(describe(TooFewEffectiveDraws{.quantity = "count", .ess = 12.5, .limit = 400.0}, space),
             "the effective sample size of the count is 12.5 (must exceed 400)");
-  EXPECT_EQ(describe(StoppedEarly{}, space), "The run was stopped early.");
+  EXPECT_EQ(describe(StoppedEarly{}, space), "The run stopped early.");
 }
 
 }  // namespace

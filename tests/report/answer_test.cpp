@@ -1,4 +1,4 @@
-// The sentence at the top of a report, for every kind of finding.
+// The answer of a report for every kind of finding.
 #include "apps/text/answer.hpp"
 
 #include <gmock/gmock.h>
@@ -73,7 +73,7 @@ Answer answer(const MadeUp& run) {
 TEST(Answer, NoDamage) {
   const Answer a = answer(damage_run({0.93, 0.05, 0.02}));
   EXPECT_EQ(a.headline, "Most likely no damage (93 %).");
-  EXPECT_THAT(a.detail, HasSubstr("at all has a probability of 7 %"));
+  EXPECT_THAT(a.detail, HasSubstr("P(at least one) = 7 %."));
   EXPECT_THAT(a.detail, Not(HasSubstr("0.095")));
   EXPECT_THAT(a.caution, IsEmpty());
 }
@@ -113,7 +113,7 @@ TEST(Answer, MirrorImagesAreBothNamed) {
   MadeUp run = damage_run({0.0, 0.75, 0.25});
   run.findings.symmetry = SymmetryFinding{.center = 0.5, .emulated = false, .chains = {}};
   EXPECT_THAT(answer(run).detail, HasSubstr("or its mirror image 0.905 m"));
-  EXPECT_THAT(answer(run).detail, HasSubstr("cannot tell a place from its mirror image"));
+  EXPECT_THAT(answer(run).detail, HasSubstr("cannot distinguish a place from its mirror image"));
 }
 
 TEST(Answer, MidspanIsItsOwnMirrorImage) {
@@ -148,12 +148,12 @@ TEST(Answer, MisfitComesBeforeTheWinner) {
   findings.fit_verdict.why = {misfit::Unexplained{"force", -0.28}};
   Answer a = apps::answer(findings);
   EXPECT_EQ(a.headline,
-            "None of these models explains the record (R² -0.28 for \"force\"). Least wrong: "
+            "None of these models explains the record (R² -0.28 for \"force\"). Best of them: "
             "“viscous” (> 99.9 %).");
   EXPECT_TRUE(a.misfit);
-  findings.sampling.verdict.converged = false;  // was "Least wrong: So far: …"
+  findings.sampling.verdict.converged = false;  // was "…: So far: …"
   EXPECT_THAT(apps::answer(findings).headline,
-              HasSubstr(". Least wrong so far: “viscous” (> 99.9 %)."));
+              HasSubstr(". Best of them so far: “viscous” (> 99.9 %)."));
   findings.sampling.verdict.converged = true;
   findings.models.pop_back();
   a = apps::answer(findings);
@@ -252,7 +252,7 @@ TEST(Answer, SweepSaysWhereTheChoiceChanges) {
   EXPECT_THAT(a.caution, StartsWith("1 of 3 runs have not converged"));
 }
 
-// A summary of before has no answer: the models, in the order of their probability.
+// A summary of an older version has no answer: models in the order of their probability.
 TEST(Answer, OfAnOlderSummaryNamesTheModels) {
   const Report older = {{"wheeltap", {{"command", "damage"}, {"case", Report::object()}}},
                         {"models",

@@ -1,6 +1,6 @@
-// Opens the report of every run under WHEELTAP_RUNS in headless Chromium: every chart is there and not
-// empty, light and dark, on a phone and on a desk; nothing is asked of a network; numbers are those of
-// summary.json; what came from input is shown as text.
+// Opens the report of every run under WHEELTAP_RUNS in headless Chromium. Every chart exists and is not
+// empty, in light and dark schemes, at phone and desktop widths. There are no network requests, numbers
+// equal those of summary.json, and input appears as text.
 const test = require('node:test');
 const assert = require('node:assert/strict');
 const fs = require('node:fs');
@@ -32,7 +32,7 @@ async function open(name, width, colorScheme) {
 }
 
 assert.ok(runs.length > 0, 'no runs to open');
-// What every report of a kind draws; names of channels and links follow.
+// Figures of every report of a kind; names of channels and links follow.
 const charts = {
   damage: ['model-probabilities', 'where', 'frequency-residuals', 'marginal-', 'model-visits', 'running-probability', 'log-posterior', 'acceptance'],
   sid: ['model-probabilities', 'chain', 'law-', 'force-displacement-', 'force-velocity-', 'restoring-force-', 'response-', 'residual-', 'spectrum-', 'frequency-response-', 'autocorrelation-', 'marginal-', 'model-visits', 'running-probability', 'log-posterior', 'acceptance'],
@@ -110,7 +110,7 @@ for (const name of runs) {
   });
 
   test(`${name}: opens within 2 s`, async () => {
-    // Processor time of the page's thread until all is drawn: what else the machine does cannot change it.
+    // Processor time of the page's thread until all figures exist: independent of the load of the machine.
     const context = await browser.newContext({ viewport: { width: 1400, height: 900 } });
     const page = await context.newPage();
     const session = await context.newCDPSession(page);

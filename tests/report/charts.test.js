@@ -1,4 +1,4 @@
-// The charts without a page: what they say of numbers, chains and narrow places.
+// The charts without a page: formats of numbers, chains, and layouts in little space.
 const test = require('node:test');
 const assert = require('node:assert/strict');
 const fs = require('node:fs');
@@ -48,7 +48,7 @@ test('a prediction without noise does not squeeze the spectrum of what was measu
   const made = { draws: { responses: [{ name: 'y', unit: 'm', history: [[0, 1, 0, null, 1, null, 2, 0], [1, 2, 1, null, 2, null, 3, 0]], autocorrelation: [0], spectrum, samples: 99 }] } };
   const spec = recordCharts.responses(made).find((f) => f.id === 'spectrum-y').spec(700, light);
   assert.deepEqual(copied(spec.scales.find((s) => s.name === 'y').domain), [2.5e-3, 200]);
-  // Lines end at the frame: a group of one line each is cut to the chart's size, not to its own of nothing.
+  // Lines end at the frame: a group of one line is clipped to the size of the chart, not to its own zero size.
   const [group] = spec.marks;
   assert.deepEqual([group.clip, group.encode.enter.height.signal, group.marks[0].clip], [true, 'height', undefined]);
 });
@@ -60,7 +60,7 @@ test('a legend has a column for every name that there is room for, and no name i
   assert.ok(kit.frame(300, 100, light, {}).config.legend.labelLimit > 200);
 });
 
-// A run with these models, the last one found.
+// A run with these models; the last one is the most probable.
 function run(masses, links, found = {}, more = {}) {
   return { laws: { contact: [{ name: 'stiffness', unit: 'N/m' }, { name: 'gap', unit: 'm' }], coulomb: [{ name: 'force', unit: 'N' }] },
     draws: {}, summary: { models: [{ name: 'm', probability: 1 }], parameters: { m: found }, links: {}, data: {},

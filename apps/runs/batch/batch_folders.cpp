@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;
 
-/// Where a path leads, as far as it is there.
+/// Resolves the existing part of a path.
 fs::path whole_path(const fs::path& path) {
   std::error_code error;
   fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
@@ -29,8 +29,8 @@ BatchFolders::BatchFolders(fs::path folder, bool resume)
   const fs::path path = folder_ / kBatchFolders;
   if (!fs::exists(path)) return;
   const io::FileError not_ours(io::FileError::Kind::foreign, path,
-                               "is in the way: it does not say which folder belongs to which case "
-                               "of a batch; remove it, or choose another folder");
+                               "is in the way: it is not the list of folders of a batch; remove it "
+                               "or choose another folder");
   const Report kept = Report::parse(io::read_bytes(path), nullptr, false);
   try {
     if (kept.at("format") != kFormat) throw not_ours;
@@ -55,7 +55,7 @@ std::string BatchFolders::new_name(const fs::path& path) {
   std::string stem = path.stem().string();
   if (stem.empty() || stem == "." || stem == "..") stem = "case";
   if (taken_.insert(stem).second) return stem;
-  // From where the last of this stem was found: a fleet's cases may all be called alike.
+  // Continue after the last number of this stem: many cases may have the same name.
   for (int& n = last_.try_emplace(stem, 1).first->second;;) {
     std::string name = stem + "-" + std::to_string(++n);
     if (taken_.insert(name).second) return name;

@@ -1,4 +1,4 @@
-// Which folder of a batch belongs to which case.
+// Assignment of folders to the cases of a batch.
 #pragma once
 
 #include <map>
@@ -11,18 +11,18 @@ namespace wheeltap::apps {
 
 inline constexpr const char* kBatchFolders = "batch.json";
 
-/// A case is known by its path, whatever its place in the list: lists may grow, shrink and change
-/// their order between two calls, and each case keeps its folder. Paths are relative to the batch's
-/// folder, so that both may be moved together. FOLDER/batch.json keeps them:
+/// Identifies a case by its path, not by its position: each case keeps its folder if the list
+/// grows, shrinks or changes its order between two calls. Paths are relative to the batch folder,
+/// so that both can move together. FOLDER/batch.json stores them:
 /// {"format": 1, "folders": [{"case": "../a/case.json", "folder": "case"}, …]}.
 class BatchFolders {
  public:
-  /// With `resume`, begins with what `folder` keeps. Throws io::FileError (foreign) where
-  /// batch.json is none of ours, which is not written over.
+  /// With `resume`, reads FOLDER/batch.json. Throws io::FileError (foreign) if it is not a file of
+  /// a batch, and does not overwrite it.
   BatchFolders(std::filesystem::path folder, bool resume);
 
-  /// Sets name and place: the folder that the path has, of the n-th time that it is in the list the
-  /// n-th; else a new one, the stem of its file, with "-2", "-3", … where that is taken.
+  /// Sets name and place. The n-th occurrence of a path has the n-th folder of this path; without
+  /// one, a new folder: the stem of its file, with "-2", "-3", … if that is taken.
   void give(BatchCase& one);
 
   /// Writes batch.json. Throws io::FileError (unwritable).
@@ -34,9 +34,9 @@ class BatchFolders {
 
   std::filesystem::path folder_;
   std::map<std::string, std::vector<std::string>> of_;  // folders of each path
-  std::map<std::string, std::size_t> given_;            // how many of them are given out
+  std::map<std::string, std::size_t> given_;            // number of them already assigned
   std::set<std::string> taken_;
-  std::map<std::string, int> last_;  // number behind a stem
+  std::map<std::string, int> last_;  // last number after a stem
 };
 
 }  // namespace wheeltap::apps

@@ -12,7 +12,7 @@ namespace wheeltap::apps {
 namespace {
 
 constexpr std::string_view kBlank = " \t\r";
-constexpr std::size_t kLongestPath = PATH_MAX - 1;  // bytes that the system takes
+constexpr std::size_t kLongestPath = PATH_MAX - 1;  // bytes, limit of the system
 
 std::string_view trimmed(std::string_view line) {
   const std::size_t first = line.find_first_not_of(kBlank);
@@ -35,24 +35,25 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
     if (const auto bad = io::first_unprintable(line)) {
       throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) +
                                          ": column " + std::to_string(*bad + 1) +
-                                         ": paths are UTF-8 without control characters");
+                                         ": paths must be UTF-8 without control characters");
     }
     const std::filesystem::path path = list.parent_path() / line;
     std::error_code too_long;  // for a name, as JSON on a line may be
     if (cases.empty() && line.front() == '{' && !exists(path, too_long)) {
-      throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) +
-                                         ": is JSON, a case perhaps: a list has a path of a case " +
-                                         "on each line");
+      throw Failure(Exit::bad_input,
+                    list.string() + ":" + std::to_string(number + 1) +
+                        ": is JSON, perhaps a case: a list must have the path of " +
+                        "one case per line");
     }
     if (line.size() > kLongestPath) {
       throw Failure(Exit::bad_input, list.string() + ":" + std::to_string(number + 1) + ": has " +
-                                         std::to_string(line.size()) + " bytes: a path has " +
+                                         std::to_string(line.size()) + " bytes: a path may have " +
                                          std::to_string(kLongestPath) + " at most");
     }
     cases.push_back({.path = path});
   }
   if (cases.empty()) {
-    throw Failure(Exit::bad_input, list.string() + ": names no case: one path a line");
+    throw Failure(Exit::bad_input, list.string() + ": names no case: write one path per line");
   }
   return cases;
 }

@@ -9,13 +9,13 @@ namespace wheeltap::apps {
 
 struct BatchCase {
   std::filesystem::path path;
-  std::string name{};   ///< of its folder, BatchFolders
-  std::string place{};  ///< its path from the batch's folder, BatchFolders
+  std::string name{};   ///< name of its folder, BatchFolders
+  std::string place{};  ///< its path relative to the batch folder, BatchFolders
 };
 
-/// One path a line, relative to the list's own folder; blank lines and lines that begin with # are
-/// passed over. The cases have no folders yet. Throws io::FileError for a list that cannot be read,
-/// Failure (65) with the line for one that holds control characters or no UTF-8, and for a list
+/// Reads a list with one path per line, relative to the folder of the list; ignores blank lines and
+/// lines that begin with #. The cases have no folders yet. Throws io::FileError if the list is
+/// unreadable; Failure (65), with the line, for control characters or invalid UTF-8, and for a list
 /// without cases.
 [[nodiscard]] std::vector<BatchCase> read_batch_list(const std::filesystem::path& list);
 

@@ -11,8 +11,8 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Spreadsheets take what begins so for a formula, and run it: names, and words of programs, are
-/// anybody's.
+/// Spreadsheets evaluate cells that begin like this as formulas, and names and messages of programs
+/// may come from others.
 std::string inert(const std::string& cell) {
   constexpr std::string_view kFormula = "=+-@\t\r";
   const bool formula = !cell.empty() && kFormula.find(cell[0]) != std::string_view::npos;

@@ -1,4 +1,4 @@
-// The results of a batch: one row a case.
+// The results of a batch: one row per case.
 #pragma once
 
 #include <concepts>
@@ -13,18 +13,18 @@ namespace wheeltap::apps {
 inline constexpr const char* kBatchTable = "batch.csv";
 
 struct BatchRow {
-  std::string name;     ///< of the case and its folder
-  std::string kind{};   ///< empty where the case does not say
-  int exit = 0;         ///< of its run; 128 + the signal where one ended it
-  std::string model{};  ///< the most probable one; of a modal case "7 modes"; else empty
-  std::optional<double> probability{};  ///< of that model
+  std::string name;     ///< name of the case and its folder
+  std::string kind{};   ///< empty if the case does not state it
+  int exit = 0;         ///< exit code of its run; 128 + the signal that ended it
+  std::string model{};  ///< the most probable model; "7 modes" of a modal case; else empty
+  std::optional<double> probability{};  ///< probability of this model
   std::optional<bool> converged{};
-  double seconds = 0.0;  ///< wall time of the run itself, however many sessions it took
-  std::string error{};   ///< one line, where exit is not 0
-  std::string path{};    ///< of the case, from the batch's folder
+  double seconds = 0.0;  ///< wall time of the run, summed over its sessions
+  std::string error{};   ///< one line if exit is not 0
+  std::string path{};    ///< path of the case, relative to the batch folder
 };
 
-/// For ranks (base/parcel.hpp), both ways.
+/// Packs and unpacks a row for ranks (base/parcel.hpp).
 template <class Parcel, class Row>
 requires std::same_as<std::remove_const_t<Row>, BatchRow>
 void carry(Parcel& parcel, Row& row) {
@@ -32,22 +32,23 @@ void carry(Parcel& parcel, Row& row) {
          row.error, row.path);
 }
 
-/// What summary.json in `folder` says of a run that ended well; of a sweep, whether all its rows
-/// converged.
+/// Fills the results of a successful run from summary.json in `folder`; a sweep has converged if
+/// all its rows have.
 void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 
-/// Whether the run in `folder` was stopped before its end.
+/// Returns true if the run in `folder` was stopped before its end.
 [[nodiscard]] bool stopped_early(const std::filesystem::path& folder);
 
-/// Columns case, kind, exit, model, probability, converged, wall_seconds, folder, error, path (RFC
-/// 4180), one line for each row that there is. A cell that a spreadsheet would compute, for it
-/// begins with = + - or @ and is no number, has an apostrophe before it.
+/// Returns CSV (RFC 4180) with columns case, kind, exit, model, probability, converged,
+/// wall_seconds, folder, error, path and one line per existing row. An apostrophe precedes cells
+/// that a spreadsheet would take for a formula: those that begin with = + - or @ without being
+/// numbers.
 [[nodiscard]] std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows);
 
-/// The same as JSON text: a list of objects with the columns as keys; null where a cell is empty.
+/// Returns the same as JSON text: a list of objects with the columns as keys; null: empty cell.
 [[nodiscard]] std::string batch_json(const std::vector<std::optional<BatchRow>>& rows);
 
-/// "[ 3/10] name  2 damages, P = 97 %  converged  12 s": a line without its end.
+/// Returns a line without its end: "[ 3/10] name  2 damages, P = 97 %  converged  12 s".
 [[nodiscard]] std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all);
 
 }  // namespace wheeltap::apps

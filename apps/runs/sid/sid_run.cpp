@@ -38,8 +38,8 @@ RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
   RunCost cost =
       cost_of_sampling({.largest = static_cast<double>(problem->problem.space.max_dimension())},
                        engine, draws_in_memory(common));  // its time is measured
-  // The record and all that was made of it is there; searches shorten it to a half, a quarter, …,
-  // each with simulators of its own.
+  // The record and its derived data exist already; searches use a half, a quarter, … of it, each
+  // with its own simulators.
   cost.bytes += 2.0 * bytes_held();
   const int all = problem->misfits.front().samples();
   const int few = options.quick ? samples_of_a_look(all, problem->seconds_a_likelihood) : all;
@@ -104,7 +104,7 @@ class SidCaseRun final : public CaseRun {
 
   std::vector<ServedModel> served() override {
     SidCaseFile chosen = *parsed_;
-    // As a run does before anything else, where a case leaves the orders to it.
+    // Like the first step of a run, if the case does not state the orders.
     choose_residuals(chosen.sid, seed(), common().threads);
     return explained(chosen, [&] {
       return apps::served(std::shared_ptr<const SidProblem>(make_sid_problem(chosen.sid)));

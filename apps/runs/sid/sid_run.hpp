@@ -1,4 +1,4 @@
-// A run of system identification: what it takes, and what is written of it.
+// A run of system identification: cost and results.
 #pragma once
 
 #include <memory>
@@ -9,25 +9,25 @@
 
 namespace wheeltap::apps {
 
-/// Throws Failure (65) where a record that is to be simulated, which happens while the case is
-/// parsed, takes more memory than is allowed.
+/// Throws Failure (65) if a simulated record, which parsing the case creates, needs more memory
+/// than the limits allow.
 void require_room_for_truth(CaseFile& file, const CommonOptions& common);
 
-/// Of a run of the case, and what its record takes.
+/// Returns the cost of a run of the case, with its record.
 [[nodiscard]] RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
                                   const SamplingOptions& options);
 
-/// A case run to its end.
+/// A complete run of a case.
 struct SidOutcome {
   identification::SidRun run;
   identification::SidPredictive predictive;
   identification::SidFindings findings;
 };
-/// Throws Failure.
+/// Runs a case. Throws Failure.
 [[nodiscard]] SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
                                   const SamplingOptions& options, RunWatch& watch);
 
-/// Of a case without a sweep.
+/// Returns the run of a case without a sweep.
 [[nodiscard]] std::unique_ptr<CaseRun> make_sid_run(CaseFile file, const CommonOptions& common,
                                                     const SamplingOptions& options);
 

@@ -25,7 +25,7 @@ using namespace identification;
 
 namespace {
 
-/// A line of the table, with what heads it.
+/// A line of the table, with its headings.
 struct Row {
   std::vector<std::string> header, cells;
 
@@ -91,7 +91,7 @@ Report summary_row(const Json& value, const SidFindings& findings) {
   return row;
 }
 
-/// What the line above does not say.
+/// Comment lines for a row: open reasons of convergence, and probabilities from evidence.
 std::string remarks(const SidFindings& findings) {
   std::string text;
   const auto& open = findings.sampling.verdict.not_established;
@@ -100,7 +100,7 @@ std::string remarks(const SidFindings& findings) {
   }
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     const std::string told = told_by_evidence(findings.models[m]);
-    // A reason that is about the model says as much.
+    // A reason about the model makes the comment redundant.
     const auto about_it = [m](const auto& reason) {
       if constexpr (requires { reason.model; }) {
         return reason.model == static_cast<int>(m);
@@ -115,7 +115,7 @@ std::string remarks(const SidFindings& findings) {
   return text;
 }
 
-/// All that is told of one value: what the journal keeps. None where it was interrupted.
+/// The row of one value, for the journal; none if the run was interrupted.
 std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
                               const CommonOptions& common, const SamplingOptions& options,
                               CheckpointFile& checkpoint, spdlog::logger& log) {
@@ -136,7 +136,7 @@ std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
   }
 }
 
-/// Finished runs of other values are as good: these are no part of what a row rests on.
+/// The case without its sweep values: the finished rows of other values stay valid.
 std::string identity_of_rows(const CaseFile& file, const CommonOptions& common,
                              const SamplingOptions& options) {
   Json fixed = file.json;
@@ -155,7 +155,7 @@ std::optional<Report> stored_sweep(const std::filesystem::path& folder) {
 
 std::string stopped(std::size_t done, std::size_t all, bool within) {
   return "stopped after " + std::to_string(done) + " of " + std::to_string(all) + " values" +
-         (done > 0 || within ? ": the same command with --resume runs the others" : "");
+         (done > 0 || within ? ": the same command with --resume continues the sweep" : "");
 }
 
 void print_files(const std::filesystem::path& folder) {
@@ -163,7 +163,7 @@ void print_files(const std::filesystem::path& folder) {
             << io::printable((folder / "summary.json").string()) << " (all numbers)\n";
 }
 
-/// What a sweep writes: its names are reserved before it runs.
+/// The files of a sweep; the names are reserved before it runs.
 struct SweepFiles {
   SweepFiles(const std::filesystem::path& folder, const std::string& identity, bool resume)
       : table(folder / "sweep.csv"),
@@ -184,7 +184,7 @@ CaseFile with(const CaseFile& file, const Pointer& where, const Json& value) {
   return one;
 }
 
-/// Of all rows, by a few of them from the first to the last.
+/// The cost of all rows, from a few of them between the first and the last.
 RunCost cost_of_sweep(const CaseFile& file, const Pointer& where, const CommonOptions& common,
                       const SamplingOptions& options) {
   const Json& values = file.json["sweep"]["values"];
@@ -197,7 +197,7 @@ RunCost cost_of_sweep(const CaseFile& file, const Pointer& where, const CommonOp
     const SidCaseFile parsed = parse_sid_case(std::move(one));
     const RunCost cost = cost_of_sid(parsed, common, options);
     const double share = static_cast<double>(values.size()) / static_cast<double>(asked);
-    double kept = 20e3;  // what a parsed case keeps besides its record
+    double kept = 20e3;  // memory of a parsed case besides its record
     for (const SidChannel& channel : parsed.sid.channels) {
       kept += 8.0 * static_cast<double>(channel.signal.samples.size());
     }
@@ -212,8 +212,8 @@ RunCost cost_of_sweep(const CaseFile& file, const Pointer& where, const CommonOp
 
 namespace {
 
-/// The value that a sweep varies. A pointer may have no syntax, name a key that is missing, or an
-/// element beyond what any list has.
+/// The value that a sweep varies. The pointer may have invalid syntax, or name a missing key or an
+/// element beyond the end of a list.
 Pointer swept_place(const CaseFile& file, const std::string& path) {
   const Pointer where("/sweep/path");
   Pointer pointer;
@@ -225,11 +225,11 @@ Pointer swept_place(const CaseFile& file, const std::string& path) {
   bool there = false;
   try {
     there = file.json.contains(pointer);
-  } catch (const Json::exception&) {  // an element's number that is none
+  } catch (const Json::exception&) {  // an invalid element number
   }
-  if (!there) file.refuse(where, "leads nowhere in this case");
+  if (!there) file.refuse(where, "must point to an existing value of this case");
   if (pointer.empty() || path == "/sweep" || path.starts_with("/sweep/"))
-    file.refuse(where, "must lead to one value of the case, outside of \"sweep\"");
+    file.refuse(where, "must point to a single value of the case, outside of \"sweep\"");
   return pointer;
 }
 
@@ -245,14 +245,14 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   require_affordable(file, Pointer("/sweep"), cost, common);
   if (common.dry_run) return common.dry_run("sweep", cost);
   on_first_rank([&] { claim_output_folder(common.output); });
-  // All of them first, so that a mistake in the last does not cost the runs before it.
+  // Parse all cases first, so that an error in the last one stops the sweep before it runs.
   std::vector<SidCaseFile> cases;
   for (const Json& value : sweep["values"]) {
     CaseFile one = with(file, pointer, value);
     require_room_for_truth(one, common);
     cases.push_back(parse_sid_case(std::move(one)));
   }
-  Json inputs = Json::array();  // of each value
+  Json inputs = Json::array();  // one entry per value
   for (const SidCaseFile& one : cases) inputs.push_back(one.file.inputs->json());
   require_same_on_all_ranks("case", file.json.dump() + inputs.dump());
   const bool first = base::is_first_rank();
@@ -268,10 +268,10 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   });
   if (finished && !first) return;
   if (finished) {
-    log.info("{} holds this sweep, finished; nothing is run again.",
+    log.info("{} has this sweep, finished; nothing is run again.",
              io::printable(common.output.string()));
     std::cout << *finished;
-    // What a run that was killed just then could not remove.
+    // Files that a run killed at its end could not remove.
     if (const auto rows = common.output / "sweep.rows"; std::filesystem::exists(rows))
       SweepJournal(rows, identity, true).remove();
     CheckpointFile::discard(common.output);

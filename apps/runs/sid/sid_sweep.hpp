@@ -8,10 +8,10 @@
 
 namespace wheeltap::apps {
 
-/// Runs the case once a value of its sweep, prints a line each, and writes sweep.csv, summary.json
-/// and report.html. Finished rows are kept in sweep.rows until then; with `common.resume` they are
-/// not run again. Interrupted, the files have the rows that are finished, where no whole sweep has
-/// their names. Throws Failure.
+/// Runs the case for each value of its sweep, prints one line per value, and writes sweep.csv,
+/// summary.json and report.html. Until then, sweep.rows keeps the finished rows; with
+/// `common.resume` they are not run again. An interrupted sweep writes the files with its finished
+/// rows, unless files of a complete sweep exist. Throws Failure.
 void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log);
 

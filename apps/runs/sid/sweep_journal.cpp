@@ -33,7 +33,7 @@ SweepJournal::SweepJournal(std::filesystem::path path, std::string_view identity
   if (descriptor_ < 0 || ::fstat(descriptor_, &found) != 0 || !S_ISREG(found.st_mode)) {
     const int error = descriptor_ < 0 ? errno : 0;
     if (descriptor_ >= 0) ::close(descriptor_);
-    fail(path_, error == 0 || error == ELOOP ? "is no regular file"
+    fail(path_, error == 0 || error == ELOOP ? "is not a regular file"
                                              : std::generic_category().message(error));
   }
   std::size_t end = 0;
@@ -41,12 +41,14 @@ SweepJournal::SweepJournal(std::filesystem::path path, std::string_view identity
     const std::string text = io::read_bytes(path_);
     const bool begun = header.starts_with(text);  // killed within the first line
     if (!begun && !text.starts_with(kMagic)) {
-      fail(path_, "is in the way: no journal of a sweep, and not to be written over");
+      fail(path_,
+           "is in the way: it is not the journal of a sweep, and Wheeltap does not overwrite it; "
+           "remove it or choose another folder");
     }
     if (resume && !begun && !text.starts_with(header)) {
       throw FileError(FileError::Kind::mismatch, path_,
-                      "the journal of another sweep (its case, seed or options differ): run "
-                      "without --resume to start anew");
+                      "is the journal of another sweep (its case, seed or options differ): omit "
+                      "--resume to start a new one");
     }
     if (resume && !begun) end = header.size();
     for (std::size_t stop = 0; end > 0 && (stop = text.find('\n', end)) != std::string::npos;

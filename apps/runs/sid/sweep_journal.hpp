@@ -1,4 +1,4 @@
-// The finished rows of a sweep, kept while the others run.
+// Journal of the finished rows of a sweep.
 #pragma once
 
 #include <filesystem>
@@ -11,23 +11,24 @@
 
 namespace wheeltap::apps {
 
-/// One line of text that says which sweep, then one a row: its checksum, a blank, JSON. A line that
-/// fails its checksum was being written when the program was killed; what follows is cut off.
+/// A text file with one line that identifies the sweep and then one line per row: checksum, blank,
+/// JSON. The reader removes the first line with a wrong checksum (from a killed program) and all
+/// lines after it.
 class SweepJournal {
  public:
-  /// Opens the journal of the sweep with this identity, or makes it; where `resume` is false, what
-  /// a journal of before holds is forgotten. Throws io::FileError: unwritable, also where another
-  /// program's file has the name; mismatch for the journal of another sweep.
+  /// Opens or creates the journal of the sweep with this identity; without `resume` it discards the
+  /// rows of an earlier journal. Throws io::FileError: unwritable, also if the file is not a
+  /// journal; mismatch for the journal of another sweep.
   SweepJournal(std::filesystem::path path, std::string_view identity, bool resume);
   SweepJournal(const SweepJournal&) = delete;
   SweepJournal& operator=(const SweepJournal&) = delete;
   ~SweepJournal();
 
-  /// What was kept of this value, if it was.
+  /// Returns the row of this value, if the journal has it.
   [[nodiscard]] std::optional<Report> find(const Report& value) const;
-  /// Keeps a row, and waits for the disk. Throws io::FileError (unwritable).
+  /// Appends a row and synchronises it to disk. Throws io::FileError (unwritable).
   void append(const Report& value, const Report& row);
-  /// All is written elsewhere.
+  /// Removes the journal, when all rows are in the result files.
   void remove();
 
  private:
@@ -35,7 +36,7 @@ class SweepJournal {
 
   std::filesystem::path path_;
   int descriptor_ = -1;
-  std::map<std::string, Report> rows_;  // by the value's text
+  std::map<std::string, Report> rows_;  // by the text of the value
 };
 
 }  // namespace wheeltap::apps
