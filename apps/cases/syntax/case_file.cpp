@@ -239,7 +239,7 @@ void require_kind(const CaseFile& file, const Json& rules) {
   std::string text;
   for (const Json& one : rules.at(allowed))
     text += (text.empty() ? "must be " : " or ") + one.dump();
-  for (const char* command : {"damage", "update", "sid", "modal"})
+  for (const char* command : {"damage", "update", "sid", "modal", "monitor"})
     if (kind == command)
       text += ": the command for this case is `wheeltap " + kind.get<std::string>() + "`";
   file.refuse(Pointer("/kind"), text);
