@@ -5,6 +5,7 @@
 #include <memory>
 #include <set>
 
+#include "apps/cases/monitoring/monitor_simulation.hpp"
 #include "apps/cases/sid_case.hpp"
 #include "apps/cases/syntax/case_file.hpp"
 #include "apps/cases/syntax/schema_lists.hpp"
@@ -234,6 +235,10 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
                      simulated(kind, {.path = folder / (kind + ".json"), .json = Json::parse(text)},
                                Json::parse(truth))});
   }
+  if (kind == "monitor")
+    files.push_back({(folder / Json::parse(text)["series"]["file"].get<std::string>())
+                         .lexically_normal(),
+                     simulated_series_csv(1)});
   for (const File& file : files) {
     std::error_code ignored;
     if (fs::exists(file.path, ignored)) {
@@ -283,7 +288,7 @@ Command init_command() {
           .add_options =
               [starter](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("KIND", starter->kind, "kind of case: damage, sid, update or modal")
+                app.add_option("KIND", starter->kind, "kind of case: damage, sid, update, modal or monitor")
                     ->required();
                 app.add_option(
                     "--structure", starter->structure,

@@ -16,6 +16,7 @@
 #include "apps/report/assets.hpp"
 #include "apps/report/digest.hpp"
 #include "apps/report/modal_page.hpp"
+#include "apps/report/monitor_page.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/text/answer.hpp"
 #include "base/start_program.hpp"
@@ -24,6 +25,8 @@
 #include "io/bytes.hpp"
 #include "io/netcdf/netcdf_reader.hpp"
 #include "io/read_apart.hpp"
+#include "io/tables/delimited_text.hpp"
+#include "io/text/text.hpp"
 
 namespace wheeltap::apps {
 namespace {
@@ -45,6 +48,24 @@ std::string modes_page(const fs::path& directory, const Report& summary) {
   } catch (const std::logic_error& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
                     std::string("is not the summary of a wheeltap run: ") + error.what());
+  }
+}
+
+bool is_monitor(const Report& summary) {
+  return summary.at("wheeltap").is_object() &&
+         summary.at("wheeltap").value("command", Report()) == "monitor";
+}
+
+/// The page of a monitoring run, of its summary and series.csv.
+std::string series_page(const fs::path& directory, const Report& summary) {
+  const auto table = sealed_file(directory, "series.csv", summary);
+  if (!table)
+    throw FileError(FileError::Kind::missing, directory / "series.csv", "no such file");
+  try {
+    return monitor_page(summary, io::parse_delimited_text(*table, directory / "series.csv"));
+  } catch (const std::logic_error& error) {
+    throw FileError(FileError::Kind::foreign, directory / "summary.json",
+                    std::string("does not hold what a run writes: ") + error.what());
   }
 }
 
@@ -72,7 +93,7 @@ Report read_summary(const fs::path& directory) {
   using enum Report::value_t;
   need("wheeltap", object);
   if (!summary.at("wheeltap").contains("case")) lacks("\"wheeltap\".\"case\"");
-  if (is_modal(summary)) {
+  if (is_modal(summary) || is_monitor(summary)) {
     need("diagnostics", object);
     return summary;
   }
@@ -292,8 +313,9 @@ void write_report(const fs::path& directory) {
   io::finish_commit(directory);
   const Report summary = trusting(directory, [&] { return read_summary(directory); });
   const std::string page = trusting(directory, [&] {
-    return is_modal(summary) ? modes_page(directory, summary)
-                             : page_of(summary, stored_draws(directory, summary).get());
+    if (is_modal(summary)) return modes_page(directory, summary);
+    if (is_monitor(summary)) return series_page(directory, summary);
+    return page_of(summary, stored_draws(directory, summary).get());
   });
   io::AtomicFile file(directory / "report.html");
   file.write(page);
@@ -346,9 +368,9 @@ void put_file(const fs::path& from, const fs::path& to) {
 int write_figures(const fs::path& directory) {
   const Report data = trusting(directory, [&] {
     const Report summary = read_summary(directory);
-    if (is_modal(summary))
+    if (is_modal(summary) || is_monitor(summary))
       throw Failure(Exit::usage,
-                    "--figures: the figures of a modal report are SVG in report.html itself");
+                    "--figures: the figures of a this report are SVG in report.html itself");
     return content(summary, {}, stored_draws(directory, summary).get());
   });
   const fs::path folder = directory / "figures";

@@ -27,7 +27,7 @@ CHAPTERS = {
     "Getting started": ["Overview <readme>", "guide", "system-identification", "priors", "results", "report", "long-runs",
                         "many-cases", "tutorials/index", "gallery", "which-tool"],
     "Structures and damage": ["structures", "sections", "emulators", "updating", "states"],
-    "Measured data": ["measured-data", "file-formats", "modal", "laws"],
+    "Measured data": ["measured-data", "file-formats", "modal", "monitoring", "laws"],
     "Integration": ["python", "libraries", "models-of-others", "scale"],
     "Theory and validation": ["theory", "validation", "speed", "comparison", "measured"],
     "Reference": ["glossary", "reference/commands", "reference/keys", "reference/python", "reference/cpp"],

@@ -1,0 +1,308 @@
+#include "apps/cases/monitoring/monitor_case.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "apps/cases/records/record_reading.hpp"
+#include "apps/nearest.hpp"
+#include "base/index.hpp"
+#include "base/number.hpp"
+#include "io/text/text.hpp"
+#include "io/text/time_stamp.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using identification::monitoring::SeriesFault;
+
+const Pointer kSeries("/series");
+
+struct SeriesColumns {
+  std::string time;
+  std::vector<std::string> features, sds, covariates;
+};
+
+std::vector<std::string> names_at(const CaseFile& file, const char* key) {
+  std::vector<std::string> out;
+  const Json& series = file.json.at("series");
+  if (!series.contains(key) || series.at(key).is_null()) return out;
+  for (const Json& one : series.at(key)) out.push_back(text_or_number(one));
+  return out;
+}
+
+SeriesColumns columns_of(const CaseFile& file) {
+  SeriesColumns out{.time = text_or_number(file.json.at("series").at("time")),
+                    .features = names_at(file, "features"),
+                    .sds = names_at(file, "sd"),
+                    .covariates = names_at(file, "covariates")};
+  if (!out.sds.empty() && out.sds.size() != out.features.size())
+    file.refuse(kSeries / "sd", "must have one column for each of the " +
+                                    std::to_string(out.features.size()) + " features, or be null");
+  return out;
+}
+
+/// The key that names a column, for messages.
+Pointer place_of(const SeriesColumns& columns, const std::string& name) {
+  const auto in = [&](const std::vector<std::string>& list, const char* key,
+                      std::optional<Pointer>& found) {
+    for (std::size_t i = 0; i < list.size() && !found; ++i)
+      if (list[i] == name) found = kSeries / key / i;
+  };
+  std::optional<Pointer> found;
+  if (columns.time == name) found = kSeries / "time";
+  in(columns.features, "features", found);
+  in(columns.sds, "sd", found);
+  in(columns.covariates, "covariates", found);
+  return found.value_or(kSeries / "file");
+}
+
+signals::Record read_table(const CaseFile& file, const SeriesColumns& columns) {
+  signals::RecordReading reading{.layout = parse_layout(file, kSeries)};
+  reading.columns.push_back(columns.time);
+  for (const auto* list : {&columns.features, &columns.sds, &columns.covariates})
+    reading.columns.insert(reading.columns.end(), list->begin(), list->end());
+  try {
+    return signals::read_record(
+        file.resolve(file.json.at("series").at("file").get<std::string>()), std::move(reading));
+  } catch (const io::NoSuchColumn& error) {
+    file.refuse(place_of(columns, error.column()),
+                error.reason() + " in " + error.path().filename().string());
+  } catch (const io::FileError& error) {
+    throw Failure(
+        error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
+        error.what());
+  }
+}
+
+/// One line about a row of the table.
+[[noreturn]] void refuse_row(const signals::Record& table, int row, int column,
+                             const std::string& message) {
+  throw Failure(Exit::bad_input, io::printable(io::FileError(io::FileError::Kind::corrupt,
+                                                             table.file,
+                                                             table.place(index(row), column),
+                                                             message)
+                                                   .what()));
+}
+
+TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int column) {
+  const io::Column& time = table.columns[index(column)];
+  const Json& series = file.json.at("series");
+  if (time.cells == io::CellKind::text)
+    refuse_row(table, 0, column,
+               "time is neither a number nor an ISO 8601 date: state \"time_format\" in /series, "
+               "for example \"%d.%m.%Y %H:%M\"");
+  if (time.cells == io::CellKind::stamp) {
+    if (series.contains("time_unit"))
+      file.refuse(kSeries / "time_unit", "the time column holds dates: remove \"time_unit\"");
+    const auto start = table.layout ? io::read_stamp(table.layout->start).stamp : std::nullopt;
+    if (!start)
+      refuse_row(table, 0, column, "the first date cannot be read: use ISO 8601, 2026-03-01T10:00Z");
+    return {.hours_per_unit = 1.0 / 3600.0, .unit = "date", .start_nanoseconds = start->nanoseconds};
+  }
+  const std::string unit = series.value("time_unit", std::string("h"));
+  const double hours = unit == "s"     ? 1.0 / 3600.0
+                       : unit == "min" ? 1.0 / 60.0
+                       : unit == "d"   ? 24.0
+                                       : 1.0;
+  return {.hours_per_unit = hours, .unit = unit};
+}
+
+void read_features(const signals::Record& table, const SeriesColumns& columns,
+                   MonitorCaseFile& out) {
+  const auto n = static_cast<Eigen::Index>(table.rows());
+  const auto p = static_cast<Eigen::Index>(columns.features.size());
+  auto& series = out.series;
+  out.features.resize(n, p);
+  series.features.resize(n, p);
+  series.sds.resize(columns.sds.empty() ? 0 : n, columns.sds.empty() ? 0 : p);
+  for (Eigen::Index j = 0; j < p; ++j) {
+    const int column = table.find(columns.features[index(j)]);
+    const io::Column& values = table.columns[index(column)];
+    series.feature_names.push_back(values.header);
+    if (values.cells != io::CellKind::number)
+      refuse_row(table, 0, column, "the column does not hold numbers");
+    const int sd = columns.sds.empty() ? -1 : table.find(columns.sds[index(j)]);
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double x = values.values[index(i)];
+      if (x <= 0.0 || std::isinf(x))
+        refuse_row(table, static_cast<int>(i), column,
+                   base::number(x) +
+                       ": a feature must be positive and finite; leave the cell empty where the "
+                       "value is missing");
+      out.features(i, j) = x;
+      series.features(i, j) = std::log(x);
+      if (sd < 0) continue;
+      const double s = table.columns[index(sd)].values[index(i)];
+      if (std::isfinite(x) && !(s > 0.0) && !std::isnan(s))
+        refuse_row(table, static_cast<int>(i), sd,
+                   base::number(s) + ": a standard deviation must be positive");
+      series.sds(i, j) = s / x;
+    }
+  }
+}
+
+void read_covariates(const signals::Record& table, const SeriesColumns& columns,
+                     MonitorCaseFile& out) {
+  const auto n = static_cast<Eigen::Index>(table.rows());
+  out.series.covariates.resize(n, static_cast<Eigen::Index>(columns.covariates.size()));
+  for (std::size_t c = 0; c < columns.covariates.size(); ++c) {
+    const int column = table.find(columns.covariates[c]);
+    const io::Column& values = table.columns[index(column)];
+    out.series.covariate_names.push_back(values.header);
+    if (values.cells != io::CellKind::number)
+      refuse_row(table, 0, column, "the column does not hold numbers");
+    for (Eigen::Index i = 0; i < n; ++i) {
+      const double u = values.values[index(i)];
+      if (std::isinf(u)) refuse_row(table, static_cast<int>(i), column, "is not finite");
+      out.series.covariates(i, static_cast<Eigen::Index>(c)) = u;
+    }
+  }
+}
+
+void read_times(const signals::Record& table, const SeriesColumns& columns, MonitorCaseFile& out) {
+  const int column = table.find(columns.time);
+  out.time = time_axis(out.file, table, column);
+  const std::vector<double>& times = table.columns[index(column)].values;
+  for (std::size_t i = 0; i < times.size(); ++i) {
+    if (!std::isfinite(times[i]))
+      refuse_row(table, static_cast<int>(i), column,
+                 "time is missing or no number: give every row a time, or remove the row");
+    out.series.hours.push_back(times[i] * out.time.hours_per_unit);
+    if (i == 0 || times[i] > times[i - 1]) continue;
+    const std::string now = out.time.text(out.series.hours[i]);
+    refuse_row(table, static_cast<int>(i), column,
+               times[i] == times[i - 1]
+                   ? now + ": the time is that of the row before: remove the repeated row" +
+                         (out.time.unit == "date" ? ", or write times with their zone where clocks "
+                                                    "were set back"
+                                                  : "")
+                   : now + ": time goes backwards, from " +
+                         out.time.text(out.series.hours[i - 1]) +
+                         ": sort the rows by time" +
+                         (out.time.unit == "date" ? ", or write times with their zone where clocks "
+                                                    "were set back"
+                                                  : ""));
+  }
+}
+
+void read_learning(MonitorCaseFile& out) {
+  const Pointer where = Pointer("/learning") / "until";
+  const Json& until = out.file.json.at(where);
+  double hours = 0.0;
+  if (out.time.unit == "date") {
+    if (!until.is_string()) out.file.refuse(where, "must be a date, as the times of the series are");
+    const auto stamp = io::read_stamp(until.get<std::string>()).stamp;
+    if (!stamp || !stamp->has_date)
+      out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
+    hours = static_cast<double>(stamp->nanoseconds - *out.time.start_nanoseconds) / 3.6e12;
+  } else {
+    if (!until.is_number())
+      out.file.refuse(where, "must be a number in " + out.time.unit + ", as the times are");
+    hours = until.get<double>() * out.time.hours_per_unit;
+  }
+  const auto& times = out.series.hours;
+  out.learning_rows = static_cast<int>(std::ranges::lower_bound(times, hours) - times.begin());
+  const int fewest = identification::monitoring::kFewestLearningRows;
+  if (out.learning_rows < fewest)
+    out.file.refuse(where, "only " + std::to_string(out.learning_rows) +
+                               " rows lie before it: the learning period needs at least " +
+                               std::to_string(fewest) + " rows; the series begins at " +
+                               out.time.text(times.front()));
+  if (out.learning_rows == out.series.rows())
+    out.file.refuse(where, "the series ends before it, at " + out.time.text(times.back()) +
+                               ": wait until the learning period is over, or give an earlier time");
+}
+
+/// Faults of the series as complaints about the case; a constant covariate is a warning.
+void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
+  using Kind = SeriesFault::Kind;
+  for (const SeriesFault& fault : find_faults(out.series, out.learning_rows)) {
+    const auto feature = [&](const std::string& message) {
+      out.file.refuse(place_of(columns, columns.features[index(fault.column)]), message);
+    };
+    switch (fault.kind) {
+      case Kind::feature_missing:
+        feature("has fewer than " +
+                std::to_string(identification::monitoring::kFewestLearningRows) +
+                " values in the learning period: name another column, or learn for longer");
+        break;
+      case Kind::feature_constant:
+        feature("is constant in the learning period: check the column, or remove it");
+        break;
+      case Kind::covariate_missing:
+        out.file.refuse(place_of(columns, columns.covariates[index(fault.column)]),
+                        "has no value in the learning period: remove it, or learn for longer");
+      case Kind::covariate_constant:
+        out.warnings.push_back(
+            "The covariate " + out.series.covariate_names[index(fault.column)] +
+            " never varied in the learning period: its effect cannot be learned, and Wheeltap "
+            "leaves it out.");
+        break;
+      case Kind::sd_not_positive:
+        out.file.refuse(place_of(columns, columns.sds[index(fault.column)]),
+                        "has no value in a row where the feature has one: leave both empty");
+      default:
+        break;  // times and the learning period have been checked
+    }
+  }
+}
+
+void read_alarm(MonitorCaseFile& out) {
+  const Json alarm = out.file.json.value("alarm", Json::object());
+  const bool rows = out.time.unit == "row";
+  const auto wrong = [&](const char* key, const char* instead) {
+    if (alarm.contains(key))
+      out.file.refuse(Pointer("/alarm") / key,
+                      std::string(rows ? "times are row numbers: use \"" : "times have a unit: use \"") +
+                          instead + "\"");
+  };
+  auto& options = out.options;
+  if (rows) {
+    wrong("false_alarms_per_year", "mean_rows_between_false_alarms");
+    wrong("hazard_per_year", "hazard_per_row");
+    options.mean_rows_between_false_alarms = alarm.value("mean_rows_between_false_alarms", 1000.0);
+    options.change.hazard_per_hour = alarm.value("hazard_per_row", 0.001);
+  } else {
+    wrong("mean_rows_between_false_alarms", "false_alarms_per_year");
+    wrong("hazard_per_row", "hazard_per_year");
+    options.false_alarms_per_year = alarm.value("false_alarms_per_year", 0.1);
+    options.change.hazard_per_hour =
+        alarm.value("hazard_per_year", 0.1) / identification::monitoring::kHoursPerYear;
+  }
+  const Json& learning = out.file.json.at("learning");
+  options.learning.most_hinges = learning.value("hinges", 3);
+  options.learning.hinges = options.learning.most_hinges > 0;
+  options.learning.lag = learning.value("lag", true);
+}
+
+}  // namespace
+
+Report TimeAxis::written(double hours) const {
+  if (start_nanoseconds) return text(hours);
+  // Times are often whole numbers of their unit: the digits of a product are not.
+  return std::stod(base::significant(hours / hours_per_unit, 12));
+}
+
+std::string TimeAxis::text(double hours) const {
+  if (!start_nanoseconds) return base::significant(hours / hours_per_unit, 12);
+  io::TimeStamp stamp{.nanoseconds = *start_nanoseconds + std::llround(hours * 3600.0) * 1'000'000'000};
+  return io::text_of(stamp);
+}
+
+MonitorCaseFile parse_monitor_case(CaseFile file) {
+  validate_against_schema(file, "monitor");
+  MonitorCaseFile out{.file = std::move(file), .title = {}};
+  out.title = out.file.json.value("title", std::string("Monitoring"));
+  const SeriesColumns columns = columns_of(out.file);
+  const signals::Record table = read_table(out.file, columns);
+  if (table.rows() == 0) refuse_row(table, 0, -1, "the table has no rows");
+  read_times(table, columns, out);
+  read_features(table, columns, out);
+  read_covariates(table, columns, out);
+  read_learning(out);
+  check_series(columns, out);
+  read_alarm(out);
+  return out;
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,205 @@
+#include "apps/results/monitor_summary.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <ostream>
+
+#include "apps/results/terminal.hpp"
+#include "apps/words.hpp"
+#include "base/index.hpp"
+#include "io/text/text.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+using identification::monitoring::AlarmRecord;
+using identification::monitoring::ChangeEstimate;
+using identification::monitoring::Monitor;
+using identification::monitoring::RowFinding;
+
+std::string cell(double x) {
+  return std::isfinite(x) ? base::significant(x, 9) : std::string();
+}
+
+/// A header as a cell of CSV.
+std::string quoted(const std::string& text) {
+  if (text.find_first_of(",\"\n") == std::string::npos) return text;
+  std::string out = "\"";
+  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
+  return out + "\"";
+}
+
+Report alarm_json(const MonitorCaseFile& parsed, const AlarmRecord& alarm) {
+  const ChangeEstimate& change = alarm.change;
+  Report features = Report::array();
+  for (Eigen::Index j = 0; j < change.shift.size(); ++j)
+    features.push_back({{"name", parsed.series.feature_names[index(j)]},
+                        {"shift", change.shift[j]},
+                        {"sd", change.shift_sd[j]},
+                        {"probability_shifted", change.shifted_probability[j]}});
+  return {{"time", parsed.time.written(alarm.hours)},
+          {"onset",
+           {{"q2.5", parsed.time.written(change.onset_low)},
+            {"q50", parsed.time.written(change.onset_median)},
+            {"q97.5", parsed.time.written(change.onset_high)}}},
+          {"probability_changed", change.probability},
+          {"probability_at_alarm", alarm.probability_at_alarm},
+          {"probability_ramp", change.ramp_probability},
+          {"features", features}};
+}
+
+Report baseline_json(const Monitor& monitor) {
+  const auto& baseline = monitor.baseline();
+  Report hinges = Report::object();
+  for (std::size_t k = 0; k < baseline.hinge_probability.size(); ++k)
+    hinges[std::to_string(k)] = baseline.hinge_probability[k];
+  Report draws = Report::array();
+  for (const auto& draw : baseline.draws) {
+    const auto& p = draw.parameters;
+    Report knots = Report::array();
+    for (std::size_t h = 0; h < p.terms.knots.size(); ++h) {
+      const int c = p.terms.hinge_of[h];
+      knots.push_back({{"covariate", baseline.scaling.used()[index(c)]},
+                       {"at", baseline.scaling.mean(c) + baseline.scaling.sd(c) * p.terms.knots[h]}});
+    }
+    draws.push_back({{"lag_hours", p.terms.lag_hours},
+                     {"drift_hours", 1.0 / p.fast_rate},
+                     {"degrees_of_freedom",
+                      std::isfinite(p.degrees) ? Report(p.degrees) : Report("gaussian")},
+                     {"hinges", knots}});
+  }
+  return {{"hinges", hinges},
+          {"residual_sd", std::vector<double>(baseline.residual_sd.begin(),
+                                              baseline.residual_sd.end())},
+          {"draws", draws},
+          {"rhat_max", finite(baseline.rhat_max)}};
+}
+
+}  // namespace
+
+std::string series_header(const MonitorCaseFile& parsed) {
+  std::string out = "time";
+  for (const std::string& name : parsed.series.feature_names)
+    for (const char* what : {"", " predicted", " sd", " corrected"}) out += "," + quoted(name + what);
+  return out + ",log statistic,P(changed),alarm\n";
+}
+
+std::string series_row(const MonitorCaseFile& parsed, int i, const RowFinding& row) {
+  std::string out = parsed.time.text(row.hours);
+  for (Eigen::Index j = 0; j < row.predicted.mean.size(); ++j) {
+    const double predicted = std::exp(row.predicted.mean[j]);
+    out += "," + cell(parsed.features(i, j)) + "," + cell(predicted) + "," +
+           cell(predicted * row.predicted.sd[j]) + "," + cell(std::exp(row.corrected[j]));
+  }
+  const bool learning = i < parsed.learning_rows;
+  out += "," + (learning ? std::string() : cell(row.log_statistic));
+  out += "," + (learning ? std::string() : cell(row.probability_changed));
+  return out + (row.alarm ? ",1\n" : ",0\n");
+}
+
+Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor,
+                       const RunInfo& info) {
+  Report alarms = Report::array();
+  for (const AlarmRecord& alarm : monitor.alarms()) alarms.push_back(alarm_json(parsed, alarm));
+  const double per_year = monitor.rows_per_year();
+  Report rates = {{"stated", per_year * std::exp(-monitor.log_threshold_stated())},
+                  {"replayed", per_year * monitor.replay().rate(monitor.log_threshold_stated())}};
+  Report result = {
+      {"alarm", !monitor.alarms().empty()},
+      {"first_alarm", alarms.empty() ? Report() : alarms[0]["time"]},
+      {"alarms", alarms},
+      {"probability_changed", monitor.probability_changed()},
+      {"false_alarms_per_year", rates},
+      {"log_threshold",
+       {{"stated", monitor.log_threshold_stated()},
+        {"replayed", monitor.log_threshold_replayed()},
+        {"used", monitor.log_threshold()}}},
+      {"rows", parsed.series.rows()},
+      {"learning_rows", parsed.learning_rows},
+      {"last_time", parsed.time.written(parsed.series.hours.back())},
+      {"onset_mass_moved", monitor.change().moved_mass()},
+      {"baseline", baseline_json(monitor)}};
+  if (parsed.time.unit == "row") {
+    result["rows_between_false_alarms"] = {
+        {"stated", std::exp(monitor.log_threshold_stated())},
+        {"replayed", 1.0 / monitor.replay().rate(monitor.log_threshold_stated())}};
+  }
+  std::vector<std::string> warnings = parsed.warnings;
+  if (monitor.log_threshold_replayed() > monitor.log_threshold_stated())
+    warnings.push_back(
+        "Replayed healthy rows raise more false alarms than the model states: Wheeltap uses the "
+        "higher threshold of the replay.");
+  if (!(monitor.baseline().rhat_max < 1.1))
+    warnings.push_back("The chains of the learning period have not converged (R-hat " +
+                       significant(monitor.baseline().rhat_max, 3) +
+                       "): the draws of knots and drift may miss a part of the posterior.");
+  Report out = {{"wheeltap", about("monitor", info, parsed.file)}};
+  out["title"] = parsed.title;
+  out["answer"] = {monitor_headline(result)};
+  out["monitor"] = std::move(result);
+  out["diagnostics"] = {{"warnings", warnings}};
+  return out;
+}
+
+std::string monitor_headline(const Report& monitor) {
+  if (!monitor.at("alarm").get<bool>())
+    return "No alarm in " +
+           base::grouped(monitor.at("rows").get<long>() - monitor.at("learning_rows").get<long>()) +
+           " monitored rows; P(changed) = " +
+           percent(monitor.at("probability_changed").get<double>()) + ".";
+  const Report& alarms = monitor.at("alarms");
+  const Report& last = alarms.back();
+  const auto time = [](const Report& t) {
+    return t.is_string() ? t.get<std::string>() : base::significant(t.get<double>(), 8);
+  };
+  return std::string(alarms.size() == 1 ? "Alarm at " : std::to_string(alarms.size()) +
+                                                            " alarms, the last at ") +
+         time(last.at("time")) + ": features changed at " + time(last.at("onset").at("q50")) +
+         " (95 % interval " + time(last.at("onset").at("q2.5")) + " to " +
+         time(last.at("onset").at("q97.5")) + "), probability " +
+         percent(last.at("probability_changed").get<double>()) + ".";
+}
+
+std::string shifts_in_words(const Report& alarm) {
+  std::vector<std::pair<double, std::string>> shifts;
+  for (const Report& f : alarm.at("features")) {
+    const double shift = f.at("shift").get<double>(), sd = f.at("sd").get<double>();
+    if (f.at("probability_shifted").get<double>() < 0.5) continue;
+    shifts.emplace_back(-std::abs(shift) / std::max(sd, 1e-300),
+                        f.at("name").get<std::string>() + " by " +
+                            base::fixed(100.0 * std::expm1(shift), 2) + " % ± " +
+                            base::fixed(100.0 * sd, 2) + " %");
+  }
+  std::ranges::sort(shifts);
+  std::vector<std::string> words;
+  for (const auto& [order, text] : shifts) words.push_back(text);
+  return words.empty() ? std::string("no feature with a probability above 50 %") : in_words(words);
+}
+
+void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Report& summary,
+                   bool colour) {
+  const Page page{out, colour};
+  const Report& monitor = summary.at("monitor");
+  out << page.bold(io::printable(parsed.title)) << "\n\n";
+  page.wrapped(monitor_headline(monitor), "", "");
+  for (const Report& alarm : monitor.at("alarms"))
+    page.wrapped("Shifts: " + io::printable(shifts_in_words(alarm)) + ".", "  ", "  ");
+  const Report& rates = monitor.at("false_alarms_per_year");
+  if (monitor.contains("rows_between_false_alarms")) {
+    const Report& rows = monitor.at("rows_between_false_alarms");
+    page.wrapped("Rows between two false alarms: " + significant(rows.at("stated").get<double>(), 3) +
+                     " stated, " + significant(rows.at("replayed").get<double>(), 3) +
+                     " in replayed healthy rows.",
+                 "", "");
+  } else {
+    page.wrapped("False alarms a year at the threshold of the model: " +
+                     significant(rates.at("stated").get<double>(), 3) + " stated, " +
+                     significant(rates.at("replayed").get<double>(), 3) +
+                     " in replayed healthy rows.",
+                 "", "");
+  }
+  for (const Report& text : summary.at("diagnostics").at("warnings"))
+    page.wrapped(io::printable(text.get<std::string>()), "! ", "  ");
+}
+
+}  // namespace wheeltap::apps

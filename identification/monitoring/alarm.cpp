@@ -1,0 +1,113 @@
+#include "identification/monitoring/alarm.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "base/random.hpp"
+
+namespace wheeltap::identification::monitoring {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// The first draw's drift and noise about a known level.
+Baseline without_covariates(const Baseline& of) {
+  const BaselineParameters& from = of.draws.front().parameters;
+  BaselineDraw draw{.parameters = from};
+  draw.parameters.terms = {};
+  draw.parameters.coefficient_mean = MatrixXd::Zero(1, from.features());
+  draw.parameters.coefficient_sd = 1e-3 * from.noise_sd.transpose();
+  draw.filter = BaselineFilter(draw.parameters);
+  return {.residual_sd = of.residual_sd, .draws = {draw}, .rows_per_hour = of.rows_per_hour};
+}
+
+double largest_statistic(const Baseline& baseline, const MatrixXd& innovations,
+                         const ChangePointOptions& change, const ReplayOptions& options,
+                         int number) {
+  base::Random random(options.seed, index(number), 0, base::Purpose::simulation);
+  ChangePoint detector(baseline, change);
+  const BaselineParameters& b = baseline.draws.front().parameters;
+  BaselineFilter simulated = baseline.draws.front().filter;
+  const double step = 1.0 / baseline.rows_per_hour;
+  const auto p = static_cast<Index>(b.features());
+  const Weather weather{.h = VectorXd::Ones(3)};
+  double largest = -kInfinity;
+  Index at = 0;
+  VectorXd covariance;
+  for (int t = 0; t < options.rows; ++t) {
+    at = t % options.block == 0 ? random.index(static_cast<int>(innovations.rows()))
+                                : (at + 1) % innovations.rows();
+    Row row{.hours = (t + 1) * step,
+            .features = VectorXd::Constant(p, kNaN),
+            .relative_variance = VectorXd::Ones(p),
+            .covariates = VectorXd()};
+    simulated.predict(b, step);
+    for (Index j = 0; j < p; ++j) {
+      const double z = innovations(at, j);
+      if (!std::isfinite(z)) continue;
+      const int feature = static_cast<int>(j);
+      simulated.observe(feature, weather.h, covariance);
+      const double noise = noise_variance(b, weather, row, simulated, feature);
+      const double s = simulated.variance(feature, weather.h, covariance) + noise;
+      const double v = z * std::sqrt(s);
+      row.features[j] = simulated.mean(feature, weather.h) + v;
+      simulated.update(covariance, v, s + noise * (noise_inflation(v, s, b.degrees) - 1.0));
+    }
+    detector.add(row);
+    largest = std::max(largest, detector.log_statistic());
+  }
+  return largest;
+}
+
+}  // namespace
+
+double Replay::rate(double log_threshold) const {
+  const double p = log_threshold <= log_median
+                       ? 0.5
+                       : 0.5 * std::exp(-(log_threshold - log_median) / tail);
+  return -std::log1p(-p) / rows;
+}
+
+double Replay::log_threshold(double rate) const {
+  const double p = -std::expm1(-rate * rows);
+  return p >= 0.5 ? log_median : log_median - tail * std::log(2.0 * p);
+}
+
+MatrixXd healthy_innovations(const Baseline& baseline, const Series& series) {
+  BaselineDraw draw = baseline.draws.front();
+  MatrixXd out(series.rows(), series.feature_count());
+  double before = baseline.last_hours;
+  for (int t = 0; t < series.rows(); ++t) {
+    const Row row = row_of(series, t, baseline.usual_sds);
+    const double step = row.hours - before;
+    before = row.hours;
+    const Weather weather = next_weather(baseline.scaling(row.covariates), step, draw);
+    out.row(t) =
+        filter_row(draw.parameters, weather, row, step, draw.filter).standardised.transpose();
+  }
+  return out;
+}
+
+Replay replay(const Baseline& baseline, const MatrixXd& innovations,
+              const ChangePointOptions& change, const ReplayOptions& options) {
+  const Baseline reduced = without_covariates(baseline);
+  std::vector<double> largest(index(options.series));
+  base::parallel_for(options.series, options.threads, [&](int i) {
+    largest[index(i)] = largest_statistic(reduced, innovations, change, options, i);
+  });
+  std::ranges::sort(largest);
+  Replay out{.series = options.series, .rows = options.rows};
+  const std::size_t middle = largest.size() / 2;
+  out.log_median = largest[middle];
+  double sum = 0.0;
+  for (std::size_t i = middle; i < largest.size(); ++i) sum += largest[i] - out.log_median;
+  out.tail = std::max(0.05, sum / static_cast<double>(largest.size() - middle));
+  return out;
+}
+
+}  // namespace wheeltap::identification::monitoring

@@ -1,0 +1,114 @@
+// The healthy structure's features under weather, as a linear Gaussian state-space model with heavy
+// tails, and its Kalman filter:
+//
+//   y_tj = phi(u_t)' b_j + d_tj + s_tj + e_tj,
+//   d_t: Ornstein-Uhlenbeck, rate `fast_rate`, covariance diag(fast_sd) C diag(fast_sd),
+//   s_t: the same with the time constant kSlowHours and independent features,
+//   e_tj: Student t with `degrees` degrees of freedom, scale noise_sd_j √(relative variance).
+//
+// The state of feature j is the block [b_j, d_j, s_j]; all observe it with h = [phi, 1, 1].
+// Entries of a row are taken one after the other. For Gaussian noise that is exact. For Student t:
+// the predictive density of an entry is Student's t with the filter's variance as squared scale
+// (normalised), and the update multiplies the entry's noise variance by (nu + v²/S)/(nu + 1), the
+// inverse of the expected precision of the scale mixture given the innovation v.
+#pragma once
+
+#include <algorithm>
+#include <limits>
+
+#include "identification/monitoring/covariate_terms.hpp"
+#include "identification/monitoring/series.hpp"
+
+namespace wheeltap::identification::monitoring {
+
+inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
+inline constexpr double kSlowHours = 90.0 * 24.0;
+
+/// The parameters of one draw. p features, K terms.
+struct BaselineParameters {
+  CovariateTerms terms = {};
+  double fast_rate = 0.1;  ///< 1/h
+  Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};  ///< p, of logarithms
+  Eigen::MatrixXd correlation = {};                           ///< p x p, of d
+  double degrees = kGaussian;                  ///< of Student's t
+  Eigen::MatrixXd coefficient_mean = {}, coefficient_sd = {};  ///< K x p, priors
+
+  [[nodiscard]] int features() const { return static_cast<int>(noise_sd.size()); }
+  [[nodiscard]] int block() const { return static_cast<int>(coefficient_sd.rows()) + 2; }
+};
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, BaselineParameters>
+void carry(Parcel& parcel, Of& b) {
+  parcel(b.terms, b.fast_rate, b.fast_sd, b.slow_sd, b.noise_sd, b.correlation, b.degrees,
+         b.coefficient_mean, b.coefficient_sd);
+}
+
+/// ln of the density of an innovation v whose squared scale is S.
+[[nodiscard]] double log_innovation_density(double v, double s, double degrees);
+
+/// What a row's covariates say to one draw.
+struct Weather {
+  Eigen::VectorXd h = {};  ///< block(): [phi, 1, 1]
+  /// K x K covariance of phi from imputed covariates; empty where none was.
+  Eigen::MatrixXd term_covariance = {};
+};
+
+/// Mean and covariance of the state, and the steps of the filter.
+class BaselineFilter {
+ public:
+  BaselineFilter() = default;
+  /// The prior: d and s stationary.
+  explicit BaselineFilter(const BaselineParameters& parameters);
+
+  /// Time passes.
+  void predict(const BaselineParameters& parameters, double hours);
+  /// P h_j of feature j's observation; call after predict.
+  void observe(int feature, const Eigen::VectorXd& h, Eigen::VectorXd& covariance) const;
+  [[nodiscard]] double mean(int feature, const Eigen::VectorXd& h) const;
+  /// Variance of h_j' x, given P h_j.
+  [[nodiscard]] double variance(int feature, const Eigen::VectorXd& h,
+                                const Eigen::VectorXd& covariance) const;
+  /// Conditions on an entry with innovation v and variance s, noise included.
+  void update(const Eigen::VectorXd& covariance, double v, double s);
+
+  /// Extra noise variance of a feature from imputed covariates.
+  [[nodiscard]] double imputation_variance(int feature, const Weather& weather) const;
+
+  Eigen::VectorXd x;
+  Eigen::MatrixXd p;
+
+ private:
+  int block_ = 0;
+  template <class Parcel, class Of>
+  requires std::same_as<std::remove_const_t<Of>, BaselineFilter>
+  friend void carry(Parcel& parcel, Of& filter) { parcel(filter.x, filter.p, filter.block_); }
+};
+
+/// Predictive moments of a row before its features are seen, and its log density.
+struct RowPrediction {
+  Eigen::VectorXd mean, sd;      ///< p; sd includes noise
+  Eigen::VectorXd standardised;  ///< p innovations over their scale, in sequence; NaN: missing
+  double log_density = 0.0;
+};
+
+/// Predicts, scores and conditions on one row, `hours` after the last.
+[[nodiscard]] RowPrediction filter_row(const BaselineParameters& parameters, const Weather& weather,
+                                       const Row& row, double hours, BaselineFilter& filter);
+
+/// Noise variance of an entry.
+[[nodiscard]] double noise_variance(const BaselineParameters& parameters, const Weather& weather,
+                                    const Row& row, const BaselineFilter& filter, int feature);
+
+/// How much the update multiplies the noise variance by, see above; 1 for Gaussian noise.
+[[nodiscard]] inline double noise_inflation(double v, double s, double degrees) {
+  if (degrees == kGaussian) return 1.0;
+  return std::max(1.0, (degrees + v * v / s) / (degrees + 1.0));
+}
+
+/// h and covariance of phi for scaled covariates whose lagged values are v and `slow`.
+[[nodiscard]] Weather weather_at(const CovariateTerms& terms,
+                                 const CovariateScaling::Scaled& scaled, const Eigen::VectorXd& v,
+                                 const Eigen::VectorXd& slow);
+
+}  // namespace wheeltap::identification::monitoring

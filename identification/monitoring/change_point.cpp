@@ -1,0 +1,496 @@
+#include "identification/monitoring/change_point.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+
+#include "base/constants.hpp"
+#include "base/index.hpp"
+#include "base/log_gamma.hpp"
+
+namespace wheeltap::identification::monitoring {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+double log_sum(double a, double b) {
+  if (a < b) std::swap(a, b);
+  return b == -kInfinity ? a : a + std::log1p(std::exp(b - a));
+}
+
+template <class Values>
+double log_sum_exp(const Values& values) {
+  const double top = values.maxCoeff();
+  return top == -kInfinity ? top : top + std::log((values.array() - top).exp().sum());
+}
+
+/// ln p(δ's hypothesis), (1 + p) x kSizes.
+MatrixXd log_prior_of_hypotheses(Index p) {
+  const double all = p > 1 ? 0.5 : 1.0 - 0.5 / kSizes, each = (1.0 - all) / static_cast<double>(p);
+  MatrixXd out(1 + p, kSizes);
+  out.row(0).setConstant(std::log(all / kSizes));
+  out.bottomRows(p).setConstant(std::log(each / kSizes));
+  return out;
+}
+
+double profile_at(ShiftProfile profile, double hours) {
+  if (profile == ShiftProfile::ramp) return std::min(1.0, hours / kRampHours);
+  return profile == ShiftProfile::transient ? std::exp(-hours / kTransientHours) : 1.0;
+}
+
+/// Adds a row's log densities to the weights of draws and hypotheses, which stay normalised up to
+/// the fixed share; ln of the row's density given the onset.
+double add_scores(CandidateOnset& c, const std::vector<MatrixXd>& log_density, double share) {
+  double total = -kInfinity;
+  for (std::size_t k = 0; k < c.draws.size(); ++k) {
+    c.draws[k].log_weight += log_density[k];
+    total = log_sum(total, log_sum_exp(c.draws[k].log_weight));
+  }
+  MatrixXd mean = MatrixXd::Zero(c.draws[0].log_weight.rows(), kSizes);
+  for (ShiftPosterior& d : c.draws) {
+    d.log_weight = (d.log_weight.array() - total).exp();
+    mean += d.log_weight;
+  }
+  const auto m = static_cast<double>(c.draws.size());
+  for (ShiftPosterior& d : c.draws)
+    d.log_weight = ((1.0 - share) * d.log_weight.array() + (share / m) * mean.array()).log();
+  return total;
+}
+
+/// Sum of log innovation densities: one logarithm for a row.
+class DensitySum {
+ public:
+  explicit DensitySum(double degrees)
+      : degrees_(degrees),
+        constant_(degrees == kGaussian ? -0.5 * std::log(kTwoPi)
+                                       : base::log_gamma(0.5 * (degrees + 1.0)) -
+                                             base::log_gamma(0.5 * degrees) -
+                                             0.5 * std::log(degrees * kPi)) {}
+  struct Terms {
+    double scales = 1.0, tails = 1.0, squares = 0.0;
+    int n = 0;
+  };
+  void add(Terms& terms, double v, double s) const {
+    terms.scales *= s;
+    if (degrees_ == kGaussian)
+      terms.squares += v * v / s;
+    else
+      terms.tails *= 1.0 + v * v / (degrees_ * s);
+    if (++terms.n % 8 == 0) flush(terms);
+  }
+  [[nodiscard]] double value(const Terms& terms) const {
+    const double tails = degrees_ == kGaussian ? 0.0 : 0.5 * (degrees_ + 1.0) * std::log(terms.tails);
+    return terms.n * constant_ - 0.5 * std::log(terms.scales) - 0.5 * terms.squares - tails;
+  }
+
+ private:
+  /// Keeps the products far from underflow.
+  void flush(Terms& terms) const {
+    terms.squares += std::log(terms.scales);
+    if (degrees_ != kGaussian) terms.squares += (degrees_ + 1.0) * std::log(terms.tails);
+    terms.scales = terms.tails = 1.0;
+  }
+  double degrees_, constant_;
+};
+
+}  // namespace
+
+/// Log density of the row under each candidate and hypothesis of one draw.
+struct ChangePoint::RowScores {
+  std::vector<std::vector<MatrixXd>> log_density;  ///< candidate, draw: (1 + p) x kSizes
+};
+
+ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& options)
+    : scaling_(baseline.scaling),
+      residual_sd_(baseline.residual_sd),
+      options_(options),
+      draws_(baseline.draws),
+      last_hours_(baseline.last_hours),
+      last_ramp_hours_(baseline.last_hours) {
+  for (const BaselineDraw& draw : draws_) changed_.push_back(draw.filter);
+  const auto m = static_cast<Index>(draws_.size());
+  log_weight_ = VectorXd::Constant(m, -std::log(static_cast<double>(m)));
+}
+
+CandidateOnset ChangePoint::born(const Row& row, ShiftProfile profile) const {
+  const auto p = static_cast<Index>(residual_sd_.size());
+  CandidateOnset out{.row = rows_, .hours = row.hours, .profile = profile};
+  const MatrixXd prior = log_prior_of_hypotheses(p);
+  for (std::size_t m = 0; m < draws_.size(); ++m) {
+    ShiftPosterior shift{.sensitivity = MatrixXd::Zero(draws_[m].filter.x.size(), p),
+                         .mean = MatrixXd::Zero(p, kSizes),
+                         .covariance = MatrixXd::Zero(p, p * kSizes),
+                         .single_mean = MatrixXd::Zero(p, kSizes),
+                         .single_variance = MatrixXd(p, kSizes),
+                         .log_weight = prior.array() + log_weight_[static_cast<Index>(m)]};
+    for (Index s = 0; s < kSizes; ++s) {
+      shift.single_variance.col(s) = (kShiftSizes[s] * residual_sd_).array().square();
+      shift.covariance.middleCols(s * p, p).diagonal() = shift.single_variance.col(s);
+    }
+    out.draws.push_back(std::move(shift));
+  }
+  return out;
+}
+
+void ChangePoint::bear_candidates(const Row& row, double hours) {
+  const double log_born = std::log(-std::expm1(-options_.hazard_per_hour * hours)) + log_no_change_;
+  log_no_change_ -= options_.hazard_per_hour * hours;
+  const auto bear = [&](ShiftProfile profile, double log_share, double rows) {
+    candidates_.push_back(born(row, profile));
+    candidates_.back().log_wealth = log_share + std::log(rows);
+    candidates_.back().log_prior = log_share + log_born + std::log(rows);
+  };
+  bear(ShiftProfile::step, std::log1p(-options_.ramp_share), 1.0);
+  // A candidate ramp stands for all rows since the last one.
+  if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0)
+    bear(ShiftProfile::ramp, std::log(options_.ramp_share), options_.ramp_every);
+  if (options_.transients_per_hour > 0.0) {
+    transients_.push_back(born(row, ShiftProfile::transient));
+    transients_.back().log_prior =
+        log_quiet_ + std::log(-std::expm1(-options_.transients_per_hour * hours));
+    log_quiet_ -= options_.transients_per_hour * hours;
+  }
+}
+
+std::vector<CandidateOnset*> ChangePoint::all_candidates() {
+  std::vector<CandidateOnset*> out;
+  for (CandidateOnset& c : candidates_) out.push_back(&c);
+  for (CandidateOnset& c : transients_) out.push_back(&c);
+  return out;
+}
+
+double ChangePoint::score_healthy(const Row& row, double hours,
+                                  const std::vector<Weather>& weather, PredictedRow& out) {
+  const auto p = static_cast<Index>(residual_sd_.size());
+  out = {.mean = VectorXd::Zero(p), .sd = VectorXd::Zero(p), .weather = VectorXd::Zero(p)};
+  VectorXd squares = VectorXd::Zero(p), log_density(log_weight_.size());
+  for (std::size_t m = 0; m < draws_.size(); ++m) {
+    BaselineDraw& draw = draws_[m];
+    const double weight = std::exp(log_weight_[static_cast<Index>(m)]);
+    const Index block = draw.parameters.block();
+    for (Index j = 0; j < p; ++j)
+      out.weather[j] += weight * draw.filter.x.segment(j * block + 1, block - 3)
+                                     .dot(weather[m].h.segment(1, block - 3));
+    const RowPrediction predicted =
+        filter_row(draw.parameters, weather[m], row, hours, draw.filter);
+    log_density[static_cast<Index>(m)] = predicted.log_density;
+    out.mean += weight * predicted.mean;
+    squares.array() +=
+        weight * (predicted.mean.array().square() + predicted.sd.array().square());
+  }
+  out.sd = (squares.array() - out.mean.array().square()).max(0.0).sqrt();
+  const VectorXd joint = log_weight_ + log_density;
+  const double total = log_sum_exp(joint);
+  const double share = options_.fixed_share;
+  log_weight_ = ((1.0 - share) * (joint.array() - total).exp() +
+                 share / static_cast<double>(draws_.size()))
+                    .log();
+  return total;
+}
+
+void ChangePoint::score_draw(std::size_t m, const Row& row, const Weather& weather,
+                             RowScores& scores) {
+  const BaselineParameters& parameters = draws_[m].parameters;
+  BaselineFilter& filter = changed_[m];
+  const auto p = static_cast<Index>(residual_sd_.size());
+  const Index block = parameters.block();
+  const std::vector<CandidateOnset*> all = all_candidates();
+  const std::size_t n = all.size();
+  const DensitySum density(parameters.degrees);
+  const auto hypotheses = static_cast<std::size_t>((1 + p) * kSizes);
+  std::vector<DensitySum::Terms> sums(n * hypotheses);
+  MatrixXd g(p, static_cast<Index>(n));
+  // The inflation that candidates agree on: those of their most probable hypotheses, by mass.
+  std::vector<std::array<Index, 2>> favourite(n);
+  VectorXd mass(static_cast<Index>(n)), profile(static_cast<Index>(n));
+  for (std::size_t i = 0; i < n; ++i) {
+    const CandidateOnset& c = *all[i];
+    const MatrixXd& log_weight = c.draws[m].log_weight;
+    log_weight.maxCoeff(&favourite[i][0], &favourite[i][1]);
+    const bool is_new = c.row == rows_;
+    mass[static_cast<Index>(i)] = is_new ? -kInfinity : c.log_mass() + log_weight.maxCoeff();
+    profile[static_cast<Index>(i)] = profile_at(c.profile, row.hours - c.hours);
+  }
+  VectorXd covariance, gain(filter.x.size());
+  for (Index j = 0; j < p; ++j) {
+    if (!std::isfinite(row.features[j])) continue;
+    const int feature = static_cast<int>(j);
+    filter.observe(feature, weather.h, covariance);
+    const double noise = noise_variance(parameters, weather, row, filter, feature);
+    const double s = filter.variance(feature, weather.h, covariance) + noise;
+    const double v = row.features[j] - filter.mean(feature, weather.h);
+    VectorXd inflation(static_cast<Index>(n));
+    for (std::size_t i = 0; i < n; ++i) {
+      const ShiftPosterior& shift = all[i]->draws[m];
+      const auto ii = static_cast<Index>(i);
+      auto gi = g.col(ii);
+      gi.noalias() = shift.sensitivity.middleRows(j * block, block).transpose() * weather.h;
+      gi[j] += profile[ii];
+      DensitySum::Terms* sum = &sums[i * hypotheses];
+      for (Index size = 0; size < kSizes; ++size) {
+        for (Index h = 0; h <= p; ++h) {
+          double vh = v, sh = s;
+          if (h == 0) {
+            const auto cov = shift.covariance.middleCols(size * p, p);
+            vh -= gi.dot(shift.mean.col(size));
+            sh += gi.dot(cov * gi);
+          } else {
+            vh -= gi[h - 1] * shift.single_mean(h - 1, size);
+            sh += gi[h - 1] * gi[h - 1] * shift.single_variance(h - 1, size);
+          }
+          density.add(sum[h * kSizes + size], vh, sh);
+          if (h == favourite[i][0] && size == favourite[i][1]) {
+            inflation[ii] = noise_inflation(vh, sh, parameters.degrees);
+            mass[ii] += log_innovation_density(vh, sh, parameters.degrees);
+          }
+        }
+      }
+    }
+    double common = 1.0;
+    if (parameters.degrees != kGaussian && mass.maxCoeff() > -kInfinity) {
+      const VectorXd weight = (mass.array() - mass.maxCoeff()).exp();
+      common = weight.dot(inflation) / weight.sum();
+    } else if (parameters.degrees != kGaussian) {
+      common = noise_inflation(v, s, parameters.degrees);
+    }
+    const double inflated = s + noise * (common - 1.0);
+    gain = covariance / inflated;
+    filter.update(covariance, v, inflated);
+    for (std::size_t i = 0; i < n; ++i) {
+      ShiftPosterior& shift = all[i]->draws[m];
+      const auto gi = g.col(static_cast<Index>(i));
+      for (Index size = 0; size < kSizes; ++size) {
+        auto cov = shift.covariance.middleCols(size * p, p);
+        const VectorXd cg = cov * gi;
+        const double total = inflated + gi.dot(cg);
+        shift.mean.col(size) += cg * ((v - gi.dot(shift.mean.col(size))) / total);
+        cov.noalias() -= cg * (cg / total).transpose();
+        for (Index k = 0; k < p; ++k) {
+          double& variance = shift.single_variance(k, size);
+          const double kg = variance * gi[k], st = inflated + gi[k] * kg;
+          shift.single_mean(k, size) += kg * (v - gi[k] * shift.single_mean(k, size)) / st;
+          variance -= kg * kg / st;
+        }
+      }
+      shift.sensitivity.noalias() -= gain * gi.transpose();
+    }
+  }
+  for (std::size_t i = 0; i < n; ++i)
+    for (Index h = 0; h <= p; ++h)
+      for (Index size = 0; size < kSizes; ++size)
+        scores.log_density[i][m](h, size) =
+            density.value(sums[i * hypotheses + static_cast<std::size_t>(h * kSizes + size)]);
+}
+
+double ChangePoint::weigh_healthy(const RowScores& scores, double log_baseline) {
+  double total = log_quiet_ + log_baseline;
+  log_quiet_ = total;
+  for (std::size_t i = 0; i < transients_.size(); ++i) {
+    CandidateOnset& c = transients_[i];
+    c.log_ratio += add_scores(c, scores.log_density[candidates_.size() + i], options_.fixed_share);
+    total = log_sum(total, c.log_mass());
+  }
+  log_quiet_ -= total;
+  for (CandidateOnset& c : transients_) c.log_ratio -= total;
+  return total;
+}
+
+void ChangePoint::weigh_candidates(const RowScores& scores, double log_healthy) {
+  for (std::size_t i = 0; i < candidates_.size(); ++i) {
+    CandidateOnset& c = candidates_[i];
+    const double gain =
+        add_scores(c, scores.log_density[i], options_.fixed_share) - log_healthy;
+    c.log_ratio += gain;
+    c.log_wealth += gain;
+  }
+}
+
+void ChangePoint::merge(std::vector<CandidateOnset>& list, std::size_t from, std::size_t into) {
+  CandidateOnset &a = list[from], &b = list[into];
+  if (a.profile != ShiftProfile::transient)
+    moved_ += std::exp(a.log_mass() - log_sum(log_no_change_, a.log_mass()));
+  b.log_prior = log_sum(b.log_mass(), a.log_mass()) - b.log_ratio;
+  b.log_wealth = log_sum(b.log_wealth, a.log_wealth);
+  list.erase(list.begin() + static_cast<std::ptrdiff_t>(from));
+}
+
+void ChangePoint::retire_transients(double hours) {
+  constexpr double kDecayed = 5.0;  // time constants
+  std::erase_if(transients_, [&](const CandidateOnset& c) {
+    if (hours - c.hours < kDecayed * kTransientHours) return false;
+    log_quiet_ = log_sum(log_quiet_, c.log_mass());
+    return true;
+  });
+}
+
+void ChangePoint::merge_old() {
+  if (options_.young == 0) return;
+  for (const ShiftProfile profile : {ShiftProfile::step, ShiftProfile::ramp})
+    while (merge_one(candidates_, profile)) continue;
+  while (merge_one(transients_, ShiftProfile::transient)) continue;
+}
+
+bool ChangePoint::merge_one(std::vector<CandidateOnset>& list, ShiftProfile profile) {
+  constexpr int kLastOctave = 7;  // holds all that is older
+  const bool is_ramp = profile == ShiftProfile::ramp;
+  std::map<int, std::vector<std::size_t>> octaves;
+  const double unit = options_.young * (is_ramp ? 4.0 : 1.0);
+  for (std::size_t i = 0; i < list.size(); ++i) {
+    if (list[i].profile != profile) continue;
+    const auto age = static_cast<double>(rows_ - list[i].row);
+    if (age >= unit)
+      octaves[std::min(kLastOctave, static_cast<int>(std::log2(age / unit)))].push_back(i);
+  }
+  for (const auto& [octave, members] : octaves) {
+    if (static_cast<int>(members.size()) <= (is_ramp ? 2 : options_.kept_per_octave)) continue;
+    // The lightest goes to its nearer neighbour.
+    std::size_t lightest = 0;
+    for (std::size_t k = 1; k < members.size(); ++k)
+      if (list[members[k]].log_mass() < list[members[lightest]].log_mass()) lightest = k;
+    std::size_t into = lightest == 0 ? 1 : lightest - 1;
+    if (lightest > 0 && lightest + 1 < members.size()) {
+      const auto gap = [&, members = members](std::size_t k) {
+        return std::abs(list[members[k]].row - list[members[lightest]].row);
+      };
+      if (gap(lightest + 1) < gap(lightest - 1)) into = lightest + 1;
+    }
+    merge(list, members[lightest], members[into]);
+    return true;
+  }
+  return false;
+}
+
+PredictedRow ChangePoint::add(const Row& row) {
+  const double hours = row.hours - last_hours_;
+  const CovariateScaling::Scaled scaled = scaling_(row.covariates);
+  bear_candidates(row, hours);
+  std::vector<Weather> weather;
+  for (std::size_t m = 0; m < draws_.size(); ++m) {
+    weather.push_back(next_weather(scaled, hours, draws_[m]));
+    const BaselineParameters& b = draws_[m].parameters;
+    changed_[m].predict(b, hours);
+    const double fast = std::exp(-b.fast_rate * hours), slow = std::exp(-hours / kSlowHours);
+    for (CandidateOnset* c : all_candidates())
+      for (Index j = 1; j <= residual_sd_.size(); ++j) {
+        c->draws[m].sensitivity.row(j * b.block() - 2) *= fast;
+        c->draws[m].sensitivity.row(j * b.block() - 1) *= slow;
+      }
+  }
+  PredictedRow out;
+  const double log_baseline = score_healthy(row, hours, weather, out);
+  if (row.features.array().isFinite().any()) {
+    RowScores scores;
+    const MatrixXd none(residual_sd_.size() + 1, kSizes);
+    scores.log_density.assign(candidates_.size() + transients_.size(),
+                              std::vector<MatrixXd>(draws_.size(), none));
+    for (std::size_t m = 0; m < draws_.size(); ++m) score_draw(m, row, weather[m], scores);
+    weigh_candidates(scores, weigh_healthy(scores, log_baseline));
+  }
+  ++rows_;
+  retire_transients(row.hours);
+  merge_old();
+  last_hours_ = row.hours;
+  return out;
+}
+
+double ChangePoint::log_statistic() const {
+  double sum = -kInfinity;
+  for (const CandidateOnset& c : candidates_) sum = log_sum(sum, c.log_wealth);
+  return sum;
+}
+
+double ChangePoint::probability_changed() const {
+  double sum = -kInfinity;
+  for (const CandidateOnset& c : candidates_) sum = log_sum(sum, c.log_mass());
+  return std::exp(sum - log_sum(sum, log_no_change_));
+}
+
+ChangeEstimate ChangePoint::estimate() const {
+  const Index p = residual_sd_.size();
+  ChangeEstimate out{.probability = probability_changed(),
+                     .shift = VectorXd::Zero(p),
+                     .shift_sd = VectorXd::Zero(p),
+                     .shifted_probability = VectorXd::Zero(p)};
+  if (candidates_.empty()) return out;
+  double sum = -kInfinity;
+  for (const CandidateOnset& c : candidates_) sum = log_sum(sum, c.log_mass());
+  std::vector<std::pair<double, double>> onsets;
+  VectorXd squares = VectorXd::Zero(p);
+  for (const CandidateOnset& c : candidates_) {
+    const double mass = std::exp(c.log_mass() - sum);
+    onsets.emplace_back(c.hours, mass);
+    if (c.profile == ShiftProfile::ramp) out.ramp_probability += mass;
+    for (const ShiftPosterior& d : c.draws)
+      for (Index size = 0; size < kSizes; ++size) {
+        const double all = mass * std::exp(d.log_weight(0, size));
+        const auto cov = d.covariance.middleCols(size * p, p);
+        out.shift += all * d.mean.col(size);
+        squares.array() +=
+            all * (d.mean.col(size).array().square() + cov.diagonal().array());
+        out.shifted_probability.array() += all;
+        for (Index j = 0; j < p; ++j) {
+          const double alone = mass * std::exp(d.log_weight(1 + j, size));
+          const double mean = d.single_mean(j, size);
+          out.shift[j] += alone * mean;
+          squares[j] += alone * (mean * mean + d.single_variance(j, size));
+          out.shifted_probability[j] += alone;
+        }
+      }
+  }
+  out.shift_sd = (squares.array() - out.shift.array().square()).max(0.0).sqrt();
+  std::ranges::sort(onsets);
+  double below = 0.0;
+  out.onset_low = out.onset_median = out.onset_high = onsets.back().first;
+  bool low = false, median = false;
+  for (const auto& [hours, mass] : onsets) {
+    below += mass;
+    if (!low && below >= 0.025) out.onset_low = hours, low = true;
+    if (!median && below >= 0.5) out.onset_median = hours, median = true;
+    if (below >= 0.975) {
+      out.onset_high = hours;
+      break;
+    }
+  }
+  return out;
+}
+
+void ChangePoint::accept_change() {
+  const auto best = std::ranges::max_element(
+      candidates_, {}, [](const CandidateOnset& c) { return c.log_mass(); });
+  if (best == candidates_.end()) return;
+  const Index p = residual_sd_.size();
+  VectorXd log_weight(log_weight_.size());
+  for (std::size_t m = 0; m < draws_.size(); ++m) {
+    const ShiftPosterior& d = best->draws[m];
+    log_weight[static_cast<Index>(m)] = log_sum_exp(d.log_weight);
+    Index h = 0, size = 0;
+    d.log_weight.maxCoeff(&h, &size);
+    VectorXd mean = VectorXd::Zero(p);
+    MatrixXd covariance = MatrixXd::Zero(p, p);
+    if (h == 0) {
+      mean = d.mean.col(size);
+      covariance = d.covariance.middleCols(size * p, p);
+    } else {
+      mean[h - 1] = d.single_mean(h - 1, size);
+      covariance(h - 1, h - 1) = d.single_variance(h - 1, size);
+    }
+    // State and intercept as functions of the shift: x + (F + E) δ.
+    MatrixXd entry = d.sensitivity;
+    for (Index j = 0; j < p; ++j) entry(j * draws_[m].parameters.block(), j) += 1.0;
+    BaselineFilter& filter = changed_[m];
+    filter.x += entry * mean;
+    filter.p += entry * covariance * entry.transpose();
+    filter.p = 0.5 * (filter.p + filter.p.transpose()).eval();
+    draws_[m].filter = filter;
+  }
+  log_weight_ = log_weight.array() - log_sum_exp(log_weight);
+  candidates_.clear();
+  transients_.clear();
+  log_quiet_ = 0.0;
+  log_no_change_ = 0.0;
+}
+
+}  // namespace wheeltap::identification::monitoring

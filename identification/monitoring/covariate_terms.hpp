@@ -1,0 +1,89 @@
+// What covariates do to features: linear terms, hinges at unknown knots, thermal lag.
+//
+//   v_c' = (z_c - v_c) / lag,   z_c = (u_c - mean_c) / sd_c          (z held between rows)
+//   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
+//   cold = max over c of (low_c - v_c)+,   warm = max over c of (v_c - high_c)+
+//
+// The last four terms are zero in learning; the long ones are of v that lags by kLongLagHours, as
+// frozen ground does. Their coefficients keep their priors in learning, which widens predictions in
+// weather that was not seen.
+#pragma once
+
+#include <concepts>
+#include <type_traits>
+#include <vector>
+
+#include "base/eigen.hpp"
+
+namespace wheeltap::identification::monitoring {
+
+/// Scaling and imputation of covariates, from the learning period.
+class CovariateScaling {
+ public:
+  CovariateScaling() = default;
+  /// `covariates`: n x c learning rows, NaN: missing. A covariate that does not vary is left out.
+  explicit CovariateScaling(const Eigen::MatrixXd& covariates);
+
+  struct Scaled {
+    Eigen::VectorXd z = {};         ///< used covariates, standardised; imputed where missing
+    Eigen::MatrixXd variance = {};  ///< of z: zero but for imputed entries
+    bool imputed = false;
+  };
+  /// A missing entry is given its mean and variance conditional on the present ones, under the
+  /// normal distribution with the learning period's mean and covariance.
+  [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
+
+  [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }
+  /// Indices of the covariates that vary, in order.
+  [[nodiscard]] const std::vector<int>& used() const { return used_; }
+  [[nodiscard]] double mean(int i) const { return mean_[i]; }
+  [[nodiscard]] double sd(int i) const { return sd_[i]; }
+
+  template <class Parcel, class Of>
+  requires std::same_as<std::remove_const_t<Of>, CovariateScaling>
+  friend void carry(Parcel& parcel, Of& scaling) {
+    parcel(scaling.used_, scaling.mean_, scaling.sd_, scaling.correlation_);
+  }
+
+ private:
+  std::vector<int> used_;
+  Eigen::VectorXd mean_, sd_;
+  Eigen::MatrixXd correlation_;
+};
+
+inline constexpr double kLongLagHours = 72.0;
+inline constexpr int kUnseenTerms = 4;  ///< at the end of phi
+
+/// The nonlinear parameters of the covariates' terms.
+struct CovariateTerms {
+  double lag_hours = 0.0;      ///< of all covariates; 0: none
+  std::vector<int> hinge_of = {};   ///< covariate of each hinge, among the used ones
+  std::vector<double> knots = {};   ///< of z, one a hinge
+  Eigen::VectorXd low = {}, high = {};  ///< c: least and largest v in learning
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< c: the same with the long lag
+
+  /// Terms in phi of `covariates` used ones: 1 + c + hinges + kUnseenTerms.
+  [[nodiscard]] int size(int covariates) const {
+    return 1 + covariates + static_cast<int>(knots.size()) +
+           (covariates > 0 ? kUnseenTerms : 0);
+  }
+};
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, CovariateTerms>
+void carry(Parcel& parcel, Of& terms) {
+  parcel(terms.lag_hours, terms.hinge_of, terms.knots, terms.low, terms.high,
+         terms.long_low, terms.long_high);
+}
+
+/// v after `hours` in which the covariate was z; v = z at once without a lag.
+void follow_lag(const Eigen::VectorXd& z, double hours, double lag_hours, Eigen::VectorXd& v);
+
+/// phi of covariates v, which lag as the terms say, and `slow`, which lag by kLongLagHours.
+[[nodiscard]] Eigen::VectorXd terms_at(const CovariateTerms& terms, const Eigen::VectorXd& v,
+                                       const Eigen::VectorXd& slow);
+
+/// d phi/d v, (terms) x (covariates): how an error of v enters phi.
+[[nodiscard]] Eigen::MatrixXd term_slopes(const CovariateTerms& terms, const Eigen::VectorXd& v);
+
+}  // namespace wheeltap::identification::monitoring

@@ -1,0 +1,107 @@
+#include "identification/monitoring/marginal_likelihood.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "base/index.hpp"
+#include "base/log_gamma.hpp"
+#include "identification/monitoring/baseline_filter.hpp"
+
+namespace wheeltap::identification::monitoring {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+struct Whitened {
+  MatrixXd rows;  ///< [X, y] over the innovations' scale
+  double log_scales = 0.0;  ///< Σ ln of these variances
+};
+
+/// The filter of (d, s) with σ = 1, over the columns of [X, y].
+Whitened whiten(const std::vector<double>& hours, const MatrixXd& terms, const FeatureRows& feature,
+                const ProcessRatios& process) {
+  const Index n = feature.y.size(), k = terms.rows() + 1;
+  MatrixXd data(k, n);  // one time is contiguous
+  for (Index t = 0; t < n; ++t) {
+    const double* from = terms.col(feature.rows[index(t)]).data();
+    std::copy(from, from + k - 1, data.col(t).data());
+    data(k - 1, t) = feature.y[t];
+  }
+  VectorXd fast = VectorXd::Zero(k), slow = VectorXd::Zero(k);
+  double ff = process.fast_ratio, fs = 0.0, ss = process.slow_ratio;
+  Whitened out;
+  double before = hours[index(feature.rows[0])], step = -1.0, a = 1.0, c = 1.0, product = 1.0;
+  for (Index t = 0; t < n; ++t) {
+    const double now = hours[index(feature.rows[index(t)])];
+    if (now - before != step) {
+      step = now - before;
+      a = std::exp(-process.fast_rate * step);
+      c = std::exp(-step / kSlowHours);
+    }
+    before = now;
+    ff = a * a * ff + (1.0 - a * a) * process.fast_ratio;
+    ss = c * c * ss + (1.0 - c * c) * process.slow_ratio;
+    fs *= a * c;
+    const double gf = ff + fs, gs = fs + ss, s = gf + gs + 1.0 / feature.precision[t];
+    double* column = data.col(t).data();
+    const double to_fast = gf / s, to_slow = gs / s, scale = 1.0 / std::sqrt(s);
+    double *f = fast.data(), *l = slow.data();
+    for (Index i = 0; i < k; ++i) {
+      const double fi = a * f[i], li = c * l[i], v = column[i] - fi - li;
+      f[i] = fi + to_fast * v;
+      l[i] = li + to_slow * v;
+      column[i] = scale * v;
+    }
+    ff -= gf * gf / s;
+    fs -= gf * gs / s;
+    ss -= gs * gs / s;
+    product *= s;
+    if (t % 16 == 15) {
+      out.log_scales += std::log(product);
+      product = 1.0;
+    }
+  }
+  out.log_scales += std::log(product);
+  out.rows = std::move(data);
+  return out;
+}
+
+}  // namespace
+
+MarginalLikelihood marginal_likelihood(const std::vector<double>& hours, const MatrixXd& terms,
+                                       const FeatureRows& feature, const ProcessRatios& process,
+                                       const RegressionPrior& prior) {
+  const Index k = terms.rows();
+  const auto n = static_cast<double>(feature.y.size());
+  const Whitened white = whiten(hours, terms, feature, process);
+  MatrixXd gram(k + 1, k + 1);
+  gram.noalias() = white.rows * white.rows.transpose();
+  MatrixXd precision = gram.topLeftCorner(k, k);
+  precision.diagonal().array() += prior.coefficient_scale.array().square().inverse();
+  const Eigen::LLT<MatrixXd> factor(precision);
+  MarginalLikelihood out;
+  const VectorXd right = gram.col(k).head(k);
+  out.coefficients = factor.solve(right);
+  out.shape = prior.shape + 0.5 * n;
+  out.scale = prior.scale + 0.5 * std::max(0.0, gram(k, k) - right.dot(out.coefficients));
+  const double log_det = 2.0 * factor.matrixLLT().diagonal().array().log().sum() +
+                         2.0 * prior.coefficient_scale.array().log().sum();
+  out.log_density = -0.5 * (n * std::log(kTwoPi) + white.log_scales + log_det) +
+                    base::log_gamma(out.shape) - base::log_gamma(prior.shape) +
+                    prior.shape * std::log(prior.scale) - out.shape * std::log(out.scale);
+  return out;
+}
+
+VectorXd whitened_residuals(const std::vector<double>& hours, const MatrixXd& terms,
+                            const FeatureRows& feature, const ProcessRatios& process,
+                            const VectorXd& coefficients) {
+  const Whitened white = whiten(hours, terms, feature, process);
+  const Index k = terms.rows();
+  return white.rows.row(k).transpose() - white.rows.topRows(k).transpose() * coefficients;
+}
+
+}  // namespace wheeltap::identification::monitoring

@@ -1,0 +1,99 @@
+// Monitoring: learns a baseline, then takes rows one by one.
+#pragma once
+
+#include <functional>
+#include <optional>
+
+#include "identification/monitoring/alarm.hpp"
+
+namespace wheeltap::identification::monitoring {
+
+inline constexpr double kHoursPerYear = 8766.0;
+
+struct MonitorOptions {
+  double false_alarms_per_year = 0.1;
+  /// In place of a rate for each year.
+  std::optional<double> mean_rows_between_false_alarms = {};
+  ChangePointOptions change = {};
+  LearningOptions learning = {};
+  ReplayOptions replay = {};
+  /// Rows after an alarm in which the change is estimated before it is accepted and the detector
+  /// begins anew.
+  int settling_rows = 24;
+  /// Stage and its fraction; false stops.
+  std::function<bool(const char* stage, double fraction)> progress = nullptr;
+};
+
+struct AlarmRecord {
+  double hours = 0.0;
+  double probability_at_alarm = 0.0;
+  ChangeEstimate change = {};  ///< from the rows up to `settling_rows` after the alarm
+};
+
+/// What one row says.
+struct RowFinding {
+  double hours = 0.0;
+  PredictedRow predicted = {};
+  Eigen::VectorXd corrected = {};  ///< p: the features less the effect of covariates, logarithms
+  double log_statistic = 0.0;
+  double probability_changed = 0.0;  ///< of one change at least since the start
+  bool alarm = false;
+};
+
+class Monitor {
+ public:
+  Monitor() = default;
+  /// Learns from the rows of `learning`, all healthy. Throws as learn_baseline does.
+  Monitor(const Series& learning, const MonitorOptions& options);
+
+  RowFinding add(const Row& row);
+
+  /// The learning rows as the first draw's filter predicted them one by one from its prior, without
+  /// a statistic; empty in a monitor that was carried from bytes.
+  [[nodiscard]] const std::vector<RowFinding>& learned() const { return learned_; }
+  [[nodiscard]] const Baseline& baseline() const { return baseline_; }
+  [[nodiscard]] const ChangePoint& change() const { return change_; }
+  [[nodiscard]] const std::vector<AlarmRecord>& alarms() const { return alarms_; }
+  [[nodiscard]] double probability_changed() const;
+  [[nodiscard]] const Replay& replay() const { return replay_; }
+  /// ln of the threshold that the stated rate asks for, of the one that replay asks for, and of the
+  /// larger one, which is used.
+  [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
+  [[nodiscard]] double log_threshold_replayed() const;
+  [[nodiscard]] double log_threshold() const {
+    return std::max(log_stated_, log_threshold_replayed());
+  }
+  [[nodiscard]] double rows_per_year() const { return baseline_.rows_per_hour * kHoursPerYear; }
+
+  template <class Parcel, class Of>
+  requires std::same_as<std::remove_const_t<Of>, Monitor>
+  friend void carry(Parcel& parcel, Of& m) {
+    parcel(m.baseline_, m.change_, m.replay_, m.alarms_, m.log_stated_, m.settling_left_,
+           m.settling_rows_, m.log_unchanged_);
+  }
+
+ private:
+  Baseline baseline_;
+  ChangePoint change_;
+  Replay replay_;
+  std::vector<AlarmRecord> alarms_;
+  std::vector<RowFinding> learned_;
+  double log_stated_ = 0.0;
+  int settling_left_ = 0, settling_rows_ = 24;
+  double log_unchanged_ = 0.0;  ///< ln P(no change) before the last accepted one
+};
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, ChangeEstimate>
+void carry(Parcel& parcel, Of& c) {
+  parcel(c.probability, c.onset_low, c.onset_median, c.onset_high, c.ramp_probability, c.shift,
+         c.shift_sd, c.shifted_probability);
+}
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, AlarmRecord>
+void carry(Parcel& parcel, Of& a) {
+  parcel(a.hours, a.probability_at_alarm, a.change);
+}
+
+}  // namespace wheeltap::identification::monitoring

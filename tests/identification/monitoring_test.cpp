@@ -1,0 +1,384 @@
+#include "identification/monitoring/monitor.hpp"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "base/index.hpp"
+#include "base/parcel.hpp"
+#include "base/random.hpp"
+#include "identification/monitoring/marginal_likelihood.hpp"
+
+namespace wheeltap::identification::monitoring {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Two features, one covariate with a hinge and a lag, Gaussian noise.
+BaselineParameters small_parameters(double degrees = kGaussian) {
+  BaselineParameters out;
+  out.terms.lag_hours = 3.0;
+  out.terms.hinge_of = {0};
+  out.terms.knots = {0.2};
+  out.terms.low = VectorXd::Constant(1, -2.0);
+  out.terms.high = VectorXd::Constant(1, 2.0);
+  out.terms.long_low = VectorXd::Constant(1, -0.3);
+  out.terms.long_high = VectorXd::Constant(1, 0.3);
+  out.fast_rate = 0.15;
+  out.fast_sd = Eigen::Vector2d(0.8, 0.5);
+  out.slow_sd = Eigen::Vector2d(0.3, 0.2);
+  out.noise_sd = Eigen::Vector2d(1.0, 0.7);
+  out.correlation = (MatrixXd(2, 2) << 1.0, 0.4, 0.4, 1.0).finished();
+  out.degrees = degrees;
+  out.coefficient_mean = MatrixXd::Zero(7, 2);
+  out.coefficient_sd = MatrixXd::Constant(7, 2, 2.0);
+  return out;
+}
+
+VectorXd covariates_at(double hours) {
+  return VectorXd::Constant(1, 3.0 * std::sin(0.3 * hours) + std::cos(0.05 * hours));
+}
+
+MatrixXd some_covariates() {
+  MatrixXd out(200, 1);
+  for (Index t = 0; t < 200; ++t) out.row(t) = covariates_at(static_cast<double>(t)).transpose();
+  return out;
+}
+
+Baseline small_baseline(double degrees = kGaussian) {
+  BaselineDraw draw{.parameters = small_parameters(degrees)};
+  draw.filter = BaselineFilter(draw.parameters);
+  return {.scaling = CovariateScaling(some_covariates()),
+          .residual_sd = Eigen::Vector2d(1.2, 0.9),
+          .draws = {draw},
+          .rows_per_hour = 1.0};
+}
+
+std::vector<Row> small_rows(int n, int onset, double shift, std::uint64_t seed) {
+  base::Random random(seed, 0, 0, base::Purpose::test);
+  std::vector<Row> out;
+  double hours = 0.0;
+  for (int t = 0; t < n; ++t) {
+    hours += 0.5 + random.uniform();
+    Row row{.hours = hours,
+            .features = VectorXd(2),
+            .relative_variance = VectorXd::Ones(2),
+            .covariates = covariates_at(hours)};
+    for (Index j = 0; j < 2; ++j) {
+      row.features[j] = random.normal() + (t >= onset && j == 0 ? shift : 0.0);
+      if (random.uniform() < 0.2) row.features[j] = kNaN;
+    }
+    row.relative_variance[0] = 0.5 + random.uniform();
+    out.push_back(row);
+  }
+  return out;
+}
+
+double log_normal_density(const VectorXd& y, const VectorXd& mean, const MatrixXd& covariance) {
+  const Eigen::LLT<MatrixXd> factor(covariance);
+  const VectorXd white = factor.matrixL().solve(VectorXd(y - mean));
+  return -0.5 * (static_cast<double>(y.size()) * std::log(kTwoPi) + white.squaredNorm()) -
+         factor.matrixLLT().diagonal().array().log().sum();
+}
+
+/// The joint covariance of all entries of the rows, from the model's definition.
+class DenseModel {
+ public:
+  DenseModel(const Baseline& baseline, const std::vector<Row>& rows) {
+    const BaselineParameters& b = baseline.draws[0].parameters;
+    BaselineDraw draw = baseline.draws[0];
+    std::vector<VectorXd> phi;
+    double before = 0.0;
+    for (const Row& row : rows) {
+      const Weather w = next_weather(baseline.scaling(row.covariates), row.hours - before, draw);
+      before = row.hours;
+      phi.emplace_back(w.h.head(w.h.size() - 2));
+    }
+    for (std::size_t t = 0; t < rows.size(); ++t)
+      for (Index j = 0; j < 2; ++j)
+        if (std::isfinite(rows[t].features[j])) at_.emplace_back(t, j);
+    const auto n = static_cast<Index>(at_.size());
+    y_.resize(n);
+    covariance_.resize(n, n);
+    for (Index a = 0; a < n; ++a) {
+      const auto [ta, ja] = at_[index(a)];
+      y_[a] = rows[ta].features[ja];
+      for (Index c = 0; c < n; ++c) {
+        const auto [tc, jc] = at_[index(c)];
+        const double step = std::abs(rows[ta].hours - rows[tc].hours);
+        double value = b.fast_sd[ja] * b.correlation(ja, jc) * b.fast_sd[jc] *
+                       std::exp(-b.fast_rate * step);
+        if (ja == jc) {
+          value += b.slow_sd[ja] * b.slow_sd[ja] * std::exp(-step / kSlowHours);
+          value += phi[ta].dot(VectorXd(b.coefficient_sd.col(ja).array().square() * phi[tc].array()));
+        }
+        if (a == c) value += b.noise_sd[ja] * b.noise_sd[ja] * rows[ta].relative_variance[ja];
+        covariance_(a, c) = value;
+      }
+    }
+  }
+  [[nodiscard]] double without_change() const {
+    return log_normal_density(y_, VectorXd::Zero(y_.size()), covariance_);
+  }
+  /// Under a step from `onset` on, integrated over the shift's prior.
+  [[nodiscard]] double with_step(std::size_t onset, const VectorXd& residual_sd) const {
+    double sum = 0.0, top = without_change();
+    for (const double size : kShiftSizes)
+      for (int which = -1; which < 2; ++which) {
+        MatrixXd covariance = covariance_;
+        for (std::size_t a = 0; a < at_.size(); ++a)
+          for (std::size_t c = 0; c < at_.size(); ++c) {
+            const auto [ta, ja] = at_[a];
+            const auto [tc, jc] = at_[c];
+            if (ta < onset || tc < onset || ja != jc || (which >= 0 && ja != which)) continue;
+            covariance(static_cast<Index>(a), static_cast<Index>(c)) +=
+                size * size * residual_sd[ja] * residual_sd[ja];
+          }
+        const double prior = (which < 0 ? 0.5 : 0.25) / 3.0;
+        sum += prior *
+               std::exp(log_normal_density(y_, VectorXd::Zero(y_.size()), covariance) - top);
+      }
+    return top + std::log(sum);
+  }
+
+ private:
+  std::vector<std::pair<std::size_t, Index>> at_;
+  VectorXd y_;
+  MatrixXd covariance_;
+};
+
+TEST(BaselineFilter, EvidenceEqualsTheDenseComputation) {
+  const Baseline baseline = small_baseline();
+  const std::vector<Row> rows = small_rows(30, 1000, 0.0, 1);
+  BaselineDraw draw = baseline.draws[0];
+  double sum = 0.0, before = 0.0;
+  for (const Row& row : rows) {
+    const double step = row.hours - before;
+    before = row.hours;
+    const Weather weather = next_weather(baseline.scaling(row.covariates), step, draw);
+    sum += filter_row(draw.parameters, weather, row, step, draw.filter).log_density;
+  }
+  EXPECT_NEAR(sum, DenseModel(baseline, rows).without_change(), 1e-8);
+}
+
+TEST(ChangePoint, OnsetAndBayesFactorEqualTheDenseComputation) {
+  const Baseline baseline = small_baseline();
+  const std::vector<Row> rows = small_rows(30, 18, -2.5, 2);
+  const ChangePointOptions options{
+      .hazard_per_hour = 0.01, .transients_per_hour = 0.0, .ramp_share = 0.0, .young = 0, .fixed_share = 0.0};
+  ChangePoint change(baseline, options);
+  for (const Row& row : rows) change.add(row);
+
+  const DenseModel dense(baseline, rows);
+  const double healthy = dense.without_change();
+  double before = 0.0, survived = 1.0, all = 0.0;
+  std::vector<double> mass;
+  ASSERT_EQ(change.candidates().size(), rows.size());
+  for (std::size_t t = 0; t < rows.size(); ++t) {
+    const double hazard = -std::expm1(-0.01 * (rows[t].hours - before));
+    before = rows[t].hours;
+    const double log_bayes_factor = dense.with_step(t, baseline.residual_sd) - healthy;
+    EXPECT_NEAR(change.candidates()[t].log_ratio, log_bayes_factor, 1e-8) << t;
+    mass.push_back(survived * hazard * std::exp(log_bayes_factor));
+    survived *= 1.0 - hazard;
+    all += mass.back();
+  }
+  EXPECT_NEAR(change.probability_changed(), all / (all + survived), 1e-8);
+  double total = 0.0;
+  for (const CandidateOnset& c : change.candidates()) total += std::exp(c.log_mass());
+  for (std::size_t t = 0; t < rows.size(); ++t)
+    EXPECT_NEAR(std::exp(change.candidates()[t].log_mass()) / total, mass[t] / all, 1e-8) << t;
+}
+
+TEST(ChangePoint, MergingKeepsTheStatisticAndTheProbability) {
+  const Baseline baseline = small_baseline(5.0);
+  const ChangePointOptions merging{.hazard_per_hour = 1e-4};
+  ChangePoint change(baseline, merging);
+  for (const Row& row : small_rows(400, 1000, 0.0, 3)) change.add(row);
+  EXPECT_LT(change.candidates().size(), 80U);
+  EXPECT_GE(change.probability_changed(), 0.0);
+  EXPECT_LT(change.moved_mass(), 0.2);
+}
+
+TEST(ChangePoint, AnOutlierIsNoChangeAndAShiftIs) {
+  const Baseline baseline = small_baseline(4.0);
+  const ChangePointOptions options{.hazard_per_hour = 1e-4};
+  for (const bool lasting : {false, true}) {
+    ChangePoint change(baseline, options);
+    std::vector<Row> rows = small_rows(200, lasting ? 150 : 1000, -5.0, 4);
+    if (!lasting) rows[150].features[0] = -12.0;
+    for (const Row& row : rows) change.add(row);
+    if (lasting) {
+      const ChangeEstimate found = change.estimate();
+      EXPECT_GT(found.probability, 0.99);
+      EXPECT_NEAR(found.onset_median, rows[150].hours, 3.0);
+      EXPECT_NEAR(found.shift[0], -5.0, 4.0 * found.shift_sd[0]);
+      EXPECT_GT(found.shifted_probability[0], 0.95);
+    } else {
+      EXPECT_LT(change.probability_changed(), 0.1);
+    }
+  }
+}
+
+TEST(ChangePoint, AnAcceptedShiftIsTheNewLevel) {
+  ChangePoint change(small_baseline(), {.hazard_per_hour = 1e-4});
+  const std::vector<Row> rows = small_rows(300, 100, -6.0, 5);
+  for (std::size_t t = 0; t < 150; ++t) change.add(rows[t]);
+  EXPECT_GT(change.probability_changed(), 0.99);
+  change.accept_change();
+  EXPECT_TRUE(change.candidates().empty());
+  for (std::size_t t = 150; t < rows.size(); ++t) {
+    const PredictedRow predicted = change.add(rows[t]);
+    EXPECT_NEAR(predicted.mean[0], -6.0, 4.0 * predicted.sd[0]);
+  }
+  EXPECT_LT(change.probability_changed(), 0.5);
+}
+
+TEST(MarginalLikelihood, EqualsTheDenseComputationOverAGrid) {
+  // Scaling the data by c and the prior's scale by c² shifts ln p by -n ln c; and the posterior
+  // mean is that of generalised least squares.
+  base::Random random(6, 0, 0, base::Purpose::test);
+  const Index n = 40;
+  std::vector<double> hours;
+  FeatureRows feature{.y = VectorXd(n), .precision = VectorXd(n)};
+  MatrixXd terms(2, n);
+  for (Index t = 0; t < n; ++t) {
+    hours.push_back(static_cast<double>(t) + 0.3 * random.uniform());
+    feature.rows.push_back(static_cast<int>(t));
+    feature.y[t] = random.normal();
+    feature.precision[t] = 0.5 + random.uniform();
+    terms(0, t) = 1.0;
+    terms(1, t) = random.normal();
+  }
+  const ProcessRatios process{.fast_rate = 0.2, .fast_ratio = 0.7, .slow_ratio = 0.3};
+  const RegressionPrior prior{
+      .coefficient_scale = Eigen::Vector2d(3.0, 2.0), .shape = 2.0, .scale = 1.5};
+  MatrixXd covariance(n, n);
+  for (Index a = 0; a < n; ++a)
+    for (Index b = 0; b < n; ++b) {
+      const double step = std::abs(hours[index(a)] - hours[index(b)]);
+      covariance(a, b) = process.fast_ratio * std::exp(-process.fast_rate * step) +
+                         process.slow_ratio * std::exp(-step / kSlowHours) +
+                         (a == b ? 1.0 / feature.precision[a] : 0.0);
+    }
+  covariance += terms.transpose() * Eigen::Vector2d(9.0, 4.0).asDiagonal() * terms;
+  // Student's t of y: ∫ N(y; 0, σ² C) InverseGamma(σ²; a, c) dσ².
+  const Eigen::LLT<MatrixXd> factor(covariance);
+  const double squares = feature.y.dot(factor.solve(feature.y));
+  const double expected =
+      std::lgamma(2.0 + 0.5 * n) - std::lgamma(2.0) + 2.0 * std::log(1.5) -
+      (2.0 + 0.5 * n) * std::log(1.5 + 0.5 * squares) - 0.5 * n * std::log(kTwoPi) -
+      factor.matrixLLT().diagonal().array().log().sum();
+  EXPECT_NEAR(marginal_likelihood(hours, terms, feature, process, prior).log_density, expected,
+              1e-8);
+}
+
+/// A year of weather on one thermometer, frequencies with a kink at 0 °C.
+Series simulated_series(int rows, std::uint64_t seed, int onset = -1, double shift = 0.0) {
+  base::Random random(seed, 0, 0, base::Purpose::test);
+  Series out{.features = MatrixXd(rows, 2), .covariates = MatrixXd(rows, 1)};
+  double drift = 0.0;
+  for (int t = 0; t < rows; ++t) {
+    out.hours.push_back(t);
+    const double air = 2.0 + 6.0 * std::sin(0.26 * t) + 5.0 * std::sin(0.003 * t) + random.normal();
+    out.covariates(t, 0) = air;
+    drift = 0.95 * drift + 0.3 * random.normal();
+    for (Index j = 0; j < 2; ++j) {
+      const double weather = -0.0005 * air - 0.002 * std::min(0.0, air);
+      const double noise = random.uniform() < 0.02 ? 8.0 * random.normal() : random.normal();
+      out.features(t, j) = 1.0 + weather + 0.002 * noise + 0.001 * drift +
+                           (onset >= 0 && t >= onset && j == 1 ? shift : 0.0);
+      if (random.uniform() < 0.1) out.features(t, j) = kNaN;
+    }
+  }
+  return out;
+}
+
+MonitorOptions quick_options() {
+  MonitorOptions out{.false_alarms_per_year = 1.0};
+  out.learning.draws = 3;
+  out.learning.most_hinges = 1;
+  out.replay.series = 8;
+  out.replay.rows = 300;
+  return out;
+}
+
+TEST(Monitor, FindsADamageAndRaisesNoAlarmBefore) {
+  const int learning = 500, onset = 800;
+  const Series series = simulated_series(1100, 7, onset, -0.01);
+  Monitor monitor(series.first(learning), quick_options());
+  const VectorXd none;
+  for (int t = learning; t < series.rows(); ++t) monitor.add(row_of(series, t, none));
+  ASSERT_EQ(monitor.alarms().size(), 1U);
+  const AlarmRecord& alarm = monitor.alarms()[0];
+  EXPECT_GE(alarm.hours, onset);
+  EXPECT_LE(alarm.hours, onset + 48);
+  EXPECT_LE(alarm.change.onset_low, onset + 2.0);
+  EXPECT_GE(alarm.change.onset_high, onset - 2.0);
+  EXPECT_NEAR(alarm.change.shift[1], -0.01, 4.0 * alarm.change.shift_sd[1]);
+  EXPECT_NEAR(alarm.change.shift[0], 0.0, 4.0 * alarm.change.shift_sd[0] + 1e-4);
+}
+
+TEST(Monitor, ContinuesFromItsBytesToTheSameBits) {
+  const int learning = 300;
+  const Series series = simulated_series(400, 8);
+  Monitor whole(series.first(learning), quick_options());
+  const VectorXd none;
+  Monitor part = whole;
+  for (int t = learning; t < series.rows(); ++t) {
+    const RowFinding a = whole.add(row_of(series, t, none));
+    base::Packer packer;
+    carry(packer, part);
+    const std::string bytes = std::move(packer).bytes();
+    Monitor again;
+    base::Unpacker unpacker(bytes);
+    carry(unpacker, again);
+    const RowFinding b = again.add(row_of(series, t, none));
+    EXPECT_EQ(a.log_statistic, b.log_statistic);
+    EXPECT_EQ(a.probability_changed, b.probability_changed);
+    EXPECT_EQ(a.predicted.mean, b.predicted.mean);
+    part = again;
+  }
+}
+
+TEST(Monitor, WeatherNotSeenInLearningWidensThePrediction) {
+  const Series series = simulated_series(400, 9);
+  Monitor monitor(series.first(300), quick_options());
+  const VectorXd none;
+  Row usual = row_of(series, 300, none), frost = usual;
+  frost.covariates[0] = -40.0;
+  Monitor other = monitor;
+  const double sd = monitor.add(usual).predicted.sd[0];
+  EXPECT_GT(other.add(frost).predicted.sd[0], 2.0 * sd);
+}
+
+TEST(Series, NamesItsFaults) {
+  Series series = simulated_series(200, 10);
+  EXPECT_TRUE(find_faults(series, 100).empty());
+  EXPECT_EQ(find_faults(series, 10).front().kind, SeriesFault::Kind::no_learning_rows);
+  series.hours[50] = series.hours[49];
+  EXPECT_EQ(find_faults(series, 100).front().kind, SeriesFault::Kind::time_repeated);
+  series.hours[50] = 10.0;
+  EXPECT_EQ(find_faults(series, 100).front().kind, SeriesFault::Kind::time_decreasing);
+  series.hours[50] = 50.0;
+  series.features.col(1).setConstant(1.0);
+  EXPECT_EQ(find_faults(series, 100).front().kind, SeriesFault::Kind::feature_constant);
+  series.features.col(1).setConstant(kNaN);
+  EXPECT_EQ(find_faults(series, 100).front().kind, SeriesFault::Kind::feature_missing);
+  series = simulated_series(200, 10);
+  series.covariates.col(0).setConstant(5.0);
+  EXPECT_EQ(find_faults(series, 100).front().kind, SeriesFault::Kind::covariate_constant);
+}
+
+TEST(Replay, RateAndThresholdAreInverse) {
+  const Replay replay{.series = 10, .rows = 1000, .log_median = 6.0, .tail = 0.9};
+  for (const double log_threshold : {7.0, 9.0, 12.0})
+    EXPECT_NEAR(replay.log_threshold(replay.rate(log_threshold)), log_threshold, 1e-9);
+}
+
+}  // namespace
+}  // namespace wheeltap::identification::monitoring
