@@ -8,7 +8,7 @@
 #include "identification/findings/findings.hpp"
 #include "identification/sid/findings/term_findings.hpp"
 #include "identification/sid/sid_run.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 
 namespace wheeltap::apps {
 

@@ -3,7 +3,7 @@
 #include <cstdio>
 
 #include "fem/sections/section.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/reduction.hpp"
 
 using namespace wheeltap;

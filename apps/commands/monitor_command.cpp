@@ -8,7 +8,7 @@
 #include "apps/cases/monitoring/monitor_case.hpp"
 #include "apps/commands/command_list.hpp"
 #include "apps/commands/command_options.hpp"
-#include "apps/results/monitor_summary.hpp"
+#include "apps/results/monitoring/monitor_summary.hpp"
 #include "apps/results/terminal.hpp"
 #include "apps/runs/monitor_run.hpp"
 #include "apps/runs/running.hpp"
@@ -24,8 +24,7 @@ struct MonitorFlags {
 };
 
 Report process(const CommonOptions& common) {
-  const MonitorCaseFile parsed =
-      parse_monitor_case(read_case(common.case_path, common.overrides));
+  const MonitorCaseFile parsed = parse_monitor_case(read_case(common.case_path, common.overrides));
   const auto log = make_log(common.quiet);
   Report summary = run_monitor(parsed, common);
   if (common.as_json)

@@ -3,7 +3,7 @@
 
 #include "apps/report_json.hpp"
 #include "apps/results/terminal.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 
 namespace wheeltap::apps {
 

@@ -3,7 +3,7 @@
 
 #include "apps/cases/damage_case.hpp"
 #include "apps/results/summary.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 
 namespace wheeltap::apps {
 

@@ -6,7 +6,7 @@
 #include <vector>
 
 #include "apps/cases/damage_case.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 
 namespace wheeltap::apps {
 

@@ -3,7 +3,7 @@
 #include <cmath>
 #include <set>
 
-#include "identification/structural/damage/damage_modes.hpp"
+#include "identification/structural/damage/findings/damage_modes.hpp"
 #include "io/netcdf/netcdf_writer.hpp"
 
 namespace wheeltap::apps {

@@ -6,7 +6,7 @@
 
 #include "apps/report_json.hpp"
 #include "identification/sid/findings/sid_findings.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 
 namespace wheeltap::apps {
 

@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 
 namespace wheeltap::apps {
 

@@ -37,12 +37,12 @@ struct SeriesFault {
   enum class Kind {
     time_repeated,
     time_decreasing,
-    no_learning_rows,       ///< fewer than kFewestLearningRows before the end of learning
-    feature_missing,        ///< `column`: fewer than kFewestLearningRows values in learning
-    feature_constant,       ///< `column`: it does not vary in learning
-    covariate_missing,      ///< `column`: no value in learning
-    covariate_constant,     ///< `column`: it does not vary in learning
-    sd_not_positive         ///< `column`
+    no_learning_rows,    ///< fewer than kFewestLearningRows before the end of learning
+    feature_missing,     ///< `column`: fewer than kFewestLearningRows values in learning
+    feature_constant,    ///< `column`: it does not vary in learning
+    covariate_missing,   ///< `column`: no value in learning
+    covariate_constant,  ///< `column`: it does not vary in learning
+    sd_not_positive      ///< `column`
   };
   Kind kind;
   int row = -1;

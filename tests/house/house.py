@@ -37,9 +37,9 @@ FOLDERS = {
     'inference': ['', 'statistics', 'mixtures', 'model', 'search', 'evidence', 'moves', 'moves/between_models',
                   'chains', 'diagnosis', 'exploration', 'engine'],
     'identification': ['', 'findings', 'emulation', 'structural', 'structural/defects', 'structural/likelihood', 'structural/forward',
-                       'structural/problem', 'structural/updating', 'structural/damage', 'sid/residuals', 'sid', 'sid/findings', 'modal',
+                       'structural/problem', 'structural/updating', 'structural/damage', 'structural/damage/findings', 'sid/residuals', 'sid', 'sid/findings', 'modal',
                        'monitoring'],
-    'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'text', 'remote', 'results', 'report',
+    'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'text', 'remote', 'results', 'results/monitoring', 'report',
              'runs', 'runs/sid', 'runs/batch', 'commands', 'cli'],
 }
 MOST_FILES = 30

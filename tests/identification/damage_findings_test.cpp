@@ -1,4 +1,4 @@
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 
 #include <gtest/gtest.h>
 

@@ -6,7 +6,7 @@
 
 #include "fem/structures/modes/structure_modes.hpp"
 #include "identification/invalid_input.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/support.hpp"
 #include "tests/identification/cases.hpp"
 #include "tests/identification/modal_cases.hpp"

@@ -9,7 +9,7 @@
 
 #include "base/constants.hpp"
 #include "fem/beam/modal_analysis.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/reduction.hpp"
 #include "identification/structural/defects/storey.hpp"
 #include "identification/structural/updating/update_findings.hpp"

@@ -8,8 +8,8 @@
 #include "identification/sid/findings/free_cubic.hpp"
 #include "identification/sid/findings/sid_findings.hpp"
 #include "identification/sid/sid_plausibility.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
 #include "identification/structural/damage/damage_plausibility.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "tests/identification/cases.hpp"
 #include "tests/identification/sid_cases.hpp"
 

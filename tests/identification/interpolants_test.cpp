@@ -6,8 +6,8 @@
 #include <limits>
 #include <set>
 
-#include "identification/structural/damage/damage_findings.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 #include "tests/identification/cases.hpp"
 

@@ -13,7 +13,7 @@
 #include <sstream>
 
 #include "base/constants.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/floor_mass.hpp"
 #include "identification/structural/defects/storey.hpp"
 #include "identification/structural/updating/update_findings.hpp"

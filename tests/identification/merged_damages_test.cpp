@@ -1,11 +1,11 @@
-#include "identification/structural/damage/merged_damages.hpp"
+#include "identification/structural/damage/findings/merged_damages.hpp"
 
 #include <gtest/gtest.h>
 
 #include <cmath>
 #include <numeric>
 
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/reduction.hpp"
 #include "tests/identification/cases.hpp"
 

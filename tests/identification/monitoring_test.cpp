@@ -110,11 +110,12 @@ class DenseModel {
       for (Index c = 0; c < n; ++c) {
         const auto [tc, jc] = at_[index(c)];
         const double step = std::abs(rows[ta].hours - rows[tc].hours);
-        double value = b.fast_sd[ja] * b.correlation(ja, jc) * b.fast_sd[jc] *
-                       std::exp(-b.fast_rate * step);
+        double value =
+            b.fast_sd[ja] * b.correlation(ja, jc) * b.fast_sd[jc] * std::exp(-b.fast_rate * step);
         if (ja == jc) {
           value += b.slow_sd[ja] * b.slow_sd[ja] * std::exp(-step / kSlowHours);
-          value += phi[ta].dot(VectorXd(b.coefficient_sd.col(ja).array().square() * phi[tc].array()));
+          value +=
+              phi[ta].dot(VectorXd(b.coefficient_sd.col(ja).array().square() * phi[tc].array()));
         }
         if (a == c) value += b.noise_sd[ja] * b.noise_sd[ja] * rows[ta].relative_variance[ja];
         covariance_(a, c) = value;
@@ -139,8 +140,8 @@ class DenseModel {
                 size * size * residual_sd[ja] * residual_sd[ja];
           }
         const double prior = (which < 0 ? 0.5 : 0.25) / 3.0;
-        sum += prior *
-               std::exp(log_normal_density(y_, VectorXd::Zero(y_.size()), covariance) - top);
+        sum +=
+            prior * std::exp(log_normal_density(y_, VectorXd::Zero(y_.size()), covariance) - top);
       }
     return top + std::log(sum);
   }
@@ -168,8 +169,11 @@ TEST(BaselineFilter, EvidenceEqualsTheDenseComputation) {
 TEST(ChangePoint, OnsetAndBayesFactorEqualTheDenseComputation) {
   const Baseline baseline = small_baseline();
   const std::vector<Row> rows = small_rows(30, 18, -2.5, 2);
-  const ChangePointOptions options{
-      .hazard_per_hour = 0.01, .transients_per_hour = 0.0, .ramp_share = 0.0, .young = 0, .fixed_share = 0.0};
+  const ChangePointOptions options{.hazard_per_hour = 0.01,
+                                   .transients_per_hour = 0.0,
+                                   .ramp_share = 0.0,
+                                   .young = 0,
+                                   .fixed_share = 0.0};
   ChangePoint change(baseline, options);
   for (const Row& row : rows) change.add(row);
 
@@ -269,10 +273,10 @@ TEST(MarginalLikelihood, EqualsTheDenseComputationOverAGrid) {
   // Student's t of y: ∫ N(y; 0, σ² C) InverseGamma(σ²; a, c) dσ².
   const Eigen::LLT<MatrixXd> factor(covariance);
   const double squares = feature.y.dot(factor.solve(feature.y));
-  const double expected =
-      std::lgamma(2.0 + 0.5 * n) - std::lgamma(2.0) + 2.0 * std::log(1.5) -
-      (2.0 + 0.5 * n) * std::log(1.5 + 0.5 * squares) - 0.5 * n * std::log(kTwoPi) -
-      factor.matrixLLT().diagonal().array().log().sum();
+  const double expected = std::lgamma(2.0 + 0.5 * n) - std::lgamma(2.0) + 2.0 * std::log(1.5) -
+                          (2.0 + 0.5 * n) * std::log(1.5 + 0.5 * squares) -
+                          0.5 * n * std::log(kTwoPi) -
+                          factor.matrixLLT().diagonal().array().log().sum();
   EXPECT_NEAR(marginal_likelihood(hours, terms, feature, process, prior).log_density, expected,
               1e-8);
 }

@@ -1,5 +1,5 @@
 // Tests of mutually exclusive places.
-#include "identification/structural/damage/rival_places.hpp"
+#include "identification/structural/damage/findings/rival_places.hpp"
 
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>

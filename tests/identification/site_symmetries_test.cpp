@@ -3,7 +3,7 @@
 
 #include <gmock/gmock.h>
 
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/crack.hpp"
 #include "identification/structural/defects/joint.hpp"
 #include "identification/structural/defects/storey.hpp"

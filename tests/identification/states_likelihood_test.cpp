@@ -9,8 +9,8 @@
 
 #include "base/constants.hpp"
 #include "fem/structures/modes/structure_modes.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/floor_mass.hpp"
 #include "identification/structural/defects/reduction.hpp"
 #include "inference/engine/reversible_jump.hpp"

@@ -9,7 +9,7 @@
 #include <limits>
 #include <numbers>
 
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/updating/update_findings.hpp"
 #include "inference/engine/reversible_jump.hpp"
 #include "tests/identification/cases.hpp"

@@ -8,7 +8,7 @@
 
 #include "fem/structures/modes/structure_modes.hpp"
 #include "fem/structures/reanalysis/structure_reanalysis.hpp"
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/crack.hpp"
 #include "identification/structural/defects/joint.hpp"
 #include "identification/structural/defects/storey.hpp"

@@ -287,10 +287,9 @@ TEST(Answer, OfADiscoverySaysWhichTermsALinkHas) {
   EXPECT_EQ(a.detail, "With 95 % intervals: cubic = 1000 N/m^3 (990 to 1012).");
   run.discovery.terms = {term("cubic", 0.01), term("cubic", 0.95, 1, 2)};
   run.sampling.verdict.converged = false;
-  EXPECT_EQ(
-      apps::answer(run).headline,
-      "So far: The link 0-1 needs none of the terms; no evidence for cubic (1 %). The link "
-      "1-2 has cubic (95 %) as a term.");
+  EXPECT_EQ(apps::answer(run).headline,
+            "So far: The link 0-1 needs none of the terms; no evidence for cubic (1 %). The link "
+            "1-2 has cubic (95 %) as a term.");
   EXPECT_FALSE(apps::answer(run).caution.empty());
   run.sampling.verdict.converged = true;
   run.fit_verdict.why = {misfit::Unexplained{"force", -0.28}};

@@ -15,7 +15,7 @@
 #include <vector>
 
 #include "identification/findings/findings.hpp"
-#include "identification/structural/damage/unpacked_draws.hpp"
+#include "identification/structural/damage/findings/unpacked_draws.hpp"
 
 namespace wheeltap::identification {
 

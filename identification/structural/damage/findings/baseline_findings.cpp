@@ -1,10 +1,10 @@
-#include "identification/structural/damage/baseline_findings.hpp"
+#include "identification/structural/damage/findings/baseline_findings.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <numeric>
 
-#include "identification/structural/damage/unpacked_draws.hpp"
+#include "identification/structural/damage/findings/unpacked_draws.hpp"
 
 namespace wheeltap::identification {
 namespace {

@@ -1,4 +1,4 @@
-#include "identification/structural/damage/damage_findings.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 
 #include <algorithm>
 #include <cmath>
@@ -7,10 +7,10 @@
 
 #include "base/constants.hpp"
 #include "identification/findings/prior_bound.hpp"
-#include "identification/structural/damage/damage_modes.hpp"
 #include "identification/structural/damage/damage_plausibility.hpp"
-#include "identification/structural/damage/rival_places.hpp"
-#include "identification/structural/damage/symmetry_finding.hpp"
+#include "identification/structural/damage/findings/damage_modes.hpp"
+#include "identification/structural/damage/findings/rival_places.hpp"
+#include "identification/structural/damage/findings/symmetry_finding.hpp"
 
 namespace wheeltap::identification {
 namespace {

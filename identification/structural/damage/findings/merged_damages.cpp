@@ -1,4 +1,4 @@
-#include "identification/structural/damage/merged_damages.hpp"
+#include "identification/structural/damage/findings/merged_damages.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "identification/structural/damage/symmetry_finding.hpp"
+#include "identification/structural/damage/findings/symmetry_finding.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "identification/structural/damage/rival_places.hpp"
+#include "identification/structural/damage/findings/rival_places.hpp"
 
 #include <algorithm>
 #include <string>

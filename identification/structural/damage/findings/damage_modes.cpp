@@ -1,4 +1,4 @@
-#include "identification/structural/damage/damage_modes.hpp"
+#include "identification/structural/damage/findings/damage_modes.hpp"
 
 #include <algorithm>
 #include <cmath>

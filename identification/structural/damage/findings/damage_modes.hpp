@@ -6,8 +6,8 @@
 #include <span>
 #include <vector>
 
-#include "identification/structural/damage/damage_findings.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
 #include "inference/diagnosis/posterior.hpp"
 
 namespace wheeltap::identification {

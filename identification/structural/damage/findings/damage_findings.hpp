@@ -8,10 +8,10 @@
 #include <vector>
 
 #include "identification/findings/findings.hpp"
-#include "identification/structural/damage/baseline_findings.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
-#include "identification/structural/damage/emulator_check.hpp"
-#include "identification/structural/damage/merged_damages.hpp"
+#include "identification/structural/damage/findings/baseline_findings.hpp"
+#include "identification/structural/damage/findings/emulator_check.hpp"
+#include "identification/structural/damage/findings/merged_damages.hpp"
 #include "identification/structural/drawn_modes.hpp"
 #include "identification/structural/likelihood/mode_contributions.hpp"
 

@@ -3,8 +3,8 @@
 
 #include <vector>
 
-#include "identification/structural/damage/damage_findings.hpp"
-#include "identification/structural/damage/unpacked_draws.hpp"
+#include "identification/structural/damage/findings/damage_findings.hpp"
+#include "identification/structural/damage/findings/unpacked_draws.hpp"
 
 namespace wheeltap::identification {
 

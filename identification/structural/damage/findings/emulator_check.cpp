@@ -1,4 +1,4 @@
-#include "identification/structural/damage/emulator_check.hpp"
+#include "identification/structural/damage/findings/emulator_check.hpp"
 
 #include <algorithm>
 #include <cmath>
