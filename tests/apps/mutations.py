@@ -1,12 +1,12 @@
 #!/usr/bin/env python3
-"""Runs shipped cases with one to three values changed at random, and looks at shipped measured files with some bytes
-changed, and holds the program to its word.
+"""Robustness of the program: runs shipped cases with one to three values changed at random, and reads shipped measured
+files with some bytes changed.
 
 usage: mutations.py PROGRAM DATA [COUNT] [SEED]
 
-Every mutation must end with exit code 0, 65 or 66, without a signal, within 10 s of processor time and 1 GB; where it
-ends otherwise, its case and what it said are printed, and kept in the folder that the last line names. A run that
---dry-run announces as long or large may be either. Runs are `--warmup 100 --draws 100`; cases of damage and
+Every mutation must end with exit code 0, 65 or 66, without a signal, within 10 s of processor time and 1 GB. Otherwise
+the test prints its case and output, and keeps them in the folder that the last line names. A run that --dry-run
+announces as long or large may exceed these limits. Runs are `--warmup 100 --draws 100`; cases of damage and
 identification are run, simulated from or have their modes computed, one in ten each.
 
 ctest runs 40 of them (apps.mutations). The long run, about half an hour on two cores:
@@ -41,7 +41,7 @@ OTHERS = [None, True, False, [], {}, [[]], [0], [1, 2, 3], {"uniform": [0, 1]}, 
 
 
 def places(value, start=()):
-    """The path of everything in a case."""
+    """The paths of all values in a case."""
     keys = value.keys() if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
     for key in keys:
         yield start + (key,)
@@ -111,7 +111,7 @@ def limits():
 
 
 def announced(program, case, out):
-    """Whether the program says beforehand that a run is long or large."""
+    """Whether the program reports before the run that it is long or large."""
     kind = kind_of(case)
     try:
         asked = subprocess.run([program, kind, str(case), "-o", str(out), "--dry-run", *options_of(kind)],
@@ -136,7 +136,7 @@ def options_of(command):
 
 
 def command_line(program, kind, case, folder, rng):
-    """What is done with a mutated case: mostly its run."""
+    """The command for a mutated case: mostly its run."""
     how = rng.random()
     if kind in ("damage", "sid") and how < 0.1:
         return [program, "simulate", str(case), "-o", str(folder / "simulated.csv")]
@@ -150,11 +150,11 @@ def command_line(program, kind, case, folder, rng):
 
 
 def run(program, origin, number, seed, scratch):
-    """A complaint about one mutation, or None."""
+    """The fault found by one mutation, or None."""
     rng = random.Random(f"{seed}/{number}")
     folder = scratch / str(number)
     folder.mkdir()
-    # Beside links to the original's neighbours, whose files it names.
+    # In a folder with links to the files that the case names.
     for neighbour in origin.parent.iterdir():
         (folder / neighbour.name).symlink_to(neighbour)
     if origin.suffix == ".json":

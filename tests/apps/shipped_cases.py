@@ -25,7 +25,7 @@ def expected_path(case, data, folder):
 
 
 def run(program, case):
-    """The numbers of a shortened run that its user would notice if they moved."""
+    """The main numbers of a shortened run, for comparison."""
     with open(case) as f:
         kind = json.load(f)["kind"]
     with tempfile.TemporaryDirectory() as out:
