@@ -36,10 +36,10 @@ std::string nearest(std::string_view word, const std::vector<std::string>& candi
     if (distance < best) best = distance, found = candidate;
   }
   if (!found.empty()) return found;
-  constexpr std::size_t kFewest = 4;  // shortest candidate for partial matches, in letters
+  constexpr std::size_t kShortest = 4;  // shortest candidate for partial matches, in letters
   for (const std::string& candidate : candidates) {
-    const bool within = candidate.size() >= kFewest && word.find(candidate) != word.npos;
-    const bool begun = word.size() >= kFewest && std::string_view(candidate).starts_with(word);
+    const bool within = candidate.size() >= kShortest && word.find(candidate) != word.npos;
+    const bool begun = word.size() >= kShortest && std::string_view(candidate).starts_with(word);
     if ((within || begun) && candidate.size() > found.size()) found = candidate;
   }
   return found;

@@ -34,7 +34,7 @@ std::string damage_number(double x) {
   return Json(x).dump();
 }
 
-constexpr int kFreshRunsOfOthers = 50;  // measure the emulator's error; default of "holdout"
+constexpr int kHoldoutRuns = 50;  // measure the emulator's error; default of "holdout"
 
 Pointer damage_key(const char* text) {
   return Pointer(text);
@@ -372,7 +372,7 @@ void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
     f.refuse(front / "symmetrise",
              "is not allowed: Wheeltap does not know whether this model is symmetric");
   out.emulator->symmetrise = false;
-  if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kFreshRunsOfOthers;
+  if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kHoldoutRuns;
 }
 
 /// Simulates modes of the case's truth, for states; /data may lack modes.

@@ -367,7 +367,7 @@ bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
 }
 
 /// Adds a remark on two channels of a record at one node in one direction, which may be a mistake.
-void tell_of_twins(SetUp& s) {
+void remark_on_duplicate_sensors(SetUp& s) {
   for (std::size_t i = 0; i < s.sensors.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {
       if (s.responses || s.sensors[i].node.empty() || !same_sensor(s.sensors[i], s.sensors[j]))
@@ -384,7 +384,7 @@ void tell_of_twins(SetUp& s) {
 void collect_sensors(ModalCaseFile& out) {
   if (out.set_ups.size() == 1) {
     SetUp& only = out.set_ups[0];
-    tell_of_twins(only);
+    remark_on_duplicate_sensors(only);
     out.sensors = only.sensors;
     for (std::size_t c = 0; c < only.sensors.size(); ++c) only.which.push_back(static_cast<int>(c));
     return;

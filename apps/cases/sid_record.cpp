@@ -86,9 +86,9 @@ void load_record(SidCaseFile& parsed) {
   if (!out.simulated && needs_integrated_base(out)) {
     explained(parsed, [&] { integrate_base(out); });
   }
-  const bool said = r.contains("initial");
-  if (!said && !out.simulated && out.lead_in == 0) out.starts_moving = moves_at_start(out);
-  if (out.starts_moving || (said && r["initial"] == "inferred")) {
+  const bool is_given = r.contains("initial");
+  if (!is_given && !out.simulated && out.lead_in == 0) out.starts_moving = moves_at_start(out);
+  if (out.starts_moving || (is_given && r["initial"] == "inferred")) {
     explained(parsed, [&] {
       for (SidModel& model : out.models) infer_initial(out, model);
     });

@@ -15,7 +15,7 @@ namespace {
 
 using Role = SidChannel::Role;
 
-constexpr int kPointsASample = 8;  // samples per period of a band-limited excitation
+constexpr int kPointsPerSample = 8;  // grid points per sample of a band-limited excitation
 
 Role role_of(const Json& excitation) {
   return !excitation.contains("base")                         ? Role::force
@@ -157,7 +157,7 @@ void parse_truth(SidCaseFile& parsed) {
   out.truth = std::move(truth);
   const Json& record = file.json["record"];
   if (record.value("between_samples", "linear") == "band-limited")
-    out.truth->points_a_sample = std::max(kPointsASample, record.value("upsample", 1));
+    out.truth->points_a_sample = std::max(kPointsPerSample, record.value("upsample", 1));
   if (!record.contains("file")) add_true_excitations(parsed);
 }
 

@@ -52,13 +52,13 @@ void inherit(Json& state, const Json& block) {
   for (const auto& [key, value] : block.items()) {
     if (key == "states" || state.contains(key)) continue;
     if (state.contains("predict") && (key == "sd" || key == "covariance")) continue;
-    const bool said = std::ranges::any_of(alternatives, [&](const auto& keys) {
+    const bool has_alternative = std::ranges::any_of(alternatives, [&](const auto& keys) {
       return std::ranges::find(keys, key) != keys.end() &&
              std::ranges::any_of(keys, [&](const char* k) { return state.contains(k); });
     });
     // A modes.json contains its uncertainty.
     const bool by_file = state.contains("from") && (key == "cov" || key == "shape_sd");
-    if (!said && !by_file) state[key] = value;
+    if (!has_alternative && !by_file) state[key] = value;
   }
 }
 

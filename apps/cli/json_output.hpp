@@ -17,10 +17,10 @@ class JsonOutput {
  public:
   JsonOutput(bool wanted, CommonOptions& common) : common_(common) {
     if (!wanted) return;
-    common.as_json = [this](const std::string& json) { said_.push_back(json); };
+    common.as_json = [this](const std::string& json) { outputs_.push_back(json); };
     if (common.dry_run) {
       common.dry_run = [this](const std::string& what, const RunCost& cost) {
-        said_.push_back(estimate_json(what, cost));
+        outputs_.push_back(estimate_json(what, cost));
       };
     }
     terminal_ = std::cout.rdbuf(&silence_);
@@ -30,8 +30,8 @@ class JsonOutput {
   ~JsonOutput() { give_back(); }
 
   /// Prints the JSON that the command produced before it failed, if any.
-  void print_said() {
-    if (said_.empty()) return give_back();
+  void print_partial() {
+    if (outputs_.empty()) return give_back();
     print();
   }
   /// Prints the JSON that the command produced, or else the summary in its folder.
@@ -39,13 +39,14 @@ class JsonOutput {
     if (terminal_ == nullptr) return;
     give_back();
     if (!base::is_first_rank()) return;
-    if (said_.empty())
-      said_.push_back(io::read_bytes(common_.output / "summary.json", std::size_t{1} << 31U));
-    if (said_.size() == 1) {
-      std::cout << said_[0] << (said_[0].ends_with('\n') ? "" : "\n");
+    if (outputs_.empty())
+      outputs_.push_back(io::read_bytes(common_.output / "summary.json", std::size_t{1} << 31U));
+    if (outputs_.size() == 1) {
+      std::cout << outputs_[0] << (outputs_[0].ends_with('\n') ? "" : "\n");
       return;
     }
-    for (std::size_t i = 0; i < said_.size(); ++i) std::cout << (i == 0 ? "[" : ",\n ") << said_[i];
+    for (std::size_t i = 0; i < outputs_.size(); ++i)
+      std::cout << (i == 0 ? "[" : ",\n ") << outputs_[i];
     std::cout << "]\n";
   }
 
@@ -62,7 +63,7 @@ class JsonOutput {
   const CommonOptions& common_;
   Silence silence_;
   std::streambuf* terminal_ = nullptr;
-  std::vector<std::string> said_;
+  std::vector<std::string> outputs_;
 };
 
 }  // namespace wheeltap::apps

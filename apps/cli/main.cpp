@@ -11,7 +11,7 @@ namespace {
 using namespace wheeltap;
 
 // Applies --simd before the command line is parsed.
-void obey_simd(int argc, char** argv) {
+void apply_simd(int argc, char** argv) {
   for (int i = 1; i < argc; ++i) {
     const std::string word = argv[i];
     constexpr std::string_view kOption = "--simd";
@@ -26,6 +26,6 @@ void obey_simd(int argc, char** argv) {
 }  // namespace
 
 int main(int argc, char** argv) {
-  obey_simd(argc, argv);
+  apply_simd(argc, argv);
   return apps::run_program(apps::commands(), argc, argv);
 }

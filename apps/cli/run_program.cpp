@@ -173,7 +173,7 @@ int run(const std::vector<Command>& commands, int argc, char** argv) {
     return static_cast<int>(
         Exit::done);  // the first rank reports the failure and returns its exit code
   } catch (const std::exception&) {
-    json.print_said();
+    json.print_partial();
     const Failure failure = failure_of(std::current_exception(), asked.common.case_path);
     return report(failure.exit(), failure.what());
   }

@@ -141,11 +141,11 @@ class Batch {
             if (!row) row.emplace();
             parcel(*row);
             if constexpr (std::is_same_v<std::remove_reference_t<decltype(parcel)>, base::Unpacker>)
-              tell(first + i);
+              report(first + i);
           }));
       stopped_ = was_interrupted();
     }
-    if (done_ % rows_a_write_ != 0 && base::is_first_rank()) keep_table();
+    if (done_ % rows_per_write_ != 0 && base::is_first_rank()) keep_table();
   }
 
   [[nodiscard]] const std::vector<std::optional<BatchRow>>& rows() const { return rows_; }
@@ -185,7 +185,7 @@ class Batch {
     free_ += threads;
     if (!ended) return;  // a later --resume continues it
     rows_[static_cast<std::size_t>(at)] = std::move(row);
-    tell(at);
+    report(at);
   }
 
   /// Waits until it ends; false if it was stopped with the batch.
@@ -196,12 +196,12 @@ class Batch {
     // The number of free threads is not part of the command stored in the results.
     ChildProgram program(words, {std::string(kThreadsVariable) + "=" + std::to_string(threads)});
     std::optional<int> exit;
-    for (bool told = false; !exit; exit = program.ended()) {
+    for (bool terminated = false; !exit; exit = program.ended()) {
       pollfd descriptor{.fd = program.descriptor(), .events = POLLIN, .revents = 0};
       poll(&descriptor, 1, kMilliseconds);
-      if (!told && was_interrupted()) {
+      if (!terminated && was_interrupted()) {
         program.send(SIGTERM);
-        told = true;
+        terminated = true;
       }
     }
     const bool stopped =
@@ -219,12 +219,12 @@ class Batch {
     return true;
   }
 
-  void tell(int at) {
+  void report(int at) {
     ++done_;
     if (!base::is_first_rank()) return;
     std::cout << batch_line(*rows_[static_cast<std::size_t>(at)], done_, cases_.size())
               << std::endl;
-    if (done_ % rows_a_write_ == 0) keep_table();
+    if (done_ % rows_per_write_ == 0) keep_table();
   }
 
   void keep_table() const { write_text(common_.output / kBatchTable, batch_csv(rows_)); }
@@ -236,7 +236,7 @@ class Batch {
   int threads_ = base::thread_count(common_.threads);  // threads of this rank
   int section_ = all();                                // cases
   // Rewriting the table after each of a hundred thousand cases would write 500 GB.
-  std::size_t rows_a_write_ = 1 + cases_.size() / 10'000;
+  std::size_t rows_per_write_ = 1 + cases_.size() / 10'000;
   std::mutex mutex_;  // guards the members below, and rows_
   int free_ = 0;      // threads
   std::size_t done_ = 0;

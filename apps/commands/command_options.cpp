@@ -71,7 +71,7 @@ Command sampled_command(Command command, bool may_reach_out, const char* resumed
 }
 
 void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arrays) {
-  const std::string rest = " of delimited text; detected unless given";
+  const std::string rest = " of delimited text (default: detected)";
   command
       ->add_option_function<std::string>(
           "--decimal", [&layout](const std::string& text) { layout.decimal = text.at(0); },

@@ -51,17 +51,17 @@ std::string explanation(const std::string& key) {
   if (!text.empty()) return text;
   const std::string word = asked.empty() ? key : asked.back();
   std::vector<std::string> names;
-  std::set<std::string> speaking;  // keys whose descriptions contain the word
+  std::set<std::string> mentions;  // keys whose descriptions contain the word
   for (const KeyPlace& place : places) {
     names.push_back(place.path.back());
     if (word.size() > 2 && place.meaning.find(word) != std::string::npos)
-      speaking.insert(place.path.back());
+      mentions.insert(place.path.back());
   }
   const std::string meant = nearest(word, names);
   std::string instead = meant.empty() ? "" : "; did you mean \"" + meant + "\"?";
-  if (!speaking.empty())
+  if (!mentions.empty())
     instead += (meant.empty() ? ". " : " ") + std::string("These keys mention it: ") +
-               listed({speaking.begin(), speaking.end()});
+               listed({mentions.begin(), mentions.end()});
   throw Failure(Exit::usage, "there is no key \"" + key + "\"" + instead);
 }
 

@@ -139,16 +139,16 @@ Report ModalRun::summary(const CommonOptions& common) const {
 void ModalRun::print(std::ostream& out, bool colour) const {
   const Page page(out, colour);
   out << page.bold(io::printable(modal.title)) << "\n\n";
-  const auto say = [&](const auto& list) {
+  const auto print_modes = [&](const auto& list) {
     if (list.empty()) return;
     print_table(page, list);
     if (modes.covariance.size() > 0) out << "± is one standard deviation.\n";
     print_doubts(page, list);
   };
   if (found.merged) {
-    say(found.merged->modes);
+    print_modes(found.merged->modes);
   } else {
-    say(found.set_ups[0].modes);
+    print_modes(found.set_ups[0].modes);
   }
   for (const std::string& text : cautions(modal, found))
     page.wrapped(io::printable(text), "! ", "  ");

@@ -41,7 +41,7 @@ OTHERS = [None, True, False, [], {}, [[]], [0], [1, 2, 3], {"uniform": [0, 1]}, 
 
 
 def places(value, start=()):
-    """The path of everything in a case."""
+    """The paths of all values in a case."""
     keys = value.keys() if isinstance(value, dict) else range(len(value)) if isinstance(value, list) else ()
     for key in keys:
         yield start + (key,)
@@ -150,7 +150,7 @@ def command_line(program, kind, case, folder, rng):
 
 
 def run(program, origin, number, seed, scratch):
-    """A complaint about one mutation, or None."""
+    """The fault found by one mutation, or None."""
     rng = random.Random(f"{seed}/{number}")
     folder = scratch / str(number)
     folder.mkdir()

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Completion and the manual page say what --help says, and work where their readers are installed.
+"""Completion and the manual page agree with --help, and work in the installed shells and man.
 
 usage: program_texts.py PROGRAM
 """
@@ -15,7 +15,7 @@ def output(*command, **options):
 
 
 def commands(program):
-    """{command: its options}, as --help has them."""
+    """{command: options}, from --help."""
     listed = output(program, "--help").split("Subcommands:\n")[1]
     names = re.findall(r"^  ([a-z]+) ", listed, re.M)
     assert "damage" in names and len(names) > 10, names
@@ -28,7 +28,7 @@ def commands(program):
 
 
 def completed(script, *words):
-    """What bash offers for the last word."""
+    """Completions of bash for the last word."""
     shell = (f"source {script}\nCOMP_WORDS=({' '.join(repr(w) for w in words)})\nCOMP_CWORD={len(words) - 1}\n"
              "_wheeltap 2>/dev/null\nprintf '%s\\n' \"${COMPREPLY[@]}\"\n")
     return [line for line in output("bash", "-c", shell).splitlines() if line]
@@ -69,7 +69,7 @@ def main(program):
     assert "/damage/count/max" in said and "the largest number of defects" in said and "<= 20" in said, said
     assert output(program, "explain", "/damage/count/max") in said
     assert "keys: " in output(program, "explain", "data")
-    # What a beam and a structure mean otherwise is said of each.
+    # Separate entries for beams and structures if the meaning differs.
     kinds = output(program, "explain", "damage.kind")
     assert "(damage)" in kinds and "(structure)" in kinds and "storey" in kinds, kinds
     told = subprocess.run([program, "explain", "decay"], capture_output=True, text=True).stderr

@@ -203,16 +203,16 @@ class MemberParser {
     const Json& m = at(where);
     const auto named = [&](const Pointer& here, const char* key, Piece& piece) {
       const Pointer own = here / key, common = where / key;
-      const Pointer stands = file_.json.contains(own) ? own : common;
-      if (!file_.json.contains(stands))
+      const Pointer place_of_name = file_.json.contains(own) ? own : common;
+      if (!file_.json.contains(place_of_name))
         file_.refuse(own,
                      std::string("is missing: must be the name of one of /structure/") + key + "s");
-      const auto name = at(stands).get<std::string>();
+      const auto name = at(place_of_name).get<std::string>();
       const Json& all = json_.value(std::string(key) + "s", Json::object());
       if (!all.contains(name)) {
         std::vector<std::string> names;
         for (const auto& [one, ignored] : all.items()) names.push_back(one);
-        file_.refuse(stands,
+        file_.refuse(place_of_name,
                      std::string("no ") + key + " has this name" + did_you_mean(name, names));
       }
       const Pointer place = kStructure / (std::string(key) + "s") / name;

@@ -161,7 +161,7 @@ std::string as_written(const Json& value) {
   return value.dump(-1, ' ', false, Json::error_handler_t::replace);
 }
 
-bool says_nothing(const std::string& text) {
+bool is_placeholder(const std::string& text) {
   static constexpr std::array kWords = {"", "-", "--", "nan", "n/a", "na", "none", "null", "?"};
   const std::string small = lower_case(text);
   return std::ranges::find(kWords, small) != kWords.end() || small == "_" || small == "__";
@@ -414,7 +414,7 @@ class Examination {
     std::vector<Json> list;
     if (value.is_string()) {
       const auto& text = value.get_ref<const std::string&>();
-      if (says_nothing(text)) list.emplace_back(nullptr);
+      if (is_placeholder(text)) list.emplace_back(nullptr);
       if (const auto number = written_number(text)) {
         list.emplace_back(number->value);
         list.push_back(Json::array({number->value}));
