@@ -25,14 +25,14 @@ const charts = (() => {
       }
       out.push(...jointFigures(run));
     } else {
-      // In a discovery, the law over all models replaces those of each model, and its force map that of
-      // the most probable model.
+      // Of a discovery the law over all models stands for those of each, and its map of forces for that of
+      // the most probable one.
       const mapped = (summary.discovery?.laws || []).filter((law) => law.map?.length).map((law) => law.between.join(' – '));
       out.push(...chain(run), ...(summary.terms ? [] : laws(run)), ...loops(run).filter((f) => !(f.id.startsWith('restoring-force') && mapped.includes(f.group))));
     }
     out.push(...evidence(run));
     out.push(...residuals(run), ...mac(run), ...shapes(run), ...responses(run));
-    // Draws that could not be written have no figures.
+    // Draws that could not be written have no pictures.
     const drawn = draws.parameters || {};
     for (const [model, list] of Object.entries(drawn)) {
       for (const p of list) out.push(marginal(model, p, isShare(p.name)));
@@ -45,7 +45,7 @@ const charts = (() => {
       for (const p of list) out.push(history(`history-${slug(model)}-${slug(p.name)}`, 'histories', model, p.name + unit(p.name, p.unit), p.history, draws.draws, false, isShare(p.name)));
     }
     out.push(...emulator(run));
-    // Two names may have the same short form.
+    // Two names may shorten to one.
     const seen = new Map();
     for (const f of out) {
       const n = (seen.get(f.id) || 0) + 1;
