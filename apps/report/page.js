@@ -257,7 +257,7 @@
   function ladder(d) {
     if (!d.ladder) return [];
     const trips = d.ladder.round_trips;
-    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: a ladder needs at least this number of rungs, better twice as many.` : '';
+    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: a ladder needs about this number of rungs; twice as many are better.` : '';
     return [element('p', {}, d.ladder.while_drawing
       ? `The draws come from parallel tempering: replicas went ${trips} times from the prior to the posterior and back. With fewer than about ten round trips, each chain may explore a different region.${barrier}`
       : `The run used tempering in warm-up only: the draws come from single chains at the posterior.${barrier}`)];
