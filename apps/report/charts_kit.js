@@ -32,7 +32,7 @@ const kit = (() => {
     return '> 0.999999999';
   };
   const slug = (text) => text.toLowerCase().replace(/[^a-z0-9]+/g, '-').replace(/^-|-$/g, '').slice(0, 60) || 'figure';
-  // "m^2" as people write it; "1" is no unit.
+  // "m²" for "m^2"; nothing for "1".
   const written = (unit) => (unit && unit !== '1' ? unit.replace(/\^2/g, '²').replace(/\^3/g, '³') : '');
   const bracketed = (unit) => (written(unit) ? ` [${written(unit)}]` : '');
   const unit = (name, known) => (/(^|\s)location(\[|$)/.test(name) ? ' [m]' : bracketed(known));
@@ -96,11 +96,11 @@ const kit = (() => {
     if (!(size > 0) || (size >= 1e-3 && size < 1e6)) return plainFormat;
     return '.12~e';
   };
-  // So many dots as one path: zero-length strokes with round ends, between points that are not defined.
+  // Many dots as one path: zero-length strokes with round ends, between undefined points.
   const dots = (values) => values.flatMap((v) => [{ ...v, ok: true }, { ok: false }]);
   const dotMark = (data, x, y, color, size, opacity = 0.6) => ({ type: 'line', clip: true, from: { data }, encode: { enter: { x: { scale: 'x', field: x }, y: { scale: 'y', field: y },
     defined: { field: 'ok' }, stroke: { value: color }, strokeWidth: { value: size }, strokeCap: { value: 'round' }, strokeOpacity: { value: opacity } } } });
-  // Frequencies: logarithmic where what matters lies in the lowest tenth of the axis.
+  // Frequency axis: logarithmic if the spectrum is mostly in the lowest tenth of the axis.
   const frequencyScale = (rows, weight) => {
     const last = rows[rows.length - 1][0];
     const total = rows.reduce((sum, r) => sum + weight(r), 0);
@@ -112,7 +112,7 @@ const kit = (() => {
   // The same for powers of ten: "0.1", "1", "10", or "1e-6".
   const powerFormat = (values) => (Math.min(...values) >= 1e-3 && Math.max(...values) < 1e5 ? '~r' : '.0e');
   // "1e-06" of a sentence as `number` writes it.
-  // Of more than eight digits five are enough to read: nobody stated those.
+  // Numbers with more than eight digits are shown with five: no user wrote them.
   const restyled = (text) => text.replace(/\d+\.\d+/g, (x) => (x.replace(/^0\.0*|\./g, '').length > 8 ? String(Number(Number(x).toPrecision(5))) : x))
     .replace(/e([+-])0*(\d+)/g, (_, sign, power) => 'e' + (sign === '-' ? '-' : '') + power);
   // Exponents as `number` writes them, and a zero as "0".
@@ -121,7 +121,7 @@ const kit = (() => {
   const axisX = (title, more) => styled({ orient: 'bottom', scale: 'x', title, tickCount: { signal: 'max(4, width / 80)' }, format: plainFormat, ...defined(more) });
   const axisY = (title, more) => styled({ orient: 'left', scale: 'y', title, grid: true, domain: false, ticks: false, tickCount: 4, format: plainFormat, ...defined(more) });
 
-  // Names beside bars, on two lines where one is too short for them.
+  // Names beside bars, on two lines if one is too short.
   const nameRoom = (width) => Math.max(80, width * 0.36);
   function inLines(name, room) {
     const most = Math.floor(room / 6.8), words = name.split(' ');
@@ -131,7 +131,7 @@ const kit = (() => {
     return [first, words.join(' ')].filter(Boolean).map((line) => short(line, most));
   }
   const namesInLines = { labels: { update: { text: { signal: "scale('names', datum.value)" }, lineHeight: { value: 13 }, dy: { signal: "-6.5 * (length(scale('names', datum.value)) - 1)" } } } };
-  // Names of the models by index: of very many the seven most probable, the others as one.
+  // Names of the models by index; of very many models the seven most probable, and "others".
   function fewNames(models) {
     if (models.length <= 14) return models.map((m) => m.name);
     const top = [...models].sort((a, b) => b.probability - a.probability).slice(0, 7);

@@ -4,7 +4,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     const all = run.summary.models;
     const shown = all.length <= 14 ? all : [...all].sort((a, b) => b.probability - a.probability).slice(0, 14);
     const keys = [...new Set(all.flatMap((m) => Object.keys(m)))].filter((k) => all.every((m) => typeof m[k] !== 'object' || m[k] === null));
-    // Values stand in a column of their own: beside a bar they would be read as the prior's.
+    // Values have a separate column: beside a bar they could be mistaken for the prior.
     const label = (m) => (m.passed_over ? 'not evaluated' : m.mcse === null && m.basis ? 'not known' : percent(m.probability) + (m.basis === 'evidence' ? ' ᵉ' : ''));
     const room = 14 + 7 * Math.max(...shown.map((m) => label(m).length));
     return {
@@ -34,7 +34,7 @@ const modelCharts = (({ percent, inLines, nameRoom, namesInLines, circles, frame
     };
   }
 
-  // What each way of computing the models' probabilities found, side by side.
+  // Probabilities of the models by each method, side by side.
   function evidence(run) {
     const methods = Object.entries(run.summary.evidence || {}).filter(([, rows]) => Array.isArray(rows) && rows.some((r) => typeof r.probability === 'number'));
     if (!methods.length || run.summary.models.length === 1) return [];

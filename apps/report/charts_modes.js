@@ -1,10 +1,10 @@
 // Charts that compare measured and computed mode shapes.
 const modeCharts = (({ frame, linear, axisY }) => {
-  // Shapes beside each other: of an update those of its data, of damage those of each state.
+  // Measured and computed shapes: of the data of an update, of each state of a damage run.
   const sets = (run) => run.summary.data?.shapes_of || [run.summary.data || {}];
   const named = (set) => (set.state ? `: ${set.state}` : '');
   const slug = (set) => (set.state ? `${set.state}-` : '');
-  // Rows are measured modes, columns computed ones; null where no shape was measured.
+  // Rows: measured modes; columns: computed modes; null without a measured shape.
   const mac = (run) => sets(run).flatMap((set) => macOf(set));
   function macOf(set) {
     const rows = set.mac || [];

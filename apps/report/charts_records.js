@@ -30,15 +30,15 @@ const recordCharts = (({ slug, frame, linear, decades, powersOfTen, powerFormat,
   function responses(run) {
     return (run.draws.responses || []).flatMap((r) => {
       const label = `${r.name}${r.unit ? ` [${r.unit.replace('^2', '²')}]` : ''}`;
-      // Of replicates (noise included) `low` and `high`; without noise `a`, `m` and `b`, the band only
-      // where the run kept it.
+      // `low` and `high`: replicates with noise; `a`, `m`, `b`: without noise, the band only if the run
+      // stored it.
       const values = r.history.map(([t, y, low, a, m, b, high, rest]) => ({ t, y, low, a, m, b, high, rest }));
       const span = [values[0].t, values[values.length - 1].t];
       const y = [Math.min(...values.map((v) => Math.min(v.y, v.low))), Math.max(...values.map((v) => Math.max(v.y, v.high)))];
       const line = (field, color, width, dash) => ({ type: 'line', clip: true, from: { data: 'd' }, encode: { update: { x: { scale: 'x', field: 't' }, y: { scale: 'y', field },
         stroke: { value: color }, strokeWidth: { value: width }, strokeDash: { value: dash || [] } } } });
       const band = (from, to, color, opacity) => ({ type: 'area', clip: true, from: { data: 'd' }, encode: { update: { x: { scale: 'x', field: 't' }, y: { scale: 'y', field: from }, y2: { scale: 'y', field: to }, fill: { value: color }, fillOpacity: { value: opacity } } } });
-      // Dragging over a chart of time shows that stretch.
+      // Dragging over a time chart zooms to that interval.
       const zoomed = {
         signals: [
           { name: 'shown', value: span, on: [

@@ -193,7 +193,7 @@
   function updateTables() {
     if (about.command !== 'update') return [];
     const of = (x, n) => (typeof x === 'number' ? { value: x, text: number(x, n) } : null);
-    const foretold = summary.predictions || [];
+    const predicted = summary.predictions || [];
     const inside = (p) => (p.inside === null ? '–' : p.inside ? 'inside' : 'outside');
     const solutions = summary.solutions || [];
     const range = (e) => ({ value: e.q50, text: `${digits(e, 'q50')} (${digits(e, 'q2.5')} to ${digits(e, 'q97.5')})` });
@@ -204,8 +204,8 @@
       head: ['mode', 'measured [Hz]', 'sd [Hz]', 'model [Hz]', 'off by [sd]', 'computed mode', 'MAC', 'p of the shape', 'information [nats]', 'largest shift without it', 'by [posterior sd]'],
       rows: (summary.data?.modes || []).map((m) => [m.mode, of(m.observed, 6), of(m.sd, 3), of(m.mean, 6), of(m.standardised_residual, 3), m.spurious > 0.5 ? `none (P ${number(m.spurious, 3)})` : m.computed_mode, of(m.shape?.mac?.q50, 4), of(m.shape?.p, 3),
         of(m.without_it?.information_nats, 3), (m.without_it?.reliable && m.without_it.moves) || '–', m.without_it?.reliable ? of(m.without_it.by_sd, 2) : null]), caption: 'Frequencies and shapes, and the change of the posterior without each mode' }),
-    ...(foretold.length ? [element('h3', { class: 'apart' }, 'Predicted modes'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the band'],
-      rows: foretold.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Bands of a measurement, with noise' })] : [])];
+    ...(predicted.length ? [element('h3', { class: 'apart' }, 'Predicted modes'), copyable({ head: ['mode', 'model [Hz]', '2.5 % [Hz]', '97.5 % [Hz]', 'held out [Hz]', 'in the band'],
+      rows: predicted.map((p) => [p.mode, of(p.frequency_hz.q50, 5), of(p.measurement_hz['q2.5'], 5), of(p.measurement_hz['q97.5'], 5), of(p.held_out_hz, 6), inside(p)]), caption: 'Bands of a measurement, with noise' })] : [])];
   }
   // Table of a damage run with states: every mode of each state.
   function statesTable() {
@@ -257,7 +257,7 @@
   function ladder(d) {
     if (!d.ladder) return [];
     const trips = d.ladder.round_trips;
-    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: a ladder needs at least this number of rungs, better twice as many.` : '';
+    const barrier = typeof d.ladder.barrier === 'number' ? ` The barrier between prior and posterior is ${number(d.ladder.barrier, 3)}: a ladder needs about this number of rungs; twice as many are better.` : '';
     return [element('p', {}, d.ladder.while_drawing
       ? `The draws come from parallel tempering: replicas went ${trips} times from the prior to the posterior and back. With fewer than about ten round trips, each chain may explore a different region.${barrier}`
       : `The run used tempering in warm-up only: the draws come from single chains at the posterior.${barrier}`)];

@@ -294,7 +294,7 @@ Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
     }
   } else if (findings.models.size() > 1) {
     out.detail =
-        "P(at least one) = " + percent(1.0 - best.probability()) + "." +
+        "Probability of at least one: " + percent(1.0 - best.probability()) + "." +
         (best.probability() >= kDecided ? " The places below are conditional on at least one."
                                         : "");
   }

@@ -73,7 +73,7 @@ Answer answer(const MadeUp& run) {
 TEST(Answer, NoDamage) {
   const Answer a = answer(damage_run({0.93, 0.05, 0.02}));
   EXPECT_EQ(a.headline, "Most likely no damage (93 %).");
-  EXPECT_THAT(a.detail, HasSubstr("P(at least one) = 7 %."));
+  EXPECT_THAT(a.detail, HasSubstr("Probability of at least one: 7 %."));
   EXPECT_THAT(a.detail, Not(HasSubstr("0.095")));
   EXPECT_THAT(a.caution, IsEmpty());
 }
