@@ -274,7 +274,7 @@ void check_beam_modes(const CaseFile& f, DamageCase& out) {
     }
   }
   const int most_modes = free - std::max(out.rigid_body_modes, most_supports);
-  if (!out.states && out.modes() > most_modes) {
+  if (!out.states() && out.modes() > most_modes) {
     f.refuse(out.data.modes() > 0 ? damage_key("/data") : damage_key("/data/modes"),
              std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most_modes) +
                  ", the elastic modes of " + std::to_string(out.beam.elements) +
@@ -387,7 +387,7 @@ SimulatedModes simulated_modes(const CaseFile& f, DamageCaseFile& parsed) {
                       .shapes = {},
                       .cov = simulation.cv,
                       .shape_sd = simulation.shape_sd};
-  const bool shapes = out.modal && !out.modal->sensors.empty();
+  const bool shapes = out.modal() && !out.modal()->sensors.empty();
   if (shapes)
     made.shapes =
         explained(parsed, [&] { return simulated_shapes(out, out.data.modes(), simulation.seed); });
@@ -426,7 +426,7 @@ void simulate_data(const CaseFile& f, DamageCaseFile& parsed) {
              "must have one value per mode: " + std::to_string(out.data.modes()));
   }
   if (!sd.empty()) out.data.sd_hz = sd;
-  if (out.modal)
+  if (out.modal())
     explained(parsed, [&] {
       take_true_shapes(f, out);
       return true;
@@ -449,7 +449,7 @@ void finish_data(const CaseFile& f, DamageCase& out) {
     take_baseline(f, out);
   }
   if (f.json.contains("data"))
-    require_shapes_to_doubt(f, damage_key("/data"), out.modal && out.modal->has_shapes());
+    require_shapes_to_doubt(f, damage_key("/data"), out.modal() && out.modal()->has_shapes());
 }
 
 }  // namespace

@@ -147,15 +147,15 @@ void take_data(const CaseFile& f, DamageCase& out) {
              "an emulator predicts frequencies, not shapes: use \"fe\" here");
   AnyStructure solved;
   try {
-    out.modal = std::make_shared<const ModalData>();  // then the model is solved as a structure
+    out.measured.set_modal(ModalData{});  // then the model is solved as a structure
     solved = out.solved_structure();
   } catch (const std::invalid_argument& error) {
     f.refuse(data_key(out.structure ? "/structure" : "/beam"), error.what());
   }
-  out.modal = std::make_shared<const ModalData>(parse_modal_data(f, data_key("/data"), solved));
-  if (out.modal->predict > 0)
+  out.measured.set_modal(parse_modal_data(f, data_key("/data"), solved));
+  if (out.modal()->predict > 0)
     f.refuse(data_key("/data/predict"), "is allowed with \"kind\": \"update\" only");
-  out.data = frequencies_of(*out.modal, data);
+  out.data = frequencies_of(*out.modal(), data);
 }
 
 void take_baseline(const CaseFile& f, DamageCase& out) {
@@ -182,7 +182,7 @@ void take_baseline(const CaseFile& f, DamageCase& out) {
 
 // Simulates shapes of the truth if there are sensors.
 void take_true_shapes(const CaseFile& f, DamageCase& out) {
-  ModalData modal = *out.modal;
+  ModalData modal = *out.modal();
   const Eigen::Index n = out.data.modes();
   modal.frequencies_hz = out.data.frequencies_hz;
   modal.simulated = true;
@@ -204,7 +204,7 @@ void take_true_shapes(const CaseFile& f, DamageCase& out) {
     modal.shape_covariances.assign(static_cast<std::size_t>(n),
                                    unit * Eigen::MatrixXd::Identity(sensors, sensors));
   }
-  out.modal = std::make_shared<const ModalData>(std::move(modal));
+  out.measured.set_modal(std::move(modal));
 }
 
 }  // namespace wheeltap::apps

@@ -52,7 +52,7 @@ Json with_simulated(const DamageCaseFile& parsed, const FrequencyData& data, std
   const auto says = [&](const char* key) { return json["data"].contains(key); };
   if (!says("cov") && !says("sd") && !says("covariance"))
     json["data"]["cov"] = damage_case.simulation->cv;
-  if (damage_case.modal && !damage_case.modal->sensors.empty()) {
+  if (damage_case.modal() && !damage_case.modal()->sensors.empty()) {
     json["data"]["shapes"] = json_rows(
         explained(parsed, [&] { return simulated_shapes(damage_case, data.modes(), seed); }));
     if (!json["data"].contains("shape_sd"))

@@ -354,8 +354,7 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
                              ? kNaN
                              : std::sqrt(joined.covariance(i, i)));
   out.data = std::move(data);
-  out.modal = std::make_shared<const ModalData>(joined);
-  out.states = std::make_shared<const ObservedStates>(std::move(states));
+  out.measured = MeasuredModes(std::make_shared<const ObservedStates>(std::move(states)), joined);
 }
 
 }  // namespace wheeltap::apps

@@ -326,7 +326,7 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
       if (kind.type->may_be_known)
         most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));
     const auto most = static_cast<int>(fem::mode_count(d)) - out.rigid_body_modes - most_supports;
-    if (!out.states && out.modes() > most)
+    if (!out.states() && out.modes() > most)
       f.refuse(out.data.modes() > 0 ? Pointer("/data") : Pointer("/data/modes"),
                std::to_string(out.modes()) + " modes: must be at most " + std::to_string(most) +
                    ", the elastic modes of this mesh" +

@@ -73,7 +73,7 @@ void run_simulate(const CommonOptions& common) {
   std::string text;
   if (common.output.extension() == ".json") {
     text = with_simulated(parsed, data, seed).dump(2) + "\n";
-  } else if (damage_case.modal && !damage_case.modal->sensors.empty()) {
+  } else if (damage_case.modal() && !damage_case.modal()->sensors.empty()) {
     throw Failure(Exit::usage,
                   "--output: " + common.output.string() +
                       ": shapes are written as a complete case; the file name must end in .json");
@@ -87,7 +87,7 @@ void run_simulate(const CommonOptions& common) {
     common.as_json(
         written_data(common.output, data.origin, static_cast<std::size_t>(data.modes()), "modes"));
   if (!common.quiet) {
-    const bool shapes = damage_case.modal && !damage_case.modal->sensors.empty();
+    const bool shapes = damage_case.modal() && !damage_case.modal()->sensors.empty();
     std::cout << data.modes() << (shapes ? " frequencies and shapes (" : " frequencies (")
               << data.origin << "): " << io::printable(common.output.string()) << '\n';
   }

@@ -103,7 +103,7 @@ Report baseline_report(const DamageCase& damage_case, const DamageFindings& find
                                     : c.bound == Bound::upper ? Report("upper")
                                                               : Report("lower")}};
   }
-  for (const ObservedState& s : damage_case.states->list) {
+  for (const ObservedState& s : damage_case.states()->list) {
     Report masses = Report::array();
     for (const auto& m : s.masses) masses.push_back(m.mass);
     states.push_back({{"name", s.name},

@@ -139,9 +139,9 @@ Report shapes_of(const DamageCase& damage_case, const FitFinding& fit) {
   Report out = Report::array();
   for (const ShapesBeside& beside : fit.shapes) {
     const ObservedState* state =
-        damage_case.states ? &damage_case.states->list[static_cast<std::size_t>(beside.state)]
-                           : nullptr;
-    const ModalData& data = state != nullptr ? state->data : *damage_case.modal;
+        damage_case.states() ? &damage_case.states()->list[static_cast<std::size_t>(beside.state)]
+                             : nullptr;
+    const ModalData& data = state != nullptr ? state->data : *damage_case.modal();
     Report sensors = Report::array();
     for (const Sensor& sensor : data.sensors) sensors.push_back(sensor.name);
     out.push_back({{"state", state != nullptr ? Report(state->name) : Report()},
@@ -199,7 +199,7 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
     for (const ParameterFinding& p : model.parameters) {
       const Unknown& u = p.unknown;
       const auto kind = static_cast<std::size_t>(u.kind);
-      const bool own = file.damage.states && is_of_structure(*file.damage.states, u.name);
+      const bool own = file.damage.states() && is_of_structure(*file.damage.states(), u.name);
       const Pointer prior = u.kind >= 0                     ? file.kinds[kind] / u.name
                             : own && u.name == kPerKelvin   ? Pointer("/temperature") / u.name
                             : own                           ? Pointer("/parameters") / u.name

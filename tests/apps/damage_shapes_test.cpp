@@ -62,8 +62,8 @@ TEST(DamageShapes, TheLikelihoodIsThatOfTheDamagedModes) {
     modes.shapes.resize(5, 8);
     for (Eigen::Index s = 0; s < 5; ++s)
       for (Eigen::Index m = 0; m < 8; ++m)
-        modes.shapes(s, m) =
-            p.file.damage.modal->sensors[static_cast<std::size_t>(s)].motion.of(full.shapes.col(m));
+        modes.shapes(s, m) = p.file.damage.modal()->sensors[static_cast<std::size_t>(s)].motion.of(
+            full.shapes.col(m));
     const double expected = of_modes.score(modes, {}).log_likelihood;
     const double found = likelihood->log_likelihood(1, std::vector<double>{x, 0.4});
     EXPECT_NEAR(found, expected, 1e-5 * std::abs(expected)) << x;

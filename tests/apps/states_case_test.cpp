@@ -157,7 +157,7 @@ TEST(StatesCase, ABeamOfUnknownE) {
 
 /// The parsed states of the case.
 ObservedStates states_of(const Workspace& where, const json& c) {
-  return *parse_damage_case(read_case(where.write_json("c.json", c))).damage.states;
+  return *parse_damage_case(read_case(where.write_json("c.json", c))).damage.states();
 }
 
 TEST(StatesCase, StatesInheritWhatTheyDoNotSay) {

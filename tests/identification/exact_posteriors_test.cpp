@@ -97,12 +97,11 @@ TEST(ExactPosteriors, ASoftStoreyWithAnUnknownStiffness) {
   storey.line = std::move(line);
   DamageCase damage_case;
   damage_case.structure = model;
-  damage_case.states = states;
-  damage_case.modal = std::make_shared<const ModalData>(states->joined());
+  damage_case.measured = MeasuredModes(states, states->joined());
   damage_case.kinds = {storey};
-  damage_case.data.frequencies_hz = damage_case.modal->frequencies_hz;
+  damage_case.data.frequencies_hz = damage_case.modal()->frequencies_hz;
   for (Index i = 0; i < 4; ++i)
-    damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal->covariance(i, i)));
+    damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal()->covariance(i, i)));
 
   // Grid over z of the stiffness and the reduction of either storey.
   constexpr int kStiffnesses = 300, kReductions = 300;
@@ -286,7 +285,7 @@ TEST(ExactPosteriors, ASymmetricBeamWithShapes) {
                   .location = inference::Uniform{0.0, 1.0},
                   .severity = inference::Prior(inference::Uniform{0.0, kMost})};
   damage_case.kinds = {kind};
-  damage_case.modal = std::make_shared<const ModalData>(data);
+  damage_case.measured.set_modal(data);
   damage_case.data.frequencies_hz = data.frequencies_hz;
   for (Index i = 0; i < kModes; ++i)
     damage_case.data.sd_hz.push_back(std::sqrt(data.covariance(i, i)));

@@ -118,19 +118,18 @@ Lanl lanl(int damaged, const std::vector<int>& healthy, const std::map<int, int>
   for (ObservedState& s : states->list) s.data.discrepancy.value = 0.005;
   DamageCase damage_case;
   damage_case.structure = states->model;
-  damage_case.states = states;
-  damage_case.modal = std::make_shared<const ModalData>(states->joined());
+  damage_case.measured = MeasuredModes(states, states->joined());
   damage_case.kinds = {
       kind_of(defects::kStorey, "soft storey", {"storey 1", "storey 2", "storey 3"},
               inference::Prior(inference::Uniform{0.0, 0.9})),
       kind_of(defects::kFloorMass, "added mass", {"base", "floor 1", "floor 2", "floor 3"},
               inference::Prior(inference::Uniform{0.0, 2.5}))};
   if (!masses) damage_case.kinds.pop_back();
-  damage_case.data.frequencies_hz = damage_case.modal->frequencies_hz;
+  damage_case.data.frequencies_hz = damage_case.modal()->frequencies_hz;
   damage_case.data.discrepancy_cv = 0.005;
   for (std::size_t i = 0; i < damage_case.data.frequencies_hz.size(); ++i) {
     const auto at = static_cast<Eigen::Index>(i);
-    damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal->covariance(at, at)));
+    damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal()->covariance(at, at)));
   }
   const auto problem = make_damage_problem(damage_case, {});
   const int draws = std::getenv("WHEELTAP_LONG_TESTS") != nullptr ? 8000 : 2000;

@@ -294,12 +294,11 @@ TEST(StatesLikelihood, ReportsChangesTakenForExact) {
     }
     DamageCase damage_case;
     damage_case.structure = states->model;
-    damage_case.modal = std::make_shared<const ModalData>(states->joined());
+    damage_case.measured = MeasuredModes(states, states->joined());
     damage_case.kinds = {modal::soft_storey()};
-    damage_case.data.frequencies_hz = damage_case.modal->frequencies_hz;
+    damage_case.data.frequencies_hz = damage_case.modal()->frequencies_hz;
     for (Index i = 0; i < 6; ++i)
-      damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal->covariance(i, i)));
-    damage_case.states = std::move(states);
+      damage_case.data.sd_hz.push_back(std::sqrt(damage_case.modal()->covariance(i, i)));
     const auto problem = make_damage_problem(damage_case, {});
     const auto posterior = inference::reversible_jump(
         problem->problem, {.chains = 2, .warmup = 500, .draws = 500, .searches = 16});

@@ -30,7 +30,7 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
                        "the baseline has " + std::to_string(baseline.modes()) +
                            " modes: must be at least those of the data, " + std::to_string(modes));
   const std::vector<double> model = undamaged_frequencies(damage_case, modes);
-  ModalData modal = damage_case.modal ? *damage_case.modal : ModalData{};
+  ModalData modal = damage_case.modal() ? *damage_case.modal() : ModalData{};
   damage_case.baseline = Baseline{};
   double unknown_noise = 0.0;
   int used = 0;
@@ -64,7 +64,7 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
   // With unknown noise, the baseline's noise enters as discrepancy.
   if (used > 0)
     data.discrepancy_cv = std::hypot(data.discrepancy_cv, std::sqrt(unknown_noise / used));
-  if (!damage_case.modal) return;
+  if (!damage_case.modal()) return;
   modal.frequencies_hz = data.frequencies_hz;
   modal.discrepancy.value = modal.discrepancy.known() ? data.discrepancy_cv : 0.0;
   const auto n = static_cast<Eigen::Index>(modal.covariance.rows());
@@ -83,7 +83,7 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
         modal.covariance(i, i) += std::pow(relative * modal.frequencies_hz[k], 2);
       }
     }
-  damage_case.modal = std::make_shared<const ModalData>(std::move(modal));
+  damage_case.measured.set_modal(std::move(modal));
 }
 
 }  // namespace wheeltap::identification

@@ -126,7 +126,7 @@ void complete(DamageCase& damage_case) {
     }
   }
   const FrequencyData& data = damage_case.data;
-  if (data.measured() == 0 && !(damage_case.modal && damage_case.modal->has_shapes()))
+  if (data.measured() == 0 && !(damage_case.modal() && damage_case.modal()->has_shapes()))
     throw InvalidInput(Part::data, "has no frequency");
   if (!data.cv_prior && data.sd_hz.size() != data.frequencies_hz.size()) {
     throw InvalidInput(Part::data, std::to_string(data.sd_hz.size()) +
@@ -199,7 +199,7 @@ Eigen::MatrixXd simulated_shapes(const DamageCase& damage_case, int modes, std::
   const auto rigid = static_cast<int>(damaged.rigid_motions.cols());
   const fem::StructureModes found = fem::structure_modes(damaged, modes + rigid);
   base::Random random(seed, 0, 1, base::Purpose::simulation);
-  const auto& sensors = damage_case.modal->sensors;
+  const auto& sensors = damage_case.modal()->sensors;
   Eigen::MatrixXd out(modes, static_cast<Eigen::Index>(sensors.size()));
   for (Eigen::Index i = 0; i < out.rows(); ++i) {
     for (Eigen::Index s = 0; s < out.cols(); ++s)

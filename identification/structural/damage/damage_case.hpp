@@ -13,8 +13,7 @@
 #include "identification/emulation/emulator_spec.hpp"
 #include "identification/structural/defects/defect_kind.hpp"
 #include "identification/structural/likelihood/noise_model.hpp"
-#include "identification/structural/modal_data.hpp"
-#include "identification/structural/observed_states.hpp"
+#include "identification/structural/measured_modes.hpp"
 #include "identification/structural/structure_model.hpp"
 
 namespace wheeltap::identification {
@@ -41,17 +40,17 @@ struct DamageCase {
   std::shared_ptr<const StructureModel> structure = {};  ///< replaces the beam
   int rigid_body_modes = 0;  ///< number for the intact beam; data and predictions omit them
   FrequencyData data = {};   ///< no frequencies before a simulation
-  /// All measured data if shapes were measured or frequencies have a covariance; `data` is then
-  /// their frequency part. Shapes belong to the structure that is solved.
-  std::shared_ptr<const ModalData> modal = {};
+  /// Measured modes if shapes were measured, frequencies have a covariance, coefficients of the
+  /// intact structure are unknown or several states were measured; `data` is then their frequency
+  /// part. Shapes belong to the structure that is solved.
+  MeasuredModes measured = {};
   std::optional<Baseline> baseline = {};  ///< to which `data` are already compared
-  /// All measured data if coefficients of the intact structure are unknown or several states were
-  /// measured; `modal` and `data` are then their concatenation.
-  std::shared_ptr<const ObservedStates> states = {};
   std::optional<Simulation> simulation = {};
   std::vector<DefectKind> kinds = {};
   std::optional<EmulatorSpec> emulator = {};  ///< empty: the FE solution is used directly
 
+  [[nodiscard]] const ModalData* modal() const { return measured.modal(); }
+  [[nodiscard]] std::shared_ptr<const ObservedStates> states() const { return measured.states(); }
   /// Number of modes that must be predicted.
   [[nodiscard]] int modes() const {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);

@@ -25,10 +25,10 @@ inference::RunCost cost_of_damages(const DamageCase& damage_case, const inferenc
       .explored = 10'000.0,  // 5 000 to 14 000 on the starter cases
       .seconds_a_likelihood =
           1e-6 * modes * (structure ? 1.5 + 0.01 * kept : 0.6 + 0.00125 * kept)};
-  if (damage_case.states) {
-    const StatesLikelihood states(damage_case.states, damage_case.kinds);
+  if (damage_case.states()) {
+    const StatesLikelihood states(damage_case.states(), damage_case.kinds);
     size.seconds_a_likelihood = states.check(8).seconds_a_solution;
-    size.largest += static_cast<double>(damage_case.states->parameters().size());
+    size.largest += static_cast<double>(damage_case.states()->parameters().size());
   }
   double mean = size.largest;
   for (const DefectKind& kind : damage_case.kinds) {
@@ -40,7 +40,7 @@ inference::RunCost cost_of_damages(const DamageCase& damage_case, const inferenc
   size.dimensions = size.models * mean;
   inference::RunCost cost = cost_of_sampling(size, options, most_in_memory);
   cost.seconds_a_likelihood = size.seconds_a_likelihood;
-  if (damage_case.states) return cost;
+  if (damage_case.states()) return cost;
   const double likelihoods = cost.seconds;
   if (kept < n) {
     // The lowest modes; then, per place, four vectors computed from all others.

@@ -24,8 +24,8 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
   const DamageCase& damage_case = problem.damage_case;
   std::vector<Remark> remarks = damage_case.structure ? implausible(damage_case.structure->nominal)
                                                       : implausible(damage_case.beam);
-  if (damage_case.modal)
-    for (Remark& remark : implausible(damage_case.modal->sensors))
+  if (damage_case.modal())
+    for (Remark& remark : implausible(damage_case.modal()->sensors))
       remarks.push_back(std::move(remark));
   const FrequencyData& data = problem.damage_case.data;
   const auto& space = problem.problem.space;

@@ -78,7 +78,7 @@ std::vector<inference::ComponentKind> component_kinds(const DamageCase& damage_c
 
 /// The scatters of measured modes; empty for numbered frequencies.
 UnknownScatters scatters_of(const DamageCase& damage_case) {
-  return UnknownScatters(damage_case.modal ? *damage_case.modal : ModalData{});
+  return UnknownScatters(damage_case.modal() ? *damage_case.modal() : ModalData{});
 }
 
 /// Sets up a structure, or a beam whose modes or defects require one.
@@ -86,7 +86,7 @@ void observe_assembled(DamageProblem& problem) {
   const DamageCase& damage_case = problem.damage_case;
   const AnyStructure structure = damage_case.solved_structure();
   const int rigid = damage_case.rigid_body_modes;
-  if (!damage_case.modal) {
+  if (!damage_case.modal()) {
     problem.model = std::make_shared<const AssembledModel>(structure, damage_case.kinds,
                                                            damage_case.modes() + rigid, rigid);
     return;
@@ -95,8 +95,8 @@ void observe_assembled(DamageProblem& problem) {
   for (const DefectKind& kind : damage_case.kinds)
     elastic -= kind.type->may_be_known ? kind.max_count : 0;
   std::vector<fem::SparseRow> motions;
-  for (const Sensor& sensor : damage_case.modal->sensors) motions.push_back(sensor.motion);
-  const auto observed = observe_structure(*damage_case.modal, scatters_of(damage_case));
+  for (const Sensor& sensor : damage_case.modal()->sensors) motions.push_back(sensor.motion);
+  const auto observed = observe_structure(*damage_case.modal(), scatters_of(damage_case));
   problem.observed = observed;
   problem.model = std::make_shared<const AssembledModel>(
       structure, damage_case.kinds, rigid + observed->of(0).candidates(elastic), rigid, motions);
@@ -106,16 +106,16 @@ void observe_assembled(DamageProblem& problem) {
 std::shared_ptr<const BeamModel> observe(DamageProblem& problem) {
   const DamageCase& damage_case = problem.damage_case;
   problem.observed = std::make_shared<const FrequencyObservation>(damage_case.data);
-  if (!damage_case.states && !damage_case.solved_as_structure()) {
+  if (!damage_case.states() && !damage_case.solved_as_structure()) {
     const auto beam = std::make_shared<const BeamModel>(
         damage_case.beam, damage_case.kinds, damage_case.modes(), damage_case.rigid_body_modes);
     problem.model = beam;
     return beam;
   }
   try {
-    if (damage_case.states) {
+    if (damage_case.states()) {
       const auto states =
-          std::make_shared<const StatesLikelihood>(damage_case.states, damage_case.kinds);
+          std::make_shared<const StatesLikelihood>(damage_case.states(), damage_case.kinds);
       problem.observed = observe_states(states, scatters_of(damage_case));
       problem.model = std::make_shared<const StatesModel>(states);
     } else {
@@ -124,7 +124,7 @@ std::shared_ptr<const BeamModel> observe(DamageProblem& problem) {
   } catch (const fem::InvalidStructure& error) {
     throw InvalidInput(InvalidInput::Part::beam, error.what());
   } catch (const std::invalid_argument& error) {
-    throw InvalidInput(damage_case.states ? InvalidInput::Part::data : InvalidInput::Part::beam,
+    throw InvalidInput(damage_case.states() ? InvalidInput::Part::data : InvalidInput::Part::beam,
                        error.what());
   }
   return nullptr;
@@ -132,9 +132,9 @@ std::shared_ptr<const BeamModel> observe(DamageProblem& problem) {
 
 void add_symmetries(DamageProblem& problem, bool mirrored) {
   const DamageCase& damage_case = problem.damage_case;
-  const auto& states = damage_case.states;
-  const bool told_apart =
-      (damage_case.modal && damage_case.modal->has_shapes()) || (states && states->has_shapes());
+  const auto& states = damage_case.states();
+  const bool told_apart = (damage_case.modal() && damage_case.modal()->has_shapes()) ||
+                          (states && states->has_shapes());
   problem.symmetric =
       mirrored && problem.as_case && !told_apart && !(states && states->tells_sides());
   if (mirrored)
@@ -221,10 +221,11 @@ std::unique_ptr<const DamageProblem> make_damage_problem(DamageCase damage_case,
         InvalidInput::Part::emulator,
         "is trained on the case's structure and cannot be combined with a model of your own");
   out->as_case = !options.outside && !options.model && options.observations.empty();
-  const std::vector<inference::Parameter> common = out->place_parameters(
-      StructuralProblem::First::noise,
-      damage_case.states ? damage_case.states->parameters() : std::vector<inference::Parameter>{},
-      options.observations);
+  const std::vector<inference::Parameter> common =
+      out->place_parameters(StructuralProblem::First::noise,
+                            damage_case.states() ? damage_case.states()->parameters()
+                                                 : std::vector<inference::Parameter>{},
+                            options.observations);
   out->common = static_cast<int>(common.size());
   out->problem.space = inference::ModelSpace::of_components(common, component_kinds(damage_case),
                                                             combinations(damage_case.kinds));

@@ -140,8 +140,8 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
                   std::vector<Remark>& remarks) {
   const DamageProblem& problem = draws.problem();
   const DamageCase& damage_case = problem.damage_case;
-  if ((damage_case.modal && damage_case.modal->has_shapes()) ||
-      (damage_case.states && damage_case.states->has_shapes()))
+  if ((damage_case.modal() && damage_case.modal()->has_shapes()) ||
+      (damage_case.states() && damage_case.states()->has_shapes()))
     return;
   const int data = damage_case.data.measured();
   for (std::size_t m = 0; m < models.size(); ++m) {
@@ -310,7 +310,7 @@ void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>
                      std::vector<Remark>& remarks) {
   constexpr double kOff = 0.003;
   const DamageProblem& problem = draws.problem();
-  const auto& states = problem.damage_case.states;
+  const auto& states = problem.damage_case.states();
   if (!states || !states->joined().mixing.none() ||
       !states->joined().stiffness_discrepancy.none() ||
       std::ranges::all_of(states->list, &ObservedState::damaged))

@@ -17,7 +17,7 @@ namespace {
 /// a few hundred draws, because each is solved again. Otherwise 0.
 std::vector<double> inferred_scatter(const DamageProblem& problem, const Posterior& posterior) {
   std::vector<double> out(static_cast<std::size_t>(problem.damage_case.data.modes()));
-  const auto& modal = problem.damage_case.modal;
+  const auto& modal = problem.damage_case.modal();
   if (!problem.by_modes() || !modal ||
       (modal->discrepancy.known() && modal->stiffness_discrepancy.none()))
     return out;
