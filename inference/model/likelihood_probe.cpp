@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr long kMostCalls = 2000;
-constexpr double kPatience = 10.0;  // largest time, in units of the requested one
+constexpr double kProbePatience = 10.0;  // largest time, in units of the requested one
 
 double processor_seconds() {
   timespec now{};
@@ -34,7 +34,7 @@ LikelihoodTime probe(const Problem& problem, double seconds) {
   const double began = processor_seconds();
   double now = began;
   for (long i = 0; i < kMostCalls; ++i) {
-    if (now - began > (i < n ? kPatience : 1.0) * seconds) break;
+    if (now - began > (i < n ? kProbePatience : 1.0) * seconds) break;
     base::Random random(1, 0, static_cast<std::uint64_t>(i), base::Purpose::prediction);
     State state;
     target.draw_prior(models[static_cast<std::size_t>(i % n)], random, state);
