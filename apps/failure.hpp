@@ -9,7 +9,7 @@ namespace wheeltap::apps {
 /// The program's exit codes: those of sysexits.h, and the shell's for an interrupt.
 enum class Exit : int {
   done = 0,
-  alarm = 3,             ///< `monitor --alarm-exit` and an alarm
+  alarm = 3,           ///< `monitor --alarm-exit` and an alarm
   usage = 64,          ///< bad command line
   bad_input = 65,      ///< invalid case or data
   no_input = 66,       ///< a file is missing or unreadable

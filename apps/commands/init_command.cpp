@@ -236,9 +236,9 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
                                Json::parse(truth))});
   }
   if (kind == "monitor")
-    files.push_back({(folder / Json::parse(text)["series"]["file"].get<std::string>())
-                         .lexically_normal(),
-                     simulated_series_csv(1)});
+    files.push_back(
+        {(folder / Json::parse(text)["series"]["file"].get<std::string>()).lexically_normal(),
+         simulated_series_csv(1)});
   for (const File& file : files) {
     std::error_code ignored;
     if (fs::exists(file.path, ignored)) {
@@ -287,7 +287,8 @@ Command init_command() {
           .add_options =
               [starter](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("KIND", starter->kind, "damage, sid, update, modal or monitor")->required();
+                app.add_option("KIND", starter->kind, "damage, sid, update, modal or monitor")
+                    ->required();
                 app.add_option("--structure", starter->structure,
                                "of damage: beam (unless given), frame, building or matrices");
                 app.add_option("-o,--output", starter->folder,

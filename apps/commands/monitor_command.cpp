@@ -24,8 +24,7 @@ struct MonitorFlags {
 };
 
 Report process(const CommonOptions& common) {
-  const MonitorCaseFile parsed =
-      parse_monitor_case(read_case(common.case_path, common.overrides));
+  const MonitorCaseFile parsed = parse_monitor_case(read_case(common.case_path, common.overrides));
   const auto log = make_log(common.quiet);
   Report summary = run_monitor(parsed, common);
   if (common.as_json)

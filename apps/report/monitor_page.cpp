@@ -173,18 +173,20 @@ std::string monitor_page(const Report& summary, const io::Columns& series) {
   if (t.time.empty()) throw std::invalid_argument("series.csv has no rows");
   const Report& monitor = summary.at("monitor");
   const Report& rates = monitor.at("false_alarms_per_year");
-  std::string out = page_head(
-      summary.at("title").get<std::string>(), monitor_headline(monitor),
-      {"False alarms a year at the threshold of the model: " +
-       significant(rates.at("stated").get<double>(), 3) + " stated, " +
-       significant(rates.at("replayed").get<double>(), 3) +
-       " in replayed healthy rows. Wheeltap uses the more careful threshold."});
+  std::string out =
+      page_head(summary.at("title").get<std::string>(), monitor_headline(monitor),
+                {"False alarms a year at the threshold of the model: " +
+                 significant(rates.at("stated").get<double>(), 3) + " stated, " +
+                 significant(rates.at("replayed").get<double>(), 3) +
+                 " in replayed healthy rows. Wheeltap uses the more careful threshold."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
-  const std::string unit =
-      dates ? "days since the first row"
-            : "time [" + summary.at("wheeltap").at("case").at("series").value("time_unit",
-                                                                              std::string("h")) +
-                  "]";
+  const std::string unit = dates ? "days since the first row"
+                                 : "time [" +
+                                       summary.at("wheeltap")
+                                           .at("case")
+                                           .at("series")
+                                           .value("time_unit", std::string("h")) +
+                                       "]";
   std::vector<double> marks;
   const io::Column& alarm = series.columns.back();
   for (std::size_t i = 0; i < t.time.size(); ++i)
@@ -198,8 +200,9 @@ std::string monitor_page(const Report& summary, const io::Columns& series) {
          single_chart(t.time, t.statistic, "ln S", unit, std::min(low, 0.0),
                       std::max(high, threshold + 1.0), marks, threshold) +
          "<p>The Shiryaev-Roberts statistic and its threshold. Dashed lines mark alarms.</p>\n";
-  out += "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % band of the prediction without "
-         "a change. Right: the same values without the effect of the covariates.</p>\n";
+  out +=
+      "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % band of the prediction without "
+      "a change. Right: the same values without the effect of the covariates.</p>\n";
   for (std::size_t j = 0; j < t.names.size(); ++j) out += feature_charts(t, j, unit, marks);
   const Report& warnings = summary.at("diagnostics").at("warnings");
   out += "<h2 id=\"warnings\">Warnings</h2>\n";

@@ -60,8 +60,7 @@ bool is_monitor(const Report& summary) {
 /// The page of a monitoring run, of its summary and series.csv.
 std::string series_page(const fs::path& directory, const Report& summary) {
   const auto table = sealed_file(directory, "series.csv", summary);
-  if (!table)
-    throw FileError(FileError::Kind::missing, directory / "series.csv", "no such file");
+  if (!table) throw FileError(FileError::Kind::missing, directory / "series.csv", "no such file");
   try {
     return monitor_page(summary, io::parse_delimited_text(*table, directory / "series.csv"));
   } catch (const std::logic_error& error) {

@@ -59,18 +59,19 @@ Report baseline_json(const Monitor& monitor) {
     Report knots = Report::array();
     for (std::size_t h = 0; h < p.terms.knots.size(); ++h) {
       const int c = p.terms.hinge_of[h];
-      knots.push_back({{"covariate", baseline.scaling.used()[index(c)]},
-                       {"at", baseline.scaling.mean(c) + baseline.scaling.sd(c) * p.terms.knots[h]}});
+      knots.push_back(
+          {{"covariate", baseline.scaling.used()[index(c)]},
+           {"at", baseline.scaling.mean(c) + baseline.scaling.sd(c) * p.terms.knots[h]}});
     }
-    draws.push_back({{"lag_hours", p.terms.lag_hours},
-                     {"drift_hours", 1.0 / p.fast_rate},
-                     {"degrees_of_freedom",
-                      std::isfinite(p.degrees) ? Report(p.degrees) : Report("gaussian")},
-                     {"hinges", knots}});
+    draws.push_back(
+        {{"lag_hours", p.terms.lag_hours},
+         {"drift_hours", 1.0 / p.fast_rate},
+         {"degrees_of_freedom", std::isfinite(p.degrees) ? Report(p.degrees) : Report("gaussian")},
+         {"hinges", knots}});
   }
   return {{"hinges", hinges},
-          {"residual_sd", std::vector<double>(baseline.residual_sd.begin(),
-                                              baseline.residual_sd.end())},
+          {"residual_sd",
+           std::vector<double>(baseline.residual_sd.begin(), baseline.residual_sd.end())},
           {"draws", draws},
           {"rhat_max", finite(baseline.rhat_max)}};
 }
@@ -80,7 +81,8 @@ Report baseline_json(const Monitor& monitor) {
 std::string series_header(const MonitorCaseFile& parsed) {
   std::string out = "time";
   for (const std::string& name : parsed.series.feature_names)
-    for (const char* what : {"", " predicted", " sd", " corrected"}) out += "," + quoted(name + what);
+    for (const char* what : {"", " predicted", " sd", " corrected"})
+      out += "," + quoted(name + what);
   return out + ",log statistic,P(changed),alarm\n";
 }
 
@@ -97,28 +99,26 @@ std::string series_row(const MonitorCaseFile& parsed, int i, const RowFinding& r
   return out + (row.alarm ? ",1\n" : ",0\n");
 }
 
-Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor,
-                       const RunInfo& info) {
+Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, const RunInfo& info) {
   Report alarms = Report::array();
   for (const AlarmRecord& alarm : monitor.alarms()) alarms.push_back(alarm_json(parsed, alarm));
   const double per_year = monitor.rows_per_year();
   Report rates = {{"stated", per_year * std::exp(-monitor.log_threshold_stated())},
                   {"replayed", per_year * monitor.replay().rate(monitor.log_threshold_stated())}};
-  Report result = {
-      {"alarm", !monitor.alarms().empty()},
-      {"first_alarm", alarms.empty() ? Report() : alarms[0]["time"]},
-      {"alarms", alarms},
-      {"probability_changed", monitor.probability_changed()},
-      {"false_alarms_per_year", rates},
-      {"log_threshold",
-       {{"stated", monitor.log_threshold_stated()},
-        {"replayed", monitor.log_threshold_replayed()},
-        {"used", monitor.log_threshold()}}},
-      {"rows", parsed.series.rows()},
-      {"learning_rows", parsed.learning_rows},
-      {"last_time", parsed.time.written(parsed.series.hours.back())},
-      {"onset_mass_moved", monitor.change().moved_mass()},
-      {"baseline", baseline_json(monitor)}};
+  Report result = {{"alarm", !monitor.alarms().empty()},
+                   {"first_alarm", alarms.empty() ? Report() : alarms[0]["time"]},
+                   {"alarms", alarms},
+                   {"probability_changed", monitor.probability_changed()},
+                   {"false_alarms_per_year", rates},
+                   {"log_threshold",
+                    {{"stated", monitor.log_threshold_stated()},
+                     {"replayed", monitor.log_threshold_replayed()},
+                     {"used", monitor.log_threshold()}}},
+                   {"rows", parsed.series.rows()},
+                   {"learning_rows", parsed.learning_rows},
+                   {"last_time", parsed.time.written(parsed.series.hours.back())},
+                   {"onset_mass_moved", monitor.change().moved_mass()},
+                   {"baseline", baseline_json(monitor)}};
   if (parsed.time.unit == "row") {
     result["rows_between_false_alarms"] = {
         {"stated", std::exp(monitor.log_threshold_stated())},
@@ -152,8 +152,8 @@ std::string monitor_headline(const Report& monitor) {
   const auto time = [](const Report& t) {
     return t.is_string() ? t.get<std::string>() : base::significant(t.get<double>(), 8);
   };
-  return std::string(alarms.size() == 1 ? "Alarm at " : std::to_string(alarms.size()) +
-                                                            " alarms, the last at ") +
+  return std::string(alarms.size() == 1 ? "Alarm at "
+                                        : std::to_string(alarms.size()) + " alarms, the last at ") +
          time(last.at("time")) + ": features changed at " + time(last.at("onset").at("q50")) +
          " (95 % interval " + time(last.at("onset").at("q2.5")) + " to " +
          time(last.at("onset").at("q97.5")) + "), probability " +
@@ -187,10 +187,11 @@ void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Repor
   const Report& rates = monitor.at("false_alarms_per_year");
   if (monitor.contains("rows_between_false_alarms")) {
     const Report& rows = monitor.at("rows_between_false_alarms");
-    page.wrapped("Rows between two false alarms: " + significant(rows.at("stated").get<double>(), 3) +
-                     " stated, " + significant(rows.at("replayed").get<double>(), 3) +
-                     " in replayed healthy rows.",
-                 "", "");
+    page.wrapped(
+        "Rows between two false alarms: " + significant(rows.at("stated").get<double>(), 3) +
+            " stated, " + significant(rows.at("replayed").get<double>(), 3) +
+            " in replayed healthy rows.",
+        "", "");
   } else {
     page.wrapped("False alarms a year at the threshold of the model: " +
                      significant(rates.at("stated").get<double>(), 3) + " stated, " +

@@ -31,8 +31,8 @@ constexpr const char* kWhat = "a monitoring state of wheeltap";
 /// What the next call continues from.
 struct MonitorState {
   Monitor monitor = {};
-  std::int64_t rows = 0;       ///< of the series that were processed
-  std::uint64_t checksum = 0;  ///< over these rows
+  std::int64_t rows = 0;        ///< of the series that were processed
+  std::uint64_t checksum = 0;   ///< over these rows
   std::string series_csv = {};  ///< fingerprint of the file
   std::string case_text = {};
 };
@@ -131,8 +131,7 @@ void check_continues(const MonitorCaseFile& parsed, const MonitorState& state,
                            "once without --resume to begin anew");
 }
 
-MonitorState learn(const MonitorCaseFile& parsed, const CommonOptions& common,
-                   std::uint64_t seed) {
+MonitorState learn(const MonitorCaseFile& parsed, const CommonOptions& common, std::uint64_t seed) {
   ProgressBar bar(common.quiet);
   auto options = parsed.options;
   options.learning.seed = options.replay.seed = seed;
@@ -180,8 +179,8 @@ Report run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common) {
   state->checksum = checksum_of(parsed, first, state->rows, state->checksum);
   state->series_csv = io::fingerprint(table);
 
-  Report summary = monitor_summary(parsed, state->monitor,
-                                   {.seed = seed, .command_line = common.command_line});
+  Report summary =
+      monitor_summary(parsed, state->monitor, {.seed = seed, .command_line = common.command_line});
   summary["files"]["series.csv"] = seal(table);
   const std::string page =
       monitor_page(summary, io::parse_delimited_text(table, folder / "series.csv"));

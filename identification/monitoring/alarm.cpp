@@ -67,9 +67,8 @@ double largest_statistic(const Baseline& baseline, const MatrixXd& innovations,
 }  // namespace
 
 double Replay::rate(double log_threshold) const {
-  const double p = log_threshold <= log_median
-                       ? 0.5
-                       : 0.5 * std::exp(-(log_threshold - log_median) / tail);
+  const double p =
+      log_threshold <= log_median ? 0.5 : 0.5 * std::exp(-(log_threshold - log_median) / tail);
   return -std::log1p(-p) / rows;
 }
 

@@ -15,9 +15,9 @@
 namespace wheeltap::identification::monitoring {
 
 struct ReplayOptions {
-  int series = 48;       ///< replayed, each from the start
-  int rows = 1440;       ///< of one
-  int block = 72;        ///< rows drawn together
+  int series = 48;  ///< replayed, each from the start
+  int rows = 1440;  ///< of one
+  int block = 72;   ///< rows drawn together
   std::uint64_t seed = 1;
   int threads = 1;
 };

@@ -97,12 +97,12 @@ double noise_variance(const BaselineParameters& b, const Weather& weather, const
 RowPrediction filter_row(const BaselineParameters& b, const Weather& weather, const Row& row,
                          double hours, BaselineFilter& filter) {
   const int n = b.features();
-  RowPrediction out{.mean = VectorXd(n),
-                    .sd = VectorXd(n),
-                    .standardised = VectorXd::Constant(n, kNaN)};
+  RowPrediction out{
+      .mean = VectorXd(n), .sd = VectorXd(n), .standardised = VectorXd::Constant(n, kNaN)};
   filter.predict(b, hours);
   VectorXd covariance;
-  const double spread = b.degrees > 2.0 && b.degrees < kGaussian ? b.degrees / (b.degrees - 2.0) : 1.0;
+  const double spread =
+      b.degrees > 2.0 && b.degrees < kGaussian ? b.degrees / (b.degrees - 2.0) : 1.0;
   for (int j = 0; j < n; ++j) {
     filter.observe(j, weather.h, covariance);
     out.mean[j] = filter.mean(j, weather.h);

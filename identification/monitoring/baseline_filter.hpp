@@ -27,10 +27,10 @@ inline constexpr double kSlowHours = 90.0 * 24.0;
 /// The parameters of one draw. p features, K terms.
 struct BaselineParameters {
   CovariateTerms terms = {};
-  double fast_rate = 0.1;  ///< 1/h
-  Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};  ///< p, of logarithms
-  Eigen::MatrixXd correlation = {};                           ///< p x p, of d
-  double degrees = kGaussian;                  ///< of Student's t
+  double fast_rate = 0.1;                                      ///< 1/h
+  Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};   ///< p, of logarithms
+  Eigen::MatrixXd correlation = {};                            ///< p x p, of d
+  double degrees = kGaussian;                                  ///< of Student's t
   Eigen::MatrixXd coefficient_mean = {}, coefficient_sd = {};  ///< K x p, priors
 
   [[nodiscard]] int features() const { return static_cast<int>(noise_sd.size()); }

@@ -23,8 +23,8 @@ using Eigen::VectorXd;
 
 constexpr double kRobustDegrees = 5.0;
 constexpr double kInterceptScale = 100.0, kSlopeScale = 10.0;  // of coefficients, in noise sds
-// Prior sd of slopes beyond learning's weather, below and above, in what covariates explained in it.
-// Frost stiffens concrete and asphalt many times more than the same step in mild weather.
+// Prior sd of slopes beyond learning's weather, below and above, in what covariates explained in
+// it. Frost stiffens concrete and asphalt many times more than the same step in mild weather.
 constexpr double kBelow = 6.0, kAbove = 2.0;
 constexpr double kLeastSlow = 0.5;  // variance of the slow drift: a short period cannot rule it out
 constexpr double kShortestLag = 0.1, kLongestLag = 72.0;
@@ -35,8 +35,8 @@ struct Prepared {
   std::vector<CovariateScaling::Scaled> scaled = {};
   std::vector<FeatureRows> features = {};
   VectorXd long_low = {}, long_high = {};  ///< of covariates with the long lag
-  MatrixXd sorted = {};  ///< rows x covariates, each column sorted: for knots by quantile
-  std::vector<int> hinged = {};       ///< covariates that may have hinges
+  MatrixXd sorted = {};          ///< rows x covariates, each column sorted: for knots by quantile
+  std::vector<int> hinged = {};  ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< of each feature
   bool lag = false;
   int most_hinges = 0;
@@ -144,16 +144,15 @@ void weigh_outliers(Prepared& of) {
     FeatureRows& feature = of.features[j];
     const VectorXd stated = feature.precision;
     for (int pass = 0; pass < 3; ++pass) {
-      const MarginalLikelihood fit = marginal_likelihood(of.hours, table, feature, process,
-                                                         prior_of(of, j, table.rows()));
+      const MarginalLikelihood fit =
+          marginal_likelihood(of.hours, table, feature, process, prior_of(of, j, table.rows()));
       VectorXd r = whitened_residuals(of.hours, table, feature, process, fit.coefficients);
       VectorXd sizes = r.cwiseAbs();
       const auto middle = sizes.data() + sizes.size() / 2;
       std::nth_element(sizes.data(), middle, sizes.data() + sizes.size());
       r /= std::max(1.4826 * *middle, 1e-300);
       for (Index t = 0; t < r.size(); ++t)
-        feature.precision[t] =
-            stated[t] * (kRobustDegrees + 1.0) / (kRobustDegrees + r[t] * r[t]);
+        feature.precision[t] = stated[t] * (kRobustDegrees + 1.0) / (kRobustDegrees + r[t] * r[t]);
     }
   }
 }
@@ -204,8 +203,7 @@ Prepared prepare(const Series& series, const LearningOptions& options, Baseline&
 inference::ModelSpace space_of(const Prepared& of) {
   using inference::LogUniform;
   std::vector<inference::Parameter> common;
-  if (of.lag)
-    common.push_back({"lag", LogUniform{.lower = kShortestLag, .upper = kLongestLag}});
+  if (of.lag) common.push_back({"lag", LogUniform{.lower = kShortestLag, .upper = kLongestLag}});
   common.push_back({"time constant", LogUniform{.lower = 0.5, .upper = 30.0 * 24.0}});
   common.push_back({"slow ratio", LogUniform{.lower = kLeastSlow, .upper = 10.0}});
   for (std::size_t j = 0; j < of.features.size(); ++j)
@@ -301,7 +299,8 @@ BaselineParameters parameters_of(const Prepared& of, const Layout& layout,
       const Index slopes = table.rows() - 1;
       VectorXd explained = table.bottomRows(slopes).transpose() * fit.coefficients.tail(slopes);
       explained.array() -= explained.mean();
-      const double size = std::sqrt(explained.squaredNorm() / static_cast<double>(explained.size()));
+      const double size =
+          std::sqrt(explained.squaredNorm() / static_cast<double>(explained.size()));
       out.coefficient_sd.col(j).tail<kUnseenTerms>() =
           std::max(size, sd) * Eigen::Vector4d(kBelow, kAbove, kBelow, kAbove);
     }
@@ -415,10 +414,9 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
   const auto prepared = std::make_shared<Prepared>(prepare(learning, options, out));
   weigh_outliers(*prepared);
   const Layout layout{.lag = prepared->lag, .features = prepared->features.size()};
-  const inference::Problem problem{
-      .space = space_of(*prepared), .likelihood = [prepared, layout] {
-        return std::make_unique<LearningLikelihood>(*prepared, layout);
-      }};
+  const inference::Problem problem{.space = space_of(*prepared), .likelihood = [prepared, layout] {
+                                     return std::make_unique<LearningLikelihood>(*prepared, layout);
+                                   }};
   inference::Options engine{.seed = options.seed,
                             .chains = options.chains,
                             .threads = options.threads,
@@ -444,22 +442,22 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
   const auto p = static_cast<Index>(prepared->features.size());
   VectorXd variance = VectorXd::Zero(p);
   for (int m = 0; m < options.draws; ++m) {
-    BaselineDraw draw{.parameters = parameters_of(*prepared, layout,
-                                                  spaced_draw(posterior, m, options.draws),
-                                                  out.reference, random)};
+    BaselineDraw draw{.parameters =
+                          parameters_of(*prepared, layout, spaced_draw(posterior, m, options.draws),
+                                        out.reference, random)};
     const TailChoice& choice = draw_choice(choices, random);
     draw.parameters.degrees = choice.degrees;
     draw.parameters.correlation =
         choice.share * correlation + (1.0 - choice.share) * MatrixXd::Identity(p, p);
     run_through(*prepared, rows, draw);
-    variance.array() += draw.parameters.noise_sd.array().square() +
-                        draw.parameters.fast_sd.array().square();
+    variance.array() +=
+        draw.parameters.noise_sd.array().square() + draw.parameters.fast_sd.array().square();
     out.draws.push_back(std::move(draw));
   }
   out.residual_sd = (variance / options.draws).cwiseSqrt();
   out.last_hours = learning.hours.back();
-  out.rows_per_hour = static_cast<double>(learning.rows() - 1) /
-                      (learning.hours.back() - learning.hours.front());
+  out.rows_per_hour =
+      static_cast<double>(learning.rows() - 1) / (learning.hours.back() - learning.hours.front());
   return out;
 }
 

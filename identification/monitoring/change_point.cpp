@@ -65,10 +65,10 @@ class DensitySum {
  public:
   explicit DensitySum(double degrees)
       : degrees_(degrees),
-        constant_(degrees == kGaussian ? -0.5 * std::log(kTwoPi)
-                                       : base::log_gamma(0.5 * (degrees + 1.0)) -
-                                             base::log_gamma(0.5 * degrees) -
-                                             0.5 * std::log(degrees * kPi)) {}
+        constant_(degrees == kGaussian
+                      ? -0.5 * std::log(kTwoPi)
+                      : base::log_gamma(0.5 * (degrees + 1.0)) - base::log_gamma(0.5 * degrees) -
+                            0.5 * std::log(degrees * kPi)) {}
   struct Terms {
     double scales = 1.0, tails = 1.0, squares = 0.0;
     int n = 0;
@@ -82,7 +82,8 @@ class DensitySum {
     if (++terms.n % 8 == 0) flush(terms);
   }
   [[nodiscard]] double value(const Terms& terms) const {
-    const double tails = degrees_ == kGaussian ? 0.0 : 0.5 * (degrees_ + 1.0) * std::log(terms.tails);
+    const double tails =
+        degrees_ == kGaussian ? 0.0 : 0.5 * (degrees_ + 1.0) * std::log(terms.tails);
     return terms.n * constant_ - 0.5 * std::log(terms.scales) - 0.5 * terms.squares - tails;
   }
 
@@ -162,8 +163,8 @@ std::vector<CandidateOnset*> ChangePoint::all_candidates() {
   return out;
 }
 
-double ChangePoint::score_healthy(const Row& row, double hours,
-                                  const std::vector<Weather>& weather, PredictedRow& out) {
+double ChangePoint::score_healthy(const Row& row, double hours, const std::vector<Weather>& weather,
+                                  PredictedRow& out) {
   const auto p = static_cast<Index>(residual_sd_.size());
   out = {.mean = VectorXd::Zero(p), .sd = VectorXd::Zero(p), .weather = VectorXd::Zero(p)};
   VectorXd squares = VectorXd::Zero(p), log_density(log_weight_.size());
@@ -172,22 +173,22 @@ double ChangePoint::score_healthy(const Row& row, double hours,
     const double weight = std::exp(log_weight_[static_cast<Index>(m)]);
     const Index block = draw.parameters.block();
     for (Index j = 0; j < p; ++j)
-      out.weather[j] += weight * draw.filter.x.segment(j * block + 1, block - 3)
-                                     .dot(weather[m].h.segment(1, block - 3));
+      out.weather[j] +=
+          weight *
+          draw.filter.x.segment(j * block + 1, block - 3).dot(weather[m].h.segment(1, block - 3));
     const RowPrediction predicted =
         filter_row(draw.parameters, weather[m], row, hours, draw.filter);
     log_density[static_cast<Index>(m)] = predicted.log_density;
     out.mean += weight * predicted.mean;
-    squares.array() +=
-        weight * (predicted.mean.array().square() + predicted.sd.array().square());
+    squares.array() += weight * (predicted.mean.array().square() + predicted.sd.array().square());
   }
   out.sd = (squares.array() - out.mean.array().square()).max(0.0).sqrt();
   const VectorXd joint = log_weight_ + log_density;
   const double total = log_sum_exp(joint);
   const double share = options_.fixed_share;
-  log_weight_ = ((1.0 - share) * (joint.array() - total).exp() +
-                 share / static_cast<double>(draws_.size()))
-                    .log();
+  log_weight_ =
+      ((1.0 - share) * (joint.array() - total).exp() + share / static_cast<double>(draws_.size()))
+          .log();
   return total;
 }
 
@@ -301,8 +302,7 @@ double ChangePoint::weigh_healthy(const RowScores& scores, double log_baseline) 
 void ChangePoint::weigh_candidates(const RowScores& scores, double log_healthy) {
   for (std::size_t i = 0; i < candidates_.size(); ++i) {
     CandidateOnset& c = candidates_[i];
-    const double gain =
-        add_scores(c, scores.log_density[i], options_.fixed_share) - log_healthy;
+    const double gain = add_scores(c, scores.log_density[i], options_.fixed_share) - log_healthy;
     c.log_ratio += gain;
     c.log_wealth += gain;
   }
@@ -428,8 +428,7 @@ ChangeEstimate ChangePoint::estimate() const {
         const double all = mass * std::exp(d.log_weight(0, size));
         const auto cov = d.covariance.middleCols(size * p, p);
         out.shift += all * d.mean.col(size);
-        squares.array() +=
-            all * (d.mean.col(size).array().square() + cov.diagonal().array());
+        squares.array() += all * (d.mean.col(size).array().square() + cov.diagonal().array());
         out.shifted_probability.array() += all;
         for (Index j = 0; j < p; ++j) {
           const double alone = mass * std::exp(d.log_weight(1 + j, size));
@@ -458,8 +457,8 @@ ChangeEstimate ChangePoint::estimate() const {
 }
 
 void ChangePoint::accept_change() {
-  const auto best = std::ranges::max_element(
-      candidates_, {}, [](const CandidateOnset& c) { return c.log_mass(); });
+  const auto best = std::ranges::max_element(candidates_, {},
+                                             [](const CandidateOnset& c) { return c.log_mass(); });
   if (best == candidates_.end()) return;
   const Index p = residual_sd_.size();
   VectorXd log_weight(log_weight_.size());

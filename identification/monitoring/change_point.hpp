@@ -2,7 +2,8 @@
 //
 //   y_tj = baseline_tj + r(t - τ) δ_j,   t >= τ
 //
-//   step: r = 1;   ramp: r = min(1, (t - τ)/kRampHours);   transient: r = exp(-(t - τ)/kTransientHours)
+//   step: r = 1;   ramp: r = min(1, (t - τ)/kRampHours);   transient: r = exp(-(t -
+//   τ)/kTransientHours)
 //
 // A transient is no change: thaw, wind, traffic or a fault of identification that passes. The model
 // without a change is a mixture of the baseline and of transients that began at any row; a change
@@ -18,8 +19,8 @@
 //   probable;  s is one of kShiftSizes, equally probable;  r_j the residual sd of feature j.
 //
 // For Student t, predictive densities are normalised as in baseline_filter.hpp. The noise inflation
-// of an entry's update is shared by all candidates (their mean, weighted by posterior mass), and the
-// one without a change has its own: after damage its entries are no outliers to the candidates.
+// of an entry's update is shared by all candidates (their mean, weighted by posterior mass), and
+// the one without a change has its own: after damage its entries are no outliers to the candidates.
 //
 // Parameter draws are mixed with a fixed share: each row a fraction kShare of the weight is
 // redistributed evenly (Herbster & Warmuth 1998), so that no draw dies out. Every predictive
@@ -41,10 +42,10 @@ inline constexpr double kTransientHours = 72.0;
 enum class ShiftProfile { step, ramp, transient };
 
 struct ChangePointOptions {
-  double hazard_per_hour = 1e-5;  ///< of a change
+  double hazard_per_hour = 1e-5;               ///< of a change
   double transients_per_hour = 50.0 / 8766.0;  ///< rate of transients; 0: none
-  double ramp_share = 0.25;       ///< prior probability that a change is a ramp; 0: steps alone
-  int ramp_every = 24;            ///< rows between two candidate ramps
+  double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: steps alone
+  int ramp_every = 24;       ///< rows between two candidate ramps
   /// Candidates younger than this many rows are all kept; of older ones `kept_per_octave` for each
   /// doubling of age. 0: all are kept.
   int young = 16;
@@ -55,14 +56,15 @@ struct ChangePointOptions {
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, ChangePointOptions>
 void carry(Parcel& parcel, Of& o) {
-  parcel(o.hazard_per_hour, o.transients_per_hour, o.ramp_share, o.ramp_every, o.young, o.kept_per_octave, o.fixed_share);
+  parcel(o.hazard_per_hour, o.transients_per_hour, o.ramp_share, o.ramp_every, o.young,
+         o.kept_per_octave, o.fixed_share);
 }
 
 /// δ under one candidate and one parameter draw.
 struct ShiftPosterior {
-  Eigen::MatrixXd sensitivity;   ///< F: states x p
-  Eigen::MatrixXd mean;          ///< p x kSizes, all features shift
-  Eigen::MatrixXd covariance;    ///< p x (p kSizes)
+  Eigen::MatrixXd sensitivity;                   ///< F: states x p
+  Eigen::MatrixXd mean;                          ///< p x kSizes, all features shift
+  Eigen::MatrixXd covariance;                    ///< p x (p kSizes)
   Eigen::MatrixXd single_mean, single_variance;  ///< p x kSizes: feature j alone shifts
   /// (1 + p) x kSizes: ln of the joint posterior of draw and hypothesis, given the onset; row 0 all
   /// features, row 1 + j feature j alone.
@@ -96,17 +98,17 @@ void carry(Parcel& parcel, Of& c) {
 
 /// What a row was predicted as, without a change since the last alarm.
 struct PredictedRow {
-  Eigen::VectorXd mean, sd;   ///< p logarithms, mixture of the draws
-  Eigen::VectorXd weather;    ///< p: effect of covariates alone, posterior mean
+  Eigen::VectorXd mean, sd;  ///< p logarithms, mixture of the draws
+  Eigen::VectorXd weather;   ///< p: effect of covariates alone, posterior mean
 };
 
 /// The change since some time, given that there is one.
 struct ChangeEstimate {
-  double probability = 0.0;       ///< of a change
+  double probability = 0.0;                                      ///< of a change
   double onset_low = 0.0, onset_median = 0.0, onset_high = 0.0;  ///< hours; 2.5, 50 and 97.5 %
-  double ramp_probability = 0.0;  ///< given a change
-  Eigen::VectorXd shift, shift_sd;       ///< p, of logarithms, given a change
-  Eigen::VectorXd shifted_probability;   ///< p: that the feature is among those that shift
+  double ramp_probability = 0.0;                                 ///< given a change
+  Eigen::VectorXd shift, shift_sd;      ///< p, of logarithms, given a change
+  Eigen::VectorXd shifted_probability;  ///< p: that the feature is among those that shift
 };
 
 class ChangePoint {
@@ -163,7 +165,8 @@ class ChangePoint {
   requires std::same_as<std::remove_const_t<Of>, ChangePoint>
   friend void carry(Parcel& parcel, Of& c) {
     parcel(c.scaling_, c.residual_sd_, c.options_, c.draws_, c.changed_, c.log_weight_,
-           c.candidates_, c.transients_, c.log_quiet_, c.last_hours_, c.last_ramp_hours_, c.log_no_change_, c.moved_, c.rows_);
+           c.candidates_, c.transients_, c.log_quiet_, c.last_hours_, c.last_ramp_hours_,
+           c.log_no_change_, c.moved_, c.rows_);
   }
 };
 

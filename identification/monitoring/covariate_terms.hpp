@@ -56,24 +56,23 @@ inline constexpr int kUnseenTerms = 4;  ///< at the end of phi
 
 /// The nonlinear parameters of the covariates' terms.
 struct CovariateTerms {
-  double lag_hours = 0.0;      ///< of all covariates; 0: none
-  std::vector<int> hinge_of = {};   ///< covariate of each hinge, among the used ones
-  std::vector<double> knots = {};   ///< of z, one a hinge
-  Eigen::VectorXd low = {}, high = {};  ///< c: least and largest v in learning
+  double lag_hours = 0.0;                         ///< of all covariates; 0: none
+  std::vector<int> hinge_of = {};                 ///< covariate of each hinge, among the used ones
+  std::vector<double> knots = {};                 ///< of z, one a hinge
+  Eigen::VectorXd low = {}, high = {};            ///< c: least and largest v in learning
   Eigen::VectorXd long_low = {}, long_high = {};  ///< c: the same with the long lag
 
   /// Terms in phi of `covariates` used ones: 1 + c + hinges + kUnseenTerms.
   [[nodiscard]] int size(int covariates) const {
-    return 1 + covariates + static_cast<int>(knots.size()) +
-           (covariates > 0 ? kUnseenTerms : 0);
+    return 1 + covariates + static_cast<int>(knots.size()) + (covariates > 0 ? kUnseenTerms : 0);
   }
 };
 
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, CovariateTerms>
 void carry(Parcel& parcel, Of& terms) {
-  parcel(terms.lag_hours, terms.hinge_of, terms.knots, terms.low, terms.high,
-         terms.long_low, terms.long_high);
+  parcel(terms.lag_hours, terms.hinge_of, terms.knots, terms.low, terms.high, terms.long_low,
+         terms.long_high);
 }
 
 /// v after `hours` in which the covariate was z; v = z at once without a lag.

@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 struct Whitened {
-  MatrixXd rows;  ///< [X, y] over the innovations' scale
+  MatrixXd rows;            ///< [X, y] over the innovations' scale
   double log_scales = 0.0;  ///< Σ ln of these variances
 };
 

@@ -15,9 +15,9 @@ namespace wheeltap::identification::monitoring {
 
 /// One feature's rows that are present.
 struct FeatureRows {
-  std::vector<int> rows;     ///< of the series
-  Eigen::VectorXd y;         ///< their values
-  Eigen::VectorXd precision; ///< w_t > 0: robust weights over relative noise variances
+  std::vector<int> rows = {};  ///< of the series
+  Eigen::VectorXd y;           ///< their values
+  Eigen::VectorXd precision;   ///< w_t > 0: robust weights over relative noise variances
 };
 
 struct RegressionPrior {
@@ -33,7 +33,7 @@ struct ProcessRatios {
 
 struct MarginalLikelihood {
   double log_density = 0.0;
-  Eigen::VectorXd coefficients;  ///< posterior mean of b, K
+  Eigen::VectorXd coefficients;     ///< posterior mean of b, K
   double shape = 1.0, scale = 1.0;  ///< of σ²'s inverse gamma posterior
 };
 

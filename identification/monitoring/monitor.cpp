@@ -25,11 +25,12 @@ Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptio
   const Series first = learning.first(trained);
   for (const SeriesFault& fault : find_faults(first, trained))
     if (fault.kind != SeriesFault::Kind::covariate_constant)
-      return replay(all, healthy_innovations({.scaling = all.scaling,
-                                              .usual_sds = all.usual_sds,
-                                              .draws = all.draws,
-                                              .last_hours = learning.hours.front()},
-                                             learning),
+      return replay(all,
+                    healthy_innovations({.scaling = all.scaling,
+                                         .usual_sds = all.usual_sds,
+                                         .draws = all.draws,
+                                         .last_hours = learning.hours.front()},
+                                        learning),
                     options.change, options.replay);
   LearningOptions shorter = options.learning;
   shorter.draws = 1;
@@ -52,8 +53,7 @@ std::vector<RowFinding> learning_findings(const Series& learning, const Baseline
     const Row row = row_of(learning, t, baseline.usual_sds);
     const double step = t > 0 ? row.hours - learning.hours[index(t - 1)] : 0.0;
     const Weather weather = next_weather(baseline.scaling(row.covariates), step, draw);
-    const RowPrediction predicted =
-        filter_row(draw.parameters, weather, row, step, draw.filter);
+    const RowPrediction predicted = filter_row(draw.parameters, weather, row, step, draw.filter);
     RowFinding one{.hours = row.hours,
                    .predicted = {.mean = predicted.mean,
                                  .sd = predicted.sd,
@@ -89,8 +89,8 @@ double Monitor::log_threshold_replayed() const {
 }
 
 double Monitor::probability_changed() const {
-  return -std::expm1(log_unchanged_ + std::log1p(-std::min(change_.probability_changed(),
-                                                           1.0 - 1e-15)));
+  return -std::expm1(log_unchanged_ +
+                     std::log1p(-std::min(change_.probability_changed(), 1.0 - 1e-15)));
 }
 
 RowFinding Monitor::add(const Row& row) {
@@ -101,8 +101,7 @@ RowFinding Monitor::add(const Row& row) {
   out.probability_changed = probability_changed();
   if (settling_left_ == 0 && out.log_statistic >= log_threshold()) {
     out.alarm = true;
-    alarms_.push_back(
-        {.hours = row.hours, .probability_at_alarm = change_.probability_changed()});
+    alarms_.push_back({.hours = row.hours, .probability_at_alarm = change_.probability_changed()});
     settling_left_ = settling_rows_ + 1;
   }
   if (settling_left_ > 0) {

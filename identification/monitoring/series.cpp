@@ -40,8 +40,7 @@ std::vector<SeriesFault> find_faults(const Series& series, int learning) {
   for (int i = 1; i < series.rows(); ++i) {
     const double step = series.hours[index(i)] - series.hours[index(i - 1)];
     if (!(step > 0.0))
-      out.push_back(
-          {.kind = step == 0.0 ? Kind::time_repeated : Kind::time_decreasing, .row = i});
+      out.push_back({.kind = step == 0.0 ? Kind::time_repeated : Kind::time_decreasing, .row = i});
   }
   if (learning < kFewestLearningRows) {
     out.push_back({.kind = Kind::no_learning_rows});

@@ -10,11 +10,11 @@ namespace wheeltap::identification::monitoring {
 
 /// n rows of p features and c covariates. NaN marks a missing entry.
 struct Series {
-  std::vector<double> hours;  ///< n, strictly increasing
-  Eigen::MatrixXd features;   ///< n x p: natural logarithms of positive features
+  std::vector<double> hours = {};  ///< n, strictly increasing
+  Eigen::MatrixXd features = {};   ///< n x p: natural logarithms of positive features
   /// n x p: standard deviations of the logarithms, or empty where identification states none.
-  Eigen::MatrixXd sds;
-  Eigen::MatrixXd covariates;  ///< n x c
+  Eigen::MatrixXd sds = {};
+  Eigen::MatrixXd covariates = {};  ///< n x c
   std::vector<std::string> feature_names = {}, covariate_names = {};
 
   [[nodiscard]] int rows() const { return static_cast<int>(hours.size()); }
@@ -37,12 +37,12 @@ struct SeriesFault {
   enum class Kind {
     time_repeated,
     time_decreasing,
-    no_learning_rows,       ///< fewer than kFewestLearningRows before the end of learning
-    feature_missing,        ///< `column`: fewer than kFewestLearningRows values in learning
-    feature_constant,       ///< `column`: it does not vary in learning
-    covariate_missing,      ///< `column`: no value in learning
-    covariate_constant,     ///< `column`: it does not vary in learning
-    sd_not_positive         ///< `column`
+    no_learning_rows,    ///< fewer than kFewestLearningRows before the end of learning
+    feature_missing,     ///< `column`: fewer than kFewestLearningRows values in learning
+    feature_constant,    ///< `column`: it does not vary in learning
+    covariate_missing,   ///< `column`: no value in learning
+    covariate_constant,  ///< `column`: it does not vary in learning
+    sd_not_positive      ///< `column`
   };
   Kind kind;
   int row = -1;

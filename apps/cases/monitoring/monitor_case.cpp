@@ -62,26 +62,24 @@ signals::Record read_table(const CaseFile& file, const SeriesColumns& columns) {
   for (const auto* list : {&columns.features, &columns.sds, &columns.covariates})
     reading.columns.insert(reading.columns.end(), list->begin(), list->end());
   try {
-    return signals::read_record(
-        file.resolve(file.json.at("series").at("file").get<std::string>()), std::move(reading));
+    return signals::read_record(file.resolve(file.json.at("series").at("file").get<std::string>()),
+                                std::move(reading));
   } catch (const io::NoSuchColumn& error) {
     file.refuse(place_of(columns, error.column()),
                 error.reason() + " in " + error.path().filename().string());
   } catch (const io::FileError& error) {
-    throw Failure(
-        error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
-        error.what());
+    throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
+                  error.what());
   }
 }
 
 /// One line about a row of the table.
 [[noreturn]] void refuse_row(const signals::Record& table, int row, int column,
                              const std::string& message) {
-  throw Failure(Exit::bad_input, io::printable(io::FileError(io::FileError::Kind::corrupt,
-                                                             table.file,
-                                                             table.place(index(row), column),
-                                                             message)
-                                                   .what()));
+  throw Failure(Exit::bad_input,
+                io::printable(io::FileError(io::FileError::Kind::corrupt, table.file,
+                                            table.place(index(row), column), message)
+                                  .what()));
 }
 
 TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int column) {
@@ -96,8 +94,10 @@ TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int colum
       file.refuse(kSeries / "time_unit", "the time column holds dates: remove \"time_unit\"");
     const auto start = table.layout ? io::read_stamp(table.layout->start).stamp : std::nullopt;
     if (!start)
-      refuse_row(table, 0, column, "the first date cannot be read: use ISO 8601, 2026-03-01T10:00Z");
-    return {.hours_per_unit = 1.0 / 3600.0, .unit = "date", .start_nanoseconds = start->nanoseconds};
+      refuse_row(table, 0, column,
+                 "the first date cannot be read: use ISO 8601, 2026-03-01T10:00Z");
+    return {
+        .hours_per_unit = 1.0 / 3600.0, .unit = "date", .start_nanoseconds = start->nanoseconds};
   }
   const std::string unit = series.value("time_unit", std::string("h"));
   const double hours = unit == "s"     ? 1.0 / 3600.0
@@ -176,8 +176,7 @@ void read_times(const signals::Record& table, const SeriesColumns& columns, Moni
                          (out.time.unit == "date" ? ", or write times with their zone where clocks "
                                                     "were set back"
                                                   : "")
-                   : now + ": time goes backwards, from " +
-                         out.time.text(out.series.hours[i - 1]) +
+                   : now + ": time goes backwards, from " + out.time.text(out.series.hours[i - 1]) +
                          ": sort the rows by time" +
                          (out.time.unit == "date" ? ", or write times with their zone where clocks "
                                                     "were set back"
@@ -190,7 +189,8 @@ void read_learning(MonitorCaseFile& out) {
   const Json& until = out.file.json.at(where);
   double hours = 0.0;
   if (out.time.unit == "date") {
-    if (!until.is_string()) out.file.refuse(where, "must be a date, as the times of the series are");
+    if (!until.is_string())
+      out.file.refuse(where, "must be a date, as the times of the series are");
     const auto stamp = io::read_stamp(until.get<std::string>()).stamp;
     if (!stamp || !stamp->has_date)
       out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
@@ -252,9 +252,9 @@ void read_alarm(MonitorCaseFile& out) {
   const bool rows = out.time.unit == "row";
   const auto wrong = [&](const char* key, const char* instead) {
     if (alarm.contains(key))
-      out.file.refuse(Pointer("/alarm") / key,
-                      std::string(rows ? "times are row numbers: use \"" : "times have a unit: use \"") +
-                          instead + "\"");
+      out.file.refuse(Pointer("/alarm") / key, std::string(rows ? "times are row numbers: use \""
+                                                                : "times have a unit: use \"") +
+                                                   instead + "\"");
   };
   auto& options = out.options;
   if (rows) {
@@ -285,7 +285,8 @@ Report TimeAxis::written(double hours) const {
 
 std::string TimeAxis::text(double hours) const {
   if (!start_nanoseconds) return base::significant(hours / hours_per_unit, 12);
-  io::TimeStamp stamp{.nanoseconds = *start_nanoseconds + std::llround(hours * 3600.0) * 1'000'000'000};
+  io::TimeStamp stamp{.nanoseconds =
+                          *start_nanoseconds + std::llround(hours * 3600.0) * 1'000'000'000};
   return io::text_of(stamp);
 }
 

@@ -16,7 +16,7 @@ namespace wheeltap::apps {
 /// How times of the series are written.
 struct TimeAxis {
   double hours_per_unit = 1.0;
-  std::string unit = "h";  ///< "s", "min", "h", "d", "row"; "date"
+  std::string unit = "h";                              ///< "s", "min", "h", "d", "row"; "date"
   std::optional<std::int64_t> start_nanoseconds = {};  ///< of dates: since 1970
   /// A time in hours as the case writes it: a number, or a text for dates.
   [[nodiscard]] Report written(double hours) const;

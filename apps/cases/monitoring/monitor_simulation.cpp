@@ -20,8 +20,8 @@ std::string simulated_series_csv(std::uint64_t seed) {
     const double hour = 2.0 * t, day = hour / 24.0;
     front = 0.97 * front + 1.0 * random.normal();
     drift = 0.98 * drift + 0.2 * random.normal();
-    const double air = 4.0 + 5.0 * std::cos(kTwoPi * day / 60.0) +
-                       3.0 * std::sin(kTwoPi * (day - 0.4)) + front;
+    const double air =
+        4.0 + 5.0 * std::cos(kTwoPi * day / 60.0) + 3.0 * std::sin(kTwoPi * (day - 0.4)) + front;
     out += base::number(hour);
     for (std::size_t j = 0; j < kFrequencies.size(); ++j) {
       const double sd = random.uniform() < 0.01 ? 0.03 : 0.003;
