@@ -437,5 +437,22 @@ TEST(Replay, RateAndThresholdAreInverse) {
     EXPECT_NEAR(replay.log_threshold(replay.rate(log_threshold)), log_threshold, 1e-9);
 }
 
+/// S_t - t is a martingale under the model, so that P(an alarm within n rows at threshold A) is at
+/// most n/A. Of 48 series half have a maximum above the median: n/A >= 0.31 then holds but for a
+/// chance of 1 in 200.
+TEST(Replay, SeriesOfTheModelAlarmNoMoreOftenThanStated) {
+  for (const double degrees : {kGaussian, 4.0}) {
+    base::Random random(12, 0, 0, base::Purpose::test);
+    MatrixXd innovations(4000, 2);
+    for (double& z : innovations.reshaped())
+      z = degrees == kGaussian
+              ? random.normal()
+              : random.normal() / std::sqrt(random.gamma(0.5 * degrees) / (0.5 * degrees));
+    const Replay found = replay(small_baseline(degrees), innovations, {.hazard_per_hour = 1e-4},
+                                {.series = 48, .rows = 300, .block = 1});
+    EXPECT_LT(found.log_median, std::log(300.0 / 0.31)) << degrees;
+  }
+}
+
 }  // namespace
 }  // namespace wheeltap::identification::monitoring
