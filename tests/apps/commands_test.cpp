@@ -33,7 +33,7 @@ TEST(Commands, EachKindOfCaseIsRunByOneOfThem) {
     if (!command.case_kind.empty()) {
       EXPECT_TRUE(kinds.insert(command.case_kind).second) << command.case_kind;
     }
-  EXPECT_EQ(kinds, (std::set<std::string>{"damage", "modal", "sid", "update"}));
+  EXPECT_EQ(kinds, (std::set<std::string>{"damage", "modal", "monitor", "sid", "update"}));
 }
 
 }  // namespace

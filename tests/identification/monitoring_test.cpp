@@ -78,7 +78,7 @@ std::vector<Row> small_rows(int n, int onset, double shift, std::uint64_t seed) 
   return out;
 }
 
-double log_normal_density(const VectorXd& y, const VectorXd& mean, const MatrixXd& covariance) {
+double log_gaussian_density(const VectorXd& y, const VectorXd& mean, const MatrixXd& covariance) {
   const Eigen::LLT<MatrixXd> factor(covariance);
   const VectorXd white = factor.matrixL().solve(VectorXd(y - mean));
   return -0.5 * (static_cast<double>(y.size()) * std::log(kTwoPi) + white.squaredNorm()) -
@@ -124,7 +124,7 @@ class DenseModel {
     }
   }
   [[nodiscard]] double without_change() const {
-    return log_normal_density(y_, VectorXd::Zero(y_.size()), covariance_);
+    return log_gaussian_density(y_, VectorXd::Zero(y_.size()), covariance_);
   }
   /// Under a shift from `onset` on, integrated over its prior; a transient decays.
   [[nodiscard]] double with_shift(std::size_t onset, const VectorXd& residual_sd,
@@ -147,7 +147,7 @@ class DenseModel {
           }
         const double prior = (which < 0 ? 0.5 : 0.25) / 3.0;
         sum +=
-            prior * std::exp(log_normal_density(y_, VectorXd::Zero(y_.size()), covariance) - top);
+            prior * std::exp(log_gaussian_density(y_, VectorXd::Zero(y_.size()), covariance) - top);
       }
     return top + std::log(sum);
   }
