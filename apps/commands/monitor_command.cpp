@@ -26,7 +26,6 @@ struct MonitorFlags {
 
 Report process(const CommonOptions& common) {
   const MonitorCaseFile parsed = parse_monitor_case(read_case(common.case_path, common.overrides));
-  const auto log = make_log(common.quiet);
   Report summary = run_monitor(parsed, common);
   if (common.as_json)
     common.as_json(summary.dump(1));
