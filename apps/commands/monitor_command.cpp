@@ -11,6 +11,7 @@
 #include "apps/results/monitoring/monitor_summary.hpp"
 #include "apps/results/terminal.hpp"
 #include "apps/runs/monitor_run.hpp"
+#include "apps/runs/run_cost.hpp"
 #include "apps/runs/running.hpp"
 #include "io/text/text.hpp"
 
@@ -25,13 +26,20 @@ struct MonitorFlags {
 
 Report process(const CommonOptions& common) {
   const MonitorCaseFile parsed = parse_monitor_case(read_case(common.case_path, common.overrides));
-  const auto log = make_log(common.quiet);
   Report summary = run_monitor(parsed, common);
   if (common.as_json)
     common.as_json(summary.dump(1));
   else
     print_monitor(std::cout, parsed, summary, colour_wanted());
   return summary;
+}
+
+/// The file of the case's table; the case itself where it names none.
+std::filesystem::path table_of(const CommonOptions& common) {
+  const CaseFile file = read_case(common.case_path, common.overrides);
+  const Pointer where("/series/file");
+  if (!file.json.contains(where) || !file.json.at(where).is_string()) return common.case_path;
+  return file.place_of(file.json.at(where).get<std::string>());
 }
 
 /// Waits until the table's file changes; false where the program is to end.
@@ -54,21 +62,25 @@ bool alarmed(const Report& summary) {
   return summary.at("monitor").at("alarm").get<bool>();
 }
 
+/// From timings of learning and of one row.
+RunCost cost_of_monitoring(const MonitorCaseFile& parsed) {
+  const auto features = static_cast<double>(parsed.series.feature_count());
+  const double monitored = parsed.series.rows() - parsed.learning_rows;
+  return {.seconds = 0.02 * features * parsed.learning_rows + 1e-3 * features * monitored};
+}
+
 void monitor(CommonOptions common, const MonitorFlags& flags) {
+  if (common.dry_run)
+    return common.dry_run(
+        "monitoring",
+        cost_of_monitoring(parse_monitor_case(read_case(common.case_path, common.overrides))));
   claim_output_folder(common.output);
-  const auto table = [&] {
-    const CaseFile file = read_case(common.case_path, common.overrides);
-    return file.place_of(file.json.at("series").at("file").get<std::string>());
-  };
-  std::filesystem::file_time_type seen{};
-  std::error_code ignored;
   Report summary;
   std::optional<StopOnInterrupt> stop;
   for (;;) {
-    if (flags.follow && common.case_path.has_filename()) {
-      static_cast<void>(parse_monitor_case(read_case(common.case_path, common.overrides)));
-      seen = std::filesystem::last_write_time(table(), ignored);
-    }
+    const std::filesystem::path table = table_of(common);
+    std::error_code ignored;
+    auto seen = std::filesystem::last_write_time(table, ignored);
     summary = process(common);
     if (!common.as_json)
       std::cout << "\nResults: " << io::printable((common.output / "summary.json").string())
@@ -77,7 +89,7 @@ void monitor(CommonOptions common, const MonitorFlags& flags) {
     if (!flags.follow || (flags.alarm_exit && alarmed(summary))) break;
     common.resume = true;
     if (!stop) stop.emplace();
-    if (!wait_for_rows(table(), seen, flags.poll_seconds)) break;
+    if (!wait_for_rows(table, seen, flags.poll_seconds)) break;
   }
   if (flags.alarm_exit && alarmed(summary))
     throw Failure(Exit::alarm, "alarm: " + monitor_headline(summary.at("monitor")));
@@ -90,7 +102,6 @@ Command monitor_command() {
   return {.name = "monitor",
           .summary = "a series of features under weather: onset of change, and alarms",
           .case_kind = "monitor",
-          .samples = false,
           .add_options =
               [flags](CommandOptions& options) {
                 options.add_case();
@@ -100,6 +111,7 @@ Command monitor_command() {
                 options.add_json(kSummary);
                 options.add_seed("of learning and of the replay of healthy rows");
                 options.add_threads();
+                options.add_dry_run();
                 options.add_resume("process only the rows that are new since the last call");
                 CLI::App& app = options.app();
                 app.add_flag("--alarm-exit", flags->alarm_exit, "end with 3 on an alarm");

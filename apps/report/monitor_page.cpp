@@ -13,14 +13,14 @@ namespace {
 
 constexpr std::size_t kIntervals = 700;
 
-using Values = std::vector<double>;
+using Numbers = std::vector<double>;
 
 /// The columns of one feature in series.csv, and those of all.
 struct SeriesTable {
-  Values time;
+  Numbers time;
   std::vector<std::string> names;
-  std::vector<Values> measured, predicted, sd, corrected;
-  Values statistic, changed;
+  std::vector<Numbers> measured, predicted, sd, corrected;
+  Numbers statistic, changed;
 };
 
 SeriesTable table_of(const io::Columns& series) {
@@ -47,10 +47,10 @@ SeriesTable table_of(const io::Columns& series) {
 
 /// The least and the largest finite value of each interval of rows, as two polylines' points.
 struct Envelope {
-  Values time, low, high;
+  Numbers time, low, high;
 };
 
-Envelope envelope(const Values& time, const Values& values) {
+Envelope envelope(const Numbers& time, const Numbers& values) {
   Envelope out;
   const std::size_t width = std::max<std::size_t>(1, (time.size() + kIntervals - 1) / kIntervals);
   for (std::size_t from = 0; from < time.size(); from += width) {
@@ -69,9 +69,9 @@ Envelope envelope(const Values& time, const Values& values) {
 }
 
 /// Robust limits of an axis: the range without the outermost two thousandths.
-std::pair<double, double> limits(const std::vector<const Values*>& lists) {
-  Values all;
-  for (const Values* list : lists)
+std::pair<double, double> limits(const std::vector<const Numbers*>& lists) {
+  Numbers all;
+  for (const Numbers* list : lists)
     for (const double x : *list)
       if (std::isfinite(x)) all.push_back(x);
   if (all.empty()) return {0.0, 1.0};
@@ -81,7 +81,7 @@ std::pair<double, double> limits(const std::vector<const Values*>& lists) {
   return {low - pad, high + pad};
 }
 
-std::string path(const Plot& plot, const Values& time, const Values& values, double low,
+std::string path(const Plot& plot, const Numbers& time, const Numbers& values, double low,
                  double high) {
   std::string out;
   for (std::size_t i = 0; i < time.size(); ++i)
@@ -103,14 +103,14 @@ std::string strokes(const Plot& plot, const Envelope& e, const std::string& kind
   return "<path class=\"" + kind + "\" d=\"" + d + "\"/>\n";
 }
 
-std::string line_of(const Plot& plot, const Values& time, const Values& values,
+std::string line_of(const Plot& plot, const Numbers& time, const Numbers& values,
                     const std::string& kind, double low, double high) {
   return "<path class=\"" + kind + "\" d=\"" + path(plot, time, values, low, high) + "\"/>\n";
 }
 
 std::string feature_charts(const SeriesTable& t, std::size_t j, const std::string& unit,
                            const std::vector<double>& marks) {
-  Values lower(t.time.size()), upper(t.time.size());
+  Numbers lower(t.time.size()), upper(t.time.size());
   for (std::size_t i = 0; i < t.time.size(); ++i) {
     lower[i] = t.predicted[j][i] - 1.96 * t.sd[j][i];
     upper[i] = t.predicted[j][i] + 1.96 * t.sd[j][i];
@@ -135,7 +135,7 @@ std::string feature_charts(const SeriesTable& t, std::size_t j, const std::strin
   return out + "</div></div>\n";
 }
 
-std::string single_chart(const Values& time, const Values& values, const std::string& label,
+std::string single_chart(const Numbers& time, const Numbers& values, const std::string& label,
                          const std::string& unit, double low, double high,
                          const std::vector<double>& marks, double threshold) {
   const Plot plot(time.front(), time.back(), low, high, 220.0);

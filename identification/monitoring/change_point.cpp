@@ -60,6 +60,9 @@ double add_scores(CandidateOnset& c, const std::vector<MatrixXd>& log_density, d
   return total;
 }
 
+// Weight that moves between the two filters without a change each row.
+constexpr double kFilterShare = 0.05;
+
 /// Sum of log innovation densities: one logarithm for a row.
 class DensitySum {
  public:
@@ -102,6 +105,7 @@ class DensitySum {
 /// Log density of the row under each candidate and hypothesis of one draw.
 struct ChangePoint::RowScores {
   std::vector<std::vector<MatrixXd>> log_density;  ///< candidate, draw: (1 + p) x kSizes
+  VectorXd unshifted;  ///< of the candidates' filter without a shift, each draw
 };
 
 ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& options)
@@ -114,6 +118,7 @@ ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& opt
   for (const BaselineDraw& draw : draws_) changed_.push_back(draw.filter);
   const auto m = static_cast<Index>(draws_.size());
   log_weight_ = VectorXd::Constant(m, -std::log(static_cast<double>(m)));
+  shared_ = VectorXd::Constant(m, 0.5);
 }
 
 CandidateOnset ChangePoint::born(const Row& row, ShiftProfile profile) const {
@@ -163,8 +168,8 @@ std::vector<CandidateOnset*> ChangePoint::all_candidates() {
   return out;
 }
 
-double ChangePoint::score_healthy(const Row& row, double hours, const std::vector<Weather>& weather,
-                                  PredictedRow& out) {
+VectorXd ChangePoint::score_healthy(const Row& row, double hours,
+                                    const std::vector<Weather>& weather, PredictedRow& out) {
   const auto p = static_cast<Index>(residual_sd_.size());
   out = {.mean = VectorXd::Zero(p), .sd = VectorXd::Zero(p), .weather = VectorXd::Zero(p)};
   VectorXd squares = VectorXd::Zero(p), log_density(log_weight_.size());
@@ -183,12 +188,19 @@ double ChangePoint::score_healthy(const Row& row, double hours, const std::vecto
     squares.array() += weight * (predicted.mean.array().square() + predicted.sd.array().square());
   }
   out.sd = (squares.array() - out.mean.array().square()).max(0.0).sqrt();
-  const VectorXd joint = log_weight_ + log_density;
-  const double total = log_sum_exp(joint);
+  return log_density;
+}
+
+double ChangePoint::weigh_draws(const VectorXd& own, const VectorXd& shared) {
+  // The filter without a change and the candidates' filter, each with every draw.
+  const VectorXd with_own = log_weight_.array() + (1.0 - shared_.array()).log() + own.array();
+  const VectorXd with_shared = log_weight_.array() + shared_.array().log() + shared.array();
+  const double total = log_sum(log_sum_exp(with_own), log_sum_exp(with_shared));
+  const VectorXd a = (with_own.array() - total).exp(), b = (with_shared.array() - total).exp();
   const double share = options_.fixed_share;
+  shared_ = (1.0 - kFilterShare) * b.array() / (a + b).array().max(1e-300) + 0.5 * kFilterShare;
   log_weight_ =
-      ((1.0 - share) * (joint.array() - total).exp() + share / static_cast<double>(draws_.size()))
-          .log();
+      ((1.0 - share) * (a + b).array() + share / static_cast<double>(draws_.size())).log();
   return total;
 }
 
@@ -223,6 +235,7 @@ void ChangePoint::score_draw(std::size_t m, const Row& row, const Weather& weath
     const double noise = noise_variance(parameters, weather, row, filter, feature);
     const double s = filter.variance(feature, weather.h, covariance) + noise;
     const double v = row.features[j] - filter.mean(feature, weather.h);
+    scores.unshifted[static_cast<Index>(m)] += log_innovation_density(v, s, parameters.degrees);
     VectorXd inflation(static_cast<Index>(n));
     for (std::size_t i = 0; i < n; ++i) {
       const ShiftPosterior& shift = all[i]->draws[m];
@@ -380,14 +393,15 @@ PredictedRow ChangePoint::add(const Row& row) {
       }
   }
   PredictedRow out;
-  const double log_baseline = score_healthy(row, hours, weather, out);
+  const VectorXd own = score_healthy(row, hours, weather, out);
   if (row.features.array().isFinite().any()) {
     RowScores scores;
     const MatrixXd none(residual_sd_.size() + 1, kSizes);
     scores.log_density.assign(candidates_.size() + transients_.size(),
                               std::vector<MatrixXd>(draws_.size(), none));
+    scores.unshifted = VectorXd::Zero(log_weight_.size());
     for (std::size_t m = 0; m < draws_.size(); ++m) score_draw(m, row, weather[m], scores);
-    weigh_candidates(scores, weigh_healthy(scores, log_baseline));
+    weigh_candidates(scores, weigh_healthy(scores, weigh_draws(own, scores.unshifted)));
   }
   ++rows_;
   retire_transients(row.hours);
@@ -486,6 +500,7 @@ void ChangePoint::accept_change() {
     draws_[m].filter = filter;
   }
   log_weight_ = log_weight.array() - log_sum_exp(log_weight);
+  shared_.setConstant(0.5);
   candidates_.clear();
   transients_.clear();
   log_quiet_ = 0.0;

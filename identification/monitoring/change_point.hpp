@@ -43,14 +43,14 @@ enum class ShiftProfile { step, ramp, transient };
 
 struct ChangePointOptions {
   double hazard_per_hour = 1e-5;               ///< of a change
-  double transients_per_hour = 50.0 / 8766.0;  ///< rate of transients; 0: none
+  double transients_per_hour = 12.0 / 8766.0;  ///< rate of transients; 0: none
   double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: steps alone
   int ramp_every = 24;       ///< rows between two candidate ramps
   /// Candidates younger than this many rows are all kept; of older ones `kept_per_octave` for each
   /// doubling of age. 0: all are kept.
   int young = 16;
   int kept_per_octave = 5;
-  double fixed_share = 1e-4;  ///< of the draws' weight, redistributed each row
+  double fixed_share = 0.01;  ///< of the draws' weight, redistributed each row
 };
 
 template <class Parcel, class Of>
@@ -136,8 +136,9 @@ class ChangePoint {
  private:
   struct RowScores;  // of the candidates in one row
   void bear_candidates(const Row& row, double hours);
-  double score_healthy(const Row& row, double hours, const std::vector<Weather>& weather,
-                       PredictedRow& out);
+  Eigen::VectorXd score_healthy(const Row& row, double hours, const std::vector<Weather>& weather,
+                                PredictedRow& out);
+  double weigh_draws(const Eigen::VectorXd& own, const Eigen::VectorXd& shared);
   void score_draw(std::size_t m, const Row& row, const Weather& weather, RowScores& scores);
   void weigh_candidates(const RowScores& scores, double log_healthy);
   void merge_old();
@@ -154,6 +155,7 @@ class ChangePoint {
   std::vector<BaselineDraw> draws_;      ///< without a change
   std::vector<BaselineFilter> changed_;  ///< filters that candidates share, one a draw
   Eigen::VectorXd log_weight_;           ///< of the draws, without a change
+  Eigen::VectorXd shared_;  ///< of each draw's weight, the part of the candidates' filter
   std::vector<CandidateOnset> candidates_, transients_;
   double log_quiet_ = 0.0;  ///< ln P(no transient | no change)
   double last_hours_ = 0.0, last_ramp_hours_ = 0.0;
@@ -164,7 +166,7 @@ class ChangePoint {
   template <class Parcel, class Of>
   requires std::same_as<std::remove_const_t<Of>, ChangePoint>
   friend void carry(Parcel& parcel, Of& c) {
-    parcel(c.scaling_, c.residual_sd_, c.options_, c.draws_, c.changed_, c.log_weight_,
+    parcel(c.scaling_, c.residual_sd_, c.options_, c.draws_, c.changed_, c.log_weight_, c.shared_,
            c.candidates_, c.transients_, c.log_quiet_, c.last_hours_, c.last_ramp_hours_,
            c.log_no_change_, c.moved_, c.rows_);
   }

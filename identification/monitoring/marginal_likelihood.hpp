@@ -15,9 +15,9 @@ namespace wheeltap::identification::monitoring {
 
 /// One feature's rows that are present.
 struct FeatureRows {
-  std::vector<int> rows;      ///< of the series
-  Eigen::VectorXd y;          ///< their values
-  Eigen::VectorXd precision;  ///< w_t > 0: robust weights over relative noise variances
+  std::vector<int> rows = {};  ///< of the series
+  Eigen::VectorXd y;           ///< their values
+  Eigen::VectorXd precision;   ///< w_t > 0: robust weights over relative noise variances
 };
 
 struct RegressionPrior {

@@ -10,11 +10,11 @@ namespace wheeltap::identification::monitoring {
 
 /// n rows of p features and c covariates. NaN marks a missing entry.
 struct Series {
-  std::vector<double> hours;  ///< n, strictly increasing
-  Eigen::MatrixXd features;   ///< n x p: natural logarithms of positive features
+  std::vector<double> hours = {};  ///< n, strictly increasing
+  Eigen::MatrixXd features = {};   ///< n x p: natural logarithms of positive features
   /// n x p: standard deviations of the logarithms, or empty where identification states none.
-  Eigen::MatrixXd sds;
-  Eigen::MatrixXd covariates;  ///< n x c
+  Eigen::MatrixXd sds = {};
+  Eigen::MatrixXd covariates = {};  ///< n x c
   std::vector<std::string> feature_names = {}, covariate_names = {};
 
   [[nodiscard]] int rows() const { return static_cast<int>(hours.size()); }
