@@ -213,7 +213,7 @@ Eigen::MatrixXd simulated_shapes(const DamageCase& damage_case, int modes, std::
 }
 
 bool DamageCase::solved_as_structure() const {
-  return structure || modal || std::ranges::any_of(kinds, [](const DefectKind& kind) {
+  return structure || modal() != nullptr || std::ranges::any_of(kinds, [](const DefectKind& kind) {
            return kind.type->place == nullptr || kind.extent || kind.extent_prior;
          });
 }

@@ -8,8 +8,6 @@
 namespace wheeltap::identification {
 namespace {
 
-using Quantity = ForwardModel::Quantity;
-
 class StructuralLikelihood final : public inference::Likelihood {
  public:
   StructuralLikelihood(const StructuralProblem& problem, const ForwardModel& model)
@@ -26,8 +24,10 @@ class StructuralLikelihood final : public inference::Likelihood {
     const bool by_modes = problem_.by_modes();
     const auto rows = static_cast<std::size_t>(problem_.rows());
     predicted_.frequencies_hz.resize(rows);
-    if (!predictor_.predict(model, x, by_modes ? Quantity::modes : Quantity::frequencies,
-                            predicted_)) {
+    if (!predictor_.predict(
+            model, x,
+            by_modes ? ForwardModel::Quantity::modes : ForwardModel::Quantity::frequencies,
+            predicted_)) {
       // An impossible structure has likelihood 0.
       if (by_modes) return out.prediction.assign(rows, kInfinity);
       std::ranges::fill(predicted_.frequencies_hz, kInfinity);
@@ -115,8 +115,8 @@ std::vector<inference::Parameter> StructuralProblem::place_parameters(
   return out;
 }
 
-bool StructuralPredictor::predict(int model, std::span<const double> x, Quantity quantity,
-                                  Prediction& out) {
+bool StructuralPredictor::predict(int model, std::span<const double> x,
+                                  ForwardModel::Quantity quantity, Prediction& out) {
   problem_.components(model, x, defects_);
   out.error_variance.clear();
   return solver_->predict(problem_.theta(x), defects_, quantity, out);
@@ -124,7 +124,7 @@ bool StructuralPredictor::predict(int model, std::span<const double> x, Quantity
 
 bool StructuralPredictor::score(int model, std::span<const double> x,
                                 ModeObservation::Scored& out) {
-  if (!predict(model, x, Quantity::modes, out)) return false;
+  if (!predict(model, x, ForwardModel::Quantity::modes, out)) return false;
   out.score = problem_.modes().score(out, problem_.modal_noise(x));
   return true;
 }
@@ -137,7 +137,7 @@ void StructuralPredictor::solve(int model, std::span<const double> x, std::span<
     return;
   }
   scratch_.frequencies_hz.resize(out.size());
-  if (!predict(model, x, Quantity::frequencies, scratch_)) return set_infinite();
+  if (!predict(model, x, ForwardModel::Quantity::frequencies, scratch_)) return set_infinite();
   std::ranges::copy(scratch_.frequencies_hz, out.begin());
 }
 
@@ -151,7 +151,7 @@ bool StructuralPredictor::gradient_of_frequencies(int model, std::span<const dou
                                                   std::span<double> out) {
   const FrequencyData& data = std::get<StructuralProblem::Numbered>(problem_.observed)->data();
   scratch_.frequencies_hz.resize(data.frequencies_hz.size());
-  if (!predict(model, x, Quantity::slopes, scratch_)) return false;
+  if (!predict(model, x, ForwardModel::Quantity::slopes, scratch_)) return false;
   const inference::Model& m = problem_.problem.space[model];
   const NoiseModel noise(data);
   const std::size_t at_cv = problem_.observations.front().first;
