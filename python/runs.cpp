@@ -6,6 +6,7 @@
 #include "apps/commands/command_list.hpp"
 #include "apps/report/report.hpp"
 #include "apps/results/stored_run.hpp"
+#include "apps/runs/case_run.hpp"
 #include "apps/runs/running.hpp"
 #include "io/netcdf/netcdf_library.hpp"
 #include "io/netcdf/netcdf_reader.hpp"

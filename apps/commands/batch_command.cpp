@@ -18,6 +18,7 @@
 #include "apps/remote/child_program.hpp"
 #include "apps/runs/batch/batch_folders.hpp"
 #include "apps/runs/batch/batch_table.hpp"
+#include "apps/runs/case_run.hpp"
 #include "apps/runs/failure_of.hpp"
 #include "apps/runs/run_cost.hpp"
 #include "apps/runs/running.hpp"

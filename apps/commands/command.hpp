@@ -3,15 +3,21 @@
 #pragma once
 
 #include <functional>
+#include <memory>
 #include <string>
 
+#include "apps/cases/syntax/case_file.hpp"
 #include "apps/commands/program_text.hpp"
 #include "apps/run_options.hpp"
-#include "apps/runs/case_run.hpp"
 
 namespace wheeltap::apps {
 
+class CaseRun;
 class CommandOptions;
+
+/// Parses a case of one kind. Throws Failure.
+using MakeCaseRun =
+    std::function<std::unique_ptr<CaseRun>(CaseFile, const CommonOptions&, const SamplingOptions&)>;
 
 /// The options of the command line.
 struct Invocation {

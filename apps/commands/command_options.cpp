@@ -1,4 +1,5 @@
 #include "apps/commands/command_options.hpp"
+#include "apps/runs/case_run.hpp"
 
 #include <charconv>
 #include <cmath>

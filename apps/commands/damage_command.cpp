@@ -1,5 +1,6 @@
 #include "apps/commands/command_list.hpp"
 #include "apps/commands/command_options.hpp"
+#include "apps/runs/case_run.hpp"
 
 namespace wheeltap::apps {
 

@@ -5,6 +5,7 @@
 
 #include "apps/commands/command_list.hpp"
 #include "apps/commands/command_options.hpp"
+#include "apps/runs/case_run.hpp"
 #include "apps/runs/running.hpp"
 #include "base/parallel.hpp"
 #include "io/text/text.hpp"

@@ -1,7 +1,6 @@
 // A sampling run of a case: the steps that differ between kinds of cases, and their order.
 #pragma once
 
-#include <functional>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -52,10 +51,6 @@ class CaseRun {
   CommonOptions common_;
   SamplingOptions options_;
 };
-
-/// Parses a case of one kind. Throws Failure.
-using MakeCaseRun =
-    std::function<std::unique_ptr<CaseRun>(CaseFile, const CommonOptions&, const SamplingOptions&)>;
 
 [[nodiscard]] std::unique_ptr<CaseRun> make_damage_run(CaseFile file, const CommonOptions& common,
                                                        const SamplingOptions& options);
