@@ -354,7 +354,8 @@ void take_states(const CaseFile& file, std::shared_ptr<const StructureModel> mod
                              ? kNaN
                              : std::sqrt(joined.covariance(i, i)));
   out.data = std::move(data);
-  out.measured = MeasuredModes(std::make_shared<const ObservedStates>(std::move(states)), joined);
+  out.measured = identification::MeasuredModes(
+      std::make_shared<const ObservedStates>(std::move(states)), joined);
 }
 
 }  // namespace wheeltap::apps
