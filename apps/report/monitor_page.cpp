@@ -121,15 +121,14 @@ std::string feature_charts(const SeriesTable& t, std::size_t j, const std::strin
   std::string inside = strokes(plot, envelope(t.time, t.measured[j]), "spectrum", low, high) +
                        line_of(plot, bottom.time, bottom.low, "line", low, high) +
                        line_of(plot, top.time, top.high, "line", low, high) + plot.hairs(marks);
-  std::string out = "<h3>" + escaped(t.names[j]) + "</h3>\n<div class=\"pair\"><div>" +
-                    plot.framed("measured values of " + escaped(t.names[j]) +
-                                    " with the 95 % band of the prediction",
-                                unit, escaped(t.names[j]), inside) +
-                    "</div>\n<div>";
+  std::string out =
+      "<h3>" + escaped(t.names[j]) + "</h3>\n<div class=\"pair\"><div>" +
+      plot.framed("measured values of " + t.names[j] + " with the 95 % band of the prediction",
+                  unit, t.names[j], inside) +
+      "</div>\n<div>";
   const auto [least, most] = limits({&t.corrected[j]});
   const Plot other(t.time.front(), t.time.back(), least, most, 240.0);
-  out += other.framed(escaped(t.names[j]) + " corrected for weather", unit,
-                      escaped(t.names[j]) + ", corrected",
+  out += other.framed(t.names[j] + " corrected for weather", unit, t.names[j] + ", corrected",
                       strokes(other, envelope(t.time, t.corrected[j]), "spectrum", least, most) +
                           other.hairs(marks));
   return out + "</div></div>\n";

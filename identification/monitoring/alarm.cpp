@@ -105,7 +105,7 @@ Replay replay(const Baseline& baseline, const MatrixXd& innovations,
   out.log_median = largest[middle];
   double sum = 0.0;
   for (std::size_t i = middle; i < largest.size(); ++i) sum += largest[i] - out.log_median;
-  out.tail = std::max(0.05, sum / static_cast<double>(largest.size() - middle));
+  out.tail = std::max(1.0, sum / static_cast<double>(largest.size() - middle));
   return out;
 }
 

@@ -22,10 +22,12 @@ struct ReplayOptions {
   int threads = 1;
 };
 
-/// False alarms of replayed healthy series, as a function of the threshold: with exceedances of the
-/// series' maxima of ln S over their median u taken as exponential with mean h,
+/// False alarms of replayed healthy series, as a function of the threshold. Exceedances of the
+/// series' maxima of ln S over their median u are taken as exponential with mean h:
 ///
 ///   rate(A) = -ln(1 - P(A))/rows,   P(A) = 1/2 exp(-(ln A - u)/h).
+///
+/// h is the mean of the exceedances, and at least 1: the model's own bound n/A decays no faster.
 struct Replay {
   int series = 0, rows = 0;
   double log_median = 0.0;  ///< u

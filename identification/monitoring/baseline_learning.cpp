@@ -441,9 +441,11 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
   const std::vector<TailChoice> choices = tail_choices(*prepared, rows, central, correlation);
   const auto p = static_cast<Index>(prepared->features.size());
   VectorXd variance = VectorXd::Zero(p);
-  for (int m = 0; m < options.draws; ++m) {
+  const auto coefficients = static_cast<int>(central.parameters.coefficient_sd.size());
+  const int draws = options.draws > 0 ? options.draws : coefficients > 80 ? 4 : 6;
+  for (int m = 0; m < draws; ++m) {
     BaselineDraw draw{.parameters =
-                          parameters_of(*prepared, layout, spaced_draw(posterior, m, options.draws),
+                          parameters_of(*prepared, layout, spaced_draw(posterior, m, draws),
                                         out.reference, random)};
     const TailChoice& choice = draw_choice(choices, random);
     draw.parameters.degrees = choice.degrees;
@@ -454,7 +456,7 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
         draw.parameters.noise_sd.array().square() + draw.parameters.fast_sd.array().square();
     out.draws.push_back(std::move(draw));
   }
-  out.residual_sd = (variance / options.draws).cwiseSqrt();
+  out.residual_sd = (variance / draws).cwiseSqrt();
   out.last_hours = learning.hours.back();
   out.rows_per_hour =
       static_cast<double>(learning.rows() - 1) / (learning.hours.back() - learning.hours.front());

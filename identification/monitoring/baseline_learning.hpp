@@ -26,7 +26,9 @@
 namespace wheeltap::identification::monitoring {
 
 struct LearningOptions {
-  int draws = 6;        ///< parameter draws that are carried on
+  /// Parameter draws that are carried on; 0: six, or four where features have more than eighty
+  /// coefficients in all, which the time of a row is proportional to.
+  int draws = 0;
   int most_hinges = 3;  ///< prior: any number up to it is equally probable
   bool hinges = true, lag = true;
   std::vector<bool> may_hinge = {};  ///< one a covariate; empty: all

@@ -154,6 +154,11 @@ void ChangePoint::bear_candidates(const Row& row, double hours) {
   if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0)
     bear(ShiftProfile::ramp, std::log(options_.ramp_share), options_.ramp_every);
   if (options_.transients_per_hour > 0.0) {
+    const double ends = options_.transient_ends_per_hour * hours;
+    for (CandidateOnset& c : transients_) {
+      if (ends > 0.0) log_quiet_ = log_sum(log_quiet_, c.log_mass() + std::log(-std::expm1(-ends)));
+      c.log_prior -= ends;
+    }
     transients_.push_back(born(row, ShiftProfile::transient));
     transients_.back().log_prior =
         log_quiet_ + std::log(-std::expm1(-options_.transients_per_hour * hours));

@@ -8,7 +8,7 @@
 // A transient is no change: thaw, wind, traffic or a fault of identification that passes. The model
 // without a change is a mixture of the baseline and of transients that began at any row; a change
 // must explain the data better than all of these. A transient that has decayed gives its
-// probability back to the baseline.
+// probability back to the baseline; so does, each row, the share that may have ended earlier.
 //
 // A shift enters linearly. The innovations of a filter without a shift are then v_t + G_t δ, G_t by
 // a recursion that is common to all values of δ (Friedland 1969; Willsky & Jones 1976). A candidate
@@ -44,6 +44,8 @@ enum class ShiftProfile { step, ramp, transient };
 struct ChangePointOptions {
   double hazard_per_hour = 1e-5;               ///< of a change
   double transients_per_hour = 12.0 / 8766.0;  ///< rate of transients; 0: none
+  /// Rate at which a transient ends before it has decayed.
+  double transient_ends_per_hour = 1.0 / kTransientHours;
   double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: steps alone
   int ramp_every = 24;       ///< rows between two candidate ramps
   /// Candidates younger than this many rows are all kept; of older ones `kept_per_octave` for each
@@ -56,8 +58,8 @@ struct ChangePointOptions {
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, ChangePointOptions>
 void carry(Parcel& parcel, Of& o) {
-  parcel(o.hazard_per_hour, o.transients_per_hour, o.ramp_share, o.ramp_every, o.young,
-         o.kept_per_octave, o.fixed_share);
+  parcel(o.hazard_per_hour, o.transients_per_hour, o.transient_ends_per_hour, o.ramp_share,
+         o.ramp_every, o.young, o.kept_per_octave, o.fixed_share);
 }
 
 /// δ under one candidate and one parameter draw.

@@ -2,6 +2,8 @@
 #include <gmock/gmock.h>
 
 #include <sstream>
+#include <string>
+#include <vector>
 
 #include "apps/cases/monitoring/monitor_simulation.hpp"
 #include "program.hpp"

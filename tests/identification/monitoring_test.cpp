@@ -181,6 +181,7 @@ TEST(ChangePoint, OnsetAndBayesFactorEqualTheDenseComputation) {
   for (const double transients : {0.0, 0.02}) {
     ChangePoint change(baseline, {.hazard_per_hour = 0.01,
                                   .transients_per_hour = transients,
+                                  .transient_ends_per_hour = 0.0,
                                   .ramp_share = 0.0,
                                   .young = 0,
                                   .fixed_share = 0.0});
