@@ -28,10 +28,10 @@ namespace fs = std::filesystem;
 constexpr const char* kStateVersion = "1";
 constexpr const char* kWhat = "a monitoring state of wheeltap";
 
-/// What the next call continues from.
+/// The state from which the next call continues.
 struct MonitorState {
   Monitor monitor = {};
-  std::int64_t rows = 0;        ///< of the series that were processed
+  std::int64_t rows = 0;        ///< processed rows of the series
   std::uint64_t checksum = 0;   ///< over these rows
   std::string series_csv = {};  ///< fingerprint of the file
   std::string case_text = {};

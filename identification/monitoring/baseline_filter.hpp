@@ -7,10 +7,11 @@
 //   e_tj: Student t with `degrees` degrees of freedom, scale noise_sd_j √(relative variance).
 //
 // The state of feature j is the block [b_j, d_j, s_j]; all observe it with h = [phi, 1, 1].
-// Entries of a row are taken one after the other. For Gaussian noise that is exact. For Student t:
-// the predictive density of an entry is Student's t with the filter's variance as squared scale
-// (normalised), and the update multiplies the entry's noise variance by (nu + v²/S)/(nu + 1), the
-// inverse of the expected precision of the scale mixture given the innovation v.
+// Entries of a row are taken one after the other. For Gaussian noise this is exact. For Student t
+// noise the predictive density of an entry is a normalised Student t density whose squared scale is
+// the variance of the filter. The update multiplies the noise variance of the entry by (nu +
+// v²/S)/(nu + 1): the inverse of the expected precision of the scale mixture given the innovation
+// v.
 #pragma once
 
 #include <algorithm>
@@ -47,7 +48,7 @@ void carry(Parcel& parcel, Of& b) {
 /// ln of the density of an innovation v whose squared scale is S.
 [[nodiscard]] double log_innovation_density(double v, double s, double degrees);
 
-/// What a row's covariates say to one draw.
+/// The regressors of one row for one draw.
 struct Weather {
   Eigen::VectorXd h = {};  ///< block(): [phi, 1, 1]
   /// K x K covariance of phi from imputed covariates; empty where none was.

@@ -37,7 +37,7 @@ struct Prepared {
   VectorXd long_low = {}, long_high = {};  ///< of covariates with the long lag
   MatrixXd sorted = {};          ///< rows x covariates, each column sorted: for knots by quantile
   std::vector<int> hinged = {};  ///< covariates that may have hinges
-  std::vector<double> variance = {};  ///< of each feature
+  std::vector<double> variance = {};  ///< per feature
   bool lag = false;
   int most_hinges = 0;
 };
@@ -83,8 +83,8 @@ CovariateTerms terms_of(const Prepared& of, const Layout& layout, std::span<cons
   return out;
 }
 
-/// phi of all rows, one a column, without the terms of extrapolation; sets the range of lagged
-/// covariates.
+/// phi of all rows, one column per row, without the terms of extrapolation; sets the range of
+/// lagged covariates.
 MatrixXd term_table(const Prepared& of, CovariateTerms& terms) {
   const Index c = of.sorted.cols(), hinges = static_cast<Index>(terms.knots.size());
   const auto n = static_cast<Index>(of.hours.size());

@@ -54,7 +54,7 @@ void carry(Parcel& parcel, Of& draw) {
   parcel(draw.parameters, draw.filter, draw.lagged, draw.slow);
 }
 
-/// What learning found.
+/// The baseline: results of learning.
 struct Baseline {
   CovariateScaling scaling = {};
   Eigen::VectorXd usual_sds = {};    ///< p, or empty
@@ -63,7 +63,7 @@ struct Baseline {
   std::vector<BaselineDraw> draws = {};
   double rows_per_hour = 1.0;
   double last_hours = 0.0;  ///< time of the last row that the filters have seen
-  // Of the engine's run:
+  // Diagnostics of the engine:
   std::vector<double> hinge_probability = {};  ///< of 0, 1, … hinges
   bool converged = false;
   double rhat_max = 1.0;

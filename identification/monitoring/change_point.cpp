@@ -105,7 +105,7 @@ class DensitySum {
 /// Log density of the row under each candidate and hypothesis of one draw.
 struct ChangePoint::RowScores {
   std::vector<std::vector<MatrixXd>> log_density;  ///< candidate, draw: (1 + p) x kSizes
-  VectorXd unshifted;  ///< of the candidates' filter without a shift, each draw
+  VectorXd unshifted;                              ///< candidates' filter without a shift, per draw
 };
 
 ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& options)

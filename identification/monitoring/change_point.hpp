@@ -42,7 +42,7 @@ inline constexpr double kTransientHours = 72.0;
 enum class ShiftProfile { step, ramp, transient };
 
 struct ChangePointOptions {
-  double hazard_per_hour = 1e-5;               ///< of a change
+  double hazard_per_hour = 1e-5;               ///< rate of changes
   double transients_per_hour = 12.0 / 8766.0;  ///< rate of transients; 0: none
   /// Rate at which a transient ends before it has decayed.
   double transient_ends_per_hour = 1.0 / kTransientHours;
@@ -52,7 +52,7 @@ struct ChangePointOptions {
   /// doubling of age. 0: all are kept.
   int young = 16;
   int kept_per_octave = 5;
-  double fixed_share = 0.01;  ///< of the draws' weight, redistributed each row
+  double fixed_share = 0.01;  ///< share of the draws' weight that each row redistributes
 };
 
 template <class Parcel, class Of>
@@ -98,7 +98,7 @@ void carry(Parcel& parcel, Of& c) {
   parcel(c.row, c.hours, c.profile, c.log_ratio, c.log_wealth, c.log_prior, c.draws);
 }
 
-/// What a row was predicted as, without a change since the last alarm.
+/// Prediction of a row without a change since the last alarm.
 struct PredictedRow {
   Eigen::VectorXd mean, sd;  ///< p logarithms, mixture of the draws
   Eigen::VectorXd weather;   ///< p: effect of covariates alone, posterior mean
@@ -106,7 +106,7 @@ struct PredictedRow {
 
 /// The change since some time, given that there is one.
 struct ChangeEstimate {
-  double probability = 0.0;                                      ///< of a change
+  double probability = 0.0;                                      ///< P(change)
   double onset_low = 0.0, onset_median = 0.0, onset_high = 0.0;  ///< hours; 2.5, 50 and 97.5 %
   double ramp_probability = 0.0;                                 ///< given a change
   Eigen::VectorXd shift, shift_sd;      ///< p, of logarithms, given a change
@@ -136,7 +136,7 @@ class ChangePoint {
   [[nodiscard]] double moved_mass() const { return moved_; }
 
  private:
-  struct RowScores;  // of the candidates in one row
+  struct RowScores;  // scores of the candidates in one row
   void bear_candidates(const Row& row, double hours);
   Eigen::VectorXd score_healthy(const Row& row, double hours, const std::vector<Weather>& weather,
                                 PredictedRow& out);
@@ -155,9 +155,9 @@ class ChangePoint {
   Eigen::VectorXd residual_sd_;
   ChangePointOptions options_;
   std::vector<BaselineDraw> draws_;      ///< without a change
-  std::vector<BaselineFilter> changed_;  ///< filters that candidates share, one a draw
-  Eigen::VectorXd log_weight_;           ///< of the draws, without a change
-  Eigen::VectorXd shared_;  ///< of each draw's weight, the part of the candidates' filter
+  std::vector<BaselineFilter> changed_;  ///< filters that candidates share, one per draw
+  Eigen::VectorXd log_weight_;           ///< weights of the draws, without a change
+  Eigen::VectorXd shared_;  ///< part of each draw's weight that belongs to the candidates' filter
   std::vector<CandidateOnset> candidates_, transients_;
   double log_quiet_ = 0.0;  ///< ln P(no transient | no change)
   double last_hours_ = 0.0, last_ramp_hours_ = 0.0;

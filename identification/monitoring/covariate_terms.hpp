@@ -1,4 +1,4 @@
-// What covariates do to features: linear terms, hinges at unknown knots, thermal lag.
+// Effects of covariates on features: linear terms, hinges at unknown knots, thermal lag.
 //
 //   v_c' = (z_c - v_c) / lag,   z_c = (u_c - mean_c) / sd_c          (z held between rows)
 //   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
@@ -56,9 +56,9 @@ inline constexpr int kUnseenTerms = 4;  ///< at the end of phi
 
 /// The nonlinear parameters of the covariates' terms.
 struct CovariateTerms {
-  double lag_hours = 0.0;                         ///< of all covariates; 0: none
+  double lag_hours = 0.0;                         ///< shared by all covariates; 0: none
   std::vector<int> hinge_of = {};                 ///< covariate of each hinge, among the used ones
-  std::vector<double> knots = {};                 ///< of z, one a hinge
+  std::vector<double> knots = {};                 ///< values of z, one per hinge
   Eigen::VectorXd low = {}, high = {};            ///< c: least and largest v in learning
   Eigen::VectorXd long_low = {}, long_high = {};  ///< c: the same with the long lag
 

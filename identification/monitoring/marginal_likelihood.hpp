@@ -15,7 +15,7 @@ namespace wheeltap::identification::monitoring {
 
 /// One feature's rows that are present.
 struct FeatureRows {
-  std::vector<int> rows = {};  ///< of the series
+  std::vector<int> rows = {};  ///< indices of rows in the series
   Eigen::VectorXd y;           ///< their values
   Eigen::VectorXd precision;   ///< w_t > 0: robust weights over relative noise variances
 };

@@ -30,7 +30,7 @@ struct AlarmRecord {
   ChangeEstimate change = {};  ///< from the rows up to `settling_rows` after the alarm
 };
 
-/// What one row says.
+/// Results of one row.
 struct RowFinding {
   double hours = 0.0;
   PredictedRow predicted = {};

@@ -32,7 +32,7 @@ struct Row {
   Eigen::VectorXd covariates = {};  ///< c, NaN: missing
 };
 
-/// What is wrong with a series, and where.
+/// A fault of a series and its place.
 struct SeriesFault {
   enum class Kind {
     time_repeated,

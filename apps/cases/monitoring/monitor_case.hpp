@@ -36,8 +36,9 @@ struct MonitorCaseFile {
 };
 
 /// Reads the case and its table. Throws Failure (65) with one line that names the file, the key or
-/// the row, the value and a remedy: times that repeat or decrease, features that are not positive,
-/// missing or constant in the learning period, a learning period that is empty or not over.
+/// the row, the value and a remedy. Faults are times that repeat or decrease, features that are not
+/// positive or are missing or constant in the learning period, and a learning period that is empty
+/// or not over.
 [[nodiscard]] MonitorCaseFile parse_monitor_case(CaseFile file);
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,4 @@
-// What a monitoring run leaves: summary.json, the rows of series.csv, and what the terminal shows.
+// Results of a monitoring run: summary.json, the rows of series.csv, and what the terminal shows.
 #pragma once
 
 #include <iosfwd>
