@@ -39,8 +39,8 @@ TEST(Commands, EachKindOfCaseWithASchemaIsRunByOneOfThem) {
 }
 
 TEST(Commands, TheOneOfACaseIsFoundByItsKind) {
-  const auto command_of = [](const char* json) {
-    return command_of_kind({.path = "case.json", .json = Json::parse(json)});
+  const auto command_of = [](const char* text) {
+    return command_of_kind({.path = "case.json", .json = Json::parse(text)});
   };
   ASSERT_NE(command_of(R"({"kind": "update"})"), nullptr);
   EXPECT_EQ(command_of(R"({"kind": "update"})")->name, "update");

@@ -147,9 +147,9 @@ TEST(StatesCase, ABeamOfUnknownE) {
     {"at": 1.0, "fix": ["deflection"]}, {"at": 1.0, "fix": ["rotation"], "stiffness": "s"}])");
   c["parameters"]["s"] = {{"log_uniform", {0.1, 100}}};
   const DamageCase sprung = parse_damage_case(read_case(where.write_json("s.json", c))).damage;
-  EXPECT_TRUE(sprung.states->tells_sides());
+  EXPECT_TRUE(sprung.states()->tells_sides());
   const auto at = [&](double s) {
-    const AnyStructure any = sprung.states->model->at(std::vector<double>{70e9, s});
+    const AnyStructure any = sprung.states()->model->at(std::vector<double>{70e9, s});
     return std::get<fem::Structure>(any).supports[2].stiffness[5];
   };
   EXPECT_EQ(at(3.0), 3.0);
