@@ -79,7 +79,8 @@ TEST(LabviewFile, ATimeForEachChannel) {
   const Columns c = parsed(header("Multi") + segment + "0.5\t1\t0.5\t2\r\n0.75\t3\t0.75\t4\r\n");
   EXPECT_THAT(c.columns[2].values, ElementsAre(2.0, 4.0));
   EXPECT_EQ(c.columns[2].name, "force");
-  EXPECT_THAT(fault(header("Multi") + segment + "0.5\t1\t0.6\t2\r\n"), HasSubstr("different times"));
+  EXPECT_THAT(fault(header("Multi") + segment + "0.5\t1\t0.6\t2\r\n"),
+              HasSubstr("different times"));
 }
 
 TEST(LabviewFile, AppendsSegments) {
