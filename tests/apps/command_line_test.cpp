@@ -293,7 +293,7 @@ TEST(CommandLine, BadEmulatorsEndWith65) {
                    65, words);
     EXPECT_FALSE(std::filesystem::exists(where / "x.nc"));
   };
-  refuse(R"({"sites":[2,2,9],"multipliers":[0.4,1]})", {"/predictor/sites/1", "twice"});
+  refuse(R"({"sites":[2,2,9],"multipliers":[0.4,1]})", {"/predictor/sites/1", "duplicates"});
   refuse(R"({"sites":[2,11],"multipliers":[0.4,1]})", {"/predictor/sites/1", "10 elements"});
   refuse(R"({"sites":[],"multipliers":[0.4,1]})", {"/predictor"});
   refuse(R"({"sites":[2,9],"multipliers":[0.4,1.2]})", {"/predictor/multipliers/1", "1.2"});
