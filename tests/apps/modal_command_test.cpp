@@ -248,7 +248,7 @@ TEST_F(ModalCommand, RefusesWhatCannotBe) {
   refused(c, "/record/channels/1");
   c = a_case();
   c["record"]["channels"][1]["column"] = "a";
-  refused(c, "remove one of them");
+  refused(c, "leave one out");
   c = a_case();
   c["record"]["channels"][0]["role"] = "force";
   refused(c, "/record/channels/0/role");
@@ -501,7 +501,7 @@ TEST_F(ModalCommand, PeaksOfSpectraSayNothingOfScatterAndAreNoData) {
   c["method"] = "fdd";
   const Outcome ran = run(c);
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
-  EXPECT_THAT(ran.out, HasSubstr("nothing of scatter"));
+  EXPECT_THAT(ran.out, HasSubstr("no standard deviations"));
   EXPECT_THAT(ran.out, Not(HasSubstr("±")));
   const json modes = json::parse(read_all(where / "out/modes.json"));
   ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
