@@ -84,7 +84,7 @@ struct CheckpointFields {
   static void of(A& a, In<A, ChainState>& c) {
     a("state", c.state, "iteration", c.iteration, "target", c.target, "ladder", c.ladder, "by_rung",
       c.by_rung, "models", c.models, "records", c.records, "kept", c.kept, "at_mode", c.at_mode,
-      "moves", c.moves, "proposed", c.proposed, "accepted", c.accepted, "lesson", c.adaptation);
+      "moves", c.moves, "proposed", c.proposed, "accepted", c.accepted, "adaptation", c.adaptation);
   }
   template <class A>
   static void of(A& a, In<A, Mode>& m) {
