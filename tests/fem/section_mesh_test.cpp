@@ -144,13 +144,13 @@ TEST(SectionMesh, RejectsMisuse) {
       [] {
         (void)section_mesh({{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(2, 0, 3, 1)}}});
       },
-      {"2 pieces"});
+      {"2 separate pieces"});
   // Regions that touch only at a corner are not connected.
   expect_refusal(
       [] {
         (void)section_mesh({{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(1, 1, 2, 2)}}});
       },
-      {"2 pieces"});
+      {"2 separate pieces"});
   expect_refusal(
       [] {
         (void)section_mesh(of_one(rectangle(0, 0, 1, 1), 0.3),
@@ -163,7 +163,7 @@ TEST(SectionMesh, RejectsMisuse) {
         (void)section_mesh({{{.outer = rectangle(0, 0, 0.1, 0.2)},
                              {.outer = {{0.02, 0}, {0.08, 0.5}, {0.08, 1e12}, {0.02, 0.01}}}}});
       },
-      {"outline", "lost", "billionth"});
+      {"outline", "fewer than 3 different corners", "billionth"});
 }
 
 }  // namespace

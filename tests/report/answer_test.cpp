@@ -168,7 +168,7 @@ TEST(Answer, FrequenciesThatNothingExplainsComeFirst) {
   run.findings.fit_verdict.why = {misfit::BeyondNoise{0.0, {1, 2}, false}};
   EXPECT_THAT(answer(run).headline,
               StartsWith("No number of damages that the case allows explains the frequencies "
-                         "(predictive p < 1e-15). Least wrong: One damage (65.1 %)."));
+                         "(predictive p < 1e-15). Best of them: One damage (65.1 %)."));
   run.findings.fit_verdict.why = {misfit::WithinNoise{0.99999998, 0.2}};
   EXPECT_THAT(answer(run).headline, StartsWith("The frequencies fit more closely than the stated "
                                                "noise of 20 % allows (predictive p > 0.9999)."));
