@@ -74,8 +74,10 @@ TEST(CheckPrior, NamesEachFault) {
   EXPECT_EQ(fault({.mass = 2.0}), "the density integrates to 2: it must be normalised");
   EXPECT_NE(fault({.stretch = 1.5}).find("times the derivative of the distribution function"),
             std::string::npos);
-  EXPECT_NE(fault({.shift = 0.01}).find("the distribution function of this x gives z = "), std::string::npos);
-  EXPECT_NE(fault({.turned = true}).find("the distribution function of this x gives z = "), std::string::npos);
+  EXPECT_NE(fault({.shift = 0.01}).find("the distribution function of this x gives z = "),
+            std::string::npos);
+  EXPECT_NE(fault({.turned = true}).find("the distribution function of this x gives z = "),
+            std::string::npos);
   EXPECT_NE(fault({.undefined = true}).find("not a number"), std::string::npos);
 }
 
