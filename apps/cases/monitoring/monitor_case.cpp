@@ -56,6 +56,12 @@ Pointer place_of(const SeriesColumns& columns, const std::string& name) {
   return found.value_or(kSeries / "file");
 }
 
+[[noreturn]] void refuse_column(const CaseFile& file, const SeriesColumns& columns,
+                                const io::NoSuchColumn& error) {
+  file.refuse(place_of(columns, error.column()),
+              error.reason() + " in " + error.path().filename().string());
+}
+
 signals::Record read_table(const CaseFile& file, const SeriesColumns& columns) {
   signals::RecordReading reading{.layout = parse_layout(file, kSeries)};
   reading.columns.push_back(columns.time);
@@ -65,8 +71,7 @@ signals::Record read_table(const CaseFile& file, const SeriesColumns& columns) {
     return signals::read_record(file.resolve(file.json.at("series").at("file").get<std::string>()),
                                 std::move(reading));
   } catch (const io::NoSuchColumn& error) {
-    file.refuse(place_of(columns, error.column()),
-                error.reason() + " in " + error.path().filename().string());
+    refuse_column(file, columns, error);
   } catch (const io::FileError& error) {
     throw Failure(error.kind() == io::FileError::Kind::missing ? Exit::no_input : Exit::bad_input,
                   error.what());
@@ -297,9 +302,13 @@ MonitorCaseFile parse_monitor_case(CaseFile file) {
   const SeriesColumns columns = columns_of(out.file);
   const signals::Record table = read_table(out.file, columns);
   if (table.rows() == 0) refuse_row(table, 0, -1, "the table has no rows");
-  read_times(table, columns, out);
-  read_features(table, columns, out);
-  read_covariates(table, columns, out);
+  try {
+    read_times(table, columns, out);
+    read_features(table, columns, out);
+    read_covariates(table, columns, out);
+  } catch (const io::NoSuchColumn& error) {
+    refuse_column(out.file, columns, error);
+  }
   read_learning(out);
   check_series(columns, out);
   read_alarm(out);
