@@ -48,11 +48,10 @@ CovariateScaling::CovariateScaling(const MatrixXd& covariates) {
       }
       if (n > 0.0) correlation_(a, b) = correlation_(b, a) = std::clamp(sum / n, -1.0, 1.0);
     }
+  if (c == 0) return;  // no covariate varied; a decomposition needs a row
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation_);
-  if (c > 0) {
-    const VectorXd values = eigen.eigenvalues().cwiseMax(0.0).array() + 1e-3;
-    correlation_ = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
-  }
+  const VectorXd values = eigen.eigenvalues().cwiseMax(0.0).array() + 1e-3;
+  correlation_ = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();
 }
 
 CovariateScaling::Scaled CovariateScaling::operator()(const VectorXd& covariates) const {
