@@ -455,5 +455,12 @@ TEST(Replay, SeriesOfTheModelAlarmNoMoreOftenThanStated) {
   }
 }
 
+// Fault: the decomposition of an empty matrix crashed.
+TEST(CovariateScaling, LeavesOutCovariatesThatDoNotVary) {
+  const CovariateScaling scaling(MatrixXd::Constant(20, 2, 5.0));
+  EXPECT_EQ(scaling.count(), 0);
+  EXPECT_EQ(scaling(VectorXd::Constant(2, 7.0)).z.size(), 0);
+}
+
 }  // namespace
 }  // namespace wheeltap::identification::monitoring
