@@ -278,7 +278,7 @@ TEST_P(CheckpointOf, EverySafePointGivesTheSamePosterior) {
   for (const auto& checkpoint : whole.checkpoints)
     ++stages[static_cast<std::size_t>(stage(*checkpoint))];
   EXPECT_THAT(stages, testing::Each(testing::Gt(0)));
-  constexpr std::size_t kPart = 12;
+  constexpr std::size_t kPart = 5;
   const std::size_t every = is_long() ? 1 : 1 + whole.checkpoints.size() / kPart;
   for (std::size_t i = 0; i < whole.checkpoints.size(); i += every) {
     SCOPED_TRACE(i);
@@ -297,7 +297,7 @@ TEST_P(CheckpointOf, DrawsInPartsGiveTheSamePosterior) {
   expect_same(reversible_jump(problem, GetParam().options), run.whole.posterior);
   EXPECT_GT(run.parts.size(), 2U);
   long most = 0;
-  const std::size_t every = 1 + run.whole.checkpoints.size() / (is_long() ? 100 : 8);
+  const std::size_t every = 1 + run.whole.checkpoints.size() / (is_long() ? 100 : 4);
   for (std::size_t i = run.whole.checkpoints.size(); i-- > 0;) {
     const auto& checkpoint = run.whole.checkpoints[i];
     const auto [first_part, parts] = parts_of(*checkpoint);
