@@ -10,7 +10,7 @@ namespace wheeltap::apps {
 /// The shortest text that parses to x: "1e7", "0.004", "60000".
 [[nodiscard]] std::string plain_number(double x);
 
-/// Whether a bare number or name, the first coefficient, can define the law.
+/// True if a bare number or name, the first coefficient, can define the law.
 [[nodiscard]] bool has_short_form(const dynamics::LawInfo& info);
 
 /// "force [N], velocity [m/s]", with " and side" if it has one.

@@ -1,4 +1,4 @@
-// Full-factorial grids that add levels only where the interpolant needs them.
+// Refines full-factorial grids: adds levels only where the interpolant is inaccurate.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ struct RefinementOptions {
   std::vector<double> tolerance;  ///< largest admissible error, one per response, in its unit, > 0
   const InterpolantType* interpolant = &kMultilinear;  ///< type of interpolant on the grid
   std::vector<bool> waves = {};                        ///< one per factor, see TrainingOptions
-  /// Per factor, the only admissible levels, increasing (e.g. element midpoints); empty: any value.
-  /// If the list itself is empty: any value for every factor.
+  /// The admissible levels of each factor, increasing (e.g. element midpoints); an empty entry
+  /// admits any value. An empty list admits any value of every factor.
   std::vector<std::vector<double>> candidates = {};
   Eigen::Index most_runs = 100'000;  ///< limit for the grid
   int probes = 24;  ///< points at which an interval is tested, on levels of the other factors

@@ -14,16 +14,18 @@ struct HoldoutError {
 
   /// rmse / spread: 0 is exact, 1 equals predicting the mean.
   [[nodiscard]] double relative_rmse() const { return spread > 0 ? rmse / spread : 0.0; }
-  /// Whether Q² < 0.9, i.e. rmse/spread > 0.32. The error is then a third or more of the effect of
-  /// the factors, and two designs that differ by a standard deviation of the effect cannot be
-  /// distinguished at two to three sigma. Sensitivity studies also use Q² ≥ 0.9 for metamodels.
+  /// True if Q² < 0.9, i.e. rmse/spread > 0.32. The error is then at least a third of the standard
+  /// deviation of the response. Two points whose responses differ by one standard deviation of the
+  /// response cannot be distinguished at two to three standard errors. Sensitivity studies also
+  /// require Q² ≥ 0.9 of metamodels.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }
   [[nodiscard]] bool operator==(const HoldoutError&) const = default;
 };
 
-/// Errors per response, from truth and prediction (runs × responses each). If a response does not
-/// vary, Q² is 1 for an error within rounding (1e-12 of its size) and -∞ otherwise. Throws
-/// std::invalid_argument unless both have the same shape and at least two runs.
+/// Computes the errors of each response from the model's values and the predictions (runs ×
+/// responses each). If a response does not vary, Q² is 1 for an error within rounding (1e-12 of its
+/// size) and -∞ otherwise. Throws std::invalid_argument unless both have the same shape and at
+/// least two runs.
 [[nodiscard]] std::vector<HoldoutError> holdout_error(const RowMatrix& truth,
                                                       const RowMatrix& predicted);
 
@@ -54,8 +56,9 @@ struct HoldoutOptions {
   ExperimentOptions experiment = {};
 };
 
-/// Runs the model at points uniform in the box of the factors' ranges and compares. Throws as
-/// run_experiment does, and std::invalid_argument for fewer than two runs.
+/// Runs the model at uniform random points in the box of the factors' ranges and compares the
+/// emulator with it. Throws as run_experiment does, and std::invalid_argument for fewer than two
+/// runs.
 [[nodiscard]] std::vector<HoldoutError> validate(const std::vector<Factor>& factors,
                                                  Eigen::Index responses,
                                                  const ModelFactory& factory,

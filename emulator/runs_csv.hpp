@@ -27,8 +27,8 @@ namespace wheeltap::emulator {
 [[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
                                   const std::string& response_name);
 
-/// The same runs as a grid, if the points are all combinations of their values, once each;
-/// otherwise std::nullopt.
+/// Converts scattered runs to a grid if their points are all combinations of the values, each once;
+/// otherwise returns std::nullopt.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
 
 }  // namespace wheeltap::emulator

@@ -1,6 +1,6 @@
 // The loops of secular.hpp for vectors of WHEELTAP_SECULAR_WIDTH doubles. Each file that includes
-// this is compiled for one instruction set. No operation depends on the width or is contracted to a
-// fused multiply-add, so every processor gives the same bits.
+// this is compiled for one instruction set. No operation depends on the vector width or is
+// contracted to a fused multiply-add, so the results are bitwise equal on every processor.
 
 #include <cstring>
 
@@ -117,7 +117,7 @@ inline void shape(const Small& k, const Vec& delta, double residual_factor, bool
   const Vec r11 = k.h11 - delta * k.n11, r12 = k.h12 - delta * k.n12, r22 = k.h22 - delta * k.n22;
   const Vec m11 = r11 < zero ? -r11 : r11, m22 = r22 < zero ? -r22 : r22;
   Vec x = m11 < m22 ? r22 : -r12, y = m11 < m22 ? -r12 : r11;
-  // At a double root, any two N-orthogonal vectors.
+  // At a double root, any two N-orthogonal vectors are valid.
   const auto none = (x == zero) & (y == zero);
   x = none ? (low ? zero + 1.0 : -k.n12) : x;
   y = none ? (low ? zero : k.n11) : y;

@@ -1,5 +1,5 @@
-// Selects the intact modes that the secular function sums directly; the others use a series.
-// Internal.
+// Selects the intact modes that the secular function sums directly; a series represents the other
+// modes. Internal.
 #pragma once
 
 #include <vector>

@@ -9,7 +9,7 @@
 
 namespace wheeltap::io {
 
-/// Larger than any record, and smaller than the memory of a computer.
+/// Largest size of a file that is read whole [bytes].
 constexpr std::size_t kLargestFile = std::size_t{4} << 30U;
 
 /// Reads the whole file. Throws FileError: missing if the file does not exist, cannot be read, or

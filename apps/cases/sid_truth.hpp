@@ -5,7 +5,7 @@
 
 namespace wheeltap::apps {
 
-/// Whether the case is simulated and its truth moves the base; the second: by a displacement.
+/// True if the case is simulated and its truth moves the base; the second: by a displacement.
 [[nodiscard]] bool truth_moves_base(const Json& json);
 [[nodiscard]] bool truth_displaces_base(const Json& json);
 

@@ -10,7 +10,7 @@ namespace wheeltap::apps {
 
 struct SimulatedModes;
 
-/// Whether the case has states: unknown coefficients ("parameters"), or "states", "masses",
+/// True if the case has states: unknown coefficients ("parameters"), or "states", "masses",
 /// "temperature" or "known".
 [[nodiscard]] bool has_states(const CaseFile& file);
 

@@ -124,7 +124,7 @@ class InvalidStructure : public std::invalid_argument {
   InvalidStructure(Part part, int index, const std::string& message)
       : std::invalid_argument(message), part_(part), index_(index) {}
   [[nodiscard]] Part part() const { return part_; }
-  /// Index in the list of `part`; meaningless for `whole`.
+  /// Index in the list of parts of this kind; undefined for `whole`.
   [[nodiscard]] int index() const { return index_; }
 
  private:

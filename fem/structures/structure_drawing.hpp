@@ -1,4 +1,4 @@
-// A structure as points and lines, with the motion of every point in a mode shape.
+// Draws a structure as points and lines, with the motion of every point in a mode shape.
 #pragma once
 
 #include <array>

@@ -23,7 +23,7 @@ struct BetweenWindows {
   std::optional<Interval> whole = {};
   /// Birge ratio of the windows' scatter to their own intervals, and its p-value.
   inference::BirgeRatio scatter;
-  /// Whether the ratio is at least 1.5 and not by chance. If so, the run's own interval, which
+  /// True if the ratio is at least 1.5 and not by chance. If so, the run's own interval, which
   /// assumes the residuals of the likelihood, does not hold from one window to the next.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
   /// Value and standard deviation per window; NaN for a failed window.

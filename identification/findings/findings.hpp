@@ -45,7 +45,7 @@ struct ParameterFinding {
   /// no information. NaN if not computed.
   double prior_overlap = std::numeric_limits<double>::quiet_NaN();
 
-  /// Whether the posterior nearly repeats the prior.
+  /// True if the posterior nearly repeats the prior.
   [[nodiscard]] bool is_nearly_prior() const { return prior_overlap > 0.85; }
 };
 

@@ -5,7 +5,7 @@
 
 namespace wheeltap::identification {
 
-/// Whether the case has a base acceleration, no base displacement, and a response that is an
+/// True if the case has a base acceleration, no base displacement, and a response that is an
 /// absolute displacement or velocity.
 [[nodiscard]] bool needs_integrated_base(const SidCase& sid_case);
 

@@ -55,7 +55,7 @@ struct SidChannel {
   [[nodiscard]] std::string used_unit() const;
   /// Unit of the raw numbers and the conversion applied; factor 1 if the scale is a parameter.
   [[nodiscard]] signals::Conversion conversion() const;
-  /// Whether the column is identified by its number.
+  /// True if the column is identified by its number.
   [[nodiscard]] bool is_numbered() const {
     return column.find_first_not_of("0123456789") == std::string::npos;
   }

@@ -44,7 +44,7 @@ struct ObservedStates {
   /// to the sensors of one state.
   [[nodiscard]] ModalData joined() const;
   [[nodiscard]] bool has_shapes() const;
-  /// Whether the data distinguish the ends of a symmetric beam: by shapes, added masses, or unknown
+  /// True if the data distinguish the ends of a symmetric beam: by shapes, added masses, or unknown
   /// or specified coefficients that do not concern the whole beam.
   [[nodiscard]] bool tells_sides() const;
 };

@@ -136,7 +136,7 @@ struct Posterior : RunRecord {
   /// ln B_ab; value and error are NaN if nothing is known of a or b.
   [[nodiscard]] Estimate log_bayes_factor(int a, int b) const;
   [[nodiscard]] Estimate log_bayes_factor(std::string_view a, std::string_view b) const;
-  /// Whether the run converged, and the reasons if it did not; the list is empty exactly if it
+  /// True if the run converged, and the reasons if it did not; the list is empty exactly if it
   /// converged.
   [[nodiscard]] bool converged() const;
   [[nodiscard]] std::vector<Reason> why_not() const;

@@ -44,7 +44,7 @@ struct Standings {
   ImpliedProbabilities implied;  ///< by the evidences; for a model without evidence, by its draws
   std::vector<bool> missed;      ///< some chain should have visited it and did not
   std::vector<Evidence> evidence;
-  /// Whether the evidence is an average over the posterior's own draws or mixture.
+  /// True if the evidence is an average over the posterior's own draws or mixture.
   std::vector<bool> evidence_of_draws;
 };
 

@@ -23,7 +23,7 @@ inline constexpr int kFewModels = 40;
 inline constexpr int kTuningSteps = 32000;  ///< per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
-/// Whether the likelihood is expensive: the data are a long record, and the engine chooses the
+/// True if the likelihood is expensive: the data are a long record, and the engine chooses the
 /// number of draws. Tuning steps and thinning are then halved. They make the draws less correlated,
 /// at a cost of about a hundred times that of a formula, and the run continues anyway until the
 /// draws suffice.
@@ -86,7 +86,7 @@ struct RunContext {
       if (!all) safe_points.pass(state);
     }
   }
-  /// Whether a job should return now.
+  /// True if a job should return now.
   [[nodiscard]] bool leave() const {
     return monitor.stopped() ||
            (base::ranks() ? base::ranks()->pause_requested() : safe_points.due());

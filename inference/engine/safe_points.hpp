@@ -19,7 +19,7 @@ class SafePoints {
  public:
   explicit SafePoints(const Options& options) : options_(options.checkpoints) {}
 
-  /// Whether the chains should pause at the next iteration, to save. Safe to call from any thread.
+  /// True if the chains should pause at the next iteration, to save. Safe to call from any thread.
   [[nodiscard]] bool due() const { return options_.save && Clock::now() >= next_; }
   /// To be called at a safe point. Saves the state if that is due; else stores a copy, at most once
   /// per second, in case the run is stopped before the next safe point.

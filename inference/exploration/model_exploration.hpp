@@ -64,7 +64,7 @@ struct ModelExploration {
   [[nodiscard]] bool is_explored() const { return calls.sum() > 0; }
   /// The best estimate of ln Z so far; -∞ if nothing was found.
   [[nodiscard]] double log_evidence() const;
-  /// Whether one mode has 99 % of the probability found by the climbs and importance sampling from
+  /// True if one mode has 99 % of the probability found by the climbs and importance sampling from
   /// the mixture about it is efficient. SMC then adds little.
   [[nodiscard]] bool settled() const;
 };

@@ -11,10 +11,10 @@ namespace wheeltap::inference {
 /// The models of a list by dimension, so that each comes after the models nested in it.
 [[nodiscard]] std::vector<int> by_dimension(const ModelSpace& space);
 
-/// Whether `outer` has all parameters of `inner`.
+/// True if `outer` has all parameters of `inner`.
 [[nodiscard]] bool is_within(const Model& inner, const Model& outer);
 
-/// Whether one model of the list is nested in every other, as the empty subset is in all subsets of
+/// True if one model of the list is nested in every other, as the empty subset is in all subsets of
 /// some terms.
 [[nodiscard]] bool is_nested(const ModelSpace& space);
 

@@ -21,7 +21,7 @@ struct PriorCheck {
   [[nodiscard]] bool passed() const { return faults.empty(); }
 };
 
-/// Whether density, distribution function and quantile function belong to one distribution. At z
+/// True if density, distribution function and quantile function belong to one distribution. At z
 /// from -6 to 6, x(z) must increase within the support, z(x(z)) = z to the rounding of x, and
 ///
 ///   p(x(z)) dx/dz = φ(z)
@@ -45,7 +45,7 @@ struct MoveCheck {
   std::string words;  ///< the result in one sentence
 };
 
-/// Whether a move satisfies detailed balance. With states x from the prior, weights w(x) =
+/// True if a move satisfies detailed balance. With states x from the prior, weights w(x) =
 /// exp(factor + β log likelihood), y proposed from x, and α(x, y) the probability of accepting it
 /// (MetropolisHastings),
 ///

@@ -13,7 +13,7 @@ namespace wheeltap::apps {
 /// Largest number of degrees of freedom; computing the modes then takes one or two minutes.
 inline constexpr long long kMostDegreesOfFreedom = 300'000;
 
-/// Whether the case has a structure. Throws Failure for a case with a beam as well.
+/// True if the case has a structure. Throws Failure for a case with a beam as well.
 [[nodiscard]] bool has_structure(const CaseFile& file);
 
 /// Parses the structure and its parameters, of a case validated against the schema "structure".

@@ -56,7 +56,7 @@ struct DamageCase {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }
   [[nodiscard]] fem::Defects true_defects() const;
-  /// Whether the case needs a structure: it has one, or has shapes, or its beam has defects that
+  /// True if the case needs a structure: it has one, or has shapes, or its beam has defects that
   /// only structures support (a crack, a mass, an extent).
   [[nodiscard]] bool solved_as_structure() const;
   /// The structure to solve. Throws std::invalid_argument.

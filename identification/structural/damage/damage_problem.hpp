@@ -33,7 +33,7 @@ struct DamageProblem : StructuralProblem {
   }
 
   using Component = PlacedDefect;
-  /// Whether the emulator only screens proposals.
+  /// True if the emulator only screens proposals.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
   /// The forward model that the likelihood uses.
   [[nodiscard]] const ForwardModel& predicting() const {

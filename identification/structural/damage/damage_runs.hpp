@@ -27,7 +27,7 @@ struct RunOptions {
 /// The damages of a run's point location_1 [m], reduction_1, location_2 …, sorted by location.
 [[nodiscard]] std::vector<fem::Damage> sorted_damages(std::span<const double> point);
 
-/// Whether a frequency oscillates along each factor of `count` damages: it does along locations.
+/// True if a frequency oscillates along each factor of `count` damages: it does along locations.
 [[nodiscard]] std::vector<bool> waves(int count);
 
 /// The elastic frequencies [Hz] at a run's point, by the FE solution.

@@ -53,7 +53,7 @@ class FrequencyEmulator {
   }
   /// Description: "multilinear in r, 10 sites x 4 levels".
   [[nodiscard]] std::string describe(int count) const;
-  /// Whether an evaluation takes hundreds of microseconds instead of a few.
+  /// True if an evaluation takes hundreds of microseconds instead of a few.
   [[nodiscard]] bool is_slow() const;
 
   /// A prior of `kind` that extends outside a table's box: location or severity, and a message that

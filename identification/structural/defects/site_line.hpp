@@ -43,7 +43,7 @@ class SiteLine {
                                           const std::vector<double>& weights = {});
 
   [[nodiscard]] bool empty() const { return stretches_.empty(); }
-  /// Whether the line is a beam, where a location is reported by x alone.
+  /// True if the line is a beam, where a location is reported by x alone.
   [[nodiscard]] bool is_beam() const { return is_beam_; }
   [[nodiscard]] double length() const { return stretches_.back().end; }
   [[nodiscard]] const std::vector<Stretch>& stretches() const { return stretches_; }

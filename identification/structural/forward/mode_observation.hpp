@@ -40,7 +40,7 @@ class ModeObservation : public Observation {
   /// concatenation.
   [[nodiscard]] virtual Eigen::MatrixXd covariance(const Scored& scored, const ModalNoise& noise,
                                                    std::vector<int>& with) const = 0;
-  /// Whether stiffness errors are included (StiffnessErrors); if so, ln p(mode | all others, x) for
+  /// True if stiffness errors are included (StiffnessErrors); if so, ln p(mode | all others, x) for
   /// each mode of the concatenation.
   [[nodiscard]] virtual bool with_errors(const ModalNoise& /*noise*/) const { return false; }
   [[nodiscard]] virtual Eigen::VectorXd single_mode_densities(const Scored& /*scored*/,

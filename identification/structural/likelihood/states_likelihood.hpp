@@ -77,7 +77,7 @@ class StatesLikelihood {
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
 
-  /// Whether stiffness errors are included.
+  /// True if stiffness errors are included.
   [[nodiscard]] bool with_errors(const ModalNoise& noise) const {
     return pieces_.count() > 0 && noise.stiffness_discrepancy > 0.0;
   }

@@ -36,7 +36,7 @@ struct StructuralProblem {
   /// Position and number of the intact structure's parameters θ in a parameter vector.
   int first_theta = 0, structural = 0;
 
-  /// Whether modes are matched instead of numbered.
+  /// True if modes are matched instead of numbered.
   [[nodiscard]] bool by_modes() const { return std::holds_alternative<Matched>(observed); }
   /// Throws std::bad_variant_access for numbered frequencies.
   [[nodiscard]] const ModeObservation& modes() const { return *std::get<Matched>(observed); }

@@ -23,7 +23,7 @@ struct Contraction {
   using Bound = PriorBound;
   Bound bound = Bound::none;  ///< bound of its prior at which the draws pile up
 
-  /// Whether the posterior equals the prior.
+  /// True if the posterior equals the prior.
   [[nodiscard]] bool at_prior() const;
 };
 
@@ -67,7 +67,7 @@ struct ModeFinding {
 
   /// False for a gap (ModalData).
   [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
-  /// Whether it deviates by more than the stated scatter allows: 3 sd, or p below 1e-3. False for
+  /// True if it deviates by more than the stated scatter allows: 3 sd, or p below 1e-3. False for
   /// spurious modes.
   [[nodiscard]] bool is_off() const;
 };
@@ -83,7 +83,7 @@ struct PredictedMode {
   [[nodiscard]] bool misses() const {
     return measured_hz && (*measured_hz < low_hz || *measured_hz > high_hz);
   }
-  /// Whether the band is wider than half of the frequency.
+  /// True if the band is wider than half of the frequency.
   [[nodiscard]] bool useless() const { return high_hz - low_hz > 0.5 * frequency_hz.q50; }
 };
 

@@ -43,7 +43,7 @@ struct MergedFinding {
   [[nodiscard]] const MergedModel* of(int model) const;
 };
 
-/// Whether the kind's damages cover a fixed length: an element, or a given extent.
+/// True if the kind's damages cover a fixed length: an element, or a given extent.
 [[nodiscard]] bool has_fixed_extent(const DefectKind& kind);
 /// The length [m] of a damage at `location` on the kind's line [m].
 [[nodiscard]] double fixed_extent(const DefectKind& kind, double location);
