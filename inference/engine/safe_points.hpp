@@ -1,4 +1,4 @@
-// Safe points: when a run's state is passed to the caller for saving.
+// Safe points of a run, at which its state is passed to the caller for saving.
 #pragma once
 
 #include <chrono>
@@ -36,10 +36,10 @@ class SafePoints {
   using Clock = std::chrono::steady_clock;
   static constexpr double kShare = 0.03;
 
-  /// Saves complete parts of the draws that are not saved yet. Returns the number of saved draws of
-  /// each chain.
+  /// Saves the complete parts of the draws that have not been saved. Returns the number of saved
+  /// draws of each chain.
   [[nodiscard]] std::vector<std::size_t> hand_over_draws(RunState& state) const;
-  /// The state without these draws.
+  /// The state as a checkpoint without the separately saved draws.
   [[nodiscard]] Checkpoint rest_of(RunState& state) const;
   void save(const Checkpoint& checkpoint);
 

@@ -1,4 +1,5 @@
-// Bridge sampling: the evidence from posterior draws and draws of a proposal that resembles it.
+// Bridge sampling: the evidence from posterior draws and from draws of a proposal distribution
+// similar to the posterior.
 #pragma once
 
 #include <cstdint>
@@ -33,17 +34,18 @@ struct Bridge {
 ///
 ///   Z ← Σ₂ l / (s₁ l + s₂ Z) / n₂  ÷  Σ₁ 1 / (s₁ l + s₂ Z) / n₁
 ///
-/// is iterated to its fixed point. s are the shares of the sample sizes, with the effective size
-/// for the posterior. The standard error follows from the delta method with the autocorrelation of
-/// the posterior draws (Frühwirth-Schnatter 2004, Econometrics Journal 7:143, section 3.2).
+/// is iterated to its fixed point. s₁ and s₂ are the shares of the two samples in the total sample
+/// size; for the posterior draws, the effective size is used. The standard error follows from the
+/// delta method with the autocorrelation of the posterior draws (Frühwirth-Schnatter 2004,
+/// Econometrics Journal 7:143, section 3.2).
 ///
 /// Throws std::invalid_argument for fewer than 20 draws per chain.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const ModelSamples& samples, const BridgeOptions& options);
 
-/// Runs a TMCMC pilot, then four chains of 5000 draws that use it as independence proposal, then
-/// the bridge. If a warning results, the chains are run again, four and sixteen times as long. If
-/// the pilot has no ln Z, the result is NaN with the pilot's warning.
+/// Runs TMCMC as a pilot, then four chains of 5000 draws with the pilot as independence proposal,
+/// and then bridge sampling. If this gives a warning, the chains are repeated with four and with
+/// sixteen times the length. If TMCMC fails, the result is NaN with the warning of TMCMC.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const BridgeOptions& options);
 
