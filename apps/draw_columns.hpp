@@ -11,8 +11,9 @@
 
 namespace wheeltap::apps {
 
-/// One number per draw, or per draw and slot (NaN in slots that a draw does not use). Computes its
-/// values on demand, since millions of draws have many columns.
+/// One number per draw, or per draw and slot (NaN in slots that a draw does not use). The values of
+/// a column are computed when they are needed, because all columns of millions of draws would not
+/// fit into memory.
 struct DrawColumn {
   std::string name;
   std::function<double(const inference::Chain&, std::size_t draw, std::size_t slot)> value;

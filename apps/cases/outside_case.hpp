@@ -11,7 +11,7 @@
 
 namespace wheeltap::apps {
 
-/// Timeout and number of retries.
+/// Timeout and number of retries of a prediction.
 struct Patience {
   double timeout_seconds = 3600.0;  ///< per prediction
   int retries = 0;

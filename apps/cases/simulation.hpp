@@ -19,7 +19,8 @@ struct SimulatedCase {
   int modes = 0;
   std::string origin;  ///< origin of the numbers, in words
 };
-/// `seed` is the seed of the noise; empty: the truth's, or 1. Throw Failure.
+/// `seed` is the seed of the noise; if it is empty, the seed of the truth or else 1 is used. Both
+/// functions throw Failure.
 [[nodiscard]] SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed);
 [[nodiscard]] SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed);
 /// The case with these frequencies, and shapes if it has sensors. Throws Failure.

@@ -24,8 +24,9 @@ struct SimulatedModes;
     const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage,
     const SimulatedModes* simulated = nullptr);
 
-/// Parses states into a damage case, with the measurements of all states in one vector. `uniform`:
-/// the parameters do not change the symmetry that the structure has at the medians. Throws Failure.
+/// Parses states into a damage case, with the measurements of all states in one vector. `uniform`
+/// is true if the parameters do not change the symmetry that the structure has at the medians of
+/// their priors. Throws Failure.
 void take_states(const CaseFile& file, std::shared_ptr<const identification::StructureModel> model,
                  bool uniform, identification::DamageCase& out,
                  const SimulatedModes* simulated = nullptr);

@@ -43,13 +43,13 @@ struct RunInfo {
 [[nodiscard]] Report diagnostics(const identification::Findings& findings,
                                  const std::vector<std::string>& warnings);
 
-/// Returns whether the models explain the data: {ok, r2, p, why}.
+/// Returns the diagnosis of whether the models explain the data: {ok, r2, p, why}.
 [[nodiscard]] Report fit_report(const identification::FitVerdict& verdict);
 /// Returns {"tmcmc": [{"model", "log_evidence", "standard_error", "log_bayes_factor",
 /// "probability", …}, …], …}.
 [[nodiscard]] Report evidence_report(const identification::Findings& findings);
 
-/// Returns the data that repeat the run: version, command, seed, machine and case.
+/// Returns the data that are needed to repeat the run: version, command, seed, machine and case.
 [[nodiscard]] Report about(const std::string& command, const RunInfo& info, const CaseFile& file);
 
 /// Returns processor and number of cores, in words; nothing that identifies a single machine.

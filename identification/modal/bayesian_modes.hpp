@@ -42,9 +42,9 @@ struct BandLines {
 ///   E_k = Φ diag(h_k) S diag(h_k)ᴴ Φᵀ + S_e I,   h_ik = 1 / (1 - β_ik² - 2 i ζ_i β_ik),
 ///   β_ik = f_i / f_k,
 ///
-/// for m modes with shapes Φ of unit length. S: spectral density of the modal forces over modal
-/// mass (m × m, Hermitian); S_e: that of the sensor noise; both are constant over the band.
-/// Contributions of modes outside the band count as noise: a band should be dominated by its own
+/// for m modes with shapes Φ of unit length. S is the spectral density of the modal forces divided
+/// by modal mass (m × m, Hermitian), S_e that of the sensor noise; both are constant over the band.
+/// Contributions of modes outside the band count as noise, so a band should be dominated by its own
 /// modes.
 ///
 /// Parameters θ:

@@ -34,10 +34,11 @@ class SiteLine {
 
   SiteLine() = default;
   [[nodiscard]] static SiteLine of_beam(const fem::Beam& beam);
-  /// Without weights, uniform over the length in metres; otherwise in proportion to the weights.
+  /// A line of members. Without weights, lengths on the line are those in metres; otherwise they
+  /// are proportional to the weights.
   [[nodiscard]] static SiteLine of_members(const fem::Mesh& mesh, const std::vector<int>& members,
                                            const std::vector<double>& weights = {});
-  /// Joints or storeys: one stretch each.
+  /// A line of joints, storeys or substructures, with one stretch for each.
   [[nodiscard]] static SiteLine of_points(const std::vector<int>& sites,
                                           const std::vector<std::string>& names,
                                           const std::vector<double>& weights = {});

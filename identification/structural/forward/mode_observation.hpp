@@ -1,4 +1,5 @@
-// Observation of measured modes, which are matched to computed modes and not numbered.
+// Observation of measured modes that are matched to computed modes instead of being identified by
+// number.
 #pragma once
 
 #include <memory>

@@ -1,5 +1,5 @@
-// Conversion of a structure, its observations and kinds of defects to a problem for the engine.
-// Updating is damage identification without defects.
+// Conversion of a structure, its observations and kinds of defects to a problem for the engine. A
+// model update is a damage identification without defects.
 #pragma once
 
 #include <memory>
@@ -67,8 +67,8 @@ struct StructuralProblem {
   [[nodiscard]] ModalNoise modal_noise(std::span<const double> x) const {
     return modes().scatters().noise(noise_of(observations.front(), x));
   }
-  /// Covariance of the measured frequencies [Hz²], all rows. This and the next two throw as
-  /// `modes`.
+  /// Covariance of the measured frequencies [Hz²], all rows. This function and the next two throw
+  /// the exceptions of `modes`.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
   [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const;
   /// Number of measured values, without the scales of shapes.
@@ -80,7 +80,7 @@ struct StructuralProblem {
     components(m, x, list);
     return list;
   }
-  /// The same, written to `to`.
+  /// The same, with the result written to `to`.
   void components(int m, std::span<const double> x, std::vector<PlacedDefect>& to) const;
 
   enum class First { noise, structure };
@@ -101,7 +101,7 @@ class StructuralPredictor {
   StructuralPredictor(const StructuralProblem& problem, const ForwardModel& model)
       : problem_(problem), solver_(model.make_solver()) {}
 
-  /// As ForwardModel::Solver::predict.
+  /// Predicts like ForwardModel::Solver::predict.
   bool predict(int model, std::span<const double> x, ForwardModel::Quantity quantity,
                Prediction& out);
   /// Computes modes and their score. Returns false if the structure is impossible.

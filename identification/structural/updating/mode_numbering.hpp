@@ -1,13 +1,14 @@
 // Check of the mode numbers of frequencies without shapes.
 //
 // Without shapes, the i-th frequency counts as the i-th elastic mode. A numbering b_1 < b_2 < …
-// assigns other modes. Its prior weight has a factor 0.05 for each mode of the structure that was
-// missed besides the known gaps, and 0.1 for each known gap that is not a mode. Under the priors,
-// ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so that
+// assigns other modes. The prior weight of a numbering has a factor of 0.05 for each missed mode of
+// the structure in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under
+// the priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so
+// that
 //
 //   p(data | b) = N(ln f_obs; m_b, S_bb + C / (f fᵀ) + 0.02²),
 //
-// with a model error of 2 %. P(b | data) follows by Bayes' rule. It checks the assumed numbers and
+// with a model error of 2 %. P(b | data) follows by Bayes' rule. This check of the assumed numbers
 // is not part of the likelihood.
 #pragma once
 
