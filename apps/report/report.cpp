@@ -64,7 +64,7 @@ std::string series_page(const fs::path& directory, const Report& summary) {
     return monitor_page(summary, io::parse_delimited_text(*table, directory / "series.csv"));
   } catch (const std::logic_error& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
-                    std::string("does not hold what a run writes: ") + error.what());
+                    std::string("does not have the format of a run's results: ") + error.what());
   }
 }
 

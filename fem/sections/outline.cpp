@@ -124,7 +124,7 @@ Ring cleaned(const Ring& given, const OutlinePlace& name, double near) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point &a = ring[i], &b = ring[(i + 1) % ring.size()], &c = ring[(i + 2) % ring.size()];
     if (side(a, b, c) == 0 && (b - a).dot(c - b) < 0.0)
-      refuse_outline(name, "has no area where it turns back onto itself, at " + text(b));
+      refuse_outline(name, "turns back onto itself and encloses no area there, at " + text(b));
   }
   return ring;
 }
@@ -151,7 +151,7 @@ void refuse_own_crossings(const std::vector<const Ring*>& rings,
     const auto [low, high] = std::minmax(s.ring, t.ring);
     refuse_outline(names[high],
                    (low == 0 ? "a hole must lie inside the outer polygon: "
-                             : "a hole must not meet another (" + text(names[low]) + "): ") +
+                             : "a hole must not touch another (" + text(names[low]) + "): ") +
                        edges);
   });
 }

@@ -175,8 +175,7 @@ class Reader {
         }
       }
       if (out.size() > count)
-        fail("has " + std::to_string(out.size() - count) + " more " + what +
-             " than were announced");
+        fail("has " + std::to_string(out.size() - count) + " more " + what + " than were declared");
     }
     return out;
   }
