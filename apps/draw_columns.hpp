@@ -39,7 +39,7 @@ struct DrawColumn {
 
 /// The model of each draw, as the column "model".
 [[nodiscard]] DrawColumn model_column(const inference::Posterior& posterior);
-/// A parameter of the space's table; NaN in draws of models without it.
+/// The column of a parameter of the model space; NaN in draws of models without the parameter.
 [[nodiscard]] DrawColumn parameter_column(const inference::Posterior& posterior, int parameter,
                                           std::string name, std::string unit = {});
 /// The column of the model, then one column per parameter.

@@ -24,8 +24,8 @@ constexpr std::size_t kMostOrderedKeys = 20'000;
 template <class AnyJson>
 [[nodiscard]] AnyJson parse_json(const std::filesystem::path& path, std::string_view text);
 
-/// Parses the answer of an external program. Returns a discarded value for invalid JSON, too large
-/// a number, or nesting deeper than kDeepestJson.
+/// Parses the answer of an external program. For invalid JSON, numbers that are too large, or
+/// nesting deeper than kDeepestJson, the result satisfies is_discarded().
 [[nodiscard]] nlohmann::json parse_answer(std::string_view text);
 
 extern template nlohmann::json parse_json(const std::filesystem::path&, std::string_view);

@@ -58,8 +58,8 @@ void parallel_for(int n, int threads, Job&& job) {
   }
 }
 
-/// The same for jobs whose results can be transferred between ranks. All ranks share the jobs,
-/// except if this call is inside another parallel_for.
+/// Calls job(0), …, job(n - 1) for jobs whose results can be transferred between ranks. All ranks
+/// share the jobs, except if this call is inside another parallel_for.
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
   if (ranks() == nullptr || within().job) return parallel_for(n, threads, job);

@@ -47,7 +47,7 @@ template <class L>
   return true;
 }
 
-/// The same for the law with this index `kind`.
+/// True if the coefficients are feasible for the law with the index `kind`.
 [[nodiscard]] bool is_feasible(int kind, const double* c);
 
 /// The descriptions of all laws, in the order of Law::kind.
@@ -59,7 +59,7 @@ template <class L>
 [[nodiscard]] Law make_law(std::string_view name, std::span<const Coefficient> coefficients,
                            Side side = Side::opening);
 
-/// The same by type: make_law<laws::Contact>({kl, gap}, Side::closing).
+/// Creates a law from its type: make_law<laws::Contact>({kl, gap}, Side::closing).
 template <class L>
 [[nodiscard]] Law make_law(std::initializer_list<Coefficient> coefficients,
                            Side side = Side::opening) {

@@ -181,7 +181,7 @@ class Misfit {
   Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in = 0);
 
   [[nodiscard]] const Simulator& simulator() const;
-  /// The same for the refined simulator (Simulator::refined).
+  /// The misfit of the refined simulator (Simulator::refined) to the same data.
   [[nodiscard]] Misfit refined(int factor) const;
   [[nodiscard]] int channels() const;
   [[nodiscard]] int samples() const;     ///< scored samples of each channel

@@ -31,8 +31,8 @@ class CubicInterpolant final : public Interpolant {
   static constexpr std::size_t kMostNodes = 4096;
 
   /// `values`: runs × responses, rows in the order of `full_factorial(factors)`; `rules`: one per
-  /// factor. Throws std::invalid_argument as `grid_axes` does, for another number of rules, and for
-  /// a stencil of more than kMostNodes.
+  /// factor. Throws the exceptions of `grid_axes`, and std::invalid_argument for a wrong number of
+  /// rules or a stencil of more than kMostNodes.
   CubicInterpolant(std::vector<Factor> factors, RowMatrix values, std::vector<AxisRule> rules);
 
   /// All responses at x. Throws std::out_of_range outside the box, as MultilinearInterpolant does.

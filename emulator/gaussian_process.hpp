@@ -70,8 +70,8 @@ class GaussianProcess final : public Interpolant {
                   const GaussianProcessOptions& options = {});
 
   /// Uses `parameters()` of an earlier fit to the same runs, without fitting. Throws
-  /// std::invalid_argument as above, and unless `parameters` has 1 or `responses` rows of d + 1
-  /// positive numbers.
+  /// std::invalid_argument for invalid runs like the other constructor, and if `parameters` does
+  /// not have 1 or `responses` rows of d + 1 positive numbers.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   Kernel kernel, const RowMatrix& parameters);
   ~GaussianProcess() override;
@@ -81,7 +81,8 @@ class GaussianProcess final : public Interpolant {
   /// Writes the means of all responses at x. Throws std::out_of_range outside the box of the
   /// factors, since interpolants do not extrapolate.
   void evaluate(std::span<const double> x, std::span<double> mean) const override;
-  /// Also gives the variances of the model's response, without the noise of the runs.
+  /// Writes means and variances of the model's responses at x; the variances exclude the noise of
+  /// the runs.
   void evaluate(std::span<const double> x, std::span<double> mean,
                 std::span<double> variance) const override;
 

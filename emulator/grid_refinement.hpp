@@ -36,9 +36,9 @@ struct RefinedGrid {
 /// tolerance, since the errors of the d factors add to first order. If no interval fails, random
 /// points of the box check the grid, and the fraction 1/d is halved as long as they fail. No point
 /// is run twice. Ends with `reached` = false if the grid would exceed `most_runs` or candidates run
-/// out. Throws as `run_experiment` and the interpolant's training do, and std::invalid_argument for
-/// options whose sizes do not fit, a tolerance or count that is not positive, or candidates that do
-/// not increase.
+/// out. Throws the exceptions of `run_experiment` and of the training of the interpolant, and
+/// std::invalid_argument for options whose sizes do not fit, a tolerance or count that is not
+/// positive, or candidates that do not increase.
 [[nodiscard]] RefinedGrid refine_grid(const std::vector<Factor>& factors, Eigen::Index responses,
                                       const ModelFactory& factory,
                                       const RefinementOptions& options);

@@ -57,8 +57,8 @@ struct HoldoutOptions {
 };
 
 /// Runs the model at uniform random points in the box of the factors' ranges and compares the
-/// emulator with it. Throws as run_experiment does, and std::invalid_argument for fewer than two
-/// runs.
+/// emulator with it. Throws the exceptions of run_experiment, and std::invalid_argument for fewer
+/// than two runs.
 [[nodiscard]] std::vector<HoldoutError> validate(const std::vector<Factor>& factors,
                                                  Eigen::Index responses,
                                                  const ModelFactory& factory,

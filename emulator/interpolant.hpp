@@ -28,8 +28,8 @@ class Interpolant {
   /// Writes all responses at x (one value per factor) to `out` (one value per response). Throws
   /// std::out_of_range for x outside `contains`: there is no extrapolation.
   virtual void evaluate(std::span<const double> x, std::span<double> out) const = 0;
-  /// Also writes the variances of the interpolation error. Throws std::logic_error if this type of
-  /// interpolant gives no variances.
+  /// Writes all responses at x and the variances of the interpolation error. Throws
+  /// std::logic_error if this type of interpolant gives no variances.
   virtual void evaluate(std::span<const double> x, std::span<double> out,
                         std::span<double> variance) const;
   /// True if x is in the domain of the interpolant.

@@ -23,7 +23,7 @@ namespace wheeltap::emulator {
 [[nodiscard]] Table parse_runs_csv(std::string bytes, const std::filesystem::path& name,
                                    std::vector<Factor> factors, const std::string& response_name);
 
-/// Reads such a file. Also throws FileError (missing).
+/// Reads a file of runs. Throws the exceptions of parse_runs_csv, and FileError (missing).
 [[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
                                   const std::string& response_name);
 

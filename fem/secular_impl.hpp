@@ -373,7 +373,7 @@ void subtract(double* to, const double* from, double factor, int size) {
   for (int j = 0; j < size; ++j) to[j] -= factor * from[j];
 }
 
-/// Like `dot`, with three factors.
+/// Σ_j a[j] b[j] w[j] with the same partial sums as `dot`.
 double weighted_dot(const double* a, const double* b, const double* w, int size) {
   constexpr int kParts = kLanes / kWidth;
   Vec part[kParts] = {};

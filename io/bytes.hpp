@@ -18,7 +18,7 @@ constexpr std::size_t kLargestFile = std::size_t{4} << 30U;
 [[nodiscard]] std::string read_bytes(const std::filesystem::path& path,
                                      std::size_t largest = kLargestFile);
 
-/// Reads at most this many bytes from the beginning. Throws as `read_bytes`.
+/// Reads at most this many bytes from the beginning. Throws the exceptions of `read_bytes`.
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t most,
                                       std::size_t largest = kLargestFile);
 

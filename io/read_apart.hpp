@@ -14,10 +14,10 @@ namespace wheeltap::io {
 /// Calls `read` in a child process and returns its bytes. If a damaged file causes a library to
 /// crash or to loop for ever, only the child process is affected. Text that the child prints is
 /// lost. A FileError of `read` is rethrown here, other exceptions as std::runtime_error. Throws
-/// FileError (corrupt) if the child crashes, takes more processor time than `seconds` (0:
-/// `most_seconds` of the file's size), or more memory than `most_bytes` beyond that of this
-/// process. Throws std::bad_alloc if the memory limit of this process is lower than that, or if the
-/// system killed the child. The child ignores the signals that request a stop.
+/// FileError (corrupt) if the child crashes, takes more processor time than `seconds` (or
+/// `most_seconds` of the file's size if `seconds` is 0), or needs `most_bytes` more memory than
+/// this process. Throws std::bad_alloc if the memory limit of this process is lower than that, or
+/// if the system killed the child. The child ignores the signals that request a stop.
 ///
 /// The child has only the calling thread: the caller must hold any lock that `read` needs. If no
 /// child can be started, reads in this process.
@@ -36,8 +36,8 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
 
 /// Calls `write` in a child process without limits. If a full disk causes a library to crash, only
 /// the child process ends. A FileError of `write` is rethrown here; if the child crashes, lacks
-/// memory or is killed, throws FileError (unwritable) for `path`; other exceptions as above.
-/// Returns false without calling `write` if no child can be started.
+/// memory or is killed, throws FileError (unwritable) for `path`. Other exceptions are rethrown as
+/// std::runtime_error. Returns false without calling `write` if no child can be started.
 [[nodiscard]] bool write_apart(const std::filesystem::path& path,
                                const std::function<void()>& write);
 

@@ -33,7 +33,7 @@ struct SimulatedRecord {
   std::string title;
   std::uint64_t seed = 1;
 };
-/// `seed` as above. Throws Failure.
+/// `seed` is the seed of the noise, as for simulated modes. Throws Failure.
 [[nodiscard]] SimulatedRecord simulated_record(CaseFile file, std::optional<std::uint64_t> seed);
 
 }  // namespace wheeltap::apps

@@ -33,8 +33,8 @@ struct AnyLaw {};
 /// z̈ = drive + M⁻¹ pull: drive = F / m - ÿ_base, pull is the sum of the tensions on a mass.
 /// friction.hpp adds exact friction.
 ///
-/// N > 0: number of masses; 0: task.masses. kSerial: link i joins masses i and i + 1. OnlyLaw: the
-/// kind of all laws, so that no law is selected at run time.
+/// N is the number of masses, or 0 if task.masses gives it. kSerial is true if link i joins masses
+/// i and i + 1. OnlyLaw: the kind of all laws, so that no law is selected at run time.
 template <int N, bool kSerial, class OnlyLaw>
 class EquationOfMotion {
  public:

@@ -82,7 +82,7 @@ class Piecewise : private Exact<N> {
   [[nodiscard]] WHEELTAP_INLINE int order() const { return 2 * this->masses(); }
   [[nodiscard]] WHEELTAP_INLINE const Task& task() const { return this->task_; }
 
-  /// side · e - threshold, and its increase in a step.
+  /// The value of side · e - threshold, and its increase in a step.
   WHEELTAP_INLINE V level(const Threshold& t, const V* x) const {
     return t.side * (end(t.b, x) - end(t.a, x)) - t.threshold;
   }

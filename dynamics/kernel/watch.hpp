@@ -85,7 +85,7 @@ class Watch {
     mark_long_steps(fast > 0.0 ? V{} : stopped);
     outside_ = lanes::max(outside_, stopped);
   }
-  /// 1 where a trajectory has failed.
+  /// 1 in the lanes whose trajectory has failed, else 0.
   [[nodiscard]] WHEELTAP_INLINE V failed() const { return outside_; }
 
   /// True if all lanes have failed or exceeded their limits; checked only at intervals.

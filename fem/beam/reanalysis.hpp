@@ -44,7 +44,8 @@ class Reanalysis {
     bool rotation = false;
   };
 
-  /// Output of `solve`; empty spans are not computed. Matrices are row-major, one row per mode.
+  /// Output of `solve`. Results with an empty span are not computed. Matrices are row-major, with
+  /// one row per mode.
   struct Results {
     std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
     /// n × damages: ∂f/∂r of each listed damage with the others fixed [Hz].
@@ -60,7 +61,8 @@ class Reanalysis {
     std::span<double> support_gradients_hz = {};
   };
 
-  /// Output of `location_slopes`; empty spans are not computed. Row-major, one row per mode.
+  /// Output of `location_slopes`. Results with an empty span are not computed. Matrices are
+  /// row-major, with one row per mode.
   struct LocationSlopes {
     int modes;                        ///< n <= modes(): number of lowest modes
     std::span<double> damages_hz_m;   ///< n × damages
@@ -112,7 +114,7 @@ class Reanalysis {
   /// everywhere. The slope is therefore taken between the midpoints of the two neighbouring
   /// elements. At an end it is taken between the element and its only neighbour; it is 0 for a beam
   /// of one element. A support acts at a point: its slope is the difference over ± 10⁻³ of an
-  /// element, cut off at the beam's ends. Throws as `solve`.
+  /// element, cut off at the beam's ends. Throws the exceptions of `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;
 

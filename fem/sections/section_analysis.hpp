@@ -106,7 +106,8 @@ struct SectionAnalysisOptions {
 
 /// Refines a mesh that is graded towards the corners until the properties converge. Stops earlier
 /// if a property is not finite, or if the changes show that the remaining refinements will not
-/// reach the tolerance. Throws like section_properties, and for options out of range.
+/// reach the tolerance. Throws the exceptions of section_properties, and std::invalid_argument for
+/// options out of range.
 [[nodiscard]] SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regions,
                                               const SectionAnalysisOptions& options = {});
 

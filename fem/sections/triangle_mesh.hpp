@@ -36,7 +36,8 @@ struct EdgeNumbers {
 [[nodiscard]] TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares);
 
 /// Adds `rings` rings of smaller triangles around each point of share below ½; each ring is a third
-/// of the size of the one around it. Points keep their numbers; `shares` is extended as above.
+/// of the size of the one around it. Existing points keep their numbers; `shares` gets ½ for each
+/// new point.
 [[nodiscard]] TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings);
 
 /// The number of connected parts of the mesh.

@@ -28,7 +28,7 @@ void validate(const MatrixStructure& structure);
 
 /// Discretises the structure: K_rest is K, and its parts are the summands of K. Does not search for
 /// rigid-body motions; `structure_modes` reports a structure that can move without resistance as a
-/// mechanism. Throws as `validate`.
+/// mechanism. Throws the exceptions of `validate`.
 [[nodiscard]] Discretisation discretise(const MatrixStructure& structure);
 
 }  // namespace wheeltap::fem

@@ -62,7 +62,7 @@ class Mesh {
   /// The motion of a place on a member along (or about) a global axis, through the element's shape
   /// functions.
   [[nodiscard]] SparseRow motion(int member, double s, Direction direction) const;
-  /// The same along (or about) an arbitrary unit vector.
+  /// The motion of a place on a member along (or about) an arbitrary unit vector.
   [[nodiscard]] SparseRow motion(int member, double s, const Vector3& axis, bool rotation) const;
   /// The member's own x, y, z in global coordinates.
   [[nodiscard]] const std::array<Vector3, 3>& member_axes(int member) const {

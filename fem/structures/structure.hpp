@@ -46,7 +46,7 @@ struct Node {
 struct MemberEnd {
   static constexpr double kRigid = std::numeric_limits<double>::infinity();
 
-  /// From the node to the member's end, global axes, rigid [m].
+  /// Rigid arm from the node to the member's end, in global axes [m].
   Vector3 offset = {};
   /// Rotational stiffness of the joint about the member's own x, y, z [N·m/rad]: ∞ is rigid, 0 a
   /// hinge. A plane structure bends about y.

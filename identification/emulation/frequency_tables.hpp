@@ -37,7 +37,7 @@ struct FrequencyTables {
                                                     const fem::Beam& beam, int max_count,
                                                     int modes);
 
-/// Writes a table file; adds `attributes` to the standard ones. Throws as
+/// Writes a table file; adds `attributes` to the standard ones. Throws the exceptions of
 /// emulator::write_table_file.
 void write_frequency_tables(const std::filesystem::path& path, const fem::Beam& beam,
                             FrequencyTables tables, std::map<std::string, std::string> attributes);

@@ -107,8 +107,8 @@ struct BayesianBandOptions {
                                          const BayesianBandOptions& options = {});
 
 /// Identifies all bands in turn; modes are sorted by frequency, and those of different bands are
-/// independent. Throws as `band_lines` and BandProblem do, naming the band (from 0), and for bands
-/// that overlap.
+/// independent. Throws the exceptions of `band_lines` and BandProblem with the number of the band
+/// (from 0), and std::invalid_argument for bands that overlap.
 [[nodiscard]] signals::ModalResult identify_bands(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                                   double sample_rate_hz,
                                                   const std::vector<ModalBand>& bands,

@@ -89,7 +89,7 @@ struct LinkMotion {
 struct SidDiscovery {
   std::vector<SidTerm> terms = {};
   double inclusion = 0.5;  ///< prior probability of each term, independent of the others
-  /// One per link of the base model; empty before a record is loaded.
+  /// One entry per link of the base model; empty before a record is loaded.
   std::vector<LinkMotion> motions = {};
 };
 
@@ -202,8 +202,9 @@ struct SidCase {
   [[nodiscard]] std::vector<dynamics::Sensor> sensors() const;
   /// Indices of the parameters used by the model and the channels, increasing.
   [[nodiscard]] std::vector<int> parameters_of(const SidModel& model) const;
-  /// Copies the parameter table to all records, and the indices used in any record to each model's
-  /// list. Call this after the last coefficient is defined.
+  /// Makes all records consistent: copies the parameter table to all of them, and adds to each
+  /// model's list the parameters that it uses in any record. Call this after the last coefficient
+  /// is defined.
   void unite();
   /// This record and the further ones.
   [[nodiscard]] std::vector<const SidCase*> records() const;

@@ -40,10 +40,10 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
 /// if the window starts within the record.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
-/// Makes the model's initial state unknown, with normal priors about 0. Scales: the sd of the
-/// mass's displacement, or of its velocity over ω or acceleration over ω², with ω the RMS frequency
-/// of the spectrum; a mass without a sensor takes the largest scale of the others. Throws
-/// InvalidInput (initial) if the responses are constant.
+/// Makes the model's initial state unknown, with normal priors about 0. The scale of a prior is the
+/// sd of the mass's displacement, or of its velocity divided by ω or acceleration divided by ω²,
+/// where ω is the RMS frequency of the spectrum. A mass without a sensor gets the largest scale of
+/// the other masses. Throws InvalidInput (initial) if the responses are constant.
 void infer_initial(SidCase& sid_case, SidModel& model);
 
 }  // namespace wheeltap::identification

@@ -29,7 +29,7 @@ struct StructureModel {
   /// std::invalid_argument for an impossible section.
   std::vector<std::function<void(AnyStructure&, std::span<const double>)>> dependent = {};
 
-  /// The structure at these parameter values. Throws as `dependent` does.
+  /// The structure at these parameter values. Throws the exceptions of `dependent`.
   [[nodiscard]] AnyStructure at(std::span<const double> values) const {
     AnyStructure structure = nominal;
     for (std::size_t i = 0; i < values.size(); ++i) setters[i](structure, values[i]);

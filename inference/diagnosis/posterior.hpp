@@ -56,8 +56,8 @@ struct ModelFindings {
   /// if `bridged` is NaN.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
-  /// The same share among the SMC draws, without those from which chains return to the mixture; NaN
-  /// if it was not examined.
+  /// Share of the SMC draws outside the mixture, without those from which chains return to the
+  /// mixture; NaN if it was not examined.
   double annealed_beyond = std::numeric_limits<double>::quiet_NaN();
   long annealed_draws = 0;  ///< number of SMC draws
 };

@@ -25,7 +25,8 @@ struct Bridge {
 };
 
 /// The bridge-sampling iteration alone. `at_posterior` holds ln l = ln π - ln q at posterior draws,
-/// one vector per chain, all of the same length; `at_proposal` holds it at draws of q. See below.
+/// one vector per chain, all of the same length; `at_proposal` holds it at draws of q. The next
+/// function gives the formula.
 [[nodiscard]] Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_proposal);
 
 /// Meng & Wong (1996, Statistica Sinica 6:831) with their optimal bridge. With q a normal mixture
@@ -49,7 +50,7 @@ struct Bridge {
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const BridgeOptions& options);
 
-/// The same with a given pilot.
+/// Bridge sampling with a given pilot.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& pilot,
                                        const BridgeOptions& options);
 

@@ -77,7 +77,8 @@ class Likelihood {
       out[i] = log_likelihood(model, xs.subspan(i * d, d));
   }
 
-  /// The same if only values of at least floors[i] are needed for vector i.
+  /// Evaluates several parameter vectors if only values of at least floors[i] are needed for vector
+  /// i.
   virtual void log_likelihoods_above(std::span<const double> /*floors*/, int model,
                                      std::span<const double> xs, std::span<double> out) {
     log_likelihoods(model, xs, out);
@@ -228,8 +229,8 @@ class Target {
   /// Computes the members of `state` that moves may use: if the problem has an approximation, all
   /// except the full likelihood and its prediction; otherwise all.
   void screen(State& state);
-  /// The same if only states with beta · log_screen + log_prior >= `level` are needed: log_screen
-  /// of other states may be -∞.
+  /// Screens `state` if only states with beta · log_screen + log_prior >= `level` are needed:
+  /// log_screen of other states may be -∞.
   void screen_above(double level, double beta, State& state);
   /// Computes the remaining members of a screened state.
   void complete(State& state);
@@ -238,7 +239,7 @@ class Target {
   /// Log density of the prior with respect to dz, including the prior factor. The state must be
   /// evaluated.
   [[nodiscard]] double log_prior(const State& state) const;
-  /// The same with respect to dx, for output.
+  /// Log density of the prior with respect to dx, for output.
   [[nodiscard]] double log_prior_physical(const State& state) const;
 
   /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -

@@ -125,7 +125,7 @@ class MetropolisHastings : public Kernel {
 /// only `from` is.
 [[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
-/// The same with the approximate log likelihood.
+/// ln of the ratio of tempered target densities with the approximate log likelihood.
 [[nodiscard]] double log_screen_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 

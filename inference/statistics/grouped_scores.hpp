@@ -21,7 +21,7 @@ struct GroupedError {
   std::vector<double> studentized{};  ///< (z*_b - z*) / s_b of the resamples, ascending
   int groups = 0;
 
-  /// The p-quantile of the limit for infinitely many groups, minus z*.
+  /// The p-quantile of z∞ - z*, where z∞ is the estimate from infinitely many groups.
   [[nodiscard]] double quantile(double p) const;
 };
 

@@ -28,8 +28,9 @@ struct PrintedDigits {
 /// 1.#QNAN, "-", "---", … ("nan" and "inf" are numbers).
 [[nodiscard]] bool is_missing_value(std::string_view text);
 
-/// The same, or a logger's word for a missing value: "overload", "error", "no data". Use this
-/// function only for columns of numbers; elsewhere such words may be names.
+/// True for a missing value (is_missing_value) and for words with which loggers mark it:
+/// "overload", "error", "no data". Use this function only for columns of numbers; elsewhere such
+/// words may be names.
 [[nodiscard]] bool is_missing_word(std::string_view text);
 
 /// Reads the decimal number at the start of [p, end) and its printed precision. Returns the end of

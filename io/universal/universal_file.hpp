@@ -152,7 +152,7 @@ struct UniversalFile {
 /// line, for a truncated dataset and for invalid or missing numbers.
 [[nodiscard]] UniversalFile parse_universal_file(const std::string& bytes,
                                                  const std::filesystem::path& name);
-/// Reads and parses a file. Throws as above, and if the file does not exist.
+/// Reads and parses a file. Throws the exceptions of parse_universal_file, and FileError (missing).
 [[nodiscard]] UniversalFile read_universal_file(const std::filesystem::path& path);
 
 /// The bytes of a file with this content; functions with `binary` are written as 58b. The format

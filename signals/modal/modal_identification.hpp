@@ -88,8 +88,9 @@ struct ModalResult {
 /// Identifies modes from `records`, one channel per row. It decimates the records to the band and
 /// identifies the modes twice. The first time, the lags cover one period of the band's lowest
 /// frequency; the second time, one period of the lowest mode, because more lags add scatter. Throws
-/// ChannelError (signals/refuse.hpp) for channels that are constant, alike or not finite, and
-/// std::invalid_argument for an invalid band and for records too short for any order.
+/// ChannelError (signals/refuse.hpp) for channels that are constant, proportional to another one or
+/// not finite, and std::invalid_argument for an invalid band and for records too short for any
+/// order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 

@@ -80,8 +80,9 @@ struct Stabilisation {
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
-/// The same for poles from any method. `poles` holds those of smallest_order, smallest_order + 2,
-/// …, within the window. The result is limited to the options' band and damping.
+/// Selects modes from the poles of any method. `poles` holds those of smallest_order,
+/// smallest_order + 2, …, within the window. The result is limited to the options' band and
+/// damping.
 [[nodiscard]] Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
                                       const StabilisationOptions& options);
 

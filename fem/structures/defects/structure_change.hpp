@@ -53,8 +53,8 @@ class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// Combines softenings of the same strain into one with the product of their remaining stiffnesses;
-/// likewise scalings of the same part.
+/// Combines softenings of the same strain, and scalings of the same part, into one with the product
+/// of their remaining stiffnesses.
 void compound(StructureChange& change);
 
 /// Applies the changes to the discretisation; the result is the reference for the reanalysis.

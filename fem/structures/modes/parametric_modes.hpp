@@ -49,7 +49,8 @@ class ParametricModes {
  public:
   class Workspace;
 
-  /// `training`: values of θ, for example draws from the prior. Throws as `structure_modes` at θ₀.
+  /// `training`: values of θ, for example draws from the prior. Throws the exceptions of
+  /// `structure_modes` at θ₀.
   ParametricModes(std::shared_ptr<const ParametricStructure> structure,
                   const std::vector<std::vector<double>>& training, ParametricModesOptions options);
   ~ParametricModes();
@@ -74,7 +75,7 @@ class ParametricModes {
   };
 
   [[nodiscard]] Workspace make_workspace() const;
-  /// Throws like `family.at` and `structure_modes` if there is no structure at θ.
+  /// Throws the exceptions of `family.at` and `structure_modes` if there is no structure at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Solves with derivatives: of eigenvalues by ∂λ = φᵀ(∂K - λ ∂M)φ, of shapes by Nelson (1976) in
   /// the basis. Returns false without derivatives if the matrices are not affine in θ, the full

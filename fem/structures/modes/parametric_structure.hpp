@@ -54,12 +54,12 @@ class ParametricStructure {
     /// q_t/α - 1 of each column of `low_rank()`, where α is at most 1.
     Eigen::VectorXd excess = {};
   };
-  /// Throws as `family.at`.
+  /// Throws the exceptions of `family.at`.
   [[nodiscard]] Point at(std::span<const double> theta) const;
   /// K(θ) u and M(θ) u for the columns u, with K from the strains.
   [[nodiscard]] Eigen::MatrixXd stiffness_times(const Point& point, const Eigen::MatrixXd& u) const;
   [[nodiscard]] Eigen::MatrixXd mass_times(const Point& point, const Eigen::MatrixXd& u) const;
-  /// Throws as `family.at`.
+  /// Throws the exceptions of `family.at`.
   [[nodiscard]] Discretisation assemble(std::span<const double> theta) const {
     return family_.at(theta);
   }

@@ -28,7 +28,7 @@ class SubspaceModes {
     double tolerance = 1e-8;  ///< relative change of an eigenvalue
     int most_steps = 60;
   };
-  /// Throws as `structure_modes`.
+  /// Throws the exceptions of `structure_modes`.
   SubspaceModes(const Discretisation& first, const Options& options);
 
   struct Found {

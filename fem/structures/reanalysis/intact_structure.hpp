@@ -38,7 +38,7 @@ struct IntactStructure {
   std::unique_ptr<const ResidualFlexibility> residual;  // sum over the modes not kept
   double next = 0.0;  // the lowest eigenvalue of the modes that are not kept
 
-  /// Throws like the constructor of StructureReanalysis.
+  /// Throws the exceptions of the constructor of StructureReanalysis.
   IntactStructure(std::shared_ptr<const Discretisation> given, int wanted_modes, int kept_modes);
 
   /// The window for changes that raise root i up to intact eigenvalue i + `lifting`.

@@ -57,7 +57,8 @@ class StructureReanalysis {
   [[nodiscard]] std::span<const double> intact_frequencies_hz() const;
   [[nodiscard]] const Discretisation& discretisation() const;
 
-  /// Output of `solve`; empty spans are not computed. Row-major, one row per mode.
+  /// Output of `solve`. Results with an empty span are not computed. Matrices are row-major, with
+  /// one row per mode.
   struct Results {
     std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
     /// n × motions: components of the mass-normalised shapes of the changed structure.

@@ -61,7 +61,8 @@ struct RunOptions {
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);
 
-/// Makes part `part` (0-based) of `parts` of all training runs. Throws as `run_table`.
+/// Makes part `part` (0-based) of `parts` of all training runs. Throws the exceptions of
+/// `run_table`.
 [[nodiscard]] emulator::TableFile run_part(const fem::Reanalysis& reanalysis,
                                            const EmulatorSpec& spec, const DefectKind& kind,
                                            int modes, int part, int parts,

@@ -45,7 +45,7 @@ struct DefectType {
   std::string_view (*unit)(const DefectKind&);
   /// Adds the effect of a defect at `location` [m] to a beam; null if the type is not for beams.
   void (*place)(const DefectKind&, double location, double severity, fem::Defects& out) = nullptr;
-  /// The same for a structure; null if the type is not for structures.
+  /// Adds the effect of a defect to a structure; null if the type is not for structures.
   void (*place_in_structure)(const DefectKind&, const SiteLine::Spot&, double severity,
                              StructureEffects& out) = nullptr;
   /// Possible sites in a structure.

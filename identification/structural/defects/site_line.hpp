@@ -55,7 +55,7 @@ class SiteLine {
   /// line.
   [[nodiscard]] int cell_at(double x) const;
   [[nodiscard]] int stretch_of_cell(int c) const;
-  /// Throws as `cell_at`.
+  /// The place at x on the line. Throws the exceptions of `cell_at`.
   [[nodiscard]] Spot spot(double x) const;
   /// Inverse of `spot`; NaN if the site is not on the line.
   [[nodiscard]] double x_of(int site, double s) const;

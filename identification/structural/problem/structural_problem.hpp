@@ -80,7 +80,7 @@ struct StructuralProblem {
     components(m, x, list);
     return list;
   }
-  /// The same, with the result written to `to`.
+  /// Writes the defects in a parameter vector to `to`.
   void components(int m, std::span<const double> x, std::vector<PlacedDefect>& to) const;
 
   enum class First { noise, structure };
