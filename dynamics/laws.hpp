@@ -23,7 +23,7 @@ inline constexpr bool kPolynomial = requires {
   Law::kPower;
 };
 
-/// True if a law is friction, which may be exact.
+/// True if a law is a friction law, which may be exact.
 template <class Law>
 inline constexpr bool kFriction = requires(const double* c) {
   Law::friction(c);

@@ -37,8 +37,8 @@ struct StandardisedResiduals {
 };
 
 /// Statistics per response, from runs × responses each, for held-out runs or leave-one-out
-/// predictions. Runs predicted exactly with variance 0 are omitted; an error at variance 0 makes
-/// rms infinite. Throws std::invalid_argument for different shapes or no runs.
+/// predictions. Runs with variance 0 and an exact prediction are omitted; with variance 0 and an
+/// error, rms is infinite. Throws std::invalid_argument for different shapes or no runs.
 [[nodiscard]] std::vector<StandardisedResiduals> standardised_residuals(const RowMatrix& truth,
                                                                         const RowMatrix& mean,
                                                                         const RowMatrix& variance);

@@ -15,7 +15,7 @@ namespace wheeltap::fem {
 class DoubleDouble {
  public:
   constexpr DoubleDouble(double x = 0.0) : high_(x) {}  // NOLINT: a double is such a number
-  /// x rounded to 106 bits; exact for a long double with 64 bits.
+  /// Converts x, rounded to 106 bits; the conversion is exact for a long double with 64 bits.
   static DoubleDouble from(long double x) {
     const auto high = static_cast<double>(x);
     return fast_sum(high, static_cast<double>(x - static_cast<long double>(high)));

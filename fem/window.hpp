@@ -6,7 +6,7 @@
 
 namespace wheeltap::fem::detail {
 
-/// The range of λ and the summation of S over it (`Secular`).
+/// A range of λ and the way in which S is summed in it (`Secular`).
 struct Window {
   int near = 0;
   int terms = 0;

@@ -22,8 +22,8 @@ constexpr std::size_t kLargestFile = std::size_t{4} << 30U;
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t most,
                                       std::size_t largest = kLargestFile);
 
-/// Reads a file of any length in pieces and passes each to `take`. Throws FileError (missing) as
-/// `read_bytes` does.
+/// Reads a file of any length in pieces and passes each to `take`. Throws FileError (missing) under
+/// the same conditions as `read_bytes`.
 void each_piece(const std::filesystem::path& path,
                 const std::function<void(std::string_view)>& take);
 

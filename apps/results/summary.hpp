@@ -35,8 +35,8 @@ struct RunInfo {
 /// (a sentence, if the probability does not come from draws).
 [[nodiscard]] Report model_table(const identification::Findings& findings);
 
-/// Returns the estimates of every model with draws that the summary describes in full
-/// (told_in_full), like all entries by model except the model table.
+/// Returns the parameter estimates of models with draws. Like all entries by model except the model
+/// table, it contains only the models that the summary describes in full (told_in_full).
 [[nodiscard]] Report parameter_tables(const identification::Findings& findings);
 
 /// Returns convergence, acceptance and mixing between models.

@@ -26,7 +26,7 @@ struct CheckpointOf {
 };
 
 /// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case,
-/// contents of its input files, state of a repeated sid run, seals of the parts) and a group
+/// contents of its input files, state of a repeated sid run, checksums of the parts) and a group
 /// "state" (inference::Checkpoint). After them follow 16 hexadecimal digits, the fingerprint of all
 /// previous bytes. If there are many draws, each FOLDER/checkpoint-N.nc has a part of them in the
 /// same format, without "run".

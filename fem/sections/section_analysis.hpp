@@ -1,4 +1,5 @@
-// Stiffnesses of a cross-section by finite elements: Saint-Venant torsion and flexure.
+// Computes the stiffnesses of a cross-section by finite elements for Saint-Venant torsion and
+// flexure.
 //
 // With y, z from the centroid, e = E/E_ref, g = G/G_ref, and c_j = M⁻¹ (unit vector j) for M = [∫e
 // y² ∫e yz; ∫e yz ∫e z²], find ω and the flexure functions ψ_y, ψ_z such that, for all v,

@@ -19,8 +19,8 @@ struct TmcmcOptions {
   int replicates = 8;       ///< independent runs; their scatter gives the standard error; >= 4
   int samples = 500;        ///< per replicate
   double weight_cov = 0.5;  ///< coefficient of variation of the weights, which sets each step of β
-  /// Accepted moves per sample and stage, on average, before the next stage. Halved for a growing
-  /// record, which has many stages.
+  /// Accepted moves per sample and stage, on average, before the next stage. For a growing record,
+  /// which has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Likelihood calls after which a run ends early (`Tmcmc::cut`); 0: no limit.

@@ -16,7 +16,7 @@ struct StructureModes {
   Eigen::MatrixXd shapes;
   int rigid_body_modes = 0;
   /// ‖K φ - λ M φ‖ in the norm of K⁻¹, divided by √λ. By Temple's bound, the relative distance of λ
-  /// to an eigenvalue is at most λ / gap times the square of this residual.
+  /// to an eigenvalue is at most λ / gap times the square of the scaled residual.
   Eigen::VectorXd residuals;
   /// True if no mode is missing: a Sturm count in a gap above the last mode found confirms the
   /// number of modes, or these are all modes of the structure.

@@ -57,8 +57,8 @@ struct DamageProblemOptions {
   std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
 };
 
-/// Names of the inputs of such a model: "location[1]", "reduction[1]" …, preceded by the kind's
-/// name if there are several kinds.
+/// Names of the inputs of an external model: "location[1]", "reduction[1]" …, preceded by the
+/// kind's name if there are several kinds.
 [[nodiscard]] std::vector<std::string> outside_inputs(const DamageCase& damage_case);
 
 /// Completes the case, and trains or reads the emulator if it requests one. The log likelihood is

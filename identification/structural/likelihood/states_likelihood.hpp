@@ -170,7 +170,8 @@ class StatesLikelihood {
   [[nodiscard]] Draw draw(int i) const;
   [[nodiscard]] std::shared_ptr<const fem::ParametricModes> reduced_basis(const Group& group,
                                                                           int modes) const;
-  /// Solves the structure of a group; shapes at the sensors of its states, concatenated.
+  /// Solves for the modes of a group's structure, with shapes at the sensors of its states,
+  /// concatenated.
   bool solve(const Group& group, std::span<const double> x,
              const std::vector<PlacedDefect>& defects, Workspace& workspace,
              Workspace::Group& own) const;

@@ -36,8 +36,8 @@ struct NumberingFinding {
 };
 
 /// `ln_f`: of computed modes, draws × modes, in the structure's order. `measured`: assumed index of
-/// each measured mode among the first computed modes, from 0. `ln_measured`, `covariance`: of the
-/// measured modes. Requires more draws than twice the modes.
+/// each measured mode among the first computed modes, from 0. `ln_measured` and `covariance` are ln
+/// f of the measured modes and its covariance. Requires more draws than twice the modes.
 [[nodiscard]] NumberingFinding judge_numbering(const Eigen::MatrixXd& ln_f,
                                                const std::vector<int>& measured,
                                                const Eigen::VectorXd& ln_measured,
