@@ -103,7 +103,7 @@ inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_po
   }
 }
 
-/// H, N and the contribution B of the modes other than the poles to N.
+/// The 2 × 2 matrices H and N, and B, the part of N from the modes other than the poles.
 struct Small {
   Vec h11, h12, h22, n11, n12, n22, b11, b12, b22;
   Vec root1, root2;    // √s of the poles

@@ -39,7 +39,7 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
         break;
       case ModeDoubt::twin:
         out.emplace_back(
-            "another mode of the same shape lies within their uncertainty or bandwidth");
+            "another mode with the same shape lies within the uncertainty or bandwidth of the two");
         break;
       case ModeDoubt::at_the_edge:
         out.emplace_back("at an end of the band, where a filter may distort it");

@@ -333,7 +333,7 @@ Ring arc(const Point& from, const Point& to, double turn, int per_turn) {
   const double whole = 2.0 * std::numbers::pi;
   if (!(std::abs(turn) > 0.0 && std::abs(turn) < whole))
     throw std::invalid_argument("arc: turn = " + text(turn) +
-                                ": must not be 0 and below 2 pi in size");
+                                ": must not be 0, and its magnitude must be below 2 pi");
   const Point chord = to - from;
   const double radius = 0.5 * chord.norm() / std::abs(std::sin(0.5 * turn));
   // The centre lies to the left of the chord, seen from `from`, for a turn below π.

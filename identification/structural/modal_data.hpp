@@ -44,8 +44,8 @@ struct ModalData {
   std::vector<Eigen::MatrixXd> shape_covariances = {};
   std::optional<inference::Prior> shape_sd_prior = {};
 
-  /// Model errors in addition to the noise: a coefficient of variation of each frequency,
-  /// independent between modes, and an sd of shape entries.
+  /// Model errors in addition to the noise: the coefficient of variation of each frequency, with
+  /// independent errors of the modes, and the sd of shape entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
   /// Mixing of mode shapes by the same model error that changes frequencies by `discrepancy`; see
   /// mixing_sd.

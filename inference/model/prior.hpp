@@ -70,7 +70,7 @@ class Distribution {
   /// Bounds of the support, possibly ±∞.
   [[nodiscard]] virtual double lower() const = 0;
   [[nodiscard]] virtual double upper() const = 0;
-  /// Name with numbers, for findings and files.
+  /// Name of the distribution with its parameters, for results and files.
   [[nodiscard]] virtual std::string describe() const = 0;
 };
 struct OwnPrior {

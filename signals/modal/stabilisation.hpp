@@ -90,7 +90,7 @@ struct Stabilisation {
 [[nodiscard]] double pole_distance(const Pole& a, const Pole& b);
 
 /// Splits x into two classes by least squares and returns the index of the upper class's smallest
-/// value in sorted x. Public for its test; needs two values.
+/// value in sorted x. Requires at least two values. Public for its test.
 [[nodiscard]] std::size_t two_classes(const std::vector<double>& sorted);
 
 }  // namespace wheeltap::signals

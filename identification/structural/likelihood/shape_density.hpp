@@ -46,7 +46,7 @@ class ShapeDensity {
   /// scatter); `more` [1] is added to its diagonal (the model error).
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, double scale = 1.0,
                                    double more = 0.0) const;
-  /// With a close mode and τ > 0.
+  /// Compares with a computed shape that may be rotated with a close mode, for τ > 0.
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Eigen::VectorXd& close,
                                    double tau, double scale, double more) const;
   /// Other modes at the measured entries, one per column, and the sd of their mixing.

@@ -10,9 +10,9 @@
 namespace wheeltap::identification {
 
 /// Pieces of a structure with independent stiffness errors: approximately the quarters of each
-/// member (its ends, where joints are flexible, and its middle), and each spring, tie and link.
-/// Independent of the mesh if members have at least four elements. Geometric stiffness of axial
-/// forces is not a piece.
+/// member (its ends, where joints are flexible, and its middle), and each spring, tie and link. The
+/// pieces do not depend on the mesh if members have at least four elements. Geometric stiffness of
+/// axial forces is not a piece.
 class StiffnessPieces {
  public:
   static constexpr int kOfMember = 4;

@@ -28,7 +28,7 @@ struct UpdateCase {
   std::shared_ptr<const StructureModel> structure = {};
   ModalData data = {};
   std::optional<ModalSimulation> simulation = {};
-  /// If several states were measured; `data` are then their concatenated frequencies.
+  /// Set if several states were measured; `data` then contains their frequencies, concatenated.
   std::shared_ptr<const ObservedStates> states = {};
 };
 

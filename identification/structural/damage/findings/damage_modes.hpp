@@ -41,8 +41,8 @@ class SingleModes {
 [[nodiscard]] std::function<std::vector<double>(std::size_t, std::size_t)> frequency_replicates(
     const DamageProblem& problem, const inference::Posterior& posterior, std::uint64_t seed);
 
-/// Measured and computed shapes at the best draw, for each state with shapes, for problems
-/// `by_modes`.
+/// Measured and computed shapes at the best draw, for each state with shapes; requires a problem
+/// with matched modes (`by_modes`).
 [[nodiscard]] std::vector<ShapesBeside> best_shapes(const DamageProblem& problem,
                                                     const inference::Posterior& posterior);
 
