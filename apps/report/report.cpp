@@ -369,7 +369,7 @@ int write_figures(const fs::path& directory) {
     const Report summary = read_summary(directory);
     if (is_modal(summary) || is_monitor(summary))
       throw Failure(Exit::usage,
-                    "--figures: the figures of a this report are SVG in report.html itself");
+                    "--figures: the figures of this report are SVG in report.html itself");
     return content(summary, {}, stored_draws(directory, summary).get());
   });
   const fs::path folder = directory / "figures";

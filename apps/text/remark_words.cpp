@@ -158,9 +158,9 @@ class Speaker {
                        probability_is(r.probability) + "): with " + unknowns_of(r.unknowns) +
                        " it has at least as many unknowns as there are data and fits any data";
     for (const auto& hidden : r.hidden) {
-      text += ". Under it, a further " + hidden.kind + " could lie between " + said(hidden.below) +
-              " and " + said(hidden.above) + ", at " + significant(hidden.from, 2) + " to " +
-              significant(hidden.to, 2) + " m (95 %)";
+      text += ". With this model, a further " + hidden.kind + " could lie between " +
+              said(hidden.below) + " and " + said(hidden.above) + ", at " +
+              significant(hidden.from, 2) + " to " + significant(hidden.to, 2) + " m (95 %)";
     }
     return text +
            ". Measure more frequencies, or rule it out by inspection and lower damage.count.max.";
