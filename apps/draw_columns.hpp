@@ -11,8 +11,9 @@
 
 namespace wheeltap::apps {
 
-/// One number per draw, or per draw and slot (NaN in slots that a draw does not use). Computes its
-/// values on demand, since millions of draws have many columns.
+/// One number per draw, or per draw and slot (NaN in slots that a draw does not use). The values of
+/// a column are computed when they are needed, because all columns of millions of draws would not
+/// fit into memory.
 struct DrawColumn {
   std::string name;
   std::function<double(const inference::Chain&, std::size_t draw, std::size_t slot)> value;
@@ -38,7 +39,7 @@ struct DrawColumn {
 
 /// The model of each draw, as the column "model".
 [[nodiscard]] DrawColumn model_column(const inference::Posterior& posterior);
-/// A parameter of the space's table; NaN in draws of models without it.
+/// The column of a parameter of the model space; NaN in draws of models without the parameter.
 [[nodiscard]] DrawColumn parameter_column(const inference::Posterior& posterior, int parameter,
                                           std::string name, std::string unit = {});
 /// The column of the model, then one column per parameter.

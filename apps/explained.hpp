@@ -5,8 +5,8 @@
 
 namespace wheeltap::apps {
 
-/// Runs work(). `file` (DamageCaseFile, SidCaseFile) locates library errors in its case. Throws
-/// Failure.
+/// Runs work() and converts errors of the library to Failure. `file` (DamageCaseFile, SidCaseFile)
+/// gives the place of an error in the case.
 template <class File, class Work>
 auto explained(const File& file, const Work& work) {
   try {

@@ -8,14 +8,14 @@
 
 namespace wheeltap::apps {
 
-/// Largest nesting depth of lists and objects: more than any case has, and safe for recursive
-/// functions.
+/// Largest nesting depth of lists and objects. It is larger than that of any valid case, and small
+/// enough for recursive functions.
 constexpr std::size_t kDeepestJson = 100;
-/// Largest case [bytes]; a case names its data files.
+/// Largest size of a case [bytes]; data are in separate files.
 constexpr std::size_t kLargestCase = std::size_t{64} << 20U;
 /// Largest answer of an external program or server [bytes]: a million numbers.
 constexpr std::size_t kLargestAnswer = std::size_t{16} << 20U;
-/// Most keys of one object in ordered JSON, whose lookup takes linear time.
+/// Largest number of keys of one object in ordered JSON, in which finding a key takes linear time.
 constexpr std::size_t kMostOrderedKeys = 20'000;
 
 /// Parses all of `text`; AnyJson is nlohmann::json or ordered_json. Throws Failure (65), naming
@@ -24,8 +24,8 @@ constexpr std::size_t kMostOrderedKeys = 20'000;
 template <class AnyJson>
 [[nodiscard]] AnyJson parse_json(const std::filesystem::path& path, std::string_view text);
 
-/// Parses the answer of an external program. Returns a discarded value for invalid JSON, too large
-/// a number, or nesting deeper than kDeepestJson.
+/// Parses the answer of an external program. For invalid JSON, numbers that are too large, or
+/// nesting deeper than kDeepestJson, the result satisfies is_discarded().
 [[nodiscard]] nlohmann::json parse_answer(std::string_view text);
 
 extern template nlohmann::json parse_json(const std::filesystem::path&, std::string_view);

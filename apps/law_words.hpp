@@ -10,10 +10,10 @@ namespace wheeltap::apps {
 /// The shortest text that parses to x: "1e7", "0.004", "60000".
 [[nodiscard]] std::string plain_number(double x);
 
-/// Whether a bare number or name, the first coefficient, can define the law.
+/// True if a single number or name, the first coefficient, is sufficient to define the law.
 [[nodiscard]] bool has_short_form(const dynamics::LawInfo& info);
 
-/// "force [N], velocity [m/s]", with " and side" if it has one.
+/// The keys of a law: "force [N], velocity [m/s]", with " and side" for a one-sided law.
 [[nodiscard]] std::string keys_in_words(const dynamics::LawInfo& info);
 
 /// The values allowed in a case: "force [N] (a number or a parameter's name), an object with force

@@ -17,7 +17,7 @@ using Report = nlohmann::ordered_json;
 
 /// Rounds to five digits, more than a chart shows, to store less text.
 [[nodiscard]] double compact(double x);
-/// Rounds to as many digits as resolve a thousandth of `width`, at least five.
+/// Rounds to the digits that resolve a thousandth of `width`, at least five.
 [[nodiscard]] double compact(double x, double width);
 
 }  // namespace wheeltap::apps

@@ -16,7 +16,7 @@ namespace wheeltap::apps {
 
 using inference::RunCost;
 
-/// Environment variable in place of --threads.
+/// Environment variable that replaces --threads.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
 /// Options of every command that reads a case.
@@ -29,9 +29,10 @@ struct CommonOptions {
   bool quiet = false;
   bool resume = false;
   double checkpoint_seconds = 60.0;  ///< interval between checkpoints; 0: none
-  /// If set, a command passes it the estimated cost of the work ("run", "table") and ends.
+  /// If it is set, a command calls it with the estimated cost of its work ("run", "table") and then
+  /// ends.
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
-  double max_memory_gb = 4.0;  ///< larger estimates stop the command
+  double max_memory_gb = 4.0;  ///< limit of the estimated memory
   double max_hours = 100.0;
   std::optional<double> max_disk_gb;          ///< empty: free space of the results folder
   bool allow_commands = false;                ///< cases may run programs

@@ -65,7 +65,7 @@ std::string sentence(const remark::CrossingMembers& r) {
   const int more = r.count - static_cast<int>(r.pairs.size());
   if (more > 0) text += "; and " + std::to_string(more) + " more";
   return "Members meet without a common node, so the model does not join them: " + text +
-         ". Where they are joined, end both at one node there.";
+         ". If they are joined there, let both end at a common node.";
 }
 
 std::string sentence(const remark::SensorsAtOnePlace& r) {

@@ -18,15 +18,15 @@ using base::grouped;
 /// x with `digits` significant digits, without trailing zeros: plain from 1e-4 to a million ("350",
 /// not "3.5e+02"), "5.4e-6" outside.
 [[nodiscard]] std::string significant(double x, int digits);
-/// x with as many digits as its interval of this width needs: two of the width, at least three of
-/// the number, at most ten.
+/// x with the digits that an interval of this width requires: two significant digits of the width,
+/// and at least three and at most ten of x.
 [[nodiscard]] std::string resolved(double x, double width);
 /// A count rounded to three digits: "80500".
 [[nodiscard]] std::string rounded_count(double x);
 /// "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
-/// "75 % ± 2 %" with its Monte Carlo error; near 0 and 1 only a bound, two errors away if these
-/// exceed 0.1 %: "> 99.9 %", "> 72 %".
+/// A probability with its Monte Carlo error, "75 % ± 2 %". Near 0 and 1 it is a bound, two errors
+/// away if these exceed 0.1 %: "> 99.9 %", "> 72 %".
 [[nodiscard]] std::string percent(double probability, double error);
 /// " ± 2 %": the error shown by percent(); empty for a bound.
 [[nodiscard]] std::string shown_error(double probability, double error);
@@ -44,8 +44,8 @@ using base::grouped;
 /// "modes 5 to 20", "modes 3, 7 and 9".
 [[nodiscard]] std::string name_modes(const std::vector<int>& modes);
 
-/// "never proposed", "not entered in 786 proposals", "entered once in 786 proposals, but in no draw
-/// that was kept": for a model without draws.
+/// Text for a model without draws: "never proposed", "not entered in 786 proposals", "entered once
+/// in 786 proposals, but in no draw that was kept".
 [[nodiscard]] std::string entered_in_words(long entered, long proposed);
 /// "not entered in 123 456 proposals; its evidence puts it at P ≈ 0.21 ± 0.02"; empty for a model
 /// with enough draws.
@@ -86,7 +86,7 @@ struct Context {
 /// equivalent.
 [[nodiscard]] std::string images_statement(const std::vector<std::vector<std::string>>& alike,
                                            const std::vector<std::string>& turned);
-/// A warning against an emulator for so many damages; empty if the emulator is accurate.
+/// A warning that the emulator for this number of damages is inaccurate; empty if it is accurate.
 [[nodiscard]] std::string emulator_warning(int damages, const std::vector<int>& blind);
 
 /// All warnings, the most serious first: missing convergence, misfit of the models, remarks.

@@ -1,13 +1,13 @@
 // Matrix products and solutions of triangular systems, compiled once.
 //
-// Eigen divides C = A B into panels and processes them with a kernel (`gebp_kernel`; Goto & van de
-// Geijn 2008), a template of the scalar types and storage orders. Otherwise every source file with
-// a matrix product would compile the kernel, which was a third of the build time. With the
-// following declarations, only eigen_products.cpp compiles it. Results do not change: the kernel is
-// the same code, compiled with the same options.
+// Eigen divides C = A B into panels and multiplies them with a kernel (`gebp_kernel`; Goto & van de
+// Geijn 2008). The kernel is a template of the scalar types and storage orders. Without this
+// header, every source file with a matrix product compiles the kernel, which took a third of the
+// build time. With the following declarations, only eigen_products.cpp compiles it. Results do not
+// change, because the kernel is compiled from the same code with the same options.
 //
-// The names are those of Eigen 3.4. For another version, or an instruction set other than the
-// library's, nothing is declared, and each source file compiles its own.
+// The names are those of Eigen 3.4. With another version of Eigen, or an instruction set other than
+// the library's, this header declares nothing, and each source file compiles its own kernel.
 #pragma once
 
 #include <Eigen/Core>

@@ -2,8 +2,9 @@
 //
 // Include this instead of <Eigen/Dense>, <Eigen/Cholesky>, <Eigen/LU>, <Eigen/QR>, <Eigen/SVD> and
 // <Eigen/Eigenvalues>; source files then do not compile the decompositions. Pass a matrix to a
-// decomposition, not an expression, unless the expression is needed anyway. Decompositions used in
-// one or two files only (complex matrices, JacobiSVD, EigenSolver) are compiled there.
+// decomposition instead of an expression: a decomposition of an expression is a further template
+// instance. Decompositions that only one or two files use (complex matrices, JacobiSVD,
+// EigenSolver) are compiled in those files.
 #pragma once
 
 #include <Eigen/Dense>
@@ -33,7 +34,7 @@ WHEELTAP_SOLVER_INSTANCE template SelfAdjointEigenSolver<MatrixXd>&
 SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
 WHEELTAP_SOLVER_INSTANCE template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
 
-// Functions called by decompositions of expressions.
+// Functions that decompositions of expressions call.
 namespace internal {
 WHEELTAP_SOLVER_INSTANCE template void tridiagonalization_inplace(MatrixXd&, VectorXd&);
 WHEELTAP_SOLVER_INSTANCE template void make_block_householder_triangular_factor(

@@ -1,5 +1,5 @@
-// Elementary functions for GCC vector types (and double). Every lane has the same operations, so a
-// lane's result does not depend on the vector's width.
+// Elementary functions for GCC vector types (and double). All lanes execute the same operations, so
+// the result of a lane does not depend on the width of the vector.
 #pragma once
 
 #include <cmath>
@@ -54,7 +54,7 @@ template <class V>
   return x < 0.0 ? -y : y;
 }
 
-/// xⁿ for x >= 0, lane by lane; exponents 1 and 2 in all lanes are fast.
+/// xⁿ for x >= 0, lane by lane; fast if all lanes have the exponent 1, or all have 2.
 template <class V>
 [[gnu::always_inline]] inline V power(V x, V n) {
   if constexpr (std::is_same_v<V, double>) {

@@ -14,21 +14,21 @@ namespace wheeltap::base {
   return {text, end};
 }
 
-/// With `digits` significant digits and without trailing zeros.
+/// x as text with `digits` significant digits and without trailing zeros.
 [[nodiscard]] inline std::string significant(double x, int digits) {
   char text[40];
   std::snprintf(text, sizeof text, "%.*g", digits, x);
   return text;
 }
 
-/// With `decimals` digits after the point.
+/// x as text with `decimals` digits after the decimal point.
 [[nodiscard]] inline std::string fixed(double x, int decimals) {
   char text[400];
   std::snprintf(text, sizeof text, "%.*f", decimals, x);
   return text;
 }
 
-/// All digits of a count in groups of three: "123 456".
+/// A count as text, with its digits in groups of three: "123 456".
 [[nodiscard]] inline std::string grouped(long n) {
   std::string text = std::to_string(n);
   for (auto at = static_cast<long>(text.size()) - 3; at > (n < 0 ? 1 : 0); at -= 3) {

@@ -1,4 +1,4 @@
-// Independent jobs on several threads, and on other ranks if there are any.
+// Runs independent jobs on several threads and, in a run with several ranks, on all ranks.
 #pragma once
 
 #include <algorithm>
@@ -13,13 +13,13 @@
 
 namespace wheeltap::base {
 
-/// The requested number of threads; 0: as many as the machine has.
+/// Number of threads to use: the requested number, or for 0 the number of processors.
 [[nodiscard]] inline int thread_count(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
-/// Starts up to `n` threads that run `work`. If the system limits the number of processes
-/// (container, batch system), fewer threads do the same work.
+/// Starts up to `n` threads that run `work`. If the system allows fewer threads (container, batch
+/// system), it starts fewer; they do all of the work.
 template <typename Work>
 void enlist(std::vector<std::jthread>& crew, int n, const Work& work) {
   try {
@@ -31,8 +31,8 @@ void enlist(std::vector<std::jthread>& crew, int n, const Work& work) {
   }
 }
 
-/// Calls job(0), …, job(n - 1), each once, on up to `threads` threads; rethrows the first exception
-/// of the lowest-numbered failed job.
+/// Calls job(0), …, job(n - 1), each once, on up to `threads` threads; rethrows the exception of
+/// the failed job with the lowest number.
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job) {
   std::vector<std::exception_ptr> errors(static_cast<std::size_t>(n));
@@ -58,8 +58,8 @@ void parallel_for(int n, int threads, Job&& job) {
   }
 }
 
-/// The same for jobs whose outcomes can be transferred: ranks, if there are several, share the
-/// jobs, unless this call is inside another parallel_for.
+/// Calls job(0), …, job(n - 1) for jobs whose results can be transferred between ranks. All ranks
+/// share the jobs, except if this call is inside another parallel_for.
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
   if (ranks() == nullptr || within().job) return parallel_for(n, threads, job);
@@ -72,8 +72,8 @@ void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
       carriage);
 }
 
-/// True if the run must stop, as far as this thread knows. The result is the common decision of the
-/// ranks; within a shared unit, `wish` or the request of any rank; without ranks, `wish`.
+/// True if the run must stop. With one process, the result is `wish`. With several ranks it is
+/// their common decision; inside a shared job, it is `wish` or the request of any rank.
 [[nodiscard]] inline bool is_to_stop(bool wish) {
   const Ranks* all = ranks();
   if (all == nullptr) return wish;

@@ -1,5 +1,4 @@
-// Serialisation of outcomes of units of work for other ranks of the same program; not a file
-// format.
+// Serialises the results of jobs for other ranks of the same program. This is not a file format.
 #pragma once
 
 #include <concepts>
@@ -22,8 +21,9 @@ template <class T>
 concept PlainNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
 /// Packs its arguments one after the other: numbers, texts, vectors and matrices of numbers,
-/// optional values, structures with a `carry(parcel, structure)` beside them, and vectors of these.
-/// A span is packed without its length, which both sides know.
+/// optional values, and structures with a function `carry(parcel, structure)` in their namespace;
+/// also vectors of all these. The length of a span is not packed, because sender and receiver know
+/// it.
 class Packer {
  public:
   template <class... T>
@@ -141,8 +141,9 @@ class Unpacker {
   std::string_view bytes_;
 };
 
-/// A carriage for the values that `members` lists for a unit, for both directions: `[&](int unit,
-/// auto& parcel) { parcel(x[unit], y[unit]); }`.
+/// Creates the Carriage (base/ranks.hpp) of the values that `members` lists for a job. The same
+/// list serves for packing and unpacking: `[&](int unit, auto& parcel) { parcel(x[unit], y[unit]);
+/// }`.
 template <class Members>
 [[nodiscard]] Carriage carriage(Members members) {
   return {.pack =

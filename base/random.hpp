@@ -1,5 +1,5 @@
-// Counter-based random numbers: draws depend only on (seed, chain, iteration, purpose), not on
-// threads or earlier draws.
+// Counter-based random numbers: they depend only on seed, chain, iteration and purpose, and not on
+// threads or earlier random numbers.
 #pragma once
 
 #include <Random123/philox.h>
@@ -29,7 +29,7 @@ enum class Purpose : std::uint32_t {
 };
 
 /// A stream of Philox 4x64-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
-/// Cheap to construct; a new one is used for every iteration.
+/// It is cheap to construct; every iteration constructs a new one.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t chain, std::uint64_t iteration, Purpose purpose)

@@ -1,11 +1,10 @@
 // Loops compiled once for each vector register width and selected at run time.
 //
-// A loop that should use wide registers in a portable build is in an implementation file that is
-// compiled several times, each time with the flags of one instruction set and into a table of
-// functions. These files use plain pointers only, since library code compiled for wide registers
-// could be selected by the linker for every processor. `runnable` returns the tables that this
-// processor can run. All are compiled without contraction to fused multiply-add, so that they give
-// the same bits; tests run each of them.
+// Such a loop is in an implementation file of its own. The build compiles this file once for each
+// instruction set, each time into a table of functions. These files use only plain pointers: the
+// linker might otherwise take a library template compiled for wide registers for all processors.
+// `runnable` returns the tables that this processor can run. All versions are compiled without
+// fused multiply-add, so their results are identical to the last bit. Tests run each of them.
 #pragma once
 
 #include <cstdlib>
@@ -14,7 +13,7 @@
 
 namespace wheeltap::base {
 
-/// The vector instructions to use; `automatic`: the widest that the processor has.
+/// The vector instructions to use; `automatic` selects the widest that the processor has.
 enum class Instructions { automatic, baseline, avx2, avx512 };
 
 /// The environment variable that limits `automatic` to these instructions or narrower ones:
@@ -33,8 +32,8 @@ inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
   return widest;
 }
 
-/// Whether this processor has the instructions of the compiler flags: for avx2 -mavx2, for avx512
-/// -mavx512f -mavx512dq -mavx512vl.
+/// True if this processor has the instructions that the compiler may use: with the flag -mavx2 for
+/// avx2, and -mavx512f -mavx512dq -mavx512vl for avx512.
 [[nodiscard]] inline bool processor_has(Instructions instructions) {
   if (instructions == Instructions::automatic || instructions == Instructions::baseline)
     return true;
@@ -47,7 +46,7 @@ inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
 #endif
 }
 
-/// The tables of one set of loops; null if the build does not include these instructions.
+/// The function tables of one set of loops; null for instructions that the build does not include.
 template <class Table>
 struct Compiled {
   const Table* baseline;
@@ -55,8 +54,8 @@ struct Compiled {
   const Table* avx512 = nullptr;
 };
 
-/// The tables that this processor can run, the narrowest first: only `wanted`, or all. Empty if
-/// `wanted` is not available.
+/// The tables that this processor can run, from the narrowest to the widest registers; only that of
+/// `wanted` if it is not `automatic`. Empty if `wanted` is not available.
 template <class Table>
 [[nodiscard]] std::vector<const Table*> runnable(const Compiled<Table>& compiled,
                                                  Instructions wanted = Instructions::automatic) {

@@ -23,8 +23,8 @@ struct ProgramStart {
 
 /// Starts the program with default signal handlers and in its own process group, so that a
 /// terminal's Ctrl-C does not reach it. The system kills it when this process ends. Returns its
-/// process identifier, or -1 with errno if the system creates no process. A missing program ends
-/// with kProgramNotFound, one that cannot be run with kNotRunnable.
+/// process identifier, or -1 with errno if the system creates no process. The child process ends
+/// with kProgramNotFound if the program does not exist, and with kNotRunnable if it cannot be run.
 [[nodiscard]] pid_t start_program(ProgramStart start);
 
 /// Waits for the end of a child process. Returns its status as waitpid does; -1 with errno if

@@ -6,9 +6,10 @@
 
 namespace wheeltap::base {
 
-/// Ctrl-C, `kill` and a closed terminal; the two user signals, which mpirun forwards to its ranks
-/// and clusters send before the end of a job's time (Slurm optionally; Grid Engine and LSF:
-/// SIGUSR2). SIGXCPU marks the limit of processor time and repeats every second (setrlimit(2)).
+/// The signals of Ctrl-C, `kill` and a closed terminal, and the two user signals. mpirun forwards
+/// the user signals to its ranks; clusters send them before the time of a job ends (Slurm
+/// optionally; Grid Engine and LSF: SIGUSR2). SIGXCPU reports the limit of processor time and
+/// repeats every second (setrlimit(2)).
 inline constexpr std::array kStopSignals{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
 
 }  // namespace wheeltap::base

@@ -25,27 +25,27 @@ struct Link {
   std::vector<Law> laws = {};
 };
 
-/// M z̈ = -M 1 ÿ_base + F(t) + Σ ±T, with z the displacement relative to the base. Without base
-/// motion, z is the absolute displacement.
+/// M z̈ = -M 1 ÿ_base + F(t) + Σ ±T, with z the displacement relative to the base. If the base does
+/// not move, z is the absolute displacement.
 struct Chain {
   std::vector<Coefficient> masses = {};  ///< [kg], masses 1, 2, …
   std::vector<Link> links = {};
 
   [[nodiscard]] int size() const { return static_cast<int>(masses.size()); }
-  /// Whether no link has a law besides stiffness and damping.
+  /// True if no link has a law besides stiffness and damping.
   [[nodiscard]] bool is_linear() const;
   /// The largest parameter index of any coefficient, plus one.
   [[nodiscard]] int parameters() const;
 };
 
-/// Throws std::invalid_argument unless there are masses and links, every link joins two different
-/// existing masses, constant masses are positive and constant coefficients are feasible for their
-/// law.
+/// Throws std::invalid_argument for a chain without masses or links, a link that does not join two
+/// different existing masses, a constant mass that is not positive, and constant coefficients that
+/// are not feasible for their law.
 void validate(const Chain& chain);
 
-/// Describes why the chain is infeasible at these parameters ("mass 1 = 0, must be > 0"); empty if
-/// it is feasible. Simulator::simulate returns Outcome::impossible in this case, and if frequencies
-/// overflow.
+/// The reason why the chain is infeasible at these parameters ("mass 1 = 0, must be > 0"); empty if
+/// it is feasible. Simulator::simulate returns Outcome::impossible for an infeasible chain, and if
+/// frequencies overflow.
 [[nodiscard]] std::string impossibility(const Chain& chain, std::span<const double> theta);
 
 /// The matrices of the linear part, n × n each.
@@ -57,22 +57,24 @@ struct LinearMatrices {
 /// Rates that limit a time step.
 struct Rates {
   double frequency = 0.0;  ///< upper bound of the highest natural frequency ω [rad/s]
-  /// Upper bound of the fastest decay, the largest eigenvalue of M⁻¹ C [1/s].
+  /// Upper bound of the largest decay rate, that is of the largest eigenvalue of M⁻¹ C [1/s].
   double damping = 0.0;
 };
 
-/// Gershgorin's bounds over the rows of M⁻¹ K and M⁻¹ C, with every law at its stiffest branch for
-/// extensions up to `extension[link]` [m] (empty: 0, so that a cubic spring does not count). Exact
-/// for one mass. See `paces` for rates that grow with the speed of a link.
+/// Gershgorin's bounds over the rows of M⁻¹ K and M⁻¹ C, with the largest slope of every law for
+/// extensions up to `extension[link]` [m]. If `extension` is empty, the extension is 0, and a cubic
+/// spring does not contribute. The bounds are exact for one mass. `paces` gives the rates that grow
+/// with the speed of a link.
 [[nodiscard]] Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                                    std::span<const double> extension = {});
 
-/// Whether the chain has a law whose rates grow with the speed of its link (LawInfo::paced).
+/// True if the chain has a law whose rates grow with the speed of its link (LawInfo::paced).
 [[nodiscard]] bool is_paced(const Chain& chain);
 
-/// This growth as one number per link [1/m]. At the speeds ė, the fastest rate of the paced laws (a
-/// damping rate, i.e. an eigenvalue of M⁻¹ C, or the rate of a law's internal state) is at most Σ
-/// pace[link] |ė_link| [1/s], with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed).
+/// Computes the growth of rates with speed, one number per link [1/m]. At the speeds ė, the fastest
+/// rate of the paced laws is at most Σ pace[link] |ė_link| [1/s], with pace = Σ laws (∂²T/∂ė²
+/// (1/m_a + 1/m_b) + memory_per_speed). A rate is a damping rate (an eigenvalue of M⁻¹ C) or the
+/// rate of a law's internal state.
 void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace);
 
 }  // namespace wheeltap::dynamics

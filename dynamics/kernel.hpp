@@ -30,7 +30,7 @@ struct DriveTerm {
   int slot = 0;  ///< scale, offset
 };
 
-/// One sensor. Predicted value: relative motion + base_scale · base[n] + base_offset.
+/// One sensor. Its predicted value is the relative motion + base_scale · base[n] + base_offset.
 struct SensorTerm {
   int mass = 0;
   int quantity = 0;              ///< time derivatives
@@ -68,7 +68,8 @@ struct Task {
   const double* coefficients = nullptr;
   double* scratch = nullptr;  ///< scratch_size(…) · W doubles
   double* sums = nullptr;     ///< [sensor][lane]; null: store the trajectory
-  /// [sensor][lane], or null. A lane whose weighted sum exceeds its limit, [lane], fails at once.
+  /// `weights` is [sensor][lane] or null, `limits` [lane]. A lane whose weighted sum exceeds its
+  /// limit fails at once.
   const double* weights = nullptr;
   const double* limit = nullptr;
   double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]
@@ -91,7 +92,7 @@ constexpr int scratch_size(int masses, int inputs, int sensors) {
   return 3 * n * n + masses * (n + inputs) + 4 * n * inputs + sensors * (n + inputs) + inputs + n;
 }
 
-/// The same for the exact solution between switches.
+/// Vectors of scratch memory that the exact solution between switches needs.
 constexpr int scratch_size(int masses, int inputs, int sensors, int thresholds) {
   const int n = 2 * masses;
   return scratch_size(masses, inputs + 1, sensors) + inputs +

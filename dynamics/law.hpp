@@ -10,8 +10,7 @@
 
 namespace wheeltap::dynamics {
 
-/// A number of the model: a constant, or entry `parameter` of the parameter vector of each
-/// evaluation.
+/// A coefficient of the model: a constant, or the entry `parameter` of the parameter vector.
 struct Coefficient {
   double value = 0.0;
   int parameter = -1;  ///< index into the parameter vector, or -1 for the constant `value`
@@ -35,7 +34,8 @@ enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
 
-/// Role of a coefficient in its law. With it, the motion of a link gives the coefficient a scale.
+/// Role of a coefficient in its law. From the role and the motion of the link follows the scale of
+/// the coefficient.
 struct LawRole {
   enum class Kind {
     other,      ///< no scale
@@ -50,7 +50,7 @@ constexpr LawRole factor_of(int p, int q = 0) {
 }
 
 /// One coefficient of a law: its name in a case file, SI unit, role, default value, the bounds
-/// within which the law makes sense, and texts for readers.
+/// within which it is feasible, and descriptions for the documentation.
 struct LawCoefficient {
   std::string_view name;
   std::string_view unit;
@@ -79,7 +79,7 @@ struct LawInfo {
   std::string_view notes = {};   ///< further advice, whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
   bool one_sided =
-      false;            ///< has a side; defined for opening, closing is T(e, ė) = -T_open(-e, -ė)
+      false;            ///< one-sided; defined for opening, for closing T(e, ė) = -T_open(-e, -ė)
   bool memory = false;  ///< has an internal state
   bool paced = false;   ///< has rates that grow with the speed of its link (Slopes)
 
@@ -90,7 +90,7 @@ struct LawInfo {
   }
 };
 
-/// Data for the choice of the time step: the largest slopes of a law over |e| <= e_max, and for a
+/// Bounds for the choice of the time step: the largest slopes of a law for |e| <= e_max, and for a
 /// paced law their growth with |ė|.
 struct Slopes {
   double stiffness = 0.0;          ///< |∂T/∂e| [N/m]
@@ -99,7 +99,7 @@ struct Slopes {
   double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's internal state [1/m]
 };
 
-/// A list of types, here of laws.
+/// A list of laws as types.
 template <class... Laws>
 struct TypeList {
   static constexpr int kSize = static_cast<int>(sizeof...(Laws));

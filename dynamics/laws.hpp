@@ -10,33 +10,34 @@
 
 namespace wheeltap::dynamics {
 
-/// Whether a law is linear on both sides of a threshold, so that the chain has an exact solution
+/// True if a law is linear on both sides of a threshold, so that the chain has an exact solution
 /// between switches.
 template <class Law>
 inline constexpr bool kPiecewiseLinear = Law::kInfo.one_sided&& requires(const double* c) {
   Law::threshold(c);
 };
 
-/// Whether a law is a power of the extension.
+/// True if a law is a power of the extension.
 template <class Law>
 inline constexpr bool kPolynomial = requires {
   Law::kPower;
 };
 
-/// Whether a law is friction, which may be exact.
+/// True if a law is a friction law, which may be exact.
 template <class Law>
 inline constexpr bool kFriction = requires(const double* c) {
   Law::friction(c);
   Law::kCreep;
 };
 
-/// Whether a law is exact dry friction: its creep speed is the constant 0.
+/// True if a law is exact dry friction: its creep speed is the constant 0.
 [[nodiscard]] bool is_dry(const Law& law);
-/// Whether a creep speed given by a parameter is 0 at these coefficients. Stick and slip of such
-/// friction are not located, and no step would be short enough.
+/// True if a creep speed given by a parameter is 0 at these coefficients. Such a case is
+/// infeasible: the stick-slip events of friction with a creep speed are not located, and no step
+/// would be short enough.
 [[nodiscard]] bool has_zero_creep_speed(const Law& law, const double* c);
 
-/// Whether coefficients [N, m, s …] are feasible for a law: each is finite and within its bounds,
+/// True if coefficients [N, m, s …] are feasible for a law: each is finite and within its bounds,
 /// and all together satisfy `feasible`, if the law has it.
 template <class L>
 [[nodiscard]] bool is_feasible(const double* c) {
@@ -46,19 +47,19 @@ template <class L>
   return true;
 }
 
-/// The same for the law of this kind.
+/// True if the coefficients are feasible for the law with the index `kind`.
 [[nodiscard]] bool is_feasible(int kind, const double* c);
 
 /// The descriptions of all laws, in the order of Law::kind.
 [[nodiscard]] std::span<const LawInfo> law_infos();
 
-/// Makes the law called `name`, with coefficients in the order of its LawInfo; missing ones at the
-/// end get their default. Throws std::invalid_argument for an unknown name, too many or too few
-/// coefficients.
+/// Creates the law called `name`, with coefficients in the order of its LawInfo. Coefficients
+/// missing at the end get their default values. Throws std::invalid_argument for an unknown name,
+/// too many or too few coefficients.
 [[nodiscard]] Law make_law(std::string_view name, std::span<const Coefficient> coefficients,
                            Side side = Side::opening);
 
-/// The same by type: make_law<laws::Contact>({kl, gap}, Side::closing).
+/// Creates a law from its type: make_law<laws::Contact>({kl, gap}, Side::closing).
 template <class L>
 [[nodiscard]] Law make_law(std::initializer_list<Coefficient> coefficients,
                            Side side = Side::opening) {

@@ -1,4 +1,4 @@
-// The law of a link as a curve of tension against extension or its rate.
+// The tension of a link as a function of its extension and of the rate of extension.
 #pragma once
 
 #include <span>

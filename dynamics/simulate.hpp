@@ -28,11 +28,11 @@ struct Force {
   Signal signal = {};
 };
 
-/// Motion of mass 0; acceleration, displacement or both. Without an acceleration [m/s²], it follows
-/// from the natural cubic spline through the displacement. It is then linear between samples, as
-/// every excitation, and the displacement is its exact double integral. The displacement [m] (and
-/// the spline's velocity) also converts relative motion to absolute. The offset of a displacement
-/// affects only absolute displacements.
+/// Motion of the base (mass 0): acceleration, displacement or both. If the acceleration [m/s²] is
+/// not given, it is that of the natural cubic spline through the displacement. It is then linear
+/// between samples like every excitation, and the displacement is its exact double integral. The
+/// displacement [m] and the velocity of the spline also convert relative to absolute motion. The
+/// offset of a displacement affects only absolute displacements.
 struct BaseMotion {
   Signal acceleration = {};
   Signal displacement = {};
@@ -59,8 +59,9 @@ struct InitialState {
 };
 
 enum class Integrator {
-  /// Exact or piecewise if applicable. Series if a law switches, a link sticks and slips, or
-  /// prefer_series is set. Otherwise, or with a fixed number of substeps, Runge-Kutta.
+  /// Chooses the exact solution or `piecewise` if applicable. Chooses series if a law switches, a
+  /// link sticks and slips, or prefer_series is set. Otherwise, or if the number of substeps is
+  /// fixed, chooses Runge-Kutta.
   automatic,
   /// The classical fourth-order scheme; steps end where a link with exact friction comes to rest or
   /// breaks away.
@@ -74,11 +75,11 @@ enum class Integrator {
   series
 };
 
-/// The vector instructions to use. All give bitwise equal results.
+/// The vector instructions to use; results are bitwise equal for all.
 using base::Instructions;
 
 inline constexpr int kMaxSubsteps = 4096;
-/// Limit for steps that adapt to the motion, in its fastest sample.
+/// Largest number of steps in one sample if the steps adapt to the motion.
 inline constexpr int kMaxPacedSubsteps = 4 * kMaxSubsteps;
 
 struct SimulatorOptions {
@@ -86,13 +87,13 @@ struct SimulatorOptions {
   /// For `automatic`: use series instead of Runge-Kutta. The error per period is 1e-9 instead of
   /// 1e-5, at two to three times the cost.
   bool prefer_series = false;
-  /// Runge-Kutta steps between two samples of the excitation. 0: chosen for every parameter vector,
-  /// as the next of 1, 2, 3, 4, 6, 8, 12, … 4096 that satisfies ω h <= step_limit and γ h <= 1 for
-  /// the bounds of stiffest_rates, and γ h <= 5 step_limit if that is less. For laws whose rate
+  /// Number of Runge-Kutta steps between two samples of the excitation. 0: chosen for every
+  /// parameter vector, as the smallest of 1, 2, 3, 4, 6, 8, 12, … 4096 with ω h <= step_limit and γ
+  /// h <= min(1, 5 step_limit), where ω and γ are the bounds of stiffest_rates. For laws whose rate
   /// grows with the speed of their link (LawInfo::paced), these steps shorten with the motion, up
-  /// to kMaxPacedSubsteps, so that the product of their rate and a step is at most 1 and at
-  /// most 5 step_limit. A vector that needs more steps fails. For `series` and `piecewise`, this is
-  /// the number of pieces per sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
+  /// to kMaxPacedSubsteps, so that the product of their rate and a step is at most 1 and at most 5
+  /// step_limit. A parameter vector that needs more steps fails. For `series` and `piecewise`, this
+  /// is the number of pieces per sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
   /// One step of length h shifts a frequency ω by the factor 1 - (ω h)⁴/120 and adds a damping
   /// ratio (ω h)⁵/144: 1.3e-5 and 2.2e-6 at 0.2.
@@ -102,19 +103,20 @@ struct SimulatorOptions {
   int refinement = 1;
   /// The extension [m] of each link up to which stiffest_rates considers nonlinear laws; empty: 0.
   std::vector<double> extension = {};
-  /// Every `stride`-th sample of the excitation is a sample of the response (for an excitation that
-  /// was upsampled by that factor).
+  /// Every `stride`-th sample of the excitation is a sample of the response. Use this for an
+  /// excitation that was upsampled by this factor.
   int stride = 1;
   /// A trajectory with a larger relative displacement [m] counts as diverged.
   double displacement_bound = 1e6;
   Instructions instructions = Instructions::automatic;
 };
 
-/// How an integration ended.
+/// Outcome of an integration.
 enum class Outcome {
   complete,
   impossible,  ///< infeasible parameters: a mass <= 0, a gap < 0
-  /// The maximum number of steps is exceeded, or a given number was too small for stability.
+  /// The maximum number of steps is exceeded, or the given number of steps is too small for
+  /// stability.
   steps_too_long,
   diverged  ///< the displacement bound is exceeded, or a value is not finite
 };
@@ -126,19 +128,19 @@ struct Response {
   int substeps = 0;     ///< steps per sample, where taken; 0 for the exact solution
 };
 
-/// Whether Integrator::series can integrate the chain.
+/// True if Integrator::series can integrate the chain.
 [[nodiscard]] bool has_series(const Chain& chain);
 
 /// Integrates one chain for many parameter vectors. Forces and base acceleration are linear between
-/// samples (first-order hold); the initial state applies at the first sample; accelerations are
-/// those of the equation of motion at the sample. Immutable, so that any number of threads may
-/// share one.
+/// samples (first-order hold); the initial state applies at the first sample. Accelerations follow
+/// from the equation of motion at the sample. The object is immutable, and any number of threads
+/// may share it.
 class Simulator {
  public:
   /// Throws std::invalid_argument for an invalid chain, masses that do not exist, an exact solution
   /// of a nonlinear chain, and excitation signals of unequal length or with values that are not
-  /// finite. Also for an absolute displacement or velocity of a base-driven chain without base
-  /// displacement.
+  /// finite. Also throws it for a sensor of absolute displacement or velocity if the base
+  /// acceleration is given without the base displacement.
   Simulator(Chain chain, Excitation excitation, std::vector<Sensor> sensors,
             InitialState initial = {}, SimulatorOptions options = {});
 
@@ -149,14 +151,14 @@ class Simulator {
   [[nodiscard]] const std::vector<Sensor>& sensors() const;
   [[nodiscard]] int samples() const;     ///< number in the response
   [[nodiscard]] int parameters() const;  ///< minimum length of a parameter vector
-  /// Steps (or pieces) per sample for these parameters; 0 for the exact solution, -1 for infeasible
-  /// ones.
+  /// Number of steps (or pieces) per sample for these parameters; 0 for the exact solution, -1 for
+  /// infeasible parameters.
   [[nodiscard]] int substeps(std::span<const double> theta) const;
 
-  /// The same with steps shorter by `factor`, to estimate the truncation error. Throws
+  /// This simulator with steps shorter by `factor`, to estimate the truncation error. Throws
   /// std::invalid_argument if fixed substeps would exceed kMaxSubsteps.
   [[nodiscard]] Simulator refined(int factor) const;
-  /// The same chain under the same excitation with other sensors and options.
+  /// A simulator of the same chain and excitation with other sensors and options.
   [[nodiscard]] Simulator with(std::vector<Sensor> sensors, SimulatorOptions options) const;
 
   [[nodiscard]] Response simulate(std::span<const double> theta) const;
@@ -174,12 +176,12 @@ class Simulator {
 class Misfit {
  public:
   /// `observed[c]` belongs to sensor c and has as many samples as the response. The first `lead_in`
-  /// samples are integrated and not scored. Throws std::invalid_argument otherwise, and for scored
-  /// values that are not finite.
+  /// samples are integrated but not scored. Throws std::invalid_argument for other numbers of
+  /// samples, and for scored values that are not finite.
   Misfit(Simulator simulator, std::vector<Signal> observed, int lead_in = 0);
 
   [[nodiscard]] const Simulator& simulator() const;
-  /// The same for the refined simulator (Simulator::refined).
+  /// The misfit of the refined simulator (Simulator::refined) to the same data.
   [[nodiscard]] Misfit refined(int factor) const;
   [[nodiscard]] int channels() const;
   [[nodiscard]] int samples() const;     ///< scored samples of each channel
@@ -192,8 +194,9 @@ class Misfit {
   /// in the first call of a thread.
   void sums_of_squares(std::span<const double> thetas, int sets, std::span<double> out) const;
 
-  /// The same, but also +∞ for a vector whose Σ_c weights[set · channels() + c] S_c exceeds
-  /// limits[set]. Its integration ends at once, so that vectors with a poor fit cost little.
+  /// Computes the sums of squares, with +∞ also for a vector whose Σ_c weights[set · channels() +
+  /// c] S_c exceeds limits[set]. The integration of such a vector ends at once, so that vectors
+  /// with a large misfit need little time.
   void sums_of_squares_within(std::span<const double> thetas, int sets,
                               std::span<const double> weights, std::span<const double> limits,
                               std::span<double> out) const;
@@ -212,7 +215,7 @@ class Misfit {
   /// sums_of_squares.
   void residuals(std::span<const double> thetas, int sets, std::span<double> out,
                  std::span<char> done) const;
-  /// Whether a residual depends on entry `parameter` of the parameter vector.
+  /// True if a residual depends on entry `parameter` of the parameter vector.
   [[nodiscard]] bool depends_on(int parameter) const;
 
  private:

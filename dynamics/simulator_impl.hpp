@@ -28,21 +28,21 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 /// links.
 [[nodiscard]] std::vector<std::pair<int, int>> frictions(const Chain& chain);
 
-/// Limits γ h <= 1 for damping rates γ; for a lower step limit, these steps are shorter in
-/// proportion.
+/// Step limit at which damping rates γ satisfy γ h <= 1; a lower step limit reduces the limit of γ
+/// h in proportion.
 inline constexpr double kUsualStepLimit = 0.2;
 
-/// Step parameters that the vectors of a group must share.
+/// Step parameters that must be equal for all parameter vectors of a group.
 struct Key {
   int substeps = 0, halvings = 0, degree = 0;
   auto operator<=>(const Key&) const = default;
 };
 
 inline constexpr Key kInfeasible{-1, -1, -1};
-/// More than kMaxSubsteps steps would be needed.
+/// Key of a parameter vector that would need more than kMaxSubsteps steps.
 inline constexpr Key kTooManySteps{-2, -1, -1};
 
-/// Outcome of one set, and its lane in the memory of `task`.
+/// Outcome of one parameter set, and its lane in the memory of `task`.
 struct Lane {
   std::size_t set = 0;
   Key key;

@@ -7,7 +7,7 @@
 
 namespace wheeltap::dynamics {
 
-/// The change is the largest over the sensors of
+/// Criterion of step halving. The change of a response is the largest value over the sensors of
 ///
 ///   ‖r - r'‖ / ‖r'‖,   r' the response with steps half as long.
 struct StepCheck {
@@ -17,18 +17,19 @@ struct StepCheck {
 };
 
 struct CheckedResponse {
-  /// Unlike for a single integration, the outcome is `diverged` only if the response also diverges
-  /// with steps a quarter as long; else it is `steps_too_long`.
+  /// The outcome is `diverged` only if the response also diverges with steps a quarter as long;
+  /// otherwise it is `steps_too_long`.
   Response response;
   double change = 0.0;  ///< 0 for the exact solution, which has no truncation error
-  /// Options of this response: extensions of its links, and the step limit that sufficed.
+  /// Options with which the response was computed: extensions of the links, and the sufficient step
+  /// limit.
   SimulatorOptions options;
 };
 
-/// The response of the simulator's chain with steps chosen for this motion. A first pass gives the
-/// extensions for its nonlinear laws; then steps are halved (or series used, if the laws allow) as
-/// StepCheck specifies. If the simulator's options fix the number of substeps, it is kept, and the
-/// result gives the change only.
+/// Computes the response of the simulator's chain with steps that suit this motion. A first
+/// simulation gives the extensions of the nonlinear laws. Then the steps are halved as StepCheck
+/// specifies, or series are used if the laws allow. If the options fix the number of substeps, the
+/// steps remain, and only the change is computed.
 [[nodiscard]] CheckedResponse checked_response(const Simulator& simulator,
                                                std::span<const double> theta,
                                                const StepCheck& check = {});

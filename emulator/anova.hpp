@@ -1,5 +1,5 @@
-// ANOVA emulator: responses for many components from tables for one and two, at a cost independent
-// of their number.
+// ANOVA emulator: computes responses for many components from tables for one and two components.
+// The number of table runs does not depend on the number of components.
 #pragma once
 
 #include <vector>
@@ -30,8 +30,8 @@ enum class Additive {
 ///   g_i = G_1(c_i) - g_0,  g_ij = G_2(c_i, c_j) - G_1(c_i) - G_1(c_j) + g_0,
 /// which, with G_1 and G_2 the values for one and for two components, is
 ///   g ≈ Σ_{i<j} G_2(c_i, c_j) - (k - 2) Σ_i G_1(c_i) + ½ (k - 1)(k - 2) g_0.
-/// Exact for no, one and two components (as exact as G_1 and G_2). For three and more, the
-/// third-order remainder is neglected; `validate` measures it.
+/// For up to two components, the result is as accurate as G_1 and G_2. For three and more, the
+/// terms of third and higher order are neglected; `validate` measures the error.
 class AnovaEmulator {
  public:
   /// `baseline`: the responses without components. `single` predicts for the m factors of one

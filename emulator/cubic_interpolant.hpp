@@ -16,22 +16,23 @@ enum class AxisRule {
 /// Interpolates along the last factor first, on every line of the local stencil, then along the
 /// preceding one, and so on. In one dimension, between levels s_0 < s_1 a distance h apart,
 ///   p(t) = y_0 + t h [d_0 + t (3Δ - 2d_0 - d_1 + t (d_0 + d_1 - 2Δ))],  Δ = (y_1 - y_0)/h,
-/// with d the parabolas' slopes (one-sided at the ends of the range). The rule monotone_cubic sets
-/// d to 0 where the secants on its sides differ in sign, and limits it to three times the smaller
-/// secant, which suffices for a monotone piece (Fritsch & Carlson 1980, Monotone piecewise cubic
-/// interpolation, section 3). The result is exact at
-/// nodes. The rule cubic reproduces parabolas, monotone_cubic those that need no limit. The error
-/// is of third order in the spacing for smooth data, and of second order where monotone_cubic
-/// flattens an extremum: use cubic along a factor with oscillating responses. A factor exactly on a
-/// level costs nothing. Evaluations do not allocate and may run in several threads at once.
+/// where d are the slopes of the parabolas through three neighbouring levels (one-sided at the ends
+/// of the range). The rule monotone_cubic sets d to 0 where the secants on both sides differ in
+/// sign. Otherwise it limits d to three times the smaller secant, which is sufficient for a
+/// monotone piece (Fritsch & Carlson 1980, Monotone piecewise cubic interpolation, section 3). The
+/// result is exact at nodes. The rule cubic reproduces parabolas; monotone_cubic reproduces them
+/// where the limit does not apply. The error is of third order in the spacing for smooth data, and
+/// of second order where monotone_cubic flattens an extremum: use cubic along a factor with
+/// oscillating responses. A factor whose value is exactly a level needs no interpolation.
+/// Evaluations do not allocate memory and may run in several threads at once.
 class CubicInterpolant final : public Interpolant {
  public:
   /// Largest number of stencil nodes (4 per cubic factor, 2 per linear one) in an evaluation.
   static constexpr std::size_t kMostNodes = 4096;
 
   /// `values`: runs × responses, rows in the order of `full_factorial(factors)`; `rules`: one per
-  /// factor. Throws std::invalid_argument as `grid_axes` does, for another number of rules, and for
-  /// a stencil of more than kMostNodes.
+  /// factor. Throws the exceptions of `grid_axes`, and std::invalid_argument for a wrong number of
+  /// rules or a stencil of more than kMostNodes.
   CubicInterpolant(std::vector<Factor> factors, RowMatrix values, std::vector<AxisRule> rules);
 
   /// All responses at x. Throws std::out_of_range outside the box, as MultilinearInterpolant does.
@@ -51,9 +52,10 @@ class CubicInterpolant final : public Interpolant {
   std::vector<AxisRule> rules_;
 };
 
-/// Cubic along factors with oscillating responses, monotone along the others.
+/// Uses the rule cubic along factors with oscillating responses, and monotone_cubic along the
+/// others.
 extern const InterpolantType kCubic;
-/// Monotone along every factor.
+/// Uses the rule monotone_cubic along every factor.
 extern const InterpolantType kMonotoneCubic;
 
 }  // namespace wheeltap::emulator

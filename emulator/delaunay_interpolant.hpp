@@ -12,11 +12,12 @@ namespace wheeltap::emulator {
 
 /// Continuous and linear on every simplex of the Delaunay triangulation of the runs (in the
 /// factors' scale coordinates, each range mapped to [0, 1]). In the simplex with vertices v_0 … v_d
-/// that contains x,  f(x) = Σ λ_i f(v_i),  Σ λ_i v_i = x,  Σ λ_i = 1,  λ_i >= 0.  Exact at the
-/// runs; reproduces functions linear in the scale coordinates; the error is of second order in the
-/// distance between runs. CGAL triangulates with exact predicates. A lookup walks from a simplex
-/// near x towards it (Devillers, Pion & Teillaud 2002, Walking in a triangulation), in
-/// floating-point arithmetic and without allocation. Several threads may evaluate it at once.
+/// that contains x, f(x) = Σ λ_i f(v_i), Σ λ_i v_i = x, Σ λ_i = 1, λ_i >= 0. Exact at the runs;
+/// reproduces functions linear in the scale coordinates; the error is of second order in the
+/// distance between runs. CGAL triangulates with exact predicates. The simplex that contains x is
+/// found by stepping through adjacent simplices from a nearby one (Devillers, Pion & Teillaud 2002,
+/// Walking in a triangulation), in floating-point arithmetic and without allocation. Several
+/// threads may evaluate it at once.
 class DelaunayInterpolant final : public Interpolant {
  public:
   /// The number of simplices grows steeply with the dimension.
@@ -25,15 +26,16 @@ class DelaunayInterpolant final : public Interpolant {
   /// `points`: runs × factors, `values`: runs × responses. Throws std::invalid_argument for invalid
   /// factors or more than kMostFactors, shapes that disagree, points outside the factors' ranges,
   /// duplicate points, values that are not finite, and points that all lie in a hyperplane (or are
-  /// fewer than d + 1). Also for full-factorial grids in two or more factors, whose cospherical
-  /// cells make the triangulation arbitrary: use MultilinearInterpolant there.
+  /// fewer than d + 1). Also throws it for full-factorial grids of two or more factors, because the
+  /// corners of a cell lie on a sphere and their triangulation is arbitrary; use
+  /// MultilinearInterpolant for grids.
   DelaunayInterpolant(std::vector<Factor> factors, const RowMatrix& points, RowMatrix values);
 
   /// All responses at x. Throws std::out_of_range, naming the point, if it lies outside the convex
   /// hull of the runs or is NaN; std::invalid_argument for wrong sizes.
   void evaluate(std::span<const double> x, std::span<double> out) const override;
 
-  /// Whether x is inside the convex hull of the runs.
+  /// True if x is inside the convex hull of the runs.
   [[nodiscard]] bool contains(std::span<const double> x) const override;
   [[nodiscard]] std::size_t simplices() const { return simplices_.size() / (dimension() + 1); }
   [[nodiscard]] const std::vector<Factor>& factors() const { return factors_; }

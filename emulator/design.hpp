@@ -13,9 +13,9 @@ namespace wheeltap::emulator {
 /// One run or one design point per row, so that a row is contiguous.
 using RowMatrix = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// The coordinate s(x) in which an interpolant works along one factor; strictly monotone in x. A
-/// frequency is nearly linear in the compliance of a damage, s(r) = 1/(1-r). A few levels of a
-/// reduction r therefore interpolate far better in s than in r.
+/// The transformation s(x) of one factor, strictly monotone, in which interpolants work. A
+/// frequency is nearly linear in the compliance of a damage, s(r) = 1/(1-r). With few levels of a
+/// stiffness reduction r, interpolation in s is therefore far more accurate than in r.
 enum class Scale {
   linear,      ///< s = x
   compliance,  ///< s = 1/(1-x), x < 1: x is a stiffness reduction
@@ -48,7 +48,7 @@ struct Factor {
 /// and its scale is defined on them.
 void check_factors(const std::vector<Factor>& factors, std::size_t least_levels = 2);
 
-/// Whether x has one value per factor, each within its factor's range (false for NaN).
+/// True if x has one value per factor, each within its factor's range (false for NaN).
 [[nodiscard]] bool contains(const std::vector<Factor>& factors, std::span<const double> x);
 
 /// Throws std::invalid_argument if x does not have one value per factor, and std::out_of_range,
@@ -84,8 +84,8 @@ struct Design {
 /// uniform in each factor's scale, with a random digital shift drawn from `seed`.
 [[nodiscard]] Design sobol(std::vector<Factor> factors, Eigen::Index n, std::uint64_t seed);
 
-/// The design followed by those of the 2^d corners of its box that it lacks, so that the convex
-/// hull of the runs is the whole box. Throws std::invalid_argument for more than 20 factors.
+/// The design, followed by those of the 2^d corners of its box that it does not contain. The convex
+/// hull of the runs is then the whole box. Throws std::invalid_argument for more than 20 factors.
 [[nodiscard]] Design with_corners(Design design);
 
 }  // namespace wheeltap::emulator

@@ -13,19 +13,19 @@ namespace wheeltap::emulator {
 
 /// Computes all responses at one point.
 using Model = std::function<void(std::span<const double> point, std::span<double> response)>;
-/// Makes a model for one thread at a time, so that each has its own workspace. Called at most once
+/// Creates the model of one thread, so that each thread has its own workspace. Called at most once
 /// per thread.
 using ModelFactory = std::function<Model()>;
 
 struct ExperimentOptions {
   int threads = 1;  ///< >= 1
-  /// File of finished runs (empty: none). If the file exists, its runs are reused. It stays after
-  /// the last run; the caller removes it once the result is safe.
+  /// File of finished runs (empty: none). If the file exists, its runs are reused. The file remains
+  /// after the last run; the caller removes it after it has stored the result.
   std::filesystem::path journal = {};
   /// Identity of the journal in addition to the design, e.g. the case as text.
   std::string identity = {};
-  /// Called after each run with (finished runs, all runs), one call at a time, from any thread; for
-  /// runs of other ranks after each twentieth of the design.
+  /// Called after each run with the numbers of finished runs and of all runs, by one thread at a
+  /// time. Runs of other ranks are counted after each twentieth of the design.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
 
@@ -48,9 +48,9 @@ class RunError : public std::runtime_error {
                                        const ModelFactory& factory,
                                        const ExperimentOptions& options = {});
 
-/// Part `part` of `parts` (0-based) of a design: its runs part, part + parts, part + 2 parts, …, to
-/// divide the work between machines. Throws std::invalid_argument unless 0 <= part < parts and the
-/// part has a run.
+/// A part of a design, to divide the work between machines: the runs part, part + parts, part + 2
+/// parts, … of part number `part` (from 0) out of `parts`. Throws std::invalid_argument unless 0 <=
+/// part < parts and the part has a run.
 [[nodiscard]] Design shard(const Design& design, Eigen::Index part, Eigen::Index parts);
 
 }  // namespace wheeltap::emulator

@@ -39,9 +39,9 @@ struct LogLikelihood {
 
 struct GaussianProcessOptions {
   Kernel kernel = Kernel::matern52;
-  /// One set of lengths for all responses: an evaluation costs as much as for one response.
-  /// Otherwise each response has its own, which is more accurate if responses oscillate with
-  /// different lengths.
+  /// Use one set of correlation lengths for all responses; an evaluation then takes as long as for
+  /// one response. Otherwise each response has its own lengths, which is more accurate if responses
+  /// oscillate with different wavelengths.
   bool shared_lengths = false;
   /// Also fit the nugget, for runs with noise. Otherwise the nugget is the smallest that is
   /// numerically stable, and the process interpolates.
@@ -57,37 +57,38 @@ struct GaussianProcessOptions {
 /// Ordinary Kriging with constant mean β, for each response
 ///   f(x) | y ~ N(β + rᵀR⁻¹(y - β),  σ² [1 - rᵀR⁻¹r + (1 - 1ᵀR⁻¹r)² / 1ᵀR⁻¹1]),  r = k(X, x)
 /// (the last term is the uncertainty of β; Rasmussen & Williams 2006, section 2.7). A nugget of at
-/// least 1e-12 (Matérn; 1e-8 with the squared exponential) keeps R positive definite; it is
-/// multiplied by ten as often as the factorisation requires. Several threads may evaluate it at
-/// once.
+/// least 1e-12 (Matérn) or 1e-8 (squared exponential) keeps R positive definite. It is multiplied
+/// by ten until the factorisation succeeds. Several threads may evaluate it at once.
 class GaussianProcess final : public Interpolant {
  public:
-  /// Fits lengths (and nugget) to runs by maximum marginal likelihood. The best of several common
-  /// lengths is the start of a quasi-Newton search with the analytic gradient. `points` (runs ×
-  /// factors) must lie in the factors' ranges. Throws std::invalid_argument for fewer than two
-  /// runs, shapes that disagree, points outside the ranges or values that are not finite.
+  /// Fits the lengths (and the nugget) to the runs by maximum marginal likelihood. A quasi-Newton
+  /// search with the analytic gradient starts from the best of several lengths that are equal for
+  /// all factors. `points` (runs × factors) must lie in the factors' ranges. Throws
+  /// std::invalid_argument for fewer than two runs, shapes that disagree, points outside the ranges
+  /// or values that are not finite.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   const GaussianProcessOptions& options = {});
 
   /// Uses `parameters()` of an earlier fit to the same runs, without fitting. Throws
-  /// std::invalid_argument as above, and unless `parameters` has 1 or `responses` rows of d + 1
-  /// positive numbers.
+  /// std::invalid_argument for invalid runs like the other constructor, and if `parameters` does
+  /// not have 1 or `responses` rows of d + 1 positive numbers.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   Kernel kernel, const RowMatrix& parameters);
   ~GaussianProcess() override;
   GaussianProcess(GaussianProcess&&) noexcept;
   GaussianProcess& operator=(GaussianProcess&&) noexcept;
 
-  /// Means of all responses at x. Throws std::out_of_range outside the factors' box, as the other
-  /// interpolants do: there is no extrapolation.
+  /// Writes the means of all responses at x. Throws std::out_of_range outside the box of the
+  /// factors, since interpolants do not extrapolate.
   void evaluate(std::span<const double> x, std::span<double> mean) const override;
-  /// Also gives the variances of the model's response, without the noise of the runs.
+  /// Writes means and variances of the model's responses at x; the variances exclude the noise of
+  /// the runs.
   void evaluate(std::span<const double> x, std::span<double> mean,
                 std::span<double> variance) const override;
 
-  /// Uses the fitted lengths, nugget and variance, and estimates β for each omission (Dubrule 1983,
-  /// Cross validation of Kriging in a unique neighborhood): with Q = R⁻¹ - R⁻¹1 1ᵀR⁻¹ / 1ᵀR⁻¹1, the
-  /// residual of run i is [Q y]_i / Q_ii, its variance σ² / Q_ii.
+  /// Uses the fitted lengths, nugget and variance, and estimates β again without each run (Dubrule
+  /// 1983, Cross validation of Kriging in a unique neighborhood): with Q = R⁻¹ - R⁻¹1 1ᵀR⁻¹ /
+  /// 1ᵀR⁻¹1, the residual of run i is [Q y]_i / Q_ii, its variance σ² / Q_ii.
   [[nodiscard]] LeaveOneOut leave_one_out() const override;
 
   /// One row per set of lengths (1, or one per response): ℓ_1 … ℓ_d, η.

@@ -9,7 +9,8 @@
 
 namespace wheeltap::emulator {
 
-/// One factor of a table stored as runs × responses, with the last factor varying fastest.
+/// One factor of a table. Values are stored as runs × responses, with the last factor varying
+/// fastest.
 struct GridAxis {
   Scale scale;
   std::vector<double> coordinates;  ///< s(level), increasing

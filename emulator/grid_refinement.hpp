@@ -1,4 +1,4 @@
-// Full-factorial grids that add levels only where the interpolant needs them.
+// Refines full-factorial grids: adds levels only where the interpolant is inaccurate.
 #pragma once
 
 #include <vector>
@@ -11,8 +11,8 @@ struct RefinementOptions {
   std::vector<double> tolerance;  ///< largest admissible error, one per response, in its unit, > 0
   const InterpolantType* interpolant = &kMultilinear;  ///< type of interpolant on the grid
   std::vector<bool> waves = {};                        ///< one per factor, see TrainingOptions
-  /// Per factor, the only admissible levels, increasing (e.g. element midpoints); empty: any value.
-  /// If the list itself is empty: any value for every factor.
+  /// The admissible levels of each factor, increasing (e.g. element midpoints); an empty entry
+  /// admits any value. An empty list admits any value of every factor.
   std::vector<std::vector<double>> candidates = {};
   Eigen::Index most_runs = 100'000;  ///< limit for the grid
   int probes = 24;  ///< points at which an interval is tested, on levels of the other factors
@@ -36,9 +36,9 @@ struct RefinedGrid {
 /// tolerance, since the errors of the d factors add to first order. If no interval fails, random
 /// points of the box check the grid, and the fraction 1/d is halved as long as they fail. No point
 /// is run twice. Ends with `reached` = false if the grid would exceed `most_runs` or candidates run
-/// out. Throws as `run_experiment` and the interpolant's training do, and std::invalid_argument for
-/// options whose sizes do not fit, a tolerance or count that is not positive, or candidates that do
-/// not increase.
+/// out. Throws the exceptions of `run_experiment` and of the training of the interpolant, and
+/// std::invalid_argument for options whose sizes do not fit, a tolerance or count that is not
+/// positive, or candidates that do not increase.
 [[nodiscard]] RefinedGrid refine_grid(const std::vector<Factor>& factors, Eigen::Index responses,
                                       const ModelFactory& factory,
                                       const RefinementOptions& options);

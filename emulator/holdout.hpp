@@ -14,16 +14,18 @@ struct HoldoutError {
 
   /// rmse / spread: 0 is exact, 1 equals predicting the mean.
   [[nodiscard]] double relative_rmse() const { return spread > 0 ? rmse / spread : 0.0; }
-  /// Whether Q² < 0.9, i.e. rmse/spread > 0.32. The error is then a third or more of the effect of
-  /// the factors, and two designs that differ by a standard deviation of the effect cannot be
-  /// distinguished at two to three sigma. Sensitivity studies also use Q² ≥ 0.9 for metamodels.
+  /// True if Q² < 0.9, i.e. rmse/spread > 0.32. The error is then at least a third of the standard
+  /// deviation of the response. Two points whose responses differ by one standard deviation of the
+  /// response cannot be distinguished at two to three standard errors. Sensitivity studies also
+  /// require Q² ≥ 0.9 of metamodels.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }
   [[nodiscard]] bool operator==(const HoldoutError&) const = default;
 };
 
-/// Errors per response, from truth and prediction (runs × responses each). If a response does not
-/// vary, Q² is 1 for an error within rounding (1e-12 of its size) and -∞ otherwise. Throws
-/// std::invalid_argument unless both have the same shape and at least two runs.
+/// Computes the errors of each response from the model's values and the predictions (runs ×
+/// responses each). If a response does not vary, Q² is 1 for an error within rounding (1e-12 of its
+/// size) and -∞ otherwise. Throws std::invalid_argument unless both have the same shape and at
+/// least two runs.
 [[nodiscard]] std::vector<HoldoutError> holdout_error(const RowMatrix& truth,
                                                       const RowMatrix& predicted);
 
@@ -35,8 +37,8 @@ struct StandardisedResiduals {
 };
 
 /// Statistics per response, from runs × responses each, for held-out runs or leave-one-out
-/// predictions. Runs predicted exactly with variance 0 are omitted; an error at variance 0 makes
-/// rms infinite. Throws std::invalid_argument for different shapes or no runs.
+/// predictions. Runs with variance 0 and an exact prediction are omitted; with variance 0 and an
+/// error, rms is infinite. Throws std::invalid_argument for different shapes or no runs.
 [[nodiscard]] std::vector<StandardisedResiduals> standardised_residuals(const RowMatrix& truth,
                                                                         const RowMatrix& mean,
                                                                         const RowMatrix& variance);
@@ -54,8 +56,9 @@ struct HoldoutOptions {
   ExperimentOptions experiment = {};
 };
 
-/// Runs the model at points uniform in the box of the factors' ranges and compares. Throws as
-/// run_experiment does, and std::invalid_argument for fewer than two runs.
+/// Runs the model at uniform random points in the box of the factors' ranges and compares the
+/// emulator with it. Throws the exceptions of run_experiment, and std::invalid_argument for fewer
+/// than two runs.
 [[nodiscard]] std::vector<HoldoutError> validate(const std::vector<Factor>& factors,
                                                  Eigen::Index responses,
                                                  const ModelFactory& factory,

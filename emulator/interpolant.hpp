@@ -13,7 +13,7 @@
 
 namespace wheeltap::emulator {
 
-/// Leave-one-out predictions: each run from all others.
+/// Leave-one-out predictions: each run is predicted from all other runs.
 struct LeaveOneOut {
   RowMatrix mean;      ///< runs × responses
   RowMatrix variance;  ///< variance of the omitted run, including its noise
@@ -28,13 +28,13 @@ class Interpolant {
   /// Writes all responses at x (one value per factor) to `out` (one value per response). Throws
   /// std::out_of_range for x outside `contains`: there is no extrapolation.
   virtual void evaluate(std::span<const double> x, std::span<double> out) const = 0;
-  /// Also gives the variances of the interpolation error. Throws std::logic_error if the type has
-  /// none.
+  /// Writes all responses at x and the variances of the interpolation error. Throws
+  /// std::logic_error if this type of interpolant gives no variances.
   virtual void evaluate(std::span<const double> x, std::span<double> out,
                         std::span<double> variance) const;
-  /// Whether x is in the domain.
+  /// True if x is in the domain of the interpolant.
   [[nodiscard]] virtual bool contains(std::span<const double> x) const = 0;
-  /// Empty if the type has none.
+  /// Leave-one-out predictions; empty if this type of interpolant does not compute them.
   [[nodiscard]] virtual LeaveOneOut leave_one_out() const { return {}; }
 
  protected:
@@ -47,8 +47,9 @@ class Interpolant {
 
 struct TrainingOptions {
   int threads = 1;
-  /// One per factor: whether responses oscillate along it, as those of a mode do with the location
-  /// of a damage; along the others, they are monotone. Empty: along none.
+  /// One entry per factor: true if responses oscillate along it, as mode frequencies do with the
+  /// location of a damage. Along the other factors they are monotone. Empty: monotone along all
+  /// factors.
   std::vector<bool> waves = {};
 };
 
@@ -64,8 +65,8 @@ struct InterpolantType {
   std::string_view words;  ///< display name, e.g. "Gaussian process"
   Runs runs = Runs::grid;  ///< scattered runs may be a grid; a grid may not be scattered
   std::size_t most_factors = std::numeric_limits<std::size_t>::max();
-  /// The domain is the convex hull of the runs instead of the whole box of the factors; designs for
-  /// it get the corners of the box.
+  /// True if the domain is the convex hull of the runs instead of the whole box of the factors. The
+  /// corners of the box are then added to designs.
   bool within_hull = false;
   bool slow = false;          ///< hundreds of microseconds per evaluation instead of a few
   bool has_variance = false;  ///< gives the variance of its error

@@ -64,7 +64,7 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
     throw io::FileError(Kind::foreign, path_, "is not a journal of runs");
   if (!fresh && !bytes.starts_with(header))
     throw io::FileError(Kind::mismatch, path_,
-                        "is the journal of another experiment: remove it to start anew");
+                        "is the journal of another experiment: remove it to start a new one");
 
   std::size_t end = header.size();
   for (; !fresh && end + record <= bytes.size(); end += record) {

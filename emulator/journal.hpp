@@ -23,17 +23,17 @@ class Journal {
     std::vector<double> response;
   };
 
-  /// One process writes at a time, or several do; records of several processes do not mix.
+  /// Use by one process or by several at a time; records of several processes do not interleave.
   enum class Use { alone, shared };
 
   /// Opens or creates the journal of an experiment with this identity and number of responses.
-  /// Throws FileError: foreign (not a journal), mismatch (of another experiment), unwritable (also
-  /// if another process has exclusive use).
+  /// Throws FileError: foreign if the file is not a journal, mismatch if it belongs to another
+  /// experiment, unwritable if it cannot be written or another process has exclusive use.
   Journal(std::filesystem::path path, std::string_view identity, std::size_t responses,
           Use use = Use::alone);
 
-  /// Removes the journal of any experiment, if there is one. Throws FileError (unwritable), without
-  /// removing, if it is not a journal or another process writes it.
+  /// Removes a journal, of whatever experiment, if it exists. Throws FileError (unwritable) without
+  /// removing the file if it is not a journal or another process writes to it.
   static void remove(const std::filesystem::path& path);
 
   /// The runs in the file when it was opened.

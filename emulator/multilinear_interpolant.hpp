@@ -9,7 +9,7 @@ namespace wheeltap::emulator {
 /// In the cell that contains x, with t_j ∈ [0, 1] the position of s_j(x_j) between its two levels,
 ///   f(x) = Σ over the 2^d corners c of  Π_j (c_j ? t_j : 1 - t_j) · f_c.
 /// Exact at every node; reproduces functions that are linear in each s_j separately. Evaluations do
-/// not allocate and may run in several threads at once.
+/// not allocate memory and may run in several threads at once.
 class MultilinearInterpolant final : public Interpolant {
  public:
   /// Largest number of factors: the 2^d corner weights are on the stack.

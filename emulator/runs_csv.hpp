@@ -23,12 +23,12 @@ namespace wheeltap::emulator {
 [[nodiscard]] Table parse_runs_csv(std::string bytes, const std::filesystem::path& name,
                                    std::vector<Factor> factors, const std::string& response_name);
 
-/// Reads such a file. Also throws FileError (missing).
+/// Reads a file of runs. Throws the exceptions of parse_runs_csv, and FileError (missing).
 [[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
                                   const std::string& response_name);
 
-/// The same runs as a grid, if the points are all combinations of their values, once each;
-/// otherwise std::nullopt.
+/// Converts scattered runs to a grid if their points are all combinations of the values, each once;
+/// otherwise returns std::nullopt.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
 
 }  // namespace wheeltap::emulator

@@ -40,9 +40,9 @@ struct TableFile {
   std::map<std::string, Table> tables;
 };
 
-/// Merges the shards of a design that was computed in several places: the result has every run that
-/// any of them has. Holdout errors, parameters and the tables' attributes are kept only if all
-/// shards agree on them. Scattered runs are concatenated without duplicates. Throws
+/// Merges the shards of a design that several machines have computed. The result contains every run
+/// that any shard contains. Holdout errors, parameters and the tables' attributes are kept only if
+/// all shards agree on them. Scattered runs are concatenated without duplicates. Throws
 /// std::invalid_argument if there are no shards, if their attributes "case" or "fingerprint", their
 /// tables, factors or responses differ, or if two of them have different values of a run.
 [[nodiscard]] TableFile merge(std::span<const TableFile> shards);

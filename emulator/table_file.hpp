@@ -36,7 +36,7 @@ struct TableReadOptions {
 [[nodiscard]] TableFile parse_table_file(std::string bytes, const std::filesystem::path& name,
                                          const TableReadOptions& options = {});
 
-/// Reads a table file. Also throws FileError (missing).
+/// Reads a table file. Throws FileError like parse_table_file, and if the file is missing.
 [[nodiscard]] TableFile read_table_file(const std::filesystem::path& path,
                                         const TableReadOptions& options = {});
 

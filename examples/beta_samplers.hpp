@@ -84,7 +84,8 @@ inline std::vector<double> rejection(int n, base::Random& random) {
 ///
 ///   μ₁ | μ₂ ~ (1 - μ₂) Beta(2, 2),   μ₂ | μ₁ ~ (1 - μ₁) Beta(1, 2).
 ///
-/// (With K = 2 components, which must sum to one, each would fix the other and nothing could move.)
+/// (With K = 2, one component determines the other, because they sum to one, so no update would be
+/// possible.)
 inline std::vector<double> gibbs(int n, base::Random& random) {
   const auto beta = [&](double a, double b) {
     const double x = random.gamma(a), y = random.gamma(b);
@@ -114,9 +115,9 @@ inline std::vector<double> metropolis_hastings(const std::function<double(double
   return draws;
 }
 
-/// A height under the density, an interval stepped out until both ends lie below it, and draws from
-/// the interval, shrunk to the current point at each that lies below (Neal 2003, Annals of
-/// Statistics 31:705).
+/// Slice sampling (Neal 2003, Annals of Statistics 31:705): draws a height below the density, steps
+/// out an interval until the density is below this height at both ends, and draws from the
+/// interval. A draw with a density below the height shrinks the interval towards the current point.
 inline std::vector<double> slice(const std::function<double(double)>& density, double start,
                                  double width, int n, base::Random& random) {
   std::vector<double> draws;

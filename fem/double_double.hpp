@@ -10,12 +10,12 @@ namespace wheeltap::fem {
 /// high + low with |low| <= ulp(high) / 2. The condition number of the element matrices grows with
 /// (elements)⁴ on fine meshes; 53 or 64 bits lose digits of the low modes, 106 bits keep them. Sums
 /// and products have a relative error of at most 2⁻¹⁰⁴ (Joldes, Muller & Popescu 2017, ACM Trans.
-/// Math. Softw. 44:15res, algorithms 6, 12 and 17). Needs round-to-nearest, no reordering of sums
-/// (-ffast-math), and |x| between 1e-250 and 1e250.
+/// Math. Softw. 44:15res, algorithms 6, 12 and 17). The class requires rounding to nearest,
+/// compilation without -ffast-math, and |x| between 1e-250 and 1e250.
 class DoubleDouble {
  public:
   constexpr DoubleDouble(double x = 0.0) : high_(x) {}  // NOLINT: a double is such a number
-  /// x rounded to 106 bits; exact for a long double of 64.
+  /// Converts x, rounded to 106 bits; the conversion is exact for a long double with 64 bits.
   static DoubleDouble from(long double x) {
     const auto high = static_cast<double>(x);
     return fast_sum(high, static_cast<double>(x - static_cast<long double>(high)));

@@ -13,7 +13,7 @@ namespace wheeltap::fem::detail {
 /// Proven relative error of a root, apart from rounding.
 inline constexpr double kConfirmed = 1e-12;
 
-/// The result of one evaluation for one root.
+/// Result of one evaluation of the secular problem for one root.
 struct Found {
   double lambda = 0.0;  ///< the Rayleigh quotient
   double radius = 0.0;  ///< an eigenvalue lies within it of lambda
@@ -44,10 +44,11 @@ struct SecularProblem {
 /// Finds the roots eight at a time, each in a lane of `SecularKernel`. The inertia of S brackets a
 /// root, and Rayleigh quotients converge to it quadratically from a first-order start.
 ///
-/// A root is accepted if r² / gap is at most 2e-13, with residual r and an estimated gap to the
-/// next eigenvalue. A proof follows afterwards. Each root has an interval that must contain an
-/// eigenvalue. If b of these intervals are disjoint and lie below a λ with b eigenvalues by
-/// inertia, each contains exactly one, and the distance to the other intervals is the gap. Thus
+/// A root is accepted if r² / gap is at most 2e-13, where r is the residual and gap an estimate of
+/// the distance to the next eigenvalue. Afterwards the error is proven. Each root has an interval
+/// that contains at least one eigenvalue. Suppose that b of these intervals are disjoint and lie
+/// below a λ, and that by inertia b eigenvalues lie below this λ. Then each interval contains
+/// exactly one eigenvalue, and its distance to the other intervals is the gap. Thus
 ///
 ///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
 ///   10.5)
@@ -56,13 +57,15 @@ struct SecularProblem {
 /// `kConfirmed`, counts at λ (1 ± kConfirmed) confirm it; if they disagree, bisection follows.
 class RootSearch {
  public:
-  /// Keeps pointers to the problem's memory; call it for each set of defects.
+  /// Sets the problem; must be called for each set of defects. Keeps pointers to the memory of the
+  /// problem.
   void set(const SecularProblem& problem, const SecularKernel& kernel);
 
   /// Writes eigenvalues first … lambda.size() - 1; the eigenvalues before `first` are zero.
   void find(int first, std::span<double> lambda);
 
-  /// The mode of one root: its coordinates at the two poles, and the forces η of `DefectColumns`.
+  /// The mode of one root: its components along the two nearest intact modes, and the forces η of
+  /// `DefectColumns`.
   struct Mode {
     int root;
     double lambda;
@@ -79,7 +82,7 @@ class RootSearch {
   void coordinates(const Mode& mode, double* coordinates) const;
 
  private:
-  /// The state of one root during refinement in one lane.
+  /// State of the refinement of one root in one lane.
   struct Search {
     int root = -1;   // 0-based index among the damaged eigenvalues; -1 when idle
     double z = 0.0;  // where the secular problem is evaluated next

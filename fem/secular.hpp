@@ -21,9 +21,9 @@ struct alignas(64) Pack {
 ///
 ///   S(λ) = J - Σ_j κ_j e_j e_jᵀ,   κ_j = s_j / (λ_j - λ) - 1,   e_j = c_j / √s_j,
 ///
-/// m × m. With s_j = λ_j, κ_j = λ / (λ_j - λ) vanishes with λ, and nothing cancels where a damage
-/// leaves almost no stiffness. For rigid-body modes s_j is the lowest elastic eigenvalue. J = S at
-/// κ = 0 is -1 for supports, which come first, and 1 for damages; `DefectColumns` scales the
+/// m × m. With s_j = λ_j, κ_j = λ / (λ_j - λ) tends to 0 with λ, and there is no cancellation if a
+/// damage leaves almost no stiffness. For rigid-body modes s_j is the lowest elastic eigenvalue. J
+/// = S at κ = 0 is -1 for supports, which come first, and 1 for damages; `DefectColumns` scales the
 /// columns c accordingly. The modes far above the wanted range, j >= `near`, enter through a
 /// Chebyshev series of κ / λ in λ over [0, cap], exact to rounding.
 struct Secular {
@@ -82,8 +82,8 @@ struct SecularScratch {
   Pack* forces = nullptr;        ///< 2 m, also a result: A⁻¹ e_p, then A⁻¹ e_{p+1}
 };
 
-/// The time-critical loops, compiled for one instruction set. All instruction sets give the same
-/// bits.
+/// The time-critical loops, compiled for one instruction set. Results are bitwise equal for all
+/// instruction sets.
 struct SecularKernel {
   const char* name;
 
@@ -119,10 +119,10 @@ extern const SecularKernel kAvx2Kernel;
 extern const SecularKernel kAvx512Kernel;
 #endif
 
-/// The fastest of the kernels that this processor runs.
+/// The fastest kernel that this processor can run.
 [[nodiscard]] const SecularKernel& secular_kernel();
 
-/// All kernels that this processor runs, null-terminated.
+/// All kernels that this processor can run, as a null-terminated list.
 [[nodiscard]] const SecularKernel* const* secular_kernels();
 
 }  // namespace wheeltap::fem::detail

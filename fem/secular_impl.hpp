@@ -1,6 +1,6 @@
 // The loops of secular.hpp for vectors of WHEELTAP_SECULAR_WIDTH doubles. Each file that includes
-// this is compiled for one instruction set. No operation depends on the width or is contracted to a
-// fused multiply-add, so every processor gives the same bits.
+// this is compiled for one instruction set. No operation depends on the vector width or is
+// contracted to a fused multiply-add, so the results are bitwise equal on every processor.
 
 #include <cstring>
 
@@ -103,7 +103,7 @@ inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_po
   }
 }
 
-/// H, N and the contribution B of the modes other than the poles to N.
+/// The 2 × 2 matrices H and N, and B, the part of N from the modes other than the poles.
 struct Small {
   Vec h11, h12, h22, n11, n12, n22, b11, b12, b22;
   Vec root1, root2;    // √s of the poles
@@ -117,7 +117,7 @@ inline void shape(const Small& k, const Vec& delta, double residual_factor, bool
   const Vec r11 = k.h11 - delta * k.n11, r12 = k.h12 - delta * k.n12, r22 = k.h22 - delta * k.n22;
   const Vec m11 = r11 < zero ? -r11 : r11, m22 = r22 < zero ? -r22 : r22;
   Vec x = m11 < m22 ? r22 : -r12, y = m11 < m22 ? -r12 : r11;
-  // At a double root, any two N-orthogonal vectors.
+  // At a double root, any two N-orthogonal vectors are valid.
   const auto none = (x == zero) & (y == zero);
   x = none ? (low ? zero + 1.0 : -k.n12) : x;
   y = none ? (low ? zero : k.n11) : y;
@@ -373,7 +373,7 @@ void subtract(double* to, const double* from, double factor, int size) {
   for (int j = 0; j < size; ++j) to[j] -= factor * from[j];
 }
 
-/// Like `dot`, with three factors.
+/// Σ_j a[j] b[j] w[j] with the same partial sums as `dot`.
 double weighted_dot(const double* a, const double* b, const double* w, int size) {
   constexpr int kParts = kLanes / kWidth;
   Vec part[kParts] = {};

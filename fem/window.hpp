@@ -1,12 +1,12 @@
-// Selects the intact modes that the secular function sums directly; the others use a series.
-// Internal.
+// Selects the intact modes that the secular function sums directly; a series represents the other
+// modes. Internal.
 #pragma once
 
 #include <vector>
 
 namespace wheeltap::fem::detail {
 
-/// The range of λ and the summation of S over it (`Secular`).
+/// A range of λ and the way in which S is summed in it (`Secular`).
 struct Window {
   int near = 0;
   int terms = 0;

@@ -1,4 +1,4 @@
-// The error for unusable input, with its place in the input.
+// The error for invalid input, with the place in the input.
 #pragma once
 
 #include <stdexcept>

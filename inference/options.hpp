@@ -11,7 +11,7 @@ namespace wheeltap::inference {
 
 struct Checkpoint;  // checkpoint.hpp
 
-/// Where allowed, 0 lets the engine choose.
+/// For some options, 0 means that the engine chooses the value.
 struct Options {
   std::uint64_t seed = 1;
   int chains = 4;
@@ -43,16 +43,16 @@ struct Options {
   bool tempered_draws = false;
 
   /// Climbs to modes of each model, each from a draw of its prior; 0: chosen by the engine, for a
-  /// fixed share of the run's likelihood calls. All n climbs miss a mode whose basin holds a share
-  /// p of the prior with probability (1 - p)^n: `Verdict::resolution`.
+  /// fixed share of the run's likelihood calls. If the basin of a mode holds a share p of the
+  /// prior, all n climbs miss the mode with probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
 
-  /// Draw from models weighted to be about equally probable, and reweight the draws
-  /// (Posterior::log_weight). Probabilities far from one half then have small relative errors, too.
+  /// Sample with model weights that make all models about equally probable, and reweight the draws
+  /// (Posterior::log_weight). Small probabilities then also have small relative errors.
   bool balance = false;
 
-  /// Folder for the draws of a run if they are too many for memory (DrawMemory); empty: keep them
-  /// in memory. Never changes a result.
+  /// Folder for draws that do not fit into memory (DrawMemory); empty: all draws are kept in
+  /// memory. This option does not change results.
   std::filesystem::path draws_folder = {};
 
   struct Progress {
@@ -66,12 +66,12 @@ struct Options {
   /// Called from one thread at a time, a few times per second. Returning false stops the run early.
   /// Existing draws are kept; if there are none, the result has draws based on the mode searches.
   std::function<bool(const Progress&)> progress = nullptr;
-  /// Called between two likelihoods by any thread; returns true, from then on always, when the run
-  /// is to stop. An expensive likelihood then delays the end by a few calls only, not until the
-  /// next call of `progress`.
+  /// Called between two likelihood evaluations by any thread. It returns true if the run should
+  /// stop, and must then return true in all later calls. With an expensive likelihood, the run
+  /// stops after a few evaluations instead of at the next call of `progress`.
   std::function<bool()> stop = nullptr;
 
-  /// Saving a run and resuming it bit for bit.
+  /// Options for saving a run and resuming it with identical results.
   struct Checkpoints {
     /// Called from one thread, between two iterations of all chains, at the given interval and once
     /// when the run is stopped early. It takes at most 3 % of the run time.
@@ -83,7 +83,8 @@ struct Options {
 
     // Saving many draws repeatedly takes time and memory. With the following callbacks, blocks of
     // `part` draws of a chain are saved once, separately, and the checkpoints passed to `save` omit
-    // them. Keep a part until a checkpoint with a later first part is saved (inference::parts_of).
+    // them. A part must be kept until a checkpoint has been saved whose first part is later
+    // (inference::parts_of).
     /// Saves part `number`; returns false if that failed and the engine should try again later.
     std::function<bool(const Checkpoint& draws, long number)> save_draws = nullptr;
     std::function<Checkpoint(long number)> saved_draws = nullptr;  ///< for `from`

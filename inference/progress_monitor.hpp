@@ -12,7 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// Serialises the caller's progress function between threads, and passes on its request to stop.
+/// Calls the caller's progress function from one thread at a time, and passes its request to stop
+/// to all threads.
 class ProgressMonitor {
  public:
   ProgressMonitor(const Options& options, int models)

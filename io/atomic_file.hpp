@@ -12,8 +12,8 @@ namespace wheeltap::io {
 
 /// A temporary file in the directory of `path`: "NAME.part" and 16 random hexadecimal digits,
 /// created exclusively and locked for the lifetime of this object. `commit` renames it to `path`;
-/// without a commit it is removed. A killed process leaves its temporary file behind, unlocked. The
-/// next AtomicFile for the same `path` removes it.
+/// without a commit it is removed. If the process is killed, the temporary file remains without its
+/// lock; the next AtomicFile for the same `path` removes it.
 class AtomicFile {
  public:
   /// Reserves `reserve` bytes. Throws FileError (unwritable) if no file can be created there, if
@@ -30,7 +30,8 @@ class AtomicFile {
   void write(std::string_view bytes);
   /// Appends to the content. Throws FileError (unwritable).
   void append(std::string_view bytes);
-  /// `use` may open the temporary file by its name, for reading or writing, with its own locks.
+  /// Calls `use` with the path of the temporary file. `use` may open the file for reading or
+  /// writing and lock it itself.
   void lend(const std::function<void(const std::filesystem::path& temporary)>& use);
   /// Flushes to the disk. Throws FileError (unwritable).
   void flush();
@@ -49,8 +50,8 @@ class AtomicFile {
 };
 
 /// Renames the files of one folder together, all or none. If one rename fails, the previous files
-/// are restored. A process that is killed in between, or that cannot restore them, leaves a note of
-/// the remaining steps (kCommitNote), which `finish_commit` completes. Throws FileError
+/// are restored. If the process is killed between two renames, or cannot restore the files, a file
+/// with the remaining steps (kCommitNote) is left; `finish_commit` completes them. Throws FileError
 /// (unwritable).
 void commit_together(std::span<AtomicFile* const> files);
 

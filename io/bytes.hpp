@@ -9,7 +9,7 @@
 
 namespace wheeltap::io {
 
-/// Larger than any record, and smaller than the memory of a computer.
+/// Largest size of a file that is read whole [bytes].
 constexpr std::size_t kLargestFile = std::size_t{4} << 30U;
 
 /// Reads the whole file. Throws FileError: missing if the file does not exist, cannot be read, or
@@ -18,12 +18,12 @@ constexpr std::size_t kLargestFile = std::size_t{4} << 30U;
 [[nodiscard]] std::string read_bytes(const std::filesystem::path& path,
                                      std::size_t largest = kLargestFile);
 
-/// Reads at most this many bytes from the beginning. Throws as `read_bytes`.
+/// Reads at most this many bytes from the beginning. Throws the exceptions of `read_bytes`.
 [[nodiscard]] std::string first_bytes(const std::filesystem::path& path, std::size_t most,
                                       std::size_t largest = kLargestFile);
 
-/// Reads a file of any length in pieces and passes each to `take`. Throws FileError (missing) as
-/// `read_bytes` does.
+/// Reads a file of any length in pieces and passes each to `take`. Throws FileError (missing) under
+/// the same conditions as `read_bytes`.
 void each_piece(const std::filesystem::path& path,
                 const std::function<void(std::string_view)>& take);
 

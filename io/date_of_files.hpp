@@ -1,4 +1,4 @@
-// The creation date that files contain.
+// The creation date that is written into files.
 #pragma once
 
 #include <ctime>

@@ -59,7 +59,7 @@ class FileError : public std::runtime_error {
   std::string reason_;
 };
 
-/// A column that a file does not have, or has more than once.
+/// The error for a column that does not exist in a file, or exists more than once.
 class NoSuchColumn : public FileError {
  public:
   NoSuchColumn(std::filesystem::path path, std::string column, std::string reason)

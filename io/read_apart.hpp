@@ -11,13 +11,13 @@
 
 namespace wheeltap::io {
 
-/// Calls `read` in a child process and returns its bytes. If a damaged file makes a library crash
-/// or run for ever, only the child ends. Its printed output is lost. A FileError of `read` is
-/// rethrown here, other exceptions as std::runtime_error. Throws FileError (corrupt) if the child
-/// crashes, takes more processor time than `seconds` (0: `most_seconds` of the file's size), or
-/// more memory than `most_bytes` beyond that of this process. Throws std::bad_alloc if this process
-/// may not use as much memory or the system killed the child. Signals that ask the parent to stop
-/// do not stop the child.
+/// Calls `read` in a child process and returns its bytes. If a damaged file causes a library to
+/// crash or to loop for ever, only the child process is affected. Text that the child prints is
+/// lost. A FileError of `read` is rethrown here, other exceptions as std::runtime_error. Throws
+/// FileError (corrupt) if the child crashes, takes more processor time than `seconds` (or
+/// `most_seconds` of the file's size if `seconds` is 0), or needs `most_bytes` more memory than
+/// this process. Throws std::bad_alloc if the memory limit of this process is lower than that, or
+/// if the system killed the child. The child ignores the signals that request a stop.
 ///
 /// The child has only the calling thread: the caller must hold any lock that `read` needs. If no
 /// child can be started, reads in this process.
@@ -25,7 +25,8 @@ namespace wheeltap::io {
                                      const std::function<std::string()>& read,
                                      double seconds = 0.0);
 
-/// Reads in the child and drops the result: a file that passes can be read in this process.
+/// Reads the file in a child process and discards the result. If this succeeds, the file can be
+/// read in this process.
 inline void check_apart(const std::filesystem::path& path, const std::function<void()>& read) {
   (void)read_apart(path, [&] {
     read();
@@ -33,21 +34,21 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
   });
 }
 
-/// Calls `write` in a child process without limits. If a full disk makes a library crash, at any
-/// time, only the child ends. A FileError of `write` is rethrown here; if the child crashes, lacks
-/// memory or is killed, throws FileError (unwritable) for `path`; other exceptions as above.
-/// Returns false without calling `write` if no child can be started.
+/// Calls `write` in a child process without limits. If a full disk causes a library to crash, only
+/// the child process ends. A FileError of `write` is rethrown here; if the child crashes, lacks
+/// memory or is killed, throws FileError (unwritable) for `path`. Other exceptions are rethrown as
+/// std::runtime_error. Returns false without calling `write` if no child can be started.
 [[nodiscard]] bool write_apart(const std::filesystem::path& path,
                                const std::function<void()>& write);
 
-/// At least ten times the reading time of a valid file of that size.
+/// Limit of processor time [s]: at least ten times that for reading a valid file of this size.
 [[nodiscard]] double most_seconds(std::uintmax_t bytes);
 
-/// Several times the memory for reading a valid file of that size [bytes]; compressed samples of 16
-/// bits take 24 bytes for each byte of the file.
+/// Memory limit [bytes]: several times that for reading a valid file of this size. Compressed
+/// 16-bit samples need 24 bytes for each byte of the file.
 [[nodiscard]] double most_bytes(std::uintmax_t bytes);
 
-/// Like read_apart, for any type that a parcel carries.
+/// The same as read_apart, for a result of any type that base/parcel.hpp serialises.
 template <class T>
 [[nodiscard]] T read_apart_as(const std::filesystem::path& path, const std::function<T()>& read) {
   const std::string bytes = read_apart(path, [&] {

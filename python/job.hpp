@@ -29,7 +29,7 @@ struct Progress {
 /// A job, from the perspective of its thread.
 class Job {
  public:
-  /// Whether the job should stop. Thread-safe.
+  /// True if the job should stop. Thread-safe.
   [[nodiscard]] bool stopped() const { return stop_; }
   void stop() { stop_ = true; }
   /// Publishes the newest progress without waiting.

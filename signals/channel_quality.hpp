@@ -21,30 +21,31 @@ struct ChannelQuality {
   double step = 0.0;  ///< resolution: the smallest difference between two values that occur
   bool constant = false;
 
-  /// Dropouts: runs of an identical value that are longer than chance explains. With p the share of
-  /// equal neighbours, a dropout has a length of which less than a thousandth is expected in a
-  /// record of this size, and at least five samples.
+  /// Dropouts: runs of an identical value that are too long to occur by chance. A dropout has at
+  /// least five samples. With p the share of equal neighbouring samples, fewer than 0.001 runs of
+  /// its length are expected in a record of this size.
   std::vector<Stretch> dropouts = {};
-  /// Clipped samples: those at the highest and the lowest value where at least three follow each
-  /// other.
+  /// Clipped samples: those at the highest and at the lowest value, in runs of at least three.
   long clipped_high = 0, clipped_low = 0;
   /// Spikes: single samples that differ from the cubic through two neighbours on either side by
-  /// more than 12 local robust standard deviations of that difference. Replacing the sample by the
-  /// cubic must make the surroundings ordinary. The difference is a linear filter of the record, so
-  /// it is Gaussian if the record is, however narrow its band. None if more than a thousandth of
-  /// all samples qualify: then they belong to the signal.
+  /// more than 12 local robust standard deviations of that difference. After the sample is replaced
+  /// by the cubic, the differences around it must be below this limit. The difference is a linear
+  /// filter of the record, so it is Gaussian if the record is, whatever its bandwidth. If more than
+  /// a thousandth of all samples satisfy the criterion, they belong to the signal and the list is
+  /// empty.
   std::vector<long> spikes = {};
   /// Trend: rise of the fitted line over the whole record, in standard deviations of the residual.
   double drift = 0.0;
-  /// Drift: standard deviation of the means of twenty blocks over that of all samples, without the
-  /// trend; near 0 for a stationary record, near 1 for a drifting one.
+  /// Drift: ratio of the standard deviation of the means of twenty blocks to that of all samples,
+  /// both without the trend; near 0 for a stationary record, near 1 for a drifting one.
   double wander = 0.0;
 };
 
-/// Checks a channel. `x` may hold NaN; these samples are counted and excluded.
+/// Checks a channel. `x` may contain NaN; such samples are counted as missing and excluded.
 [[nodiscard]] ChannelQuality channel_quality(std::span<const double> x);
 
-/// Fault of a channel. The comments state FoundFault::value and, in brackets, its bound.
+/// Fault of a channel. The comment of each fault states the meaning of FoundFault::value and, in
+/// brackets, its limit.
 enum class ChannelFault {
   missing,   ///< missing samples (0)
   constant,  ///< the constant value
@@ -63,9 +64,9 @@ struct FoundFault {
   double value, bound = 0.0;
 };
 
-/// Lists the faults in the order above. A constant channel can only have missing samples besides; a
-/// counter has no other fault. Without `is_record`, the channel is not a vibration record, and only
-/// missing samples are checked.
+/// Lists the faults in the order above. A constant channel has no further fault except missing
+/// samples, and a counter has no further fault at all. If `is_record` is false, the channel is not
+/// a vibration record, and only missing samples are checked.
 [[nodiscard]] std::vector<FoundFault> channel_faults(const ChannelQuality& quality, bool is_record);
 
 /// A local maximum of a spectrum.
@@ -76,7 +77,8 @@ struct SpectrumPeak {
                          ///< higher peaks
 };
 
-/// The `most` most prominent peaks, sorted by frequency. Peaks of less than `least_db` are scatter.
+/// The `most` most prominent peaks, sorted by frequency. Peaks with a prominence below `least_db`
+/// are omitted as scatter.
 [[nodiscard]] std::vector<SpectrumPeak> spectrum_peaks(const Spectrum& spectrum, int most,
                                                        double least_db = 10.0);
 

@@ -24,9 +24,9 @@ class Noise {
 [[nodiscard]] std::vector<double> white_noise(int samples, double variance, Noise& noise);
 
 /// Gaussian noise with a flat spectrum on [low_hz, high_hz] and zero outside; `variance` is its
-/// expectation. It is cut from a longer period, so that it is not periodic. Throws
-/// std::invalid_argument unless 0 <= low_hz < high_hz <= sample_rate_hz / 2 and the band contains a
-/// line of the period.
+/// expectation. It is a section of a longer periodic signal, so that it is not periodic itself.
+/// Throws std::invalid_argument unless 0 <= low_hz < high_hz <= sample_rate_hz / 2 and the band
+/// contains a line of the period.
 [[nodiscard]] std::vector<double> band_limited_noise(int samples, double sample_rate_hz,
                                                      double low_hz, double high_hz, double variance,
                                                      Noise& noise);

@@ -88,7 +88,7 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
   }
   if (any && !all)
     refuse(
-        "the units of some frequency responses' numerators are known and of others not: shapes "
+        "the units of some outputs are known and those of others are not: shapes "
         "cannot compare them");
   for (const auto& [which, f] : found) {
     const Conversion conversion = numerator_conversion(*f);

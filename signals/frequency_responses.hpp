@@ -19,15 +19,15 @@ struct FrequencyResponses {
   [[nodiscard]] Eigen::Index outputs() const { return h.empty() ? 0 : h.front().rows(); }
   [[nodiscard]] Eigen::Index inputs() const { return h.empty() ? 0 : h.front().cols(); }
 
-  /// The lines within [lowest, highest].
+  /// The frequency responses at the lines within [lowest, highest] [Hz].
   [[nodiscard]] FrequencyResponses band(double lowest_hz, double highest_hz) const;
 };
 
-/// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, the mean of each
-/// segment removed (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise
-/// on the inputs makes H₁ too small; resonances narrower than 1/segment duration are smeared.
-/// `inputs`, `outputs`: one channel per row. A segment of 0 stands for the largest power of 2 that
-/// fits eight times into the record, at least 16. Throws std::invalid_argument for lengths that
+/// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, the mean of each segment
+/// removed (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise on the
+/// inputs makes H₁ too small; resonances narrower than 1/segment duration are smeared. `inputs`,
+/// `outputs`: one channel per row. If `segment` is 0, it is the largest power of 2 that fits eight
+/// times into the record, and at least 16 samples. Throws std::invalid_argument for lengths that
 /// differ, fewer than 2 segments for each input, a rate <= 0, and inputs that are linearly
 /// dependent.
 [[nodiscard]] FrequencyResponses estimate_frequency_responses(

@@ -15,7 +15,7 @@ namespace wheeltap::signals {
 
 struct MeasuredChannel {
   std::string name = {}, unit = {};
-  /// The unit that its name may mean and that is not applied; empty: none.
+  /// A unit that the column's name may denote, but that is not applied; empty if there is none.
   std::string possible_unit = {};
   std::vector<double> values = {};
   ChannelQuality quality = {};
@@ -23,7 +23,7 @@ struct MeasuredChannel {
   std::vector<SpectrumPeak> peaks = {};
 };
 
-/// A column that is not a channel.
+/// A column of the file that is not a channel.
 struct LeftOutColumn {
   int number = 1;  ///< from 1
   std::string header = {};
@@ -31,7 +31,7 @@ struct LeftOutColumn {
   bool maybe_time = false;     ///< a text in a table without a column of times
 };
 
-/// Columns that were sampled together.
+/// Columns with common sampling times.
 struct MeasuredTable {
   std::string abscissa = {}, abscissa_unit = {};  ///< empty without an abscissa
   std::vector<double> x = {};                     ///< values of the abscissa; likewise empty
@@ -44,7 +44,8 @@ struct MeasuredTable {
   std::vector<MeasuredChannel> channels = {};
 
   [[nodiscard]] long rows() const;
-  /// True for a time history: the rate is known, or the channel is long enough.
+  /// True if a channel is treated as a time history: its sampling rate is known, or it is long
+  /// enough.
   [[nodiscard]] bool is_record(const MeasuredChannel& channel) const;
 };
 

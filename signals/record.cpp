@@ -277,7 +277,7 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
   const double rounding = 2.0 * resolution(column, t.back()) / (steps * mean);
   if (stated && !(std::abs(*stated / out.rate_hz - 1.0) <= 1e-3 + rounding))
     fail(record, whole,
-         "says " + show(out.rate_hz) + " Hz, which contradicts the stated sampling rate of " +
+         "states " + show(out.rate_hz) + " Hz, which contradicts the stated sampling rate of " +
              show(*stated) + " Hz");
   return out;
 }

@@ -14,9 +14,9 @@ namespace wheeltap::signals {
 /// A table whose row n is sample n.
 struct Record : io::Columns {
   [[nodiscard]] int samples() const { return rows(); }
-  /// The time column, -1 if there is none. It is the column called time or t, one whose name begins
-  /// with "time" or is a usual one in another language or logger, or else the first column of time
-  /// stamps. A column of texts never counts.
+  /// The time column, -1 if there is none. It is the column called time or t, or whose name begins
+  /// with "time" or is usual in another language or for a logger; otherwise the first column of
+  /// time stamps. A column of texts is never the time column.
   [[nodiscard]] int find_time() const;
 };
 
@@ -64,17 +64,17 @@ struct Sampling {
       0.0;  ///< largest distance of a time stamp from an even grid, in steps; 0 without jitter
 };
 
-/// The sampling from a time column. Its unit is that of the header or the name, else seconds (or
-/// one of Sampling::Basis), unless `scale` [s] gives the length of one unit. Every step must equal
-/// the mean one within 1 % and the printed digits. Throws io::FileError (corrupt) with the line for
-/// NaN, decreasing times, gaps and uneven steps; also for an unknown time unit, and if `stated`
-/// differs by more than 0.1 %.
+/// Determines the sampling from a time column. If `scale` [s] does not give the length of one unit,
+/// the unit is that of the header or the name, otherwise seconds (or one of Sampling::Basis). Every
+/// time step must equal the mean time step within 1 % and the printed precision. Throws
+/// io::FileError (corrupt) with the line for NaN, decreasing times, gaps and uneven steps; also for
+/// an unknown time unit, and if `stated` differs by more than 0.1 %.
 [[nodiscard]] Sampling sampling_of(const Record& record, int time_column,
                                    std::optional<double> stated = std::nullopt,
                                    std::optional<double> scale = std::nullopt);
 
 /// The sampling rate from a line above the rows of a text: "Fs = 100 Hz", "Sample interval (s):
-/// 0.01". std::nullopt if no line has a rate, or two lines differ.
+/// 0.01". std::nullopt if no line states a rate, or if lines state different rates.
 [[nodiscard]] std::optional<Sampling> sampling_from_header(const Record& record);
 
 /// Resamples all columns that were read to an even rate, `rate_hz` or the mean rate, by natural

@@ -15,7 +15,8 @@ namespace wheeltap::signals {
                               bound);
 }
 
-/// "channel = 3: does not move": a channel, from 0, that a computation cannot use.
+/// The error for a channel that a computation cannot use (channel numbers start at 0): "channel =
+/// 3: does not move".
 struct ChannelError : std::invalid_argument {
   ChannelError(long number, std::string why, std::optional<long> copied = {})
       : std::invalid_argument("channel = " + std::to_string(number) + ": " + why),

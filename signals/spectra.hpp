@@ -26,9 +26,9 @@ struct Spectrum {
 [[nodiscard]] Spectrum welch(std::span<const double> x, double sample_rate_hz,
                              WelchOptions options = {});
 
-/// Frequency response of y to x. H1 = S_xy / S_xx (noise on the output), H2 = S_yy / S_yx (noise on
-/// the input), γ² = |S_xy|² / (S_xx S_yy) = H1 / H2, which is 1 for a single segment whatever the
-/// data.
+/// Frequency response of y to x. H1 = S_xy / S_xx is for noise on the output, H2 = S_yy / S_yx for
+/// noise on the input. The coherence is γ² = |S_xy|² / (S_xx S_yy) = H1 / H2; with a single segment
+/// it is always 1.
 struct FrequencyResponse {
   std::vector<double> frequencies_hz;
   std::vector<std::complex<double>> h1, h2;
@@ -50,7 +50,8 @@ struct SpectrumComparison {
   double expected_db = 0.0;
 };
 
-/// Segments are limited to the window. Throws std::invalid_argument for an invalid window.
+/// Compares a window of a record with the whole record; segments are at most as long as the window.
+/// Throws std::invalid_argument for an invalid window.
 [[nodiscard]] SpectrumComparison compare_window(std::span<const double> record, int begin, int end,
                                                 double sample_rate_hz, WelchOptions options = {});
 
@@ -64,15 +65,16 @@ void detrend(std::span<double> x, int degree);
 /// Interpolates samples [begin, end) of a record to `factor` times its rate: (end - begin - 1) ·
 /// factor + 1 values, the original samples unchanged. Uses a sinc of 32 samples to either side with
 /// a Kaiser window (β = 12), which keeps content below 0.43 of the sampling rate to 1e-5 of its
-/// amplitude. Uses samples outside the window if the record has them. Beyond the record's ends it
-/// continues by odd reflection, and the first and last 32 samples are less accurate. Throws
-/// std::invalid_argument for a factor < 1 or an invalid window.
+/// amplitude. It uses samples outside the window if the record contains them. Beyond its ends, the
+/// record is continued by odd reflection, so the first and last 32 samples are less accurate.
+/// Throws std::invalid_argument for a factor < 1 or an invalid window.
 [[nodiscard]] std::vector<double> upsample(std::span<const double> record, int begin, int end,
                                            int factor);
 
 /// Every `factor`-th sample from the first on, after a zero-phase low-pass: content below 0.4 of
-/// the new rate is kept, above 0.5 of it (what would alias) is removed, both to 1e-4 of the
-/// amplitude. Ends are continued by odd reflection. Throws std::invalid_argument for a factor < 1.
+/// the new rate is kept, and content above 0.5 of it, which would alias, is removed, both to 1e-4
+/// of the amplitude. The record is continued beyond its ends by odd reflection. Throws
+/// std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
 
 /// A point of the plot of a spectrum.
@@ -80,13 +82,15 @@ struct SpectralLevel {
   double frequency_hz, level_db;
 };
 
-/// 10 lg of the sum of the channels' spectral densities, each over its variance, within
-/// [lowest_hz, highest_hz]; lines that are 0 are omitted. `records`: one channel per row.
+/// The level in dB of the sum of the channels' spectral densities, each divided by the channel's
+/// variance, within [lowest_hz, highest_hz]. Lines with a sum of 0 are omitted. `records`: one
+/// channel per row.
 [[nodiscard]] std::vector<SpectralLevel> spectral_levels(
     const Eigen::Ref<const Eigen::MatrixXd>& records, double sample_rate_hz, double lowest_hz,
     double highest_hz);
 
-/// At most `most` lines: the highest of each neighbourhood.
+/// Reduces a spectrum to at most `most` lines: the highest line of each group of neighbouring
+/// lines.
 [[nodiscard]] std::vector<SpectralLevel> highest_lines(const std::vector<SpectralLevel>& levels,
                                                        std::size_t most);
 

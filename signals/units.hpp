@@ -36,8 +36,8 @@ struct Unit {
 /// "s", "N", "m", "m/s", "m/s^2", "Hz".
 [[nodiscard]] std::string_view si_unit(Dimension dimension);
 
-/// Conversion of a column's numbers to SI: SI value = factor · number. All commands and formats use
-/// this rule.
+/// Conversion of a column's numbers to SI: SI value = factor · number. All commands and file
+/// formats use this conversion.
 struct Conversion {
   enum class Basis {
     none,          ///< no unit: numbers are used unchanged
@@ -51,19 +51,20 @@ struct Conversion {
   std::optional<Dimension> dimension = {};  ///< the unit's; the expected one if the unit is unknown
 };
 
-/// The conversion of numbers in this unit, for the expected dimension or, by default, any.
+/// The conversion of numbers with this unit to SI. By default, any dimension is accepted, otherwise
+/// only the expected one.
 [[nodiscard]] Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted = {});
 
-/// The unit of a column: that in brackets or in the line of units, else a known one at the end of
-/// its name after " / ", ", ", " in ", " - " or ": " ("Kraft / N", "force, N", "a in m/s²"), in {}
-/// or <>, or a quotient as the last word ("a m/s^2"). Empty: none.
+/// The unit of a column: the one in brackets or in the line of units, otherwise a known unit at the
+/// end of the column's name after " / ", ", ", " in ", " - " or ": " ("Kraft / N", "force, N", "a
+/// in m/s²"), in {} or <>, or a quotient as the last word ("a m/s^2"). Empty: none.
 [[nodiscard]] std::string unit_of(const io::Column& column);
 
-/// The possible unit in a name without marks: "acc_g", "acc_m_s2", "F/N". It is not applied,
-/// because "acc_N" may mean north. Empty: none.
+/// A possible unit in a column's name without one of these marks: "acc_g", "acc_m_s2", "F/N". It is
+/// not applied, because "acc_N" may mean north. Empty: none.
 [[nodiscard]] std::string possible_unit_of(const io::Column& column);
 
-/// The unit of a time column: as above, else a time unit that is the last word of its name:
+/// The unit of a time column: by the same rules, otherwise a time unit at the end of its name:
 /// "Time_ms", "t.us", "timeMillis", "timems", "Time since start in ms". Empty: none.
 [[nodiscard]] std::string time_unit_of(const io::Column& column);
 

@@ -11,12 +11,12 @@ struct ParametricBeam {
   fem::Beam beam = {};  ///< at the medians of the priors
   double depth = 0.0;   ///< height of the section, if given
   std::shared_ptr<const identification::StructureModel> model = {};
-  bool uniform = true;  ///< no spring is unknown: the symmetry is that at the medians
+  bool uniform =
+      true;  ///< true if no spring is unknown, so that the symmetry is that at the medians
 };
 
-/// Parses the beam at /beam, where names of /parameters may take the place of young, density and
-/// springs. Throws Failure for unknown names and for priors that exceed the bounds of a
-/// coefficient.
+/// Parses the beam at /beam, in which young, density and springs may be names of /parameters.
+/// Throws Failure for unknown names and for priors that exceed the bounds of a coefficient.
 [[nodiscard]] ParametricBeam parse_parametric_beam(const CaseFile& file);
 
 }  // namespace wheeltap::apps

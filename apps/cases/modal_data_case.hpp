@@ -7,17 +7,18 @@
 
 namespace wheeltap::apps {
 
-/// Modes of the case's truth in place of measured modes, with the scatter for which the case gives
-/// no value.
+/// Modes that are simulated from the case's truth instead of measured, with the scatter to use if
+/// the case gives no value.
 struct SimulatedModes {
   std::vector<double> frequencies_hz;
   Eigen::MatrixXd shapes = {};       ///< one row per mode; empty: no sensors
   double cov = 0.0, shape_sd = 0.0;  ///< > 0
 };
 
-/// Parses the data at `where`, e.g. /data. Without frequencies and shapes, those of `simulated` are
-/// used; without `simulated` they stay empty until the truth is simulated. Throws Failure (65) for
-/// sensors that are not on the structure, inconsistent sizes and invalid covariances.
+/// Parses the data at `where`, e.g. /data. If the data have no frequencies and shapes, those of
+/// `simulated` are used; without `simulated` they remain empty until the truth is simulated. Throws
+/// Failure (65) for sensors that are not on the structure, inconsistent sizes and invalid
+/// covariances.
 [[nodiscard]] identification::ModalData parse_modal_data(
     const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure,
     const SimulatedModes* simulated = nullptr);

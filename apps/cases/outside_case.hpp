@@ -11,7 +11,7 @@
 
 namespace wheeltap::apps {
 
-/// Timeout and number of retries.
+/// Timeout and number of retries of a prediction.
 struct Patience {
   double timeout_seconds = 3600.0;  ///< per prediction
   int retries = 0;
@@ -45,7 +45,7 @@ struct OutsideSpec {
       {};  ///< user's file of stored predictions; empty: the file of the run
 };
 
-/// Whether /predictor is an external model.
+/// True if /predictor is an external model.
 [[nodiscard]] bool has_outside_model(const CaseFile& file);
 /// Parses /predictor of a case with these unknowns. Throws Failure.
 [[nodiscard]] OutsideSpec parse_outside(const CaseFile& file,

@@ -6,8 +6,8 @@
 
 namespace wheeltap::apps {
 
-/// Reads `columns` of the file whose path is at `where`; without `columns`, all columns except
-/// `ignored`. The block around `where` states the layout. Throws Failure.
+/// Reads `columns` of the file whose path is at `where`, or all columns except `ignored` if
+/// `columns` is empty. The block that contains `where` states the layout. Throws Failure.
 [[nodiscard]] signals::Record read_record(const CaseFile& file, const Pointer& where,
                                           std::vector<std::string> columns = {},
                                           std::vector<std::string> ignored = {});

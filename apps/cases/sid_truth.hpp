@@ -5,7 +5,8 @@
 
 namespace wheeltap::apps {
 
-/// Whether the case is simulated and its truth moves the base; the second: by a displacement.
+/// True if the record is simulated and the truth moves the base. The second function requires a
+/// base displacement.
 [[nodiscard]] bool truth_moves_base(const Json& json);
 [[nodiscard]] bool truth_displaces_base(const Json& json);
 

@@ -19,7 +19,8 @@ struct SimulatedCase {
   int modes = 0;
   std::string origin;  ///< origin of the numbers, in words
 };
-/// `seed` is the seed of the noise; empty: the truth's, or 1. Throw Failure.
+/// `seed` is the seed of the noise; if it is empty, the seed of the truth or else 1 is used. Both
+/// functions throw Failure.
 [[nodiscard]] SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed);
 [[nodiscard]] SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed);
 /// The case with these frequencies, and shapes if it has sensors. Throws Failure.
@@ -32,7 +33,7 @@ struct SimulatedRecord {
   std::string title;
   std::uint64_t seed = 1;
 };
-/// `seed` as above. Throws Failure.
+/// `seed` is the seed of the noise, as for simulated modes. Throws Failure.
 [[nodiscard]] SimulatedRecord simulated_record(CaseFile file, std::optional<std::uint64_t> seed);
 
 }  // namespace wheeltap::apps

@@ -10,7 +10,7 @@ namespace wheeltap::apps {
 
 struct SimulatedModes;
 
-/// Whether the case has states: unknown coefficients ("parameters"), or "states", "masses",
+/// True if the case has states: unknown coefficients ("parameters"), or "states", "masses",
 /// "temperature" or "known".
 [[nodiscard]] bool has_states(const CaseFile& file);
 
@@ -24,8 +24,9 @@ struct SimulatedModes;
     const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage,
     const SimulatedModes* simulated = nullptr);
 
-/// Parses states into a damage case, with the measurements of all states in one vector. `uniform`:
-/// the parameters do not change the symmetry that the structure has at the medians. Throws Failure.
+/// Parses states into a damage case, with the measurements of all states in one vector. `uniform`
+/// is true if the parameters do not change the symmetry that the structure has at the medians of
+/// their priors. Throws Failure.
 void take_states(const CaseFile& file, std::shared_ptr<const identification::StructureModel> model,
                  bool uniform, identification::DamageCase& out,
                  const SimulatedModes* simulated = nullptr);

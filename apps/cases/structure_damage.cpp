@@ -241,7 +241,8 @@ class KindParser {
 
   fem::Direction direction(const Pointer& where) const {
     if (!file_.json.contains(where))
-      file_.refuse(where, "is missing: must be the direction that the support holds, e.g. [\"y\"]");
+      file_.refuse(where,
+                   "is missing: must be the direction that the support restrains, e.g. [\"y\"]");
     const auto name = file_.json.at(where)[0].get<std::string>();
     const int dimension = mesh_->structure().dimension;
     for (int d = 0; d < fem::kDirections; ++d) {

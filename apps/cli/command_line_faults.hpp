@@ -15,7 +15,8 @@ namespace wheeltap::apps {
 /// accept; empty if it accepts all words.
 [[nodiscard]] std::string unexpected_words(const CLI::App& app, const CLI::App& command);
 
-/// Message for an unknown command: `word`, the first of the command line, with a correction.
+/// The message about an unknown command, with a correction; `word` is the first word of the command
+/// line.
 [[nodiscard]] std::string unknown_command(const CLI::App& app, const std::string& word);
 
 /// "--output is required: …", with the help of the option and an example.

@@ -12,7 +12,8 @@
 
 namespace wheeltap::apps {
 
-/// With --json, standard output holds one JSON value in place of the text that commands print.
+/// With --json, the program writes one JSON value to standard output instead of the text of the
+/// command.
 class JsonOutput {
  public:
   JsonOutput(bool wanted, CommonOptions& common) : common_(common) {
@@ -34,7 +35,7 @@ class JsonOutput {
     if (outputs_.empty()) return give_back();
     print();
   }
-  /// Prints the JSON that the command produced, or else the summary in its folder.
+  /// Prints the JSON that the command produced, or otherwise the summary in its results folder.
   void print() {
     if (terminal_ == nullptr) return;
     give_back();

@@ -116,7 +116,7 @@ void estimate_batch(const std::vector<BatchCase>& cases, const CommonOptions& co
             << "\n";
   if (first)
     throw Failure(first->exit(), std::to_string(refused) + " of " + std::to_string(cases.size()) +
-                                     " cases would be refused");
+                                     " cases would be rejected");
 }
 
 /// Runs each case in a separate process, on a thread of one of the ranks.

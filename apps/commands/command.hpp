@@ -31,7 +31,7 @@ struct Invocation {
 struct Command {
   std::string name;
   std::string summary;         ///< one line for --help
-  bool on_all_ranks = false;   ///< mpirun divides its work; other commands run on rank 0
+  bool on_all_ranks = false;   ///< true if ranks share its work; other commands run on rank 0 only
   std::string case_kind = {};  ///< kind of case that it runs; empty: none
   MakeCaseRun make_run = {};   ///< makes a run of such a case; empty if the kind is not sampled
   /// Adds arguments and options. They set members of the Invocation, or a value shared with `run`.

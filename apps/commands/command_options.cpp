@@ -177,10 +177,11 @@ void CommandOptions::add_sampling() {
       ->check(seconds());
   CLI::Option* prior_only =
       app_.add_flag("--prior-only", invocation_.sampling.prior_only,
-                    "sample without the data, as a check: must return the prior");
-  app_.add_flag("--quick", invocation_.sampling.quick,
-                "quick run with fixed, little work: modes and short chains, not a posterior; "
-                "--dry-run estimates its time")
+                    "sample without the data, as a check: the result must be the prior");
+  app_.add_flag(
+          "--quick", invocation_.sampling.quick,
+          "quick run with a fixed, small amount of work: modes and short chains, not a posterior; "
+          "--dry-run estimates its time")
       ->excludes(prior_only);
   app_.add_flag("--evidence{tmcmc+bridge}", invocation_.sampling.evidence,
                 "also compute the evidence of each model separately: --evidence, or "

@@ -67,9 +67,9 @@ class CommandOptions {
   Invocation& invocation_;
 };
 
-/// Completes `command`, which has a name, a summary and make_run: the result runs cases of the kind
-/// of its name and has the options of such a run. `may_reach_out` adds the permissions to run
-/// programs and to connect to hosts; `resumed` names what --resume continues.
+/// Completes a sampling command from its name, summary and make_run. The result runs cases of the
+/// kind with this name and has the options of such a run. `may_reach_out` adds the options that
+/// permit running programs and connecting to hosts. `resumed` completes the help of --resume.
 [[nodiscard]] Command sampled_command(Command command, bool may_reach_out,
                                       const char* resumed = "run");
 

@@ -140,7 +140,8 @@ Compared read_run(const std::filesystem::path& folder) {
   try {
     return compared(name, *summary);
   } catch (const nlohmann::json::exception& error) {
-    refuse(name, std::string("summary.json does not hold what a run writes: ") + error.what());
+    refuse(name, std::string("summary.json does not have the format of a run's results: ") +
+                     error.what());
   }
 }
 
@@ -175,7 +176,8 @@ void print_comparison(const std::vector<Compared>& runs) {
   const Compared& best = *std::ranges::max_element(runs, {}, &Compared::probability);
   std::cout << "Most probable: " << io::printable(best.name) << " (" << percent(best.probability)
             << ").";
-  if (!best.fits) std::cout << " Its model does not explain the data: least wrong, not right.";
+  if (!best.fits)
+    std::cout << " Its model does not explain the data: it is only the best of these models.";
   std::cout << "\n\n";
   for (const Compared& run : runs) {
     std::cout << "  " << std::left << std::setw(static_cast<int>(widest)) << io::printable(run.name)

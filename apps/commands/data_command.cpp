@@ -181,7 +181,7 @@ void convert_file(const MeasuredFile& file, const std::string& to) {
                     file.path.string() + ": holds no dataset that can be written as " + to);
   } else {
     throw Failure(Exit::usage,
-                  "--to " + to + ": must be csv, nc or uff, or a file with such an ending");
+                  "--to " + to + ": must be csv, nc or uff, or a file name with such an extension");
   }
   write_text(path, text);
   std::cout << "\nConverted: " << io::printable(path.string()) << "\n";
@@ -266,7 +266,7 @@ Command data_command() {
             app.add_option("-o,--output", data->page, "plot the record into this file")
                 ->type_name("FILE.html");
             app.add_option("--to", data->to,
-                           "convert to csv, nc or uff, or to a file with such an ending");
+                           "convert to csv, nc or uff, or to a file name with such an extension");
             app.add_option("--sample-rate", data->reading.sample_rate_hz,
                            "sampling rate in Hz, if the file does not state it")
                 ->check(positive());

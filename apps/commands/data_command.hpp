@@ -13,7 +13,7 @@ namespace wheeltap::apps {
 struct DataOptions {
   std::filesystem::path file;
   std::filesystem::path page;  ///< HTML file for the plots
-  std::string to;              ///< conversion: csv, nc or uff, or a file with such an ending
+  std::string to;  ///< format to convert to: csv, nc or uff, or a file name with this extension
   bool json = false;
   MeasuredReading reading = {};
 };

@@ -23,7 +23,7 @@ struct ModalRun {
   void keep(const std::filesystem::path& folder, const CommonOptions& common) const;
   void print(std::ostream& out, bool colour) const;
 };
-/// Identifies modes from the case's file, or from `given` in its place. Throws Failure.
+/// Identifies modes from the file that the case names, or from `given` instead. Throws Failure.
 [[nodiscard]] ModalRun identify_modal(CaseFile file, const CommonOptions& common,
                                       std::optional<signals::Record> given = {});
 

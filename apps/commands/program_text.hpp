@@ -1,4 +1,4 @@
-// Texts of the command line, with shell completion and the manual page made from the texts of
+// Texts of the command line; shell completion and the manual page are generated from the texts of
 // --help.
 #pragma once
 

@@ -213,7 +213,7 @@ Command table_command() {
                 options.add_threads();
                 options.add_limits();
                 options.add_dry_run();
-                options.add_resume("continue an interrupted table");
+                options.add_resume("resume an interrupted table");
                 CLI::App& app = options.app();
                 app.add_option("--part", table->part, "I/N: compute only this part of the FE runs");
                 app.add_option("--merge", table->merge,

@@ -16,8 +16,8 @@ namespace wheeltap::apps {
 
 /// Bounds of a server and its connections.
 struct ConnectionBounds {
-  /// Simultaneous connections. One more closes the connection that has waited longest for a
-  /// request.
+  /// Largest number of simultaneous connections. A further connection closes the one that has
+  /// waited longest for a request.
   std::size_t connections = 512;
   std::chrono::seconds idle{60};      ///< between two requests of a connection
   std::chrono::seconds request{20};   ///< for all bytes of a request, from its first to its last
@@ -26,8 +26,8 @@ struct ConnectionBounds {
 };
 
 /// Gives each connection a thread and a deadline, and limits their number. The server of httplib
-/// does not: a connection keeps a thread of its pool as long as single bytes arrive, and the size
-/// of bodies without a length has no limit. The caller must bound the work of requests.
+/// does not do this: a connection occupies a thread of its pool as long as single bytes arrive, and
+/// request bodies of unknown length have no size limit. The caller must limit the work of requests.
 class BoundedServer : public httplib::Server {
  public:
   explicit BoundedServer(const ConnectionBounds& bounds);

@@ -216,7 +216,7 @@ std::string CommandModel::attempt(std::span<const double> x, std::span<double> y
              code == base::kProgramNotFound || code == base::kNotRunnable) {
     const std::string words_of_it = last_words(directory);
     trouble = words_of_it.empty()
-                  ? (code == base::kProgramNotFound ? "is not there" : "cannot be run")
+                  ? (code == base::kProgramNotFound ? "does not exist" : "cannot be run")
                   : "ended with exit code " + std::to_string(code) + words_of_it;
   } else if (code != 0) {
     trouble = "ended with exit code " + std::to_string(code) + last_words(directory);

@@ -13,8 +13,8 @@ namespace wheeltap::apps {
 /// The journal of the model's answers in the folder of a run.
 inline constexpr const char* kModelRuns = "model-runs.journal";
 
-/// Opens the model with this number of outputs and checks its sizes if it can state them. It
-/// remembers earlier answers from the user's file or, with --resume, from the journal of the run.
+/// Opens the model with this number of outputs and checks the sizes that the model reports, if any.
+/// Earlier results are read from the user's file or, with --resume, from the journal of the run.
 /// The inputs are the unknowns in their order. Throws Failure (64 without --allow-commands for a
 /// program or --allow-hosts for another machine), io::FileError and OutsideModelError.
 [[nodiscard]] std::shared_ptr<identification::RememberedModel> open_outside(

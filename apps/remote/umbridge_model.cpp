@@ -159,7 +159,7 @@ class UmbridgeModel final : public OutsideModel {
     const Json info = ask("Info", {});
     const Json& version = field(info, "protocolVersion", at("Info"));
     if (!version.is_number() || version.get<double>() < 1.0 || version.get<double>() >= 2.0)
-      wrong(at("Info"), "speaks version " + version.dump() + " of the protocol, must be 1.0");
+      wrong(at("Info"), "uses version " + version.dump() + " of the protocol, must be 1.0");
     const Json& models = field(info, "models", at("Info"));
     std::vector<std::string> names;
     for (const Json& name : models)

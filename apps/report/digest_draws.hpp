@@ -49,7 +49,7 @@ class CellCounts {
   std::vector<double> counts_;
 };
 
-/// Most draws in a chart: more do not change it visibly.
+/// Largest number of draws in a chart; more draws do not change it visibly.
 constexpr std::size_t kMostCharted = 1 << 18;
 
 /// An unknown of a model and the variable that holds its draws.

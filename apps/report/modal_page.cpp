@@ -314,7 +314,7 @@ std::string shapes(const MeasuredModes& modes) {
   out += "<h2>Complexity</h2>\n" + complexity_figures(modes);
   out +=
       "<p>The entries of each shape in the complex plane. For a lightly damped mode they lie along "
-      "one line (MPC 1, MPD 0°). Other patterns indicate noise, two close modes taken as one, "
+      "one line (MPC 1, MPD 0°). Other patterns indicate noise, two close modes identified as one, "
       "dampers, or channels that were not sampled simultaneously.</p>\n";
   return out;
 }

@@ -64,7 +64,7 @@ std::string series_page(const fs::path& directory, const Report& summary) {
     return monitor_page(summary, io::parse_delimited_text(*table, directory / "series.csv"));
   } catch (const std::logic_error& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
-                    std::string("does not hold what a run writes: ") + error.what());
+                    std::string("does not have the format of a run's results: ") + error.what());
   }
 }
 
@@ -369,7 +369,7 @@ int write_figures(const fs::path& directory) {
     const Report summary = read_summary(directory);
     if (is_modal(summary) || is_monitor(summary))
       throw Failure(Exit::usage,
-                    "--figures: the figures of a this report are SVG in report.html itself");
+                    "--figures: the figures of this report are SVG in report.html itself");
     return content(summary, {}, stored_draws(directory, summary).get());
   });
   const fs::path folder = directory / "figures";

@@ -28,8 +28,9 @@ namespace wheeltap::apps {
 /// missing; corrupt, foreign or mismatch if a file is not the one of the run; unwritable.
 void write_report(const std::filesystem::path& directory);
 
-/// Writes the figures of the report as SVG files into DIRECTORY/figures, by the same scripts under
-/// Node.js. Returns their number. Throws Failure (66) without `node`, and as write_report does.
+/// Writes the figures of the report as SVG files into DIRECTORY/figures, by running the scripts of
+/// the report with Node.js. Returns the number of figures. Throws Failure (66) if `node` is not
+/// installed, and the exceptions of write_report.
 int write_figures(const std::filesystem::path& directory);
 
 }  // namespace wheeltap::apps

@@ -145,8 +145,8 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
       "Check of " + std::to_string(e.check->draws) + " draws with the FE solution: error up to " +
           significant(at.rms, 2) + " of the noise (mode " + std::to_string(e.check->worst_mode) +
           "), effective share of the weighted draws " + percent(e.check->effective_share) + ". " +
-          (e.check->answer_moved() ? "The emulator moved the answer: see below."
-                                   : "The emulator did not move the answer."),
+          (e.check->answer_moved() ? "The emulator error changed the results: see below."
+                                   : "The emulator error did not change the results."),
       "", "  ");
 }
 
@@ -215,7 +215,7 @@ void print_emulator(std::ostream& out, const EmulatorFinding& emulator, bool col
     std::vector<std::vector<std::string>> rows = {{"mode", "RMSE [Hz]", "largest [Hz]",
                                                    "RMSE / effect", "Q2", "noise sd [Hz]",
                                                    "RMSE / noise", "z rms"}};
-    if (one_out) rows[0].emplace_back("left one out [Hz]");
+    if (one_out) rows[0].emplace_back("leave-one-out [Hz]");
     for (std::size_t mode = 0; mode < count.modes.size(); ++mode) {
       const EmulatorFinding::Mode& m = count.modes[mode];
       rows.push_back({std::to_string(mode + 1), number_or_dash(m.rmse, 3),

@@ -23,7 +23,7 @@ namespace wheeltap::apps {
 /// Returns {"bytes", "checksum"} of a file, as in /files of summary.json. The checksum is
 /// io::fingerprint.
 [[nodiscard]] Report seal(std::string_view bytes);
-/// The same for a file of any length.
+/// Returns {"bytes", "checksum"} of a file of any length, which is read in pieces.
 [[nodiscard]] Report seal_of_file(const std::filesystem::path& file);
 
 /// The description of posterior.nc in messages.
@@ -43,7 +43,7 @@ inline constexpr const char* kPosterior = "a posterior of wheeltap";
 /// checksums.
 [[nodiscard]] bool is_sealed(const std::filesystem::path& folder, const std::string& name,
                              const Report& summary);
-/// Returns its bytes; none if the run has no such file. Throws as `is_sealed` does.
+/// Returns its bytes; none if the run has no such file. Throws the exceptions of `is_sealed`.
 [[nodiscard]] std::optional<std::string> sealed_file(const std::filesystem::path& folder,
                                                      const std::string& name,
                                                      const Report& summary);

@@ -35,21 +35,21 @@ struct RunInfo {
 /// (a sentence, if the probability does not come from draws).
 [[nodiscard]] Report model_table(const identification::Findings& findings);
 
-/// Returns the estimates of every model with draws that the summary describes in full
-/// (told_in_full), like all entries by model except the model table.
+/// Returns the parameter estimates of models with draws. Like all entries by model except the model
+/// table, it contains only the models that the summary describes in full (told_in_full).
 [[nodiscard]] Report parameter_tables(const identification::Findings& findings);
 
 /// Returns convergence, acceptance and mixing between models.
 [[nodiscard]] Report diagnostics(const identification::Findings& findings,
                                  const std::vector<std::string>& warnings);
 
-/// Returns whether the models explain the data: {ok, r2, p, why}.
+/// Returns the diagnosis of whether the models explain the data: {ok, r2, p, why}.
 [[nodiscard]] Report fit_report(const identification::FitVerdict& verdict);
 /// Returns {"tmcmc": [{"model", "log_evidence", "standard_error", "log_bayes_factor",
 /// "probability", …}, …], …}.
 [[nodiscard]] Report evidence_report(const identification::Findings& findings);
 
-/// Returns the data that repeat the run: version, command, seed, machine and case.
+/// Returns the data that are needed to repeat the run: version, command, seed, machine and case.
 [[nodiscard]] Report about(const std::string& command, const RunInfo& info, const CaseFile& file);
 
 /// Returns processor and number of cores, in words; nothing that identifies a single machine.

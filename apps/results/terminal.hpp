@@ -50,7 +50,8 @@ struct Page {
 
 /// Prints the answer in two sentences.
 void print_answer(const Page& page, const Answer& said);
-/// Prints one bar per model; of more than kMostBars models the kTopModels most probable.
+/// Prints one bar per model; if there are more than kMostBars models, only for the kTopModels most
+/// probable ones.
 inline constexpr std::size_t kMostBars = 12, kTopModels = 5;
 void print_models(const Page& page, const std::vector<identification::ModelFinding>& models);
 /// Prints the heading of numbers that are conditional on a model: "If cubic (56 %)", or its name if
@@ -68,8 +69,8 @@ inline constexpr std::size_t kMostListed = 6;
 [[nodiscard]] std::string probabilities_so_far(const std::vector<double>& probabilities,
                                                const std::vector<std::string>& names);
 
-/// Selects the progress lines of a log: one at the start of a stage; then one after at least a
-/// tenth of the stage and 5 s, or after 30 s.
+/// Selects the progress lines of a log: one at the start of a stage, and then one as soon as both a
+/// tenth of the stage and 5 s have passed, or 30 s.
 class ProgressLines {
  public:
   /// Returns a line, or none yet. `seconds`: since the start of the run; `left`: remaining,

@@ -31,8 +31,9 @@ class CaseRun {
   /// The key of the requested options in /wheeltap of a summary.
   [[nodiscard]] virtual const char* options_key() const { return "options"; }
 
-  /// Returns memory and time of the run; none if they are known only after prepare(): then call it
-  /// again. Throws Failure (65) if they exceed the limits in common().
+  /// Returns memory and time of the run; std::nullopt if they are known only after prepare(), and
+  /// the function must be called again then. Throws Failure (65) if they exceed the limits in
+  /// common().
   virtual std::optional<RunCost> estimate() = 0;
   /// Passes the estimates to CommonOptions::dry_run; `cost` is the result of estimate().
   virtual void dry_run(const std::optional<RunCost>& cost, RunWatch& watch);
@@ -40,8 +41,8 @@ class CaseRun {
   virtual void prepare(RunWatch& /*watch*/) {}
   /// Prints the results of the preparation.
   virtual void print_preparation() const {}
-  /// Samples and diagnoses convergence; none on ranks other than the first. Throws as the watch
-  /// does.
+  /// Samples and diagnoses convergence; returns std::nullopt on ranks other than the first. Throws
+  /// the exceptions of the watch.
   virtual std::optional<FinishedRun> sample(RunWatch& watch) = 0;
 
   /// Returns the case's predictor, likelihood and posterior, after prepare(). Throws Failure.

@@ -87,8 +87,8 @@ std::string write_sealed(const fs::path& path, io::NetcdfWriter& file) {
 
 [[noreturn]] void in_the_way(const fs::path& path) {
   throw FileError(FileError::Kind::unwritable, path,
-                  std::string("is in the way: it is not ") + kWhat +
-                      ", and Wheeltap does not overwrite it; remove it or choose another folder");
+                  std::string("exists already and is not ") + kWhat +
+                      ", so Wheeltap does not overwrite it: remove it or choose another folder");
 }
 
 [[noreturn]] void differs(const fs::path& path, const std::string& how) {
@@ -292,7 +292,7 @@ Checkpoint CheckpointFile::saved_draws(long number) const {
   };
   if (seal == seals_.end()) throw damaged("is not known");
   auto bytes = first_rank_says([&]() -> std::optional<std::string> {
-    if (!fs::exists(path)) throw damaged("is not there");
+    if (!fs::exists(path)) throw damaged("does not exist");
     return io::read_bytes(path);
   });
   if (!is_sealed_checkpoint(*bytes) || seal_of(*bytes) != seal->second)

@@ -26,7 +26,7 @@ struct CheckpointOf {
 };
 
 /// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case,
-/// contents of its input files, state of a repeated sid run, seals of the parts) and a group
+/// contents of its input files, state of a repeated sid run, checksums of the parts) and a group
 /// "state" (inference::Checkpoint). After them follow 16 hexadecimal digits, the fingerprint of all
 /// previous bytes. If there are many draws, each FOLDER/checkpoint-N.nc has a part of them in the
 /// same format, without "run".
@@ -36,18 +36,18 @@ class CheckpointFile {
 
   /// With `resume`, reads an existing checkpoint. Throws io::FileError if the file is truncated or
   /// damaged (corrupt), not a checkpoint (foreign), of another format (version) or of another run
-  /// (mismatch, with the difference); with `others_pass` it ignores one of another case. If an
-  /// input file has changed, a line on standard error names it and a new run begins. Without
+  /// (mismatch, with the difference). With `others_pass` it ignores the checkpoint of another case.
+  /// If an input file has changed, a line on standard error names it and a new run begins. Without
   /// `resume`, removes a checkpoint; throws (unwritable) if the file is not a checkpoint.
   CheckpointFile(const std::filesystem::path& folder, CheckpointOf of, const CommonOptions& common,
                  bool others_pass = false);
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
-  /// The time steps with which the resumed run was being repeated.
+  /// The time steps of the repetition in which the resumed run was stopped.
   [[nodiscard]] const std::optional<identification::StepsRefined>& refined() const {
     return refined_;
   }
-  /// States that the run is now being repeated with these time steps.
+  /// Stores that the run is now being repeated with these time steps.
   void repeat(const identification::StepsRefined& refined) {
     refined_ = refined;
     if (!seals_.empty())
@@ -61,7 +61,8 @@ class CheckpointFile {
   [[nodiscard]] bool kept() const { return kept_; }
   /// Removes the checkpoint of a finished run.
   void remove();
-  /// Removes checkpoints from the folder of a finished run, which was killed before it could.
+  /// Removes checkpoints from the folder of a finished run that was killed before it could remove
+  /// them.
   static void discard(const std::filesystem::path& folder);
 
  private:

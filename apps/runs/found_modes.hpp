@@ -14,7 +14,7 @@ namespace wheeltap::apps {
 
 struct ModesOptions {
   std::optional<int> modes;  ///< number, with rigid-body modes
-  bool truth = false;        ///< with the damage of the case's truth
+  bool truth = false;        ///< true: include the damage of the case's truth
   bool json = false;
   bool shapes = false;        ///< with json: add the shapes
   std::filesystem::path vtk;  ///< write the structure and its shapes into this file

@@ -28,7 +28,8 @@ struct QuantilePrior {
 };
 
 /// Samples and diagnoses convergence. The summary has "answer", "models", "parameters", "priors",
-/// "diagnostics" and "cost". `problem` has the model space of `parsed`. Throws as the watch does.
+/// "diagnostics" and "cost". `problem` has the model space of `parsed`. Throws the exceptions of
+/// the watch.
 [[nodiscard]] FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
                                          const inference::Problem& problem,
                                          const CommonOptions& common,

@@ -20,8 +20,8 @@ void print_estimate(const std::string& what, const RunCost& cost);
 /// Returns the same as JSON text: "what", "memory_bytes", "disk_bytes", "likelihoods", "seconds".
 [[nodiscard]] std::string estimate_json(const std::string& what, const RunCost& cost);
 
-/// Throws Failure (65) at `where`, with the estimate, if it exceeds --max-memory, --max-hours or
-/// --max-disk.
+/// Throws Failure (65) at `where`, with the estimate, if the cost exceeds --max-memory, --max-hours
+/// or --max-disk.
 void require_affordable(const CaseFile& file, const Pointer& where, const RunCost& cost,
                         const CommonOptions& common);
 
@@ -29,7 +29,8 @@ void require_affordable(const CaseFile& file, const Pointer& where, const RunCos
 /// unless --max-disk is given. The files of a checkpoint count as free space.
 void require_room(const RunCost& cost, const CommonOptions& common);
 
-/// Returns the time for timing a likelihood: 0.5 s with --dry-run, else 0.1 s.
+/// Returns the time for measuring the run time of a likelihood: 0.5 s with --dry-run, otherwise 0.1
+/// s.
 [[nodiscard]] inline double probe_seconds(const CommonOptions& common) {
   return common.dry_run ? 0.5 : 0.1;
 }

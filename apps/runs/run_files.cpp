@@ -98,7 +98,8 @@ std::optional<FileError> RunFiles::keep(Report summary, const std::string& text,
 std::string RunFiles::keep_without_draws(Report& summary, const std::string& text,
                                          const std::string& reason) {
   if (std::filesystem::exists(folder_ / io::kCommitNote)) {
-    return "all files of this run are written, but not yet in place: run wheeltap report " +
+    return "all files of this run are written, but do not have their final names yet: run wheeltap "
+           "report " +
            folder_.string();
   }
   posterior_.reset();  // makes room
@@ -148,7 +149,7 @@ void print_finished(const std::filesystem::path& folder, const std::string& text
 void print_results(const std::filesystem::path& folder, bool converged) {
   const auto shown = [&](const char* name) { return io::printable((folder / name).string()); };
   std::cout << "Results: " << shown("summary.json") << " (numbers), " << shown("posterior.nc")
-            << " (every draw), " << shown("report.html") << " (pictures)\n";
+            << " (every draw), " << shown("report.html") << " (figures)\n";
   if (!converged) std::cout << "NOT CONVERGED: do not trust these numbers yet.\n";
 }
 

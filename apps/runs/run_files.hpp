@@ -33,11 +33,11 @@ class RunFiles {
   /// Creates the folder. Throws io::FileError.
   explicit RunFiles(std::filesystem::path folder);
 
-  /// Writes all four files as one transaction; the summary has the run identifier and the seals of
-  /// the others. If this fails (full disk), it writes everything except the draws in a folder
-  /// without a run. In a folder with an earlier run it changes nothing and writes
-  /// summary.unkept.json. It then returns the error with the files kept; the caller throws it after
-  /// printing the text.
+  /// Writes all four files as one transaction; the summary contains the run identifier and the
+  /// checksums of the other files. If this fails (full disk) and the folder has no earlier run, it
+  /// writes everything except the draws. If the folder has an earlier run, it leaves its files
+  /// unchanged and writes summary.unkept.json. It then returns the error with the list of written
+  /// files; the caller throws it after printing the text.
   [[nodiscard]] std::optional<io::FileError> keep(Report summary, const std::string& text,
                                                   const std::string& run, const WriteDraws& draws);
 

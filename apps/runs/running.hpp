@@ -28,8 +28,8 @@ class CheckpointFile;
 
 /// While an object exists, Ctrl-C (or another of base::kStopSignals; SIGHUP unless it was ignored)
 /// stops the engine: the run ends with the draws so far. A second signal after at least 1 s ends
-/// the program. Earlier signals and SIGXCPU, which the system repeats, have no further effect.
-/// After the first signal the handlers stay installed.
+/// the program. A second signal within 1 s is ignored, and so are repetitions of SIGXCPU. The
+/// signal handlers remain installed after the first signal.
 class StopOnInterrupt {
  public:
   StopOnInterrupt();
@@ -48,9 +48,9 @@ void outlive_readers();
 
 [[nodiscard]] bool was_interrupted();
 
-/// Samples with a progress bar and checkpoints, from the checkpoint that was read, to the end or an
-/// interruption (StopOnInterrupt). It cuts chains to one length. Throws Failure if the likelihood
-/// fails or there are no draws.
+/// Samples with a progress bar and checkpoints until the end or an interruption (StopOnInterrupt),
+/// starting from the checkpoint that was read, if any. It truncates all chains to the same length.
+/// Throws Failure if the likelihood fails or there are no draws.
 [[nodiscard]] inference::Posterior run_engine(const inference::Problem& problem,
                                               inference::Options options,
                                               const std::filesystem::path& case_path, bool quiet,
@@ -63,8 +63,8 @@ void print_how_to_resume(const CheckpointFile& checkpoint, bool stopped);
 /// method other than tmcmc, bridge and laplace.
 [[nodiscard]] std::vector<identification::EvidenceMethod> evidence_methods(const std::string& text);
 
-/// Calls identification::compute_evidence for each method with a note. Methods that an interruption
-/// leaves unfinished are missing.
+/// Prints a note and calls identification::compute_evidence for each method. After an interruption,
+/// the result contains only the finished methods.
 [[nodiscard]] std::vector<identification::MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<identification::EvidenceMethod>& methods,
     std::uint64_t seed, int threads, RunWatch& watch);

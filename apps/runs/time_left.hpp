@@ -9,9 +9,9 @@
 
 namespace wheeltap::apps {
 
-/// Extrapolates the present stage from its time so far. For later stages it uses the time per
-/// likelihood call of this stage or of the whole run, whichever is shorter, since a stage may have
-/// counted few calls so far.
+/// Extrapolates the present stage from its time so far. For later stages it uses the shorter of the
+/// times per likelihood call in this stage and in the whole run, because a stage may have counted
+/// few calls so far.
 class TimeLeft {
  public:
   /// `least_a_call`: lower bound of the time of a likelihood call in later stages [s]; 0: not

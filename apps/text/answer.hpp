@@ -1,4 +1,4 @@
-// The answer of a run: two sentences that head the terminal text and the report.
+// The answer of a run: two sentences at the beginning of the terminal text and the report.
 #pragma once
 
 #include <string>
@@ -11,7 +11,7 @@
 namespace wheeltap::apps {
 
 struct Answer {
-  std::string caution;  ///< why the rest cannot be trusted yet; may be empty
+  std::string caution;  ///< why the results are not reliable yet; may be empty
   /// The number of damages or the model, with its probability. If no model explains the data, the
   /// headline begins with that.
   std::string headline;
@@ -19,7 +19,7 @@ struct Answer {
   bool misfit = false;  ///< no model explains the data, and the headline begins with that
 };
 
-/// Returns why a run's numbers cannot be trusted yet; empty if they can.
+/// Returns the reason why the results of a run are not reliable yet; empty if they are reliable.
 [[nodiscard]] std::string caution(const identification::Findings& findings);
 
 /// Returns the answer of a damage run. A count (a model) with a probability of at least 0.6 is
@@ -30,7 +30,7 @@ struct Answer {
 
 /// Returns the most probable equation of motion.
 [[nodiscard]] Answer answer(const identification::Findings& findings);
-/// The same; for a discovery it names the terms.
+/// Returns the most probable equation of motion; for a discovery, the terms.
 [[nodiscard]] Answer answer(const identification::SidFindings& findings);
 
 /// One run of a sweep.

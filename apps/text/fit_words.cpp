@@ -44,7 +44,7 @@ struct Sentence {
     std::vector<std::string> parts;
     for (const auto& r : all)
       parts.push_back(quoted_channel(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
-    return "The model misses most of " + in_words(parts) +
+    return "The model does not explain most of " + in_words(parts) +
            ", and the residual is not noise. Do not use parameters and intervals of this fit. "
            "Check channels, signs, units, the initial state and the sides of one-sided laws "
            "against the record; then the models.";
@@ -75,11 +75,11 @@ struct Sentence {
     for (const auto& r : all) {
       parts.push_back(quoted_channel(r.channel) + " by " + significant(100.0 * r.beyond, 2) +
                       (parts.empty() ? " % of the response, against " : " % against ") +
-                      significant(100.0 * r.inside, 2) + " % inside");
+                      significant(100.0 * r.inside, 2) + " % within the window");
     }
     return "In the " + std::to_string(all.front().samples) +
-           " samples after the window, every draw of the model misses " + in_words(parts) +
-           ": the model describes the window, not the structure.";
+           " samples after the window, the response of every draw differs from " + in_words(parts) +
+           ": the model is valid within the window only.";
   }
   std::string operator()(const All<misfit::BeyondNoise>& all) const {
     const misfit::BeyondNoise& r = all.front();

@@ -11,8 +11,8 @@ namespace wheeltap::apps {
 /// Returns one sentence per kind of reason, with what to check.
 [[nodiscard]] std::vector<std::string> in_words(const identification::FitVerdict& verdict);
 
-/// Returns the gravest reason for a headline: "R² -0.28 for "a"", "the residual of "a" is 14 % of
-/// the response and not noise". The verdict must have a reason.
+/// Returns the most serious reason, for a headline: "R² -0.28 for "a"", "the residual of "a" is 14
+/// % of the response and not noise". `verdict` must contain a reason.
 [[nodiscard]] std::string in_brief(const identification::FitVerdict& verdict);
 [[nodiscard]] std::string in_brief(const identification::misfit::Reason& reason);
 

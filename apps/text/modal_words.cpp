@@ -32,14 +32,14 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
         out.emplace_back("the damping ratio is very uncertain");
         break;
       case ModeDoubt::complex_shape:
-        out.emplace_back("the mode shape is complex: noise, or two close modes taken as one");
+        out.emplace_back("the mode shape is complex: noise, or two close modes identified as one");
         break;
       case ModeDoubt::tone:
         out.emplace_back("probably a harmonic of a machine, not a mode");
         break;
       case ModeDoubt::twin:
         out.emplace_back(
-            "another mode of the same shape lies within their uncertainty or bandwidth");
+            "another mode with the same shape lies within the uncertainty or bandwidth of the two");
         break;
       case ModeDoubt::at_the_edge:
         out.emplace_back("at an end of the band, where a filter may distort it");
@@ -115,7 +115,7 @@ std::string rejection_in_words(signals::Rejection why) {
     case signals::Rejection::few_orders:
       return "in too few orders";
     case signals::Rejection::splinter:
-      return "part of a better-known mode that large orders split";
+      return "part of a mode that another cluster estimates better (large orders split the mode)";
     case signals::Rejection::noise:
       return "the other modes explain the decays equally well";
   }
@@ -221,7 +221,7 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
   if (result.remarks.short_blocks)
     out.push_back("The record is short: it gives " + std::to_string(result.blocks) + " blocks of " +
                   significant(result.block_seconds, 3) +
-                  " s, so that standard deviations themselves are known to about " +
+                  " s, so that the relative error of standard deviations is about " +
                   significant(100.0 / std::sqrt(2.0 * (result.blocks - 1)), 2) + " %.");
   if (const int n = result.remarks.longer_decays; n > 0)
     out.push_back("Blocks of " + significant(result.block_seconds, 3) +

@@ -30,8 +30,8 @@ namespace wheeltap::apps {
 /// Returns the warnings on the whole result.
 [[nodiscard]] std::vector<std::string> warnings(const signals::ModalResult& result);
 
-/// Returns these warnings and the oddities of the channels. With several set-ups the file's name
-/// precedes each.
+/// Returns the warnings on the whole result and the faults of the channels. With several set-ups
+/// the file's name precedes each.
 [[nodiscard]] std::vector<std::string> cautions(const SetUp& set_up,
                                                 const signals::ModalResult& result);
 [[nodiscard]] std::vector<std::string> cautions(const ModalCaseFile& modal,

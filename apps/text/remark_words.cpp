@@ -91,7 +91,8 @@ class Speaker {
         of = std::to_string(models.size()) + " models";
       loose.push_back(name + " under " + of + " (overlap " + said + ")");
     }
-    return "Nearly the prior: the data say little about " + in_words(loose) +
+    return "The posterior nearly equals the prior: the data have little information about " +
+           in_words(loose) +
            ". Such a posterior repeats the assumptions of the case; do not report it as a result.";
   }
 
@@ -102,7 +103,7 @@ class Speaker {
   std::string operator()(const remark::CrossingMembers& r) const { return sentence(r); }
   std::string operator()(const remark::SensorsAtOnePlace& r) const { return sentence(r); }
   std::string operator()(const remark::FrequenciesOutOfReach& r) const {
-    return "No damage brings this model near the measured frequencies: mode " +
+    return "No damage within the priors gives frequencies near the measured ones: mode " +
            std::to_string(r.mode) + " is measured at " + significant(r.measured, 4) +
            " Hz and predicted at " + significant(r.lowest, 4) + " to " + significant(r.highest, 4) +
            " Hz. Over all modes, measured frequencies are " + significant(r.ratio, 3) +
@@ -141,14 +142,15 @@ class Speaker {
     if (r.places.size() > kNamed)
       list.push_back("at one of " + std::to_string(r.places.size() - kNamed) + " more");
     return "The data do not distinguish between these places: " + in_words(list, "or") +
-           ". It is one of these with " + probability_is(std::min(sum, 1.0)) +
-           ", and very rarely two. To distinguish them, measure mode shapes or more modes, or "
+           ". One of them is damaged (" + probability_is(std::min(sum, 1.0)) +
+           "), and very rarely two. To distinguish them, measure mode shapes or more modes, or "
            "inspect these places.";
   }
   std::string operator()(const remark::FittedNotTested& r) const {
     return "The " + unknowns_of(r.unknowns) + " of " + r.model + " are fitted to " +
            frequencies_of(r.frequencies) +
-           ", not tested by them: a wrong model would fit equally well, and the priors dominate "
+           ", so the data cannot test the model: a wrong model would fit equally well, and the "
+           "priors dominate "
            "the intervals. Measure more frequencies.";
   }
   std::string operator()(const remark::CannotExclude& r) const {
@@ -156,9 +158,9 @@ class Speaker {
                        probability_is(r.probability) + "): with " + unknowns_of(r.unknowns) +
                        " it has at least as many unknowns as there are data and fits any data";
     for (const auto& hidden : r.hidden) {
-      text += ". Under it, a further " + hidden.kind + " could lie between " + said(hidden.below) +
-              " and " + said(hidden.above) + ", at " + significant(hidden.from, 2) + " to " +
-              significant(hidden.to, 2) + " m (95 %)";
+      text += ". With this model, a further " + hidden.kind + " could lie between " +
+              said(hidden.below) + " and " + said(hidden.above) + ", at " +
+              significant(hidden.from, 2) + " to " + significant(hidden.to, 2) + " m (95 %)";
     }
     return text +
            ". Measure more frequencies, or rule it out by inspection and lower damage.count.max.";
@@ -177,8 +179,8 @@ class Speaker {
     for (const SiteLine::Stretch& s : kind.line.stretches()) longest = std::max(longest, s.size);
     return "If " + model.name + ": " + longer_in_words(kind, damages, most) + " Neighbouring " +
            kind.plural + " counted as one: " + merged_counts_in_words(kind, merged) +
-           ". The case fixes what one " + kind.name + " covers (" + length_in_words(most.fixed) +
-           (kind.extent ? "" : ", one element") +
+           ". The case fixes the length that one " + kind.name + " covers (" +
+           length_in_words(most.fixed) + (kind.extent ? "" : ", one element") +
            "), and the count depends on that length. Infer the length: \"extent\": "
            "{\"uniform\": [0, " +
            significant(0.2 * longest, 2) + "]} in " +
@@ -209,7 +211,7 @@ class Speaker {
                                ". Use \"predictor\": \"fe\", add \"exact\": true, or choose a "
                                "better emulator (docs/emulators.md).";
     if (!check.conclusive) {
-      return "The emulator moved the answer, by more than its draws can measure: of " +
+      return "The emulator error changed the results, by more than its draws can measure: of " +
              std::to_string(check.draws) +
              " draws checked with the FE solution, the FE likelihood gives weight to only about " +
              rounded_count(std::max(1.0, check.effective_share * check.draws)) + ". " + ending;
@@ -229,7 +231,7 @@ class Speaker {
                 significant(moved.shift.emulator, 3);
       }
     }
-    return "The emulator moved the answer. With the FE solution, " + text + " (" +
+    return "The emulator error changed the results. With the FE solution, " + text + " (" +
            std::to_string(check.draws) + " draws checked). " + ending;
   }
 
@@ -330,8 +332,9 @@ class Speaker {
                 significant(100.0 * channel.of_best, 3) + " %";
     }
     return "Under \"" + r.model +
-           "\" the means of the parameters are not a solution: a forward run with the means misses "
-           "the record by more than the best draw does (" +
+           "\" the means of the parameters do not fit the record: the response for the means "
+           "differs "
+           "from the record by more than that of the best draw (" +
            errors + "). Use draws, or \"best_draw\" in summary.json, not the means.";
   }
   std::string operator()(const remark::NoiseMisstated& r) const {
@@ -354,7 +357,8 @@ class Speaker {
     }
     return "Under \"" + r.model + "\" the residuals are not white: " + coloured + ". " +
            (!r.residual_model.empty()
-                ? "The " + r.residual_model + " does not describe all of it: " + r.remedy +
+                ? "The " + r.residual_model +
+                      " does not represent all of the correlation: " + r.remedy +
                       (r.remedy.empty() ? "" : ", or ") + "add a model that explains more."
                 : "The likelihood assumes independent residuals, so that probabilities are too "
                   "extreme and intervals too narrow; add \"residuals\": {\"" +

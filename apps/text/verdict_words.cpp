@@ -16,7 +16,7 @@ const char* const kSearchMore = " Search more (--search), or run longer (--warmu
 
 // The options that help.
 const char* advice(const Reason& reason) {
-  if (std::holds_alternative<StoppedEarly>(reason)) return " Run it to its end.";
+  if (std::holds_alternative<StoppedEarly>(reason)) return " Let it run to the end.";
   if (std::holds_alternative<QuickLook>(reason)) return " Run without --quick.";
   const bool search = std::holds_alternative<ModelNotEntered>(reason) ||
                       std::holds_alternative<AnnealingFindsMore>(reason);

@@ -9,9 +9,9 @@
 
 namespace wheeltap::apps {
 
-/// Returns sentences in the order of the reasons. All reasons why the chains have not converged
-/// form one sentence. If one reason holds for many models, the first four are named and the others
-/// counted.
+/// Returns sentences in the order of the reasons. All reasons about the mixing of the chains are in
+/// one sentence. If a reason applies to many models, the sentence names the first four and the
+/// number of others.
 [[nodiscard]] std::vector<std::string> in_words(const std::vector<inference::Reason>& reasons,
                                                 const inference::ModelSpace& space);
 

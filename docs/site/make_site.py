@@ -160,7 +160,7 @@ class Site:
                 pictures = re.findall(r"!\[figure\]\(([^)]+)\)", text)
                 text = re.sub(r"!\[figure\]\(", "![figure](figure:", text)
                 text = self.adapted(text, path, page).replace("(figure:", "(")
-                print(f"{path}: {len(pictures)} figures")
+                print(f"{path}: {len(figures)} figures")
             else:
                 text = f"# {title}\n\n```{LANGUAGES[extension]}\n{text}\n```\n"
             self.write(page, text)

@@ -33,8 +33,8 @@ struct AnyLaw {};
 /// z̈ = drive + M⁻¹ pull: drive = F / m - ÿ_base, pull is the sum of the tensions on a mass.
 /// friction.hpp adds exact friction.
 ///
-/// N > 0: number of masses; 0: task.masses. kSerial: link i joins masses i and i + 1. OnlyLaw: the
-/// kind of all laws, which saves the selection at every link.
+/// N is the number of masses, or 0 if task.masses gives it. kSerial is true if link i joins masses
+/// i and i + 1. OnlyLaw: the kind of all laws, so that no law is selected at run time.
 template <int N, bool kSerial, class OnlyLaw>
 class EquationOfMotion {
  public:
@@ -95,7 +95,7 @@ class EquationOfMotion {
       V tension = c_[link.slot] * e;
       for (int j = link.law_begin; j < link.law_end; ++j)
         tension += apply(task_.law[j], e, rate, q, q_rate);
-      // Last: within a stage, the velocities become available last.
+      // The damping force is added last, because the velocity of a stage is computed last.
       tension += c_[link.slot + 1] * rate;
       pull[from] += tension;
       pull[to] -= tension;

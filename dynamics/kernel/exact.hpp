@@ -16,8 +16,8 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 template <int N>
 class Exact {
  public:
-  /// With `thresholds`, the constant input 1 follows the others, for the forces of springs with
-  /// thresholds other than e = 0.
+  /// If `thresholds` is true, a constant input of 1 follows the other inputs; it gives the constant
+  /// forces of springs with a threshold other than e = 0.
   explicit Exact(const Task& task, bool thresholds = false)
       : task_(task),
         c_(vectors(task.coefficients)),
@@ -148,8 +148,8 @@ class Exact {
     multiply_a(factor, product_, transition_, n);  // Φ = A φ₁ + 1
     for (int i = 0; i < n; ++i) transition_[i * n + i] += 1.0;
 
-    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. Over the short step, B is
-    // factor · B.
+    // gamma1 = φ₂ B and gain = φ₁ B, with the upper half of B zero. For the shortened step, B is
+    // multiplied by `factor`.
     for (int i = 0; i < n; ++i)
       for (int c = 0; c < j; ++c) {
         V first{}, second{};
@@ -175,7 +175,8 @@ class Exact {
     for (int i = 0; i < n * j; ++i) gain_[i] += gamma0_[i];
   }
 
-  /// Sensor i reads rows · w + feed · u; unless it is an accelerometer, rows has one nonzero entry.
+  /// Sensor i measures rows · w + feed · u. Except for an accelerometer, rows has one nonzero
+  /// entry.
   void observe() {
     const int m = masses(), n = order(), j = inputs_;
     const double h = task_.step;

@@ -30,7 +30,7 @@ class Friction {
  public:
   static constexpr int M = (N > 0 ? N : kMaxMasses) + 1;
 
-  /// Accelerations have the unit `unit` [m/s²], the square of the unit of time.
+  /// Accelerations are multiplied by `unit`, the square of the unit of time [s²].
   Friction(const Task& task, double unit) : size_(task.frictions) {
     if (size_ == 0) return;
     const V* c = vectors(task.coefficients);
@@ -63,9 +63,9 @@ class Friction {
   [[nodiscard]] WHEELTAP_INLINE V force(int f) const { return force_[f]; }
   /// Change of ë per unit of tension.
   [[nodiscard]] WHEELTAP_INLINE V compliance(int f) const { return delassus_[f][f]; }
-  /// Whether any link sticks in any lane.
+  /// True if any link sticks in any lane.
   [[nodiscard]] WHEELTAP_INLINE bool sticking() const { return sticking_; }
-  /// ė, or another difference between the ends.
+  /// Difference of a quantity between the two ends of link f, for example ė from the velocities.
   [[nodiscard]] WHEELTAP_INLINE V across(int f, const V* x) const { return x[b_[f]] - x[a_[f]]; }
 
   /// Computes the tensions for accelerations without friction, and adds their effect to
@@ -141,7 +141,8 @@ class Friction {
       sticking_ = sticking_ || !all(state_[f]);
       V pivot = state_[f] == 0.0 ? delassus_[f][f] : V{};
       for (int k = 0; k < f; ++k) pivot -= lower_[f][k] * lower_[f][k] * pivot_[k];
-      // 0 for a slipping link, and for one whose rate follows from the others.
+      // 0 for a slipping link, and for a sticking link whose rate follows from those of other
+      // links.
       const V usable = pivot > kSingular * delassus_[f][f] ? V{} + 1.0 : V{};
       pivot_[f] = usable > 0.0 ? pivot : V{};
       reciprocal_[f] = usable > 0.0 ? 1.0 / pivot : V{};

@@ -8,9 +8,9 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// The scheme of RungeKutta for chains with laws whose rate grows with the speed of their link
-/// (LawInfo::paced). No constant step suits both rest and fast motion. With s the sum over the
-/// links of (rate per unit of speed) · |ė|, and s' that of (rate per unit of speed) · (|ë| +
-/// largest change of the drive within a step), a step τ is at most that of task.substeps and
+/// (LawInfo::paced). No constant step is suitable both near rest and in fast motion. With s the sum
+/// over the links of (rate per unit of speed) · |ė|, and s' that of (rate per unit of speed) · (|ë|
+/// + largest change of the drive within a step), a step τ is at most that of task.substeps and
 /// satisfies
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
@@ -79,8 +79,8 @@ class PacedRungeKutta {
   static constexpr int M = Motion::M;
   /// Product of rate and step above which the scheme is unstable; 2.79 on the real axis.
   static constexpr double kUnstable = 2.5;
-  /// Friction events in a sample in addition to its steps; afterwards, chattering links keep
-  /// slipping or sticking until its end.
+  /// Largest number of friction events in a sample. After this number, links keep their state (slip
+  /// or stick) until the end of the sample.
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
@@ -99,7 +99,7 @@ class PacedRungeKutta {
     rates(x, drive, k, tension);
   }
 
-  /// The same with the tensions of friction.
+  /// The rates including the tensions of friction.
   WHEELTAP_INLINE void rates(const State& x, const V* drive, Rates& k, V* tension) const {
     const int n = motion_.masses();
     V pull[M];
@@ -177,7 +177,8 @@ class PacedRungeKutta {
     for (int i = 1; i <= n; ++i) drive[i] = now[i] + time * (next[i] - now[i]);
   }
 
-  /// One step of length `part` of a sample, in the lanes with remaining time.
+  /// Makes one step of the length `part` (in samples), in the lanes that have not reached the end
+  /// of the sample.
   WHEELTAP_INLINE void step(const State& x, const Rates& k1, const V* now, const V* next, V left,
                             V part, State& end) const {
     const int n = motion_.masses();
@@ -219,9 +220,9 @@ class PacedRungeKutta {
       end.q[m] = x.q[m] + sixth * (k1.q[m] + k4.q[m] + 2.0 * (k2.q[m] + k3.q[m]));
   }
 
-  /// Shortens the step to the time at which a link with hysteresis reverses or the law's internal
-  /// state changes sign, since the law has corners there. Returns whether the step of any lane is
-  /// shorter.
+  /// Shortens the step so that it ends where a link with hysteresis reverses or its internal state
+  /// changes sign, because the law is not smooth there. Returns true if the step of any lane was
+  /// shortened.
   [[gnu::noinline]] bool stop_at_turn(const State& x, const Rates& k1, V left, V& part,
                                       const State& end) const {
     const V h = part * task_.step;
@@ -271,9 +272,9 @@ class PacedRungeKutta {
     return least;
   }
 
-  /// Shortens the step to its first event, to 1e-12 of a sample, by bisection and false position
-  /// (Illinois rule). Returns whether any lane has one. Writes to changes[link] the side to which
-  /// it breaks away, or 2 if it comes to rest.
+  /// Shortens the step so that it ends at its first friction event, found to 1e-12 of a sample by
+  /// bisection and false position (Illinois rule). Returns true if any lane has an event. Writes to
+  /// changes[link] the side to which the link breaks away, or 2 if it comes to rest.
   [[gnu::noinline]] bool stop_at_event(const State& x, const Rates& k1, const V* now, const V* next,
                                        V left, V& part, State& end, V* changes) const {
     const V begin = 1.0 - left;
@@ -334,8 +335,8 @@ class PacedRungeKutta {
   /// The length of the next step, in samples.
   WHEELTAP_INLINE V pace(const State& x, const Rates& k, const V* now, const V* next, V longest,
                          Watch& watch) const {
-    // If a law holds its link against the drive, ė and ë are no measure; use the drive's change
-    // instead.
+    // If a law keeps its link at rest against the drive, ė and ë do not limit the step; the change
+    // of the drive is used instead.
     const auto coming = [&](int mass) __attribute__((always_inline)) {
       return mass == 0 ? V{} : next[mass] - now[mass];
     };

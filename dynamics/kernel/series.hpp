@@ -10,9 +10,9 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// Integrates springs that are polynomials, or linear beyond a threshold, by Taylor series in time.
 /// The solution between two samples is analytic except where a law switches. Each sample is divided
 /// into pieces. A piece is a series that ends at its full length or where the first law reaches its
-/// threshold. A step across a switch would have an error of the square of its length; the error
-/// would vary with the position of the switch and make the likelihood rugged. Exact friction adds
-/// events: a slipping link comes to rest, or a sticking link needs more than its slip force.
+/// threshold. A step across a switch would have an error of second order in its length. This error
+/// would depend on the position of the switch and make the likelihood discontinuous. Exact friction
+/// adds events: a slipping link comes to rest, or a sticking link needs more than its slip force.
 template <int N, bool kSerial>
 class Series {
  public:
@@ -192,11 +192,13 @@ class Series {
   }
 
  private:
-  /// Switches per sample; a law that chatters about its threshold stops switching then.
+  /// Largest number of switches per sample. After this number, a law that switches back and forth
+  /// at its threshold keeps its state.
   static constexpr int kMostSwitches = 32;
   static constexpr int kMaxPower = 3;
-  /// The tension of a spring is continuous at its threshold, so that the error of the following
-  /// state is the square of the time error; the tension of friction jumps.
+  /// Tolerance of switching times for springs and for friction. The tension of a spring is
+  /// continuous at its threshold, so an error of the switching time has only a quadratic effect;
+  /// the tension of friction jumps.
   static constexpr double kSwitchCloseness = 1e-4, kSlipCloseness = 1e-8;
   struct Polynomial {
     int a, b;
@@ -314,8 +316,9 @@ class Series {
     return second < first ? second : first;
   }
 
-  /// Changes to another regime of friction in the lanes of `change`, a list over the links. In the
-  /// lanes of `unwatched`, without event detection, the velocities decide.
+  /// Changes the stick-slip state of the links in the lanes of `change` (one entry per link). In
+  /// the lanes of `unwatched`, where events are not detected, the state follows from the
+  /// velocities.
   void stick_or_slip(const V* change, const V* side, V until, const V* y, V* v, const V* now,
                      const V* then, V left, V unwatched) {
     const int links = friction_.size();
@@ -349,9 +352,9 @@ class Series {
     }
   }
 
-  /// The first time in [0, length] at which law i, which keeps its state while sign · (side · e -
-  /// threshold) > 0, changes it; 2 if there is none. A law that has just changed begins at its
-  /// threshold; that root is divided out of the polynomial.
+  /// The first time in [0, length] at which law i switches, that is at which sign · (side · e -
+  /// threshold) becomes negative; 2 if it does not switch. A law that has just switched begins at
+  /// its threshold; this root is divided out of the polynomial.
   WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
     const Threshold& t = thresholds_[i];
     const int degree = task_.degree;
@@ -377,7 +380,7 @@ class Series {
     for (int k = 0; k < degree; ++k) falls[k] = -(k + 1) * g[k + 1];
     const V end = horner(g, degree, length), fall = horner(falls, degree - 1, length);
     V high = length, at_high = end, found = end < 0.0 ? V{} + 1.0 : V{};
-    // Between two positive ends, if the tangents at both become negative.
+    // For two positive ends, a root is possible if the tangents at both ends become negative.
     const V tangents = lanes::max(g[0] + length * g[1], end + length * fall);
     const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
     if (any(dips)) {

@@ -9,7 +9,8 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 constexpr std::int64_t kSamplesBetweenChecks = 64;
-/// For trajectories with many steps per sample, whose number varies between lanes.
+/// Interval of the checks [samples] for paced integration, which needs many steps per sample, a
+/// different number in each lane.
 constexpr std::int64_t kPacedSamplesBetweenChecks = 4;
 
 /// Scores or stores a sample.
@@ -20,7 +21,7 @@ class Output {
       for (int i = 0; i < task.sensors; ++i) vectors(task.sums)[i] = V{};
   }
 
-  /// Whether sample n of the excitation is a sample of the response.
+  /// True if sample n of the excitation is a sample of the response.
   WHEELTAP_INLINE bool due(std::int64_t n) {
     if (n != next_) return false;
     next_ += task_.stride;
@@ -62,7 +63,8 @@ class Watch {
  public:
   explicit Watch(const Task& task) : task_(task), bound_(task.bound) {}
 
-  /// To be called for every mass at every sample. A lane that was outside once stays failed.
+  /// To be called for every mass at every sample. A lane whose displacement has exceeded the bound
+  /// once remains failed.
   WHEELTAP_INLINE void check(V displacement) {
     outside_ = lanes::abs(displacement) <= bound_ ? outside_ : V{} + 1.0;
   }
@@ -72,20 +74,21 @@ class Watch {
     outside_ = lanes::max(outside_, outside(x, std::numeric_limits<double>::max()));
   }
 
-  /// Marks lanes with a step at which the scheme was unstable, as the reason in case they fail.
+  /// Marks lanes with a step for which the scheme is unstable. If such a lane fails, this is the
+  /// reported reason.
   WHEELTAP_INLINE void mark_long_steps(V too_long) {
     long_steps_ = lanes::max(long_steps_, too_long);
   }
-  /// Fails the lanes that need more steps than allowed; in those that are `fast`, no step would be
-  /// short enough.
+  /// Marks the lanes of `stopped`, which need more steps than allowed, as failed. In the lanes of
+  /// `fast`, no step would be short enough.
   WHEELTAP_INLINE void out_of_steps(V stopped, V fast) {
     mark_long_steps(fast > 0.0 ? V{} : stopped);
     outside_ = lanes::max(outside_, stopped);
   }
-  /// 1 where a trajectory has failed.
+  /// 1 in the lanes whose trajectory has failed, else 0.
   [[nodiscard]] WHEELTAP_INLINE V failed() const { return outside_; }
 
-  /// At intervals: whether all lanes have failed or exceeded their limits.
+  /// True if all lanes have failed or exceeded their limits; checked only at intervals.
   WHEELTAP_INLINE bool over(std::int64_t sample, const Output& output,
                             std::int64_t between = kSamplesBetweenChecks) {
     if (sample % between != 0) return false;

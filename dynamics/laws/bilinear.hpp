@@ -6,7 +6,8 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// T = k max(0, e), opening: a crack that transmits force on one side only. Closing: k min(0, e).
+/// T = k max(0, e) for side opening, k min(0, e) for side closing: a crack that transmits force in
+/// one direction only.
 struct Bilinear {
   static constexpr LawInfo kInfo{
       .name = "bilinear",

@@ -13,9 +13,8 @@
 //   kCreep                   dry friction: the coefficient which, as the constant 0, makes the law
 //                            exact instead of regularised
 //
-// A law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and
-// memory_rate(c, e, ė, ζ) = ζ̇. A law whose rates grow with |ė|, such as any with memory, sets
-// `kInfo.paced`.
+// A law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and memory_rate(c,
+// e, ė, ζ) = ζ̇. A law whose rates grow with |ė|, such as any law with memory, sets `kInfo.paced`.
 #pragma once
 
 #include <type_traits>

@@ -27,19 +27,19 @@ template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
-/// The remaining stiffness Π (1 - r) of each element under the damages. A product, because 1 minus
-/// the lost part has no correct digits where little stiffness remains.
+/// The remaining stiffness Π (1 - r) of each element under the damages. It is computed as a
+/// product, because 1 minus the lost share has no correct digits if little stiffness remains.
 template <class Real>
 [[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
                                                                          const Defects& defects);
 
-/// The number of rigid motions (at most two: translation and rotation) that the beam's and these
-/// supports leave free.
+/// The number of rigid-body motions that the supports of the beam and the added supports leave
+/// free; at most two (translation and rotation).
 [[nodiscard]] int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added);
 
-/// The reduced problem: u = T q, where q are the free degrees of freedom. A rigid support N(x) · u
-/// = 0 removes one of them and expresses it by its neighbours in the element, so K and M stay
-/// sparse.
+/// The eigenvalue problem in the free degrees of freedom q, with u = T q. A rigid support N(x) · u
+/// = 0 eliminates one degree of freedom and expresses it by the others of its element, so K and M
+/// remain sparse.
 template <class Real>
 struct Assembly {
   using Sparse = Eigen::SparseMatrix<Real>;

@@ -110,7 +110,7 @@ void validate(const Beam& beam) {
     const std::string name = "beam.supports[" + std::to_string(i) + "]";
     require_on_beam(name + ".at", s.at, beam.length);
     if (!s.deflection && !s.rotation)
-      throw std::invalid_argument(name + ": must hold the deflection, the rotation or both");
+      throw std::invalid_argument(name + ": must restrain the deflection, the rotation or both");
     if (s.stiffness) {
       require_positive(name + ".stiffness", *s.stiffness);
       require_computable(name + ".stiffness", *s.stiffness);

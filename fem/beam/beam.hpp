@@ -25,7 +25,8 @@ struct Section {
   double shear_coefficient;  ///< κ [-]: the shear stiffness is κ G A
 };
 
-/// A support at `at`. It holds the listed motions rigidly, or by a spring if `stiffness` is given.
+/// A support at `at`. It restrains the listed motions rigidly, or by a spring if `stiffness` is
+/// given.
 struct Support {
   double at;                        ///< [m], anywhere in [0, length]; not only at nodes
   bool deflection = true;           ///< holds the deflection w
@@ -44,8 +45,9 @@ struct Beam {
   [[nodiscard]] int nodes() const { return elements + 1; }
   [[nodiscard]] double element_length() const { return length / elements; }
 
-  /// The 0-based element that contains x. Element e covers [x_e, x_{e+1}), the last one closed; an
-  /// x within 1e-9 L of a node counts as that node. Throws std::invalid_argument outside [0, L].
+  /// The index (from 0) of the element that contains x. Element e covers [x_e, x_{e+1}); the last
+  /// element includes its end. An x within 1e-9 L of a node counts as that node. Throws
+  /// std::invalid_argument outside [0, L].
   [[nodiscard]] int element_at(double x) const;
 
   /// Midpoint of element e [m].

@@ -1,4 +1,5 @@
-// Damages and added supports as columns of the secular problem. Internal to the reanalysis.
+// Represents damages and added supports as columns of the secular problem. Internal to the
+// reanalysis.
 #pragma once
 
 #include <span>
@@ -12,8 +13,8 @@
 namespace wheeltap::fem::detail {
 
 /// A damaged element changes K by -Γ c cᵀ for each of its two strains c, with Γ = 1 - Π (1 - r). A
-/// support changes K by + k c cᵀ, where c is its motion; there Γ = -k. With all Γ in one diagonal
-/// matrix, the damaged eigenvalues solve
+/// support changes K by + k c cᵀ, that is Γ = -k, where c is the restrained motion. With all Γ in
+/// one diagonal matrix, the damaged eigenvalues solve
 ///
 ///   det [Γ⁻¹ - Cᵀ (K - λ M)⁻¹ C] = 0.
 ///
@@ -23,10 +24,10 @@ namespace wheeltap::fem::detail {
 ///   L_s L_sᵀ = 1/k + Σ_j c_j c_jᵀ / s_j (supports),   W = Σ_j c_j (L_s⁻¹ c_j)ᵀ / s_j,
 ///   Rᵀ R = q / (1 - q) + Q Qᵀ + W Wᵀ (damages),   q = Π (1 - r),
 ///
-/// where Q are the self-stresses (`self_stresses`). With added supports s_j > λ_j for soft modes,
-/// and Rᵀ R gains Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) over these modes. Every term is a square, and Givens
-/// rotations build R row by row, so R keeps its digits even if almost no stiffness remains.
-/// `Secular` receives the columns L⁻¹ C.
+/// where Q are the self-stresses (`self_stresses`). With added supports, s_j > λ_j for soft modes,
+/// and Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) over these modes is added to Rᵀ R. Every term is a square, and
+/// Givens rotations assemble R row by row. R is therefore accurate even if almost no stiffness
+/// remains. `Secular` receives the columns L⁻¹ C.
 class DefectColumns {
  public:
   /// Throws std::invalid_argument for defects outside the beam or out of range.
@@ -35,7 +36,7 @@ class DefectColumns {
 
   [[nodiscard]] int count() const { return support_columns_ + damage_columns_; }
   [[nodiscard]] int supports() const { return support_columns_; }
-  /// Number of rigid supports among them; each removes one degree of freedom.
+  /// Number of rigid supports among the defects; each removes one degree of freedom.
   [[nodiscard]] int held() const { return held_; }
   /// Number of rigid-body modes of the damaged beam.
   [[nodiscard]] int rigid_body_modes() const { return rigid_; }
@@ -43,8 +44,8 @@ class DefectColumns {
   [[nodiscard]] double least_remaining() const { return least_remaining_; }
   /// Σ k Σ_j c_j² over the springs: an upper bound on the increase of any eigenvalue.
   [[nodiscard]] double added_stiffness() const { return added_stiffness_; }
-  /// The largest k Σ_j c_j² / s_j of the springs: spring stiffness over the beam's own stiffness
-  /// there.
+  /// The largest k Σ_j c_j² / s_j of the springs, which is the ratio of the spring stiffness to the
+  /// stiffness of the beam at the same place.
   [[nodiscard]] double stiffest_spring() const { return stiffest_spring_; }
   /// L⁻¹ C, column by column.
   [[nodiscard]] const double* columns() const { return columns_.data(); }
@@ -56,7 +57,7 @@ class DefectColumns {
     double lost;       ///< 1 - q, stored because q near 1 loses its digits
   };
   [[nodiscard]] std::span<const Element> elements() const { return elements_; }
-  /// The column of each listed support; -1 if the motion is already held.
+  /// The column of each listed support; -1 if its motion is already restrained.
   [[nodiscard]] std::span<const int> support_column() const { return support_column_; }
 
   /// Converts the forces η of L⁻¹ C to the motion or strain cᵀφ of each column, Γ⁻¹ L⁻ᵀ η, in

@@ -35,10 +35,10 @@ struct IntactModes {
   /// The summation window of S for this number of added supports.
   [[nodiscard]] const Window& window(int supports) const;
 
-  /// Σ_j a_j b_j / s_j: a compliance that is finite for free beams as well.
+  /// Σ_j a_j b_j / s_j: a compliance that is finite also for a beam with rigid-body modes.
   [[nodiscard]] double compliance(const double* a, const double* b) const;
 
-  /// row[j] = N(x) · φ_j, or N_θ(x) · φ_j. Returns the compliance of its terms without
+  /// row[j] = N(x) · φ_j, or N_θ(x) · φ_j. Returns the compliance from the same terms, without
   /// cancellation.
   double motion(double at, bool rotation, double* row) const;
 };

@@ -21,13 +21,14 @@ struct LowestModes {
 
 /// Refines approximate modes by Rayleigh quotient iteration in 106 bits. `start` holds as many
 /// modes as wanted, in the free degrees of freedom and in any order; rigid-body modes need not be
-/// accurate. Returns nothing if an iteration does not converge or two converge to the same mode.
+/// accurate. Returns std::nullopt if an iteration does not converge, or if two iterations converge
+/// to the same mode.
 [[nodiscard]] std::optional<LowestModes> finish(WidePencil& pencil,
                                                 std::vector<WidePencil::Vector> starts);
 
-/// Finds the modes without a start: Sturm counts isolate each eigenvalue in long double, and in 106
-/// bits where long double is not enough (Parlett 1998, The Symmetric Eigenvalue Problem, ch. 3, 4).
-/// Throws std::runtime_error if an iteration does not converge.
+/// Finds the modes without initial approximations. Sturm counts isolate each eigenvalue in long
+/// double, or in 106 bits if long double is not accurate enough (Parlett 1998, The Symmetric
+/// Eigenvalue Problem, ch. 3, 4). Throws std::runtime_error if an iteration does not converge.
 [[nodiscard]] LowestModes lowest_modes(const Beam& beam, const Defects& defects, int count,
                                        WidePencil& pencil);
 

@@ -1,4 +1,4 @@
-// Results that the reanalysis computes from one damaged mode. Internal.
+// Computes the gradients and shapes of one mode of the damaged beam. Internal to the reanalysis.
 #pragma once
 
 #include <span>

@@ -9,8 +9,8 @@
 
 namespace wheeltap::fem {
 
-/// A damaged element changes K by rank 2 and a support by rank 1. With the columns of C spanning
-/// those changes, the frequencies under s defects are the roots of a small secular problem
+/// A damaged element changes K by rank 2 and a support by rank 1. If the columns of C span these
+/// changes, the frequencies of the beam with s defects are the roots of a small secular problem
 ///
 ///   det S(λ) = 0,   S(λ) = Σ - |Γ|½ Cᵀ (K - λ M)⁻¹ C |Γ|½,   Σ = sign Γ,
 ///
@@ -18,11 +18,11 @@ namespace wheeltap::fem {
 /// S(λ), minus the number of supports (Wittrick & Williams 1971; Haynsworth 1968). This count
 /// brackets every root, so no mode is missed or swapped.
 ///
-/// Every root is proven to lie within 1e-12 of λ, apart from rounding (`RootSearch`); rounding
-/// stays below `error_bound`. The only truncation is a Chebyshev series of the modes far above the
-/// requested ones, at 1e-17. From a first-order start, a root takes 1.8 (one damage) to 2.4 (six)
-/// evaluations of S on average. A warm start from the last state of a chain would save little and
-/// would make results depend on earlier calls.
+/// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
+/// `error_bound` bounds the rounding. The only truncation is that of a Chebyshev series for the
+/// modes far above the requested ones, at 1e-17. From a first-order start, a root needs 1.8 (one
+/// damage) to 2.4 (six damages) evaluations of S on average. A start from the previous state of a
+/// Markov chain would save little, and results would depend on earlier calls.
 ///
 /// The object is immutable after construction. Any number of threads may share it, each with its
 /// own workspace.
@@ -44,7 +44,8 @@ class Reanalysis {
     bool rotation = false;
   };
 
-  /// Output of `solve`; empty spans are not computed. Matrices are row-major, one row per mode.
+  /// Output of `solve`. Results with an empty span are not computed. Matrices are row-major, with
+  /// one row per mode.
   struct Results {
     std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
     /// n × damages: ∂f/∂r of each listed damage with the others fixed [Hz].
@@ -60,7 +61,8 @@ class Reanalysis {
     std::span<double> support_gradients_hz = {};
   };
 
-  /// Output of `location_slopes`; empty spans are not computed. Row-major, one row per mode.
+  /// Output of `location_slopes`. Results with an empty span are not computed. Matrices are
+  /// row-major, with one row per mode.
   struct LocationSlopes {
     int modes;                        ///< n <= modes(): number of lowest modes
     std::span<double> damages_hz_m;   ///< n × damages
@@ -74,10 +76,10 @@ class Reanalysis {
   ///
   /// k is the stiffest added spring, k_beam the beam's own stiffness at its place, q = Π (1 - r) of
   /// the most damaged element, λ_1 the lowest elastic eigenvalue of the intact beam. The last term
-  /// applies only to two cases. One is a free beam held by added supports, where the compliances of
-  /// hinges and soft springs cancel those of the supports. The other is a mesh with hardly more
-  /// modes than damaged strains. The form follows from rounding analysis; the factors cover 4000
-  /// random beams (tests/fem/random_beams_test.cpp).
+  /// matters only in two cases. In the first, added supports restrain a free beam, and the
+  /// compliances of hinges and soft springs cancel those of the supports. In the second, the mesh
+  /// has few more modes than damaged strains. The form follows from rounding analysis; the factors
+  /// cover 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
@@ -112,7 +114,7 @@ class Reanalysis {
   /// everywhere. The slope is therefore taken between the midpoints of the two neighbouring
   /// elements. At an end it is taken between the element and its only neighbour; it is 0 for a beam
   /// of one element. A support acts at a point: its slope is the difference over ± 10⁻³ of an
-  /// element, cut off at the beam's ends. Throws as `solve`.
+  /// element, cut off at the beam's ends. Throws the exceptions of `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;
 

@@ -14,10 +14,10 @@ namespace wheeltap::fem {
 ///
 ///   Q Qᵀ = I - B K⁻¹ Bᵀ = I - Σ_j c_j c_jᵀ / λ_j
 ///
-/// over the elastic modes with strains c_j. Q Qᵀ has no cancellation, unlike the sum on the right;
-/// this matters where a damage leaves almost no stiffness. Returns only the rows of the elements, 2
-/// elements × (number of self-stresses), in the order of `FullSpectrum::strains`. Computed from
-/// equilibrium along the beam, in long double.
+/// over the elastic modes with strains c_j. Q Qᵀ is computed without cancellation, unlike the sum
+/// on the right; this matters if a damage leaves almost no stiffness. Returns only the rows of the
+/// elements, 2 elements × (number of self-stresses), in the order of `FullSpectrum::strains`. They
+/// are computed from equilibrium along the beam, in long double.
 [[nodiscard]] Eigen::MatrixXd self_stresses(const Beam& beam);
 
 }  // namespace wheeltap::fem

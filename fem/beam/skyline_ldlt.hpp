@@ -73,9 +73,9 @@ class SkylineLdlt {
     return negative;
   }
 
-  /// False if σ is nearly an eigenvalue of a leading block. Rounding from its tiny pivot then
-  /// dominates the rows below it, and the count and the solutions are unreliable. Retry with a
-  /// slightly different σ.
+  /// False if σ is nearly an eigenvalue of a leading block. The rounding errors of the tiny pivot
+  /// then dominate the rows below it, and the count and the solutions are unreliable. The caller
+  /// should retry with a slightly different σ.
   [[nodiscard]] bool stable() const { return growth_ < Real{kLargestGrowth}; }
 
   /// Overwrites x with (K - σ M)⁻¹ x of the last factorisation.
@@ -91,7 +91,8 @@ class SkylineLdlt {
   }
 
  private:
-  /// Four lost digits in double or long double; 106 bits can lose more.
+  /// Limit of the growth of entries: four lost digits in double or long double; with 106 bits, more
+  /// digits may be lost.
   static constexpr double kLargestGrowth = std::numeric_limits<Real>::digits > 100 ? 1e12 : 1e4;
 
   [[nodiscard]] std::size_t place(std::size_t i, std::size_t j) const {

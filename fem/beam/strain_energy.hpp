@@ -5,9 +5,9 @@
 
 namespace wheeltap::fem {
 
-/// φᵀ K φ = Σ_e (1 - r_e) [(b·φ_e)² + (a·φ_e)²] + Σ k (N(x)·φ)². The assembled K cancels for smooth
-/// shapes on fine meshes; squares of strains do not. Rayleigh quotients of the low modes therefore
-/// keep full relative accuracy.
+/// φᵀ K φ = Σ_e (1 - r_e) [(b·φ_e)² + (a·φ_e)²] + Σ k (N(x)·φ)². For smooth shapes on fine meshes,
+/// the product with the assembled K suffers from cancellation; the sum of squared strains does not.
+/// Rayleigh quotients of the low modes therefore keep full relative accuracy.
 template <class Real>
 class StrainEnergy {
  public:

@@ -33,7 +33,7 @@ class TimoshenkoElement {
   explicit TimoshenkoElement(const Beam& beam);
   explicit TimoshenkoElement(const Flexure<Real>& flexure);
 
-  /// K = b bᵀ + a aᵀ [N/m, N, N·m], of rank 2: every rigid motion is stress-free.
+  /// K = b bᵀ + a aᵀ [N/m, N, N·m]. Its rank is 2, because rigid-body motions are stress-free.
   [[nodiscard]] Matrix stiffness() const {
     return bending() * bending().transpose() + shear() * shear().transpose();
   }

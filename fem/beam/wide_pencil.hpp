@@ -10,9 +10,9 @@
 
 namespace wheeltap::fem {
 
-/// The rigid motions that the supports leave free, mass-normalised, one per column. Computed from
-/// the geometry, which is exact, not as null vectors of a rounded K. Rows are all degrees of
-/// freedom of the mesh.
+/// The rigid motions that the supports leave free, mass-normalised, one per column. They are
+/// computed exactly from the geometry, instead of as null vectors of a rounded K. Rows are all
+/// degrees of freedom of the mesh.
 [[nodiscard]] Eigen::Matrix<DoubleDouble, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(
     const Beam& beam, const Defects& defects);
 
@@ -31,8 +31,8 @@ class WidePencil {
   [[nodiscard]] const std::vector<Vector>& rigid_modes() const { return rigid_; }
   [[nodiscard]] const Assembly<Real>& assembly() const { return assembly_; }
 
-  /// The number of eigenvalues below σ. Returns nothing if the factorisation is unstable, also when
-  /// σ is nearly an eigenvalue of a leading block.
+  /// The number of eigenvalues below σ. Returns std::nullopt if the factorisation is unstable, for
+  /// example because σ is nearly an eigenvalue of a leading block.
   [[nodiscard]] std::optional<int> count_below(Real sigma);
 
   /// True if eigenvalue `index` (from 0, ascending) lies in λ (1 ± error): at most `index`
@@ -44,7 +44,7 @@ class WidePencil {
   /// converge.
   [[nodiscard]] std::optional<Real> refine(Vector& q, const std::vector<Vector>& others = {});
 
-  /// The share of q's momentum in the rigid motions, from 0 to 1.
+  /// The share of rigid-body motions in q, in the norm of M, from 0 to 1.
   [[nodiscard]] double rigid_share(const Vector& q) const;
 
   /// u = T q on all degrees of freedom of the mesh.

@@ -124,7 +124,7 @@ Ring cleaned(const Ring& given, const OutlinePlace& name, double near) {
   for (std::size_t i = 0; i < ring.size(); ++i) {
     const Point &a = ring[i], &b = ring[(i + 1) % ring.size()], &c = ring[(i + 2) % ring.size()];
     if (side(a, b, c) == 0 && (b - a).dot(c - b) < 0.0)
-      refuse_outline(name, "has no area where it turns back onto itself, at " + text(b));
+      refuse_outline(name, "turns back onto itself and encloses no area there, at " + text(b));
   }
   return ring;
 }
@@ -151,7 +151,7 @@ void refuse_own_crossings(const std::vector<const Ring*>& rings,
     const auto [low, high] = std::minmax(s.ring, t.ring);
     refuse_outline(names[high],
                    (low == 0 ? "a hole must lie inside the outer polygon: "
-                             : "a hole must not meet another (" + text(names[low]) + "): ") +
+                             : "a hole must not touch another (" + text(names[low]) + "): ") +
                        edges);
   });
 }
@@ -333,7 +333,7 @@ Ring arc(const Point& from, const Point& to, double turn, int per_turn) {
   const double whole = 2.0 * std::numbers::pi;
   if (!(std::abs(turn) > 0.0 && std::abs(turn) < whole))
     throw std::invalid_argument("arc: turn = " + text(turn) +
-                                ": must not be 0 and below 2 pi in size");
+                                ": must not be 0, and its magnitude must be below 2 pi");
   const Point chord = to - from;
   const double radius = 0.5 * chord.norm() / std::abs(std::sin(0.5 * turn));
   // The centre lies to the left of the chord, seen from `from`, for a turn below π.

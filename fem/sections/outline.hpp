@@ -32,8 +32,8 @@ struct Outline {
   std::vector<Region> regions;
 };
 
-/// Tolerance, relative to the section's size: corners this close count as one corner, and a corner
-/// this close to an edge of another region lies on that edge.
+/// Tolerance of distances, relative to the size of the section. Two corners within it count as one
+/// corner, and a corner within it from an edge of another region lies on that edge.
 inline constexpr double kSameCorner = 1e-9;
 
 /// The largest distance of a corner from the outline's first one [m].
@@ -56,9 +56,9 @@ struct OutlineError : std::invalid_argument {
   std::string reason;  ///< without the place
 };
 
-/// Rings without repeated corners, outer ones counter-clockwise and holes clockwise. Neighbouring
-/// corners of a ring within kSameCorner of the section's size are one corner. Throws
-/// OutlineError, naming place and value, for
+/// Checks an outline and returns it without repeated corners, with outer rings counter-clockwise
+/// and holes clockwise. Neighbouring corners of a ring within the tolerance kSameCorner are merged.
+/// Throws OutlineError, with place and value, for
 /// - coordinates that are not finite, fewer than 3 corners, no area;
 /// - a ring that crosses or touches itself, or a hole that leaves its region or meets another hole;
 /// - regions that overlap;
@@ -77,9 +77,9 @@ struct OutlineError : std::invalid_argument {
 [[nodiscard]] std::vector<Region> nested(const std::vector<Ring>& rings);
 
 /// The corners of an arc from `from` (inclusive) to `to` (exclusive) over the angle `turn` [rad],
-/// counter-clockwise if positive, in steps of at most 2π / `per_turn`. The corners between them lie
-/// slightly off the circle so that the polygon has exactly the area of the arc. Throws
-/// std::invalid_argument for a turn of 0 or beyond 2π.
+/// counter-clockwise if positive, in steps of at most 2π / `per_turn`. The corners in between lie
+/// slightly outside the circle, so that the polygon has exactly the area of the circular segment.
+/// Throws std::invalid_argument for a turn of 0 or beyond 2π.
 [[nodiscard]] Ring arc(const Eigen::Vector2d& from, const Eigen::Vector2d& to, double turn,
                        int per_turn = 256);
 

@@ -1,4 +1,5 @@
-// Stiffnesses of a cross-section by finite elements: Saint-Venant torsion and flexure.
+// Computes the stiffnesses of a cross-section by finite elements for Saint-Venant torsion and
+// flexure.
 //
 // With y, z from the centroid, e = E/E_ref, g = G/G_ref, and c_j = M⁻¹ (unit vector j) for M = [∫e
 // y² ∫e yz; ∫e yz ∫e z²], find ω and the flexure functions ψ_y, ψ_z such that, for all v,
@@ -17,8 +18,8 @@
 //          does no work with extension or bending
 //
 // after Pilkey (2002), Analysis and Design of Elastic Beams, chapters 5 to 7, who assumes one
-// Poisson's ratio. If the regions have different ratios, the in-plane strains that compatibility
-// would need are neglected.
+// Poisson's ratio. If the regions have different Poisson's ratios, the in-plane strains that
+// compatibility requires are neglected.
 #pragma once
 
 #include <span>
@@ -49,9 +50,9 @@ struct ShearFlexibility {
   double yy, zz, yz;
 };
 
-/// Section properties. Moduli are relative to E_ref and G_ref = E_ref / (2 (1 + ν_ref)): E_ref ·
-/// area is the axial stiffness, G_ref · torsion_constant the torsional stiffness. One material with
-/// modulus 1 gives the usual geometric properties.
+/// Section properties, weighted with the moduli relative to E_ref and G_ref = E_ref / (2 (1 +
+/// ν_ref)). The axial stiffness is E_ref · area, the torsional stiffness G_ref · torsion_constant.
+/// For a single material with modulus 1, these are the usual geometric properties.
 struct SectionProperties {
   double area;               ///< ∫ e [m²]
   double geometric_area;     ///< ∫ 1 [m²]
@@ -66,7 +67,7 @@ struct SectionProperties {
   ShearFlexibility shear_flexibility;  ///< α from the strain energy
 };
 
-/// The results of one mesh.
+/// Section properties computed on one mesh.
 struct SectionLevel {
   int triangles, nodes;
   SectionProperties properties;
@@ -104,9 +105,10 @@ struct SectionAnalysisOptions {
                                                    std::span<const Region> regions,
                                                    double reference_poisson);
 
-/// Refines the mesh, graded to its corners, until the properties converge. Stops earlier if one is
-/// not finite or if the changes show that the remaining refinements would not reach the tolerance.
-/// Throws like section_properties, and for options out of range.
+/// Refines a mesh that is graded towards the corners until the properties converge. Stops earlier
+/// if a property is not finite, or if the changes show that the remaining refinements will not
+/// reach the tolerance. Throws the exceptions of section_properties, and std::invalid_argument for
+/// options out of range.
 [[nodiscard]] SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regions,
                                               const SectionAnalysisOptions& options = {});
 

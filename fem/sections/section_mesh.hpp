@@ -17,8 +17,9 @@ struct SectionMeshOptions {
 
 /// Ruppert's Delaunay refinement (1995, J. Algorithms 18:548) with exact predicates. It halves
 /// edges until their diametral circles contain no corner of an adjacent triangle, and inserts the
-/// circumcentres of bad triangles. It considers only the inside, so the two faces of a slit do not
-/// refine each other. Edges at a sharp corner are split in shells of powers of two.
+/// circumcentres of bad triangles. It considers only the interior, so the two faces of a slit do
+/// not cause refinement of each other. Edges at a sharp corner are split at distances from it that
+/// are powers of two, so that the refinement terminates.
 ///
 /// Checks the outline with `checked` first. Throws std::invalid_argument like `checked`, for
 /// options out of range, a section in several pieces, a region that is negligibly small compared

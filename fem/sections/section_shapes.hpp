@@ -13,8 +13,9 @@
 
 namespace wheeltap::fem {
 
-/// All functions take the sizes [m] in the order of `sizes`. Those of shear coefficient and torsion
-/// constant are null without a formula: a mesh of the outline then gives the values.
+/// All functions take the sizes [m] in the order of `sizes`. The functions for the shear
+/// coefficient and the torsion constant are null for shapes without a formula; these properties are
+/// then computed on a mesh of the outline.
 struct SectionShape {
   std::string name;                ///< "rectangle"
   std::vector<std::string> sizes;  ///< names: "width", "height"
@@ -24,13 +25,14 @@ struct SectionShape {
   double (*shear_coefficient_y)(std::span<const double> sizes, double poisson);
   double (*torsion_constant)(std::span<const double> sizes);  ///< Saint-Venant's J [m⁴]
   double (*depth)(std::span<const double> sizes);             ///< along z [m]
-  /// y along the width, the origin in the middle; circles as polygons of equal area.
+  /// The outline, with y along the width and the origin at the centre. Circles become polygons of
+  /// equal area.
   Region (*outline)(std::span<const double> sizes);
 };
 
 [[nodiscard]] const std::vector<SectionShape>& section_shapes();
 
-/// Null where no shape has this name.
+/// The shape with this name, or null if there is none.
 [[nodiscard]] const SectionShape* find_section_shape(std::string_view name);
 
 }  // namespace wheeltap::fem

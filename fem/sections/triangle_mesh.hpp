@@ -27,8 +27,8 @@ struct EdgeNumbers {
 /// the edge. The share is ½, but less at re-entrant corners of the domain and of interfaces. There
 /// a function behaves as r^λ, λ = π / angle, and quadratic elements keep their order h⁴ (of
 /// energies) with shares of at most 2^(-2/λ) (Babuška, Kellogg & Pitkäranta 1979, Numer. Math.
-/// 33:447). Where an interface ends on the boundary or turns, λ depends on the moduli; the smallest
-/// possible value, ½, is used.
+/// 33:447). At corners and ends of an interface, λ depends on the moduli; its smallest possible
+/// value, ½, is used there.
 [[nodiscard]] std::vector<double> split_shares(const TriangleMesh& mesh);
 
 /// Splits every triangle into four. Existing points keep their numbers; `shares` gets ½ for each
@@ -36,10 +36,11 @@ struct EdgeNumbers {
 [[nodiscard]] TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares);
 
 /// Adds `rings` rings of smaller triangles around each point of share below ½; each ring is a third
-/// of the size of the one around it. Points keep their numbers; `shares` is extended as above.
+/// of the size of the one around it. Existing points keep their numbers; `shares` gets ½ for each
+/// new point.
 [[nodiscard]] TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings);
 
-/// The number of pieces that no edge connects.
+/// The number of connected parts of the mesh.
 [[nodiscard]] int pieces(const TriangleMesh& mesh);
 
 }  // namespace wheeltap::fem

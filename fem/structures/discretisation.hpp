@@ -38,8 +38,8 @@ struct DofName {
 };
 
 /// K φ = λ M φ in the n free degrees of freedom. K = Bᵀ D B + K_rest from the strains B. φᵀ K φ is
-/// then a sum of squares; it does not cancel, unlike the assembled matrix for smooth shapes of fine
-/// meshes.
+/// then a sum of squares without cancellation. With the assembled matrix, smooth shapes on fine
+/// meshes suffer from cancellation.
 struct Discretisation {
   using Sparse = Eigen::SparseMatrix<double>;
 
@@ -55,13 +55,13 @@ struct Discretisation {
   /// Selects r of the n degrees of freedom (r rigid motions) whose restraint prevents all rigid
   /// motions.
   [[nodiscard]] std::vector<char> holding_dofs() const;
-  /// K u from the strains.
+  /// K u, computed from the strains.
   [[nodiscard]] Eigen::VectorXd stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const;
   /// uᵀ K u from the strains: twice the strain energy.
   [[nodiscard]] double energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
-  /// Vᵀ K V of the columns of V, from the strains.
+  /// Vᵀ K V, computed from the strains of the columns of V.
   [[nodiscard]] Eigen::MatrixXd projected_stiffness(const Eigen::MatrixXd& basis) const;
-  /// The energy without cancellation inside each strain: the reference for rounding errors.
+  /// The energy if no terms cancelled inside a strain; rounding errors are relative to it.
   [[nodiscard]] double uncancelled_energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
 };
 

@@ -23,7 +23,7 @@ struct LumpedChain {
 /// Throws InvalidStructure (a mass is a `masses` part, a link a `members` part).
 void validate(const LumpedChain& chain);
 
-/// Discretises the chain; strain i belongs to link i. Throws as `validate`.
+/// Discretises the chain; strain i belongs to link i. Throws the exceptions of `validate`.
 [[nodiscard]] Discretisation discretise(const LumpedChain& chain);
 
 }  // namespace wheeltap::fem

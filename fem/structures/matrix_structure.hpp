@@ -9,7 +9,7 @@
 namespace wheeltap::fem {
 
 /// M and K = Σ (1 + α_j) K_j, all symmetric and of the same size. M is positive semidefinite;
-/// degrees of freedom without mass follow the others statically.
+/// degrees of freedom without mass follow from the others by statics.
 struct MatrixStructure {
   using Sparse = Discretisation::Sparse;
   struct Part {
@@ -26,9 +26,9 @@ struct MatrixStructure {
 /// in size, is not symmetric (to 1e-8 of its largest entry) or not finite, or if α <= -1.
 void validate(const MatrixStructure& structure);
 
-/// Discretises the structure: K_rest is the whole of K, with its summands as parts. Does not search
-/// for rigid motions; `structure_modes` rejects a structure that moves without resistance as a
-/// mechanism. Throws as `validate`.
+/// Discretises the structure: K_rest is K, and its parts are the summands of K. Does not search for
+/// rigid-body motions; `structure_modes` reports a structure that can move without resistance as a
+/// mechanism. Throws the exceptions of `validate`.
 [[nodiscard]] Discretisation discretise(const MatrixStructure& structure);
 
 }  // namespace wheeltap::fem

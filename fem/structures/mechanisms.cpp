@@ -137,7 +137,7 @@ void refuse_mechanisms(const Discretisation& d) {
   }
   throw InvalidStructure(
       InvalidStructure::Part::whole, 0,
-      text + ": hold it by a support, a spring or a member, or make a hinge rigid");
+      text + ": restrain it by a support, a spring or a member, or make a hinge rigid");
 }
 
 }  // namespace wheeltap::fem

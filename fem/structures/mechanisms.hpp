@@ -4,9 +4,9 @@
 //
 //   (K + ε D) v ← D v,   D = diag K (1 where that is 0),   ε = 1e-11,
 //
-// finds motions whose stiffness is below about ε. A Rayleigh-Ritz step on the energies of the
-// strains, which are sums of squares without cancellation, then separates zero stiffness from small
-// stiffness.
+// finds motions whose stiffness is below about ε. A Rayleigh-Ritz step then separates zero
+// stiffness from small stiffness. It uses the strain energies, which are sums of squares without
+// cancellation.
 #pragma once
 
 #include <string>
@@ -20,12 +20,13 @@ namespace wheeltap::fem {
 /// an entry of 1 where the others are 0. Empty if K resists all motions except the rigid ones.
 [[nodiscard]] std::vector<Eigen::VectorXd> mechanisms(const Discretisation& d);
 
-/// Largest ratio, for a strain-free motion, of its energy to the energy without cancellation in any
-/// strain. For a K given as a matrix the energy itself is rounded.
+/// The largest ratio of energy to energy without cancellation (`uncancelled_energy`) at which a
+/// motion counts as strain-free. The limit is larger if K is given as a matrix, because its energy
+/// has rounding errors of its own.
 [[nodiscard]] double no_strain(const Discretisation& d);
 
-/// The places of largest motion: "n2, y", "B, x and C, x". Translations precede rotations, nodes
-/// precede places within members.
+/// The degrees of freedom with the largest motion, in words: "n2, y", "B, x and C, x". Translations
+/// precede rotations, nodes precede places within members.
 [[nodiscard]] std::string motion_in_words(const Discretisation& d, const Eigen::VectorXd& motion);
 
 /// Throws InvalidStructure if there are mechanisms; the message names the motions and a remedy.

@@ -15,8 +15,8 @@ namespace wheeltap::fem {
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 
-/// Flexure of an element of this length in the plane of one section axis: along z about y, or along
-/// y about z.
+/// Flexural properties of an element of this length in one plane of the section: deflection along z
+/// with bending about y, or deflection along y with bending about z.
 [[nodiscard]] Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
                                       bool rotary_inertia);
 
@@ -57,12 +57,12 @@ class Mesh {
     return joint_strains_[static_cast<std::size_t>(node)];
   }
 
-  /// The motion of a node; empty if it is held.
+  /// The motion of a node as a row; empty if it is restrained.
   [[nodiscard]] const SparseRow& motion(int node, Direction direction) const;
   /// The motion of a place on a member along (or about) a global axis, through the element's shape
   /// functions.
   [[nodiscard]] SparseRow motion(int member, double s, Direction direction) const;
-  /// The same along (or about) an arbitrary unit vector.
+  /// The motion of a place on a member along (or about) an arbitrary unit vector.
   [[nodiscard]] SparseRow motion(int member, double s, const Vector3& axis, bool rotation) const;
   /// The member's own x, y, z in global coordinates.
   [[nodiscard]] const std::array<Vector3, 3>& member_axes(int member) const {

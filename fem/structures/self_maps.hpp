@@ -8,8 +8,8 @@
 
 namespace wheeltap::fem {
 
-/// An isometry of the plane or of space that maps nodes to nodes and members to members. It
-/// considers geometry only; the frequencies show whether stiffness and mass are symmetric as well.
+/// An isometry of the plane or of space that maps nodes to nodes and members to members. Only the
+/// geometry is compared; the frequencies show whether stiffness and mass are symmetric as well.
 struct SelfMap {
   std::vector<int> node;       ///< image of node i
   std::vector<int> member;     ///< image of member i; for a chain, of link i
@@ -21,7 +21,7 @@ struct SelfMap {
 /// structure's size. Returns no maps for more than `kMostMappedNodes` nodes (no search) or more
 /// than `kMostSelfMaps` maps.
 [[nodiscard]] std::vector<SelfMap> self_maps(const Structure& structure);
-/// The reversal of the order of masses and links of a chain, if its links allow it.
+/// The reversal of the order of the masses and links of a chain, if it maps links to links.
 [[nodiscard]] std::vector<SelfMap> self_maps(const LumpedChain& chain);
 
 inline constexpr int kMostMappedNodes = 500;

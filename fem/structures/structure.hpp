@@ -46,7 +46,7 @@ struct Node {
 struct MemberEnd {
   static constexpr double kRigid = std::numeric_limits<double>::infinity();
 
-  /// From the node to the member's end, global axes, rigid [m].
+  /// Rigid arm from the node to the member's end, in global axes [m].
   Vector3 offset = {};
   /// Rotational stiffness of the joint about the member's own x, y, z [N·m/rad]: ∞ is rigid, 0 a
   /// hinge. A plane structure bends about y.
@@ -124,7 +124,7 @@ class InvalidStructure : public std::invalid_argument {
   InvalidStructure(Part part, int index, const std::string& message)
       : std::invalid_argument(message), part_(part), index_(index) {}
   [[nodiscard]] Part part() const { return part_; }
-  /// Index in the list of `part`; meaningless for `whole`.
+  /// Index in the list of parts of this kind; undefined for `whole`.
   [[nodiscard]] int index() const { return index_; }
 
  private:

@@ -1,4 +1,4 @@
-// A structure as points and lines, with the motion of every point in a mode shape.
+// Draws a structure as points and lines, with the motion of every point in a mode shape.
 #pragma once
 
 #include <array>
@@ -45,7 +45,8 @@ struct DrawnStructure {
 [[nodiscard]] DrawnStructure drawn(const LumpedChain& chain);
 [[nodiscard]] DrawnStructure drawn(const MatrixStructure& matrices);
 
-/// Displacement of every point in a shape, the largest scaled to 1 (all 0 for a shape of zeros).
+/// The displacement of every point in a mode shape, scaled to a largest displacement of 1 (all 0
+/// for a shape of zeros).
 [[nodiscard]] std::vector<Vector3> point_motions(const StructureDrawing& drawing,
                                                  const Eigen::VectorXd& shape);
 

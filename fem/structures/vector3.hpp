@@ -1,4 +1,4 @@
-// Vectors of space, as plain arrays. Internal to the structures.
+// Vectors in space as plain arrays. Internal to the structures.
 #pragma once
 
 #include <array>

@@ -13,22 +13,25 @@ namespace wheeltap::identification {
 /// The emulator error for one number of damages.
 struct EmulatorError {
   std::vector<emulator::HoldoutError> holdout;  ///< one per mode
-  /// Error variance of mode i at damages r_1 … r_k: scale[i] · Σ r_j / (1 - r_j), which grows with
-  /// the damage as its effect does. For an interpolant with its own variance: scale[i] times that
-  /// variance, scale >= 1. Empty in tables of early versions, whose variance is constant, rmse².
+  /// Scale of the error variance, one per mode. For damages r_1 … r_k the error variance of mode i
+  /// is scale[i] · Σ r_j / (1 - r_j), which grows with the damage in the same way as its effect.
+  /// For an interpolant that predicts its own variance, it is scale[i] times that variance, scale
+  /// >= 1. Empty for tables of early versions, which have the constant variance rmse².
   std::vector<double> scale;
   std::vector<emulator::StandardisedResiduals> standardised;  ///< by that variance; one per mode
   /// Leave-one-out RMSE, one per mode; empty if the interpolant has none.
   std::vector<double> leave_one_out;
 };
 
-/// Computes each mode's error variance [Hz²] under `damages`, for an interpolant without its own.
+/// Computes the error variance [Hz²] of each mode under `damages`, for an interpolant that does not
+/// predict its variance.
 void error_variance(const EmulatorError& error, std::span<const fem::Damage> damages,
                     std::span<double> variance);
 
 /// Computes holdout errors, scale and standardised residuals from frequencies [Hz] and variances
-/// [Hz²] at scale 1, runs × modes each. `has_variance`: the variances are the interpolant's own. A
-/// mode predicted as NaN counts as exact, because the FE solution replaces it wherever it is used.
+/// [Hz²] at scale 1, runs × modes each. `has_variance` is true if the interpolant predicts the
+/// variances. A mode predicted as NaN counts as exact, because the likelihood then uses the FE
+/// solution.
 [[nodiscard]] EmulatorError measured_error(const emulator::RowMatrix& truth,
                                            emulator::RowMatrix predicted,
                                            emulator::RowMatrix variance, bool has_variance);

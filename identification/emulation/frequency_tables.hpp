@@ -26,17 +26,18 @@ struct FrequencyTables {
   std::vector<emulator::Table> tables;  ///< entry i for i + 1 damages
   std::vector<EmulatorError> errors;    ///< entry i for i + 1 damages; more than tables with ANOVA
   bool symmetrised = false;  ///< predictions are means over damages and their mirror images
-  /// How more than two damages are summed; the table for two then holds the intact frequencies.
+  /// The quantity in which the effects of more than two damages are added. If it is set, the table
+  /// for two damages also contains the intact frequencies.
   std::optional<emulator::Additive> anova;
 };
 
-/// Reads a table file made for this beam, up to `max_count` damages. Throws io::FileError; throws
-/// std::invalid_argument if the file holds too few counts or modes.
+/// Reads a table file that was computed for this beam, up to `max_count` damages. Throws
+/// io::FileError; throws std::invalid_argument if the file holds too few counts or modes.
 [[nodiscard]] FrequencyTables read_frequency_tables(const std::filesystem::path& path,
                                                     const fem::Beam& beam, int max_count,
                                                     int modes);
 
-/// Writes a table file; adds `attributes` to the standard ones. Throws as
+/// Writes a table file; adds `attributes` to the standard ones. Throws the exceptions of
 /// emulator::write_table_file.
 void write_frequency_tables(const std::filesystem::path& path, const fem::Beam& beam,
                             FrequencyTables tables, std::map<std::string, std::string> attributes);

@@ -26,13 +26,13 @@ struct OutsideEmulatorSpec {
 };
 
 /// One Gaussian process per response. The box ends at the bounds of each prior's support or, if
-/// unbounded, at its quantiles z = ±4. An unknown that is positive over more than a decade enters
-/// by its logarithm. The error variance is the process variance times a factor >= 1 that calibrates
-/// it on the fresh runs (emulator_error.hpp).
+/// unbounded, at its quantiles z = ±4. An unknown that is positive and extends over more than a
+/// decade is replaced by its logarithm. The error variance is the process variance times a factor
+/// >= 1 that calibrates it on the fresh runs (emulator_error.hpp).
 class OutsideEmulator {
  public:
-  /// Runs the model at both designs on `threads` threads. Throws OutsideModelError; throws
-  /// std::invalid_argument if a prior has zero width.
+  /// Runs the model at the points of the training design and of the holdout design, on `threads`
+  /// threads. Throws OutsideModelError; throws std::invalid_argument if a prior has zero width.
   OutsideEmulator(OutsideModel& model, const std::vector<inference::Parameter>& unknowns,
                   const OutsideEmulatorSpec& spec, int threads,
                   const std::function<void(double)>& progress = {});

@@ -29,7 +29,7 @@ class OutsideModel {
 
   [[nodiscard]] virtual int inputs() const = 0;
   [[nodiscard]] virtual int outputs() const = 0;
-  /// Computes all of y, finite. Throws OutsideModelError.
+  /// Computes all entries of y, which must be finite. Throws OutsideModelError.
   virtual void evaluate(std::span<const double> x, std::span<double> y) = 0;
   /// Optional: writes Σ_i sensitivity_i ∂y_i/∂x_j into slope_j. Returns false if the model has no
   /// derivatives. Throws OutsideModelError.

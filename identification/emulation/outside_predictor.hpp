@@ -12,8 +12,8 @@ struct OutsidePredictor {
   std::shared_ptr<const OutsideEmulator> emulator = {};  ///< empty: the model itself predicts
 
   /// Computes all responses and their error variances: by the emulator within its box, otherwise by
-  /// the model itself, with zero variance. Likelihoods do not evaluate beyond the box. Throws
-  /// OutsideModelError.
+  /// the model itself, with zero variance. Likelihoods do not call this function outside the box.
+  /// Throws OutsideModelError.
   void predict(std::span<const double> x, std::span<double> out, std::span<double> variance) const {
     if (emulator && emulator->contains(x)) return emulator->evaluate(x, out, variance);
     model->evaluate(x, out);

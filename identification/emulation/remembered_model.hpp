@@ -1,4 +1,4 @@
-// A cache of an expensive external model, kept within a run and between runs.
+// A cache for an expensive external model, within a run and between runs.
 #pragma once
 
 #include <atomic>
@@ -13,20 +13,20 @@
 
 namespace wheeltap::identification {
 
-/// Evaluates another model at new inputs only. Keeps each answer in memory and immediately in a
-/// journal. After the first failure of the model no thread calls it again. Gradients are not
-/// cached.
+/// Evaluates another model only at inputs for which the result is not stored. Each result is stored
+/// in memory and at once in a journal. After the first failure of the model, no thread calls it
+/// again. Gradients are not cached.
 class RememberedModel final : public OutsideModel {
  public:
-  /// Loads the answers of `journal`; an empty path disables the journal. `identity` identifies the
-  /// model that the answers belong to. Throws io::FileError: foreign, mismatch, corrupt,
+  /// Reads the results in `journal`; an empty path disables the journal. `identity` identifies the
+  /// model to which the results belong. Throws io::FileError: foreign, mismatch, corrupt,
   /// unwritable.
   RememberedModel(std::shared_ptr<OutsideModel> model, const std::filesystem::path& journal,
                   const std::string& identity);
 
   [[nodiscard]] int inputs() const override { return model_->inputs(); }
   [[nodiscard]] int outputs() const override { return model_->outputs(); }
-  /// Throws as the model does, with the number of answers kept in the message; throws
+  /// Throws the exceptions of the model, with the number of stored results in the message, and
   /// io::FileError.
   void evaluate(std::span<const double> x, std::span<double> y) override;
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,

@@ -15,16 +15,17 @@ struct Interval {
 };
 
 struct BetweenWindows {
-  /// Prediction for one further window of this length: the interval for a record not used.
+  /// Prediction of the parameter in one further window of the same length, that is in a record that
+  /// was not used.
   Interval next;
-  /// Limit for ever longer records, fitted as a whole: mean is the best value of this record, sd
-  /// its error from the windows' scores. Empty if the whole record's posterior has no normal
-  /// approximation.
+  /// Estimate of the limit that a fit of the whole record approaches as the record becomes longer.
+  /// The mean is the best value of this record, and sd its error from the scores of the windows.
+  /// Empty if the posterior of the whole record has no normal approximation.
   std::optional<Interval> whole = {};
   /// Birge ratio of the windows' scatter to their own intervals, and its p-value.
   inference::BirgeRatio scatter;
-  /// Whether the ratio is at least 1.5 and not by chance. If so, the run's own interval, which
-  /// assumes the residuals of the likelihood, does not hold from one window to the next.
+  /// True if the ratio is at least 1.5 and significant. Then the interval of the run, which assumes
+  /// that the residuals follow the likelihood, is too narrow for the scatter between windows.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
   /// Value and standard deviation per window; NaN for a failed window.
   std::vector<double> value, sd;

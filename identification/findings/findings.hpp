@@ -19,7 +19,7 @@
 
 namespace wheeltap::identification {
 
-/// A parameter of a model, identified by its position, not by its label.
+/// A parameter of a model, identified by its position in the model.
 struct Unknown {
   std::string name;   ///< "location", "k"
   std::string label;  ///< "location[1]"; preceded by the kind's name if two kinds share the label
@@ -45,7 +45,7 @@ struct ParameterFinding {
   /// no information. NaN if not computed.
   double prior_overlap = std::numeric_limits<double>::quiet_NaN();
 
-  /// Whether the posterior nearly repeats the prior.
+  /// True if the posterior nearly repeats the prior.
   [[nodiscard]] bool is_nearly_prior() const { return prior_overlap > 0.85; }
 };
 
@@ -61,15 +61,15 @@ struct ModelFinding {
   [[nodiscard]] bool drawn() const { return standing.visited > 0; }
   /// The marginal of a component's parameter; nullptr if the model lacks it.
   [[nodiscard]] const Marginal* find(int kind, int component, int parameter) const;
-  /// The same for one of the model's own parameters, by name.
+  /// The marginal of a parameter of the model itself, by name; nullptr if the model lacks it.
   [[nodiscard]] const Marginal* find(const std::string& name) const;
 };
 
 /// "tmcmc", "bridge", "laplace".
 [[nodiscard]] std::string method_name(EvidenceMethod method);
 
-/// Evidences by one method, one per model. NaN, with a warning that gives the reason, if the method
-/// failed: a failure must not stop a finished run.
+/// Evidences by one method, one per model. If the method failed for a model, its evidence is NaN
+/// with a warning that gives the reason, because a failure must not stop a finished run.
 struct MethodEvidence {
   EvidenceMethod method;
   std::vector<inference::Evidence> evidences;
@@ -88,8 +88,9 @@ struct EvidenceFinding {
   inference::ImpliedProbabilities implied;
 };
 
-/// The sampling record and the convergence diagnosis. `full_evaluations` includes evaluations of an
-/// emulator; without a stand-in it equals `likelihood_evaluations`.
+/// The sampling record and the convergence diagnosis. `full_evaluations` counts evaluations of the
+/// full likelihood, which may use an emulator; without an approximate likelihood it equals
+/// `likelihood_evaluations`.
 struct Sampling : inference::RunRecord {
   inference::Verdict verdict;
   inference::ModelProbabilities stationary;
@@ -111,7 +112,8 @@ struct Findings {
 };
 
 [[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
-/// With more models than this, only those of at least kWorthFull are reported in full.
+/// If there are more models than this, only models with a probability of at least kWorthFull are
+/// reported in full.
 inline constexpr std::size_t kFewModelsTold = 40;
 inline constexpr double kWorthFull = 0.005;
 [[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);

@@ -1,5 +1,6 @@
-// Whether any model explains the data. Every report begins with this if none does: measured
-// structures are never exactly among the models, and the most probable model may still fit badly.
+// Diagnosis of whether a model explains the data. Every model is an approximation of the measured
+// structure, so even the most probable model may fit badly; a report begins with this result if no
+// model explains the data.
 #pragma once
 
 #include <limits>
@@ -11,7 +12,7 @@ namespace wheeltap::identification {
 
 namespace misfit {
 
-/// R² of a response is below 1/2 and its residual is not noise.
+/// The reason that R² of a response is below 1/2 and its residual is not noise.
 struct Unexplained {
   std::string channel;
   double r2;
@@ -26,7 +27,7 @@ struct NotNoise {
   int lag;               ///< lag of the largest autocorrelation
   double autocorrelation;
 };
-/// Beyond its window, the model's error is more than twice that within the window.
+/// The error of the model after the window is more than twice that within the window.
 struct WorseBeyond {
   std::string channel;
   double inside, beyond;  ///< RMS of residual over RMS of response
@@ -50,14 +51,14 @@ using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, Wit
 
 /// Posterior predictive p and portmanteau p-values below this reject a model.
 inline constexpr double kMisfit = 1e-3;
-/// Residuals below this share of a response, even if not noise, are reported but not in the
-/// heading.
+/// Residuals below this share of a response are reported in the text but not in the heading, even
+/// if they are not noise.
 inline constexpr double kSmallResidual = 0.05;
-/// Relative to the residual of a free cubic chain.
+/// Limit of the residual relative to that of a free cubic chain.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
-/// The verdict on the most probable model that explains the data, among models of at least 5 %; if
-/// none explains them, on the most probable model.
+/// Diagnosis of the most probable model that explains the data, among models of at least 5 %; if no
+/// model explains them, of the most probable model.
 struct FitVerdict {
   int model = -1;                                        ///< -1: no model was judged
   double r2 = std::numeric_limits<double>::quiet_NaN();  ///< smallest over the responses

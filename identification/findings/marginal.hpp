@@ -30,11 +30,12 @@ struct Marginal {
 
 /// Quantile of sorted draws, linear between order statistics.
 [[nodiscard]] double quantile(const std::vector<double>& sorted, double p);
-/// Weighted quantile of (value, weight) in any order; with equal weights, `quantile`.
+/// Weighted quantile of pairs (value, weight) in any order; equals `quantile` if all weights are
+/// equal.
 [[nodiscard]] double weighted_quantile(std::vector<std::pair<double, double>> draws, double p);
 
-/// Weight of a draw of each model, 1 on average over the draws; unequal only for balanced models
-/// (Posterior::log_weight). Every average over models must use it.
+/// Weight of the draws of each model, 1 on average over all draws. Weights are unequal only for
+/// balanced models (Posterior::log_weight). Every average over models must use them.
 [[nodiscard]] std::vector<double> model_weights(const inference::Posterior& posterior);
 /// The weight of every draw; empty if all are equal.
 [[nodiscard]] inference::ChainsOf draw_weights(const inference::Posterior& posterior);

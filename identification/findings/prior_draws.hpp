@@ -13,7 +13,7 @@ namespace wheeltap::identification {
 
 inline constexpr int kPriorDraws = 200;
 
-/// Draw `i` of the prior within a model; deterministic.
+/// Draw number `i` from the prior of a model; the same number always gives the same draw.
 [[nodiscard]] inline std::vector<double> prior_draw(const inference::ModelSpace& space, int model,
                                                     int i) {
   base::Random random(1, 0, static_cast<std::uint64_t>(i), base::Purpose::prediction);
@@ -29,7 +29,7 @@ struct PriorRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
   void take(double x) { low = std::min(low, x), high = std::max(high, x); }
-  /// The value in the range nearest to x > 0 (as a ratio).
+  /// The value in the range that is nearest to x > 0, measured as a ratio.
   [[nodiscard]] double nearest(double x) const { return std::clamp(x, low, high); }
 };
 

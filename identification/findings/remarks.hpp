@@ -1,4 +1,4 @@
-// Remarks on the findings: each a type with its numbers. The writers provide the words.
+// Remarks on the findings. Each remark is a type with its numbers; apps/ contains the texts.
 #pragma once
 
 #include <array>
@@ -59,7 +59,7 @@ struct ImplausibleMaterial {
   std::string unit = {};          ///< unit in which the number would be plausible; empty: none
   double converted = 0.0;         ///< the value in that unit, converted to SI
 };
-/// A section higher than the beam's length, or far higher than the member's.
+/// A section whose height exceeds the length of the beam, or far exceeds the length of the member.
 struct DeepSection {
   std::string of;
   double height, length;  ///< [m]
@@ -106,7 +106,7 @@ struct NoiseHidesDamage {
   double cv, effect;  ///< for the mode most sensitive to damage; `effect` relative to its noise
 };
 
-/// Mirror images are equally probable: any preference for one side comes from the emulator.
+/// Mirror images are equally probable; a preference for one side is an effect of the emulator.
 struct MirrorImages {
   bool emulated;
 };
@@ -116,8 +116,8 @@ struct StructureImages {
   std::vector<std::vector<std::string>> alike;
   std::vector<std::string> turned;
 };
-/// Places that exclude each other, most probable first: one of them is damaged, and the data do not
-/// determine which.
+/// Mutually exclusive places of damage, most probable first: one of them is damaged, and the data
+/// do not determine which one.
 struct RivalPlaces {
   struct Place {
     int kind;  ///< index in the case's list
@@ -126,7 +126,7 @@ struct RivalPlaces {
   };
   std::vector<Place> places = {};
 };
-/// A model with at least as many unknowns as data, and no simpler model of notable probability.
+/// A model has at least as many unknowns as data, and no simpler model has a notable probability.
 struct FittedNotTested {
   std::string model;
   int unknowns, frequencies;
@@ -151,8 +151,8 @@ struct CannotExclude {
   int unknowns, frequencies;
   std::vector<Hidden> hidden;
 };
-/// Posterior predictive p below 0.005, but no failure to explain the data (FitVerdict). `off`:
-/// modes (from 1) that deviate by more than 3 sd.
+/// The posterior predictive p is below 0.005, although the data count as explained (FitVerdict).
+/// `off`: modes (from 1) that deviate by more than 3 sd.
 struct NoModelFits {
   std::vector<int> off;
   bool emulated;
@@ -175,7 +175,7 @@ struct EmulatorBlind {
   int damages;
   std::vector<int> modes;
 };
-/// The FE solution would give another answer; see EmulatorCheck.
+/// The FE solution would give a different result; see EmulatorCheck.
 struct EmulatorMoved {};
 
 // ---- equations of motion ------------------------------------------------------------------
@@ -242,7 +242,7 @@ struct MostlyNoise {
   std::string model, channel;
   double r2;
 };
-/// The window does not start at rest, so the initial state is inferred too.
+/// The window does not start at rest, so the initial state is also inferred.
 struct InitialStateInferred {
   double share;  ///< share of the response's RMS in the window's first samples
 };
@@ -320,7 +320,7 @@ struct StopNotReached {
   double share;
 };
 
-/// The model has the same error in every state; estimated changes ignore it.
+/// A model error that is equal in all states cancels, so estimated changes do not include it.
 struct ChangesTakenForExact {
   double discrepancy;  ///< relative, of frequencies
 };

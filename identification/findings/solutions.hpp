@@ -1,14 +1,14 @@
 // Separate solutions: regions of one model's posterior with different parameter values and little
 // probability between them.
 //
-// Coordinates: those in which the prior is standard normal. Metric: the covariance of draws about
-// their own mode. Each draw belongs to the nearest mode of the search. Two modes are one solution
-// if the smallest distance between their draws is at most
+// Distances are computed in the coordinates in which the prior is standard normal, with the
+// covariance of draws about their own mode as metric. Each draw belongs to the nearest mode of the
+// search. Two modes are one solution if the smallest distance between their draws is at most
 //
 //   3 × the 95 % quantile of the distance of a draw to the nearest other draw of its mode,
 //
-// the larger of the two. In one dimension, two solutions then have a density between them below
-// about a thirtieth of the peak. A curved or rough ridge is one solution.
+// the larger of the two. In one dimension, the density between two solutions is then below about a
+// thirtieth of the peak. A curved or rough ridge is one solution.
 #pragma once
 
 #include <vector>
@@ -25,7 +25,7 @@ struct Solution {
   double chi_square = 0.0;                ///< χ² of the data at `best`; NaN if not computed
 };
 
-/// Less probable solutions are omitted.
+/// Probability below which a solution is omitted.
 inline constexpr double kWorthListing = 0.01;
 
 struct SeparateSolutions {

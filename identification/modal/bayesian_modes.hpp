@@ -42,9 +42,9 @@ struct BandLines {
 ///   E_k = Φ diag(h_k) S diag(h_k)ᴴ Φᵀ + S_e I,   h_ik = 1 / (1 - β_ik² - 2 i ζ_i β_ik),
 ///   β_ik = f_i / f_k,
 ///
-/// for m modes with shapes Φ of unit length. S: spectral density of the modal forces over modal
-/// mass (m × m, Hermitian); S_e: that of the sensor noise; both are constant over the band.
-/// Contributions of modes outside the band count as noise: a band should be dominated by its own
+/// for m modes with shapes Φ of unit length. S is the spectral density of the modal forces divided
+/// by modal mass (m × m, Hermitian), S_e that of the sensor noise; both are constant over the band.
+/// Contributions of modes outside the band count as noise, so a band should be dominated by its own
 /// modes.
 ///
 /// Parameters θ:
@@ -107,8 +107,8 @@ struct BayesianBandOptions {
                                          const BayesianBandOptions& options = {});
 
 /// Identifies all bands in turn; modes are sorted by frequency, and those of different bands are
-/// independent. Throws as `band_lines` and BandProblem do, naming the band (from 0), and for bands
-/// that overlap.
+/// independent. Throws the exceptions of `band_lines` and BandProblem with the number of the band
+/// (from 0), and std::invalid_argument for bands that overlap.
 [[nodiscard]] signals::ModalResult identify_bands(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                                   double sample_rate_hz,
                                                   const std::vector<ModalBand>& bands,

@@ -13,8 +13,9 @@
 
 namespace wheeltap::identification {
 
-/// Measured data and the method of identification: the first member given of `responses` (pLSCF),
-/// `bands` (Bayesian), `spectral` (FDD, EFDD) and `decays` (ERA); otherwise SSI-cov.
+/// Measured data and the identification method. The first member that is set determines the method:
+/// `responses` (pLSCF), `bands` (Bayesian), `spectral` (FDD, EFDD), `decays` (ERA). If none is set,
+/// the method is SSI-cov.
 struct ModalRecord {
   Eigen::MatrixXd records = {};  ///< one response channel per row; empty if responses were measured
   /// Orders of differentiation of the channels (0: displacement); empty if unknown.
@@ -32,8 +33,8 @@ struct ModalRecord {
 /// the methods do.
 [[nodiscard]] signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed);
 
-/// Spectral content within the band of `result`: singular values if the method computed them, else
-/// frequency responses, else spectra of the channels.
+/// The spectrum to plot within the band of `result`: singular values if the method computed them,
+/// otherwise frequency responses, otherwise spectra of the channels.
 [[nodiscard]] std::vector<signals::SpectralLevel> spectral_levels(
     const ModalRecord& record, const signals::ModalResult& result);
 

@@ -1,4 +1,4 @@
-// Conversion of a measured complex mode shape to a real one, as an undamped model predicts.
+// Converts a measured complex mode shape to a real one, as an undamped model predicts.
 #pragma once
 
 #include "base/eigen.hpp"
@@ -22,11 +22,12 @@ struct RealShape {
 
 /// Converts a shape ψ. `covariance`: of real parts, then imaginary parts, 2m × 2m, of ψ unscaled.
 ///
-/// The covariance is estimated from `blocks` parts of a record (0: exact), so that its inverse is
-/// too large. It is raised by (n - 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007,
-/// equation 17). It is also raised by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)):
-/// inaccurate weights add scatter to the estimates (Percival et al. 2014, MNRAS 439:2531). With
-/// fewer than 2 p + 3 blocks only the variances are kept.
+/// A covariance estimated from n = `blocks` parts of a record has an inverse that is too large on
+/// average (`blocks` = 0: the covariance is exact). The covariance is therefore multiplied by (n -
+/// 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17). It is also
+/// multiplied by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)), because inaccurate
+/// weights add scatter to the estimates (Percival et al. 2014, MNRAS 439:2531). With fewer than 2 p
+/// + 3 blocks only the variances are kept.
 ///
 /// Throws std::invalid_argument for fewer than 2 entries, a zero shape, sizes that do not fit, and
 /// a covariance that is not positive definite on the tangent plane.

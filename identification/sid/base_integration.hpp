@@ -1,11 +1,11 @@
-// Displacement of a moving base of which only the acceleration was measured.
+// Computes the displacement of a moving base from its measured acceleration.
 #pragma once
 
 #include "identification/sid/sid_case.hpp"
 
 namespace wheeltap::identification {
 
-/// Whether the case has a base acceleration, no base displacement, and a response that is an
+/// True if the case has a base acceleration, no base displacement, and a response that is an
 /// absolute displacement or velocity.
 [[nodiscard]] bool needs_integrated_base(const SidCase& sid_case);
 
@@ -15,10 +15,10 @@ namespace wheeltap::identification {
 ///
 ///   y_base(t) = ∬ a + p₀ + p₁ t + p₂ t².
 ///
-/// The coefficients remove the same trend from the responses relative to the base, by least squares
-/// over the window, averaged over the responses. Without a displacement response, p₁ and p₂ come
-/// from velocities and p₀ has no effect. A slow drift of the structure itself is therefore removed
-/// too. Clears SidCase::beyond, because the polynomial does not extrapolate. Throws InvalidInput
+/// The coefficients are chosen so that the responses relative to the base have no such trend: least
+/// squares over the window, averaged over the responses. Without a displacement response, p₁ and p₂
+/// follow from velocities and p₀ has no effect. This also removes a slow drift of the structure
+/// itself. Clears SidCase::beyond, because the polynomial does not extrapolate. Throws InvalidInput
 /// (channel) if a scale or offset of these channels is a parameter.
 void integrate_base(SidCase& sid_case);
 

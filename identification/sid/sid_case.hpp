@@ -45,17 +45,17 @@ struct SidChannel {
   }
   /// Dimension of the samples; undefined for ignored channels.
   [[nodiscard]] signals::Dimension dimension() const;
-  /// Takes the header's unit if the case gives none. If the unit is known and the case gives no
-  /// scale (1), the scale becomes the unit's.
+  /// Uses the unit of the header if the case does not give a unit. If the unit is known and the
+  /// case does not give a scale, sets the scale to the conversion factor of the unit.
   void take_unit(const std::string& header_unit);
-  /// The unit, if the samples are used in it although it is unknown or has another dimension; empty
-  /// if they are in SI units.
+  /// The unit of the samples if they are not converted to SI because the unit is unknown or has
+  /// another dimension; empty if they are in SI units.
   [[nodiscard]] std::string foreign_unit() const;
   /// Unit of the scaled values: "m", or a foreign unit.
   [[nodiscard]] std::string used_unit() const;
   /// Unit of the raw numbers and the conversion applied; factor 1 if the scale is a parameter.
   [[nodiscard]] signals::Conversion conversion() const;
-  /// Whether the column is identified by its number.
+  /// True if the column is identified by its number.
   [[nodiscard]] bool is_numbered() const {
     return column.find_first_not_of("0123456789") == std::string::npos;
   }
@@ -89,7 +89,7 @@ struct LinkMotion {
 struct SidDiscovery {
   std::vector<SidTerm> terms = {};
   double inclusion = 0.5;  ///< prior probability of each term, independent of the others
-  /// One per link of the base model; empty before a record is loaded.
+  /// One entry per link of the base model; empty before a record is loaded.
   std::vector<LinkMotion> motions = {};
 };
 
@@ -182,15 +182,16 @@ struct SidCase {
   int beyond = 0;                              ///< samples kept after the window, to predict
   int windows = 0;                             ///< number of windows to fit separately; 0: none
   bool simulated = false;
-  /// Why the initial state is inferred although the case does not request it: how far the responses
-  /// move at the window's start (moves_at_start).
+  /// The amount of motion at the start of the window (moves_at_start), if this is the reason for
+  /// inferring the initial state without a request of the case.
   std::optional<double> starts_moving = {};
   bool base_integrated = false;  ///< the base displacement was integrated (base_integration.hpp)
   std::string origin = {};       ///< description for texts
   double band = 0.97;
   bool balance = false;  ///< sample models evenly and reweight
   dynamics::SimulatorOptions integration = {};
-  /// The user fixed the steps: a run with too long steps reports this and is not repeated.
+  /// True if the case fixes the steps. Then a run with too long steps reports this and is not
+  /// repeated.
   bool fixed_integration = false;
 
   [[nodiscard]] std::vector<const SidChannel*> responses() const;
@@ -201,8 +202,9 @@ struct SidCase {
   [[nodiscard]] std::vector<dynamics::Sensor> sensors() const;
   /// Indices of the parameters used by the model and the channels, increasing.
   [[nodiscard]] std::vector<int> parameters_of(const SidModel& model) const;
-  /// Copies the parameter table to all records, and the indices used in any record to each model's
-  /// list. Call this after the last coefficient is defined.
+  /// Makes all records consistent: copies the parameter table to all of them, and adds to each
+  /// model's list the parameters that it uses in any record. Call this after the last coefficient
+  /// is defined.
   void unite();
   /// This record and the further ones.
   [[nodiscard]] std::vector<const SidCase*> records() const;

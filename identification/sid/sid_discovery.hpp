@@ -16,8 +16,8 @@
 
 namespace wheeltap::identification {
 
-/// 2^10 models. Each model has its own mode search, so more terms would take hours instead of
-/// minutes.
+/// Largest number of terms, which gives 2^10 models. Each model has a mode search, so more terms
+/// would take hours instead of minutes.
 inline constexpr std::size_t kMostTerms = 10;
 
 /// "cubic", "contact closing"; "cubic 0-1" if `several` links have optional terms.
@@ -28,18 +28,20 @@ inline constexpr std::size_t kMostTerms = 10;
 [[nodiscard]] std::string term_parameter(const dynamics::Law& law, std::size_t coefficient,
                                          const dynamics::Link& link, bool several);
 
-/// Replaces the only model by one model per subset of the terms, of which it is the empty one.
-/// Subsets with fewer terms come first. Names list the base and the terms: "linear + cubic +
-/// coulomb". Throws InvalidInput (models) unless there is one model and at most kMostTerms terms.
+/// Replaces the only model by one model per subset of the terms; the previous model is that of the
+/// empty subset. Subsets with fewer terms come first. Names list the base and the terms: "linear +
+/// cubic + coulomb". Throws InvalidInput (models) unless there is one model and at most kMostTerms
+/// terms.
 void add_subsets(SidCase& sid_case);
 
 /// Estimates the motion of the base model's links from the record. Responses are converted to
 /// displacement, velocity and acceleration by their spectra, over the band that holds 99 % of the
 /// displacement's power. A mass without a sensor gets the motion of the mass that moves most. The
-/// tension balances the accelerations of the masses that the link holds to the ground and the
-/// forces on them in that band, added in quadrature; in a loop, those of the larger of its two
-/// ends. Largest extensions are measured, or three times the RMS without a measured displacement.
-/// Throws InvalidInput (models) if the responses are constant.
+/// tension of a link balances the inertia of, and the forces on, the masses that it connects to the
+/// ground, in that band; their RMS values are added in quadrature. For a link in a loop, the larger
+/// of the values at its two ends is used. The largest extension is measured; without a measured
+/// displacement, it is three times the RMS. Throws InvalidInput (models) if the responses are
+/// constant.
 [[nodiscard]] std::vector<LinkMotion> link_motions(const SidCase& sid_case);
 
 /// The default prior of a coefficient. With e, ė and T the link's motion, a coefficient c of a
@@ -50,16 +52,16 @@ void add_subsets(SidCase& sid_case);
 /// at which the term alone has the RMS tension of the link. The prior is N(0, s²), or half-normal
 /// |N(0, s²)| for laws that resist motion (friction, drag, hysteresis). For a stop, which is
 /// stiffer than its link, it is a half-normal with scale 10 s, and the gap is uniform up to the
-/// largest extension. A yield extension is log-normal about e with a factor of e¹ for one sd.
-/// Evidence depends on these widths: the Bayes factor against an unnecessary term is about the
-/// ratio of its prior's width to its posterior's. Throws std::invalid_argument for a coefficient
-/// whose role (dynamics::LawRole) has no scale.
+/// largest extension. A yield extension is log-normal about e with a factor of e¹ for one sd. The
+/// evidence depends on these widths: the Bayes factor against an unnecessary term is about the
+/// ratio of the widths of its prior and its posterior. Throws std::invalid_argument for a
+/// coefficient whose role (dynamics::LawRole) has no scale.
 [[nodiscard]] inference::Prior default_prior(const dynamics::LawInfo& law, std::size_t coefficient,
                                              dynamics::Side side, const LinkMotion& motion);
 
 /// Sets SidDiscovery::motions and the default priors. Also bounds trajectories at 30 times the
-/// motion in the record (SimulatorOptions::displacement_bound): under these priors, softening
-/// springs diverge, and with drag the steps become ever shorter.
+/// motion in the record (SimulatorOptions::displacement_bound): with draws of these priors, the
+/// motion of softening springs may diverge, and drag may require shorter and shorter steps.
 void set_term_priors(SidCase& sid_case);
 
 }  // namespace wheeltap::identification

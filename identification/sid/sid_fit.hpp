@@ -1,4 +1,4 @@
-// Fit of a model to the record: forward runs, their residuals, and the integration error in them.
+// Fit of a model to the record: forward simulations, their residuals, and their integration errors.
 #pragma once
 
 #include <memory>
@@ -63,12 +63,12 @@ struct ChannelFit {
 ///
 ///   ‖(r - r') / σ‖,  r' the residuals with steps a quarter as long,
 ///
-/// over all samples and channels, as innovations of the residual model. To first order no parameter
-/// is off by more than this number of its standard deviations. Empty if the solution is exact or
-/// the shorter steps would be too many.
+/// over all samples and channels, as innovations of the residual model. To first order, no
+/// parameter has an error of more than this number of its standard deviations. Empty if the
+/// solution is exact, or if the shorter steps would exceed the largest number of steps.
 [[nodiscard]] std::optional<double> step_error(const SidProblem& problem,
                                                const inference::Posterior& posterior, int model);
-/// Larger step errors are reported.
+/// Limit of the step error; larger errors are reported.
 inline constexpr double kLargestStepError = 0.3;
 
 }  // namespace wheeltap::identification

@@ -20,8 +20,8 @@ struct SidPredictive {
   std::vector<Draw> draws;
 };
 
-/// Selects at most `draws` draws, fewer for long records. For balanced models the selection is in
-/// proportion to the weights, so that the selected draws have equal weights.
+/// Selects at most `draws` draws, fewer for long records. For balanced models, draws are selected
+/// with probabilities proportional to their weights, so that the selected draws have equal weights.
 [[nodiscard]] SidPredictive predict(const SidProblem& problem,
                                     const inference::Posterior& posterior, int draws = 200);
 
@@ -30,7 +30,7 @@ struct SidPredictive {
                                            std::span<const double> theta);
 
 /// Quantiles over the draws of the predicted response without noise [SI], one per scored sample.
-/// (With noise, even the median would be jagged.)
+/// (With noise, the curves would not be smooth.)
 struct NoiseFree {
   std::vector<double> q2_5, q50, q97_5;
 };

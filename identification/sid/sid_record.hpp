@@ -34,16 +34,16 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
 /// linear between their samples, and units without a conversion.
 [[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
-/// How far the responses move at the window's start; empty if they start at rest or do not show it.
-/// Displacements and velocities: first samples relative to the RMS, if above a tenth and three
-/// standard errors. Accelerations: the first quarter of a period, only if the window starts within
-/// the record.
+/// The amount of motion of the responses at the start of the window; empty if they start at rest or
+/// if the record cannot show this. Displacements and velocities: first samples relative to the RMS,
+/// if above a tenth and three standard errors. Accelerations: the first quarter of a period, only
+/// if the window starts within the record.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
-/// Makes the model's initial state unknown, with normal priors about 0. Scales: the sd of the
-/// mass's displacement, or of its velocity over ω or acceleration over ω², with ω the RMS frequency
-/// of the spectrum; a mass without a sensor takes the largest scale of the others. Throws
-/// InvalidInput (initial) if the responses are constant.
+/// Makes the model's initial state unknown, with normal priors about 0. The scale of a prior is the
+/// sd of the mass's displacement, or of its velocity divided by ω or acceleration divided by ω²,
+/// where ω is the RMS frequency of the spectrum. A mass without a sensor gets the largest scale of
+/// the other masses. Throws InvalidInput (initial) if the responses are constant.
 void infer_initial(SidCase& sid_case, SidModel& model);
 
 }  // namespace wheeltap::identification

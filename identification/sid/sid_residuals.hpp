@@ -15,8 +15,8 @@ void add_residuals(SidCase& sid_case, SidModel& model,
 /// Chooses the residual model of every model with SidResiduals::chosen_kind. Fits the model with
 /// white residuals (inference::search_modes, from 30 draws of the prior) to the first record, and
 /// takes the largest value that its responses' residuals at the dominant mode require
-/// (ResidualKind::choose). A model without a fit keeps white residuals. The choice uses the record
-/// itself, so model probabilities are conditional on it.
+/// (ResidualKind::choose). If no fit of a model is found, its residuals remain white. The choice
+/// uses the same record, so model probabilities are conditional on it.
 void choose_residuals(SidCase& sid_case, std::uint64_t seed, int threads);
 
 }  // namespace wheeltap::identification

@@ -1,5 +1,5 @@
-// A complete system identification: sampling effort suited to the record's length, and repetition
-// with shorter steps if the integration error was too large.
+// A complete system identification. It adapts the number of draws to the length of the record, and
+// repeats the run with shorter steps if the integration error was too large.
 #pragma once
 
 #include <functional>
@@ -57,16 +57,16 @@ struct SidRun {
 /// repeated. Throws InvalidInput, and the exceptions of `sample`.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 
-/// Better integrator settings if the steps were too long for the noise (step_error); empty if not.
-/// Uses series if the chain's laws allow them, else shorter steps, whose error is proportional to
-/// their fourth power. The settings are tested on the best draws, and refined again if necessary
-/// for a chaotic motion.
+/// Returns better integrator settings if the step error was too large compared with the noise
+/// (step_error), otherwise std::nullopt. Selects series if the laws of the chain allow them,
+/// otherwise shorter steps; the error is proportional to the fourth power of the step. The settings
+/// are tested on the best draws, and refined again if necessary for a chaotic motion.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 
 /// The engine's options for this run time per likelihood: the defaults if they take less than about
-/// a minute on two cores, else the number of draws possible in that minute. Independent of the
-/// number of cores, which must not change a result.
+/// a minute on two cores, otherwise the number of draws that two cores can make in a minute. The
+/// actual number of cores is not used, because it must not change results.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

@@ -1,5 +1,5 @@
-// Units of inferred parameters, from their uses and from the units of the channels: SI, unless a
-// channel is used in a foreign unit.
+// Units of inferred parameters, derived from their uses and from the units of the channels. They
+// are SI units unless a channel is used in a unit that Wheeltap cannot convert.
 #pragma once
 
 #include <map>
@@ -11,7 +11,7 @@
 namespace wheeltap::identification {
 
 /// Units of force and length for a chain's coefficients. With force and displacement records in V,
-/// stiffnesses are in V/V; a force that no channel measures is in N.
+/// stiffnesses are in V/V; if no channel measures a force, its unit is N.
 struct UnitSystem {
   std::string force = "N", length = "m";
 

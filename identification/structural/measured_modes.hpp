@@ -25,7 +25,7 @@ class MeasuredModes {
     const auto* one = std::get_if<std::shared_ptr<const ModalData>>(&of_);
     return one != nullptr ? one->get() : nullptr;
   }
-  /// The states; null if the modes are of one.
+  /// The states; null if the modes belong to one state.
   [[nodiscard]] std::shared_ptr<const ObservedStates> states() const {
     const auto* several = std::get_if<States>(&of_);
     return several != nullptr ? several->list : nullptr;

@@ -40,14 +40,15 @@ struct ModalData {
   /// Modes × sensors, of any scale and sign; NaN if not measured. Empty: no shapes.
   Eigen::MatrixXd shapes = {};
   /// Covariance of each shape, scaled to a largest measured entry of 1: sensors × sensors. If
-  /// `shape_sd` is unknown, for a scatter of 1.
+  /// `shape_sd` is unknown, the covariance is that for a scatter of 1.
   std::vector<Eigen::MatrixXd> shape_covariances = {};
   std::optional<inference::Prior> shape_sd_prior = {};
 
-  /// Model errors in addition to the noise: a coefficient of variation of each frequency,
-  /// independent between modes, and an sd of shape entries.
+  /// Model errors in addition to the noise: the coefficient of variation of each frequency, with
+  /// independent errors of the modes, and the sd of shape entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
-  /// Mixing of modes by the error that changes frequencies by `discrepancy`; see mixing_sd.
+  /// Mixing of mode shapes by the same model error that changes frequencies by `discrepancy`; see
+  /// mixing_sd.
   Scatter mixing = {};
   /// Relative sd of the stiffness error of each piece of the structure; see StiffnessErrors.
   Scatter stiffness_discrepancy = {};
@@ -56,10 +57,11 @@ struct ModalData {
   /// shapes.
   double doubt = 0.0;
 
-  int predict = 0;                       ///< number of further modes to predict
-  std::vector<double> held_out_hz = {};  ///< measured values of these; NaN if not measured
-  bool simulated = false;                ///< simulated from the case's truth
-  std::string origin = {};               ///< description for texts
+  int predict = 0;  ///< number of further modes to predict
+  std::vector<double> held_out_hz =
+      {};                   ///< measured frequencies of the predicted modes; NaN if not measured
+  bool simulated = false;   ///< simulated from the case's truth
+  std::string origin = {};  ///< description for texts
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] bool has_shapes() const { return shapes.size() > 0; }

@@ -25,8 +25,8 @@ struct ObservedState {
 };
 
 /// Measured states and unknowns of the intact structure. θ are the parameters of the model that are
-/// not `known`. A state at ΔT has the stiffness K (1 + c ΔT), supports included, with c the unknown
-/// `per_kelvin`.
+/// not in `known`. A state at ΔT has the stiffness K (1 + c ΔT), supports included, with c the
+/// unknown `per_kelvin`.
 struct ObservedStates {
   std::shared_ptr<const StructureModel> model = {};
   std::vector<int> unknown = {};  ///< indices of the model's parameters in θ
@@ -40,12 +40,12 @@ struct ObservedStates {
   /// All parameters of the model in a state.
   [[nodiscard]] std::vector<double> values(std::span<const double> theta,
                                            const ObservedState& state) const;
-  /// All frequencies, concatenated, and what is common to all states; without shapes, which belong
-  /// to the sensors of one state.
+  /// The frequencies of all states, concatenated, with the settings common to all states. Shapes
+  /// are omitted, because they refer to the sensors of one state.
   [[nodiscard]] ModalData joined() const;
   [[nodiscard]] bool has_shapes() const;
-  /// Whether the data distinguish the ends of a symmetric beam: by shapes, added masses, or unknown
-  /// or specified coefficients that do not concern the whole beam.
+  /// True if the data distinguish the ends of a symmetric beam, by shapes, added masses, or
+  /// coefficients (unknown or specified) that act only on a part of the beam.
   [[nodiscard]] bool tells_sides() const;
 };
 

@@ -24,12 +24,12 @@ struct StructureModel {
   std::vector<inference::Parameter> parameters = {};
   /// Setter i writes parameter i to every coefficient that equals it.
   std::vector<std::function<void(AnyStructure&, double)>> setters = {};
-  /// Setters of coefficients that depend on several parameters, called after `setters`: the
-  /// stiffnesses of a section with unknown dimensions, for example. Throw std::invalid_argument for
-  /// an impossible section.
+  /// Setters of coefficients that depend on several parameters, for example the stiffnesses of a
+  /// section with unknown dimensions. They are called after `setters` and throw
+  /// std::invalid_argument for an impossible section.
   std::vector<std::function<void(AnyStructure&, std::span<const double>)>> dependent = {};
 
-  /// The structure at these parameter values. Throws as `dependent` does.
+  /// The structure at these parameter values. Throws the exceptions of `dependent`.
   [[nodiscard]] AnyStructure at(std::span<const double> values) const {
     AnyStructure structure = nominal;
     for (std::size_t i = 0; i < values.size(); ++i) setters[i](structure, values[i]);
@@ -46,7 +46,7 @@ struct StructureModel {
   return fem::discretise(std::get<fem::MatrixStructure>(structure));
 }
 
-/// The same with its points and lines. Throws fem::InvalidStructure.
+/// The matrices of any kind of structure with its points and lines. Throws fem::InvalidStructure.
 [[nodiscard]] inline fem::DrawnStructure drawn(const AnyStructure& structure) {
   return std::visit([](const auto& kind) { return fem::drawn(kind); }, structure);
 }

@@ -28,8 +28,8 @@ struct Draw {
   }
 };
 
-/// One chain's kept draws; theta is NaN-padded to the largest dimension, row-major draws ×
-/// dimension.
+/// The kept draws of one chain. theta is stored as draws × dimension, row by row; rows of smaller
+/// models are padded with NaN.
 struct Chain {
   DrawList<int> model;
   DrawList<double> theta;      ///< physical parameters, laid out as in Model
@@ -40,9 +40,9 @@ struct Chain {
   DrawList<float> prediction;  ///< draws × Posterior::predictions, or empty
 
   [[nodiscard]] std::size_t size() const { return model.size(); }
-  /// Memory of all lists.
+  /// Memory of all lists [bytes].
   [[nodiscard]] std::size_t bytes() const;
-  /// Draw i < size() of a chain in this space.
+  /// Draw i < size() of the chain; `space` is its model space.
   [[nodiscard]] Draw draw(std::size_t i, const ModelSpace& space) const {
     const auto width = static_cast<std::size_t>(space.max_dimension());
     const auto own = static_cast<std::size_t>(space[model[i]].dimension);
@@ -60,11 +60,11 @@ struct Chain {
   void append(const Chain& more);
   /// Stores large lists in a file in this folder instead of on the heap (DrawMemory).
   void keep_in(const std::filesystem::path& folder);
-  /// Reserves room for `draws` draws with rows of these lengths.
+  /// Reserves memory for `draws` draws with rows of these lengths.
   void reserve(std::size_t draws, std::size_t dimension, std::size_t predictions);
   /// Waits until all draws are written to disk. Throws DrawsLost.
   void settle() const;
-  /// Allows the system to page out draws that were read or written.
+  /// Allows the operating system to move draws from memory to disk until the next access.
   void let_go() const;
 };
 

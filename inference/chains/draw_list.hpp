@@ -18,11 +18,11 @@ class DrawsLost : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A growing byte buffer. It lies on the heap or, if a folder is given and the size reaches
-/// kOnHeap, in an unnamed file in that folder that is mapped into memory. The operating system
-/// writes mapped pages to disk when memory is short. The file disappears with this object or with
-/// the process. Disk space is reserved as the file grows. If the disk is full, or the file system
-/// has no unnamed files, the heap is used.
+/// A growing byte buffer. It is on the heap. If a folder is given and the size reaches kOnHeap, it
+/// is in an unnamed file in that folder, which is mapped into memory. The operating system writes
+/// mapped pages to disk when memory is short. The file disappears with this object or with the
+/// process. Disk space is reserved as the file grows. If the disk is full, or the file system does
+/// not support unnamed files, the buffer is on the heap.
 class DrawMemory {
  public:
   static constexpr std::size_t kOnHeap = std::size_t{1} << 22U;
@@ -44,7 +44,7 @@ class DrawMemory {
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] bool in_file() const { return file_ >= 0; }
-  /// Takes effect the next time that the buffer grows.
+  /// Sets the folder of the file; takes effect when the buffer grows next.
   void keep_in(std::filesystem::path folder) { folder_ = std::move(folder); }
   /// Grows to at least `bytes` and keeps the content. Throws std::bad_alloc.
   void grow(std::size_t bytes);
@@ -66,7 +66,7 @@ class DrawMemory {
   int file_ = -1;
 };
 
-/// A sequence like std::vector whose numbers lie in a DrawMemory.
+/// A sequence of numbers like std::vector that is stored in a DrawMemory.
 template <class Number>
 class DrawList {
   static_assert(std::is_trivially_copyable_v<Number>);

@@ -11,8 +11,8 @@ namespace wheeltap::inference {
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// Keeps kKeep to 2 kKeep draws of each model, in order and equally spaced. When there are too
-/// many, every second one is deleted and the thinning interval doubles.
+/// Keeps kKeep to 2 kKeep draws of each model, in order and equally spaced. If a model has more,
+/// every second draw is deleted and the thinning interval doubles.
 class KeptDraws {
  public:
   struct OfModel {

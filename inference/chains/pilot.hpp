@@ -16,8 +16,8 @@
 
 namespace wheeltap::inference {
 
-/// Effects of single components, one atlas per kind (null if there is none). Computed once and
-/// shared by all chains.
+/// Effects of single components, one atlas per kind (null for a kind without atlas). Atlases are
+/// computed once and shared by all chains.
 using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 [[nodiscard]] Atlases make_atlases(const Problem& problem, const Options& options,
                                    long& evaluations);
@@ -30,7 +30,7 @@ using Atlases = std::vector<std::shared_ptr<const EffectAtlas>>;
 
 struct CheckpointFields;  // checkpoint.cpp
 
-/// States sampled in warm-up, by model: one per column, thinned to a few thousand.
+/// States sampled in warm-up, separately for each model, thinned to a few thousand.
 class PilotSamples {
  public:
   explicit PilotSamples(const ModelSpace& space);
@@ -39,7 +39,7 @@ class PilotSamples {
   void append(const PilotSamples& other);
   [[nodiscard]] long visits(int model) const { return visits_[static_cast<std::size_t>(model)]; }
   [[nodiscard]] long total() const;
-  /// The stored states of a model, dimension × n.
+  /// The stored states of a model, one per column: dimension × n.
   [[nodiscard]] Eigen::MatrixXd states(int model) const;
 
  private:
@@ -62,13 +62,13 @@ struct Pilot {
   std::shared_ptr<const Archive> archive;
   std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one per kind
   RandomWalk::Scales scales;
-  /// Efficiency of each kernel (kernel_efficiencies); {}: not known yet.
+  /// Efficiency of each kernel (kernel_efficiencies); empty if it is not known yet.
   std::vector<double> efficiencies;
 };
 
 /// Options of the fit of the proposals. `by_rung[i]` holds the samples at the i-th temperature, the
-/// coldest last. A model with too few cold samples is fitted to warmer ones, or to its prior if
-/// there are none.
+/// coldest last. If a model has too few samples at the coldest temperature, its proposal is fitted
+/// to samples at higher temperatures, or to the prior if there are no samples.
 struct PilotOptions {
   std::uint64_t seed = 1;
   int round = 0;
@@ -77,9 +77,10 @@ struct PilotOptions {
   int most_components = 20;          ///< components of a mixture
   double tolerance = 1e-7;  ///< tolerance of a mixture's last fit, in mean log density per sample
   /// Additional samples of each model's posterior, for example in regions that the chains may not
-  /// have visited; {}: none.
+  /// have visited; may be empty.
   std::vector<Eigen::MatrixXd> besides{};
-  /// Probability of each model, if known; {}: the share of the coldest visits.
+  /// Probability of each model, if known; if empty, the share of the visits at the coldest
+  /// temperature.
   std::vector<double> probability{};
   /// Modes of each model found by the searches. A mode that the mixture does not cover is added to
   /// it.
@@ -88,9 +89,9 @@ struct PilotOptions {
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);
 
-/// The log weights under which all models of at least this probability are visited about equally
-/// often; less probable models get no larger weight. The quality of a model's proposal depends on
-/// the number of its samples.
+/// The log weights with which the chains visit all models of at least this probability about
+/// equally often; less probable models do not get larger weights. The purpose is that every model
+/// has enough samples, on which the quality of its proposal depends.
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 

@@ -10,7 +10,8 @@
 
 namespace wheeltap::inference {
 
-/// State of one chain's replicas at all inverse temperatures, with what they have learned so far.
+/// State of the replicas of one chain at all inverse temperatures, with their adapted weights and
+/// swap statistics.
 struct Ladder {
   std::vector<double> betas;
   std::vector<State> states;        ///< at each rung
@@ -23,7 +24,7 @@ struct Ladder {
   long scans = 0;
   long round_trips = 0;
 
-  /// Replicas without states and with weights of zero.
+  /// Creates a ladder without states and with zero weights.
   Ladder(std::vector<double> inverse_temperatures, int models);
 
   [[nodiscard]] int rungs() const { return static_cast<int>(betas.size()); }
@@ -37,14 +38,14 @@ struct Ladder {
 ///   π_i(m, z) ∝ e^{w_i(m)} · prior(m, z) · likelihood^{β_i}.
 ///
 /// The replica at β = 0 draws model and parameters independently from the prior (w_0 = 0).
-/// Neighbours swap on alternating even and odd pairs. This deterministic scheme (Syed et al. 2022,
-/// section 2) keeps the round-trip rate as the ladder grows.
+/// Neighbouring replicas swap, alternately in the even and in the odd pairs. This deterministic
+/// scheme (Syed et al. 2022, section 2) keeps the round-trip rate as the ladder grows.
 ///
-/// The weights w_i(m) let the chain visit every model at every temperature. Without them, a model
-/// whose tempered evidence is low at intermediate temperatures would be lost, however probable it
-/// is at β = 1. They are learned by stochastic approximation while adapting and fixed afterwards
-/// (Liang, Liu & Carroll 2007, JASA 102:305): w(m) decreases by γ_t when the replica is in m, γ_t =
-/// t₀ / max(t₀, t).
+/// The weights w_i(m) let the chain visit every model at every temperature. Without weights, no
+/// chain would find a model whose tempered evidence is low at intermediate temperatures, even if it
+/// is probable at β = 1. The weights are adapted by stochastic approximation during warm-up and
+/// fixed afterwards (Liang, Liu & Carroll 2007, JASA 102:305): w(m) decreases by γ_t when the
+/// replica is in m, γ_t = t₀ / max(t₀, t).
 class TemperedChain {
  public:
   /// Creates the kernels of one rung.
@@ -64,23 +65,25 @@ class TemperedChain {
   /// Called with the outcome of each kernel step at β = 1.
   using Observer = std::function<void(int kernel, const Kernel::Outcome& outcome, int from_model)>;
 
-  /// Enables the learning of weights in all later scans that adapt.
+  /// Enables the adaptation of the weights in all later adaptive scans.
   void balance_models() { ladder_.balancing = true; }
   /// w of the coldest rung.
   [[nodiscard]] const std::vector<double>& cold_weights() const { return ladder_.weights.back(); }
   /// Sets the state of the replica at β = 1.
   void set_cold(const State& state) { ladder_.states.back() = state; }
 
-  /// `steps` kernel steps in every rung, then one round of swaps. `leave`, if any, is called before
-  /// every step; if it returns true, the scan stops and returns false, and the ladder is invalid.
+  /// Makes `steps` kernel steps at every rung, then one round of swaps. `leave`, if any, is called
+  /// before every step; if it returns true, the scan stops and returns false, and the ladder is
+  /// invalid.
   bool scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe = nullptr,
             const std::function<bool()>& leave = nullptr);
 
-  /// Moves the inverse temperatures so that neighbours reject swaps equally often (ibid., algorithm
-  /// 4), with `rungs` rungs, from the rejections since the last call. Replicas keep their rung or
-  /// move to the nearest one.
+  /// Sets `rungs` inverse temperatures at which all pairs of neighbours have equal rejection rates
+  /// (ibid., algorithm 4), estimated from the swaps since the last call. Each replica continues at
+  /// the nearest rung.
   void adapt_ladder(int rungs);
-  /// The communication barrier Λ: sum of the neighbours' rejection rates since the last adaptation.
+  /// The communication barrier Λ: the sum of the rejection rates of all pairs since the last
+  /// adaptation.
   [[nodiscard]] double barrier() const;
 
   [[nodiscard]] const Ladder& ladder() const { return ladder_; }
@@ -112,12 +115,12 @@ class TemperedChain {
 /// A draw from the prior with a finite likelihood. Throws LikelihoodError after 100 000 tries.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
-/// Checks that every model with prior weight has a finite likelihood at one draw from its prior at
-/// least. Throws LikelihoodError, naming the model, after 100 000 draws without one, or after 5000
-/// if the problem can be shortened. All but the first 200 of these are tested on its first 50
-/// samples first. The function `goes_on`, if any, is called before every try with the completed
-/// share of the largest possible number of tries; if it returns false, the remaining models are not
-/// checked.
+/// Checks that every model with a positive prior probability has a finite likelihood at one or more
+/// draws from its prior. Throws LikelihoodError, with the name of the model, after 100 000 draws
+/// without a finite likelihood, or after 5000 if the problem can be shortened. After 200 draws,
+/// each draw is first tested on the first 50 samples of the record. The function `goes_on`, if any,
+/// is called before every try with the completed share of the largest possible number of tries; if
+/// it returns false, the remaining models are not checked.
 void check_models(Target& target, std::uint64_t seed,
                   const std::function<bool(double tried)>& goes_on = {});
 

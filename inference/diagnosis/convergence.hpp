@@ -13,7 +13,7 @@ struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit
   double ess = 400.0;        ///< lower limit, all chains together
   double ess_within = 20.0;  ///< the same for the parameters of the least probable model judged
-  /// Above it, chains are in different places or modes have different shares.
+  /// R-hat above which chains are in different regions, or give different shares to modes.
   double rhat_apart = 1.05;
   double known = 0.001;          ///< error of a probability that is negligible
   double worth_knowing = 0.004;  ///< error of a probability that is small enough to stop
@@ -26,12 +26,14 @@ struct ConvergenceLimits {
   double judged_model = 0.01;     ///< probability above which a model's parameters are judged
   double searched_model = 0.001;  ///< probability above which a model needs a full search
   double judged_mode = 0.01;      ///< share of the rarer side above which chains must agree on it
-  /// Ratio of posterior density to mixture density above which a draw is outside the mixture; the
-  /// share of such draws above which they are judged; and the effective visits required there,
-  /// which give that share to a relative error of 0.1.
+  /// Three limits for draws outside the fitted mixture. A draw is outside if the ratio of posterior
+  /// density to mixture density is above `beyond_mixture`. The rule applies if the share of such
+  /// draws is above the second limit. The third is the required number of effective visits, which
+  /// gives the share with a relative error of 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
-  /// Difference between the SMC draws' share outside the mixture and the chains' above which it is
-  /// judged, in probability; and the number of SMC draws that count as one independent draw.
+  /// Limit of the excess of SMC draws outside the mixture: the share of the SMC draws minus that of
+  /// the chains' draws, times the probability of the model. Also the number of SMC draws that count
+  /// as one independent draw.
   double annealed_share = 0.02, annealed_draws_an_effective = 2.0;
   std::size_t fewest_draws = 100;  ///< per chain within a model, to judge R-hat
   std::size_t fewest_for_ess = 400;
@@ -39,22 +41,22 @@ struct ConvergenceLimits {
 };
 inline constexpr ConvergenceLimits kLimits{};
 
-/// True if the run may stop: no violated rule, and the error of every model's share of the draws is
-/// at most 0.004 (0.001 if the draws are `balanced` between models).
+/// True if the run may stop: no rule is violated, and the error of every model's share of the draws
+/// is at most 0.004 (0.001 if `balanced` draws visit all models about equally often).
 [[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
 
-/// The share of SMC draws outside the model's mixture less that of the chains' draws. 0 if it is
-/// negative or unknown, or if the chains visited that region often enough to estimate the share
-/// better.
+/// The share of SMC draws outside the model's mixture, minus that of the chains' draws. The result
+/// is 0 if this is negative or unknown, or if the chains visited the region often enough to
+/// estimate the share better.
 [[nodiscard]] double annealed_excess(const ModelFindings& found);
 
-/// True if that excess is above `share` and significant: for a Poisson count k, 2√k is nearly
-/// normal with variance 1 (Anscombe 1948, Biometrika 35:246).
+/// True if the excess (annealed_excess) is above `share` and significant. The test uses that 2√k of
+/// a Poisson count k is nearly normal with variance 1 (Anscombe 1948, Biometrika 35:246).
 [[nodiscard]] bool lacks_annealed(const ModelFindings& found,
                                   double share = kLimits.annealed_share);
 
-/// True if longer chains would suffice; false if R-hat of the log posterior or of a model is so
-/// large that the chains are in different places.
+/// False if R-hat of the log posterior or of a model indicator is so large that the chains are in
+/// different regions; then longer chains do not help.
 [[nodiscard]] bool chains_agree(const Posterior& posterior);
 
 }  // namespace wheeltap::inference

@@ -1,4 +1,4 @@
-// How well the chains mix, judged by quantities with the same meaning in every model.
+// Mixing of the chains, judged by quantities with the same meaning in every model.
 #pragma once
 
 #include <functional>
@@ -12,26 +12,28 @@
 
 namespace wheeltap::inference {
 
-/// A quantity with the same meaning in every model, whose convergence is judged too. Counts and
-/// model indicators are always judged.
+/// An additional quantity whose convergence is judged. It must have the same meaning in every
+/// model. Counts and model indicators are always judged.
 struct Watched {
   std::string name;
   std::function<ChainsOf()> draws;  ///< called when it is judged; one quantity at a time
 };
 
 struct Mixing {
-  /// R-hat of the log posterior, of the count of each kind (or of the indicators of models with 0.1
-  /// % to 99.9 %), and of the watched quantities, in this order.
+  /// R-hat of the log posterior, of the count of each kind (or of the indicators of models with a
+  /// probability of 0.1 % to 99.9 %), and of the watched quantities, in this order.
   std::vector<std::pair<std::string, double>> rhats;
   double rhat_max =
       std::numeric_limits<double>::quiet_NaN();  ///< largest over the judged quantities
   std::string rhat_worst;                        ///< its quantity
   double ess_log_posterior = 0.0;                ///< the smaller of bulk and tail
-  /// The smallest over counts or indicators; that of the log posterior if these hardly change.
+  /// The smallest effective sample size over counts or indicators; that of the log posterior if
+  /// counts and indicators hardly change.
   double ess_model = 0.0;
   bool too_few = false;  ///< `ess_model` belongs to a judged quantity and is not above the limit
 
-  /// Effective draws per chain, by the smaller of the two.
+  /// Effective draws per chain: the smaller of the two effective sample sizes, divided by the
+  /// number of chains.
   [[nodiscard]] double effective(std::size_t chains) const;
 };
 

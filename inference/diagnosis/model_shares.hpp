@@ -1,4 +1,4 @@
-// Shares of a run's draws by model.
+// Share of the draws of each model, and the model probabilities that follow from the shares.
 //
 //   P_m ≈ w_m s_m / Σ_k w_k s_k,
 //
@@ -22,7 +22,7 @@ struct ModelShares {
 /// The error is that of the mean of w (indicator - P) / Σ w s (delta method).
 [[nodiscard]] ModelShares model_shares(const Posterior& posterior);
 
-/// value(draw) of every draw, one list per chain.
+/// Collects value(draw) for every draw, one list per chain.
 template <class Value>
 [[nodiscard]] ChainsOf of_all_draws(const Posterior& posterior, const Value& value) {
   ChainsOf out(posterior.chains.size());

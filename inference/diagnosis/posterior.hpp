@@ -1,5 +1,5 @@
 // Result of a run: posterior draws of (model, parameters), findings about each model, and the
-// probabilities and Bayes factors that follow:
+// resulting model probabilities and Bayes factors:
 //
 //   P(m | data) ∝ P(m) Z_m,   B_ab = Z_a / Z_b = [P(a | data) / P(b | data)] / [P(a) / P(b)].
 #pragma once
@@ -37,13 +37,13 @@ struct FoundMode {
   std::vector<double> drawn;   ///< its share of each chain's draws of the model; NaN if none
 };
 
-/// Findings about one model besides the draws: searches and evidence.
+/// Findings about one model in addition to its draws: results of the mode searches, and evidence.
 struct ModelFindings {
   long climbs = 0;       ///< to modes, each started from a draw of the prior
   double spacing = 0.0;  ///< distance between the points that they evaluated (ModeSearch::spacing)
   bool glanced = false;  ///< one of many models, searched by climbs alone
-  /// One of very many nested models, not evaluated: all evaluated models one step from it are
-  /// outside Occam's window (exploration/occams_window.hpp).
+  /// True for one of very many nested models that was not evaluated, because all evaluated models
+  /// one step from it are outside Occam's window (exploration/occams_window.hpp).
   bool passed_over = false;
   /// Separate modes above the threshold, the largest probability mass first.
   std::vector<FoundMode> modes;
@@ -51,17 +51,19 @@ struct ModelFindings {
   Evidence sampled = kNoEvidence;   ///< by importance sampling from the final mixture
   Evidence bridged =
       kNoEvidence;  ///< by bridge sampling between its draws and that mixture; NaN: too few draws
-  /// Share of the model's draws where the mixture has less than a thousandth of the posterior
-  /// density, and its effective sample size. Only local moves reach these draws. NaN as `bridged`.
+  /// Share of the model's draws at which the mixture has less than a thousandth of the posterior
+  /// density, and the effective sample size of this share. Only local moves reach these draws. NaN
+  /// if `bridged` is NaN.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
-  /// The same share of the SMC draws, without those from which chains return to the mixture; NaN:
-  /// not examined.
+  /// Share of the SMC draws outside the mixture, without those from which chains return to the
+  /// mixture; NaN if it was not examined.
   double annealed_beyond = std::numeric_limits<double>::quiet_NaN();
   long annealed_draws = 0;  ///< number of SMC draws
 };
 
-/// Likelihood calls by purpose; calls of the approximate likelihood if the problem has one.
+/// Number of likelihood calls of each stage. If the problem has an approximate likelihood, its
+/// calls are counted.
 struct Calls {
   long explore = 0;   ///< finding the posterior from the prior, the sum of the next three
   long search = 0;    ///< climbs to modes, most of them on the first samples of a record
@@ -72,15 +74,16 @@ struct Calls {
   long evidence = 0;  ///< evidence by the mixtures that the draws are compared with
 };
 
-/// Decisions of the engine that the options do not state.
+/// Decisions of the engine in addition to the options.
 enum class Choice {
   restarted_tempered,  ///< the chains disagreed: restarted with parallel tempering throughout
-  /// Started near modes of a record's first samples, followed as the record grew.
+  /// The chains started near modes that were found with the first samples of a record and followed
+  /// as more samples were added.
   started_on_first_samples,
   drawn_by_searches,  ///< stopped before its chains had drawn: draws come from the searches
 };
 
-/// Record of a run: moves, likelihood calls, options in effect.
+/// Statistics of a run: moves, likelihood calls, and the options that were used.
 struct RunRecord {
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
@@ -104,40 +107,42 @@ struct RunRecord {
   std::vector<Choice> choices;
 };
 
-/// The result of a run. It shares its space and does not refer to the problem.
+/// The result of a run. It shares ownership of the model space and does not refer to the problem.
 struct Posterior : RunRecord {
   std::shared_ptr<const ModelSpace> space;
   std::vector<Chain> chains;
   std::vector<ModelFindings> found;  ///< one per model
-  /// ln weight of a draw, one per model; empty: equal weights. Not empty if `Options::balance` drew
-  /// models more evenly than they are probable.
+  /// ln of the weight of a draw of each model; empty if all weights are equal. It is set if, with
+  /// `Options::balance`, the chains visit models more evenly than in proportion to their
+  /// probabilities.
   std::vector<double> log_weight;
   int dimension = 0;    ///< row length of Chain::theta
   int predictions = 0;  ///< row length of Chain::prediction
 
   /// Draw i of chain c.
   [[nodiscard]] Draw draw(std::size_t c, std::size_t i) const { return chains[c].draw(i, *space); }
-  /// Its row of Chain::theta.
+  /// The parameters of draw i of chain c: its row of Chain::theta.
   [[nodiscard]] std::span<const double> theta(std::size_t c, std::size_t i) const {
     const auto width = static_cast<std::size_t>(dimension);
     return {chains[c].theta.data() + i * width, width};
   }
-  /// Chain and place of the draw with the largest likelihood, the first of several.
+  /// Chain and index of the draw with the largest likelihood; the first if there are several.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_draw() const;
 
-  // Queries. Each of the first four judges the whole run (verdict.hpp) and sorts all draws. For
-  // repeated queries, call `judge(posterior)` once and use its result. A model is given by index or
-  // name; an unknown one throws std::invalid_argument.
+  // Queries. Each of the first four diagnoses the whole run (verdict.hpp), which requires sorting
+  // all draws. For repeated queries, call `judge(posterior)` once and use its result. A model is
+  // given by index or name; an unknown one throws std::invalid_argument.
 
-  /// P(model | data): the share of its draws, or the probability implied by its evidence if the
-  /// draws are not reliable (ModelStanding). 0 with an error of NaN if nothing is known.
+  /// P(model | data): the share of the model's draws, or the probability implied by its evidence if
+  /// the draws are not reliable (ModelStanding). If neither is known, the probability is 0 and its
+  /// error NaN.
   [[nodiscard]] Estimate probability(int model) const;
   [[nodiscard]] Estimate probability(std::string_view model) const;
-  /// ln B_ab; value and error are NaN if nothing is known of a or b.
+  /// ln B_ab; value and error are NaN if neither draws nor evidence of a or b are known.
   [[nodiscard]] Estimate log_bayes_factor(int a, int b) const;
   [[nodiscard]] Estimate log_bayes_factor(std::string_view a, std::string_view b) const;
-  /// Whether the run converged, and the reasons if it did not; the list is empty exactly if it
-  /// converged.
+  /// True if the run converged. `not_established` lists the reasons if it did not; it is empty if
+  /// and only if the run converged.
   [[nodiscard]] bool converged() const;
   [[nodiscard]] std::vector<Reason> why_not() const;
 

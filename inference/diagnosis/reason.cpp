@@ -77,13 +77,13 @@ struct VerdictSentence {
     return share_of(r.share) + " of the draws of model " + quoted(r.model) +
            " lie outside the support of the global proposals, in only " +
            base::readable(r.visits, 2) + " effective visits (must exceed " +
-           base::readable(r.limit, 3) + "): the chains may have missed as much again.";
+           base::readable(r.limit, 3) + "): the chains may have missed a part of this region.";
   }
   std::string operator()(const AnnealingDrawsBeyond& r) const {
     return share_of(r.annealed) + " of the SMC draws of model " + quoted(r.model) +
            " lie in a region with only " + share_of(r.drawn) +
-           " of the chain draws, and chains started there stay: the draws lack a part of its "
-           "posterior.";
+           " of the chain draws, and chains that start there do not leave it: the draws lack a "
+           "part of the posterior.";
   }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " is " + base::readable(r.rhat, 4) + " (must be below " +

@@ -11,7 +11,7 @@ namespace wheeltap::inference {
 
 class ModelSpace;
 
-/// A model that is probable by its evidence has no draws.
+/// A model without draws is probable by its evidence.
 struct ModelNotEntered {
   int model = 0;
   long proposed = 0;       ///< jumps into it after warm-up
@@ -28,7 +28,7 @@ struct ModelUnknown {
   int model = 0;
   long proposed = 0;  ///< jumps into it after warm-up
 };
-/// A mode found by a search that some chain should have drawn and did not.
+/// A chain has no draws near a mode that a search found and that the chain should have visited.
 struct ModeNotInEveryChain {
   int model = 0;
   double share = 0.0;  ///< share of its model's probability
@@ -40,7 +40,7 @@ struct ModeSharesDisagree {
   double lowest = 0.0, highest = 0.0;
   double rhat = 0.0, limit = 0.0;
 };
-/// ln Z by SMC from the prior is above that of the draws: these may miss a mode.
+/// ln Z by SMC from the prior is above that of the draws, so the draws may miss a mode.
 struct AnnealingFindsMore {
   int model = 0;
   Estimate annealed{}, drawn{};  ///< ln Z
@@ -50,15 +50,15 @@ struct EvidenceDisagrees {
   int model = 0;
   Estimate by_draws{}, by_evidence{};  ///< probability of the model
 };
-/// Many draws of a model lie outside its fitted mixture, in few effective visits. Only local moves
-/// reach them, so the chains may have missed part of this region.
+/// Many draws of a model lie outside its fitted mixture, but come from few effective visits. Only
+/// local moves reach this region, so the chains may have missed a part of it.
 struct DrawsBeyondMixture {
   int model = 0;
   double share = 0.0;                ///< share of the model's draws
   double visits = 0.0, limit = 0.0;  ///< effective visits; must exceed `limit`
 };
-/// More SMC draws than chain draws of a model lie outside its mixture, and chains started there
-/// stay there.
+/// The share of SMC draws outside a model's mixture is larger than that of the chains' draws, and
+/// chains that start at these SMC draws stay outside.
 struct AnnealingDrawsBeyond {
   int model = 0;
   /// Share of the draws outside the mixture, by SMC and by the chains.
@@ -77,7 +77,7 @@ struct TooFewEffectiveDraws {
 /// R-hat of a parameter within a model is too large.
 struct ParameterDisagrees {
   int model = 0;
-  /// "sum of …" for components of a kind, since their order is only a label.
+  /// "sum of …" for components of a kind, because the numbers of components are arbitrary labels.
   std::string parameter;
   double rhat = 0.0, limit = 0.0;
 };

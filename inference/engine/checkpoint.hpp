@@ -35,15 +35,17 @@ class CheckpointError : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// Without the first `without[c]` draws of each chain c; empty: with all draws.
+/// The state of a run as columns. The first `without[c]` draws of each chain c are omitted; if
+/// `without` is empty, no draws are omitted.
 [[nodiscard]] Checkpoint checkpoint_of(const RunState& state,
                                        std::vector<std::size_t> without = {});
 
-/// Only the draws first, …, last - 1 of a chain.
+/// The draws first, …, last - 1 of a chain as columns.
 [[nodiscard]] Checkpoint draws_of(const Chain& chain, std::size_t first, std::size_t last);
-/// Reads these draws. Throws CheckpointError if there are not `n`.
+/// Reads draws from columns. Throws CheckpointError if their number is not `n`.
 [[nodiscard]] Chain draws_in(const Checkpoint& part, std::size_t n);
-/// The parts that a run's checkpoint needs: the number of the first part, and how many.
+/// The separately saved parts of the draws that a checkpoint needs: the number of the first part,
+/// and the number of parts.
 [[nodiscard]] std::pair<long, long> parts_of(const Checkpoint& checkpoint);
 
 /// Restores the run, bit for bit. The columns omit the parts that follow from the rest: the model
@@ -52,8 +54,8 @@ class CheckpointError : public std::runtime_error {
 /// number of chains, models or parameters.
 [[nodiscard]] RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains);
 
-/// A chain and its draws, packed for another rank of the same run and unpacked bit for bit. Not a
-/// file format.
+/// Packs a chain and its draws for another rank of the same run, which unpacks them bit for bit.
+/// This is not a file format.
 [[nodiscard]] std::string packed_state(const ChainState& chain, const Chain& draws);
 void unpack(std::string_view bytes, ChainState& chain, Chain& draws);
 

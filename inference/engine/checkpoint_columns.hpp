@@ -65,8 +65,8 @@ class Names {
   std::string name_;
 };
 
-/// Writes the columns of the values that it is called with. `Fields::of(archive, value)` lists the
-/// members of a structure, for writing and reading.
+/// Writes its arguments as columns. `Fields::of(archive, value)` lists the members of a structure,
+/// for writing and reading.
 template <class Fields>
 class Writer {
  public:
@@ -78,7 +78,7 @@ class Writer {
          std::size_t last = std::numeric_limits<std::size_t>::max())
       : to_(to), first_(std::move(first)), last_(last) {}
 
-  /// Names and members in turn.
+  /// Writes members; the arguments are names and members in turn.
   template <class T, class... More>
   void operator()(const char* member, const T& value, const More&... more) {
     names_.within(member, [&] { put(value); });
@@ -91,7 +91,7 @@ class Writer {
               .first = c < first_.size() ? std::min(first_[c], draws) : 0,
               .last = std::min(last_, draws)};
   }
-  /// A list of that chain with an equal number of values for each draw.
+  /// Writes a list of this chain that has the same number of values for each draw.
   template <class N>
   void by_draw(const char* member, const DrawList<N>& values) {
     const std::size_t each = draws_.all > 0 ? values.size() / draws_.all : 0;

@@ -5,11 +5,12 @@
 
 namespace wheeltap::inference {
 
-/// Explores each model of a short list separately (model_exploration.hpp), sets of components by
-/// parallel tempering from the prior first, and a long record as it grows (starting_points.hpp).
-/// Stores the findings, a starting point for every chain, and first proposals.
+/// Explores each model of a short list separately (model_exploration.hpp). Models with sets of
+/// components are first explored together by parallel tempering from the prior. A long record is
+/// explored with a growing number of samples (starting_points.hpp). Stores the findings, a starting
+/// point for every chain, and initial proposals.
 void explore(RunContext& run, RunState& state);
-/// Books all likelihood calls so far under exploration.
+/// Counts all likelihood calls so far as calls of the exploration.
 void count_exploring(RunState& state);
 
 }  // namespace wheeltap::inference

@@ -1,4 +1,4 @@
-// Tests whether posterior regions that SMC found and the draws lack belong to the posterior.
+// Tests whether regions that SMC sampled and the chains did not visit belong to the posterior.
 #pragma once
 
 #include <vector>
@@ -15,10 +15,10 @@ inline constexpr double kWorthFollowing = 0.01;
 /// SMC approaches the posterior from the whole prior. It can sample regions, such as the ends of a
 /// curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If more of a
 /// model's SMC draws than chain draws lie outside the mixture, this function starts chains at the
-/// SMC draws. Chains that return to the mixture within a thousand steps show an error of SMC;
-/// chains that stay show a part of the posterior. Sets ModelFindings::annealed_beyond of models
-/// above the probability threshold; call it after weigh(). Returns the states of these chains
-/// outside their model's mixture, dimension × n, one matrix per model.
+/// SMC draws. If a chain returns to the mixture within a thousand steps, its start was an error of
+/// SMC; if it stays, the region is a part of the posterior. Sets ModelFindings::annealed_beyond of
+/// models above the probability threshold; call it after weigh(). Returns the states of these
+/// chains outside their model's mixture, dimension × n, one matrix per model.
 [[nodiscard]] std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

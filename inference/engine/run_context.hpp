@@ -1,4 +1,4 @@
-// Objects that a run uses and checkpoints do not store: problem, options, and one target per chain.
+// Objects of a run that checkpoints do not store: problem, options, and one target per chain.
 #pragma once
 
 #include <algorithm>
@@ -23,10 +23,10 @@ inline constexpr int kFewModels = 40;
 inline constexpr int kTuningSteps = 32000;  ///< per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
-/// Whether the likelihood is expensive: the data are a long record, and the engine chooses the
-/// number of draws. Tuning steps and thinning are then halved. They make the draws less correlated,
-/// at a cost of about a hundred times that of a formula, and the run continues anyway until the
-/// draws suffice.
+/// True if the likelihood is expensive: the data are a long record, and the engine chooses the
+/// number of draws. Tuning steps and thinning, which reduce the autocorrelation of the draws, are
+/// then halved: each step takes about a hundred times as long as with a formula, and the run
+/// continues in any case until it has enough draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return problem.samples > 0 && options.draws == 0;
 }
@@ -39,8 +39,8 @@ inline constexpr int kDefaultThin = 4;
 inline constexpr int kEvidenceDraws = 4000;  ///< per model, from its mixture
 inline constexpr int kQuickDraws = 500;      ///< the same in a quick run
 
-/// `problem` and `options` must outlive the context. It serves only the run state of begin() or
-/// resume().
+/// `problem` and `options` must outlive the context. It must be used only with the run state from
+/// begin() or resume().
 struct RunContext {
   RunContext(const Problem& of, const Options& with)
       : problem(of), options(with), monitor(with, of.space.size()), safe_points(with) {}
@@ -66,7 +66,7 @@ struct RunContext {
     });
   }
 
-  /// The same on every rank separately, for cheap jobs.
+  /// Runs the job for every chain on every rank, for cheap jobs.
   template <typename Job>
   void each_chain_here(RunState& state, Job&& job) {
     for (std::size_t c = 0; c < targets.size(); ++c) {
@@ -75,9 +75,9 @@ struct RunContext {
     }
   }
 
-  /// The same for a job that can stop between two iterations when leave() returns true. The job
-  /// returns whether it is complete. It is called again until it is complete in every chain, or the
-  /// run is stopped. The state must contain all its progress.
+  /// Runs a job that can pause between two iterations if leave() returns true. The job returns true
+  /// if it is complete. It is called again until it is complete for every chain, or the run is
+  /// stopped. The run state must contain all progress of the job.
   template <typename Job>
   void complete_each_chain(RunState& state, Job&& job) {
     for (bool all = false; !all;) {
@@ -86,7 +86,7 @@ struct RunContext {
       if (!all) safe_points.pass(state);
     }
   }
-  /// Whether a job should return now.
+  /// True if a job should return now.
   [[nodiscard]] bool leave() const {
     return monitor.stopped() ||
            (base::ranks() ? base::ranks()->pause_requested() : safe_points.due());

@@ -27,8 +27,9 @@ struct ProblemSize {
   double seconds_a_likelihood = 0.0;
 };
 
-/// The cost of a run that converges in its first round of draws. Draws of more than
-/// `most_in_memory` bytes are kept on the disk (DrawMemory); infinity without a folder for them.
+/// Estimates the cost of a run that converges in its first round of draws. Draws of more than
+/// `most_in_memory` bytes are kept on the disk (DrawMemory); it is infinite if there is no folder
+/// for them.
 [[nodiscard]] RunCost cost_of_sampling(const ProblemSize& size, const Options& options,
                                        double most_in_memory);
 

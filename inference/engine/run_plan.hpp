@@ -13,15 +13,16 @@ struct RunPlan {
   double tune = 0.0;     ///< includes the burn-in before the draws
   double sample = 0.0;
   double evidence = 0.0;
-  /// `explore` converted to calls on the whole record. On a record, most exploration calls use only
-  /// its first samples; otherwise both numbers are equal.
+  /// `explore` in equivalent calls on the whole record. For a record, most calls of the exploration
+  /// use only its first samples; for other data, both numbers are equal.
   double explore_on_all_data = 0.0;
 
   [[nodiscard]] double calls() const { return explore + tune + sample + evidence; }
 };
 
-/// The options of a quick run (Options::quick): about 16 climbs per model, a thousand draws from
-/// the normals about their modes, 4 x 300 draws.
+/// The options of a quick run (Options::quick): about 16 climbs per model, a thousand
+/// importance-sampling draws from the normal approximations at the modes, and 4 x 300 posterior
+/// draws.
 [[nodiscard]] Options quick_options(Options options);
 
 [[nodiscard]] RunPlan plan_of(const Problem& problem, const Options& options);

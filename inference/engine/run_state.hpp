@@ -30,7 +30,8 @@ struct AdaptationState {
 };
 
 /// State of one chain. Its target and kernels are rebuilt from this and from the run's state in
-/// each round (run_context.hpp); `adaptation` holds what a kernel has learned within a round.
+/// each round (run_context.hpp); `adaptation` holds the adaptation state of the kernels within a
+/// round.
 struct ChainState {
   State state;                     ///< the current state
   long iteration = 0;              ///< steps of sampling so far: key of the next random numbers
@@ -47,7 +48,7 @@ struct ChainState {
   AdaptationState adaptation{};
 };
 
-/// Position in the run: the next step. A restarted run repeats the work from its last stored
+/// Position in the run, that is its next step. A resumed run repeats the work after the last stored
 /// position with the same result.
 struct Position {
   enum class Stage { explore, tune, sample };
@@ -58,9 +59,9 @@ struct Position {
   bool tempering = false;  ///< the chains are inside temper()
 
   Explore explore = Explore::begin;
-  std::vector<int> models{};  ///< that are searched, or climbed in only
+  std::vector<int> models{};  ///< models to be searched, or searched by climbs only
   int model = 0;              ///< index of the next one in `models`
-  /// Ln P Z of the best model searched so far.
+  /// ln (P Z) of the best model searched so far.
   double best = -std::numeric_limits<double>::infinity();
   int look = 0;                  ///< round of climbs in many models
   int looks_left = 0;            ///< models left in this round
@@ -84,9 +85,9 @@ struct CountedModes {
   std::vector<double> shares;
 };
 
-/// Complete state of a run. Copies are independent; shared members (Pilot's mixtures, Posterior's
-/// space) are constant. A stage produces the same draws, bit for bit, from a copy with the same
-/// problem, options and seed.
+/// Complete state of a run. Copies are independent, because shared members (mixtures of Pilot,
+/// model space of Posterior) are constant. A stage produces the same draws, bit for bit, from a
+/// copy with the same problem, options and seed.
 struct RunState {
   Position at;
   std::vector<ChainState> chains;
@@ -100,7 +101,7 @@ struct RunState {
   // Results of tuning.
   Pilot pilot;
   std::vector<double> tuning_bias;  ///< ln weight of each model in the last tuning round
-  /// The same for the draws: zeros, or the weights that balance the models.
+  /// ln weight of each model for the draws: zero, or the weights that balance the models.
   std::vector<double> sampling_bias;
 
   // Results of sampling.

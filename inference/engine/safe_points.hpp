@@ -1,4 +1,4 @@
-// Safe points: when a run's state is passed to the caller for saving.
+// Safe points of a run, at which its state is passed to the caller for saving.
 #pragma once
 
 #include <chrono>
@@ -19,7 +19,7 @@ class SafePoints {
  public:
   explicit SafePoints(const Options& options) : options_(options.checkpoints) {}
 
-  /// Whether the chains should pause at the next iteration, to save. Safe to call from any thread.
+  /// True if the chains should pause at the next iteration, to save. Safe to call from any thread.
   [[nodiscard]] bool due() const { return options_.save && Clock::now() >= next_; }
   /// To be called at a safe point. Saves the state if that is due; else stores a copy, at most once
   /// per second, in case the run is stopped before the next safe point.
@@ -36,10 +36,10 @@ class SafePoints {
   using Clock = std::chrono::steady_clock;
   static constexpr double kShare = 0.03;
 
-  /// Saves complete parts of the draws that are not saved yet. Returns the number of saved draws of
-  /// each chain.
+  /// Saves the complete parts of the draws that have not been saved. Returns the number of saved
+  /// draws of each chain.
   [[nodiscard]] std::vector<std::size_t> hand_over_draws(RunState& state) const;
-  /// The state without these draws.
+  /// The state as a checkpoint without the separately saved draws.
   [[nodiscard]] Checkpoint rest_of(RunState& state) const;
   void save(const Checkpoint& checkpoint);
 

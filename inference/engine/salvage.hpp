@@ -7,8 +7,8 @@ namespace wheeltap::inference {
 
 /// For a run stopped with fewer than kSalvaged draws per chain: creates that number of draws from
 /// the findings so far. Models get the probabilities estimated from evidence and ladders,
-/// parameters come from their populations (at least the normals about their modes). Does nothing if
-/// nothing was found.
+/// parameters are drawn from the populations of the exploration, or from the normal approximations
+/// at the modes. Does nothing if nothing was found.
 void salvage(RunContext& run, RunState& state);
 
 inline constexpr int kSalvaged = 100;

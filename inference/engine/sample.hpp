@@ -10,17 +10,17 @@ namespace wheeltap::inference {
 /// a tempering ladder if the chains disagree without one.
 void sample(RunContext& run, RunState& state);
 
-// Its rounds. A run can be interrupted after each of them and resumed.
+// The rounds of sample(). A run can be interrupted after each round and resumed.
 
 /// Called once after tuning: initialises the draws.
 void prepare_draws(RunContext& run, RunState& state);
-/// Burn-in with the weights of the draws: tuning used biased model weights, which the chains must
-/// forget before draws count.
+/// Burn-in with the model weights of the draws. Tuning used other model weights, so the chains must
+/// first converge to the new stationary distribution.
 void settle(RunContext& run, RunState& state);
-/// Adds the chain's state to its draws, stored states and counters.
+/// Adds the current state of a chain to its draws, stored states and counters.
 void record(const RunContext& run, const RunState& state, const Target& target, int move,
             bool accepted, ChainState& chain, Chain& out);
-/// Makes `n` more draws in every chain; fewer if the run is stopped.
+/// Adds `n` draws to every chain, or fewer if the run is stopped.
 void draw(RunContext& run, RunState& state, int n);
 
 }  // namespace wheeltap::inference

@@ -16,12 +16,12 @@ struct TemperOptions {
   bool fitted = false;    ///< use the fitted proposals, and start from the chains' states
 };
 
-/// Tempers from the prior or, with fitted proposals, sets up a ladder for the draws. Stores each
-/// chain's ladder, its samples and its state at β = 1.
+/// Runs parallel tempering from the prior or, with fitted proposals, prepares a ladder for the
+/// draws. Stores each chain's ladder, its samples and its state at β = 1.
 void temper(RunContext& run, RunState& state, const TemperOptions& how);
 
-/// Pools the samples of all chains. Ladders may differ between chains: rungs are matched from the
-/// cold end.
+/// Pools the samples of all chains. Ladders may differ between chains; their rungs are matched from
+/// the coldest on.
 void pool_ladders(const RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

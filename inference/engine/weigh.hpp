@@ -5,9 +5,9 @@
 
 namespace wheeltap::inference {
 
-/// Sets Posterior::found for every explored model: ln Z from before the draws, by importance
-/// sampling from the model's mixture, and by bridge sampling between the mixture and the model's
-/// draws. Does nothing for a run without likelihood.
+/// Sets Posterior::found for every explored model: ln Z as estimated before the draws, ln Z by
+/// importance sampling from the model's mixture, and ln Z by bridge sampling between the mixture
+/// and the model's draws. Does nothing for a run without likelihood.
 void weigh(RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

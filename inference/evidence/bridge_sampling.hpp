@@ -1,4 +1,5 @@
-// Bridge sampling: the evidence from posterior draws and draws of a proposal that resembles it.
+// Bridge sampling: the evidence from posterior draws and from draws of a proposal distribution
+// similar to the posterior.
 #pragma once
 
 #include <cstdint>
@@ -24,7 +25,8 @@ struct Bridge {
 };
 
 /// The bridge-sampling iteration alone. `at_posterior` holds ln l = ln π - ln q at posterior draws,
-/// one vector per chain, all of the same length; `at_proposal` holds it at draws of q. See below.
+/// one vector per chain, all of the same length; `at_proposal` holds it at draws of q. The next
+/// function gives the formula.
 [[nodiscard]] Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_proposal);
 
 /// Meng & Wong (1996, Statistica Sinica 6:831) with their optimal bridge. With q a normal mixture
@@ -33,21 +35,22 @@ struct Bridge {
 ///
 ///   Z ← Σ₂ l / (s₁ l + s₂ Z) / n₂  ÷  Σ₁ 1 / (s₁ l + s₂ Z) / n₁
 ///
-/// is iterated to its fixed point. s are the shares of the sample sizes, with the effective size
-/// for the posterior. The standard error follows from the delta method with the autocorrelation of
-/// the posterior draws (Frühwirth-Schnatter 2004, Econometrics Journal 7:143, section 3.2).
+/// is iterated to its fixed point. s₁ and s₂ are the shares of the two samples in the total sample
+/// size; for the posterior draws, the effective size is used. The standard error follows from the
+/// delta method with the autocorrelation of the posterior draws (Frühwirth-Schnatter 2004,
+/// Econometrics Journal 7:143, section 3.2).
 ///
 /// Throws std::invalid_argument for fewer than 20 draws per chain.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const ModelSamples& samples, const BridgeOptions& options);
 
-/// Runs a TMCMC pilot, then four chains of 5000 draws that use it as independence proposal, then
-/// the bridge. If a warning results, the chains are run again, four and sixteen times as long. If
-/// the pilot has no ln Z, the result is NaN with the pilot's warning.
+/// Runs TMCMC as a pilot, then four chains of 5000 draws with the pilot as independence proposal,
+/// and then bridge sampling. If this gives a warning, the chains are repeated with four and with
+/// sixteen times the length. If TMCMC fails, the result is NaN with the warning of TMCMC.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const BridgeOptions& options);
 
-/// The same with a given pilot.
+/// Bridge sampling with a given pilot.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& pilot,
                                        const BridgeOptions& options);
 

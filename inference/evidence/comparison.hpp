@@ -25,8 +25,9 @@ struct Disagreement {
   double sampled, sampled_error, implied, implied_error;
 };
 
-/// The models for which they differ by more than `sigmas` combined standard errors and by more than
-/// `least`. Empty if an error is unknown (as for Laplace's method).
+/// The models whose sampled and implied probabilities differ by more than `sigmas` combined
+/// standard errors and by more than `least`. Empty if an error is unknown (as for Laplace's
+/// method).
 [[nodiscard]] std::vector<Disagreement> disagreements(const std::vector<double>& sampled,
                                                       const std::vector<double>& sampled_error,
                                                       const ImpliedProbabilities& implied,

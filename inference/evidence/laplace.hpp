@@ -19,9 +19,9 @@ struct ModeOptions {
 };
 
 /// Mode of ln π(z), by self-adaptive differential evolution and Newton steps with finite
-/// differences. If the problem can be shortened, the search uses its first 50 samples, then doubles
-/// the record about the mode until it is complete. Throws LikelihoodError if no point of the search
-/// has a finite likelihood.
+/// differences. If the problem can be shortened, the search begins with the first 50 samples. It
+/// then doubles the number of samples, starting each time from the previous mode, until the record
+/// is complete. Throws LikelihoodError if no point of the search has a finite likelihood.
 [[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
                                            const ModeOptions& options);
 
@@ -34,10 +34,10 @@ struct Laplace {
 
 /// ln Z ≈ ln π(z*) + (d/2) ln 2π - ½ ln|H|, H = -∇² ln π at the mode z*, in standard normal
 /// coordinates, in which the prior has no bounds. H comes from central differences with steps that
-/// lower ln π by about 0.05. The method covers one mode only. It warns if H is not positive
-/// definite, or if importance sampling about the mode (1000 draws) shows that the posterior is not
-/// normal. For example, a likelihood that is constant within an element has the curvature of its
-/// prior.
+/// lower ln π by about 0.05. The method covers one mode only. The result has a warning if H is not
+/// positive definite, or if importance sampling at the mode (1000 draws) shows that the posterior
+/// is not normal. For example, if the likelihood is constant within an element, the curvature at
+/// the mode is that of the prior.
 [[nodiscard]] Laplace laplace(const Problem& problem, int model, const ModeOptions& options);
 
 }  // namespace wheeltap::inference

@@ -19,7 +19,7 @@ struct MetropolisOptions {
   int threads = 0;    ///< 0: as many as the machine has. Never changes a result.
 };
 
-/// Draws from the posterior of one model, chains kept apart.
+/// Draws from the posterior of one model, separately for each chain.
 struct ModelSamples {
   std::vector<Eigen::MatrixXd> z;                  ///< one per chain, draws × dimension
   std::vector<Eigen::MatrixXd> x;                  ///< the same in physical parameters
@@ -33,15 +33,16 @@ struct ModelSamples {
 
 /// Random-walk Metropolis whose covariance adapts during warm-up (robust adaptive Metropolis,
 /// Vihola 2012, Statistics and Computing 22:997). Each chain starts from the best of a few prior
-/// draws. A chain stays in the mode that it finds; R-hat shows whether the chains differ.
+/// draws. A chain remains in the mode that it finds; R-hat shows whether chains are in different
+/// modes.
 ///
 /// Throws LikelihoodError if no prior draw has a finite likelihood, std::invalid_argument for
 /// options out of range.
 [[nodiscard]] ModelSamples metropolis(const Problem& problem, int model,
                                       const MetropolisOptions& options);
 
-/// The same with half of the proposals drawn independently from `pilot`, so that chains move
-/// between all modes of the pilot. Chains start from the pilot.
+/// Random-walk Metropolis in which half of the proposals are independent draws from `pilot`, so
+/// that chains move between all modes of the pilot. Chains start from the pilot.
 [[nodiscard]] ModelSamples metropolis(const Problem& problem, int model, const NormalMixture& pilot,
                                       const MetropolisOptions& options);
 

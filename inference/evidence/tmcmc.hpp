@@ -19,8 +19,8 @@ struct TmcmcOptions {
   int replicates = 8;       ///< independent runs; their scatter gives the standard error; >= 4
   int samples = 500;        ///< per replicate
   double weight_cov = 0.5;  ///< coefficient of variation of the weights, which sets each step of β
-  /// Accepted moves per sample and stage, on average, before the next stage. Halved for a growing
-  /// record, which has many stages.
+  /// Accepted moves per sample and stage, on average, before the next stage. For a growing record,
+  /// which has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Likelihood calls after which a run ends early (`Tmcmc::cut`); 0: no limit.
@@ -54,18 +54,19 @@ struct Tmcmc {
 /// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
 /// 89:539). The first part leads from the prior to the posterior of the first 50 samples; each
 /// further part leads to the posterior of up to twice as many. β is then the exponent of the
-/// likelihood of the new samples. The posterior of a long record lies at the end of a ridge, which
-/// narrows gradually with the record but suddenly with the exponent. Small pilot runs of both kinds
-/// decide which one to use.
+/// likelihood of the new samples. The posterior of a long record lies at the end of a ridge. The
+/// ridge narrows gradually with the number of samples, but suddenly with the exponent. Small pilot
+/// runs of both kinds decide which one to use.
 ///
 /// Differences from these papers:
 ///
-/// - Bisection on the coefficient of variation of the weights sets β. The target is 0.5; the
-///   paper's 1 lost two nats on a chain with a stop, where the posterior bends from step to step.
+/// - Bisection on the coefficient of variation of the weights sets β. The target is 0.5. With the
+///   value 1 of the paper, ln Z was two nats too low for a chain with a stop, whose tempered
+///   posteriors change direction from step to step.
 /// - Resampling is systematic.
 /// - The first step removes prior draws of likelihood zero; its weight is the share of possible
-///   draws. If these are rare, draws continue until 20 are possible or a replicate has 100 000
-///   draws, and the estimate of the share stays unbiased.
+///   draws. If possible draws are rare, more draws are made until 20 are possible or a replicate
+///   has 100 000 draws; the estimate of the share remains unbiased.
 /// - Half of the moves are drawn from a normal mixture. The other half are steps with the
 ///   covariance of one of its components, with a scale adapted from sweep to sweep. This keeps
 ///   separate modes balanced.

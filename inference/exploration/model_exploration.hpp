@@ -20,8 +20,9 @@ struct ExplorationOptions {
   long budget = 100000;  ///< likelihood calls for climbs
   double effort = 1.0;   ///< effort of climbs as a record grows (ModeSearchOptions)
   bool anneal = true;    ///< run SMC from the prior, as briefly as sufficient
-  /// Run climbs only, for one of very many models. The evidence is then Laplace's, assumed to be
-  /// good to a nat, and the population is drawn from the normals about the modes.
+  /// Run climbs only, for one of very many models. The evidence is then that of Laplace's method,
+  /// with an assumed error of one nat, and the population is drawn from the normal approximations
+  /// at the modes.
   bool climbs_only = false;
   bool from_starts = false;  ///< no climbs from prior draws, unless `starts` lead to no mode
   int particles = 1200;      ///< of SMC at full length, over four replicates
@@ -64,24 +65,25 @@ struct ModelExploration {
   [[nodiscard]] bool is_explored() const { return calls.sum() > 0; }
   /// The best estimate of ln Z so far; -∞ if nothing was found.
   [[nodiscard]] double log_evidence() const;
-  /// Whether one mode has 99 % of the probability found by the climbs and importance sampling from
-  /// the mixture about it is efficient. SMC then adds little.
+  /// True if one mode has 99 % of the probability that the climbs found, and importance sampling
+  /// from the mixture at this mode is efficient. SMC then adds little.
   [[nodiscard]] bool settled() const;
 };
 
-/// Mode searches and sequential Monte Carlo (SMC) find the posterior in different ways: searches by
-/// density, from many starting points; SMC by probability mass, along a path of temperatures. Both
-/// feed one normal mixture. Adaptive multiple importance sampling (Cornuet et al. 2012,
-/// Scandinavian J. Statistics 39:798, with Owen & Zhou's balance heuristic) gives its draws the
-/// correct weights. A mode that one method missed is thus present, and a mode that both found
-/// counts once.
+/// Mode searches and sequential Monte Carlo (SMC) find the posterior in different ways: searches
+/// maximise the density from many starting points, and SMC follows the probability mass along a
+/// path of temperatures. One normal mixture is fitted to the results of both. Adaptive multiple
+/// importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics 39:798, with Owen & Zhou's
+/// balance heuristic) gives its draws the correct weights. A mode that only one method found is
+/// thus included, and a mode that both found is counted once.
 ///
-/// The climbs come first, since they cost least. If they settle the model, a brief SMC run looks
-/// for probability mass that they missed. Either its evidence exceeds that of the mixture
-/// significantly, as in the verdict, or some draws lie far from every known mode and a climb from
-/// them leads to another one. On a record, SMC may get lost among the first samples; it then ends
-/// after a fixed number of calls, and climbs from its current draws replace it. Full SMC runs only
-/// if the brief run found something or the climbs settled nothing.
+/// The climbs are run first, because they need the fewest likelihood calls. If they determine the
+/// posterior (settled), a brief SMC run tests whether they missed probability mass. There are two
+/// signs of this: the evidence by SMC exceeds that of the mixture significantly, as in the
+/// convergence diagnosis; or SMC draws lie far from every known mode, and a climb from them leads
+/// to another mode. On a record, SMC may fail on the first samples; it then ends after a fixed
+/// number of calls and is replaced by climbs from its current draws. A full SMC run follows only if
+/// the brief run shows missed probability mass, or if the climbs did not determine the posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 

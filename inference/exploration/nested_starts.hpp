@@ -8,13 +8,13 @@
 
 namespace wheeltap::inference {
 
-/// The models of a list by dimension, so that each comes after the models nested in it.
+/// Sorts models by dimension, so that each model comes after the models nested in it.
 [[nodiscard]] std::vector<int> by_dimension(const ModelSpace& space);
 
-/// Whether `outer` has all parameters of `inner`.
+/// True if `outer` has all parameters of `inner`.
 [[nodiscard]] bool is_within(const Model& inner, const Model& outer);
 
-/// Whether one model of the list is nested in every other, as the empty subset is in all subsets of
+/// True if one model of the list is nested in every other, as the empty subset is in all subsets of
 /// some terms.
 [[nodiscard]] bool is_nested(const ModelSpace& space);
 
@@ -22,9 +22,9 @@ namespace wheeltap::inference {
 /// Returns at most `most`: those of the highest evidence among the models that lack the fewest of
 /// its parameters. A missing parameter starts at its prior's median, and again at its quantile of 7
 /// % (z = -1.5). The median means no effect for a coefficient of either sign; the quantile means a
-/// small effect for a positive one. The search thus finds a law with one more term beside the law
-/// already found, which two draws of the prior would rarely do. Empty if no explored model is
-/// nested in it.
+/// small effect for a positive one. The search thus finds a law that has one more term than the law
+/// already found; climbs from draws of the prior would rarely find it. Empty if no explored model
+/// is nested in it.
 [[nodiscard]] std::vector<std::vector<double>> nested_starts(
     const ModelSpace& space, int model, const std::vector<ModelExploration>& explorations,
     std::size_t most);

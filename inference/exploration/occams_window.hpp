@@ -1,4 +1,4 @@
-// Occam's window: which of very many nested models to explore.
+// Occam's window: selects the models to explore from a long list of nested models.
 #pragma once
 
 #include <vector>
@@ -17,7 +17,7 @@ class ModelLattice {
   /// The models one step within m, and the models that m is one step within.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
-  /// Smallest number of steps from a model with none within it.
+  /// Smallest number of steps from a model within which there is no other model.
   [[nodiscard]] int level(int m) const { return at(m).level; }
 
  private:
@@ -29,9 +29,9 @@ class ModelLattice {
   std::vector<Place> places_;
 };
 
-/// The models of a nested list to explore next, in order of size; empty at the end. Nearly
-/// all of the 2^n subsets of n terms lack a term that the data require or contain a superfluous
-/// one. The search therefore explores
+/// The models of a nested list to explore next, in order of size; empty at the end. Nearly all of
+/// the 2^n subsets of n terms lack a necessary term or contain a superfluous term. The search
+/// therefore explores
 ///
 /// - all models up to two steps from the smallest, since some terms matter only in pairs;
 /// - the models one step above or below each model whose probability is within e^-12 (6e-6) of the
@@ -42,8 +42,8 @@ class ModelLattice {
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,
                                               const std::vector<ModelExploration>& explorations);
 
-/// The mode of the most probable explored model one step around m, without the parameters that m
-/// lacks; empty if none of these was explored.
+/// A starting point for model m: the mode of the most probable explored model one step above or
+/// below m, without the parameters that m lacks. Empty if none of these models was explored.
 [[nodiscard]] std::vector<double> start_from_around(
     const ModelSpace& space, const ModelLattice& lattice, int m,
     const std::vector<ModelExploration>& explorations);

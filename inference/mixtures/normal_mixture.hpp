@@ -47,8 +47,8 @@ class NormalMixture {
   explicit NormalMixture(std::vector<Component> components,
                          double degrees_of_freedom = std::numeric_limits<double>::infinity());
 
-  /// Restores a mixture from another's components bit for bit, without normalising the weights.
-  /// Throws as the constructor does.
+  /// Restores a mixture from the components of another one bit for bit, without normalising the
+  /// weights. Throws the exceptions of the constructor.
   [[nodiscard]] static NormalMixture restored(std::vector<Component> components,
                                               double degrees_of_freedom);
 
@@ -59,15 +59,15 @@ class NormalMixture {
   /// starts with the largest number of components and repeatedly merges the pair with the smallest
   /// loss (Runnalls 2007, IEEE Trans. AES 43:989). The criterion selects among all sizes on the
   /// way, as in Figueiredo & Jain 2002 and AutoMix. Repeated samples (rejections of a chain) keep
-  /// their weight but count once towards the minimum number per component, so that no component
-  /// collapses onto a repeated sample.
+  /// their weight, but count only once for the minimum number of samples per component. No
+  /// component can therefore collapse onto a repeated sample.
   ///
   /// `samples` is n × d. Throws std::invalid_argument for no sample, a sample that is not finite,
   /// or options out of range. Returns one broad component if there are too few samples for a
   /// covariance.
   [[nodiscard]] static NormalMixture fit(const Eigen::MatrixXd& samples, const FitOptions& options,
                                          base::Random& random);
-  // A separate overload, because GCC rejects {} as default of a nested aggregate.
+  // A separate overload, because GCC rejects {} as the default argument of a nested aggregate.
   [[nodiscard]] static NormalMixture fit(const Eigen::MatrixXd& samples, base::Random& random);
 
   [[nodiscard]] int dimension() const { return dimension_; }

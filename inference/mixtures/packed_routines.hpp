@@ -10,8 +10,8 @@ namespace wheeltap::inference::packed {
 inline constexpr std::size_t kLanes = 8;
 inline constexpr std::size_t kMaxComponents = 512;
 
-/// Components lie side by side in groups of eight, so that one instruction processes several. A
-/// group of a packed mixture holds, eight numbers each,
+/// Components are stored in groups of eight, so that one instruction processes several components.
+/// A group of a packed mixture holds, eight numbers each,
 ///   c;  b_1, A_11;  b_2, A_21, A_22;  …
 /// and component k's log density is c_k - ½ |A_k z - b_k|². Numbers per group:
 [[nodiscard]] constexpr std::size_t group_stride(std::size_t d) {

@@ -12,7 +12,7 @@ std::string describe(const EvidenceWarning& warning) {
     case Kind::replicates_scatter:
       return "TMCMC replicates differ by more than half a nat (" + value + "); use more samples";
     case Kind::samples_hardly_move:
-      return "TMCMC samples hardly moved in some stage; use more samples";
+      return "TMCMC samples hardly moved in one of the stages; use more samples";
     case Kind::bridge_unsettled:
       return "bridge sampling did not converge; the proposal and the posterior hardly overlap";
     case Kind::few_bridge_draws:

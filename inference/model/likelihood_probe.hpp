@@ -5,16 +5,17 @@
 
 namespace wheeltap::inference {
 
-/// Processor time of one thread [s], on which other processes have little effect.
+/// Run time of a likelihood as processor time of one thread [s], which other processes hardly
+/// affect.
 struct LikelihoodTime {
   double mean = 0.0;    ///< over draws of the prior, as at the start of climbs
-  double middle = 0.0;  ///< the median: rare expensive ones do not count
+  double middle = 0.0;  ///< the median, which a few expensive evaluations do not affect
   long calls = 0;       ///< measured
 };
 
-/// Measures likelihoods at draws of the prior, all models with parameters in turn, for about
-/// `seconds`; at least one per model, unless that takes ten times as long. Impossible draws, which
-/// may cost little, do not count if others are possible.
+/// Evaluates the likelihood at draws of the prior of all models with parameters in turn, for about
+/// `seconds`. Every model is evaluated at least once, unless that takes more than ten times as
+/// long. Impossible draws, whose evaluation may be fast, are excluded if possible draws exist.
 [[nodiscard]] LikelihoodTime probe(const Problem& problem, double seconds);
 
 }  // namespace wheeltap::inference

@@ -23,7 +23,7 @@ struct Evidence {
   std::vector<EvidenceWarning> warnings{};
 };
 
-/// Evidence of a method that was not run or failed.
+/// Placeholder for the evidence by a method that was not run or failed.
 inline const Evidence kNoEvidence{.log_evidence = std::numeric_limits<double>::quiet_NaN(),
                                   .standard_error = std::numeric_limits<double>::quiet_NaN()};
 
@@ -50,16 +50,17 @@ class ModelPosterior {
 
   /// All values are -∞ if z is not in order or not finite. Throws LikelihoodError as Target does.
   Value operator()(std::span<const double> z);
-  /// The same if only values with log_base + beta · log_gain >= `level` matter; others may be -∞.
+  /// Evaluates z if only values with log_base + beta · log_gain >= `level` are needed; smaller
+  /// values may be returned as -∞.
   Value above(double level, double beta, std::span<const double> z);
-  /// Evaluates several z, stored one after the other. If only those with log_posterior() >= `level`
-  /// matter, the others may be -∞.
+  /// Evaluates several z, stored one after the other. Values of log_posterior() below `level` may
+  /// be returned as -∞.
   void evaluate(std::span<const double> zs, std::span<Value> out,
                 double level = -std::numeric_limits<double>::infinity());
-  /// The physical parameters of the last ordered z that was evaluated alone.
+  /// The physical parameters of the last z with ordered components that was evaluated singly.
   [[nodiscard]] std::span<const double> x() const { return state_.x; }
 
-  /// Sorts exchangeable components.
+  /// Sorts the exchangeable components of z.
   void order(std::span<double> z);
   /// ∂ ln π/∂z at z, whose components may be in any order; false if it is not available
   /// (Target::gradient). Evaluates z.

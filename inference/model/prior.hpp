@@ -59,8 +59,8 @@ class Distribution {
 
   /// ln p(x), normalised, for lower() < x < upper().
   [[nodiscard]] virtual double log_density(double x) const = 0;
-  /// F(x) and 1 - F(x), each with a small *relative* error: 1 minus the value near 1 would lose
-  /// accuracy.
+  /// F(x) and 1 - F(x), each with a small *relative* error; computing one as 1 minus the other
+  /// would lose accuracy in the tails.
   struct Tails {
     double below, above;
   };
@@ -70,7 +70,7 @@ class Distribution {
   /// Bounds of the support, possibly ±∞.
   [[nodiscard]] virtual double lower() const = 0;
   [[nodiscard]] virtual double upper() const = 0;
-  /// Name with numbers, for findings and files.
+  /// Name of the distribution with its parameters, for results and files.
   [[nodiscard]] virtual std::string describe() const = 0;
 };
 struct OwnPrior {
@@ -83,8 +83,8 @@ struct OwnPrior {
 ///
 /// with F the prior's distribution function, so that a priori z ~ N(0, 1) for every family, unit
 /// and bound (isoprobabilistic transform of reliability analysis: Der Kiureghian & Liu 1986).
-/// Proposals then need no bounds, birth from the prior is a standard normal draw, and results do
-/// not depend on units.
+/// Proposals then need no bounds, a birth from the prior is a standard normal draw, and results do
+/// not depend on the units of parameters.
 class Prior {
  public:
   using Family = std::variant<Uniform, LogUniform, Normal, LogNormal, HalfNormal, Gamma, Beta,
@@ -112,7 +112,7 @@ class Prior {
   [[nodiscard]] double mean() const;
   [[nodiscard]] double sd() const;
   [[nodiscard]] const Family& family() const { return family_; }
-  /// As in a case file, e.g. "uniform [0, 100]".
+  /// Description as in a case file, e.g. "uniform [0, 100]".
   [[nodiscard]] std::string describe() const;
 
  private:

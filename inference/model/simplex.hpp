@@ -1,4 +1,4 @@
-// Shares that sum to one, expressed by independent parameters.
+// Shares that sum to one, expressed by parameters that are independent a priori.
 #pragma once
 
 #include <span>

@@ -14,19 +14,19 @@
 
 namespace wheeltap::inference {
 
-/// The result of one evaluation of a likelihood. The caller owns it and passes it again: then no
-/// evaluation allocates memory.
+/// The result of one evaluation of a likelihood. The caller owns it and reuses it, so that
+/// evaluations do not allocate memory.
 struct Evaluation {
   double log_likelihood = -std::numeric_limits<double>::infinity();
-  /// The predicted observables, or empty: recorded for posterior predictive checks and convergence
-  /// of the responses.
+  /// The predicted observables, or empty. They are recorded for posterior predictive checks and for
+  /// the convergence diagnosis of the responses.
   std::vector<double> prediction = {};
   /// Standardised residuals (observed - predicted) / sd, or empty. If given, they must satisfy ln
   /// p(data | ·) = c - ½ Σ residual² with a c that adding a component does not change. Births are
   /// then proposed where they explain the residual.
   std::vector<double> residuals = {};
-  /// If the noise is a parameter: the factor common to all sds, so that residual · noise_scale does
-  /// not depend on it. 1 for known noise.
+  /// The common factor of all sds if the noise is a parameter, so that residual · noise_scale does
+  /// not depend on the noise; 1 for known noise.
   double noise_scale = 1.0;
 
   /// Resets the values and keeps the memory.
@@ -38,8 +38,8 @@ struct Evaluation {
   }
 };
 
-/// The likelihood of a problem's data. One object serves one thread. It may keep scratch memory, as
-/// long as no result depends on it.
+/// The likelihood of a problem's data. One object serves one thread. It may keep scratch memory if
+/// results do not depend on earlier calls.
 class Likelihood {
  public:
   virtual ~Likelihood() = default;
@@ -49,18 +49,20 @@ class Likelihood {
   /// error that names the model and the parameters. x is laid out as in Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
-  /// The same if only values of at least `floor` matter: for a smaller value the likelihood may
-  /// return -∞ as soon as this is known (early rejection: Solonen et al. 2012, section 2).
+  /// ln p(data | model, x) if only values of at least `floor` are needed. For a smaller value, the
+  /// likelihood may return -∞ as soon as it detects this (early rejection: Solonen et al. 2012,
+  /// section 2).
   virtual double log_likelihood_above(double /*floor*/, int model, std::span<const double> x) {
     return log_likelihood(model, x);
   }
 
-  /// The same with all results of the likelihood at x, which replace those in `out`.
+  /// Like log_likelihood_above, but writes all results of the likelihood at x to `out`, replacing
+  /// its content.
   virtual void evaluate(double floor, int model, std::span<const double> x, Evaluation& out) {
     out.clear();
     out.log_likelihood = log_likelihood_above(floor, model, x);
   }
-  /// The same as a value, without a floor.
+  /// Returns the results of `evaluate` without a floor.
   [[nodiscard]] Evaluation evaluation(int model, std::span<const double> x) {
     Evaluation out;
     evaluate(-std::numeric_limits<double>::infinity(), model, x, out);
@@ -75,7 +77,8 @@ class Likelihood {
       out[i] = log_likelihood(model, xs.subspan(i * d, d));
   }
 
-  /// The same if only values of at least floors[i] matter.
+  /// Evaluates several parameter vectors if only values of at least floors[i] are needed for vector
+  /// i.
   virtual void log_likelihoods_above(std::span<const double> /*floors*/, int model,
                                      std::span<const double> xs, std::span<double> out) {
     log_likelihoods(model, xs, out);
@@ -83,9 +86,9 @@ class Likelihood {
 
   /// Optional: writes ∂ ln p(data | model, x)/∂x_i to out[i], in the units of 1/x_i, for any
   /// possible x, evaluated before or not. Returns false, with `out` undefined, if there is no
-  /// gradient. Searches and proposals use it, and no acceptance ratio depends on it. If the
-  /// likelihood is a step function of x_i, whose derivative is zero, give the slope across the
-  /// steps.
+  /// gradient. Searches and proposals use the gradient; acceptance ratios do not depend on it. If
+  /// the likelihood is a step function of x_i, its derivative is zero, and the function should
+  /// return the slope across the steps.
   virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
     return false;
   }
@@ -96,8 +99,8 @@ class Likelihood {
   ///
   ///   gradient[i] = s_i ∂ ln p/∂x_i,   information[i d + j] = s_i s_j I_ij,
   ///
-  /// where I is a positive semidefinite approximation of -∇² ln p. Derivatives may be differences
-  /// over the steps, from x to x_i + s_i. Returns false, with undefined output, if there is no such
+  /// where I is a positive semidefinite approximation of -∇² ln p. Derivatives may be computed as
+  /// differences from x_i to x_i + s_i. Returns false, with undefined output, if there is no such
   /// approximation. Only searches use it. Counts as d + 1 evaluations.
   virtual bool gauss_newton(int /*model*/, std::span<const double> /*x*/,
                             std::span<const double> /*steps*/, std::span<double> /*gradient*/,
@@ -111,8 +114,8 @@ using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 
 /// A factor of the prior that the independent priors of the space cannot express (for example that
 /// change points are order statistics). It must be normalised: ∫ exp(log_factor) ∏ p(x_i) dx = 1 in
-/// every model. It is never tempered. NaN and +∞ end the run at once, since a density has no such
-/// values.
+/// every model. Tempering does not apply to it. NaN and +∞ end the run at once, because a density
+/// cannot have these values.
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
 /// x → 2·center - x of one parameter of one kind's components, e.g. the mirror image of a location
@@ -130,8 +133,8 @@ class Move;
 struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
-  /// Largest factor by which the engine may increase its share of the steps, if it changes models
-  /// more often than the engine's moves at equal cost.
+  /// Largest factor by which the engine may increase the share of this move in the steps, if it
+  /// changes models more often than the engine's own moves at equal run time.
   double most = 1.0;
 };
 
@@ -140,15 +143,16 @@ struct Problem {
   ModelSpace space;
   LikelihoodFactory likelihood;
   LogPriorFactor log_prior_factor = nullptr;  ///< optional
-  std::vector<Reflection> reflections{};      ///< optional: symmetries worth proposing
+  std::vector<Reflection> reflections{};      ///< optional: symmetries to propose
   std::vector<NamedMove> moves{};             ///< optional: added to the engine's own
-  /// Optional: a cheap approximation of `likelihood`, finite wherever that is. Proposals must pass
-  /// it first (delayed acceptance, Christen & Fox 2005); the posterior remains that of
-  /// `likelihood`.
+  /// Optional: a cheap approximation of `likelihood`, finite wherever `likelihood` is finite. It
+  /// decides first about each proposal (delayed acceptance, Christen & Fox 2005); the posterior
+  /// remains that of `likelihood`.
   LikelihoodFactory screen = nullptr;
   /// Optional, for long records: the number of samples, and the same problem with only the first of
-  /// them. The engine then searches modes on growing records, each from the mode of the shorter
-  /// one: a whole record can have more local modes than a search can visit.
+  /// them. The engine then searches modes on records of increasing length, each search starting
+  /// from the mode of the shorter record, because the whole record can have too many local modes
+  /// for a search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
 };
@@ -160,7 +164,8 @@ struct State {
   std::vector<double> z;  ///< standard normal coordinates, laid out as in Model
   std::vector<double> x;  ///< the physical parameters of z
   double log_likelihood = -std::numeric_limits<double>::infinity();
-  /// Log likelihood by the approximation, or log_likelihood without one.
+  /// Log likelihood by the approximation; equals log_likelihood if the problem has no
+  /// approximation.
   double log_screen = -std::numeric_limits<double>::infinity();
   double log_prior_factor = 0.0;
   std::vector<double> prediction;
@@ -181,9 +186,9 @@ class LikelihoodError : public std::runtime_error {
 ///
 ///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
 ///
-/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if these make up
-/// more than 1 in 100 of at least 1000 values of the likelihood or of its approximation, or all of
-/// the first 20.
+/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if these are more
+/// than 1 % of at least 1000 values of the likelihood or of its approximation, or all of the first
+/// 20 values.
 class Target {
  public:
   /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument if a factory of the
@@ -213,27 +218,28 @@ class Target {
            memory_.proper.impossible, memory_.stand_in.values, memory_.stand_in.impossible);
   }
 
-  /// Computes everything of `state` that follows from model and z. An infinite z is impossible: -∞.
-  /// The residuals are those of the approximation if the problem has one.
+  /// Computes all members of `state` that follow from model and z. An infinite z is impossible, so
+  /// its log likelihood is -∞. The residuals are those of the approximation if the problem has one.
   void evaluate(State& state);
 
-  /// Several states of one model, without predictions and residuals. If `floors` are given, one per
-  /// state, a log likelihood below its floor may be -∞.
+  /// Evaluates several states of one model, without predictions and residuals. If `floors` are
+  /// given, one per state, a log likelihood below its floor may be -∞.
   void evaluate(std::span<State> states, std::span<const double> floors = {});
 
-  /// Computes what moves may use: all except the full likelihood and its prediction if the problem
-  /// has an approximation, otherwise everything.
+  /// Computes the members of `state` that moves may use: if the problem has an approximation, all
+  /// except the full likelihood and its prediction; otherwise all.
   void screen(State& state);
-  /// The same if only states with beta · log_screen + log_prior >= `level` matter: log_screen of
-  /// the others may be -∞.
+  /// Screens `state` if only states with beta · log_screen + log_prior >= `level` are needed:
+  /// log_screen of other states may be -∞.
   void screen_above(double level, double beta, State& state);
-  /// Computes the rest of a screened state.
+  /// Computes the remaining members of a screened state.
   void complete(State& state);
   [[nodiscard]] bool has_screen() const { return screen_ != nullptr; }
 
-  /// Log density of everything but the likelihood, with respect to dz. Needs an evaluated state.
+  /// Log density of the prior with respect to dz, including the prior factor. The state must be
+  /// evaluated.
   [[nodiscard]] double log_prior(const State& state) const;
-  /// The same with respect to dx, for output.
+  /// Log density of the prior with respect to dx, for output.
   [[nodiscard]] double log_prior_physical(const State& state) const;
 
   /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -
@@ -259,8 +265,8 @@ class Target {
   bool sort_components(State& state) const;
   [[nodiscard]] bool is_sorted(const State& state) const;
 
-  /// Replaces the constants added to each model's log prior, by which warm-up visits models with
-  /// other probabilities. log_prior_physical omits them.
+  /// Sets the constants that are added to the log prior of each model. During warm-up, they change
+  /// the probabilities with which models are visited. log_prior_physical omits them.
   void set_model_bias(const std::vector<double>& bias);
 
   [[nodiscard]] const Problem& problem() const { return *problem_; }

@@ -11,8 +11,8 @@ namespace wheeltap::inference {
 ///
 ///   min{1, π(z₂) q(z₂ → z₁) [1 - α(z₂, z₁)] / ( π(z) q(z → z₁) [1 - α(z, z₁)] )},
 ///
-/// q being the first stage's density and α its acceptance probability. S is one factor per model,
-/// adapted as in RandomWalk.
+/// where q is the proposal density of the first stage and α its acceptance probability. S is one
+/// factor per model, adapted as in RandomWalk.
 class DelayedRejection : public Kernel {
  public:
   explicit DelayedRejection(RandomWalk::Scales scales)

@@ -49,8 +49,8 @@ class Kernel {
   double work_;
 };
 
-/// Multiplications counted as one likelihood call: some microseconds, the time of a cheap
-/// likelihood. Work is counted and not timed, so that every machine makes the same draws.
+/// Number of multiplications that count as one likelihood call: some microseconds, the time of a
+/// cheap likelihood. Work is counted instead of timed, so that draws are the same on every machine.
 inline constexpr double kOperationsACall = 1e4;
 
 /// Statistics of a kernel while its efficiency is estimated.
@@ -74,8 +74,8 @@ struct KernelRecord {
   }
 };
 
-/// A move is a reversible pair: one expression gives the forward and the reverse density. It knows
-/// the proposal only; the sampler adds prior and likelihood.
+/// A move is a reversible pair: one expression gives the forward and the reverse density. A move
+/// defines only the proposal; the sampler adds prior and likelihood.
 class Move {
  public:
   virtual ~Move() = default;
@@ -84,8 +84,8 @@ class Move {
   ///
   ///   ln [ q(to → from) / q(from → to) · |J| ]     with respect to dz,
   ///
-  /// or nothing if no proposal is possible; the chain then repeats its state. A move whose reverse
-  /// density depends on the likelihood's residuals must screen `to` itself.
+  /// or std::nullopt if no proposal is possible; the chain then repeats its state. A move whose
+  /// reverse density depends on the likelihood's residuals must screen `to` itself.
   virtual std::optional<double> propose(const State& from, const Step& step, State& to) = 0;
 
   /// Called after each of its proposals during warm-up.
@@ -100,8 +100,9 @@ class Move {
 ///   min{1, likelihood ratio^beta · prior ratio · proposal ratio · |J|}       (Green 1995, eq. 7).
 ///
 /// If the problem has an approximation ℓ* of the log likelihood ℓ, acceptance is delayed (Christen
-/// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). The ratio above with ℓ*
-/// decides whether ℓ is computed, and the proposal is then accepted with probability
+/// & Fox 2005, Markov chain Monte Carlo using an approximation, section 2). In the first stage, the
+/// proposal passes with the probability above, with ℓ* instead of ℓ. Only then is ℓ computed, and
+/// the proposal is accepted with probability
 ///
 ///   min{1, exp(beta [ℓ(y) - ℓ*(y) - ℓ(x) + ℓ*(x)])}.
 ///
@@ -124,7 +125,7 @@ class MetropolisHastings : public Kernel {
 /// only `from` is.
 [[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
-/// The same with the approximate log likelihood.
+/// ln of the ratio of tempered target densities with the approximate log likelihood.
 [[nodiscard]] double log_screen_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 
@@ -132,7 +133,8 @@ class MetropolisHastings : public Kernel {
 /// independent of the state. A kernel that does not apply leaves the state unchanged.
 class KernelMixture {
  public:
-  /// `most` is the largest factor on its weight (kernel_efficiencies).
+  /// Adds a kernel. `most` is the largest factor by which its weight may increase
+  /// (kernel_efficiencies).
   void add(double weight, std::unique_ptr<Kernel> kernel, double most = 1.0);
   /// Multiplies the weights by one factor > 0 per kernel.
   void reweigh(const std::vector<double>& factors);
@@ -140,8 +142,8 @@ class KernelMixture {
   int step(State& state, const Step& step, Kernel::Outcome& outcome);
   /// Adaptation states of all kernels, one after the other.
   [[nodiscard]] std::vector<double> learnt() const;
-  /// Restores them. Throws std::invalid_argument if `learnt` does not have the length that these
-  /// kernels expect.
+  /// Restores the adaptation states of all kernels. Throws std::invalid_argument if the length of
+  /// `learnt` does not match the kernels.
   void restore(std::span<const double> learnt);
   [[nodiscard]] int size() const { return static_cast<int>(kernels_.size()); }
   [[nodiscard]] const Kernel& operator[](int i) const {
@@ -155,10 +157,10 @@ class KernelMixture {
 };
 
 /// Efficiency of each kernel relative to the best other kernel of its type, from 0.1 to its `most`:
-/// accepted moves (between models, for kernels that propose such) per unit of counted work, with
-/// one likelihood call per proposal. Kernels without additional cost whose `most` is 1 keep the
-/// weight 1, since some reach states that the others do not. So do kernels with too few proposals
-/// to judge.
+/// accepted moves per unit of counted work, including one likelihood call per proposal. For kernels
+/// that propose jumps between models, only jumps count. Kernels without additional work whose
+/// `most` is 1 keep the weight 1, because some of them reach states that other kernels do not
+/// reach. Kernels with too few proposals also keep it.
 [[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                                       const std::vector<KernelRecord>& records);
 

@@ -1,5 +1,5 @@
-// Tests of user-defined priors and moves, to be called from the user's own test program. A fault
-// there takes seconds to find; in a posterior it gives a wrong answer without a sign.
+// Tests of user-defined priors and moves, to be called from the user's own test program. Such a
+// test finds a fault in seconds; in a run, the fault would give wrong results without any warning.
 #pragma once
 
 #include <cstdint>
@@ -21,8 +21,8 @@ struct PriorCheck {
   [[nodiscard]] bool passed() const { return faults.empty(); }
 };
 
-/// Whether density, distribution function and quantile function belong to one distribution. At z
-/// from -6 to 6, x(z) must increase within the support, z(x(z)) = z to the rounding of x, and
+/// Checks that density, distribution function and quantile function belong to one distribution. At
+/// z from -6 to 6, x(z) must increase within the support, z(x(z)) = z to the rounding of x, and
 ///
 ///   p(x(z)) dx/dz = φ(z)
 ///
@@ -45,7 +45,7 @@ struct MoveCheck {
   std::string words;  ///< the result in one sentence
 };
 
-/// Whether a move satisfies detailed balance. With states x from the prior, weights w(x) =
+/// Checks that a move satisfies detailed balance. With states x from the prior, weights w(x) =
 /// exp(factor + β log likelihood), y proposed from x, and α(x, y) the probability of accepting it
 /// (MetropolisHastings),
 ///
@@ -55,10 +55,10 @@ struct MoveCheck {
 /// likelihood^β. It is tested for 64 pairs of bounded functions of model and z, some with h = 1
 /// (invariance), by normal tests with Bonferroni's correction (cf. Gandy & Scott 2020, section 2,
 /// who test invariance). Half of the tests use β = 0. The other half use the largest β of 1, ½, ¼,
-/// … at which a twentieth of the draws carries the weight. The test detects a wrong ratio, a wrong
-/// Jacobian, a missing multiplicity of choices, and a reverse move that does not lead back. A move
-/// that is never accepted passes; `words` states this. The approximate likelihood of the problem is
-/// not used.
+/// … at which the effective sample size is a twentieth of the draws. The test detects a wrong
+/// ratio, a wrong Jacobian, a missing number of choices in the ratio, and a reverse move that does
+/// not lead back. A move that is never accepted passes; `words` states this. The approximate
+/// likelihood of the problem is not used.
 ///
 /// Throws std::invalid_argument for fewer than 100 draws, or if the problem's prior factor or
 /// likelihood is not finite at any draw.

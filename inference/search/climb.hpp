@@ -11,21 +11,20 @@
 
 namespace wheeltap::inference {
 
-/// ln π(z) of labelled vectors, in which it is symmetric; -∞ beyond |z_i| = 8.3, outside of which
-/// lies 1e-16 of the prior. Counts its calls.
+/// ln π(z) as a function of labelled vectors, which is symmetric in the components. It is -∞ for
+/// |z_i| > 8.3, which has a prior probability of 1e-16. Counts its calls.
 class Surface {
  public:
   Surface(const Problem& problem, int model) : posterior_(problem, model) {}
 
   double operator()(const Eigen::VectorXd& z);
-  /// ln π of each column; likelihoods evaluated together are cheaper. Values below `level` may be
-  /// -∞.
+  /// ln π of each column; evaluating several together is faster. Values below `level` may be -∞.
   Eigen::VectorXd values(const Eigen::MatrixXd& zs,
                          double level = -std::numeric_limits<double>::infinity());
-  /// ∇ ln π(z); false if the likelihood has none.
+  /// Computes ∇ ln π(z); returns false if the likelihood has no gradient.
   bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
-  /// ∇ ln π(z) and a positive definite approximation of -∇² ln π(z), by differences over dz; false
-  /// if the likelihood has none (Likelihood::gauss_newton), or none at z.
+  /// ∇ ln π(z) and a positive definite approximation of -∇² ln π(z), by differences over dz.
+  /// Returns false if the likelihood does not provide them (Likelihood::gauss_newton), or not at z.
   bool gauss_newton(const Eigen::VectorXd& z, const Eigen::VectorXd& dz, Eigen::VectorXd& g,
                     Eigen::MatrixXd& information);
   void draw_prior(base::Random& random, Eigen::VectorXd& z);
@@ -33,7 +32,7 @@ class Surface {
   [[nodiscard]] std::vector<double> ordered(const Eigen::VectorXd& z);
   [[nodiscard]] Eigen::Index dimension() const { return posterior_.dimension(); }
   [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
-  /// All state between two calls, for another rank's surface of the same problem.
+  /// Transfers the state between two calls to the Surface of another rank.
   template <class Parcel>
   void carry(Parcel& parcel) {
     posterior_.carry(parcel);
@@ -75,14 +74,14 @@ struct ClimbEnd {
 /// Between two points of its path, a climb may step over a narrow mode to which steepest ascent
 /// would lead. `way / points` is the mean distance of these points.
 ///
-/// The default first differences suit a draw of the prior. Near a mode a thousandth of the prior
-/// wide, they give a wrong direction; with `fine`, they are reduced until the measured widths
-/// converge.
+/// The default steps of the first differences are suitable for a start drawn from the prior. Near a
+/// mode whose width is a thousandth of that of the prior, they give a wrong direction. With `fine`,
+/// the steps are reduced until the widths of the mode converge.
 [[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
                              const std::vector<KnownMode>& known, bool fine = false);
 
-/// The Hessian by differences with steps that lower ln π by about a twentieth of a nat, made
-/// positive definite: no direction is much wider than the prior.
+/// Computes the Hessian at a mode by differences with steps that lower ln π by about a twentieth of
+/// a nat. The Hessian is made positive definite, so that no direction is much wider than the prior.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
 /// Squared distance from a mode in units of its standard deviations.

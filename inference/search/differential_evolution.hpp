@@ -16,7 +16,7 @@ struct SadeOptions {
   double start_sd = 1.0;                        ///< the first population is N(0, start_sd² I)
   std::vector<std::vector<double>> start = {};  ///< its first members, if not empty
   double bound = std::numeric_limits<double>::infinity();  ///< |z_i| <= bound, by reflection
-  /// Stops when best and worst of the population differ by less than this.
+  /// The search stops if the best and the worst value of the population differ by less than this.
   double tolerance = 1e-9;
 };
 

@@ -23,8 +23,8 @@ struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;       ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
   long budget = 100000;  ///< likelihood calls; climbs in progress are finished
-  /// In (0, 1]: factor on the work for a growing record: climbs from the prior, modes followed, and
-  /// draws about each.
+  /// Factor in (0, 1] on the work for a growing record: the number of climbs from the prior, of
+  /// followed modes, and of draws near each mode.
   double effort = 1.0;
   /// Additional starting points, e.g. draws of another method; not counted.
   std::vector<std::vector<double>> starts{};
@@ -55,23 +55,24 @@ inline constexpr long kMostClimbs = 10000;
 ///
 /// by BFGS (Nocedal & Wright 2006, section 6.1), starting with the diagonal of second differences.
 /// The gradient comes from differences, or from the likelihood if it offers one. t is halved until
-/// the gain agrees with the quadratic model within a factor of ten, since a step beyond the region
-/// where the model holds may leave the basin. If the likelihood offers a Gauss-Newton
-/// approximation, the climb uses Levenberg & Marquardt's method (Moré 1978) with the same rule for
-/// its steps, and BFGS where that does not converge. If modes are known, one or two Newton steps
-/// with the curvature of the nearest are tried first. If they end there, and three points on the
-/// way show no other mode, this climb is complete after a few calls. Thousands of climbs are thus
-/// affordable if the posterior is nearly normal.
+/// the increase of ln π agrees with the quadratic model within a factor of ten. Otherwise the step
+/// may leave the region in which the model is valid, and with it the basin. If the likelihood
+/// offers a Gauss-Newton approximation, the climb uses Levenberg & Marquardt's method (Moré 1978)
+/// with the same rule for its steps, and BFGS where that does not converge. If modes are known, one
+/// or two Newton steps with the curvature of the nearest are tried first. If these steps converge
+/// to the known mode, and three points between show no other mode, the climb is complete after a
+/// few calls. Thousands of climbs are thus affordable if the posterior is nearly normal.
 ///
 /// Components are exchangeable: the climb uses labelled vectors, in which ln π is symmetric, and
 /// sorts its result. Two end points are the same mode if the straight line between them has no
 /// valley deeper than two nats.
 ///
-/// If the problem can be shortened, climbs use its first 50 samples. The modes are followed as the
-/// record doubles, each from itself and from draws of the normal about it. If the doubled record
-/// has no such mode, because ln π falls by far more than the share of the new samples, the best
-/// modes are followed in smaller increments. Additional climbs on the whole record start from the
-/// most probable of a few hundred draws of the prior.
+/// If the problem can be shortened, climbs use its first 50 samples. The number of samples is then
+/// doubled repeatedly. Each mode is followed by climbs from the previous mode and from draws of the
+/// normal approximation at it. If the mode does not exist on the doubled record (ln π falls by far
+/// more than the share of the new samples), the best modes are followed with smaller increments of
+/// the record. Further climbs on the whole record start from the draws with the highest posterior
+/// density among a few hundred draws of the prior.
 ///
 /// All n climbs miss a mode whose basin holds a share p of the prior with probability (1-p)^n. The
 /// basin consists of all points from which these climbs, with steps of finite length, reach the
@@ -89,8 +90,9 @@ void extend_search(const Problem& problem, int model, const ModeSearchOptions& o
 /// 1 in 100: 1 - 0.01^(1/n).
 [[nodiscard]] double search_resolution(long climbs);
 
-/// The same for modes of this width, in standard deviations of the prior, and basins of steepest
-/// ascent: larger in inverse proportion to widths below the climbs' `spacing`, at most 1.
+/// The resolution for modes of this width, in standard deviations of the prior, with respect to
+/// their basins of steepest ascent. For widths below the `spacing` of the climbs, it is larger by
+/// the factor spacing / width, and at most 1.
 [[nodiscard]] double search_resolution(double of_wide_modes, double spacing, double width);
 
 }  // namespace wheeltap::inference

@@ -7,7 +7,7 @@
 
 namespace wheeltap::inference {
 
-/// To be maximised. -∞ marks an impossible point; NaN counts as -∞.
+/// A function to be maximised. It returns -∞ for an impossible point; NaN counts as -∞.
 using Objective = std::function<double(std::span<const double>)>;
 
 struct Optimum {

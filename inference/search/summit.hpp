@@ -9,14 +9,14 @@
 namespace wheeltap::inference {
 
 /// Finds a point near a mode where ln π exceeds the mode's maximum by more than `kAboveSummit`. A
-/// climb ends a tenth of a standard deviation from the maximum, so that it misses a narrower spike
-/// there. From the mode, Newton's method with differences over 3e-5 standard deviations finds the
-/// maximum of
+/// climb ends about a tenth of a standard deviation from the maximum, so that it may miss a
+/// narrower spike there. From the mode, Newton's method with differences over 3e-5 standard
+/// deviations finds the maximum of
 ///
 ///   ln π(z),   and   ln π(z) + |z|²/2  (the likelihood's, if it has one near the mode),
 ///
-/// to about 1e-9 standard deviations. Only narrower spikes are missed at these two places; other
-/// places are not searched. Uses at most `summit_calls(d)` likelihood calls.
+/// to about 1e-9 standard deviations. At these two points, only spikes narrower than this are
+/// missed; other points are not searched. Uses at most `summit_calls(d)` likelihood calls.
 [[nodiscard]] std::optional<Eigen::VectorXd> above_summit(Surface& f, const KnownMode& mode);
 
 inline constexpr double kAboveSummit = 2.0;  ///< nats

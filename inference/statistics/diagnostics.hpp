@@ -21,7 +21,8 @@ using ChainsOf = std::vector<std::vector<double>>;
 [[nodiscard]] double ess_bulk(const ChainsOf& draws);
 /// The smaller of the effective sample sizes of the 5 % and 95 % quantiles (ibid., section 4.3).
 [[nodiscard]] double ess_tail(const ChainsOf& draws);
-/// Effective sample size of the mean: split, not rank-normalised (valid for indicators).
+/// Effective sample size of the mean, from split chains without rank normalisation (valid for
+/// indicators).
 [[nodiscard]] double ess_mean(const ChainsOf& draws);
 /// Monte Carlo standard error of the mean, sd / √ess_mean; 0 for a constant.
 [[nodiscard]] double mcse_mean(const ChainsOf& draws);

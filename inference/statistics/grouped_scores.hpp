@@ -21,7 +21,7 @@ struct GroupedError {
   std::vector<double> studentized{};  ///< (z*_b - z*) / s_b of the resamples, ascending
   int groups = 0;
 
-  /// The p-quantile of the limit for infinitely many groups, minus z*.
+  /// The p-quantile of z∞ - z*, where z∞ is the estimate from infinitely many groups.
   [[nodiscard]] double quantile(double p) const;
 };
 
@@ -30,27 +30,28 @@ struct GroupedErrorOptions {
   int resamples = 2000;
 };
 
-/// With more and more groups, the estimate tends to the zero of the expected score, even for a
-/// wrong model (Huber 1967, White 1982). The error of z* about this limit, with P the prior's
-/// information and A = P + Σ H_w, is the jackknife's over groups, by one Newton step each,
+/// As the number of groups increases, the estimate tends to the zero of the expected score, even
+/// for a wrong model (Huber 1967, White 1982). The error of z* relative to this limit is estimated
+/// by the jackknife over groups, with one Newton step for each group. With P the information of the
+/// prior and A = P + Σ H_w,
 ///
 ///   s² = (N-1)/N Σ_w δ_w²,   δ_w = -(A - H_w)⁻¹ g_w,
 ///
 /// and at least (A⁻¹)_ii. Unlike the sandwich A⁻¹ Σ g_w g_wᵀ A⁻¹ (Liang & Zeger 1986), it corrects
 /// for influential groups that pull z* towards themselves (Bell & McCaffrey 2002).
 ///
-/// If a few influential groups dominate, scores are skewed, and z* and s are both too small if the
-/// record happens to lack such groups. Student's interval is then too low and too short. Quantiles
-/// are therefore those of the bootstrap-t (Efron 1981; Hall 1988): N groups drawn with replacement,
-/// b, have
+/// If a few influential groups dominate, the distribution of scores is skewed, and z* and s are
+/// both too small if the record contains no such group by chance. The interval from Student's t is
+/// then too low and too short. Quantiles are therefore those of the bootstrap-t (Efron 1981; Hall
+/// 1988): N groups drawn with replacement, b, have
 ///
 ///   z*_b - z* = (P + Σ_b H_w)⁻¹ (Σ_b g_w - Σ_w g_w),   and an s_b by the formula above;
 ///
 ///   P(z∞ - z* < s x) = P((z*_b - z*) / s_b > -x).
 ///
-/// They are at least as far from z* as Student's with N - 1 degrees of freedom, since few groups
-/// rarely include the most influential ones. Empty if A is not positive definite; throws
-/// std::invalid_argument for fewer than two groups or sizes that differ.
+/// The quantiles are at least as far from z* as those of Student's t with N - 1 degrees of freedom,
+/// because few groups rarely include the most influential ones. The result is empty if A is not
+/// positive definite. Throws std::invalid_argument for fewer than two groups or different sizes.
 [[nodiscard]] std::vector<GroupedError> grouped_errors(std::span<const GroupScore> groups,
                                                        const Eigen::MatrixXd& prior_information,
                                                        const GroupedErrorOptions& options = {});

@@ -48,23 +48,22 @@ struct HierarchicalOptions {
 ///   p(τ) = 1 / ((λ + τ) ln(1 + T/λ)) on [0, T],  λ² the harmonic mean of the s_j²
 ///
 /// (normal hierarchical model of Gelman et al. 2013, Bayesian Data Analysis, section 5.4; Sedehi,
-/// Papadimitriou & Katafygiotis 2019 for windows of a record). The prior of τ is flat below a
-/// group's error λ, which no data can resolve, and 1/τ above it. If groups scatter by more than
-/// their errors, the centre therefore has Student's t interval with n - 1 degrees of freedom, whose
-/// coverage is exact for any n. The prior depends on the errors, as the uniform shrinkage prior
-/// does (Daniels 1999), and not on the means.
+/// Papadimitriou & Katafygiotis 2019 for windows of a record). The prior of τ is flat below the
+/// error λ of a group, because the data cannot resolve smaller scatter, and proportional to 1/τ
+/// above it. If groups scatter by more than their errors, the interval of the centre is therefore
+/// that of Student's t with n - 1 degrees of freedom, whose coverage is exact for any n. The prior
+/// depends on the errors, as the uniform shrinkage prior does (Daniels 1999), and not on the means.
 ///
 /// μ is integrated in closed form for every τ, and τ by the midpoint rule in ln(λ + τ), in which
 /// its prior is flat; the error is 1e-6 of the widths.
 struct HierarchicalPosterior {
   LineMixture centre;  ///< μ: limit for infinitely many groups
   LineMixture group;   ///< θ of a further group: N(μ, τ²)
-  /// The mean that a further group's data would have, with the error λ of the others: N(μ, τ² +
-  /// λ²).
+  /// Prediction of the estimate from the data of a further group with the error λ: N(μ, τ² + λ²).
   LineMixture estimate;
   std::vector<double> scatter, weight;  ///< τ and its probability, nodes of the quadrature
   double own_error = 0.0;               ///< λ
-  int groups = 0;                       ///< that say something
+  int groups = 0;                       ///< number of groups with information
 };
 
 /// Throws std::invalid_argument for an sd <= 0, options that are not positive, or fewer than two

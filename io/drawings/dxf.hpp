@@ -2,9 +2,9 @@
 //
 //   file   = (code newline value newline)…    pairs; code 0 begins an entity
 //
-// Each closed LWPOLYLINE, POLYLINE with its VERTEX, and CIRCLE is one outline. LINE, ARC and open
-// polylines are joined end to end. Texts, dimensions, points and hatches are ignored. SPLINE,
-// ELLIPSE and INSERT, which might belong to an outline, cause an error.
+// Each closed LWPOLYLINE, closed POLYLINE (with its VERTEX entities) and CIRCLE is one outline.
+// LINE, ARC and open polylines are joined end to end. Texts, dimensions, points and hatches are
+// ignored. SPLINE, ELLIPSE and INSERT cause an error, because they might belong to an outline.
 #pragma once
 
 #include <filesystem>

@@ -9,11 +9,12 @@
 
 namespace wheeltap::io {
 
-/// Reads a DXF if the file name ends with .dxf, otherwise a delimited text. Throws FileError.
+/// Reads a file whose name ends with .dxf as a DXF drawing, and any other file as delimited text.
+/// Throws FileError.
 [[nodiscard]] Drawing read_outlines(const std::filesystem::path& path);
 
-/// Throws FileError (corrupt) for cells that are not numbers, short rows, unknown units, and units
-/// that differ between y and z.
+/// Parses a table of corners. Throws FileError (corrupt) for cells that are not numbers, short
+/// rows, unknown units, and different units of y and z.
 [[nodiscard]] Drawing parse_outline_table(const std::string& bytes,
                                           const std::filesystem::path& name);
 

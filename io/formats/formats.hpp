@@ -1,6 +1,6 @@
 // File formats that hold a table of numbers.
 //
-// To add one: a file with its parser, a line in the list of formats.cpp, and a test.
+// To add a format, write a file with its parser, a line in the list of formats.cpp, and a test.
 #pragma once
 
 #include <span>

@@ -145,7 +145,7 @@ class Parser {
       if (f[0] == "Y_Unit_Label")
         for (std::size_t i = 1; i < f.size(); ++i) out.units.emplace_back(in_utf8(trimmed(f[i])));
     } while (lines_.next());
-    if (out.channels == 0) corrupt("a segment's header does not say its Channels");
+    if (out.channels == 0) corrupt("the header of a segment does not state Channels");
     if (!lines_.next()) corrupt("ends before the names of its columns");
     // X_Value, then one name per channel ("Multi": X_Value before each), then Comment.
     Fields names = split(lines_.line, header_.separator);
@@ -243,7 +243,8 @@ class Parser {
     }
     if (static_cast<double>(row) < segment.samples)
       corrupt("only " + std::to_string(row) + " of " +
-              std::to_string(std::llround(segment.samples)) + " samples are there: it is cut off");
+              std::to_string(std::llround(segment.samples)) +
+              " samples are there: it is truncated");
   }
 
   std::string bytes_;

@@ -7,12 +7,12 @@ namespace wheeltap::io {
 
 /// A header of key and value lines is followed by segments. Each segment has its own header
 /// (Channels, Samples, Y_Unit_Label, X0, Delta_X, …), a line of column names and the samples
-/// (National Instruments, "Specification for the LabVIEW Measurement File"). With "One" or "Multi"
-/// X columns the first is the time; with "No" X columns the time follows from X0 and Delta_X.
-/// Segments of the same channels are appended; comments are ignored. The header states the
-/// separator (tab or comma) and the decimal mark. Throws FileError: foreign for other files;
-/// corrupt, with the line, for a row that is too short or not numeric, segments with different
-/// channels, and channels with different times.
+/// (National Instruments, "Specification for the LabVIEW Measurement File"). If the header states
+/// "One" or "Multi" X columns, the first column is the time. If it states "No", the time follows
+/// from X0 and Delta_X. Segments of the same channels are appended; comments are ignored. The
+/// header states the separator (tab or comma) and the decimal mark. Throws FileError: foreign for
+/// files of other formats; corrupt, with the line, for a row that is too short or not numeric,
+/// segments with different channels, and channels with different times.
 [[nodiscard]] Columns parse_labview(std::string bytes, const std::filesystem::path& name,
                                     const Wanted& wanted);
 

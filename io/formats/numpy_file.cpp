@@ -220,7 +220,7 @@ NpyArray array_of(std::string bytes, const std::filesystem::path& file, const st
   };
   if (!std::string_view(bytes).starts_with(kMagic))
     throw FileError(FileError::Kind::foreign, file, shown + "is not a NumPy array (.npy)");
-  if (bytes.size() < 12) corrupt("is cut off within its header");
+  if (bytes.size() < 12) corrupt("is truncated within its header");
   const int version = static_cast<unsigned char>(bytes[6]);
   if (version < 1 || version > 3)
     corrupt("is of version " + std::to_string(version) + " of the format: 1 to 3 are read");
@@ -228,7 +228,7 @@ NpyArray array_of(std::string bytes, const std::filesystem::path& file, const st
   for (std::size_t k = version == 1 ? 2 : 4; k-- > 0;)
     length = 256 * length + static_cast<unsigned char>(bytes[8 + k]);
   const std::size_t from = version == 1 ? 10 : 12;
-  if (bytes.size() - from < length) corrupt("is cut off within its header");
+  if (bytes.size() - from < length) corrupt("is truncated within its header");
   const std::string text = bytes.substr(from, length);
   const Header header(text, file, shown);
   NpyArray out{.shape = {.name = name}, .begin = from + length};
@@ -237,7 +237,7 @@ NpyArray array_of(std::string bytes, const std::filesystem::path& file, const st
   out.shape.row_major = !header.value("fortran_order").starts_with("True");
   const std::size_t held = (bytes.size() - out.begin) / out.element.size;
   if (out.shape.size() > held)
-    corrupt("is cut off: " + out.shape.shape_in_words() + " numbers are announced, " +
+    corrupt("is truncated: " + out.shape.shape_in_words() + " numbers are declared, " +
             std::to_string(held) + " are there");
   if (out.element.kind == 'm' || out.element.kind == 'M') out.shape.unit = "s";
   out.bytes = std::move(bytes);

@@ -127,7 +127,8 @@ class Reader {
     while (out.size() < most) {
       if (!lines.next())
         corrupt("the file ends after " + std::to_string(out.size()) + " of " +
-                std::to_string(most) + " numbers: it is cut off, or its number of points is wrong");
+                std::to_string(most) +
+                " numbers: it is truncated, or its number of points is wrong");
       take(lines.line, width, most, out);
     }
     return out;
@@ -150,7 +151,7 @@ class Reader {
       if (!value) corrupt("'" + printable(in_utf8(word)).substr(0, 40) + "' is not a number");
       if (out.size() == most)
         corrupt("more numbers than the " + std::to_string(most) +
-                " announced: correct the number of points in the header");
+                " declared: correct the number of points in the header");
       out.push_back(*value);
     }
   }
@@ -196,7 +197,7 @@ Columns parse_peer(std::string bytes, const std::filesystem::path& name, const W
   while (in.lines.next())
     if (!collapsed(in.lines.line).empty())
       in.corrupt("more lines after the " + std::to_string(values.size()) +
-                 " numbers announced: correct NPTS in the header");
+                 " numbers declared: correct NPTS in the header");
   out.columns.push_back(time_column(values.size(), step));
   out.columns.push_back(column(quantity, unit, std::move(values)));
   leave_out(out, wanted);

@@ -188,13 +188,13 @@ class Parser {
  private:
   template <class T>
   T take() {
-    if (end_ - at_ < sizeof(T)) corrupt("is cut off or damaged within the metadata of a segment");
+    if (end_ - at_ < sizeof(T)) corrupt("is truncated or damaged within the metadata of a segment");
     at_ += sizeof(T);
     return value<T>(at_ - sizeof(T), big_endian_);
   }
   std::string_view text() {
     const auto length = take<std::uint32_t>();
-    if (end_ - at_ < length) corrupt("is cut off or damaged within the metadata of a segment");
+    if (end_ - at_ < length) corrupt("is truncated or damaged within the metadata of a segment");
     at_ += length;
     return std::string_view(bytes_).substr(at_ - length, length);
   }
@@ -202,7 +202,7 @@ class Parser {
   void segment() {
     end_ = bytes_.size();
     if (end_ - at_ < kLeadIn || std::string_view(bytes_).substr(at_, 4) != "TDSm")
-      corrupt("is cut off or damaged: no segment begins at byte " + std::to_string(at_));
+      corrupt("is truncated or damaged: no segment begins at byte " + std::to_string(at_));
     const auto contents = value<std::uint32_t>(at_ + 4, false);
     big_endian_ = (contents & kBigEndian) != 0;
     auto next = value<std::uint64_t>(at_ + 12, big_endian_);
@@ -213,7 +213,7 @@ class Parser {
     const bool closed = next != kNotClosed;
     if (!closed) next = left;
     if (next > left)
-      corrupt("is cut off: a segment has " + std::to_string(next) + " bytes, " +
+      corrupt("is truncated: a segment has " + std::to_string(next) + " bytes, " +
               std::to_string(left) + " are there");
     if (raw > next) corrupt("is damaged: raw data begin beyond their segment");
     const std::uint64_t after = at_ + next, data = at_ + raw;
@@ -262,7 +262,7 @@ class Parser {
       if (layout.type == kString)
         layout.bytes = take<std::uint64_t>();
       else if (layout.count > bytes_.size() / size)
-        corrupt("is damaged: " + channel.path + " announces more values than the file can hold");
+        corrupt("is damaged: " + channel.path + " declares more values than the file can hold");
       else
         layout.bytes = layout.count * size;
       if (channel.layout && channel.layout->type != layout.type && channel.length > 0)
@@ -282,7 +282,7 @@ class Parser {
     }
     const std::size_t size = size_of(type);
     if (size == 0 || end_ - at_ < size)
-      corrupt("is cut off or damaged within the property \"" + printable(in_utf8(name)) + "\"");
+      corrupt("is truncated or damaged within the property \"" + printable(in_utf8(name)) + "\"");
     if (type != kTimeStamp) channel.numbers[name] = number(type, at_, big_endian_);
     at_ += size;
   }
@@ -292,7 +292,7 @@ class Parser {
     for (const std::size_t i : active_) {
       const Layout& layout = *channels_[i].layout;
       if (layout.bytes > bytes_.size() - chunk)
-        corrupt("is damaged: a segment announces more values than the file can hold");
+        corrupt("is damaged: a segment declares more values than the file can hold");
       chunk += layout.bytes;
       if (interleaved &&
           (layout.type == kString || layout.count != channels_[active_[0]].layout->count))

@@ -5,15 +5,15 @@
 
 namespace wheeltap::io {
 
-/// Segments of a lead-in, metadata and raw data (National Instruments, "TDMS File Format Internal
-/// Structure"): channels of numbers or time stamps, interleaved or not, in either byte order, in
-/// any number of segments. A channel becomes the column "channel", or "group/channel" if there are
-/// several groups, with its property unit_string as unit. Linear and polynomial scales of its
+/// Parses a file of segments, each with a lead-in, metadata and raw data (National Instruments,
+/// "TDMS File Format Internal Structure"). Channels hold numbers or time stamps, interleaved or
+/// not, in either byte order. A channel becomes the column "channel", or "group/channel" if there
+/// are several groups, with its property unit_string as unit. Linear and polynomial scales of its
 /// properties (NI_Scale) are applied. If wf_increment gives a time step, there is a column "time
 /// [s]" that starts at wf_start_offset. Channels of other lengths and channels of texts are listed
-/// in the table's `others`. Throws FileError: foreign for other files; corrupt, with a remedy, for
-/// a truncated or damaged file, a file without channels, raw data of DAQmx and other kinds of
-/// scales.
+/// in the table's `others`. Throws FileError: foreign for files of other formats; corrupt, with a
+/// remedy, for a truncated or damaged file, a file without channels, raw data of DAQmx and other
+/// types of scales.
 [[nodiscard]] Columns parse_tdms(std::string bytes, const std::filesystem::path& name,
                                  const Wanted& wanted);
 

@@ -8,7 +8,7 @@
 
 namespace wheeltap::io {
 
-/// Callbacks while reading a document. Names come without the namespace prefix.
+/// Callbacks while reading a document. Element names are passed without their namespace prefix.
 struct XmlEvents {
   std::function<void(const std::string& name, const std::map<std::string, std::string>& attributes)>
       begin;
@@ -17,8 +17,8 @@ struct XmlEvents {
 };
 
 /// Reads a document. Returns the reason if it is invalid, otherwise an empty text. Documents with a
-/// DOCTYPE are invalid, because entities could expand without bound. Exceptions of `events` pass
-/// through.
+/// DOCTYPE are invalid, because entities could expand without bound. Exceptions of `events` are
+/// rethrown.
 [[nodiscard]] std::string read_xml(std::string_view document, const XmlEvents& events);
 
 }  // namespace wheeltap::io

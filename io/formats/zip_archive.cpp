@@ -59,7 +59,7 @@ void ZipArchive::corrupt(const std::string& why) const {
 /// Little endian.
 std::uint64_t ZipArchive::number(std::uint64_t at, int bytes) const {
   if (at > bytes_.size() || bytes_.size() - at < static_cast<std::uint64_t>(bytes))
-    corrupt("is cut off or damaged: its directory points beyond its end");
+    corrupt("is truncated or damaged: its directory points beyond its end");
   std::uint64_t out = 0;
   for (int i = bytes; i-- > 0;)
     out = out << 8U | static_cast<unsigned char>(bytes_[at + static_cast<std::uint64_t>(i)]);
@@ -73,12 +73,12 @@ void ZipArchive::read_directory() {
       bytes_.size() - std::min<std::size_t>(bytes_.size(), kEndSize + kLongestComment);
   const std::size_t end = bytes_.rfind(kEnd);
   if (end == std::string_view::npos || end < from || bytes_.size() - end < kEndSize)
-    corrupt("is cut off: the directory at the end of its ZIP archive is missing");
+    corrupt("is truncated: the directory at the end of its ZIP archive is missing");
   std::uint64_t count = number(end + 10, 2), at = number(end + 16, 4);
   if (end >= kLocatorSize && bytes_.substr(end - kLocatorSize).starts_with(kLocator)) {
     const std::uint64_t end64 = number(end - kLocatorSize + 8, 8);
     if (end64 > bytes_.size() || !bytes_.substr(end64).starts_with(kEnd64))
-      corrupt("is damaged: its ZIP64 directory is not where it should be");
+      corrupt("is damaged: its ZIP64 directory is not at the stated position");
     count = number(end64 + 32, 8);
     at = number(end64 + 48, 8);
   }
@@ -87,7 +87,7 @@ void ZipArchive::read_directory() {
             " are read");
   for (std::uint64_t i = 0; i < count; ++i) {
     if (at > bytes_.size() || !bytes_.substr(at).starts_with(kEntry))
-      corrupt("is cut off or damaged: its directory lacks member " + std::to_string(i + 1));
+      corrupt("is truncated or damaged: its directory lacks member " + std::to_string(i + 1));
     ZipMember member{.packed = number(at + 20, 4),
                      .size = number(at + 24, 4),
                      .offset = number(at + 42, 4),
@@ -131,14 +131,14 @@ std::string ZipArchive::read(const ZipMember& member, std::uint64_t largest) con
     corrupt(shown + "has " + std::to_string(member.size) + " bytes: at most " +
             std::to_string(largest) + " are read");
   if (member.offset > bytes_.size() || !bytes_.substr(member.offset).starts_with(kLocal))
-    corrupt(shown + "is not where the directory says");
+    corrupt(shown + "is not at the position that the directory states");
   const std::uint64_t at =
       member.offset + kLocalSize + number(member.offset + 26, 2) + number(member.offset + 28, 2);
-  if (at > bytes_.size() || bytes_.size() - at < member.packed) corrupt(shown + "is cut off");
+  if (at > bytes_.size() || bytes_.size() - at < member.packed) corrupt(shown + "is truncated");
   const std::string_view packed = bytes_.substr(at, member.packed);
   if (member.size / kMostInflated > member.packed ||
       (member.method == 0 && packed.size() != member.size))
-    corrupt(shown + "announces " + std::to_string(member.size) + " bytes, more than it can hold");
+    corrupt(shown + "declares " + std::to_string(member.size) + " bytes, more than it can hold");
   std::string out = member.method == 0 ? std::string(packed) : inflated(packed, member.size);
   if (out.size() != member.size) corrupt(shown + "is damaged: it cannot be unpacked");
 #ifndef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION  // a fuzzer would not get past checksums

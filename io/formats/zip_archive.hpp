@@ -26,8 +26,9 @@ class ZipArchive {
 
   [[nodiscard]] const std::vector<ZipMember>& members() const { return members_; }
   [[nodiscard]] const ZipMember* find(std::string_view name) const;
-  /// The uncompressed bytes, checked against size and checksum. Throws FileError (corrupt), also
-  /// for an encrypted member, another compression method, or a size above `largest`.
+  /// The uncompressed bytes of a member, checked against its size and checksum. Throws FileError
+  /// (corrupt), also for an encrypted member, another compression method, or a size above
+  /// `largest`.
   [[nodiscard]] std::string read(const ZipMember& member, std::uint64_t largest) const;
 
  private:

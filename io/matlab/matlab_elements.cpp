@@ -123,7 +123,7 @@ MatlabElements whole_matlab_elements(const std::filesystem::path& path) {
     const std::string which = "variable " + std::to_string(out.count + 1);
     if (at > size)
       throw FileError(FileError::Kind::corrupt, path,
-                      "is cut off: its " + which + " ends " + std::to_string(at - size) +
+                      "is truncated: its " + which + " ends " + std::to_string(at - size) +
                           " bytes beyond the file");
     std::string head;
     if (type == kCompressed && !inflates(file, bytes, head))

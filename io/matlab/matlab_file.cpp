@@ -201,7 +201,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
       const ArrayShape shape = shape_of(of, array);
       if (static_cast<double>(shape.size()) > most)
         throw FileError(FileError::Kind::corrupt, path,
-                        of + " announces " + shape.shape_in_words() +
+                        of + " declares " + shape.shape_in_words() +
                             " numbers, more than a file of its size can hold");
       if (shape.size() == 0) return;
       if (Mat_VarReadDataAll(file.get(), &array) != 0 || !take(of, array, arrays))
@@ -231,7 +231,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
       there += " and " + std::to_string(others.size() - kMostNamed) + " more";
     throw FileError(FileError::Kind::corrupt, path,
                     seen > 0 ? "no arrays of numbers" + there
-                             : "no variables: it is empty, cut off, or not written by MATLAB");
+                             : "no variables: it is empty, truncated, or not written by MATLAB");
   }
   return table;
 }

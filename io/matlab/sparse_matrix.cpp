@@ -365,7 +365,7 @@ SparseMatrix parse_matrix_market(std::string_view text, const std::filesystem::p
       }
   }
   if (!lines.next().empty())
-    lines.fail("more entries than the " + std::to_string(wanted) + " announced");
+    lines.fail("more entries than the " + std::to_string(wanted) + " declared");
   return assembled(rows, columns, entries);
 }
 

@@ -14,16 +14,17 @@ namespace wheeltap::io {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Largest number of rows and of columns: a compressed matrix needs memory for each, even without
-/// entries.
+/// Largest number of rows and of columns. A compressed matrix needs memory for each column, even
+/// for an empty one.
 inline constexpr long long kMostMatrixRows = 10'000'000;
 /// Largest number of stored entries.
 inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 
 /// Reads the matrix called `name` from a MATLAB file (v5 or v7.3, sparse or full, real), or from a
 /// folder of Matrix Market files that contains NAME or NAME.mtx. Throws FileError: missing if the
-/// file or folder does not exist; corrupt if it has no such matrix (with the list of those it has),
-/// if the matrix is not real or has an index out of range; and as `parse_matrix_market`.
+/// file or folder does not exist; corrupt if it does not contain this matrix (the message lists its
+/// matrices), or if the matrix is not real or has an index out of range. Also throws the errors of
+/// `parse_matrix_market`.
 [[nodiscard]] SparseMatrix read_sparse_matrix(const std::filesystem::path& path,
                                               const std::string& name);
 

@@ -147,7 +147,7 @@ std::vector<double> values_of(const std::filesystem::path& path, const Found& of
   if (!none && static_cast<double>(of.array.size()) * sizeof(double) > most_bytes(bytes))
     throw FileError(
         FileError::Kind::corrupt, path,
-        "\"" + of.array.name + "\" announces " + std::to_string(of.array.size()) +
+        "\"" + of.array.name + "\" declares " + std::to_string(of.array.size()) +
             " numbers, more than the limit for a file of its size (if the file is valid "
             "and only strongly compressed, store it without compression)");
   std::vector<double> x(of.array.size());
@@ -189,7 +189,7 @@ void require_whole(const std::filesystem::path& path) {
   const std::uintmax_t is = std::filesystem::file_size(path, none);
   if (!none && is < *must)
     throw FileError(FileError::Kind::corrupt, path,
-                    "is cut off: " + std::to_string(*must) + " bytes were written, " +
+                    "is truncated: " + std::to_string(*must) + " bytes were written, " +
                         std::to_string(is) + " are there");
 }
 

@@ -12,8 +12,8 @@
 namespace wheeltap::io {
 
 /// Lock for the NetCDF and HDF5 C libraries, which keep global state without locks. Hold it during
-/// every call. It is not recursive: NetcdfWriter and NetcdfReader do not take it; their callers do
-/// if several threads read or write.
+/// every call. It is not recursive. NetcdfWriter and NetcdfReader do not lock; if several threads
+/// read or write, their callers must.
 class NetcdfLock {
  public:
   // Turns off HDF5's error printing, which is a setting per thread; NetCDF turns it off only in the
@@ -42,11 +42,11 @@ class NetcdfHandle {
     open_ = false;
     return nc_close(id);
   }
-  /// A new NetCDF-4 file in memory. On the disk, a full disk would make HDF5 end the program.
+  /// Creates a NetCDF-4 file in memory. HDF5 terminates the program if it writes to a full disk.
   [[nodiscard]] int create_in_memory();
-  /// A new file on the disk; only for a process that HDF5 may end.
+  /// Creates a file on the disk. Only a process that HDF5 may terminate should use it.
   [[nodiscard]] int create(const std::string& path);
-  /// Closes the file and returns the bytes that it would have on the disk.
+  /// Closes the file and returns its content as it would be on the disk.
   [[nodiscard]] int close_in_memory(std::string& bytes);
   int id = -1;
 
@@ -55,7 +55,7 @@ class NetcdfHandle {
   std::string name_;  // in memory
 };
 
-/// The NetCDF type that stores such numbers without conversion.
+/// The NetCDF type that stores numbers of type Number without conversion.
 template <class Number>
 inline constexpr nc_type kNetcdfType = NC_NAT;
 template <>

@@ -7,10 +7,10 @@
 
 namespace wheeltap::io {
 
-/// Why a text cannot be the name of a variable, or its beginning, as the end of a sentence: "must
-/// begin with a letter, a digit or _"; none if it is valid. The rules are those of NC_check_name
-/// (NetCDF-C, libdispatch/dstring.c), with some of the 256 bytes reserved for prefixes and
-/// suffixes.
+/// The reason why a text is not a valid name of a variable, or not a valid beginning of a name, as
+/// the end of a sentence: "must begin with a letter, a digit or _". std::nullopt for a valid text.
+/// The rules are those of NC_check_name (NetCDF-C, libdispatch/dstring.c), except that some of the
+/// 256 allowed bytes are reserved for prefixes and suffixes.
 [[nodiscard]] std::optional<std::string> netcdf_name_error(std::string_view name);
 
 /// The nearest valid name: invalid characters become _.

@@ -13,7 +13,7 @@
 
 namespace wheeltap::io {
 
-/// A variable as numbers, the last dimension fastest.
+/// The values of a variable as numbers; the index of the last dimension varies fastest.
 struct NetcdfArray {
   std::vector<std::size_t> shape;
   std::vector<double> values;
@@ -83,8 +83,8 @@ class NetcdfReader {
     check(nc_get_var_double(group, id, out.values.data()));
     return out;
   }
-  /// Reads every `step`-th index of the second dimension. Holds one index of the first dimension at
-  /// a time in addition to the result.
+  /// Reads every `step`-th index of the second dimension. In addition to the result, memory holds
+  /// the values of one index of the first dimension.
   [[nodiscard]] NetcdfArray read_every(int group, const std::string& name, std::size_t step) const {
     const int id = id_of(group, name);
     NetcdfArray out{.shape = shape_of(group, id), .values = {}};
@@ -106,7 +106,7 @@ class NetcdfReader {
   [[nodiscard]] std::vector<std::size_t> shape(int group, const std::string& name) const {
     return shape_of(group, id_of(group, name));
   }
-  /// Element `which` of the last dimension, for every index of the others.
+  /// The values at index `which` of the last dimension, for all indices of the other dimensions.
   [[nodiscard]] std::vector<double> read_last(int group, const std::string& name,
                                               std::size_t which) const {
     const int id = id_of(group, name);
@@ -128,7 +128,8 @@ class NetcdfReader {
     check(nc_inq_vartype(group, id, &type));
     return type;
   }
-  /// Reads data of NetcdfWriter::column; empty if there is none. Throws foreign for another type.
+  /// Reads data that NetcdfWriter::column has written; the result is empty if they do not exist.
+  /// Throws FileError (foreign) for data of another type.
   template <class Sequence>
   [[nodiscard]] Sequence column(int group, const std::string& name) const {
     Sequence out;

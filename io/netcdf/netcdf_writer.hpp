@@ -37,7 +37,8 @@ class NetcdfWriter {
     if (status == NC_NOERR) return;
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
-  /// Writes the program and the time, in ArviZ's convention, and the run. Throws as date_of_files.
+  /// Writes program and creation time as ArviZ does, and the run. Throws the errors of
+  /// date_of_files.
   void about(const std::string& version, const std::string& run) const {
     text(file_.id, NC_GLOBAL, "inference_library", "wheeltap");
     text(file_.id, NC_GLOBAL, "inference_library_version", version);
@@ -95,8 +96,9 @@ class NetcdfWriter {
     return id;
   }
   /// Writes a variable with dimensions (row, column[, …]) row by row: `fill(r, row)` appends the
-  /// numbers of row r to an empty vector. A chunk is one row and one index of each further
-  /// dimension, so that such a column can be read alone. Holds one row at a time.
+  /// numbers of row r to an empty vector. A chunk holds all columns' values of one row at one index
+  /// of each further dimension, so that a reader can read such a part alone. Only one row is in
+  /// memory at a time.
   template <class Number, class Fill>
   int put_rows(int group, const std::string& name, const std::vector<int>& dimensions,
                const Fill& fill, nc_type type = kNetcdfType<Number>) const {
@@ -108,7 +110,7 @@ class NetcdfWriter {
     const std::size_t rows = std::exchange(count[0], 1);
     pieces[1] = std::min(kPiece, count[1]);
     check(nc_def_var_chunking(group, id, NC_CHUNKED, pieces.data()));
-    // Chunks are written whole, so HDF5 need not cache them.
+    // HDF5 need not cache chunks, because each is written in one call.
     check(nc_set_var_chunk_cache(group, id, kPiece, 1, 1.0F));
     std::vector<Number> row;
     for (start[0] = 0; start[0] < rows; ++start[0]) {
@@ -118,8 +120,8 @@ class NetcdfWriter {
     }
     return id;
   }
-  /// Writes numbers or characters without conversion, with their own dimension; writes nothing if
-  /// there are none.
+  /// Writes numbers or characters without conversion, as a variable with a dimension of its own.
+  /// Writes nothing for an empty sequence.
   template <class Sequence>
   void column(int group, const std::string& name, const Sequence& values) const {
     if (values.empty()) return;

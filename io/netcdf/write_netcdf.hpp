@@ -17,9 +17,9 @@ using FillNetcdf = std::function<void(const NetcdfWriter&)>;
 /// child process, because HDF5 ends its process if the disk is full.
 constexpr std::size_t kNetcdfInMemory = std::size_t{64} << 20U;
 
-/// Writes the content from `fill`, of about this many bytes, and replaces the previous file. Both
-/// methods give the same bytes. A child writes with this one thread (read_apart.hpp). Throws
-/// FileError (unwritable).
+/// Writes the content that `fill` produces, of about `bytes` bytes, and replaces the previous file.
+/// The file is the same whether it is built in memory or by a child process. The child process has
+/// only the calling thread (read_apart.hpp). Throws FileError (unwritable).
 void write_netcdf(AtomicFile& to, std::size_t bytes, const FillNetcdf& fill);
 
 }  // namespace wheeltap::io

@@ -36,7 +36,7 @@ struct Columns {
   std::string file = {};
   std::vector<Column> columns = {};  ///< of equal length, except columns that were not requested
   std::map<std::string, double> scalars = {};
-  /// Other content of a file of arrays, in words: "note (text)".
+  /// Descriptions of content that is not a column, for files of arrays: "note (text)".
   std::vector<std::string> others = {};
   int first_line = 0;                      ///< line of row 0; 0 for binary files
   std::vector<int> skipped = {};           ///< rows preceded by a comment, increasing
@@ -70,8 +70,9 @@ void carry(Parcel& parcel, Of& table) {
     for (std::size_t i = 0; i < names.size(); ++i) table.scalars[names[i]] = values[i];
 }
 
-/// True for a column to be read; called once per column with the table's headers. Other columns
-/// keep their headers and have no values. An empty function selects all.
+/// Selects the columns to read: returns true for them, and is called once per column with the
+/// headers of the table. Columns that are not selected keep their headers and have no values. An
+/// empty function selects all columns.
 using Wanted = std::function<bool(const Columns&, std::size_t column)>;
 
 }  // namespace wheeltap::io

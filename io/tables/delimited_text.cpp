@@ -450,13 +450,12 @@ DayOrder DelimitedText::day_order(int column) const {
 /// Why a text has no rows, and what to do.
 std::string DelimitedText::no_data() const {
   if (text_.find_first_not_of(" \t\r\n") == std::string::npos) return "no data";
-  std::string out = "no data: no line holds numbers or times that are separated by ";
+  std::string out = "no data: no line has numbers or times without units that are separated by ";
   if (stated_.separator) {
     out += std::string(separator_name(*stated_.separator)) + "s";
   } else {
     out += "commas, semicolons, tabs, bars or blanks";
   }
-  out += " and stand without a unit";
   if (stated_.skip)
     out += " below the " + std::to_string(*stated_.skip) + " lines that are skipped";
   return out + ". Export the table with one of these between columns";
@@ -560,7 +559,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       if (row == 0 && header_line_ > 0)
         reason += " (if that line holds no names, state \"header\": 0, or the line that does)";
       else if (row + 1 == starts_.size())
-        reason += ": the last row is cut off; delete it";
+        reason += ": the last row is truncated; delete it";
       fail(table.place(row), reason);
     }
   }

@@ -1,4 +1,5 @@
-// Tables as text, one row per line: the grammar of all delimited text that Wheeltap reads.
+// Tables as text with one row per line. This is the grammar of all delimited text that Wheeltap
+// reads.
 //
 //   file   = [byte order mark] line…              lines end with LF, CR LF or CR
 //   line   = blanks | mark anything | row         the first two are no rows
@@ -22,7 +23,8 @@
 //   - remarks after the rows, which begin with neither a number nor a stamp; they are ignored
 //
 // A first line "sep=;" states the separator. "force [N]" is the name force and the unit N (see
-// io/tables/columns.hpp). The caller determines what cells must hold and whether rows may be short.
+// io/tables/columns.hpp). The caller checks the content of cells and decides whether rows may be
+// short.
 #pragma once
 
 #include <optional>
@@ -42,7 +44,7 @@ enum class FirstRow {
   header  ///< the first line that is not a comment holds the names
 };
 
-/// The lines of a text, split on demand.
+/// The lines of a delimited text; a line is split into cells when it is needed.
 class DelimitedText {
  public:
   /// Throws FileError (corrupt) for an invalid text (a NUL byte, a header with an unclosed quote)
@@ -51,7 +53,7 @@ class DelimitedText {
   DelimitedText(std::string bytes, std::filesystem::path name,
                 FirstRow first_row = FirstRow::detected, TextLayout stated = {});
 
-  /// One per column, without values; without a header the names are "1", "2", …
+  /// One entry per column, without values. Without a header the names are "1", "2", …
   [[nodiscard]] const std::vector<Column>& headers() const { return headers_; }
   [[nodiscard]] int header_line() const { return header_line_; }  ///< 0 if there is none
   [[nodiscard]] int rows() const { return static_cast<int>(starts_.size()); }
@@ -64,9 +66,9 @@ class DelimitedText {
   /// that is not closed, or text after one.
   [[nodiscard]] std::vector<std::string> cells(int row) const;
 
-  /// All rows as numbers; columns that are not requested may hold anything. Rows are samples, so an
-  /// empty line between them or a row of another length is an error. Throws FileError (corrupt),
-  /// with the line and column.
+  /// All rows as numbers; columns that are not requested may have any content. An empty line
+  /// between rows, or a row of another length, is an error, because each row is a sample. Throws
+  /// FileError (corrupt), with the line and column.
   [[nodiscard]] Columns columns(const Wanted& wanted = {}) const;
 
  private:

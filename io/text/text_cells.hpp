@@ -12,8 +12,8 @@ namespace wheeltap::io {
 /// "***", and not with a missing value ("#N/A").
 [[nodiscard]] bool is_comment_line(std::string_view line);
 
-/// A comment or line of names without its mark: a comment mark, ";", ":", "--", or an unclosed
-/// quote.
+/// Removes the mark at the beginning of a comment or a line of names: a comment mark, ";", ":",
+/// "--", or an unclosed quote.
 [[nodiscard]] std::string_view without_comment_mark(std::string_view line);
 
 /// Removes the first cell and its separator from a line; blanks and quotes remain on the cell.
@@ -28,7 +28,7 @@ bool take_cell(std::string_view& line, char separator, std::string_view& cell);
 [[nodiscard]] std::vector<std::string> names_in(std::string_view line, char separator,
                                                 std::size_t columns);
 
-/// For cells separated by blanks: a unit in brackets belongs to the name before it.
+/// Joins cells that are separated by blanks: a unit in brackets is joined to the name before it.
 [[nodiscard]] std::vector<std::string> joined_names(const std::vector<std::string>& cells);
 
 [[nodiscard]] bool all_digits(std::string_view text);

@@ -9,7 +9,8 @@
 
 namespace wheeltap::io {
 
-/// Options that are not set are detected. Lines count from 1.
+/// The layout as the caller states it. Options that are not set are detected. Line numbers start at
+/// 1.
 struct TextLayout {
   std::optional<char> separator = {};  ///< ',', ';', '\t', '|' or ' ' for any run of blanks
   std::optional<char> decimal = {};    ///< '.' or ','
@@ -34,7 +35,7 @@ struct FoundLayout {
   int columns = 0;
   int first_row = 0;       ///< line of the first row of numbers
   std::string start = {};  ///< the first time stamp
-  /// First and last line after the rows that do not belong to the table; 0 if there are none.
+  /// First and last of the lines after the table that were ignored; 0 if there are none.
   int tail_from = 0, tail_to = 0;
   std::vector<HeadLine> above = {};  ///< lines above the rows, without comment marks
 };
@@ -63,22 +64,22 @@ struct TableShape {
   char decimal = '.';
   std::size_t columns = 0;
   std::size_t trailing = 0;  ///< number of separators at the end of rows without a cell after them
-  /// The last column holds remarks; it and its separator may be missing.
+  /// True if the last column holds remarks; its cell and separator may be missing in a row.
   bool optional_last = false;
   bool grouped = false;              ///< numbers have thousands separators
   std::vector<CellKind> kinds = {};  ///< one per column
   std::size_t first = 0;             ///< index of the first row among the lines
   std::optional<std::size_t> names;  ///< index of the line of names
   std::optional<std::size_t> units;  ///< index of the line of units
-  bool date_unnamed =
-      false;  ///< a date and a time are in the first columns, and names name only the time
-  bool index_unnamed = false;  ///< names omit the first column, which counts the rows
+  bool date_unnamed = false;   ///< the first columns are a date and a time, and the line of names
+                               ///< names only the time
+  bool index_unnamed = false;  ///< the line of names omits the first column, which numbers the rows
 };
 
 /// True if a line could be a remark after the rows: its first cell is neither a number nor a stamp.
 [[nodiscard]] bool is_remark(std::string_view line, const TableShape& shape);
 
-/// Why the layout of a text is unclear, and which option resolves it.
+/// The error for a layout that cannot be detected, with the reason and the option that resolves it.
 struct UnclearLayout : std::runtime_error {
   UnclearLayout(int at, const std::string& reason) : std::runtime_error(reason), line(at) {}
   int line;  ///< 0: the whole text

@@ -5,7 +5,7 @@
 
 namespace wheeltap::io {
 
-/// Counted from 1; LF and CR LF end a line.
+/// Line numbers start at 1; LF and CR LF end a line.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}

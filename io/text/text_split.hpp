@@ -20,7 +20,7 @@ struct Reading {
   std::optional<TimeFormat> format = {};
 };
 
-/// The kind of a cell; an ambiguous date is a stamp.
+/// The kind of a cell (number, time stamp or text); a date with an ambiguous order is a time stamp.
 [[nodiscard]] CellKind kind_of(std::string_view cell, const Reading& reading);
 
 /// A line split with one separator.
@@ -34,17 +34,17 @@ struct Split {
 
 [[nodiscard]] Split split(std::string_view line, char separator, const Reading& reading);
 
-/// A score for how well a separator and a decimal mark explain lines. Lines of only numbers and
-/// stamps count twice their number of cells; other lines count the excess of numbers and stamps
-/// over texts.
+/// A score of how well a separator and a decimal mark explain the lines. A line of only numbers and
+/// time stamps adds twice its number of cells. Any other line adds the number of its numbers and
+/// time stamps minus the number of its texts.
 [[nodiscard]] long explained_cells(std::span<const TextLine> lines, char separator,
                                    const Reading& reading);
 
 /// The possible meanings of commas in rows of whole numbers.
 enum class Commas { separate, decimal, unclear, mixed };
 
-/// Rows such as "0,1108" may be two whole numbers or one number. `names`: number of columns that
-/// the header names; 0 if there is no header.
+/// Determines the meaning of commas in rows such as "0,1108", which may be two whole numbers or one
+/// number. `names`: number of columns that the header names; 0 if there is no header.
 [[nodiscard]] Commas commas_of(const std::vector<Split>& rows, std::size_t columns,
                                std::size_t names);
 

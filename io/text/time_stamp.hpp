@@ -19,8 +19,8 @@
 namespace wheeltap::io {
 
 struct TimeStamp {
-  /// Since 1970-01-01 00:00 UTC, or local time if no zone is printed; without a date, since
-  /// midnight.
+  /// Time since 1970-01-01 00:00 in UTC, or in local time if the text has no zone; without a date,
+  /// time since midnight.
   std::int64_t nanoseconds = 0;
   bool has_date = true;
   int decimals = 0;  ///< number of decimals of the seconds
@@ -28,12 +28,12 @@ struct TimeStamp {
 
 enum class DayOrder { unknown, day_first, month_first };
 
-/// Parses a text as a stamp in one of the forms above. `ambiguous`: day and month could be in
-/// either order and the order is unknown; there is no stamp then.
+/// Parses a text as a stamp in one of the forms above. `ambiguous` is true, and the stamp is empty,
+/// if the order of day and month is unknown and both orders are possible.
 struct StampReading {
   std::optional<TimeStamp> stamp = {};
   bool ambiguous = false;
-  DayOrder order = DayOrder::unknown;  ///< order that the text proves by a number above 12
+  DayOrder order = DayOrder::unknown;  ///< known if one of the two numbers is above 12
 };
 [[nodiscard]] StampReading read_stamp(std::string_view text, DayOrder order = DayOrder::unknown);
 
@@ -42,7 +42,7 @@ struct StampReading {
 [[nodiscard]] std::optional<TimeStamp> read_stamp(std::string_view text,
                                                   const std::string& pattern);
 
-/// The strptime pattern of such a text; empty if it is not a usual one.
+/// The strptime pattern of a time stamp; empty if the text has no common form.
 [[nodiscard]] std::string stamp_pattern(std::string_view text, DayOrder order);
 
 /// A time-stamp format given in a case or by a user.

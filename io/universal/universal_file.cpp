@@ -52,7 +52,7 @@ std::vector<double> binary_values(Reader& in, const UniversalFunction& f, std::s
   const std::size_t each = abscissa + ordinates * wide;
   if (announced != 0 && announced != points * each)
     in.fail(std::to_string(announced) +
-            " bytes of binary data are announced: " + std::to_string(points) + " points of " +
+            " bytes of binary data are declared: " + std::to_string(points) + " points of " +
             std::to_string(each) + " bytes need " + std::to_string(points * each));
   const std::string_view bytes = in.raw(points * each);
   std::vector<double> out;
@@ -174,7 +174,7 @@ UniversalShape shape(Reader& in) {
   if (head.size() < 2) in.fail("does not state how many numbers follow");
   const int integers = head[0], reals = head[1];
   if (integers < 0 || integers > 1000 || reals < 0 || reals > 1000)
-    in.fail("announces " + std::to_string(integers) + " and " + std::to_string(reals) + " numbers");
+    in.fail("declares " + std::to_string(integers) + " and " + std::to_string(reals) + " numbers");
   s.integers.assign(head.begin() + 2, head.end());
   while (s.integers.size() < static_cast<std::size_t>(integers))
     for (const int i : in.integers(in.next("numbers"), 10, "number")) s.integers.push_back(i);
@@ -240,7 +240,7 @@ void finish(Reader& in, bool may_hold_more) {
       in.fail("'" + std::string(trimmed(line)).substr(0, 40) +
               "' where a dataset must end with -1");
   }
-  in.fail("the file ends within a dataset, which -1 must end: it is cut off");
+  in.fail("the file ends within a dataset, which -1 must end: it is truncated");
 }
 
 }  // namespace

@@ -35,7 +35,8 @@ struct UniversalAxis {
   std::string unit = {};
 };
 
-/// Dataset 58: a function at degrees of freedom, e.g. a time history or a frequency response.
+/// Dataset 58: a function at one or two degrees of freedom, e.g. a time history or a frequency
+/// response.
 struct UniversalFunction {
   std::array<std::string, 5> ids = {};
   int type = 0;  ///< 1 time response, 2 auto-, 3 cross-spectrum, 4 frequency response, 9 PSD, …
@@ -151,21 +152,22 @@ struct UniversalFile {
 /// line, for a truncated dataset and for invalid or missing numbers.
 [[nodiscard]] UniversalFile parse_universal_file(const std::string& bytes,
                                                  const std::filesystem::path& name);
-/// Reads and parses a file. Throws as above, and if the file does not exist.
+/// Reads and parses a file. Throws the exceptions of parse_universal_file, and FileError (missing).
 [[nodiscard]] UniversalFile read_universal_file(const std::filesystem::path& path);
 
-/// The bytes of a file with this content; functions with `binary` are written as 58b. Because of
-/// the format, abscissae of uneven functions keep 6 digits in text and single precision in binary.
+/// The bytes of a file with this content; functions with `binary` are written as 58b. The format
+/// stores abscissae of unevenly spaced functions with 6 digits as text, and in single precision as
+/// binary.
 [[nodiscard]] std::string universal_text(const UniversalFile& file);
 
 /// Converts functions with a common abscissa to a table: the abscissa, then one column per
-/// function, or two (", real" and ", imaginary"). Values are in SI if dataset 164 and the axes'
-/// powers define the units and the axis names no unit. Throws FileError (corrupt) if there is no
-/// function, or if the abscissae differ.
+/// function, or two (", real" and ", imaginary"). Values are converted to SI if dataset 164 and the
+/// powers of the axes define the units, and the axis does not name a unit. Throws FileError
+/// (corrupt) if there is no function, or if the abscissae differ.
 [[nodiscard]] Columns universal_columns(const UniversalFile& file,
                                         const std::filesystem::path& name);
 
-/// Adapter for io/formats.
+/// Parses a file to a table, for the list of formats in io/formats.
 [[nodiscard]] Columns parse_universal_columns(std::string bytes, const std::filesystem::path& name,
                                               const Wanted& wanted);
 

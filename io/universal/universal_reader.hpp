@@ -50,7 +50,7 @@ inline std::string_view field(std::string_view line, std::size_t from, std::size
   return from >= line.size() ? std::string_view() : line.substr(from, width);
 }
 
-/// The lines of a file with positions for messages, and the bytes for 58b.
+/// The lines of a file with their numbers for messages, and its bytes for dataset 58b.
 class Reader {
  public:
   Reader(const std::string& bytes, const std::filesystem::path& name)
@@ -119,7 +119,8 @@ class Reader {
     if (!value) fail(std::string(what) + " '" + std::string(trimmed(text)) + "' is not a number");
     return *value;
   }
-  /// Whole numbers in columns of `width`; if they do not fit the columns, separated by blanks.
+  /// Reads whole numbers in columns of `width` characters, or separated by blanks if they do not
+  /// fit the columns.
   std::vector<int> integers(std::string_view line, std::size_t width, const char* what) const {
     std::vector<int> out;
     const std::vector<std::string_view> words = split(line);
@@ -152,8 +153,8 @@ class Reader {
     return words;
   }
 
-  /// `count` numbers over several lines, in columns of these widths, repeated; or separated by
-  /// blanks if they are not in columns. Lines need not be full.
+  /// Reads `count` numbers from several lines. Each line has columns of these widths, repeated;
+  /// numbers that are not in columns are separated by blanks. A line may have fewer numbers.
   std::vector<double> numbers(std::size_t count, const std::vector<std::size_t>& widths,
                               const char* what) {
     std::vector<double> out;
@@ -174,8 +175,7 @@ class Reader {
         }
       }
       if (out.size() > count)
-        fail("has " + std::to_string(out.size() - count) + " more " + what +
-             " than were announced");
+        fail("has " + std::to_string(out.size() - count) + " more " + what + " than were declared");
     }
     return out;
   }

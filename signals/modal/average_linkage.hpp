@@ -7,11 +7,11 @@
 namespace wheeltap::signals {
 
 /// Agglomerative clustering by average linkage (Sokal & Michener 1958) with the update of Lance and
-/// Williams. It joins the pair of clusters with the least mean distance while that is at most
-/// `threshold`. The argument `groups` gives the group of each of n items; two items of one group
-/// are never in the same cluster (the poles of one order, the modes of one set-up). `distance(i,
-/// j)` >= 0 between items of different groups; ∞ forbids a common cluster. The members of each
-/// cluster ascend; clusters are sorted by their first members.
+/// Williams. It repeatedly joins the two clusters with the smallest mean distance, as long as this
+/// distance is at most `threshold`. The argument `groups` gives the group of each of n items; two
+/// items of one group are never in the same cluster (the poles of one order, the modes of one
+/// set-up). `distance(i, j)` >= 0 between items of different groups; ∞ forbids a common cluster.
+/// The members of each cluster ascend; clusters are sorted by their first members.
 [[nodiscard]] std::vector<std::vector<int>> average_linkage(
     const std::vector<int>& groups, const std::function<double(int, int)>& distance,
     double threshold);

@@ -6,11 +6,12 @@
 // the spectrum of one mode (efdd: Brincker, Ventura & Andersen 2001, IMAC 19). Its inverse
 // transform over positive frequencies is c(τ) ∝ e^{λτ}. Least squares of ln c over the lags where
 // |c| falls from 0.9 to 0.3 give λ, f = |λ| / 2π, ζ = -Re λ / |λ|. Segments are padded with zeros
-// to twice their length, so that c is the correlation times that of the window and can be divided
-// by it; otherwise the width of the window would count as damping.
+// to twice their length. Then c is the product of the correlations of the response and of the
+// window, and is divided by the latter. Without this correction, the spectral width of the window
+// would increase the damping.
 //
-// Assumes lightly damped, well separated modes. If two modes share lines, one is missed or
-// both are distorted. Truncation of the bell biases damping.
+// Assumes lightly damped, well separated modes. If two modes share lines, the method misses one of
+// them or distorts both. The truncation of the spectral bell biases damping ratios.
 #pragma once
 
 #include "signals/modal/modal_identification.hpp"
@@ -26,15 +27,15 @@ struct DecompositionOptions {
   int threads = 0;
 };
 
-/// `records` has one channel per row. Modes are peaks of the first singular value whose prominence
-/// exceeds the scatter of this number of averages (three standard deviations either way, 3 dB at
-/// least) and whose shape several lines share.
+/// `records` has one channel per row. Modes are peaks of the first singular value that satisfy two
+/// conditions. The prominence exceeds the scatter of a spectrum with this number of averages (three
+/// standard deviations up and down, at least 3 dB). Several lines have the shape of the peak.
 ///
-/// fdd: frequencies are lines, damping is NaN, `covariance` and shape covariances are empty. efdd:
-/// covariances are a jackknife over blocks, (n_b - 1)/n_b Σ (x_k - x̄)(x_k - x̄)ᵀ with x_k of the
-/// record without block k (Miller 1974, Biometrika 61:1); they include scatter but no bias. A peak
-/// without a decay is dropped. Throws std::invalid_argument like identify_modes, and if the record
-/// holds fewer than eight segments.
+/// With fdd, frequencies are those of lines, damping ratios are NaN, and the covariances are empty.
+/// With efdd, covariances are those of the jackknife over blocks, (n_b - 1)/n_b Σ (x_k - x̄)(x_k -
+/// x̄)ᵀ, where x_k is the result without block k (Miller 1974, Biometrika 61:1). They include
+/// scatter but no bias. efdd omits a peak whose correlation does not decay. Throws
+/// std::invalid_argument like identify_modes, and if the record holds fewer than eight segments.
 [[nodiscard]] ModalResult decompose_spectra(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                             const DecompositionOptions& options);
 

@@ -1,13 +1,13 @@
 // Merges the modes of several sensor set-ups that share reference sensors.
 //
-// Each set-up is identified separately; the modes are merged afterwards (PoSER: Reynders,
-// Magalhães, De Roeck & Cunha 2009, IMAC 27; with uncertainty, Döhler, Lam & Mevel 2013, Mech.
-// Syst. Signal Process. 36:562). The records need neither the same start nor the same excitation.
+// Each set-up is identified separately, and then the modes are merged (PoSER: Reynders, Magalhães,
+// De Roeck & Cunha 2009, IMAC 27; with uncertainty, Döhler, Lam & Mevel 2013, Mech. Syst. Signal
+// Process. 36:562). The records need neither the same start nor the same excitation.
 //
 // Frequencies and damping: weighted means x̄ = Σ w_s x_s / Σ w_s, w_s = 1/(v_s + τ²), with the
 // variances v_s of the set-ups and the additional variance τ² between them (DerSimonian & Laird
-// 1986). Shapes: each set-up s has an unknown factor a_s. With r_s its part at the references and r
-// their mean,
+// 1986). Shapes: the shape of each set-up s has an unknown factor a_s. With r_s its entries at the
+// references and r the mean of all r_s,
 //   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups with sensor k,
 // where u_s is the inverse variance of r_s. Covariances follow from those of the independent
 // set-ups by derivatives (for shapes, by central differences).

@@ -9,8 +9,8 @@
 // …) = U S Vᵀ truncated to rank n and B = U_n fixed,
 //   Z_s = Bᵀ H_s,ref,   O_ref = (Σ H_s,ref Z_sᵀ) (Σ Z_s Z_sᵀ)⁻¹,   O_s = H_s,mov Z_sᵀ (Z_s Z_sᵀ)⁻¹,
 // and H = (O_ref; O_1; …) (Z_1 Z_2 …)/√N is the Hankel matrix of one set-up with all sensors,
-// reduced to the column space V_n. Set-ups are independent. Each block of each set-up changes H by
-// the derivative with B fixed, which is a choice of basis.
+// reduced to the column space V_n. Set-ups are independent. The effect of each data block on H
+// follows from the derivative for constant B, since B only selects a basis.
 #pragma once
 
 #include <vector>
@@ -25,9 +25,9 @@ struct SetUpCovariances {
   std::vector<int> sensors = {};  ///< sensor of each channel, among all sensors
 };
 
-/// `sensors`: total number of sensors. If several set-ups have a sensor that is not a reference,
-/// the first one is used. `columns` is q; `rank` n. Throws std::invalid_argument for a rank above
-/// the rows or columns of the references.
+/// `sensors`: total number of sensors. If a sensor that is not a reference occurs in several
+/// set-ups, the first set-up is used. `columns` is q; `rank` n. Throws std::invalid_argument for a
+/// rank above the rows or columns of the references.
 [[nodiscard]] HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups,
                                              int sensors, int columns, int rank);
 

@@ -25,13 +25,13 @@ enum class ModeDoubt {
   damping_unknown,  ///< its standard deviation exceeds half its value
   complex_shape,    ///< phase collinearity below 0.8
   tone,             ///< very low damping and a constant amplitude: harmonic of a machine
-  /// Another mode with the same shape is within both standard deviations, or within their
-  /// half-power widths and known better.
+  /// Another mode with the same shape is within the standard deviations of both frequencies. Or it
+  /// is within the half-power bandwidths and has a smaller uncertainty.
   twin,
   at_the_edge  ///< within a twentieth of the band from one of its ends
 };
 
-/// Phase collinearity below which a shape is doubtful.
+/// Limit of the modal phase collinearity; below it, a mode shape is doubtful.
 inline constexpr double kCollinear = 0.8;
 
 struct Mode {
@@ -86,28 +86,29 @@ struct ModalResult {
 };
 
 /// Identifies modes from `records`, one channel per row. It decimates the records to the band and
-/// identifies twice: first with the lags of one period of the band's lowest frequency, then with
-/// those of one period of the lowest mode, since more lags add scatter. Throws ChannelError
-/// (signals/refuse.hpp) for channels that are constant, alike or not finite, and
-/// std::invalid_argument for an invalid band and for records too short for any order.
+/// identifies the modes twice. The first time, the lags cover one period of the band's lowest
+/// frequency; the second time, one period of the lowest mode, because more lags add scatter. Throws
+/// ChannelError (signals/refuse.hpp) for channels that are constant, proportional to another one or
+/// not finite, and std::invalid_argument for an invalid band and for records too short for any
+/// order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 
-/// Modes from several set-ups, merged before identification (merged_subspace.hpp). `sensors` gives,
-/// for each channel of a record, its number among `count` sensors. `references` gives the channels
-/// of the common reference sensors, in the same order. The references limit the orders;
+/// Modes from several set-ups, merged before identification (merged_subspace.hpp). `sensors` gives
+/// the sensor number of each channel of each record, out of `count` sensors. `references` gives the
+/// channels of the common reference sensors, in the same order. The references limit the orders;
 /// options.references is not used. Throws std::invalid_argument like identify_modes.
 [[nodiscard]] ModalResult identify_set_ups(const std::vector<Eigen::MatrixXd>& records,
                                            const std::vector<std::vector<int>>& sensors,
                                            const std::vector<std::vector<int>>& references,
                                            int count, const ModalOptions& options);
 
-/// The records decimated to the band of `out`, which it checks and fills in. Throws
-/// std::invalid_argument like identify_modes. Public for the methods.
+/// Checks and completes the band in `out`, and returns the records decimated to it. Throws
+/// std::invalid_argument like identify_modes. Public for the implementations of the methods.
 [[nodiscard]] Eigen::MatrixXd records_of_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                               double sample_rate_hz, int threads, ModalResult& out);
 
-/// Sets the doubts of the modes. Public for the methods.
+/// Sets the reasons for doubt of each mode. Public for the implementations of the methods.
 void doubt_modes(ModalResult& result);
 
 /// Kurtosis E|z|⁴ / (E|z|²)² of a signal's complex amplitude near a frequency, averaged over

@@ -2,12 +2,13 @@
 //
 //   H(ω) = Σ_r (ψ_r l_rᵀ / (iω - λ_r) + ψ_r* l_rᴴ / (iω - λ_r*)) + L/ω² + U + V ω²,
 //
-// ψ_r is the shape at the outputs and l_r the participation of the inputs, largest entry 1. L, U
-// and V represent modes outside the band, for displacements over forces (L and U) and accelerations
-// (U and V); the factors -ω² of accelerations are part of the residues. For fixed λ and l, the rest
-// is linear least squares ("LSFD"; Heylen, Lammens & Sas 1997, section A.3). For free λ and l,
-// least squares over all lines are the maximum of the likelihood of noise with equal variance at
-// all lines: variable projection (Golub & Pereyra 1973) with Kaufman's (1975) Jacobian.
+// ψ_r is the mode shape at the outputs and l_r the participation vector of the inputs, with the
+// largest entry 1. L, U and V represent modes outside the band: L and U for responses in
+// displacement, U and V for responses in acceleration. The factors -ω² of accelerations are part of
+// the residues. For fixed λ and l, the rest is linear least squares ("LSFD"; Heylen, Lammens & Sas
+// 1997, section A.3). For free λ and l, least squares over all lines are the maximum of the
+// likelihood of noise with equal variance at all lines: variable projection (Golub & Pereyra 1973)
+// with Kaufman's (1975) Jacobian.
 #pragma once
 
 #include <complex>
@@ -23,19 +24,19 @@ struct ModalModel {
   Eigen::MatrixXcd shapes = {};                        ///< outputs × modes
   std::vector<Eigen::MatrixXcd> fitted = {};           ///< per line, outputs × inputs
   double squares = 0.0;  ///< Σ |H - fitted|² over all entries and lines
-  /// From refine: the leverage, the mean of the hat matrix' diagonal for each line. A residual of
-  /// variance σ² is reduced to σ² (1 - leverage).
+  /// Set by `refine`: the leverage of each line, that is the mean of the diagonal of the hat
+  /// matrix. A residual of variance σ² is reduced to σ² (1 - leverage).
   Eigen::VectorXd leverage = {};
 };
 
-/// Shapes and residual terms for these poles. Throws std::invalid_argument for a line at 0 Hz and
-/// for participation factors of another size.
+/// Fits shapes and residual terms for given poles. Throws std::invalid_argument for a line at 0 Hz
+/// and for participation factors of another size.
 [[nodiscard]] ModalModel fit_shapes(const FrequencyResponses& responses,
                                     std::vector<std::complex<double>> eigenvalues,
                                     Eigen::MatrixXcd participation);
 
-/// Refines the poles by descent to the nearest least squares; equals fit_shapes if no step reduces
-/// them. Poles remain stable.
+/// Refines the poles by minimising the sum of squares from this start. If no step reduces the sum,
+/// the result is that of fit_shapes. Poles remain stable.
 [[nodiscard]] ModalModel refine(const FrequencyResponses& responses, const ModalModel& start);
 
 }  // namespace wheeltap::signals

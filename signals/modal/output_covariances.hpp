@@ -16,7 +16,7 @@ struct CovarianceOptions {
 
 /// R_i = 1/n Σ_k y_{k+i} y_{k,ref}ᵀ, i = 1 … lags, of detrended channels divided by their standard
 /// deviations. A product belongs to the block of its earlier sample, and every lag has the same
-/// number of products. The mean of the blocks' R_i is therefore that of all samples.
+/// number of products. The mean of R_i over the blocks therefore equals R_i of all samples.
 struct OutputCovariances {
   int lags = 0;
   long samples = 0;             ///< per block

@@ -2,21 +2,22 @@
 //
 //   H(ω) = B(Ω) A(Ω)⁻¹,  A(Ω) = Σ_{j=0}^{n} A_j Ω^j,  Ω = exp(-i (ω - ω₁) T),
 //
-// a right matrix fraction with complex coefficients on the band [ω₁, ω₂]; T maps the band to nine
-// tenths of the unit circle. Least squares of B(Ω_k) - H(ω_k) A(Ω_k) with A_n = I; B is eliminated
-// output by output (Guillaume et al. 2003, IMAC 21; Peeters, Van der Auweraer, Guillaume & Leuridan
-// 2004, Shock Vib. 11:395). A_n = I puts the poles that fit only noise inside the unit circle of Ω,
-// that is on the unstable side, so damping identifies them. Poles: det A(Ω_r) = 0, λ_r = iω₁ - ln
-// Ω_r / T, with l_rᵀ A(Ω_r) = 0; shapes by fit_shapes.
+// is a right matrix fraction with complex coefficients on the band [ω₁, ω₂]; T maps the band to
+// nine tenths of the unit circle. The fit minimises the squares of B(Ω_k) - H(ω_k) A(Ω_k) with A_n
+// = I, and eliminates B for each output separately (Guillaume et al. 2003, IMAC 21; Peeters, Van
+// der Auweraer, Guillaume & Leuridan 2004, Shock Vib. 11:395). With A_n = I, the poles that fit
+// only noise lie inside the unit circle of Ω. They are unstable, so their negative damping
+// identifies them. Poles: det A(Ω_r) = 0, λ_r = iω₁ - ln Ω_r / T, with l_rᵀ A(Ω_r) = 0; shapes by
+// fit_shapes.
 //
-// Noise biases linear least squares. The modes of the diagram are therefore refined together
-// (modal_model.hpp).
+// Noise biases the linear least-squares fit. The modes of the stabilisation diagram are therefore
+// refined together by nonlinear least squares (modal_model.hpp).
 //
 // Uncertainty: the refined fit is repeated for H_fit + w e / √(1 - leverage) with its residuals
 // e(ω) (wild bootstrap; Wu 1986, Ann. Stat. 14:1261, with the residuals of MacKinnon & White 1985).
 // The complex normal w has unit variance and is common to all entries of a line, so errors that are
-// common to outputs remain common. The leverage corrects for resonances with few lines, whose
-// residuals are too small.
+// common to outputs remain common. Residuals are too small at resonances with few lines; the
+// leverage corrects for this.
 #pragma once
 
 #include <cstdint>
@@ -45,9 +46,10 @@ struct PolyreferenceFit {
 /// std::invalid_argument for n < 1, fewer than 2n + 2 lines, and a line at 0 Hz.
 [[nodiscard]] PolyreferenceFit polyreference(const FrequencyResponses& responses, int n);
 
-/// Modes from a stabilisation diagram of orders 2, 4, …, as identify_modes of output records, with
-/// the covariance of all of them by the bootstrap. Throws as above, and for a band without lines,
-/// responses that are not finite or all zero, and invalid coherence.
+/// Selects modes from a stabilisation diagram of orders 2, 4, …, as identify_modes does for output
+/// records. The bootstrap gives the covariance of all modes. Throws the exceptions of
+/// polyreference, and std::invalid_argument for a band without lines, responses that are not finite
+/// or all zero, and invalid coherence.
 [[nodiscard]] ModalResult identify_modes(const FrequencyResponses& responses,
                                          const PolyreferenceOptions& options);
 

@@ -1,8 +1,8 @@
 // Converts mode shapes of sensors with different quantities to one quantity.
 //
 // In a mode of eigenvalue λ = ω (-ζ + i √(1 - ζ²)) a displacement is φ exp(λt), its velocity λ φ
-// exp(λt) and its acceleration λ² φ exp(λt). An entry of lower order is therefore multiplied by λ
-// for each missing order (by iω if the damping is unknown).
+// exp(λt) and its acceleration λ² φ exp(λt). An entry of a lower order of differentiation is
+// therefore multiplied by λ for each missing order (by iω if the damping is unknown).
 #pragma once
 
 #include <span>

@@ -61,8 +61,8 @@ struct Stabilisation {
 /// they are.
 ///
 /// A mode is a cluster in at least `least_share` of the orders from its first one, and in at least
-/// three. A cluster is a splinter if another one lies within three standard deviations, has the
-/// same shape, more orders and half the uncertainty.
+/// three. A cluster is rejected as a splinter of another cluster if that one lies within three
+/// standard deviations and has the same shape, more orders and half the uncertainty.
 ///
 /// One pole represents the mode. The scatter of a pole is the geometric mean of both relative
 /// standard deviations. Candidates are poles whose scatter is within the best tenth of the cluster
@@ -71,17 +71,18 @@ struct Stabilisation {
 /// and low orders that may not resolve neighbouring modes. The choice within them does not depend
 /// on their uncertainty.
 ///
-/// A mode that is not resolved distorts the shapes of others. Only orders count from which all
-/// steady modes, including those outside the band, and all modes within the mode's skirts are
-/// present. If no such order scatters as little as the best, the best of them are used. If there
-/// are fewer than three, or all are twice as uncertain, every order counts. For poles without
-/// standard deviations (NaN), which need largest_relative_sd = ∞, the median of all represents the
-/// cluster.
+/// A mode that is not yet resolved at an order distorts the shapes of other modes. An order
+/// therefore counts only if it contains all steady modes, including those outside the band, and all
+/// modes whose resonance peaks overlap with this one. If no such order has a scatter as small as
+/// the best pole, the best of these orders are used. If there are fewer than three such orders, or
+/// all of them are twice as uncertain, every order counts. Poles without standard deviations (NaN)
+/// require largest_relative_sd = ∞; then the median of all poles represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
-/// The same for the poles of any method: those of smallest_order, smallest_order + 2, …, within the
-/// window. The result is limited to the band and damping of the options.
+/// Selects modes from the poles of any method. `poles` holds those of smallest_order,
+/// smallest_order + 2, …, within the window. The result is limited to the options' band and
+/// damping.
 [[nodiscard]] Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
                                       const StabilisationOptions& options);
 
@@ -89,7 +90,7 @@ struct Stabilisation {
 [[nodiscard]] double pole_distance(const Pole& a, const Pole& b);
 
 /// Splits x into two classes by least squares and returns the index of the upper class's smallest
-/// value in sorted x. Public for its test; needs two values.
+/// value in sorted x. Requires at least two values. Public for its test.
 [[nodiscard]] std::size_t two_classes(const std::vector<double>& sorted);
 
 }  // namespace wheeltap::signals

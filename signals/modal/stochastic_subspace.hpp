@@ -11,9 +11,11 @@
 // Uncertainty (Reynders, Pintelon & De Roeck 2008, MSSP 22:948; Döhler & Mevel 2013, MSSP 38:346):
 // with H_k of n_b blocks, T_k = (vec H_k - vec H) / √(n_b (n_b - 1)) has Σ T_k T_kᵀ = cov(vec H).
 // Δx_k = J T_k, with the derivative J of x to H, has cov(x) = Σ Δx_k Δx_kᵀ. The derivative of the
-// span of U₁ is exact, not that of H truncated to rank n. With P = UᵀΔH V, column i ≤ n, row j > n,
+// span of U₁ is that of the full H and not that of H truncated to rank n. With P = UᵀΔH V, column i
+// ≤ n, row j > n,
 //   (UᵀΔU₁)_{ji} = (s_i P_{ji} + s_j P_{ij}) / (s_i² - s_j²),
-// which does not depend on n. It is computed once, and each order uses a part of it.
+// which does not depend on n. It is therefore computed once, and each order uses a part of the
+// result.
 #pragma once
 
 #include <complex>
@@ -43,7 +45,8 @@ struct Pole {
   double damping_sd = 0.0;
 };
 
-/// Poles of one order with their changes by each block: cov(x) = moves · movesᵀ.
+/// Poles of one order with the change of each by each data block, from which cov(x) = moves ·
+/// movesᵀ.
 struct MovedPoles {
   std::vector<Pole> poles;
   Eigen::MatrixXd frequency_moves;  ///< poles × blocks [Hz]
@@ -75,8 +78,8 @@ class StochasticSubspace {
   /// large for H.
   StochasticSubspace(const OutputCovariances& covariances, SubspaceOptions options);
 
-  /// From a Hankel matrix of any origin; `columns` of the options is not used. Throws
-  /// std::invalid_argument like the other constructor.
+  /// Uses a given Hankel matrix, for example a merged one; `columns` of the options is not used.
+  /// Throws std::invalid_argument like the other constructor.
   StochasticSubspace(const HankelFactor& factor, SubspaceOptions options);
 
   [[nodiscard]] int largest_order() const { return largest_; }
@@ -85,7 +88,7 @@ class StochasticSubspace {
   /// The poles of an even order within the window, by frequency, with standard deviations.
   [[nodiscard]] std::vector<Pole> poles(int order, const PoleWindow& window) const;
 
-  /// These poles (indices) of an order with their changes by each block.
+  /// The poles of an order with these indices, with their changes by each data block.
   [[nodiscard]] MovedPoles moved_poles(int order, const std::vector<int>& places) const;
 
  private:
@@ -93,7 +96,8 @@ class StochasticSubspace {
   [[nodiscard]] Realisation realise(int order) const;
   [[nodiscard]] Pole pole(const Realisation& model, int place) const;
 
-  /// Decomposes H and computes the rotation from each change (by number).
+  /// Decomposes H and computes the rotation of its singular vectors for each change of H; `move`
+  /// gives the change with a number.
   template <class Move>
   void decompose(const Eigen::MatrixXd& h, const Move& move, const SubspaceOptions& options);
 

@@ -67,7 +67,7 @@ TEST(BatchList, LinesThatAreNoPathsAreRefused) {
   const std::string long_path = "ok.json\n" + std::string(100'000, 'x');
   for (const auto& [text, words] : {std::pair("ok.json\nbad\x1b[2J.json\n", "list.txt:2: column 4"),
                                     std::pair("\xff.json\n", "list.txt:1: column 1"),
-                                    std::pair("# nothing\n\n", "names no case"),
+                                    std::pair("# nothing\n\n", "contains no case"),
                                     std::pair("{\n  \"kind\": \"sid\"\n}", "list.txt:1: is JSON"),
                                     std::pair(long_one.c_str(), "list.txt:1: is JSON"),
                                     std::pair(long_path.c_str(), "list.txt:2: has 100000 bytes")}) {
@@ -180,7 +180,7 @@ TEST_F(Batch, ADryRunSaysWhatEachWouldTakeAndRunsNothing) {
   EXPECT_EQ(some.exit_code, 65);
   EXPECT_THAT(some.out, AllOf(HasSubstr("bad: refused (exit code 65): "),
                               HasSubstr("chain: the run would take about ")));
-  EXPECT_THAT(some.err, HasSubstr("1 of 2 cases would be refused"));
+  EXPECT_THAT(some.err, HasSubstr("1 of 2 cases would be rejected"));
 }
 
 TEST_F(Batch, EveryCaseIsRunAsByItself) {

@@ -159,7 +159,7 @@ TEST_F(CheckpointParts, WithoutThemOrWithOthersARunIsRefused) {
   write("checkpoint-1.nc", test::bytes_of(directory_ / "checkpoint-0.nc"));
   refused("of another checkpoint");
   fs::remove(part);
-  refused("is not there");
+  refused("does not exist");
 }
 
 }  // namespace

@@ -345,7 +345,8 @@ TEST(CommandLine, AnExactRunCountsItsFullModelCalls) {
   EXPECT_EQ(blind["emulator"]["full_model_calls"]["validation"], 2 * 50);
   EXPECT_EQ(blind["emulator"]["check"]["draws"], 2000);
   EXPECT_TRUE(blind["emulator"]["check"]["moved"]);
-  EXPECT_THAT(blind["said"].get<std::string>(), HasSubstr("The emulator moved the answer"));
+  EXPECT_THAT(blind["said"].get<std::string>(),
+              HasSubstr("The emulator error changed the results"));
   const json exact =
       summary(R"({"sites": [1, 10], "multipliers": [0.4, 1.0], "holdout": 50, "exact": true})");
   const long full = exact["emulator"]["full_model_calls"]["likelihood"].get<long>();

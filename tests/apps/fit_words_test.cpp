@@ -26,18 +26,22 @@ TEST(FitWords, ResponsesOfOneKindShareASentence) {
           "11 % (correlation -0.50 at lag 4; with a chain of free cubic springs 3 %), and not "
           "noise. The intervals do not cover a model error of this size: add a model that explains "
           "more.",
-          "In the 100 samples after the window, every draw of the model misses \"a\" by 28 % of "
-          "the response, against 12 % inside and \"b\" by 25 % against 11 % inside: the model "
-          "describes the window, not the structure.",
-          StartsWith("In the 50 samples after the window, every draw of the model misses \"c\"")));
+          "In the 100 samples after the window, the response of every draw differs from \"a\" by "
+          "28 % "
+          "of the response, against 12 % within the window and \"b\" by 25 % against 11 % within "
+          "the "
+          "window: the model is valid within the window only.",
+          StartsWith("In the 50 samples after the window, the response of every draw differs from "
+                     "\"c\"")));
 }
 
 TEST(FitWords, TheHeadlineNamesTheFirst) {
   const FitVerdict verdict{.why = {misfit::Unexplained{"a", -0.28}, misfit::Unexplained{"b", 0.2}}};
   EXPECT_EQ(in_brief(verdict), "R² -0.28 for \"a\"");
-  EXPECT_THAT(in_words(verdict),
-              ElementsAre(StartsWith("The model misses most of \"a\" (R² -0.28) and \"b\" (R² "
-                                     "0.20), and the residual is not noise.")));
+  EXPECT_THAT(
+      in_words(verdict),
+      ElementsAre(StartsWith("The model does not explain most of \"a\" (R² -0.28) and \"b\" (R² "
+                             "0.20), and the residual is not noise.")));
 }
 
 // Fault: "6.1e+02 s".

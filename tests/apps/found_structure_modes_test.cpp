@@ -266,7 +266,7 @@ TEST(StructureCommand, MechanismsAndBucklingAreNamed) {
   expect_ends_with_65(loose, "/structure: is a mechanism: nothing resists");
   json buckled = portal_frame();
   buckled["structure"]["members"][2]["axial_force"] = -1e5;
-  expect_ends_with_65(buckled, "/structure: the axial forces exceed buckling");
+  expect_ends_with_65(buckled, "/structure: the axial forces exceed the buckling load");
 }
 
 TEST(StructureCommand, BeamAndStructureAreNotMixed) {

@@ -420,7 +420,7 @@ def failing_programs_are_named(runs, _):
     assert time.monotonic() - began < 60
     program("import os; os.kill(os.getpid(), 9)")
     fails("signal 9")
-    runs.fails(outside({"command": "./missing {in} {out}"}), 65, "missing", "is not there", options=["--allow-commands"])
+    runs.fails(outside({"command": "./missing {in} {out}"}), 65, "missing", "does not exist", options=["--allow-commands"])
     runs.fails(outside({"command": "./bad {in}"}), 65, "/predictor/command", "{out}")
     runs.fails(outside({"command": "./bad {in} {out}", "modle": 1}), 65, "/predictor/modle")
 

@@ -145,10 +145,10 @@ TEST_F(StructureHardInput, BucklingIsTheCases) {
   json c = bracket(kind(R"({"kind": "crack", "depth": {"uniform": [0.05, 0.5]},
                             "truth": [{"member": 1, "location": 0.5, "depth": 0.3}]})"));
   c["structure"]["members"][0]["axial_force"] = -1e9;
-  expect_refusal(c, "/structure", "exceed buckling");
+  expect_refusal(c, "/structure", "exceed the buckling load");
   c["structure"]["members"][0]["axial_force"] = -100;
   c["structure"].erase("supports");
-  expect_refusal(c, "/structure", "exceed buckling");
+  expect_refusal(c, "/structure", "exceed the buckling load");
 }
 
 // Before: exit 70, or an error about degrees of freedom without mass.

@@ -65,11 +65,13 @@ TEST(VerdictWords, OfEachReason) {
             "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(DrawsBeyondMixture{.model = 0, .share = 0.07, .visits = 27.3, .limit = 100.0}),
             "7 % of the draws of model 'one' lie outside the support of the global proposals, in "
-            "only 27 effective visits (must exceed 100): the chains may have missed as much again. "
+            "only 27 effective visits (must exceed 100): the chains may have missed a part of this "
+            "region. "
             "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(AnnealingDrawsBeyond{.model = 0, .annealed = 0.061, .drawn = 0.003}),
             "6.1 % of the SMC draws of model 'one' lie in a region with only 0.3 % of the chain "
-            "draws, and chains started there stay: the draws lack a part of its posterior. Run "
+            "draws, and chains that start there do not leave it: the draws lack a part of the "
+            "posterior. Run "
             "longer (--warmup, --draws).");
   EXPECT_EQ(
       sentence(ParameterDisagrees{.model = 1, .parameter = "a", .rhat = 1.23456, .limit = 1.01}),
@@ -82,7 +84,7 @@ TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(sentence(TooFewRoundTrips{.completed = 3, .limit = 10}),
             "The tempered replicas completed only 3 round trips between prior and posterior (10 "
             "are needed). Run longer (--warmup, --draws).");
-  EXPECT_EQ(sentence(StoppedEarly{}), "The run stopped early. Run it to its end.");
+  EXPECT_EQ(sentence(StoppedEarly{}), "The run stopped early. Let it run to the end.");
   EXPECT_EQ(sentence(QuickLook{}),
             "This is a quick run: posterior modes, their Laplace evidence and short chains, not a "
             "posterior. Run without --quick.");

@@ -89,8 +89,9 @@ TEST(DelimitedText, ErrorsNameFileLineColumnAndValue) {
       error("# c\na,b\n0,1\n#\n0,x y\n"),
       "t.csv, line 5, column 2 ('b'): 'x y' is not a number: leave the cell empty if it stands "
       "for a missing value, or do not read this column (\"role\": \"ignore\")");
-  EXPECT_EQ(error("a,b\n0,1\n0\n"),
-            "t.csv, line 3: 1 columns, must be 2 as in line 1: the last row is cut off; delete it");
+  EXPECT_EQ(
+      error("a,b\n0,1\n0\n"),
+      "t.csv, line 3: 1 columns, must be 2 as in line 1: the last row is truncated; delete it");
   EXPECT_EQ(error("a,b\n0,1\n0\n0,1\n"), "t.csv, line 3: 1 columns, must be 2 as in line 1");
   EXPECT_EQ(error("a,b\n0,1,2\n"),
             "t.csv, line 2: 3 columns, must be 2 as in line 1 (if that line holds no names, state "
@@ -105,8 +106,8 @@ TEST(DelimitedText, ErrorsNameFileLineColumnAndValue) {
   EXPECT_EQ(error("a,\"b\n0,1\n"),
             "t.csv, line 1, column 2: '\"b' has a quote that is not closed on its line");
   const std::string why =
-      ": no line holds numbers or times that are separated by commas, semicolons, tabs, bars or "
-      "blanks and stand without a unit. Export the table with one of these between columns";
+      ": no line has numbers or times without units that are separated by commas, semicolons, "
+      "tabs, bars or blanks. Export the table with one of these between columns";
   EXPECT_EQ(error("a,b\n"), "t.csv: no data" + why);
   EXPECT_EQ(error(""), "t.csv: no data");
   EXPECT_EQ(error("# nothing\n\n"), "t.csv: no data" + why);

@@ -118,7 +118,7 @@ TEST(Dxf, RejectsInvalidDrawings) {
   // A missing hole would make the section larger.
   std::string cut = drawing("0\nCIRCLE\n10\n1\n20\n0\n40\n1\n0\nCIRCLE\n10\n1\n20\n0\n40\n0.5\n");
   cut.erase(cut.rfind("0\nCIRCLE"));
-  expect_failure(cut, {"ENDSEC", "cut off"});
+  expect_failure(cut, {"ENDSEC", "truncated"});
 }
 
 TEST(Dxf, Units) {

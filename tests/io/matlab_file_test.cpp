@@ -270,7 +270,7 @@ TEST(MatlabFile, VariablesAreNotLostSilently) {
       return error.reason();
     }
   };
-  EXPECT_THAT(refusal(whole.substr(0, whole.size() - 8)), testing::HasSubstr("is cut off"));
+  EXPECT_THAT(refusal(whole.substr(0, whole.size() - 8)), testing::HasSubstr("is truncated"));
   int hit = 0;
   for (std::size_t first = 136; first < whole.size() - 16; first += 8) {
     if (whole.compare(first, 4, std::string("\x0e\0\0\0", 4)) != 0) continue;

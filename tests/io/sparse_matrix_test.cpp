@@ -75,8 +75,7 @@ TEST(MatrixMarket, RejectsInvalidTextWithItsLine) {
   expect_market_refused(head + "2 2 1\n1 1 nan\n", "'nan' must be a finite number");
   expect_market_refused(head + "2 2 1\n1 1\n", "has 2 numbers: must have 3");
   expect_market_refused(head + "2 2 2\n1 1 1\n", "ends after 1 of 2 entries");
-  expect_market_refused(head + "2 2 1\n1 1 1\n1 2 1\n",
-                        "line 4: more entries than the 1 announced");
+  expect_market_refused(head + "2 2 1\n1 1 1\n1 2 1\n", "line 4: more entries than the 1 declared");
   expect_market_refused("%%MatrixMarket matrix coordinate real symmetric\n2 2 1\n1 2 1\n",
                         "above the diagonal");
   expect_market_refused("%%MatrixMarket matrix coordinate real symmetric\n2 3 0\n", "as many rows");

@@ -88,7 +88,7 @@ TEST(StrongMotion, ReadsChannelsOfACsmipRecord) {
 TEST(StrongMotion, RejectsInvalidCsmipRecords) {
   EXPECT_THAT(fault("a,b\n1,2\n", parse_csmip), HasSubstr("volume 2"));
   EXPECT_THAT(fault(channel(1).substr(0, channel(1).find("9.00000  1")), parse_csmip),
-              HasSubstr("cut off"));
+              HasSubstr("truncated"));
   EXPECT_THAT(fault(" x points of accel data equally spaced at -1 sec\n", parse_csmip),
               HasSubstr("line 1"));
 }

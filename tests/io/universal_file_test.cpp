@@ -293,7 +293,7 @@ TEST(UniversalFile, RejectsInvalidFiles) {
   expect_refused("time,force\n0,1\n", "is not a universal file");
   expect_refused("", "is not a universal file");
   expect_refused(dataset_58(kReal, " 1.00000E+00 2.00000E+00\n"), "only 2 of 4 values");
-  expect_refused(dataset_58(kReal, "1 2 3 4 5\n"), "1 more values than were announced");
+  expect_refused(dataset_58(kReal, "1 2 3 4 5\n"), "1 more values than were declared");
   expect_refused(dataset_58(kReal, "1 2 three 4\n"), "line 14: 'three' is not a number");
   expect_refused(dataset_58("         3         4         1", "1 2 3 4\n"), "data type 3");
   expect_refused(dataset_58("         2        -4         1", ""), "negative number of points");

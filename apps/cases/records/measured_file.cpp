@@ -81,7 +81,7 @@ std::vector<std::string> oddities(const MeasuredTable& table, const MeasuredChan
         return "is constant " +
                std::string(q.dropouts.size() == 1 ? "once"
                                                   : std::to_string(q.dropouts.size()) + " times") +
-               " for longer than chance explains (" + base::fixed(found.value, 0) +
+               " for longer than expected by chance (" + base::fixed(found.value, 0) +
                " samples, from " +
                first_of(q.dropouts, [](const signals::Stretch& d) { return d.begin; }) +
                "): possible dropouts";
@@ -101,7 +101,7 @@ std::vector<std::string> oddities(const MeasuredTable& table, const MeasuredChan
                " standard deviations";
       case wander:
         return "wanders: the standard deviation of the means of twenty blocks is " +
-               in_sd(100.0 * found.value) + " % of its standard deviation";
+               in_sd(100.0 * found.value) + " % of that of all samples";
       case offset:
         return "has a DC offset of " + in_sd(found.value) + " standard deviations";
       case coarse:

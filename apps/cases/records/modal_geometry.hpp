@@ -33,13 +33,14 @@ struct Geometry {
 [[nodiscard]] Geometry geometry_of(const Report& json);
 
 /// Input of shapes.js: {"dimension", "drawing": {"points", "lines", "modes": [{"frequency_hz",
-/// "motions", "quadrature"}], "as"}}. A node moves by the minimum-norm displacement that agrees
-/// with its sensors. Each shape is rotated by principal_angle(), and its largest displacement is 1.
-/// Nodes without sensors, except fixed nodes, and the lines to them are drawn at rest only. Null if
-/// no sensor is at a node of the geometry.
+/// "motions", "quadrature"}], "as"}}. The displacement of a node is the one of minimum norm that
+/// agrees with its sensors. Each shape is rotated by principal_angle(), and its largest
+/// displacement is 1. Nodes without sensors, except fixed nodes, and the lines to them are drawn at
+/// rest only. Null if no sensor is at a node of the geometry.
 [[nodiscard]] Report modal_drawing(const Geometry& geometry, const MeasuredModes& modes);
 
-/// Rotation that makes a complex shape as real as possible: arg(Σ φ²)/2 over the measured entries.
+/// The phase by which a complex shape is rotated to minimise its imaginary part: arg(Σ φ²)/2 over
+/// the measured entries.
 [[nodiscard]] double principal_angle(const Eigen::Ref<const Eigen::VectorXcd>& shape);
 
 }  // namespace wheeltap::apps

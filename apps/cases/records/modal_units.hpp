@@ -23,7 +23,7 @@ struct StatedUnit {
 
 [[nodiscard]] StatedUnit parse_unit(const CaseFile& file, const Pointer& where);
 
-/// Whether `dimension` is a displacement, a velocity or an acceleration.
+/// True if `dimension` is a displacement, a velocity or an acceleration.
 [[nodiscard]] bool is_motion(signals::Dimension dimension);
 
 /// "displacement", "velocity" or "acceleration", as in cases.

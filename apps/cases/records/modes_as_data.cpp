@@ -103,7 +103,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   if (out.file.covariance.size() == 0)
     refuse_file(
         out, Pointer("/covariance"),
-        "is null: the identification method gave no uncertainty, which data need: identify the "
+        "is null: the identification method gave no uncertainty, but data need one: identify the "
         "modes with \"ssi-cov\", or give frequencies and their uncertainty in the case");
   for (Index i = 0; i < all; ++i)
     if (!(out.file.frequencies_hz[i] > 0.0))

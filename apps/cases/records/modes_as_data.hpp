@@ -15,15 +15,16 @@ struct TakenModes {
   std::vector<int> numbers = {};   ///< row of the data for each: 0 is mode 1
   std::vector<int> doubtful = {};  ///< doubtful rows of `file`, not used
 
-  /// A case of the file's name with {"sensors": [...]}, each with its node and direction; for
-  /// messages.
+  /// A case with the name of the file and {"sensors": [...]}, each with node and direction, for
+  /// error messages.
   [[nodiscard]] CaseFile sensors_as_case() const;
 };
 
 /// Reads the modes.json that "from" of the data block at `where` names. Uses the modes of "modes"
-/// (a list of numbers, or a count of the lowest), or all that are not doubtful. Each keeps its
-/// number, or has the number in "model_modes". Throws Failure: 66 for an unreadable file; 65 for
-/// another kind of file, for keys that the file replaces, and for modes that it lacks.
+/// (a list of numbers, or a count of the lowest), or all that are not doubtful. Each mode keeps its
+/// number, or gets the number in "model_modes". Throws Failure: 66 for an unreadable file; 65 for
+/// another type of file, for keys of the case that the file replaces, and for modes that the file
+/// does not contain.
 [[nodiscard]] TakenModes take_modes(const CaseFile& file, const Pointer& where);
 
 /// Fills in frequencies and real shapes with their covariances, for the channels of `out.sensors`;

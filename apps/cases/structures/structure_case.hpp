@@ -13,13 +13,13 @@ namespace wheeltap::apps {
 /// Largest number of degrees of freedom; computing the modes then takes one or two minutes.
 inline constexpr long long kMostDegreesOfFreedom = 300'000;
 
-/// Whether the case has a structure. Throws Failure for a case with a beam as well.
+/// True if the case has a structure. Throws Failure for a case with a beam as well.
 [[nodiscard]] bool has_structure(const CaseFile& file);
 
 /// Parses the structure and its parameters, of a case validated against the schema "structure".
 /// Appends sentences on section properties that members neglect to `remarks`. Throws Failure (65)
 /// for invalid values, with their place, and for too many degrees of freedom, with the memory
-/// needed; for files, throws like io::read_sparse_matrix.
+/// needed; also throws the exceptions of io::read_sparse_matrix.
 [[nodiscard]] identification::StructureModel parse_structure(
     const CaseFile& file, std::vector<std::string>* remarks = nullptr);
 

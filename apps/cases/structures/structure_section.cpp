@@ -230,9 +230,10 @@ class SectionParser {
     PieceSection out;
     if (space_ && std::abs(i.yz) > kPrincipal * std::max(i.yy, i.zz)) {
       const double angle = fem::principal_axes(i).angle;
-      file_.refuse(where_, "its axes y and z are not principal: they are " + plain_number(angle) +
-                               " rad off; draw it about its principal axes, and turn the members' "
-                               "\"up\" by as much");
+      file_.refuse(where_, "its axes y and z are not principal axes: they are rotated by " +
+                               plain_number(angle) +
+                               " rad. Draw the outline about its principal axes, and rotate "
+                               "\"up\" of the members by the same angle");
     }
     const double gyration = std::sqrt((i.yy + i.zz) / p.area);
     if (space_ && p.shear_centre.norm() > kCentred * gyration)

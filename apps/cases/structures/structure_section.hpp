@@ -29,7 +29,7 @@ struct PieceSection {
 
 /// Parses the section at `where`: a shape with sizes, an outline, or stiffnesses. For shapes,
 /// bending is exact and shear is Cowper's; torsion is exact for rectangles, circles and tubes.
-/// Other properties need one mesh, so that the sizes must be numbers. Throws Failure.
+/// Other properties are computed on one mesh, so the sizes must be numbers. Throws Failure.
 [[nodiscard]] PieceSection parse_piece_section(const CaseFile& file, const Pointer& where,
                                                const MaterialCoefficients& material, int dimension,
                                                StructureParameters& parameters);

@@ -14,8 +14,8 @@ struct Complaint {
 };
 
 /// The first fault of `json` by the rules of `schema_name` (schema(schema_name) is `rules`), in
-/// terms of engineering; empty if there is no fault. If a correction satisfies the rules, the
-/// message ends with it.
+/// engineering terms; empty if there is no fault. If a correction is found that satisfies the
+/// rules, the message ends with it.
 [[nodiscard]] std::optional<Complaint> first_complaint(const Json& rules,
                                                        const std::string& schema_name,
                                                        const Json& json);

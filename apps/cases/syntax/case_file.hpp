@@ -22,7 +22,7 @@ using Pointer = Json::json_pointer;
 struct CaseFile {
   std::filesystem::path path;
   Json json;
-  /// Place of /record in the file; differs for one of several records.
+  /// Place of /record in the file, which is different if there are several records.
   std::string record_place = "/record";
   /// Files resolved so far, with their fingerprints. Copies share the list.
   std::shared_ptr<InputFiles> inputs = std::make_shared<InputFiles>();
@@ -65,7 +65,8 @@ void validate_against_schema(CaseFile& file, std::string_view schema_name);
 /// "a, b, c", or "none".
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
-/// A text unchanged; another value as JSON, e.g. a column's number.
+/// A value as text: texts are unchanged, other values are converted to JSON, e.g. a column's
+/// number.
 [[nodiscard]] std::string text_or_number(const Json& value);
 
 }  // namespace wheeltap::apps

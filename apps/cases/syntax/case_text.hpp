@@ -1,4 +1,4 @@
-// A case from text in memory.
+// Parses a case from a text in memory.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"

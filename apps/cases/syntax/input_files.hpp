@@ -14,10 +14,10 @@ namespace wheeltap::apps {
 class InputFiles {
  public:
   /// Records the content of a regular file under its name in the case, once. Ignores missing files
-  /// and other kinds of file, whose reader reports the error.
+  /// and files of other types; the reader of such a file reports the error.
   void add(const std::string& name, const std::filesystem::path& path);
 
-  /// A list without names, which shares the fingerprints of files already read.
+  /// An empty list that shares the fingerprints of files already read.
   [[nodiscard]] InputFiles emptied() const;
 
   /// {"record.csv": {"bytes": 1234, "checksum": "0123456789abcdef"}, …}, by name.

@@ -16,8 +16,8 @@ struct KeyPlace {
   std::vector<std::string> kinds = {};  ///< kinds of case
 };
 
-/// The places of these kinds of case (schema_names), in the order of the schemas. Kinds that give a
-/// place the same meaning share one entry.
+/// The places of these kinds of case (schema_names), in the order of the schemas. Kinds of case in
+/// which a place has the same meaning share one entry.
 [[nodiscard]] std::vector<KeyPlace> key_places(const std::vector<std::string>& kinds);
 
 }  // namespace wheeltap::apps

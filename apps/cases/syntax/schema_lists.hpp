@@ -101,7 +101,8 @@ void add_defects(AnyJson& rules) {
 }
 
 /// Replaces "x-list": "interpolants" in `rules` by an "enum" of their names, and adds to the
-/// description which runs each is for. `AnyJson` is Json, or the type that keeps the order of keys.
+/// description the type of runs for each interpolant. `AnyJson` is Json, or the type that keeps the
+/// order of keys.
 template <class AnyJson>
 void fill_lists(AnyJson& rules) {
   using Runs = emulator::InterpolantType::Runs;

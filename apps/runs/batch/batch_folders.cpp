@@ -28,9 +28,10 @@ BatchFolders::BatchFolders(fs::path folder, bool resume)
     : folder_(std::move(folder)), taken_{kBatchTable, kBatchFolders} {
   const fs::path path = folder_ / kBatchFolders;
   if (!fs::exists(path)) return;
-  const io::FileError not_ours(io::FileError::Kind::foreign, path,
-                               "is in the way: it is not the list of folders of a batch; remove it "
-                               "or choose another folder");
+  const io::FileError not_ours(
+      io::FileError::Kind::foreign, path,
+      "exists already and is not the list of folders of a batch; remove it "
+      "or choose another folder");
   const Report kept = Report::parse(io::read_bytes(path), nullptr, false);
   try {
     if (kept.at("format") != kFormat) throw not_ours;

@@ -21,8 +21,9 @@ class BatchFolders {
   /// a batch, and does not overwrite it.
   BatchFolders(std::filesystem::path folder, bool resume);
 
-  /// Sets name and place. The n-th occurrence of a path has the n-th folder of this path; without
-  /// one, a new folder: the stem of its file, with "-2", "-3", … if that is taken.
+  /// Sets name and place. The n-th occurrence of a path gets the n-th stored folder of this path.
+  /// If there is none, it gets a new folder, named as the file without extension, with "-2", "-3",
+  /// … if this name is in use.
   void give(BatchCase& one);
 
   /// Writes batch.json. Throws io::FileError (unwritable).

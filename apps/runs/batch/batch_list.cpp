@@ -53,7 +53,7 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
     cases.push_back({.path = path});
   }
   if (cases.empty()) {
-    throw Failure(Exit::bad_input, list.string() + ": names no case: write one path per line");
+    throw Failure(Exit::bad_input, list.string() + ": contains no case: write one path per line");
   }
   return cases;
 }

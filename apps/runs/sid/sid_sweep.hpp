@@ -9,7 +9,7 @@
 namespace wheeltap::apps {
 
 /// Runs the case for each value of its sweep, prints one line per value, and writes sweep.csv,
-/// summary.json and report.html. Until then, sweep.rows keeps the finished rows; with
+/// summary.json and report.html. During the sweep, sweep.rows stores the finished rows; with
 /// `common.resume` they are not run again. An interrupted sweep writes the files with its finished
 /// rows, unless files of a complete sweep exist. Throws Failure.
 void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,

@@ -42,7 +42,7 @@ SweepJournal::SweepJournal(std::filesystem::path path, std::string_view identity
     const bool begun = header.starts_with(text);  // killed within the first line
     if (!begun && !text.starts_with(kMagic)) {
       fail(path_,
-           "is in the way: it is not the journal of a sweep, and Wheeltap does not overwrite it; "
+           "exists already and is not the journal of a sweep, and Wheeltap does not overwrite it; "
            "remove it or choose another folder");
     }
     if (resume && !begun && !text.starts_with(header)) {

@@ -12,7 +12,7 @@ namespace wheeltap::fem {
 ///   c = 6 π (h / E I) J(a/h),   J(x) = ∫₀ˣ s F(s)² ds  [rad/(N·m)],
 ///
 /// from Castigliano's theorem and the stress intensity K = σ √(π a) F(a/h) of an edge crack in
-/// bending. This is for plane stress; in plane strain c is (1 - ν²) times this value.
+/// bending. This value is for plane stress; for plane strain, c is (1 - ν²) times this value.
 struct CrackLaw {
   std::string_view name;                   ///< name in a case file
   std::string_view source;                 ///< paper, section
@@ -24,7 +24,7 @@ struct CrackLaw {
 /// "tada-plane-strain", and "ostachowicz-krawczuk" (J as a polynomial to s⁸). The first is the
 /// default.
 [[nodiscard]] std::span<const CrackLaw> crack_laws();
-/// nullptr if there is no model of this name.
+/// The crack model with this name; nullptr if there is none.
 [[nodiscard]] const CrackLaw* find_crack_law(std::string_view name);
 
 /// c [rad/(N·m)] for depth ratio a/h in [0, 1), height h [m], bending stiffness EI [N·m²]. Throws

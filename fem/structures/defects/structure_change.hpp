@@ -18,12 +18,13 @@ struct StructureChange {
     std::vector<std::pair<int, double>> direction;  ///< rows of `Discretisation::strains`, v
     double remaining = 1.0;                         ///< q in (0, 1]
   };
-  /// K gains k r rᵀ, where r · u is a motion; k = ∞ holds it.
+  /// A spring adds k r rᵀ to K, where r · u is the motion that it restrains; k = ∞ restrains it
+  /// rigidly.
   struct Spring {
     SparseRow motion;
     double stiffness;  ///< k [N/m], [N·m/rad]
   };
-  /// M gains μ r rᵀ, where r · u is a motion. M must remain positive (semi)definite.
+  /// A mass adds μ r rᵀ to M, where r · u is its motion. M must remain positive (semi)definite.
   struct Mass {
     SparseRow motion;
     double mass;  ///< μ [kg], [kg·m²]; negative for removed mass
@@ -46,25 +47,25 @@ struct StructureChange {
   }
 };
 
-/// A change that gives no valid structure: it removes more mass than there is, or so much stiffness
-/// that compressed members buckle.
+/// The error for a change after which no valid structure exists: it removes more mass than there
+/// is, or so much stiffness that compressed members buckle.
 class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// Combines softenings of the same strain into one with the product of their remaining stiffnesses;
-/// likewise scalings of the same part.
+/// Combines softenings of the same strain, and scalings of the same part, into one with the product
+/// of their remaining stiffnesses.
 void compound(StructureChange& change);
 
-/// Applies the changes to the discretisation: the reference for the reanalysis. Eliminates the
-/// degrees of freedom that rigid springs hold, and transforms `motions` of d to the remaining
-/// degrees of freedom. Throws std::invalid_argument like `StructureReanalysis::solve`,
+/// Applies the changes to the discretisation; the result is the reference for the reanalysis.
+/// Eliminates the degrees of freedom that rigid springs restrain, and expresses `motions` in the
+/// remaining degrees of freedom. Throws std::invalid_argument like `StructureReanalysis::solve`,
 /// ImpossibleChange if more mass is removed than there is.
 [[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change,
                                      std::span<SparseRow> motions = {});
 
-/// Throws ImpossibleChange if the changed M is indefinite, that is if L D Lᵀ of M has a negative D.
-/// Returns at once if no mass is removed.
+/// Throws ImpossibleChange if the changed M is indefinite, that is if D of M = L D Lᵀ has a
+/// negative entry. Does nothing if no mass is removed.
 void require_mass_left(const Discretisation& d, const StructureChange& change);
 
 /// Throws std::invalid_argument for q outside (0, 1], k <= 0, masses that are not finite, and

@@ -10,14 +10,16 @@
 namespace wheeltap::fem {
 
 struct StructureDefects {
-  /// The element that contains `at` keeps 1 - r of its stiffness in every strain.
+  /// A stiffness reduction of one element: the element that contains `at` keeps the share 1 - r of
+  /// its stiffness in every strain.
   struct ElementReduction {
     int member;
     double at;         ///< [m] from the member's first end
     double reduction;  ///< r in [0, 1)
   };
-  /// From `from` to `to`, as far as this lies on the member, the member keeps 1 - r of its
-  /// stiffness in every strain. Overlapping reductions multiply, (1 - r₁)(1 - r₂).
+  /// A stiffness reduction of a segment: from `from` to `to`, within the ends of the member, the
+  /// member keeps the share 1 - r of its stiffness in every strain. Overlapping reductions
+  /// multiply, (1 - r₁)(1 - r₂).
   struct Reduction {
     int member;
     double from, to;   ///< [m] from the member's first end
@@ -30,10 +32,10 @@ struct StructureDefects {
     double depth;  ///< a/h in [0, 1)
     const CrackLaw* law;
   };
-  /// A loose joint or rotational support. If there are springs (member ends with a finite
-  /// stiffness, rotational springs to ground), each keeps 1 - r of its stiffness. Otherwise every
-  /// rigidly joined end keeps a fixity of 1 - r: it rotates by r / (1 - r) · L / (3 E I) per moment
-  /// (Monforton & Wu 1963).
+  /// A loose joint or rotational support. If the joint has springs (member ends with a finite
+  /// stiffness, rotational springs to ground), each spring keeps the share 1 - r of its stiffness.
+  /// Otherwise every rigidly joined end gets the fixity 1 - r, that is a rotation of r / (1 - r) ·
+  /// L / (3 E I) per unit of moment (Monforton & Wu 1963).
   struct LooseJoint {
     int node;
     double reduction;  ///< r in [0, 1)
@@ -60,9 +62,9 @@ struct StructureDefects {
   std::vector<AddedSupport> supports = {};
 };
 
-/// Reductions, cracks and loose ends add flexibility to an element's strains: with stresses t, the
-/// strains are (I + ΔF) t. A bending moment is M(ξ) = v(ξ) · t on the element's constant moment and
-/// constant shear force,
+/// Reductions, cracks and loose ends add flexibility to the strains of an element: for stresses t,
+/// the strains are (I + ΔF) t. A bending moment is M(ξ) = v(ξ) · t on the element's constant moment
+/// and constant shear force,
 ///
 ///   v = (√(EI/l), √(12 EI / (l (1 + Φ))) (ξ - ½)).
 ///
@@ -70,9 +72,9 @@ struct StructureDefects {
 /// dx / EI, with its share of shear. The eigenvectors of I + ΔF are the directions of
 /// StructureChange::Softening; the inverses of its eigenvalues are the remaining stiffnesses.
 ///
-/// The kink θ = c v · t of a hinge also moves the element's mass: by g(x) θ, where g = (x - x₀)₊
-/// minus its interpolation by the element, which follows statically. With θ = p · Bu this gives M +
-/// m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g': a positive and a negative mass.
+/// The rotation θ = c v · t of a hinge also moves the mass of the element, by g(x) θ, where g is (x
+/// - x₀)₊ minus its interpolation by the shape functions. With θ = p · Bu this gives M + m pᵀB +
+/// Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g': a positive and a negative mass.
 ///
 /// Throws std::invalid_argument for places outside a member and values out of range. `change` is
 /// the initial change; softenings of the same strain multiply.

@@ -32,23 +32,25 @@ struct ParametricModesOptions {
 ///
 ///   η = ‖r‖_(K + σM)⁻¹ / √(λ + σ)  ≤  ‖r‖_(K₀ + σM)⁻¹ / √(α (λ + σ))
 ///
-/// bounds the relative error of 1/(λ + σ) (Weinstein; low-rank terms are added to K₀ exactly). So
-/// does η²/gap (Temple and Kato), where gap is the relative distance to the rest of the spectrum.
-/// Modes closer than `kCluster` share the bound of their common subspace (Mathias 1998, theorem 1):
-/// Σ η² / gap. σ = 0 unless there are rigid-body motions. The sine of the angle between a shape and
-/// the true one is at most η/gap. If the bounds exceed the tolerances, the full structure is solved
-/// (structure_modes).
+/// bounds the relative error of 1/(λ + σ) (Weinstein; low-rank terms are added to K₀ exactly). A
+/// second bound is η²/gap (Temple and Kato), where gap is the relative distance to the rest of the
+/// spectrum. Modes closer than `kCluster` share the bound of their common subspace (Mathias 1998,
+/// theorem 1): Σ η² / gap. σ = 0 unless there are rigid-body motions. The sine of the angle between
+/// a shape and the true one is at most η/gap. If a bound exceeds its tolerance, structure_modes
+/// solves the full structure.
 ///
-/// The bounds prove that a mode lies near each result, not that no mode is missing. Sturm counts
-/// check that at every training point during training, not at each later call. Degrees of freedom
-/// without mass need no special treatment, because V includes how they follow.
+/// The bounds prove that a mode lies near each result; they do not prove that no mode is missing.
+/// For that, Sturm counts check every training point during the training; later calls are not
+/// checked. Degrees of freedom without mass need no special treatment, because V includes their
+/// static response.
 ///
 /// Immutable after construction; each thread needs its own workspace.
 class ParametricModes {
  public:
   class Workspace;
 
-  /// `training`: values of θ, for example draws from the prior. Throws as `structure_modes` at θ₀.
+  /// `training`: values of θ, for example draws from the prior. Throws the exceptions of
+  /// `structure_modes` at θ₀.
   ParametricModes(std::shared_ptr<const ParametricStructure> structure,
                   const std::vector<std::vector<double>>& training, ParametricModesOptions options);
   ~ParametricModes();
@@ -62,8 +64,8 @@ class ParametricModes {
     Eigen::VectorXd
         shape_bounds;      ///< bounds of the sines of the angles between computed and true shapes
     bool in_full = false;  ///< true if solved without the basis
-    /// Modal stiffnesses φ_jᵀ K_p φ_k of the pieces p, modes × modes each, then their changes with
-    /// errors of the losses by damage in each piece; empty unless requested.
+    /// Modal stiffnesses φ_jᵀ K_p φ_k of the pieces p, modes × modes each; then their derivatives
+    /// to errors of the stiffness loss by damage in each piece. Empty unless requested.
     std::vector<Eigen::MatrixXd> pieces = {};
   };
   /// ∂λ/∂θ: modes × parameters; ∂shapes/∂θ_j: motions × modes each.
@@ -73,7 +75,7 @@ class ParametricModes {
   };
 
   [[nodiscard]] Workspace make_workspace() const;
-  /// Throws like `family.at` and `structure_modes` if there is no structure at θ.
+  /// Throws the exceptions of `family.at` and `structure_modes` if there is no structure at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Solves with derivatives: of eigenvalues by ∂λ = φᵀ(∂K - λ ∂M)φ, of shapes by Nelson (1976) in
   /// the basis. Returns false without derivatives if the matrices are not affine in θ, the full

@@ -21,14 +21,14 @@ struct StructureFamily {
   std::function<std::vector<double>(std::span<const double>)> scales = {};
 };
 
-/// K(θ) = Σ_t q_t(θ) K_t and M(θ), with q_t(θ₀) = 1. Strains that keep their direction and change
-/// stiffness by the same factor form one term, and so does each part of matrices. Terms have any
-/// rank.
+/// K(θ) = Σ_t q_t(θ) K_t and M(θ), with q_t(θ₀) = 1. Strains that keep their direction and whose
+/// stiffness changes by the same factor form one term; each part of a K given as matrices is a
+/// term. A term may have any rank.
 ///
 /// If all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t, so bounds of K(θ₀)⁻¹ give
 /// bounds of K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
 /// Low-rank terms K_t = C_t C_tᵀ, for example springs, may change by orders of magnitude without
-/// weakening this bound. With α taken over the other terms only,
+/// weakening this bound. With α the minimum over the other terms only,
 ///
 ///   K(θ) ≽ α (K(θ₀) + Σ (q_t/α - 1) C_t C_tᵀ).
 class ParametricStructure {
@@ -41,8 +41,8 @@ class ParametricStructure {
     general  ///< neither
   };
 
-  /// `samples`: values of θ, for example of the prior. The form is tested to 1e-10 at the first 12
-  /// at which there is a structure. Throws as `family.at` at θ₀.
+  /// `samples`: values of θ, for example of the prior. The decomposition is verified to 1e-10 at
+  /// the first 12 samples at which a structure exists. Throws the exceptions of `family.at` at θ₀.
   ParametricStructure(StructureFamily family, std::span<const std::vector<double>> samples);
 
   /// The matrices at one θ.
@@ -54,12 +54,12 @@ class ParametricStructure {
     /// q_t/α - 1 of each column of `low_rank()`, where α is at most 1.
     Eigen::VectorXd excess = {};
   };
-  /// Throws as `family.at`.
+  /// Throws the exceptions of `family.at`.
   [[nodiscard]] Point at(std::span<const double> theta) const;
   /// K(θ) u and M(θ) u for the columns u, with K from the strains.
   [[nodiscard]] Eigen::MatrixXd stiffness_times(const Point& point, const Eigen::MatrixXd& u) const;
   [[nodiscard]] Eigen::MatrixXd mass_times(const Point& point, const Eigen::MatrixXd& u) const;
-  /// Throws as `family.at`.
+  /// Throws the exceptions of `family.at`.
   [[nodiscard]] Discretisation assemble(std::span<const double> theta) const {
     return family_.at(theta);
   }

@@ -240,9 +240,10 @@ void refuse_unresisted(const Discretisation& d, const Ritz& ritz) {
     const bool compressed =
         std::ranges::any_of(d.strains, [](const Strain& s) { return s.factor < 0.0; });
     if (ritz.values[i] < -1e-12 * all && compressed)
-      throw InvalidStructure(Part::members, 0,
-                             "the axial forces exceed buckling: a motion largest at " +
-                                 motion_in_words(d, shape) + " has negative stiffness");
+      throw InvalidStructure(
+          Part::members, 0,
+          "the axial forces exceed the buckling load: a motion that is largest at " +
+              motion_in_words(d, shape) + " has negative stiffness");
     if (ritz.values[i] < -1e-12 * all && d.rest.nonZeros() > 0)
       throw InvalidStructure(
           Part::whole, 0,

@@ -15,8 +15,8 @@ struct StructureModes {
   /// n × modes: mass-normalised, φᵀ M φ = 1; the largest motion is positive.
   Eigen::MatrixXd shapes;
   int rigid_body_modes = 0;
-  /// ‖K φ - λ M φ‖ in the norm of K⁻¹, divided by √λ. By Temple's bound the relative distance of λ
-  /// to an eigenvalue is at most its square times λ / gap.
+  /// ‖K φ - λ M φ‖ in the norm of K⁻¹, divided by √λ. By Temple's bound, the relative distance of λ
+  /// to an eigenvalue is at most λ / gap times the square of the scaled residual.
   Eigen::VectorXd residuals;
   /// True if no mode is missing: a Sturm count in a gap above the last mode found confirms the
   /// number of modes, or these are all modes of the structure.
@@ -25,14 +25,14 @@ struct StructureModes {
 };
 
 /// The number of modes: the rank of M in the free degrees of freedom. Massless degrees of freedom
-/// follow the others statically, which is exact.
+/// follow exactly from the others by statics.
 [[nodiscard]] Eigen::Index mode_count(const Discretisation& d);
 
 /// Shift-and-invert Lanczos (Spectra) or a dense solver finds approximate modes. Rounding of the
 /// assembled and factored matrices (λ_max / λ times that of double) leaves errors in the low modes.
-/// A Rayleigh-Ritz step on the modes and their residuals, both from the strains, removes them. A
-/// Sturm count by L D Lᵀ detects a missing mode, for example one of a close pair. The search then
-/// continues among vectors orthogonal to the modes found.
+/// A Rayleigh-Ritz step on the modes and their residuals, both computed from the strains, removes
+/// these errors. A Sturm count by L D Lᵀ detects a missing mode, for example one of two close
+/// modes; the search then continues among vectors orthogonal to the modes found.
 ///
 /// Throws std::invalid_argument for more modes than there are. Throws InvalidStructure for axial
 /// forces beyond buckling and for a mechanism, which it names: a motion with mass but without

@@ -11,13 +11,14 @@ namespace wheeltap::fem {
 ///
 ///   X ← (K + σ M)⁻¹ M X,   starting from the modes of the structure given to the constructor,
 ///
-/// until no wanted eigenvalue changes by more than `tolerance`, relative. Errors shrink by
-/// (λ_wanted/λ_beyond)² per step; the block has twice the wanted number of vectors, at least 8
-/// more. σ = 0 unless there are rigid-body motions. Up to `kDense` degrees of freedom K is factored
-/// densely without iteration. Degrees of freedom without mass are allowed.
+/// until the relative change of all requested eigenvalues is below `tolerance`. Each step reduces
+/// errors by the factor (λ_requested/λ_next)², where λ_next is the lowest eigenvalue outside the
+/// block. The block has twice as many vectors as requested modes, and at least 8 more. σ = 0 unless
+/// there are rigid-body motions. Up to `kDense` degrees of freedom K is factored densely without
+/// iteration. Degrees of freedom without mass are allowed.
 ///
-/// This class does not check for missing modes: see `eigenvalues_below`. Immutable after
-/// construction; results depend only on the arguments.
+/// This class does not check for missing modes; use `eigenvalues_below` for that. It is immutable
+/// after construction, and results depend only on the arguments.
 class SubspaceModes {
  public:
   static constexpr int kDense = 40;
@@ -27,7 +28,7 @@ class SubspaceModes {
     double tolerance = 1e-8;  ///< relative change of an eigenvalue
     int most_steps = 60;
   };
-  /// Throws as `structure_modes`.
+  /// Throws the exceptions of `structure_modes`.
   SubspaceModes(const Discretisation& first, const Options& options);
 
   struct Found {
@@ -35,9 +36,9 @@ class SubspaceModes {
     Eigen::MatrixXd shapes = {};       ///< n × modes, mass-normalised
     int steps = 0;                     ///< iteration steps; 0: dense
   };
-  /// Solves a structure with the same degrees of freedom; with other degrees of freedom it is
-  /// solved in full. Returns false if K is not positive definite apart from its rigid motions, or
-  /// if the iteration does not converge.
+  /// Solves for the modes of a structure. If its degrees of freedom differ from those of the first
+  /// structure, the full problem is solved. Returns false if K is not positive definite apart from
+  /// its rigid motions, or if the iteration does not converge.
   bool solve(const Discretisation& d, Found& out) const;
 
  private:

@@ -1,4 +1,4 @@
-// Changes of a structure as columns of the secular problem. Internal to its reanalysis.
+// Represents changes of a structure as columns of the secular problem. Internal to the reanalysis.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 
 namespace wheeltap::fem::detail {
 
-/// Like `DefectColumns`, for springs, floating masses and softenings. `ResidualModes` replace the
-/// modes that are not kept.
+/// The counterpart of `DefectColumns` for springs, floating masses and softenings. `ResidualModes`
+/// replace the modes that are not kept.
 class ChangeColumns {
  public:
   /// Throws ImpossibleChange.
@@ -21,7 +21,7 @@ class ChangeColumns {
   [[nodiscard]] int count() const {
     return stride == 0 ? 0 : static_cast<int>(columns.size() / stride);
   }
-  /// The motion in each kept mode, then in each residual mode.
+  /// Writes the component of a motion in each kept mode, then in each residual mode.
   void observe(const IntactStructure& intact, const SparseRow& row, double* out) const;
   /// Upper bound on the relative distance by which a root of the structure with residual modes
   /// exceeds that of the whole structure; ∞ if no bound exists. `next`: the lowest eigenvalue that

@@ -15,7 +15,8 @@
 namespace wheeltap::fem::detail {
 
 /// Added springs and removed masses may raise root i up to intact eigenvalue i + their number. Up
-/// to these numbers, S uses a short sum over the near modes; beyond, the sum over all modes.
+/// to the largest of these numbers, S uses a short sum over the near modes; above it, the sum over
+/// all modes.
 inline constexpr std::array kLifting = {0, 8, 16, 32, 64};
 /// λ of a massless motion, relative to the lowest elastic eigenvalue; only its static part matters.
 inline constexpr double kStaticOnly = 1e30;
@@ -37,7 +38,7 @@ struct IntactStructure {
   std::unique_ptr<const ResidualFlexibility> residual;  // sum over the modes not kept
   double next = 0.0;  // the lowest eigenvalue of the modes that are not kept
 
-  /// Throws like the constructor of StructureReanalysis.
+  /// Throws the exceptions of the constructor of StructureReanalysis.
   IntactStructure(std::shared_ptr<const Discretisation> given, int wanted_modes, int kept_modes);
 
   /// The window for changes that raise root i up to intact eigenvalue i + `lifting`.

@@ -31,9 +31,9 @@ namespace wheeltap::fem {
 ///         + Σ_{i <= n} (Σ_{k <= i} Q_k r_{i-k} - Φ_E α_i)ᵀ r_{n-i}'.
 ///
 /// The first term applies if both forms are on one part; primes mark the second form. Only Q_n
-/// needs solutions of the whole structure. Its large parts are removed beforehand, so that nothing
-/// cancels. Q_n is computed for kBatch degrees of freedom at a time: for all at once if they are
-/// few, otherwise on request.
+/// requires solutions of the whole structure. The large contributions to it are subtracted in
+/// advance, so that there is no cancellation. Q_n is computed for batches of kBatch degrees of
+/// freedom: at construction if there are few, otherwise on request.
 ///
 /// Any number of threads may share the object; results do not depend on the order of requests. The
 /// cache holds `memory` bytes and drops the least recently used values.
@@ -71,8 +71,8 @@ class ResidualFlexibility {
 ///
 ///   [R₀ R₁; R₁ R₂] y = θ [R₁ R₂; R₂ R₃] y.
 ///
-/// Together with the kept modes they form a constrained structure. Its frequencies, with or without
-/// changes along these forms, are not below those of the whole structure. (Block Gauss quadrature
+/// Together with the kept modes they form a constrained structure. Its frequencies are never below
+/// those of the whole structure, with or without changes along these forms. (Block Gauss quadrature
 /// of the sum over the other modes; Golub & Meurant 2010, Matrices, Moments and Quadrature,
 /// chapters 4 and 6.)
 struct ResidualModes {

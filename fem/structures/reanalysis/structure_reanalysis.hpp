@@ -8,9 +8,9 @@
 
 namespace wheeltap::fem {
 
-/// The method is that of `Reanalysis` for beams. With the columns of C spanning the changes, the
-/// eigenvalues are the roots of a small secular problem. The same kernels evaluate it, and its
-/// inertia counts the eigenvalues.
+/// The method is that of `Reanalysis` for beams. If the columns of C span the changes, the
+/// eigenvalues are the roots of a small secular problem. The kernels of the beam reanalysis
+/// evaluate it, and its inertia counts the eigenvalues.
 ///
 /// A softening is a column Bᵀv with Γ = 1 - q, a spring is one with Γ = -k. An added mass has Γ⁻¹
 /// = 1/(λ μ): a mass μ that floats freely beside the structure (a mode at λ = 0 with motion 1/√μ)
@@ -23,9 +23,9 @@ namespace wheeltap::fem {
 ///
 /// Larger structures keep the lowest p modes. Two further modes per column (`ResidualModes`) match
 /// the residual flexibility along the changes up to λ³. The frequencies are those of a constrained
-/// structure and not below the true ones. A count in S minus the largest possible contribution of
-/// the omitted modes bounds the error. If that bound exceeds 1e-6, the changed structure is solved
-/// in full. Shapes remain those of the constrained structure.
+/// structure, so they are not below the true ones. To bound the error, eigenvalues are counted by S
+/// minus the largest possible contribution of the omitted modes. If that bound exceeds 1e-6, the
+/// changed structure is solved in full. Shapes remain those of the constrained structure.
 ///
 /// Any number of threads may share the object, each with its own workspace.
 class StructureReanalysis {
@@ -43,8 +43,8 @@ class StructureReanalysis {
   }
 
   /// `modes`: the largest number of lowest frequencies that can be requested, rigid-body modes
-  /// included. `kept`: number of modes to keep, 0 for `kept_modes`. Throws like `structure_modes`;
-  /// std::invalid_argument if a mode may be missing among those kept.
+  /// included. `kept`: number of modes to keep, 0 for `kept_modes`. Throws the exceptions of
+  /// `structure_modes`, and std::invalid_argument if a mode may be missing among the kept ones.
   StructureReanalysis(std::shared_ptr<const Discretisation> discretisation, int modes,
                       int kept = 0);
   ~StructureReanalysis();
@@ -57,7 +57,8 @@ class StructureReanalysis {
   [[nodiscard]] std::span<const double> intact_frequencies_hz() const;
   [[nodiscard]] const Discretisation& discretisation() const;
 
-  /// Output of `solve`; empty spans are not computed. Row-major, one row per mode.
+  /// Output of `solve`. Results with an empty span are not computed. Matrices are row-major, with
+  /// one row per mode.
   struct Results {
     std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
     /// n × motions: components of the mass-normalised shapes of the changed structure.

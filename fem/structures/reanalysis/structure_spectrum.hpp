@@ -17,7 +17,7 @@ struct StructureSpectrum {
 
 /// Solves M φ = μ (K + u M) φ, whose largest μ are the lowest modes, in O(n³). Uses long double up
 /// to `kWideSpectrum` degrees of freedom. Beyond, it uses double and refines the `refined` lowest
-/// modes like `structure_modes`. Massless motions are condensed exactly. Throws as
+/// modes like `structure_modes`. Massless motions are condensed exactly. Throws the exceptions of
 /// `structure_modes`.
 inline constexpr int kWideSpectrum = 700;
 [[nodiscard]] StructureSpectrum structure_spectrum(const Discretisation& d, int refined);

@@ -1,4 +1,5 @@
-// The residual of a chain with free cubic springs: the reference for models with small residuals.
+// Computes the residual of a chain with free cubic springs, as a reference for models with small
+// residuals.
 #pragma once
 
 #include <span>
@@ -15,8 +16,8 @@ namespace wheeltap::identification {
 ///
 /// The four coefficients per link minimise the sum over responses of the squared ratio, by
 /// Levenberg & Marquardt's method (Moré 1978) from zero. A local minimum is an upper bound of the
-/// smallest residual. Empty if the model's response fails, a response is constant, or the chain has
-/// too many laws to integrate with these.
+/// smallest residual. The result is empty if the simulation of the model fails, a response is
+/// constant, or the chain has too many laws for the integrator.
 [[nodiscard]] std::vector<double> free_cubic_residual(const SidProblem& problem, int model,
                                                       std::span<const double> theta);
 

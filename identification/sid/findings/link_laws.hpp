@@ -23,7 +23,8 @@ struct LinkCurve {
                                                               const inference::Posterior& posterior,
                                                               int model);
 
-/// A link's law averaged over the models: weighted draws of all models, each with its own laws.
+/// A link's law averaged over the models: computed from weighted draws of all models, each with the
+/// laws of its model.
 struct LinkLaw {
   LinkCurve at_rest;  ///< over the extensions at the posterior mean of the most probable model
   /// The tension at zero extension [N] over the rates [m/s] of that motion; laws with memory
@@ -31,9 +32,9 @@ struct LinkLaw {
   std::vector<double> rate, q2_5, q50, q97_5;
   /// Force-state map (Masri & Caughey 1979, J. Appl. Mech. 46:433) of a link between the ground and
   /// a mass without other links: the tension Σ F - m ÿ from the measured motion, with m at its
-  /// posterior mean, over extension and rate. Extension, rate and acceleration are measured, or
-  /// differences of measured values over steps as long as the motion's frequency allows (half a
-  /// radian); values that the sensor cannot provide come from the model. Empty for other links; at
+  /// posterior mean, over extension and rate. Extension, rate and acceleration are measured values,
+  /// or finite differences of measured values with the longest step that the frequency of the
+  /// motion allows (half a radian). Other values are those of the model. Empty for other links; at
   /// most 500 points.
   struct Point {
     double extension = 0.0, rate = 0.0, tension = 0.0;

@@ -29,12 +29,13 @@ struct LinkPath {
 ///
 ///   Σ ±T = m_j ÿ_j - F_j  for each mass j, ÿ the absolute acceleration,
 ///
-/// without the internal state of laws with memory. Links in a closed loop are not determined by it;
-/// then, or if the response fails, there are no paths.
+/// without the internal state of laws with memory. This balance does not determine the tensions of
+/// links in a closed loop; then, or if the simulation fails, the result is empty.
 ///
-/// `measured` uses masses and scales from `theta` and ÿ from the record: measured, or the
-/// derivative of order eight of a measured velocity or displacement (Fornberg 1988). It is omitted
-/// if the noise, estimated from sixth differences, would exceed a tenth of the tension's range.
+/// `measured` uses masses and scales from `theta`, and ÿ from the record: either measured or
+/// computed from a measured velocity or displacement by finite differences of order eight (Fornberg
+/// 1988). It is omitted if the noise, estimated from sixth differences, would exceed a tenth of the
+/// tension's range.
 [[nodiscard]] std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
                                                std::span<const double> theta);
 

@@ -21,7 +21,7 @@ struct SidModelFinding {
   std::vector<std::vector<ChannelFit>> further;  ///< at the best draw, for each further record
   int substeps = 0;  ///< per sample, at the posterior mean (Simulator::substeps)
   std::optional<double> step_error;
-  // For models of at least 5 %:
+  // Computed only for models of at least 5 %:
   std::optional<std::vector<LinkCurve>> links;
   std::vector<ChainMode> modes;  ///< modes of the linear part
 };

@@ -24,13 +24,13 @@ struct ModelWindows {
   long likelihood_evaluations = 0;
 };
 
-/// Bounds [first, last) of each window in one record: equal parts of the scored samples, to within
-/// a sample; all of them if SidCase::windows is 0.
+/// Bounds [first, last) of each window in one record. Windows are parts of the scored samples whose
+/// lengths differ by at most one sample; if SidCase::windows is 0, one window has all samples.
 [[nodiscard]] std::vector<std::pair<int, int>> window_bounds(const SidCase& sid_case);
 
-/// Restricts the scoring of one record to samples [first, last). The samples before them, from the
-/// start of the case's own record, are integrated but not scored. The window's likelihood is its
-/// part of the whole record's,
+/// Restricts the scoring of one record to samples [first, last). The samples before the window,
+/// from the start of the record, are integrated but not scored. The window's likelihood is its part
+/// of the whole record's,
 ///
 ///   ln p(r_1 … r_N | θ) = Σ_w ln p(r_w | θ)   (white residuals),
 ///
@@ -42,22 +42,22 @@ struct ModelWindows {
 ///
 ///   z_w ~ N(μ, Σ),   data of w | z_w.
 ///
-/// z are the standard normal coordinates of the priors: the case's prior is that of μ, and no Σ
-/// extends beyond it. As in the paper, each window's posterior is replaced by its normal
-/// approximation at the mode (inference/evidence/laplace.hpp), found from `start` (the model's
-/// parameters, e.g. the best draw). Each parameter is judged by its marginal,
+/// z are the standard normal coordinates of the priors. The prior of μ is that of the case, and Σ
+/// cannot be wider than this prior. As in the paper, each window's posterior is replaced by its
+/// normal approximation at the mode (inference/evidence/laplace.hpp), found from `start` (the
+/// model's parameters, e.g. the best draw). Each parameter is judged by its marginal,
 ///
 ///   ẑ_w ~ N(μ_i, Σ_ii + s_w²),
 ///
 /// which does not need the other entries of Σ and works from two windows on
 /// (hierarchical_posterior.hpp; useful intervals need five or more). The window's prior, N(0, 1),
-/// is divided out of ẑ_w and s_w. Several records count as further windows. A window counts as far
-/// from normal if the log posterior two standard deviations from the mode, along the regression on
-/// the parameter, does not fall by 1 to 4 (2 for a normal).
+/// is divided out of ẑ_w and s_w. Several records count as further windows. The log posterior two
+/// standard deviations from the mode, along the regression on the parameter, is 2 lower for a
+/// normal distribution. If it is not lower by 1 to 4, the window counts as far from normal.
 ///
-/// The best fit of ever longer records is where the expected score is zero. This differs from the
-/// mean of the windows, because windows with more information have more weight. The error of the
-/// whole record's mode relative to it comes from the windows' scores
+/// As records become longer, the best fit approaches the point at which the expected score is zero.
+/// This differs from the mean of the windows, because windows with more information have more
+/// weight. The error of the whole record's mode relative to it comes from the windows' scores
 /// (inference/statistics/grouped_scores.hpp).
 [[nodiscard]] ModelWindows fit_windows(const SidProblem& problem, int model,
                                        std::span<const double> start, int threads = 0);

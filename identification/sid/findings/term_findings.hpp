@@ -32,9 +32,10 @@ struct Discovery {
   std::vector<LinkLaw> laws;  ///< laws of the links with optional terms, averaged over all models
 };
 
-/// Computes inclusion probabilities from the models' standings, so that models that the draws do
-/// not cover count by their evidence. The error combines that of the mean of the term's indicator
-/// over the chains (at least one effective draw of the model) with the errors of models known by
+/// Computes inclusion probabilities from the model probabilities
+/// (inference/diagnosis/standing.hpp), so that models without reliable draws count by their
+/// evidence. The error combines two parts: the error of the mean of the term's indicator over the
+/// chains (at least one effective draw of the model), and the errors of model probabilities from
 /// evidence.
 [[nodiscard]] std::vector<TermFinding> term_findings(const SidCase& sid_case,
                                                      const inference::Posterior& posterior,

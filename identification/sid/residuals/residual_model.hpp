@@ -1,8 +1,8 @@
 // Models of the residuals r = (measured - predicted) [SI] of one response.
 //
-// To add a residual model, write one file in this folder. If case files may name it, give it a
-// ResidualKind in that file and a line in residual_list.cpp; schema, parser, summary and texts read
-// them.
+// To add a residual model, write one file in this folder. If case files may name the model, add a
+// ResidualKind to the file and a line to residual_list.cpp; schema, parser, summary and texts use
+// this list.
 #pragma once
 
 #include <memory>
@@ -32,7 +32,7 @@ struct ResidualWords {
   std::string_view remedy = {};  ///< advice to the user if the innovations are not white
 };
 
-/// Independent and N(0, variance) if the residual model holds.
+/// Innovations of the residuals: independent and N(0, variance) if the residual model is correct.
 struct Innovations {
   std::vector<double> values;
   double variance;
@@ -52,7 +52,7 @@ class ResidualModel {
   /// one response) is part of each name, so that names are unique.
   [[nodiscard]] virtual std::vector<ResidualParameter> parameters(
       const std::string& channel) const = 0;
-  /// True: p(r | σ) = ∏ N(r_n | 0, σ²), which needs only Σ r_n².
+  /// True if p(r | σ) = ∏ N(r_n | 0, σ²), so that the likelihood needs only Σ r_n².
   [[nodiscard]] virtual bool is_white() const { return false; }
 
   /// ln p(r | σ, c); -∞ for impossible σ or c.

@@ -42,9 +42,9 @@ struct DamageCase {
   FrequencyData data = {};   ///< no frequencies before a simulation
   /// Measured modes if shapes were measured, frequencies have a covariance, coefficients of the
   /// intact structure are unknown or several states were measured; `data` is then their frequency
-  /// part. Shapes belong to the structure that is solved.
+  /// part. Shapes refer to the structure that is solved (solved_structure).
   MeasuredModes measured = {};
-  std::optional<Baseline> baseline = {};  ///< to which `data` are already compared
+  std::optional<Baseline> baseline = {};  ///< `data` are already scaled with it
   std::optional<Simulation> simulation = {};
   std::vector<DefectKind> kinds = {};
   std::optional<EmulatorSpec> emulator = {};  ///< empty: the FE solution is used directly
@@ -56,7 +56,7 @@ struct DamageCase {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }
   [[nodiscard]] fem::Defects true_defects() const;
-  /// Whether the case needs a structure: it has one, or has shapes, or its beam has defects that
+  /// True if the case needs a structure: it has one, or has shapes, or its beam has defects that
   /// only structures support (a crack, a mass, an extent).
   [[nodiscard]] bool solved_as_structure() const;
   /// The structure to solve. Throws std::invalid_argument.

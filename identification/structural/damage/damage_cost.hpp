@@ -1,4 +1,4 @@
-// Run time and memory of a damage case, estimated before anything is solved.
+// Estimates run time and memory of a damage case before any FE solution.
 #pragma once
 
 #include "identification/structural/damage/damage_case.hpp"

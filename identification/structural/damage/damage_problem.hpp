@@ -19,12 +19,13 @@ struct DamageProblem : StructuralProblem {
   std::shared_ptr<const FrequencyEmulator> emulator = {};  ///< emulates a forward model; or null
   std::shared_ptr<const ForwardModel> emulated = {};       ///< the emulated forward model; or null
   inference::LikelihoodFactory fe_likelihood = {};         ///< uses the FE solution always
-  /// The intact beam and the location priors are mirror-symmetric, and no data (such as shapes)
-  /// distinguish the sides.
+  /// True if the intact beam and the location priors are mirror-symmetric, and no data (such as
+  /// shapes) distinguish the sides.
   bool symmetric = false;
   SiteSymmetries symmetries = {};  ///< symmetries of a structure, under the same condition
   int common = 0;                  ///< number of parameters that all models share
-  /// No external or user model predicts, and only the case's data are observed.
+  /// True if neither an external model nor a user's model predicts, and the only observations are
+  /// the data of the case.
   bool as_case = true;
 
   /// The external program or server that replaces the FE solution; or null.
@@ -33,7 +34,7 @@ struct DamageProblem : StructuralProblem {
   }
 
   using Component = PlacedDefect;
-  /// Whether the emulator only screens proposals.
+  /// True if the emulator only screens proposals.
   [[nodiscard]] bool exact() const { return emulator && damage_case.emulator->exact; }
   /// The forward model that the likelihood uses.
   [[nodiscard]] const ForwardModel& predicting() const {
@@ -56,8 +57,8 @@ struct DamageProblemOptions {
   std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
 };
 
-/// Names of the inputs of such a model: "location[1]", "reduction[1]" …, preceded by the kind's
-/// name if there are several kinds.
+/// Names of the inputs of an external model: "location[1]", "reduction[1]" …, preceded by the
+/// kind's name if there are several kinds.
 [[nodiscard]] std::vector<std::string> outside_inputs(const DamageCase& damage_case);
 
 /// Completes the case, and trains or reads the emulator if it requests one. The log likelihood is
@@ -65,14 +66,14 @@ struct DamageProblemOptions {
 ///   Σ over measured modes of  -½ ((f_obs - f) / sd)² - ln(sd √2π),
 ///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
-/// the second term only if an emulator predicts and its error is enabled. If the emulator only
-/// screens ("exact"), this likelihood is the problem's `screen`, and its `likelihood` is that of
-/// the FE solution.
+/// where σ²_emulator is zero unless an emulator predicts and its error is enabled. If the emulator
+/// only screens ("exact"), this likelihood is the problem's `screen`, and its `likelihood` is that
+/// of the FE solution.
 ///
-/// The FE likelihood has a gradient. Along places it uses the slopes of BeamModel: an ascent
-/// direction and not the derivative, because the likelihood is piecewise constant in a place.
-/// Emulators and external models have no gradient, and the mirror images of an external model count
-/// as different. Throws InvalidInput, OutsideModelError.
+/// The FE likelihood has a gradient. For locations it uses the slopes of BeamModel, which give an
+/// ascent direction; the derivative is zero, because the likelihood is piecewise constant in a
+/// location. Emulators and external models have no gradient, and the mirror images of an external
+/// model count as different. Throws InvalidInput, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);
 

@@ -18,23 +18,26 @@ struct RunOptions {
   std::uint64_t seed = 1;                   ///< for the held-out runs
   std::filesystem::path journal_stem = {};  ///< runs are saved in STEM.count_K; empty: not saved
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
-  /// Replaces the FE solution: frequencies at a run's point; at an empty point, of the intact beam.
+  /// Replaces the FE solution: computes the frequencies at the point of a run; an empty point means
+  /// the intact beam.
   emulator::ModelFactory model = {};
-  /// Runs already made by `run_part`; the design is not run again.
+  /// Results of `run_part`; if given, the design is not run again.
   const emulator::TableFile* runs = nullptr;
 };
 
 /// The damages of a run's point location_1 [m], reduction_1, location_2 …, sorted by location.
 [[nodiscard]] std::vector<fem::Damage> sorted_damages(std::span<const double> point);
 
-/// Whether a frequency oscillates along each factor of `count` damages: it does along locations.
+/// One entry per factor of `count` damages: true if frequencies oscillate along the factor, that is
+/// for locations.
 [[nodiscard]] std::vector<bool> waves(int count);
 
 /// The elastic frequencies [Hz] at a run's point, by the FE solution.
 [[nodiscard]] emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis);
 
-/// The same by an external model that takes as many damages as the largest count
-/// (DamageProblemOptions::outside). Its exceptions pass through.
+/// The elastic frequencies [Hz] at a run's point, by an external model whose inputs are as many
+/// damages as the largest count (DamageProblemOptions::outside). Exceptions of the model are
+/// rethrown.
 [[nodiscard]] emulator::ModelFactory outside_model(OutsideModel& model, int max_count);
 
 /// `options.model`, or by default the FE solution.
@@ -51,14 +54,15 @@ struct RunOptions {
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
-/// The table of these runs: new, previous (`options.runs`) or the user's (`spec.csv`), or as many
-/// as an accuracy requires. Adds the number of new runs to `made`. Throws std::invalid_argument;
-/// throws io::FileError for the user's runs.
+/// The table of training runs: new runs, previous ones (`options.runs`) or those of the user
+/// (`spec.csv`); with `spec.accuracy`, as many as the accuracy requires. Adds the number of new
+/// runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);
 
-/// Makes part `part` (0-based) of `parts` of all training runs. Throws as `run_table`.
+/// Makes part `part` (0-based) of `parts` of all training runs. Throws the exceptions of
+/// `run_table`.
 [[nodiscard]] emulator::TableFile run_part(const fem::Reanalysis& reanalysis,
                                            const EmulatorSpec& spec, const DefectKind& kind,
                                            int modes, int part, int parts,

@@ -11,7 +11,7 @@
 namespace wheeltap::identification {
 
 /// Predicts frequencies and error variances (0 if `errs` is false) by the emulator. Uses `exact`
-/// without damages, and if the ANOVA sum is not a valid frequency.
+/// for the intact structure, and if the ANOVA sum is not a valid frequency.
 class EmulatedModel final : public ForwardModel {
  public:
   EmulatedModel(std::shared_ptr<const FrequencyEmulator> emulator,

@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 
 /// An emulator for each number of damages 1 … max. Factors: location[1], reduction[1], location[2]
 /// … The FE model damages whole elements, so locations are rounded to the midpoint of their
-/// element. Damages are sorted by location, so damage i uses the i-th list of sites.
+/// element. Damages are sorted by location, and damage i uses the i-th list of sites.
 class FrequencyEmulator {
  public:
   /// Runs the design of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the
@@ -53,11 +53,11 @@ class FrequencyEmulator {
   }
   /// Description: "multilinear in r, 10 sites x 4 levels".
   [[nodiscard]] std::string describe(int count) const;
-  /// Whether an evaluation takes hundreds of microseconds instead of a few.
+  /// True if an evaluation takes hundreds of microseconds instead of a few.
   [[nodiscard]] bool is_slow() const;
 
-  /// A prior of `kind` that extends outside a table's box: location or severity, and a message that
-  /// names both.
+  /// A prior of `kind` that extends outside the box of a table: which prior (location or severity),
+  /// and a message.
   struct Outside {
     InvalidInput::Part part;
     std::string message;
@@ -78,8 +78,8 @@ class FrequencyEmulator {
   }
   [[nodiscard]] int tables() const { return static_cast<int>(parts_.size()); }
   void add(const emulator::InterpolantType& type, emulator::Table table, int threads);
-  /// Adds the counts beyond the tables. Requires tables for one and two damages, and the intact
-  /// frequencies in the latter.
+  /// Adds the emulators for counts above those of the tables, by ANOVA. Requires tables for one and
+  /// two damages, and the intact frequencies in the latter.
   void add_anova(emulator::Additive additive);
   void measure(const fem::Reanalysis& reanalysis, int count, Eigen::Index runs,
                const RunOptions& options);

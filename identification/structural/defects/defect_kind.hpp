@@ -24,8 +24,9 @@ struct StructureEffects {
   fem::StructureChange change = {};
 };
 
-/// A type of defect, with a location and a severity. Holds all properties of the type;
-/// identification/structural/defects/ has one file per type, and `defect_types` lists them.
+/// A type of defect, which has a location and a severity, with all its properties.
+/// identification/structural/defects/ contains one file per type, and `defect_types` lists the
+/// types.
 struct DefectType {
   std::string_view name;            ///< "kind" in a case
   std::string_view noun;            ///< default name
@@ -44,7 +45,7 @@ struct DefectType {
   std::string_view (*unit)(const DefectKind&);
   /// Adds the effect of a defect at `location` [m] to a beam; null if the type is not for beams.
   void (*place)(const DefectKind&, double location, double severity, fem::Defects& out) = nullptr;
-  /// The same for a structure; null if the type is not for structures.
+  /// Adds the effect of a defect to a structure; null if the type is not for structures.
   void (*place_in_structure)(const DefectKind&, const SiteLine::Spot&, double severity,
                              StructureEffects& out) = nullptr;
   /// Possible sites in a structure.
@@ -57,10 +58,11 @@ struct DefectType {
   /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport, so the
   /// solver's gradients apply to the defect.
   bool is_elementary = false;
-  /// The change of the structure is of low rank, as the reanalysis requires; StatesLikelihood
-  /// solves the others.
+  /// True if the change of the structure has a low rank, as the reanalysis requires;
+  /// StatesLikelihood solves structures with other changes.
   bool has_low_rank = true;
-  /// Two defects in one element combine as 1 - r = (1 - r₁)(1 - r₂) and can be split and merged.
+  /// True if two defects in one element combine as 1 - r = (1 - r₁)(1 - r₂), so that they can be
+  /// split and merged.
   bool compounds = false;
 };
 

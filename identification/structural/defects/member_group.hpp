@@ -7,7 +7,7 @@
 
 namespace wheeltap::identification::defects {
 
-/// All strains of all members of the group keep 1 - r of their stiffness. The case key is
+/// All strains of all members of the group keep the share 1 - r of their stiffness. The case key is
 /// "substructure", as for parts of another program's matrices.
 inline const DefectType kMemberGroup = [] {
   DefectType type = lost_share("substructure", "soft substructure",

@@ -34,16 +34,17 @@ class SiteLine {
 
   SiteLine() = default;
   [[nodiscard]] static SiteLine of_beam(const fem::Beam& beam);
-  /// Without weights, uniform over the length in metres; otherwise in proportion to the weights.
+  /// A line of members. Without weights, lengths on the line are those in metres; otherwise they
+  /// are proportional to the weights.
   [[nodiscard]] static SiteLine of_members(const fem::Mesh& mesh, const std::vector<int>& members,
                                            const std::vector<double>& weights = {});
-  /// Joints or storeys: one stretch each.
+  /// A line of joints, storeys or substructures, with one stretch for each.
   [[nodiscard]] static SiteLine of_points(const std::vector<int>& sites,
                                           const std::vector<std::string>& names,
                                           const std::vector<double>& weights = {});
 
   [[nodiscard]] bool empty() const { return stretches_.empty(); }
-  /// Whether the line is a beam, where a location is reported by x alone.
+  /// True if the line is a beam, where a location is reported by x alone.
   [[nodiscard]] bool is_beam() const { return is_beam_; }
   [[nodiscard]] double length() const { return stretches_.back().end; }
   [[nodiscard]] const std::vector<Stretch>& stretches() const { return stretches_; }
@@ -54,7 +55,7 @@ class SiteLine {
   /// line.
   [[nodiscard]] int cell_at(double x) const;
   [[nodiscard]] int stretch_of_cell(int c) const;
-  /// Throws as `cell_at`.
+  /// The place at x on the line. Throws the exceptions of `cell_at`.
   [[nodiscard]] Spot spot(double x) const;
   /// Inverse of `spot`; NaN if the site is not on the line.
   [[nodiscard]] double x_of(int site, double s) const;

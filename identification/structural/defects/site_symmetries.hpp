@@ -12,8 +12,8 @@
 
 namespace wheeltap::identification {
 
-/// Maps of the structure onto itself that preserve all frequencies for any defects: frequencies
-/// cannot distinguish a place from its image.
+/// Maps of the structure onto itself that preserve all frequencies for any defects. Frequencies
+/// cannot distinguish a place from its image under these maps.
 struct SiteSymmetries {
   std::vector<inference::Symmetry> maps;  ///< on the kinds' lines, parameter 0; with their inverses
   /// Groups of sites that are images of each other: members, nodes, links, in the case's order.

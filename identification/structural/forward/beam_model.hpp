@@ -6,8 +6,9 @@
 
 namespace wheeltap::identification {
 
-/// Slopes as in fem::Reanalysis: exact for reductions and stiffnesses, by two further solutions for
-/// places. No slopes if a kind of defect is not elementary (DefectType).
+/// Slopes are those of fem::Reanalysis: exact derivatives for reductions and stiffnesses, and
+/// differences of two further solutions for locations. There are no slopes if a kind of defect is
+/// not elementary (DefectType).
 class BeamModel final : public ForwardModel {
  public:
   /// `modes`: number of elastic modes. Throws std::invalid_argument as fem::Reanalysis does.

@@ -63,7 +63,7 @@ class ForwardModel {
   using AllFrequencies = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
   [[nodiscard]] virtual AllFrequencies all_frequencies() const { return {}; }
 
-  /// Whether a prediction takes milliseconds to hours, as by a program or a server.
+  /// True if a prediction takes milliseconds to hours, as by a program or a server.
   [[nodiscard]] virtual bool is_expensive() const { return false; }
 };
 

@@ -1,4 +1,5 @@
-// Observation of measured modes, which are matched to computed modes and not numbered.
+// Observation of measured modes that are matched to computed modes instead of being identified by
+// number.
 #pragma once
 
 #include <memory>
@@ -12,7 +13,7 @@
 
 namespace wheeltap::identification {
 
-/// Modes of one structure, or of several states of one.
+/// Observed modes of a structure in one state or in several states.
 class ModeObservation : public Observation {
  public:
   explicit ModeObservation(UnknownScatters scatters) : scatters_(std::move(scatters)) {}
@@ -28,8 +29,8 @@ class ModeObservation : public Observation {
   }
   double log_density(const Prediction& predicted, std::span<const double> noise,
                      inference::Evaluation& out) const override;
-  /// The same for measured modes; error variances of the prediction, if any, replace those of
-  /// `noise`.
+  /// Scores predicted modes that are already computed. Error variances of the prediction, if any,
+  /// replace those of `noise`.
   [[nodiscard]] ModalLikelihood::Score score(const Prediction& predicted, ModalNoise noise) const;
 
   /// All measured modes of all states, concatenated.
@@ -40,8 +41,8 @@ class ModeObservation : public Observation {
   /// concatenation.
   [[nodiscard]] virtual Eigen::MatrixXd covariance(const Scored& scored, const ModalNoise& noise,
                                                    std::vector<int>& with) const = 0;
-  /// Whether stiffness errors are included (StiffnessErrors); if so, ln p(mode | all others, x) for
-  /// each mode of the concatenation.
+  /// True if stiffness errors are included (StiffnessErrors). The second function then gives ln
+  /// p(mode | all others, x) for each mode of the concatenation.
   [[nodiscard]] virtual bool with_errors(const ModalNoise& /*noise*/) const { return false; }
   [[nodiscard]] virtual Eigen::VectorXd single_mode_densities(const Scored& /*scored*/,
                                                               const ModalNoise& /*noise*/) const {
@@ -57,7 +58,7 @@ class ModeObservation : public Observation {
   UnknownScatters scatters_;
 };
 
-/// Observes modes of one structure. Throws as ModalLikelihood does.
+/// Observes modes of one structure. Throws the exceptions of ModalLikelihood.
 [[nodiscard]] std::shared_ptr<const ModeObservation> observe_structure(const ModalData& data,
                                                                        UnknownScatters scatters);
 

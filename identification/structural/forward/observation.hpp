@@ -1,4 +1,4 @@
-// Interface of observations: one kind of data with its noise.
+// Interface of an observation, that is of one kind of data with its noise.
 #pragma once
 
 #include <span>

@@ -22,9 +22,9 @@ class BasisModel final : public ForwardModel {
   std::shared_ptr<const fem::ParametricModes> basis_;
 };
 
-/// Frequencies by an external program or server, or by its emulator with the error variance. Beyond
-/// the emulator's box the prediction fails: the box truncates the priors, and searches leave it too
-/// often to run the model there.
+/// Frequencies by an external program or server, or by its emulator with the error variance.
+/// Outside the emulator's box the prediction fails, so that the box truncates the priors. The
+/// external model is not run there, because mode searches leave the box too often.
 class OutsideModes final : public ForwardModel {
  public:
   explicit OutsideModes(OutsidePredictor predictor) : predictor_(std::move(predictor)) {}

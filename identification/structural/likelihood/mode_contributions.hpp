@@ -1,4 +1,4 @@
-// Contribution of single measured modes: the posterior without each, and shape comparison.
+// Contribution of single measured modes: the posterior without one mode, and comparison of shapes.
 #pragma once
 
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace wheeltap::identification {
 
-/// ln p of each measured mode given the other modes at fixed parameters: the reduction of the log
-/// likelihood by leaving it out. For frequencies with residuals r ~ N(0, C), P = C⁻¹,
+/// ln p of each measured mode given the other modes at fixed parameters, that is the reduction of
+/// the log likelihood if the mode is left out. For frequencies with residuals r ~ N(0, C), P = C⁻¹,
 ///
 ///   r_i | the others ~ N(r_i - (P r)_i / P_ii, 1 / P_ii)   (Rue & Held 2005, theorem 2.3);
 ///

@@ -24,7 +24,7 @@ struct FrequencyData {
   [[nodiscard]] int measured() const;
 };
 
-/// The noise model of likelihood, fit and replicates. For mode i,
+/// The noise model that likelihood, fit and replicates use. For mode i,
 ///
 ///   f_obs - f(θ) ~ N(0, sd_i²),   sd_i² = σ_i² + σ²_emulator,i(θ) + (discrepancy · f_obs,i)²,
 ///

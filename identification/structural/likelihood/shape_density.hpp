@@ -5,18 +5,18 @@
 
 namespace wheeltap::identification {
 
-/// The density of a measured shape ψ of m entries. It has no scale and no sign: only its direction
-/// is measured. With noise e ~ N(0, Σ), ψ = a φ + e and unknown amplitude a (flat prior), the
-/// density of the direction on the tangent plane at ψ̂ = ψ/|ψ| is
+/// The density of a measured shape ψ of m entries. Scale and sign of ψ have no meaning; only its
+/// direction is measured. With noise e ~ N(0, Σ), ψ = a φ + e and unknown amplitude a (flat prior),
+/// the density of the direction on the tangent plane at ψ̂ = ψ/|ψ| is
 ///
 ///   p(ψ | φ) = (2π)^{-(m-1)/2} |Σ|^{-1/2} (ψ̂ᵀ Σ⁻¹ ψ̂)^{-1/2} exp(-χ²/2),
 ///   χ² = min_a (ψ - a φ)ᵀ Σ⁻¹ (ψ - a φ),
 ///
-/// to first order in the noise. It counts m - 1 measured numbers; scaling one entry to exactly 1
-/// adds none. For Σ = σ² I it is Watson's density with concentration |ψ|²/(2σ²) (Mardia & Jupp
-/// 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck & Au (2000,
-/// section 3), who omit the normaliser. At most one entry may have sd 0: the one by which the
-/// others were divided.
+/// to first order in the noise. The shape counts as m - 1 measured numbers, also if one entry is
+/// scaled to exactly 1. For Σ = σ² I it is Watson's density with concentration |ψ|²/(2σ²) (Mardia &
+/// Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck & Au
+/// (2000, section 3), who omit the normaliser. At most one entry may have sd 0, namely the entry by
+/// which the shape was divided.
 ///
 /// If another mode k is close to the computed mode j, the model error may rotate both in their
 /// common plane by an angle α ~ N(0, τ²) of period π (uniform for large τ). Then ψ = a (cos α φ_j +
@@ -25,7 +25,7 @@ namespace wheeltap::identification {
 ///   exp(-χ²_plane/2) · √(2π) s · N_π(α̂; 0, τ² + s²),
 ///
 /// with α̂ the best angle, s its sd from the noise and N_π the normal density wrapped at π. This is
-/// the mean over α of the relative fit, at most 1. τ = 0 gives the density above.
+/// the mean of exp(-χ²/2) over α, and at most 1. τ = 0 gives the density above.
 ///
 /// If the model error mixes other modes into the computed one, φ_j + Σ_k c_k φ_k with c_k ~ N(0,
 /// τ_k²) (`Mixing`), Σ gains a² Σ_k τ_k² φ_k φ_kᵀ, with a the least-squares amplitude.
@@ -46,7 +46,7 @@ class ShapeDensity {
   /// scatter); `more` [1] is added to its diagonal (the model error).
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, double scale = 1.0,
                                    double more = 0.0) const;
-  /// With a close mode and τ > 0.
+  /// Compares with a computed shape that may be rotated with a close mode, for τ > 0.
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Eigen::VectorXd& close,
                                    double tau, double scale, double more) const;
   /// Other modes at the measured entries, one per column, and the sd of their mixing.
@@ -56,9 +56,9 @@ class ShapeDensity {
   };
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more) const;
-  /// The same, with the residual Σ^{-1/2} (ψ - a φ) and its sensitivity to changes of φ along each
-  /// column of `moved`, without the part that a absorbs: a Σ^{-1/2} moved, orthogonal to Σ^{-1/2}
-  /// φ.
+  /// Compares with a computed shape and also gives the residual Σ^{-1/2} (ψ - a φ) and its
+  /// sensitivity to changes of φ along each column of `moved`. The sensitivity is a Σ^{-1/2} moved,
+  /// projected orthogonally to Σ^{-1/2} φ, because the amplitude a adapts.
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more, const Eigen::MatrixXd& moved,
                                    Eigen::VectorXd& residual, Eigen::MatrixXd& moves) const;

@@ -24,16 +24,16 @@ namespace wheeltap::identification {
 ///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
 ///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + Σ_{j<k} τ_jk² ℓ_jk ℓ_jkᵀ,
 ///
-/// with f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere. A model
-/// error that is a factor per mode (discrepancy δ) is common to these states, so that it is not
-/// mistaken for damage. For one state this equals ModalLikelihood.
+/// where f_m holds the frequencies of mode m in all states with the same `known`, and 0 elsewhere.
+/// A model error that multiplies the frequency of a mode by a factor (discrepancy δ) is common to
+/// these states, so that it is not mistaken for damage. For one state this equals ModalLikelihood.
 ///
-/// The effect of damage on a frequency depends on the shapes, whose errors are of first order when
-/// those of the frequencies are of second order. If the model error mixes c φ_k into φ_j and -c φ_j
-/// into φ_k, c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d changes λ_j by an additional 2c φ_jᵀ
-/// δK_d φ_k, and λ_k by its negative. For a loss along one strain (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k;
-/// otherwise it is less. With Δλ from the first healthy state with the same `known` to a damaged
-/// one,
+/// The effect of damage on a frequency depends on the mode shapes. A model error whose effect on
+/// the frequencies is of second order still has a first-order effect on the shapes. If the model
+/// error mixes c φ_k into φ_j and -c φ_j into φ_k, c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d
+/// changes λ_j by an additional 2c φ_jᵀ δK_d φ_k, and λ_k by its negative. For a loss along one
+/// strain (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k; otherwise it is less. With Δλ from the first healthy state
+/// with the same `known` to a damaged one,
 ///
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
 ///   negative at mode k.
@@ -64,7 +64,7 @@ class StatesLikelihood {
   }
   /// Number of measured values, without the scales of shapes.
   [[nodiscard]] int measured() const;
-  /// C without common errors of states, modes × modes.
+  /// The covariance C without the errors that are common to several states, modes × modes.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
 
   /// The score of all states, with concatenated matches. `modes`: per state.
@@ -77,7 +77,7 @@ class StatesLikelihood {
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
 
-  /// Whether stiffness errors are included.
+  /// True if stiffness errors are included.
   [[nodiscard]] bool with_errors(const ModalNoise& noise) const {
     return pieces_.count() > 0 && noise.stiffness_discrepancy > 0.0;
   }
@@ -110,7 +110,7 @@ class StatesLikelihood {
   bool solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
              Workspace& workspace, std::vector<fem::ParametricModes::Modes>& out) const;
 
-  /// All frequencies [Hz] at a generic prior draw, where only true symmetries give equal
+  /// All frequencies [Hz] at a generic prior draw, at which only true symmetries give equal
   /// frequencies. Empty if the structure is impossible.
   [[nodiscard]] std::vector<double> frequencies_anywhere(
       const std::vector<PlacedDefect>& defects) const;
@@ -125,7 +125,8 @@ class StatesLikelihood {
   [[nodiscard]] Check check(int points) const;
 
  private:
-  /// Number of unknown errors: one per piece, and one for the damage's effect on it.
+  /// Number of unknown stiffness errors: two per piece, one of its stiffness and one of the
+  /// stiffness lost by damage.
   [[nodiscard]] int errors() const { return 2 * pieces_.count(); }
   /// Ingredients of the joint density with stiffness errors: frequencies with covariance and
   /// sensitivities, and shapes, one per mode of the concatenation.
@@ -169,7 +170,8 @@ class StatesLikelihood {
   [[nodiscard]] Draw draw(int i) const;
   [[nodiscard]] std::shared_ptr<const fem::ParametricModes> reduced_basis(const Group& group,
                                                                           int modes) const;
-  /// Solves the structure of a group; shapes at the sensors of its states, concatenated.
+  /// Solves for the modes of a group's structure, with shapes at the sensors of its states,
+  /// concatenated.
   bool solve(const Group& group, std::span<const double> x,
              const std::vector<PlacedDefect>& defects, Workspace& workspace,
              Workspace::Group& own) const;

@@ -10,9 +10,9 @@
 namespace wheeltap::identification {
 
 /// Pieces of a structure with independent stiffness errors: approximately the quarters of each
-/// member (its ends, where joints are flexible, and its middle), and each spring, tie and link.
-/// Independent of the mesh if members have at least four elements. Geometric stiffness of axial
-/// forces is not a piece.
+/// member (its ends, where joints are flexible, and its middle), and each spring, tie and link. The
+/// pieces do not depend on the mesh if members have at least four elements. Geometric stiffness of
+/// axial forces is not a piece.
 class StiffnessPieces {
  public:
   static constexpr int kOfMember = 4;
@@ -27,8 +27,9 @@ class StiffnessPieces {
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each
-  /// piece: for a softening that leaves q of a strain, q (1 - q) times its previous energy. (A
-  /// piece with a flexibility 1 + a times the model's loses (1 - q) a less of its stiffness.)
+  /// piece. For a softening with the remaining stiffness q of a strain, it is q (1 - q) times the
+  /// previous energy of the strain. (If the flexibility of a piece is 1 + a times that of the
+  /// model, the share of stiffness that it loses is smaller by (1 - q) a.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;
@@ -54,7 +55,7 @@ class StiffnessErrors {
 
   /// X: numbers × pieces.
   void add(const Eigen::MatrixXd& sensitivities, const Eigen::VectorXd& residual);
-  /// Amount to add to ln p and to subtract from χ². σ > 0.
+  /// Amounts to add to ln p and to subtract from χ², for σ > 0.
   struct Gain {
     double log_density = 0.0, chi_square = 0.0;
   };

@@ -18,7 +18,7 @@ class UnknownScatters {
   [[nodiscard]] const std::vector<inference::Parameter>& parameters() const { return parameters_; }
   /// The scatters of a state for these parameter values.
   [[nodiscard]] ModalNoise noise(std::span<const double> values) const;
-  /// Whether a scatter is a parameter: `contains(&ModalNoise::cov)`.
+  /// True if a scatter is a parameter: `contains(&ModalNoise::cov)`.
   [[nodiscard]] bool contains(double ModalNoise::*scatter) const;
 
  private:

@@ -1,5 +1,5 @@
-// Conversion of a structure, its observations and kinds of defects to a problem for the engine.
-// Updating is damage identification without defects.
+// Conversion of a structure, its observations and kinds of defects to a problem for the engine. A
+// model update is a damage identification without defects.
 #pragma once
 
 #include <memory>
@@ -36,7 +36,7 @@ struct StructuralProblem {
   /// Position and number of the intact structure's parameters θ in a parameter vector.
   int first_theta = 0, structural = 0;
 
-  /// Whether modes are matched instead of numbered.
+  /// True if modes are matched instead of numbered.
   [[nodiscard]] bool by_modes() const { return std::holds_alternative<Matched>(observed); }
   /// Throws std::bad_variant_access for numbered frequencies.
   [[nodiscard]] const ModeObservation& modes() const { return *std::get<Matched>(observed); }
@@ -67,8 +67,8 @@ struct StructuralProblem {
   [[nodiscard]] ModalNoise modal_noise(std::span<const double> x) const {
     return modes().scatters().noise(noise_of(observations.front(), x));
   }
-  /// Covariance of the measured frequencies [Hz²], all rows. This and the next two throw as
-  /// `modes`.
+  /// Covariance of the measured frequencies [Hz²], all rows. This function and the next two throw
+  /// the exceptions of `modes`.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
   [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const;
   /// Number of measured values, without the scales of shapes.
@@ -80,7 +80,7 @@ struct StructuralProblem {
     components(m, x, list);
     return list;
   }
-  /// The same, written to `to`.
+  /// Writes the defects in a parameter vector to `to`.
   void components(int m, std::span<const double> x, std::vector<PlacedDefect>& to) const;
 
   enum class First { noise, structure };
@@ -101,7 +101,7 @@ class StructuralPredictor {
   StructuralPredictor(const StructuralProblem& problem, const ForwardModel& model)
       : problem_(problem), solver_(model.make_solver()) {}
 
-  /// As ForwardModel::Solver::predict.
+  /// Predicts like ForwardModel::Solver::predict.
   bool predict(int model, std::span<const double> x, ForwardModel::Quantity quantity,
                Prediction& out);
   /// Computes modes and their score. Returns false if the structure is impossible.

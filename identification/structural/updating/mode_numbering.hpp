@@ -1,13 +1,14 @@
 // Check of the mode numbers of frequencies without shapes.
 //
 // Without shapes, the i-th frequency counts as the i-th elastic mode. A numbering b_1 < b_2 < …
-// assigns other modes. Its prior weight has a factor 0.05 for each mode of the structure that was
-// missed besides the known gaps, and 0.1 for each known gap that is not a mode. Under the priors,
-// ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so that
+// assigns other modes. The prior weight of a numbering has a factor of 0.05 for each missed mode of
+// the structure in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under
+// the priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so
+// that
 //
 //   p(data | b) = N(ln f_obs; m_b, S_bb + C / (f fᵀ) + 0.02²),
 //
-// with a model error of 2 %. P(b | data) follows by Bayes' rule. It checks the assumed numbers and
+// with a model error of 2 %. P(b | data) follows by Bayes' rule. This check of the assumed numbers
 // is not part of the likelihood.
 #pragma once
 
@@ -35,15 +36,16 @@ struct NumberingFinding {
 };
 
 /// `ln_f`: of computed modes, draws × modes, in the structure's order. `measured`: assumed index of
-/// each measured mode among the first computed modes, from 0. `ln_measured`, `covariance`: of the
-/// measured modes. Requires more draws than twice the modes.
+/// each measured mode among the first computed modes, from 0. `ln_measured` and `covariance` are ln
+/// f of the measured modes and its covariance. Requires more draws than twice the modes.
 [[nodiscard]] NumberingFinding judge_numbering(const Eigen::MatrixXd& ln_f,
                                                const std::vector<int>& measured,
                                                const Eigen::VectorXd& ln_measured,
                                                const Eigen::MatrixXd& covariance);
 
-/// The same for a structure's data without shapes; `frequency_covariance`: of all rows [Hz²]. Empty
-/// if there are shapes, or if two seconds yield too few solutions.
+/// Checks the mode numbers of a structure's data without shapes. `frequency_covariance` is that of
+/// all rows [Hz²]. The result is empty if there are shapes, or if two seconds yield too few
+/// solutions.
 [[nodiscard]] std::optional<NumberingFinding> numbering_of(
     const StructureModel& model, const ModalData& data,
     const Eigen::MatrixXd& frequency_covariance);

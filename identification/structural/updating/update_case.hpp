@@ -28,7 +28,7 @@ struct UpdateCase {
   std::shared_ptr<const StructureModel> structure = {};
   ModalData data = {};
   std::optional<ModalSimulation> simulation = {};
-  /// If several states were measured; `data` are then their concatenated frequencies.
+  /// Set if several states were measured; `data` then contains their frequencies, concatenated.
   std::shared_ptr<const ObservedStates> states = {};
 };
 
@@ -43,7 +43,7 @@ struct TrueModes {
                                    std::span<const double> parameters, int modes);
 
 /// Simulates the data: Gaussian noise on frequencies and shape entries, with the truth's scatters
-/// unless the data specify them. Throws as `true_modes`.
+/// unless the data specify them. Throws the exceptions of `true_modes`.
 void simulate(UpdateCase& update_case, std::uint64_t seed);
 
 /// Plausibility of the structure and its sensors (structure_plausibility.hpp).

@@ -23,7 +23,7 @@ struct Contraction {
   using Bound = PriorBound;
   Bound bound = Bound::none;  ///< bound of its prior at which the draws pile up
 
-  /// Whether the posterior equals the prior.
+  /// True if the posterior equals the prior.
   [[nodiscard]] bool at_prior() const;
 };
 
@@ -56,8 +56,9 @@ struct ModeFinding {
   double shape_chi_square = 0.0;  ///< mean over the draws
   int shape_freedoms = 0;
   double shape_p = 1.0;  ///< p-value of the shape, mean over the draws
-  /// Effect of leaving out this mode: KL(posterior ‖ without) [nats], the parameter that would
-  /// change most, and by how many posterior sd. `reliable`: the importance weights are adequate.
+  /// Effect of leaving out this mode: KL(posterior ‖ posterior without the mode) [nats], the
+  /// parameter that would change most, and its change in posterior sd. `reliable`: the importance
+  /// weights are adequate.
   double information = 0.0;
   std::string moves = {};
   double moved = 0.0;
@@ -67,8 +68,8 @@ struct ModeFinding {
 
   /// False for a gap (ModalData).
   [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
-  /// Whether it deviates by more than the stated scatter allows: 3 sd, or p below 1e-3. False for
-  /// spurious modes.
+  /// True if the mode deviates by more than the stated scatter allows: 3 sd, or p below 1e-3. False
+  /// for spurious modes.
   [[nodiscard]] bool is_off() const;
 };
 
@@ -83,13 +84,14 @@ struct PredictedMode {
   [[nodiscard]] bool misses() const {
     return measured_hz && (*measured_hz < low_hz || *measured_hz > high_hz);
   }
-  /// Whether the band is wider than half of the frequency.
+  /// True if the band is wider than half of the frequency, so that the prediction is useless.
   [[nodiscard]] bool useless() const { return high_hz - low_hz > 0.5 * frequency_hz.q50; }
 };
 
 struct UpdateFit {
   double p = 1.0;  ///< posterior predictive p of χ²: P(replicate > data)
-  /// p of the best draw's χ², with freedoms reduced by the parameters; 1 if none are left.
+  /// p-value of χ² at the best draw, with the degrees of freedom reduced by the number of
+  /// parameters; 1 if no degrees of freedom are left.
   double best_p = 1.0;
   double r2 = 0.0;       ///< R² of the frequencies, at their posterior means; NaN for fewer than 2
   std::vector<int> off;  ///< modes that deviate

@@ -35,8 +35,8 @@ struct UpdateProblem : StructuralProblem {
 struct UpdateProblemOptions {
   int training = 200;  ///< prior draws that train the reduced basis
   std::function<void(double)> progress = {};
-  /// Predicts the frequencies [Hz] of the measured modes and of those to be predicted, from the
-  /// parameters of the structure in their order. The structure is not used then.
+  /// Predicts the frequencies [Hz] of the measured modes and of the modes to be predicted, from the
+  /// parameters of the structure in their order. If it is set, the structure is not used.
   std::shared_ptr<OutsideModel> outside = {};
   std::optional<OutsideEmulatorSpec> emulator = {};  ///< emulates `outside`
   int threads = 1;                                   ///< to train the emulator
@@ -45,10 +45,11 @@ struct UpdateProblemOptions {
   std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
 };
 
-/// Makes the problem and trains the reduced basis. Eigenvalues are accurate to a thousandth of the
-/// smallest scatter of a frequency (1e-8 to 1e-5, relative) and shapes to a fifth of theirs;
-/// otherwise the structure is solved in full. Throws std::invalid_argument for inconsistent data
-/// and for more modes than the structure has; throws fem::InvalidStructure, OutsideModelError.
+/// Makes the problem and trains the reduced basis. The relative error of eigenvalues is at most a
+/// thousandth of the smallest scatter of a frequency (between 1e-8 and 1e-5), and that of shapes a
+/// fifth of their scatter; if the basis is less accurate, the structure is solved in full. Throws
+/// std::invalid_argument for inconsistent data and for more modes than the structure has; throws
+/// fem::InvalidStructure, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
     UpdateCase update_case, const UpdateProblemOptions& options = {});
 

@@ -10,16 +10,17 @@
 
 namespace wheeltap::inference {
 
-/// From k components to k + 1 or k - 1, each proposed with probability ½. If the neighbour does not
-/// exist (k = 0, k_max), the chain repeats its state, so that the two probabilities are equal at
-/// the bounds, too.
+/// From k components to k + 1 or k - 1, each proposed with probability ½. If the neighbouring model
+/// does not exist (at k = 0 or k_max), the chain repeats its state, so that both probabilities are
+/// ½ also at the bounds.
 ///
 /// Birth draws c from q(· | set) and inserts it in order; death removes component i of the k + 1
 /// with probability p_i:
 ///
 ///   ln ratio(birth) = ln p_c(set with c) - ln q(c | set without c)         |J| = 1.
 ///
-/// Without pilots p_i = 1/(k+1). With them, q_k being the density fitted to the smaller model,
+/// Without fitted proposals, p_i = 1/(k+1). With fitted proposals, and q_k the density fitted to
+/// the smaller model,
 ///
 ///   p_i = ε/(k+1) + (1 - ε) q_k(set without i) / Σ_j q_k(set without j):
 ///
@@ -32,7 +33,7 @@ class BirthDeath : public Move {
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  /// ε, since a pilot with few samples may be inaccurate.
+  /// ε. It is large because a density fitted to few samples may be inaccurate.
   static constexpr double kDefensive = 0.4;
 
   /// Writes p_i of the larger set to probability_.
@@ -48,9 +49,9 @@ class BirthDeath : public Move {
 ///
 ///   ln ratio = ln q(c | set without c) - ln q(c' | set without c).
 ///
-/// The residual without c follows from the atlas (InformedProposal): from the current state for the
-/// forward density and from the proposed state for the reverse, so that each density depends on its
-/// own state only.
+/// The residual without c follows from the atlas (InformedProposal). For the forward density it is
+/// computed from the current state, for the reverse density from the proposed state, so that each
+/// density depends on one state only.
 class Relocation : public Move {
  public:
   Relocation(int kind, std::unique_ptr<ComponentProposal> proposal)

@@ -1,4 +1,4 @@
-// Proposals for a new component: from its prior, or where the current residual suggests one.
+// Proposals for a new component: from its prior, or informed by the current residual.
 #pragma once
 
 #include <memory>
@@ -47,8 +47,8 @@ struct EffectAtlas {
   Eigen::VectorXf half_square;  ///< ½ |D_c|²
   double noise_scale = 1.0;     ///< noise scale for which the effects were computed
 
-  /// Cost of weighting all cells once, in likelihood calls: one multiplication for each residual of
-  /// each cell, and ten for each exponential.
+  /// Cost of weighting all cells once, in equivalent likelihood calls. It counts one multiplication
+  /// for each residual of each cell, and ten for each exponential.
   [[nodiscard]] double work() const {
     return static_cast<double>(total) * (static_cast<double>(effects.cols()) + 10.0) /
            kOperationsACall;
@@ -67,8 +67,8 @@ struct EffectAtlas {
 ///   q(c) = ε / N + (1 - ε) softmax_c( -½ β |r + D_c|² ),     uniform within the cell in prior
 ///   probability.
 ///
-/// The term with ε makes every place reachable. If one component of the state is to be left out,
-/// its own effect is subtracted from the residual first.
+/// Because of the term with ε, every location can be proposed. If one component of the state is to
+/// be left out, its own effect is subtracted from the residual first.
 class InformedProposal : public ComponentProposal {
  public:
   InformedProposal(std::shared_ptr<const EffectAtlas> atlas, const ModelSpace& space, int kind);

@@ -1,5 +1,5 @@
-// Jumps between models through the pilot mixtures that keep the standardised position within a
-// component.
+// Jumps between models by means of the fitted mixtures; a jump keeps the standardised position
+// within a mixture component.
 #pragma once
 
 #include <memory>

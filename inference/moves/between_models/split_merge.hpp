@@ -11,10 +11,10 @@ namespace wheeltap::inference {
 ///   x₁ = x - w, x₂ = x + w,   w ~ half-normal(width);
 ///   a_i₁ = s_i a_i, a_i₂ = (1 - s_i) a_i,   s_i ~ U(0, 1),
 ///
-/// and merges back by x = (x₁ + x₂)/2, a_i = a_i₁ + a_i₂, so that sums are conserved. If effects
-/// compound instead, with 1 - a the remaining share of a component, -ln(1 - a) replaces a. One of k
-/// components is chosen to split and one of k neighbouring pairs of k + 1 to merge, so these
-/// probabilities cancel:
+/// and two neighbours merge by x = (x₁ + x₂)/2, a_i = a_i₁ + a_i₂, so that sums are conserved. If
+/// the effects multiply instead (1 - a is the remaining share of a component), -ln(1 - a) replaces
+/// a. One of k components is chosen to split and one of k neighbouring pairs of k + 1 to merge, so
+/// these probabilities cancel:
 ///
 ///   ln ratio(split) = - ln g(w) + ln |J| + Σ ln |dz'/dx'| - Σ ln |dz/dx|,     |J| = 2 ∏ |a_i|.
 class SplitMerge : public Move {

@@ -38,9 +38,9 @@ class Transformation : public Move {
   /// its size, or the two log-Jacobians do not cancel: the user's map is inconsistent.
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
-  /// The source's nested map (thesis, section 4.2): shared parameters are kept, and the single
-  /// parameter of the larger model alone is μ + λ with λ ~ N(0, σ²); |J| = 1. The user has to
-  /// choose its width, which is why the engine does not use it by default.
+  /// The nested map (Tiboaca 2016, thesis, section 4.2): shared parameters are kept, and the one
+  /// additional parameter of the larger model is μ + λ with λ ~ N(0, σ²); |J| = 1. The user must
+  /// choose the width σ, so the engine does not use this move by default.
   [[nodiscard]] static Definition nested(const ModelSpace& space, int lower, int upper, double mean,
                                          double sd);
 

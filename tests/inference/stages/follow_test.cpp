@@ -1,5 +1,5 @@
-// SMC draws outside a mixture: chains started there stay if the region belongs to the posterior,
-// and return if it is an error of SMC.
+// SMC draws outside a mixture: chains that start there do not leave it if the region belongs to the
+// posterior, and return if it is an error of SMC.
 #include "inference/engine/follow.hpp"
 
 #include <gtest/gtest.h>

@@ -28,8 +28,8 @@ struct BaselineFindings {
 [[nodiscard]] BaselineFindings baseline_findings(const DamageProblem& problem,
                                                  const inference::Posterior& posterior);
 
-/// Computes 1 - variance and the mean of z, and the bound of the prior at which the draws x pile
-/// up.
+/// Computes the contraction (1 - variance of z), the mean of z, and the bound of the prior at which
+/// the draws x pile up.
 [[nodiscard]] Contraction contraction_of(std::string name, const inference::Prior& prior,
                                          std::span<const double> x, std::span<const double> z,
                                          std::span<const double> weights);

@@ -56,9 +56,9 @@ struct FitFinding {
     std::string state = {};            ///< empty if there is only one
     int mode = 0;                      ///< measured mode in its state, from 1
     std::optional<Marginal> mac = {};  ///< MAC of measured and computed shape, over the draws
-    /// Effect of leaving out this mode: KL(posterior ‖ without) [nats], and the resulting
-    /// probability of the most probable model. `reliable`: the importance weights are adequate. NaN
-    /// if not measured.
+    /// Effect of leaving out this mode: KL(posterior ‖ posterior without the mode) [nats], and the
+    /// resulting probability of the most probable model. `reliable`: the importance weights are
+    /// adequate. NaN if not measured.
     double information = std::numeric_limits<double>::quiet_NaN();
     double probability_without = std::numeric_limits<double>::quiet_NaN();
     bool reliable = true;
@@ -119,14 +119,15 @@ struct DamageFindings : Findings {
 /// each mode, empty if unknown.
 [[nodiscard]] EmulatorFinding emulator_finding(const FrequencyEmulator& emulator,
                                                const std::vector<double>& noise);
-/// Measurement sd [Hz] of each mode: that of the data or, before there are data, cv times `intact`;
-/// empty if both are unknown.
+/// Measurement sd [Hz] of each mode: that of the data or, if there are no data yet, cv times
+/// `intact`; empty if both are unknown.
 [[nodiscard]] std::vector<double> measurement_noise(const DamageCase& damage_case,
                                                     std::span<const double> intact);
 
 /// Error variances [Hz²] of the emulator for consecutive draws, one per mode; empty if the
 /// likelihood uses no emulator. A slow emulator is evaluated at every 50th draw and for each new
-/// model; in between, the last result for the model is reused. Refers to the problem.
+/// model; for the other draws, the last result for the model is reused. The problem must outlive
+/// this object.
 class EmulatorVariances {
  public:
   explicit EmulatorVariances(const DamageProblem& problem);

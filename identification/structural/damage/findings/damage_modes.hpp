@@ -20,7 +20,7 @@ class SingleModes {
   /// Adds a draw of `model` with weight `weight`. `log_densities`: one per mode; those of
   /// unmeasured modes are ignored.
   void pass(int model, double weight, const std::vector<double>& log_densities);
-  /// Adds a draw of a problem `by_modes`, with its score at x.
+  /// Adds a draw of a problem with matched modes (`by_modes`), with its score at x.
   void pass(int model, double weight, std::span<const double> x,
             const ModeObservation::Scored& scored);
   /// Writes the results. `winner`: the most probable model.
@@ -41,8 +41,8 @@ class SingleModes {
 [[nodiscard]] std::function<std::vector<double>(std::size_t, std::size_t)> frequency_replicates(
     const DamageProblem& problem, const inference::Posterior& posterior, std::uint64_t seed);
 
-/// Measured and computed shapes at the best draw, for each state with shapes, for problems
-/// `by_modes`.
+/// Measured and computed shapes at the best draw, for each state with shapes; requires a problem
+/// with matched modes (`by_modes`).
 [[nodiscard]] std::vector<ShapesBeside> best_shapes(const DamageProblem& problem,
                                                     const inference::Posterior& posterior);
 

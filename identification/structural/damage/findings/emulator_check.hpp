@@ -1,4 +1,4 @@
-// Effect of an emulator on the posterior, by FE solutions at the run's draws.
+// Effect of an emulator on the posterior, determined from FE solutions at draws of the run.
 #pragma once
 
 #include <optional>
@@ -50,7 +50,7 @@ struct EmulatorCheck {
 ///
 ///   P(m | FE) ≈ Σ_{draws in m} w / Σ w,
 ///
-/// and correspondingly for means. Empty if the likelihood uses no emulator.
+/// and correspondingly for means. The result is empty if the likelihood does not use an emulator.
 [[nodiscard]] std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
                                                           const inference::Posterior& posterior,
                                                           int most = 2000);

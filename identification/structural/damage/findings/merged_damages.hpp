@@ -39,18 +39,18 @@ struct MergedFinding {
   double merged = 0.0;              ///< probability that some are merged
   std::vector<MergedModel> models;  ///< models with merged draws, most probable first
 
-  /// Nullptr if no draw of the model has merged damages.
+  /// The merged damages of a model; nullptr if no draw of the model has any.
   [[nodiscard]] const MergedModel* of(int model) const;
 };
 
-/// Whether the kind's damages cover a fixed length: an element, or a given extent.
+/// True if damages of the kind have a fixed length: that of an element, or a given extent.
 [[nodiscard]] bool has_fixed_extent(const DefectKind& kind);
 /// The length [m] of a damage at `location` on the kind's line [m].
 [[nodiscard]] double fixed_extent(const DefectKind& kind, double location);
 
-/// Merges damages in some 200 draws of each model with two damages. Lengths up to a quarter of the
-/// member count as one damage. Empty if the kind's extent is not fixed, no model with two damages
-/// has draws, or an external program predicts, whose damage model is unknown.
+/// Merges damages in some 200 draws of each model with two damages. A merged damage may be as long
+/// as a quarter of the member. The result is empty if the extent of the kind is not fixed, no model
+/// with two damages has draws, or an external program predicts (its damage model is unknown).
 [[nodiscard]] std::optional<MergedFinding> merged_damages(const UnpackedDraws& draws,
                                                           const std::vector<ModelFinding>& models,
                                                           int kind);

@@ -12,8 +12,8 @@ namespace wheeltap::identification {
 /// plain summaries of a symmetric beam average over mirror images. One table per model.
 [[nodiscard]] std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws);
 
-/// Expected number of defects before their images minus that beyond, per draw. It must be balanced
-/// if the chains mix between images.
+/// The number of defects before their mirror images minus the number after them, along the line,
+/// for each draw. Its mean is near zero if the chains mix between images.
 [[nodiscard]] inference::ChainsOf left_less_right(const UnpackedDraws& draws);
 
 /// Summarises `difference` (`left_less_right`), and adds remarks if necessary.

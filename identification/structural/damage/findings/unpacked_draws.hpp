@@ -13,7 +13,7 @@ namespace wheeltap::identification {
 
 inline constexpr double kWorthReporting = 0.05;  ///< less probable counts are not described
 
-/// Unpacks the defects of single draws. Refers to both arguments; not thread-safe.
+/// Unpacks the defects of single draws. Both arguments must outlive the object. Not thread-safe.
 class UnpackedDraws {
  public:
   UnpackedDraws(const DamageProblem& problem, const inference::Posterior& posterior)
