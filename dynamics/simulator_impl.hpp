@@ -16,7 +16,8 @@ namespace detail {
 /// Throws std::invalid_argument.
 [[noreturn]] void fail(const std::string& what);
 
-/// Throws unless there are `sets` vectors of at least `parameters` numbers each.
+/// Throws std::invalid_argument if `thetas` does not hold `sets` vectors of at least `parameters`
+/// numbers each.
 void require_parameters(std::span<const double> thetas, int sets, int parameters);
 
 /// The available kernels, narrowest first: the requested one, or all that this processor can run.

@@ -74,7 +74,7 @@ void AnovaEmulator::evaluate(std::span<const double> x, std::span<double> out) c
     throw std::invalid_argument(std::to_string(x.size()) + " values for components of " +
                                 std::to_string(factors_) + " factors");
   if (out.size() != responses())
-    throw std::invalid_argument("room for " + std::to_string(out.size()) +
+    throw std::invalid_argument("an output array of " + std::to_string(out.size()) +
                                 " responses; there are " + std::to_string(responses()));
   const std::size_t count = x.size() / factors_;
   if (count == 1) return single_(x, out);

@@ -214,7 +214,7 @@ std::size_t DelaunayInterpolant::hint(const Coordinates& u) const {
 void DelaunayInterpolant::evaluate(std::span<const double> x, std::span<double> out) const {
   if (x.size() != dimension() || out.size() != static_cast<std::size_t>(responses()))
     throw std::invalid_argument("a point of " + std::to_string(x.size()) + " values for " +
-                                std::to_string(dimension()) + " factors, room for " +
+                                std::to_string(dimension()) + " factors and an output array of " +
                                 std::to_string(out.size()) + " of " + std::to_string(responses()) +
                                 " responses");
   Weights lambda;

@@ -14,9 +14,9 @@ namespace wheeltap::signals {
 /// A table whose row n is sample n.
 struct Record : io::Columns {
   [[nodiscard]] int samples() const { return rows(); }
-  /// The time column, -1 if there is none. It is the column called time or t, or whose name begins
-  /// with "time" or is usual in another language or for a logger; otherwise the first column of
-  /// time stamps. A column of texts is never the time column.
+  /// The time column, -1 if there is none. A column is the time column by its name: "time", "t", a
+  /// name that begins with "time", or the name of time in another language or in the files of a
+  /// logger. If no name fits, it is the first column of time stamps. A column of texts is never it.
   [[nodiscard]] int find_time() const;
 };
 
