@@ -9,8 +9,8 @@ namespace wheeltap::identification {
 
 class AssembledModel final : public ForwardModel {
  public:
-  /// `modes`: number computed, including rigid-body modes. `motions`: those of the sensors, if
-  /// modes are needed. Throws fem::InvalidStructure, std::invalid_argument.
+  /// `modes`: number of modes to compute, including rigid-body modes. `motions`: the motion that
+  /// each sensor measures, if mode shapes are needed. Throws fem::InvalidStructure, std::invalid_argument.
   AssembledModel(const AnyStructure& structure, std::vector<DefectKind> kinds, int modes,
                  int rigid_body_modes, std::vector<fem::SparseRow> motions = {});
 

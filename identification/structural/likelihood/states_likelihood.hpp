@@ -1,5 +1,5 @@
-// The joint likelihood of the modes of all states, given the parameters of the intact structure and
-// the damages.
+// The joint likelihood of the modes of all states, given the damages and the parameters of the
+// intact structure.
 #pragma once
 
 #include <memory>
