@@ -338,7 +338,7 @@ struct StopNotReached {
 /// A model error that is equal in all states cancels. The estimated changes between states do not
 /// include this error.
 struct ChangesTakenForExact {
-  /// Relative difference of model and measured frequencies in the reference state
+  /// Relative error of the model's frequencies in every state.
   double discrepancy;
 };
 /// A measured mode that may not belong to the structure.
