@@ -11,19 +11,19 @@
 
 namespace wheeltap::apps {
 
-/// One number per draw, or per draw and slot (NaN in slots that a draw does not use). The values of
-/// a column are computed when they are needed, because all columns of millions of draws would not
-/// fit into memory.
+/// A column with one number per draw, or per draw and slot. Slots that a draw does not use contain
+/// NaN. The values of a column are computed when they are needed, because all columns of millions
+/// of draws would not fit into memory.
 struct DrawColumn {
   std::string name;
   std::function<double(const inference::Chain&, std::size_t draw, std::size_t slot)> value;
-  bool whole = false;  ///< whole numbers
+  bool whole = false;  ///< true if the column contains whole numbers
   std::string unit = {};
   std::string slot = {};  ///< name of the dimension of slots; empty: no slots
   std::size_t slots = 1;
   std::string names = {};  ///< meanings of whole numbers, joined by ";"
 
-  /// Appends the numbers of a chain, draw by draw.
+  /// Function that appends the numbers of a chain to a list, draw by draw.
   template <class Number>
   void append(const inference::Chain& chain, std::vector<Number>& to) const {
     to.reserve(to.size() + chain.size() * slots);

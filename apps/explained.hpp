@@ -6,7 +6,7 @@
 namespace wheeltap::apps {
 
 /// Runs work() and converts errors of the library to Failure. `file` (DamageCaseFile, SidCaseFile)
-/// gives the place of an error in the case.
+/// gives the location of an error in the case.
 template <class File, class Work>
 auto explained(const File& file, const Work& work) {
   try {

@@ -6,19 +6,20 @@
 
 namespace wheeltap::apps {
 
-/// Exit codes: those of sysexits.h, and the shell's code for an interrupt.
+/// Exit codes of the program: the codes of sysexits.h, and the shell's code for an interrupt.
 enum class Exit : int {
   done = 0,
-  alarm = 3,           ///< `monitor --alarm-exit` and an alarm
+  alarm = 3,           ///< `monitor --alarm-exit` found an alarm
   usage = 64,          ///< bad command line
   bad_input = 65,      ///< invalid case or data
   no_input = 66,       ///< a file is missing or unreadable
   internal = 70,       ///< a fault of the program
   cannot_create = 73,  ///< output cannot be written
-  interrupted = 130,   ///< Ctrl-C before there were results to keep
+  interrupted = 130,   ///< Ctrl-C before the run had results
 };
 
-/// A failure: an exit code and one line with the place, the value and the allowed values.
+/// A failure of a command: an exit code and one line with the location, the value and the allowed
+/// values.
 class Failure : public std::runtime_error {
  public:
   Failure(Exit exit, const std::string& line) : std::runtime_error(line), exit_(exit) {}

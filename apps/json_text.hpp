@@ -8,19 +8,19 @@
 
 namespace wheeltap::apps {
 
-/// Largest nesting depth of lists and objects. It is larger than that of any valid case, and small
-/// enough for recursive functions.
+/// Largest nesting depth of lists and objects. This limit is larger than the depth of any valid
+/// case, and small enough for recursive functions.
 constexpr std::size_t kDeepestJson = 100;
-/// Largest size of a case [bytes]; data are in separate files.
+/// Largest size of a case file [bytes]. Data are in separate files.
 constexpr std::size_t kLargestCase = std::size_t{64} << 20U;
 /// Largest answer of an external program or server [bytes]: a million numbers.
 constexpr std::size_t kLargestAnswer = std::size_t{16} << 20U;
 /// Largest number of keys of one object in ordered JSON, in which finding a key takes linear time.
 constexpr std::size_t kMostOrderedKeys = 20'000;
 
-/// Parses all of `text`; AnyJson is nlohmann::json or ordered_json. Throws Failure (65), naming
-/// `path`, for invalid JSON (with line and column), a duplicate key in an object, too large a
-/// number and too deep nesting.
+/// Parses all of `text`; AnyJson is nlohmann::json or ordered_json. Throws Failure (65), with the
+/// file name `path`, for invalid JSON (with line and column), a duplicate key in an object, too
+/// large a number and too deep nesting.
 template <class AnyJson>
 [[nodiscard]] AnyJson parse_json(const std::filesystem::path& path, std::string_view text);
 

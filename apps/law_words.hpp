@@ -10,20 +10,23 @@ namespace wheeltap::apps {
 /// The shortest text that parses to x: "1e7", "0.004", "60000".
 [[nodiscard]] std::string plain_number(double x);
 
-/// True if a single number or name, the first coefficient, is sufficient to define the law.
+/// True if the first coefficient, a number or a name, is sufficient to define the force law.
 [[nodiscard]] bool has_short_form(const dynamics::LawInfo& info);
 
-/// The keys of a law: "force [N], velocity [m/s]", with " and side" for a one-sided law.
+/// The keys of a force law: "force [N], velocity [m/s]", with " and side" for a one-sided force
+/// law.
 [[nodiscard]] std::string keys_in_words(const dynamics::LawInfo& info);
 
-/// The values allowed in a case: "force [N] (a number or a parameter's name), an object with force
-/// [N], velocity [m/s], or a list of these (dry friction; `wheeltap laws coulomb`)".
+/// The allowed values of a force law in a case: "force [N] (a number or a parameter's name), an
+/// object with force [N], velocity [m/s], or a list of these (dry friction; `wheeltap laws
+/// coulomb`)".
 [[nodiscard]] std::string law_in_words(const dynamics::LawInfo& info);
 
-/// "the force at which it slips [N]: a number or a parameter's name; 0 unless given".
+/// Description of a coefficient: "the force at which it slips [N]: a number or a parameter's name;
+/// 0 unless given".
 [[nodiscard]] std::string in_words(const dynamics::LawCoefficient& coefficient);
 
-/// "positive", "at least 0", "at least 1"; empty without bounds.
+/// Bounds of a coefficient: "positive", "at least 0", "at least 1"; empty without bounds.
 [[nodiscard]] std::string bounds_in_words(const dynamics::LawCoefficient& coefficient);
 
 }  // namespace wheeltap::apps

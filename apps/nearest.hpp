@@ -1,4 +1,4 @@
-// "Did you mean …?"
+// Search for the name nearest to a misspelt word ("did you mean …?").
 #pragma once
 
 #include <string>
@@ -11,14 +11,15 @@ namespace wheeltap::apps {
 /// words.
 [[nodiscard]] std::size_t edit_distance(std::string_view a, std::string_view b);
 
-/// The candidate nearest to `word` by edit distance, within a third of the word's length plus one.
-/// Otherwise the longest candidate of at least four letters that `word` contains
-/// ("frequencies_hz"), or that begins with `word` ("freq"). Empty if there is none.
+/// The candidate nearest to `word` by edit distance, if this distance is within a third of the
+/// word's length plus one. Otherwise the longest candidate of at least four letters that `word`
+/// contains ("frequencies_hz"), or that begins with `word` ("freq"). The result is empty if there
+/// is no such candidate.
 [[nodiscard]] std::string nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);
 
-/// "; did you mean "B"? (there are: A, B, C)": the nearest of the names, and the first twenty
-/// names.
+/// A suggestion with the nearest name and the first twenty names: "; did you mean "B"? (there are:
+/// A, B, C)".
 [[nodiscard]] std::string did_you_mean(std::string_view word,
                                        const std::vector<std::string>& names);
 

@@ -15,9 +15,9 @@ using Report = nlohmann::ordered_json;
 /// The rows of a matrix; null for entries that are not finite.
 [[nodiscard]] Report rows_of(const Eigen::MatrixXd& matrix);
 
-/// Rounds to five digits, more than a chart shows, to store less text.
+/// Rounds a number to five digits to shorten the JSON text. A chart shows fewer digits.
 [[nodiscard]] double compact(double x);
-/// Rounds to the digits that resolve a thousandth of `width`, at least five.
+/// Rounds a number to the digits that resolve a thousandth of `width`, at least five digits.
 [[nodiscard]] double compact(double x, double width);
 
 }  // namespace wheeltap::apps

@@ -16,41 +16,43 @@ namespace wheeltap::apps {
 
 using inference::RunCost;
 
-/// Environment variable that replaces --threads.
+/// Name of the environment variable that replaces --threads.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
 /// Options of every command that reads a case.
 struct CommonOptions {
   std::filesystem::path case_path;
   std::filesystem::path output;
-  std::vector<std::string> overrides;  ///< --set
+  std::vector<std::string> overrides;  ///< values of --set
   std::optional<std::uint64_t> seed;
-  int threads = 0;  ///< 0: all threads of the machine
+  int threads = 0;  ///< number of threads; 0: all threads of the machine
   bool quiet = false;
   bool resume = false;
-  double checkpoint_seconds = 60.0;  ///< interval between checkpoints; 0: none
-  /// If it is set, a command calls it with the estimated cost of its work ("run", "table") and then
-  /// ends.
+  double checkpoint_seconds = 60.0;  ///< time between two checkpoints [s]; 0: no checkpoints
+  /// Callback of --dry-run. If the callback is set, a command passes it the estimated cost of its
+  /// work ("run", "table") and then ends.
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
   double max_memory_gb = 4.0;  ///< limit of the estimated memory
   double max_hours = 100.0;
-  std::optional<double> max_disk_gb;          ///< empty: free space of the results folder
-  bool allow_commands = false;                ///< cases may run programs
+  /// Limit of the disk space; empty: free space of the results folder
+  std::optional<double> max_disk_gb;
+  bool allow_commands = false;                ///< true if cases may run programs
   std::vector<std::string> allow_hosts = {};  ///< other machines that cases may connect to
   std::string command_line;
-  /// Set with --json: receives the command's output as JSON text, in place of standard output.
+  /// Callback of --json, which receives the output of the command as JSON text instead of standard
+  /// output.
   std::function<void(const std::string& json)> as_json;
 };
 
 /// Options of every command that samples.
 struct SamplingOptions {
   int chains = 4;
-  int warmup = 0;    ///< 0: chosen by the engine
-  int draws = 0;     ///< 0: chosen by the engine
-  int searches = 0;  ///< optimisations to find modes, per model; 0: chosen by the engine
+  int warmup = 0;    ///< number per chain; 0: chosen by the engine
+  int draws = 0;     ///< number per chain; 0: chosen by the engine
+  int searches = 0;  ///< local optimisations per model for the mode search; 0: chosen by the engine
   bool prior_only = false;
   bool quick = false;    ///< quick run: modes and short chains, marked in the results
-  std::string evidence;  ///< "", or methods joined by +: tmcmc, bridge, laplace
+  std::string evidence;  ///< evidence methods joined by +: tmcmc, bridge, laplace; may be empty
 };
 
 }  // namespace wheeltap::apps

@@ -9,17 +9,18 @@
 
 namespace wheeltap::apps {
 
-/// x as a whole number in [lowest, highest]; empty if it is not one.
+/// x as a whole number in [lowest, highest]; empty if x is not a whole number in this range.
 [[nodiscard]] inline std::optional<std::int64_t> whole_number(double x, std::int64_t lowest,
                                                               std::int64_t highest) {
-  constexpr double kExact = 9007199254740992.0;  // 2^53: all smaller ones are doubles
+  // 2^53; all smaller whole numbers are exact doubles
+  constexpr double kExact = 9007199254740992.0;
   if (!(std::fabs(x) <= kExact) || std::trunc(x) != x) return {};
   const auto n = static_cast<std::int64_t>(x);
   return n >= lowest && n <= highest ? std::optional(n) : std::nullopt;
 }
 
-/// `text` as a whole number in [lowest, highest]: "5", "-3", "5.0", "1e6". Empty for any other
-/// text; no number overflows.
+/// `text` as a whole number in [lowest, highest]: "5", "-3", "5.0", "1e6". The result is empty for
+/// any other text and for numbers out of range.
 [[nodiscard]] inline std::optional<std::int64_t> whole_number(std::string_view text,
                                                               std::int64_t lowest,
                                                               std::int64_t highest) {

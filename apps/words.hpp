@@ -15,51 +15,53 @@ namespace wheeltap::apps {
 using base::fixed;
 using base::grouped;
 
-/// x with `digits` significant digits, without trailing zeros: plain from 1e-4 to a million ("350",
-/// not "3.5e+02"), "5.4e-6" outside.
+/// x with `digits` significant digits, without trailing zeros. Numbers from 1e-4 to a million have
+/// plain notation ("350", not "3.5e+02"); other numbers have the form "5.4e-6".
 [[nodiscard]] std::string significant(double x, int digits);
-/// x with the digits that an interval of this width requires: two significant digits of the width,
-/// and at least three and at most ten of x.
+/// x with the digits that an interval of the given width requires: two significant digits of the
+/// width, and at least three and at most ten significant digits of x.
 [[nodiscard]] std::string resolved(double x, double width);
 /// A count rounded to three digits: "80500".
 [[nodiscard]] std::string rounded_count(double x);
-/// "75 %", "> 99.9 %", "< 0.1 %".
+/// A probability as text: "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
-/// A probability with its Monte Carlo error, "75 % ± 2 %". Near 0 and 1 it is a bound, two errors
-/// away if these exceed 0.1 %: "> 99.9 %", "> 72 %".
+/// A probability with its Monte Carlo error, "75 % ± 2 %". Near 0 and 1, the text is a bound: ">
+/// 99.9 %". If two errors exceed 0.1 %, the bound is two errors away: "> 72 %".
 [[nodiscard]] std::string percent(double probability, double error);
 /// " ± 2 %": the error shown by percent(); empty for a bound.
 [[nodiscard]] std::string shown_error(double probability, double error);
-/// "P = 75 %", "P > 99.9 %".
+/// A probability as an equation: "P = 75 %", "P > 99.9 %".
 [[nodiscard]] std::string probability_is(double probability);
-/// "p 0.03", "p < 1e-15".
+/// A p-value as text: "p 0.03", "p < 1e-15".
 [[nodiscard]] std::string p_value(double p);
-/// "3.1 s", "52 s", "12 min", "2.3 h", "5 days".
+/// A duration as text: "3.1 s", "52 s", "12 min", "2.3 h", "5 days".
 [[nodiscard]] std::string duration(double seconds);
-/// "0.35 % of the response".
+/// An NRMSE as text: "0.35 % of the response".
 [[nodiscard]] std::string share_of_response(double nrmse);
-/// "a, b and c".
+/// The items as a list in words: "a, b and c".
 [[nodiscard]] std::string in_words(const std::vector<std::string>& items,
                                    const std::string& last = "and");
-/// "modes 5 to 20", "modes 3, 7 and 9".
+/// Mode numbers in words: "modes 5 to 20", "modes 3, 7 and 9".
 [[nodiscard]] std::string name_modes(const std::vector<int>& modes);
 
 /// Text for a model without draws: "never proposed", "not entered in 786 proposals", "entered once
 /// in 786 proposals, but in no draw that was kept".
 [[nodiscard]] std::string entered_in_words(long entered, long proposed);
-/// "not entered in 123 456 proposals; its evidence puts it at P ≈ 0.21 ± 0.02"; empty for a model
-/// with enough draws.
+/// Text for a model whose probability comes from its evidence: "not entered in 123 456 proposals;
+/// its evidence puts it at P ≈ 0.21 ± 0.02". The text is empty for a model with enough draws.
 [[nodiscard]] std::string told_by_evidence(const identification::ModelFinding& model);
 
-/// "posterior modes reached from less than 0.3 % of the prior may have been missed", with the
-/// widths for which this holds; empty without a search.
+/// Text on the resolution of the mode search: "posterior modes reached from less than 0.3 % of the
+/// prior may have been missed", with the widths of modes for which this holds. The text is empty
+/// without a search.
 [[nodiscard]] std::string resolution_in_words(const inference::Verdict& verdict);
 
 /// Data for the text of a remark, in addition to the numbers in the remark.
 struct Context {
   const identification::DamageCase* damage_case = nullptr;
   const identification::DamageFindings* damage = nullptr;
-  std::vector<std::string> kinds = {};  ///< places in the case: "damage", "damage.1"
+  /// Paths of the defect kinds in the case: "damage", "damage.1"
+  std::vector<std::string> kinds = {};
 };
 [[nodiscard]] std::string sentence(const identification::Remark& remark, const Context& context);
 
@@ -71,8 +73,8 @@ struct Context {
 /// A sentence on why a system identification was repeated, with the new settings.
 [[nodiscard]] std::string repeat_note(const identification::StepsRefined& refined);
 
-/// "1200 (1150 to 1260)", with the coefficients' names if a term has several; "-" for a term
-/// without draws.
+/// Coefficients of a term as text: "1200 (1150 to 1260)", with the names of the coefficients if a
+/// term has several. The text is "-" for a term without draws.
 [[nodiscard]] std::string coefficients_in_words(const identification::TermFinding& term);
 /// "The link 0-1 has cubic (> 99.9 %) and quadratic (98 %) terms; undecided: bilinear (40 %); no
 /// evidence for coulomb (3 %)." One sentence per link.
@@ -82,14 +84,16 @@ struct Context {
 [[nodiscard]] std::string symmetry_statement(bool emulated);
 /// A sentence on the difference between intact model and measured baseline, and on its correction.
 [[nodiscard]] std::string baseline_statement(const identification::Baseline& baseline);
-/// The ambiguity of a symmetric structure: equivalent places, and members on which s and L - s are
-/// equivalent.
+/// A sentence on the ambiguity of a symmetric structure: equivalent locations, and members on which
+/// the positions s and L - s are equivalent.
 [[nodiscard]] std::string images_statement(const std::vector<std::vector<std::string>>& alike,
                                            const std::vector<std::string>& turned);
-/// A warning that the emulator for this number of damages is inaccurate; empty if it is accurate.
+/// A warning that the emulator for the given number of damages is inaccurate; empty if the emulator
+/// is accurate.
 [[nodiscard]] std::string emulator_warning(int damages, const std::vector<int>& blind);
 
-/// All warnings, the most serious first: missing convergence, misfit of the models, remarks.
+/// All warnings of a run, the most serious first: missing convergence, misfit of the models,
+/// remarks.
 [[nodiscard]] std::vector<std::string> warnings(const identification::Findings& findings,
                                                 const Context& context);
 

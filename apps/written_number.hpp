@@ -8,18 +8,18 @@
 namespace wheeltap::apps {
 
 struct WrittenNumber {
-  double value;      ///< in SI units
-  std::string unit;  ///< SI unit; empty without a unit and for a percentage
+  double value;      ///< the number in SI units
+  std::string unit;  ///< SI unit of the number; empty for a percentage or without a unit
 };
 
 /// Parses all of `text`: digits with a decimal point or comma, and optionally a unit or a percent
-/// sign. Empty for another text or an unknown unit.
+/// sign. The result is empty for any other text or an unknown unit.
 [[nodiscard]] std::optional<WrittenNumber> written_number(std::string_view text);
 
-/// `value` as JSON for a case, 15 digits: "0.001", "210e9", "-2.5e-7".
+/// `value` as JSON for a case, with up to 15 digits: "0.001", "210e9", "-2.5e-7".
 [[nodiscard]] std::string pasted(double value);
 
-/// "write 210e9 (Pa)" if `text` states a number, else empty.
+/// Advice "write 210e9 (Pa)" if `text` contains a number with a unit; otherwise empty.
 [[nodiscard]] std::string number_to_write(std::string_view text);
 
 }  // namespace wheeltap::apps

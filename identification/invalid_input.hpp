@@ -1,4 +1,4 @@
-// The error for invalid input, with the place in the input.
+// The error for invalid input, with the location of the error in the input.
 #pragma once
 
 #include <stdexcept>
@@ -7,7 +7,8 @@
 namespace wheeltap::identification {
 
 /// Thrown for input that contradicts itself or is out of range. The caller that parsed the input (a
-/// case file, function arguments) translates `part` into its own place, for example a JSON path.
+/// case file, function arguments) converts `part` to a location in its input, for example a JSON
+/// path.
 class InvalidInput : public std::invalid_argument {
  public:
   enum class Part {
@@ -15,8 +16,8 @@ class InvalidInput : public std::invalid_argument {
     data,
     truth,
     emulator,
-    location,  ///< prior of kind `index`
-    severity,  ///< prior of kind `index`
+    location,  ///< prior of defect kind `index`
+    severity,  ///< prior of defect kind `index`
     models,
     model,       ///< `index`
     channel,     ///< `index`

@@ -6,7 +6,7 @@
 
 namespace wheeltap::apps {
 
-/// Parses /beam. Throws Failure.
+/// Parses the beam at /beam of a case. Throws Failure.
 [[nodiscard]] fem::Beam parse_beam(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -8,11 +8,13 @@
 namespace wheeltap::apps {
 
 struct ParametricBeam {
-  fem::Beam beam = {};  ///< at the medians of the priors
-  double depth = 0.0;   ///< height of the section, if given
+  fem::Beam beam = {};  ///< beam with its unknown coefficients at the medians of their priors
+  double depth = 0.0;   ///< height of the section, if the case gives it
   std::shared_ptr<const identification::StructureModel> model = {};
   bool uniform =
-      true;  ///< true if no spring is unknown, so that the symmetry is that at the medians
+      /// True if no spring is unknown. The symmetry is then the symmetry at the medians of the
+      /// priors.
+      true;
 };
 
 /// Parses the beam at /beam, in which young, density and springs may be names of /parameters.

@@ -15,17 +15,18 @@ struct DamageCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::DamageCase damage;
-  std::vector<Pointer> kinds;               ///< blocks of the damage kinds, for error messages
-  std::optional<OutsideSpec> outside = {};  ///< predicts in place of the FE solution
+  /// Locations of the damage kinds in the case, for error messages
+  std::vector<Pointer> kinds;
+  std::optional<OutsideSpec> outside = {};  ///< external model that replaces the FE solution
 
-  /// Throws Failure: the library's error, located in the case.
+  /// Throws Failure with the message of the library's error and its location in the case.
   [[noreturn]] void refuse(const identification::InvalidInput& error) const;
 };
 
 /// The part of the case's data that a command needs.
 enum class Needs {
-  structure,  ///< the beam only (`modes`; `table` without data)
-  data        ///< frequencies, or a truth to simulate them from
+  structure,  ///< the structure only (`modes`; `table` without data)
+  data        ///< frequencies, or a truth from which they are simulated
 };
 
 /// Validates and parses a case. Throws Failure.

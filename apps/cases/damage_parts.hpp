@@ -1,4 +1,4 @@
-// Parts that damage cases of beams and of structures share.
+// Parsing functions that damage cases of beams and of structures share.
 #pragma once
 
 #include <string>
@@ -20,7 +20,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::vector<double> parse_count_prior(const CaseFile& file, const Pointer& where,
                                                     int min, int max);
 
-/// Settings of a simulation in "truth" and "data", except its defects.
+/// Parses the settings of a simulation in "truth" and "data", except the defects.
 [[nodiscard]] identification::Simulation parse_simulation(const CaseFile& file, const Json& truth,
                                                           identification::Simulation before);
 
@@ -28,11 +28,13 @@ namespace wheeltap::apps {
 /// Throws Failure.
 void parse_extent(const CaseFile& file, const Pointer& where, double most,
                   identification::DefectKind& kind);
-/// The extent of a true defect at `where` whose extent is unknown in the case. Throws Failure.
+/// Parses the true extent of the defect at `where`. The extent is an unknown of the case. Throws
+/// Failure.
 [[nodiscard]] double true_extent(const CaseFile& file, const Pointer& where,
                                  const identification::DefectKind& kind);
 
-/// The crack law that a crack names, or the default law. Throws Failure for an unknown name.
+/// The crack law (crack depth to spring stiffness) that the crack at `where` names, or the default
+/// crack law. Throws Failure for an unknown name.
 [[nodiscard]] const fem::CrackLaw* parse_crack_law(const CaseFile& file, const Pointer& where);
 
 /// Parses the kinds of defect of a structure, with their possible sites. Throws Failure.

@@ -18,38 +18,41 @@ namespace wheeltap::apps {
 
 /// One record with its sensors.
 struct SetUp : identification::ModalRecord {
-  Pointer where{};                           ///< block of the record in the case
+  Pointer where{};                           ///< location of the record in the case
   std::string name = {};                     ///< name of the file
-  std::vector<MeasuredSensor> sensors = {};  ///< one per response channel
+  std::vector<MeasuredSensor> sensors = {};  ///< sensor of each response channel
   std::vector<int> which = {};               ///< indices into the sensors of all set-ups
-  std::vector<Pointer> places = {};          ///< blocks of the sensors in the case
-  std::vector<std::string> oddities = {};    ///< faults of channels, in sentences
-  std::vector<ChannelUse> channels = {};     ///< responses, then forces
+  std::vector<Pointer> places = {};          ///< locations of the sensors in the case
+  std::vector<std::string> oddities = {};    ///< sentences on the faults of channels
+  std::vector<ChannelUse> channels = {};     ///< channels of responses, then of forces
   signals::Sampling sampling = {};
-  std::optional<io::FoundLayout> layout = {};  ///< if the record is delimited text
-  std::vector<std::string> inputs = {};        ///< inputs of the frequency responses
+  /// Layout of the file, if the record is delimited text
+  std::optional<io::FoundLayout> layout = {};
+  std::vector<std::string> inputs = {};  ///< inputs of the frequency responses
 };
 
 struct ModalCaseFile {
   CaseFile file;
   std::string title = {};
   std::vector<SetUp> set_ups = {};
-  std::vector<MeasuredSensor> sensors = {};  ///< sensors of all set-ups, each once
+  std::vector<MeasuredSensor> sensors = {};  ///< sensors of all set-ups without repetition
   std::optional<Geometry> geometry = {};
-  bool pre_merged = false;    ///< set-ups are merged before identification
+  bool pre_merged = false;    ///< true if set-ups are merged before identification
   std::string quantity = {};  ///< quantity of the shapes, as in modes.json
-  /// For pre-merged set-ups: channels at the sensors common to all, in the same order.
+  /// For pre-merged set-ups: the channels at the sensors common to all set-ups, in the same order.
   std::vector<std::vector<int>> references = {};
 };
 
 /// Modes identified from the records of a case.
 struct IdentifiedModes {
-  std::vector<signals::ModalResult> set_ups = {};   ///< one result if set-ups are pre-merged
-  std::optional<signals::MergedModes> merged = {};  ///< if there are several set-ups
+  /// Result of each set-up; a single result if set-ups are pre-merged
+  std::vector<signals::ModalResult> set_ups = {};
+  /// Merged modes, if the case has several set-ups
+  std::optional<signals::MergedModes> merged = {};
 };
 
-/// Validates and parses a case and reads its records; `given` replaces the file of a single record.
-/// Throws Failure.
+/// Validates and parses a case and reads its records; The file `given`, if any, replaces the file
+/// of a single record. Throws Failure.
 [[nodiscard]] ModalCaseFile parse_modal_case(CaseFile file,
                                              std::optional<signals::Record> given = {});
 

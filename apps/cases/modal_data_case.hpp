@@ -7,23 +7,23 @@
 
 namespace wheeltap::apps {
 
-/// Modes that are simulated from the case's truth instead of measured, with the scatter to use if
-/// the case gives no value.
+/// Modes that are simulated from the truth of the case instead of measured. The scatter is used if
+/// the case does not give a scatter.
 struct SimulatedModes {
   std::vector<double> frequencies_hz;
-  Eigen::MatrixXd shapes = {};       ///< one row per mode; empty: no sensors
-  double cov = 0.0, shape_sd = 0.0;  ///< > 0
+  Eigen::MatrixXd shapes = {};       ///< mode shapes, one row per mode; empty without sensors
+  double cov = 0.0, shape_sd = 0.0;  ///< scatter of frequencies (relative) and of shapes, both > 0
 };
 
-/// Parses the data at `where`, e.g. /data. If the data have no frequencies and shapes, those of
-/// `simulated` are used; without `simulated` they remain empty until the truth is simulated. Throws
-/// Failure (65) for sensors that are not on the structure, inconsistent sizes and invalid
-/// covariances.
+/// Parses the data at `where`, e.g. /data. If the data have no frequencies and shapes, the
+/// frequencies and shapes of `simulated` are used. Without `simulated`, they remain empty until the
+/// truth is simulated. Throws Failure (65) for sensors that are not on the structure, inconsistent
+/// sizes and invalid covariances.
 [[nodiscard]] identification::ModalData parse_modal_data(
     const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure,
     const SimulatedModes* simulated = nullptr);
 
-/// Throws Failure for a "doubt" without shapes. Call it after the truth is simulated.
+/// Throws Failure for a "doubt" without shapes. Call this function after the truth is simulated.
 void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes);
 
 }  // namespace wheeltap::apps

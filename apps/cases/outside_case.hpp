@@ -13,36 +13,39 @@ namespace wheeltap::apps {
 
 /// Timeout and number of retries of a prediction.
 struct Patience {
-  double timeout_seconds = 3600.0;  ///< per prediction
+  double timeout_seconds = 3600.0;  ///< largest time of a prediction
   int retries = 0;
 };
 
-/// A model of a UM-Bridge server.
+/// A model on a UM-Bridge server.
 struct UmbridgeSpec {
   std::string url;     ///< http://host:port, path optional
   std::string host{};  ///< host of the url
-  std::string model;   ///< empty: the only model, or "forward"
+  std::string model;   ///< name of the model; empty: the only model, or "forward"
   Json config = Json::object();
   Patience patience = {.retries = 4};
 };
 
-/// A program that runs once per prediction.
+/// A program that Wheeltap runs once per prediction.
 struct CommandSpec {
-  std::vector<std::string> words;  ///< program and arguments, with {in}, {out} and {case}
-  bool numbers = false;            ///< plain numbers in its files, not JSON
-  std::filesystem::path folder;    ///< folder of the case
-  InputFiles files{};              ///< the program, and arguments that are paths
+  std::vector<std::string> words;  ///< command: program and arguments, with {in}, {out} and {case}
+  /// True if the program's files contain plain numbers instead of JSON
+  bool numbers = false;
+  std::filesystem::path folder;  ///< folder of the case
+  InputFiles files{};            ///< fingerprints of the program and of arguments that are paths
   Patience patience = {.retries = 1};
 };
 
 struct OutsideSpec {
   std::optional<UmbridgeSpec> umbridge = {};
-  std::optional<CommandSpec> command = {};  ///< exactly one of the two is set
+  std::optional<CommandSpec> command = {};  ///< exactly one of `command` and `umbridge` is set
   std::vector<int> order = {};              ///< input i is unknown order[i]
   std::vector<std::string> names = {};      ///< names of the inputs
   std::optional<identification::OutsideEmulatorSpec> emulator = {};
   std::filesystem::path memory =
-      {};  ///< user's file of stored predictions; empty: the file of the run
+      /// User's file of stored predictions. If it is empty, predictions are stored in the folder of
+      /// the run.
+      {};
 };
 
 /// True if /predictor is an external model.
@@ -51,6 +54,6 @@ struct OutsideSpec {
 [[nodiscard]] OutsideSpec parse_outside(const CaseFile& file,
                                         const std::vector<std::string>& unknowns);
 
-/// A short name of the model, for messages.
+/// A short name of the external model, for messages.
 [[nodiscard]] std::string in_words(const OutsideSpec& spec);
 }  // namespace wheeltap::apps

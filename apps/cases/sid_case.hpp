@@ -14,9 +14,9 @@ struct SidCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::SidCase sid;
-  std::vector<Pointer> channels;  ///< blocks of the channels, for error messages
+  std::vector<Pointer> channels;  ///< locations of the channels in the case, for error messages
 
-  /// Throws Failure: the library's error, located in the case.
+  /// Throws Failure with the message of the library's error and its location in the case.
   [[noreturn]] void refuse(const identification::InvalidInput& error) const;
 };
 
@@ -26,8 +26,8 @@ enum class SidNeeds {
   record  ///< the record, from a file or simulated
 };
 
-/// Validates and parses a case. Without a file, the record is simulated from the truth. Throws
-/// Failure.
+/// Validates and parses a case. If the case does not name a record file, the record is simulated
+/// from the truth. Throws Failure.
 [[nodiscard]] SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs = SidNeeds::record);
 
 }  // namespace wheeltap::apps

@@ -6,13 +6,14 @@
 
 namespace wheeltap::apps {
 
-/// Reads `columns` of the file whose path is at `where`, or all columns except `ignored` if
-/// `columns` is empty. The block that contains `where` states the layout. Throws Failure.
+/// Reads `columns` of the file whose path is at `where`. If `columns` is empty, all columns except
+/// `ignored` are read. The object that contains `where` gives the layout of the file. Throws
+/// Failure.
 [[nodiscard]] signals::Record read_record(const CaseFile& file, const Pointer& where,
                                           std::vector<std::string> columns = {},
                                           std::vector<std::string> ignored = {});
 
-/// Reads or simulates the record and stores it in the case, together with initial states to be
+/// Reads or simulates the record and stores it in the case. Also stores the initial states to be
 /// inferred and remarks on the record. Throws Failure.
 void load_record(SidCaseFile& parsed);
 

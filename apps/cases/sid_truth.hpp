@@ -1,4 +1,4 @@
-// The truth of a system-identification case, which simulates its record.
+// The truth of a system-identification case, from which its record is simulated.
 #pragma once
 
 #include "apps/cases/sid_case.hpp"
@@ -10,8 +10,9 @@ namespace wheeltap::apps {
 [[nodiscard]] bool truth_moves_base(const Json& json);
 [[nodiscard]] bool truth_displaces_base(const Json& json);
 
-/// Parses the true model and its parameters if the case has a truth. Adds a channel, without noise,
-/// for each excitation that has none. Parameters, channels and models must be parsed already.
+/// Parses the true model and its parameters if the case has a truth. For each excitation without a
+/// channel, a channel without noise is added. Parameters, channels and models must be parsed
+/// before.
 void parse_truth(SidCaseFile& parsed);
 
 /// Parses the excitations of the true model and reads their files.

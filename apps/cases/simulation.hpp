@@ -1,4 +1,4 @@
-// Data simulated from a case's truth, not yet written.
+// Data simulated from the truth of a case, before they are written to files.
 #pragma once
 
 #include <cstdint>
@@ -17,13 +17,15 @@ struct DamageCaseFile;
 struct SimulatedCase {
   Json json;
   int modes = 0;
-  std::string origin;  ///< origin of the numbers, in words
+  std::string origin;  ///< description of the origin of the data
 };
-/// `seed` is the seed of the noise; if it is empty, the seed of the truth or else 1 is used. Both
-/// functions throw Failure.
+/// Simulates the data of an update case; the next function simulates a damage case. `seed` is the
+/// seed of the noise. If `seed` is empty, the seed of the truth is used, or 1 if the truth has no
+/// seed. Both functions throw Failure.
 [[nodiscard]] SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed);
 [[nodiscard]] SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed);
-/// The case with these frequencies, and shapes if it has sensors. Throws Failure.
+/// The case with the given frequencies, and with mode shapes if the case has sensors. Throws
+/// Failure.
 [[nodiscard]] Json with_simulated(const DamageCaseFile& parsed,
                                   const identification::FrequencyData& data, std::uint64_t seed);
 
@@ -33,7 +35,8 @@ struct SimulatedRecord {
   std::string title;
   std::uint64_t seed = 1;
 };
-/// `seed` is the seed of the noise, as for simulated modes. Throws Failure.
+/// Simulates the record of a sid case. `seed` is the seed of the noise, as for simulated modes.
+/// Throws Failure.
 [[nodiscard]] SimulatedRecord simulated_record(CaseFile file, std::optional<std::uint64_t> seed);
 
 }  // namespace wheeltap::apps

@@ -18,15 +18,16 @@ struct SimulatedModes;
 /// structures treat it as a parameter. Throws Failure for a name that is also in /parameters.
 [[nodiscard]] CaseFile with_known(const CaseFile& file);
 
-/// Parses the states at /data and, with `damage`, those of the healthy structure at /baseline/data.
-/// `simulated` replaces the modes at /data. Throws Failure, identification::InvalidInput.
+/// Parses the states at /data. With `damage`, it also parses the states of the healthy structure at
+/// /baseline/data. `simulated` replaces the modes at /data. Throws Failure,
+/// identification::InvalidInput.
 [[nodiscard]] identification::ObservedStates parse_states(
     const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage,
     const SimulatedModes* simulated = nullptr);
 
 /// Parses states into a damage case, with the measurements of all states in one vector. `uniform`
-/// is true if the parameters do not change the symmetry that the structure has at the medians of
-/// their priors. Throws Failure.
+/// is true if the structure has, for all parameter values, the symmetry that it has at the prior
+/// medians. Throws Failure.
 void take_states(const CaseFile& file, std::shared_ptr<const identification::StructureModel> model,
                  bool uniform, identification::DamageCase& out,
                  const SimulatedModes* simulated = nullptr);

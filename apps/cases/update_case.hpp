@@ -13,21 +13,21 @@ struct UpdateCaseFile {
   CaseFile file;
   std::vector<std::string> notes;
   identification::UpdateCase update;
-  std::optional<OutsideSpec> outside = {};  ///< predicts in place of the structure
+  std::optional<OutsideSpec> outside = {};  ///< external model that replaces the structure
 };
 
 enum class UpdateNeeds {
   structure,  ///< the structure only (`modes`)
-  truth,      ///< simulated data, in place of measured data (`simulate`)
-  data        ///< measured modes, or a truth to simulate them from
+  truth,      ///< simulated data instead of measured data (`simulate`)
+  data        ///< measured modes, or a truth from which modes are simulated
 };
 
-/// Validates and parses a case. With a truth and no modes, simulates the data with `seed`, or with
-/// the truth's seed. Throws Failure.
+/// Validates and parses a case. If the case has a truth and no modes, the data are simulated with
+/// `seed`, or with the seed of the truth. Throws Failure.
 [[nodiscard]] UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs = UpdateNeeds::data,
                                                std::optional<std::uint64_t> seed = {});
 
-/// The place of a parameter's prior: /parameters/k1, /data/cov.
+/// The location of a parameter's prior in the case: /parameters/k1, /data/cov.
 [[nodiscard]] Pointer prior_place(const identification::UpdateCase& update_case,
                                   const std::string& parameter);
 

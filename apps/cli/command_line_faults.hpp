@@ -11,15 +11,15 @@ class App;
 
 namespace wheeltap::apps {
 
-/// "damage has no option --quik; did you mean --quick?" for words that `command` of `app` does not
-/// accept; empty if it accepts all words.
+/// The message on words that `command` of `app` does not accept, e.g. "damage has no option --quik;
+/// did you mean --quick?". The message is empty if the command accepts all words.
 [[nodiscard]] std::string unexpected_words(const CLI::App& app, const CLI::App& command);
 
 /// The message about an unknown command, with a correction; `word` is the first word of the command
 /// line.
 [[nodiscard]] std::string unknown_command(const CLI::App& app, const std::string& word);
 
-/// "--output is required: …", with the help of the option and an example.
+/// The message "--output is required: …" with the help of the option and an example.
 [[nodiscard]] std::string output_is_missing(const CLI::App& command);
 
 /// The first required option or argument of `command` that is missing, with an example; empty if

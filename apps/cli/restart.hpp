@@ -7,8 +7,8 @@ namespace wheeltap::apps {
 
 /// Limits libraries that choose their vector instructions themselves to `instructions` ("baseline",
 /// "avx2" or "avx512"). These libraries read environment variables when the program starts, so the
-/// program restarts itself with the same arguments. Returns if the variables are set already or if
-/// the restart fails.
+/// program restarts itself with the same arguments. The function returns if the variables are
+/// already set or if the restart fails.
 void restart_with(const std::string& instructions, char** argv);
 
 }  // namespace wheeltap::apps

@@ -1,5 +1,5 @@
-// A command of the program. The list in command_list.cpp defines the command line, its help, the
-// manual page, completion, `batch`, `serve`, `schema` and the Python interface.
+// A command of the program. The list of commands in command_list.cpp defines the command line, the
+// help, the manual page, completion, `batch`, `serve`, `schema` and the Python interface.
 #pragma once
 
 #include <functional>
@@ -23,18 +23,22 @@ using MakeCaseRun =
 struct Invocation {
   CommonOptions common = {};
   SamplingOptions sampling = {};
-  bool as_json = false;   ///< --json of a command that writes results
-  std::string simd = {};  ///< --simd; main.cpp applies it before the command line is parsed
-  std::function<ProgramText()> describe = {};  ///< every command with its options
+  bool as_json = false;  ///< true with --json, for a command that writes results
+  /// Value of --simd, which main.cpp applies before the command line is parsed
+  std::string simd = {};
+  std::function<ProgramText()> describe = {};  ///< describes every command with its options
 };
 
 struct Command {
   std::string name;
-  std::string summary;         ///< one line for --help
-  bool on_all_ranks = false;   ///< true if ranks share its work; other commands run on rank 0 only
-  std::string case_kind = {};  ///< kind of case that it runs; empty: none
-  MakeCaseRun make_run = {};   ///< makes a run of such a case; empty if the kind is not sampled
-  /// Adds arguments and options. They set members of the Invocation, or a value shared with `run`.
+  std::string summary;  ///< description of the command, one line for --help
+  /// True if ranks share the work of the command; other commands run on rank 0 only
+  bool on_all_ranks = false;
+  std::string case_kind = {};  ///< kind of case that the command runs; empty: none
+  /// Creates a run of a case of this kind; empty if the kind is not sampled
+  MakeCaseRun make_run = {};
+  /// Adds arguments and options to the command. The options set members of the Invocation, or a
+  /// value shared with `run`.
   std::function<void(CommandOptions&)> add_options = {};
   /// Runs the command. Throws Failure, io::FileError.
   std::function<void(const Invocation&)> run = {};

@@ -30,13 +30,13 @@ namespace wheeltap::apps {
 [[nodiscard]] Command man_command();
 
 /// The commands in the order of --help. A new command needs a file NAME_command.cpp, a declaration
-/// above and an entry in this list.
+/// in this header and an entry in this list.
 [[nodiscard]] const std::vector<Command>& commands();
 
 /// The command that runs the kind of case named at /kind; null if no command runs it.
 [[nodiscard]] const Command* command_of_kind(const CaseFile& file);
 
-/// The kinds of case that commands run; with `sampled_only`, the sampled kinds.
+/// The kinds of case that commands run; with `sampled_only`, only the kinds that are sampled.
 [[nodiscard]] std::vector<std::string> case_kinds(bool sampled_only = false);
 
 }  // namespace wheeltap::apps

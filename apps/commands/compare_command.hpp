@@ -9,19 +9,20 @@ namespace wheeltap::apps {
 
 struct CompareOptions {
   std::vector<std::filesystem::path> folders;
-  std::vector<double> prior;  ///< one weight per folder; empty: equal weights
+  std::vector<double> prior;  ///< prior weight of each folder; empty: equal weights
   bool json = false;
 };
 
 /// Computes posterior probabilities of the cases of finished runs from their evidences. The cases
-/// may differ in supports, in the unknowns of their baselines or in their laws. With m the most
-/// probable model of a run,
+/// may differ in supports, in the unknowns of their baselines or in their force laws. With m the
+/// most probable model of a run,
 ///
 ///   ln Z = ln Z_m + ln P(m) - ln P(m | data),   P(run | data) ∝ P(run) Z,
 ///
-/// to first order in the errors of both. Prints a table, or JSON. Throws Failure: usage for fewer
-/// than two folders and for invalid priors; no_input for a folder without a run; bad_input for
-/// different kinds or data, data that a case simulated, and unknown evidence.
+/// to first order in the errors of the probability and the evidence of m. The function prints a
+/// table, or JSON. Throws Failure: usage for fewer than two folders and for invalid priors;
+/// no_input for a folder without a run; bad_input for different kinds or data, data that a case
+/// simulated, and unknown evidence.
 void run_compare(const CompareOptions& options);
 
 }  // namespace wheeltap::apps

@@ -12,13 +12,14 @@ namespace wheeltap::apps {
 
 struct DataOptions {
   std::filesystem::path file;
-  std::filesystem::path page;  ///< HTML file for the plots
+  std::filesystem::path page;  ///< HTML file for the plots; empty: no plots
   std::string to;  ///< format to convert to: csv, nc or uff, or a file name with this extension
   bool json = false;
   MeasuredReading reading = {};
 };
 
-/// {file, format, tables: [{rows, sample_rate_hz, channels: [{name, unit, rms, peaks, …}, …]}, …]}.
+/// The contents as JSON: {file, format, tables: [{rows, sample_rate_hz, channels: [{name, unit,
+/// rms, peaks, …}, …]}, …]}.
 [[nodiscard]] Report data_report(const MeasuredFile& file);
 
 /// Prints channels, units, sampling, root mean squares, the faults of each channel and the peaks of

@@ -6,15 +6,15 @@
 
 namespace wheeltap::apps {
 
-/// Every key that a case of a kind may have, from its schema: a Markdown table of path, whether the
-/// key is required, and allowed values. "[]" in a path stands for each element of a list. Throws
-/// Failure (64) for a kind without a schema.
+/// Every key that a case of a kind may have, from the schema of the kind. The result is a Markdown
+/// table with path, requirement and allowed values of each key. "[]" in a path stands for each
+/// element of a list. Throws Failure (64) for a kind without a schema.
 [[nodiscard]] std::string describe_keys(const std::string& kind);
 
-/// Writes KIND.json, KIND.md and their data into `folder`, and prints the next steps. `structure`
-/// is "beam", or another structure for which the kind has a starter. Throws Failure: 64 for a kind
-/// or a structure without a starter case; 73 if one of the files exists already (none is written
-/// then) or cannot be written.
+/// Writes a starter case KIND.json, its description KIND.md and data files into `folder`, and
+/// prints the next steps. `structure` is "beam", or another structure for which the kind has a
+/// starter case. Throws Failure: 64 for a kind or a structure without a starter case; 73 if one of
+/// the files already exists (then no file is written) or cannot be written.
 void run_init(const std::string& kind, const std::string& structure,
               const std::filesystem::path& folder);
 

@@ -1,4 +1,4 @@
-// Texts of the command line; shell completion and the manual page are generated from the texts of
+// Texts of the command line. Shell completion and the manual page are generated from the texts of
 // --help.
 #pragma once
 
@@ -8,9 +8,9 @@
 namespace wheeltap::apps {
 
 struct OptionText {
-  std::vector<std::string> names;  ///< with dashes; for an argument, its name
+  std::vector<std::string> names;  ///< names of an option with dashes, or name of an argument
   std::string description;
-  std::string value;  ///< value, "INT in [1 - 1000]"; empty for a flag
+  std::string value;  ///< description of the value, "INT in [1 - 1000]"; empty for a flag
   bool is_argument = false;
 };
 struct CommandText {
@@ -22,7 +22,7 @@ struct ProgramText {
   std::vector<CommandText> commands;
 };
 
-/// A completion script for bash, zsh or fish. Throws Failure (usage) for another shell.
+/// A completion script for bash, zsh or fish. Throws Failure (usage) for any other shell.
 [[nodiscard]] std::string completion(const ProgramText& program, const std::string& shell);
 
 /// The manual page (section 1), in man macros.

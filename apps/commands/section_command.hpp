@@ -8,12 +8,13 @@
 namespace wheeltap::apps {
 
 struct SectionOptions {
-  std::string name;   ///< one of the structure's sections
+  std::string name;   ///< name of one section of the structure
   bool json = false;  ///< print JSON
 };
 
-/// Prints the properties of the section of a case, or of a file that holds one section and a
-/// Poisson's ratio. Draws the section into `common.output` if that is given. Throws Failure.
+/// Prints the properties of the section of a case, or of a file that contains one section and a
+/// Poisson's ratio. If `common.output` is given, the function also writes a figure of the section
+/// into this file. Throws Failure.
 void run_section(const CommonOptions& common, const SectionOptions& options);
 
 }  // namespace wheeltap::apps

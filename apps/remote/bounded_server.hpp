@@ -1,4 +1,4 @@
-// An HTTP server with bounds on the time, threads and memory of each connection.
+// An HTTP server with limits on the time, threads and memory of each connection.
 #pragma once
 
 #ifdef WHEELTAP_WITH_HTTP
@@ -14,26 +14,28 @@
 
 namespace wheeltap::apps {
 
-/// Bounds of a server and its connections.
+/// Limits of a server and its connections.
 struct ConnectionBounds {
-  /// Largest number of simultaneous connections. A further connection closes the one that has
-  /// waited longest for a request.
+  /// Largest number of simultaneous connections. If a further connection arrives, the server closes
+  /// the connection that has waited longest for a request.
   std::size_t connections = 512;
-  std::chrono::seconds idle{60};      ///< between two requests of a connection
-  std::chrono::seconds request{20};   ///< for all bytes of a request, from its first to its last
-  std::chrono::seconds response{60};  ///< for all bytes of a response
-  std::size_t body = std::size_t{16} << 20U;  ///< bytes of a request after decompression
+  std::chrono::seconds idle{60};      ///< largest time between two requests of a connection
+  std::chrono::seconds request{20};   ///< largest time from the first to the last byte of a request
+  std::chrono::seconds response{60};  ///< largest time for sending a response
+  /// Largest size of a request after decompression [bytes]
+  std::size_t body = std::size_t{16} << 20U;
 };
 
-/// Gives each connection a thread and a deadline, and limits their number. The server of httplib
-/// does not do this: a connection occupies a thread of its pool as long as single bytes arrive, and
-/// request bodies of unknown length have no size limit. The caller must limit the work of requests.
+/// A server that gives each connection a thread and a deadline, and limits the number of
+/// connections. The server of httplib does not do this: a connection occupies a thread of its pool
+/// as long as single bytes arrive, and request bodies of unknown length have no size limit. The
+/// caller must limit the work of requests.
 class BoundedServer : public httplib::Server {
  public:
   explicit BoundedServer(const ConnectionBounds& bounds);
 
-  /// Reads the whole body of a request; none, with a closed connection, if it is too long or
-  /// incomplete.
+  /// Reads the whole body of a request. If the body is too long or incomplete, the result is empty
+  /// and the connection is closed.
   [[nodiscard]] std::optional<std::string> body_of(const httplib::ContentReader& reader);
 
  private:
@@ -49,9 +51,9 @@ class BoundedServer : public httplib::Server {
   ConnectionBounds bounds_;
   std::mutex mutex_;
   std::set<socket_t> open_;            // open connections
-  std::list<socket_t> waiting_;        // open connections without a request, longest wait first
-  static thread_local socket_t here_;  // the connection of this thread
-  static thread_local bool close_;     // close it after the answer
+  std::list<socket_t> waiting_;        // open connections without a request, the longest wait first
+  static thread_local socket_t here_;  // connection that this thread serves
+  static thread_local bool close_;     // true if the connection should be closed after the answer
 };
 
 }  // namespace wheeltap::apps

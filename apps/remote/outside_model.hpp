@@ -1,4 +1,4 @@
-// External models that a case names.
+// Creation of the external models that a case names.
 #pragma once
 
 #include <memory>
@@ -10,17 +10,18 @@
 
 namespace wheeltap::apps {
 
-/// The journal of the model's answers in the folder of a run.
+/// Name of the journal of the model's results in the folder of a run.
 inline constexpr const char* kModelRuns = "model-runs.journal";
 
-/// Opens the model with this number of outputs and checks the sizes that the model reports, if any.
-/// Earlier results are read from the user's file or, with --resume, from the journal of the run.
-/// The inputs are the unknowns in their order. Throws Failure (64 without --allow-commands for a
-/// program or --allow-hosts for another machine), io::FileError and OutsideModelError.
+/// Opens the model with the given number of outputs and checks the sizes that the model reports, if
+/// any. Earlier results are read from the user's file or, with --resume, from the journal of the
+/// run. The inputs are the unknowns in their order. Throws Failure (64 without --allow-commands for
+/// a program or --allow-hosts for another machine), io::FileError and OutsideModelError.
 [[nodiscard]] std::shared_ptr<identification::RememberedModel> open_outside(
     const CaseFile& file, const OutsideSpec& spec, int outputs, const CommonOptions& common);
 
-/// Returns the part of a summary on the model: its origin, number of evaluations, emulator errors.
+/// Returns the part of a summary on the external model: origin, number of evaluations, emulator
+/// errors.
 [[nodiscard]] Report outside_report(const OutsideSpec& spec,
                                     const identification::OutsideModel& model,
                                     const identification::OutsideEmulator* emulator = nullptr);

@@ -11,25 +11,29 @@
 
 namespace wheeltap::apps {
 
-/// Returns "forward": from the parameters of the structure, in alphabetical order, to the
-/// frequencies [Hz] of the measured modes and of the modes to predict. "log_likelihood" and
-/// "posterior": from all parameters to ln p(data | x), and to ln p(data | x) + ln p(x). The problem
-/// must outlive the models.
+/// Returns the models of an update case. "forward" maps the parameters of the structure, in
+/// alphabetical order, to the frequencies [Hz] of the measured modes and the modes to predict. The
+/// function "log_likelihood" maps all parameters to ln p(data | x). "posterior" maps them to ln
+/// p(data | x) + ln p(x). The problem must outlive the models.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::UpdateProblem> problem);
 
-/// Returns "forward". Its inputs are place and severity (and extent [m], if unknown) of the largest
-/// number of defects of each kind; severity 0 means no defect. The place is that of posterior.nc:
-/// on a beam the location [m]; on other structures member (number from 0) and location [m from its
-/// first node], or the number of a node, link or substructure. It predicts with the emulator if the
-/// likelihood does. Each model NAME also has "log_likelihood NAME" and "posterior NAME", with the
-/// same inputs for its number of defects. Throws std::invalid_argument if a kind has no severity.
+/// Returns the models of a damage case. The inputs of "forward" are location and severity (and
+/// extent [m], if unknown) of the largest number of defects of each kind. A severity of 0 means no
+/// defect. The location has the form of posterior.nc. On a beam, it is the location [m]. On other
+/// structures, it is the member (number from 0) and the location [m from its first node], or the
+/// number of a node, link or substructure. "forward" predicts with the emulator if the likelihood
+/// uses the emulator. Each model NAME also has "log_likelihood NAME" and "posterior NAME", with the
+/// same inputs for the number of defects of the model. Throws std::invalid_argument if a kind has
+/// no severity.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::DamageProblem> problem);
 
-/// Returns for each model (with its name if there are several) three functions of its parameters.
-/// "forward" gives the response of every channel without noise at the samples of the likelihood
-/// [SI], channel by channel, record by record. The others are "log_likelihood" and "posterior".
+/// Returns the models of a sid case: for each equation of motion, three functions of its
+/// parameters. "forward" gives the response of every channel without noise at the samples of the
+/// likelihood [SI], channel by channel, record by record. The other functions are "log_likelihood"
+/// and "posterior". If the case has several equations of motion, the names of the functions contain
+/// the name of the equation.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::SidProblem> problem);
 

@@ -10,24 +10,27 @@
 
 namespace wheeltap::apps {
 
-/// A model with one vector of inputs and one of outputs. The server returns the text of
-/// std::invalid_argument about an input to the client.
+/// A model with one vector of inputs and one vector of outputs. If an input is invalid, the server
+/// returns the text of the std::invalid_argument to the client.
 struct ServedModel {
   std::string name;
   bool has_gradient = false;
-  std::function<std::unique_ptr<identification::OutsideModel>()> make;  ///< one per thread
+  /// Creates one model per thread
+  std::function<std::unique_ptr<identification::OutsideModel>()> make;
 };
 
 struct ServerOptions {
   std::string host = "127.0.0.1";
-  int port = 0;  ///< 0: any free port
+  int port = 0;  ///< port of the server; 0: any free port
   int threads = 1;
-  std::function<void(int port)> ready = {};  ///< called when it listens
-  std::function<bool()> stop = {};           ///< called a few times per second
+  std::function<void(int port)> ready = {};  ///< called when the server accepts connections
+  /// Called a few times per second; true ends the server
+  std::function<bool()> stop = {};
 };
 
-/// Answers /Info, /ModelInfo, /InputSizes, /OutputSizes, /Evaluate and /Gradient of version 1.0
-/// until stop() returns true. Numbers keep all digits. Throws Failure if the port is not available.
+/// Answers the requests /Info, /ModelInfo, /InputSizes, /OutputSizes, /Evaluate and /Gradient of
+/// version 1.0 until stop() returns true. Numbers are written with all digits. Throws Failure if
+/// the port is not available.
 void serve_models(const std::vector<ServedModel>& models, const ServerOptions& options);
 
 }  // namespace wheeltap::apps

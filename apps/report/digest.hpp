@@ -14,14 +14,14 @@ namespace wheeltap::apps {
 /// - visits: model of every n-th draw, per chain; `running`: P(model) as draws accumulate.
 /// - log_posterior: every n-th draw, per chain.
 /// - parameters: per model with P >= 0.5 %: histogram, prior density, thinned history per chain.
-/// - pairs: joint histograms of up to six parameters per such model.
+/// - pairs: joint histograms of up to six parameters per model with P >= 0.5 %.
 /// - joint: location × severity per kind of defect, for all counts together and for each count.
 /// - predictive: quantiles of the replicated frequencies.
 /// - responses: per response channel: data and replicated band over time, spectra, frequency
 ///   responses to the excitations, autocorrelation of the residuals.
 ///
-/// Priors are those of the case. The i-th of n exchangeable locations has the prior of the i-th
-/// order statistic. Throws io::FileError (corrupt, foreign).
+/// Prior densities follow from the case. The i-th of n exchangeable locations has the prior of the
+/// i-th order statistic. Throws io::FileError (corrupt, foreign).
 [[nodiscard]] Report digest(const io::NetcdfReader& posterior, const Report& summary);
 
 }  // namespace wheeltap::apps

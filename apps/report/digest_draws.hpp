@@ -13,7 +13,8 @@
 
 namespace wheeltap::apps {
 
-inline constexpr double kCharted = 0.005;           // models with less probability have no charts
+// Models with a smaller probability have no charts
+inline constexpr double kCharted = 0.005;
 inline constexpr std::size_t kHistoryPoints = 400;  // points per chain in the histories
 
 struct Bins {
@@ -28,8 +29,9 @@ struct Bins {
   }
 };
 
-/// Returns a number of bins in proportion to the cube root of the number of draws, by the rule of
-/// Freedman & Diaconis (1981), but finer, since posteriors often have several narrow modes.
+/// Returns a number of bins proportional to the cube root of the number of draws, by the rule of
+/// Freedman & Diaconis (1981). The bins are finer than by this rule, because posteriors often have
+/// several narrow modes.
 [[nodiscard]] std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest,
                                    std::size_t most);
 /// Returns n bins over the range of the draws; one bin if all draws are equal.
@@ -49,16 +51,17 @@ class CellCounts {
   std::vector<double> counts_;
 };
 
-/// Largest number of draws in a chart; more draws do not change it visibly.
+/// Largest number of draws in a chart. More draws do not visibly change the chart.
 constexpr std::size_t kMostCharted = 1 << 18;
 
-/// An unknown of a model and the variable that holds its draws.
+/// An unknown of a model and the variable of posterior.nc with its draws.
 struct Series {
-  std::string label;      ///< as in summary.json
-  std::size_t slot = 0;   ///< row of the variable, 0-based
-  std::string prior;      ///< JSON pointer to its prior in the case
-  int ordered_among = 0;  ///< number of exchangeable ones, it is the (slot + 1)-th; 0: none
-  std::string unit;       ///< empty if not known
+  std::string label;     ///< label of the unknown, as in summary.json
+  std::size_t slot = 0;  ///< row of the variable, 0-based
+  std::string prior;     ///< JSON pointer to the prior of the unknown in the case
+  /// Number of exchangeable unknowns; this one is the (slot + 1)-th; 0: not exchangeable
+  int ordered_among = 0;
+  std::string unit;  ///< unit of the unknown; empty if not known
   const io::NetcdfArray* variable = nullptr;
 
   [[nodiscard]] double at(std::size_t draw) const {
@@ -66,7 +69,8 @@ struct Series {
   }
 };
 
-/// The draws of a run; every step()-th if there are more than kMostCharted.
+/// The draws of a run. If the run has more than kMostCharted draws, only every step()-th draw is
+/// used.
 class StoredDraws {
  public:
   StoredDraws(const io::NetcdfReader& file, const Report& summary);

@@ -11,14 +11,14 @@ namespace wheeltap::apps {
 inline constexpr dynamics::Cycle kPictured{.amplitude = 0.01, .period = 0.2, .points = 121};
 
 /// Returns an SVG document of the tension against the extension, and beside it against the rate if
-/// the tension depends on the rate and has no memory. Coefficients are the examples of the law. A
-/// one-sided law shows both sides.
+/// the tension depends on the rate and has no memory. The coefficients are the example values of
+/// the force law. The figure of a one-sided force law shows both sides.
 [[nodiscard]] std::string law_figure(const dynamics::LawInfo& info);
 
-/// Returns the file name, "law-coulomb.svg".
+/// Returns the file name of the figure, "law-coulomb.svg".
 [[nodiscard]] std::string law_figure_name(const dynamics::LawInfo& info);
 
-/// Returns the caption: the motion and the coefficients.
+/// Returns the caption of the figure: the motion and the coefficients.
 [[nodiscard]] std::string law_caption(const dynamics::LawInfo& info);
 
 }  // namespace wheeltap::apps

@@ -7,8 +7,8 @@
 
 namespace wheeltap::apps {
 
-/// Returns the modal assurance criterion between all modes, over their common sensors, as a table
-/// of shaded cells.
+/// Returns the modal assurance criterion between all modes, over the common sensors of both modes,
+/// as a table of shaded cells.
 [[nodiscard]] std::string mac_figure(const MeasuredModes& modes);
 
 /// Returns the entries of each mode shape in the complex plane, rotated for the smallest imaginary

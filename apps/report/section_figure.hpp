@@ -7,7 +7,7 @@
 
 namespace wheeltap::apps {
 
-/// Returns an SVG document; y to the right, z up.
+/// Returns an SVG document with y to the right and z upwards.
 [[nodiscard]] std::string section_figure(const MeshedSection& section, const std::string& title);
 
 }  // namespace wheeltap::apps

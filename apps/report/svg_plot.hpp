@@ -15,7 +15,7 @@ namespace wheeltap::apps {
                                     const std::vector<std::string>& details);
 [[nodiscard]] std::string page_end();
 
-/// Text anchors, as attributes of svg_text.
+/// Text anchors, used as attributes of svg_text.
 inline constexpr const char* kMiddle = " text-anchor=\"middle\"";
 inline constexpr const char* kEnd = " text-anchor=\"end\"";
 
@@ -31,12 +31,12 @@ inline constexpr const char* kEnd = " text-anchor=\"end\"";
 /// Returns the smallest of 1, 2 and 5 times a power of ten that is not below `least` > 0.
 [[nodiscard]] double round_step(double least);
 
-/// Axes over a range; the constructor widens a range of zero extent.
+/// Axes over a range. The constructor widens a range of zero extent.
 class Plot {
  public:
   Plot(double x0, double x1, double y0, double y1, double height = 200.0);
 
-  /// Positions on the drawing.
+  /// Position of a value on the drawing.
   [[nodiscard]] double x(double value) const;
   [[nodiscard]] double y(double value) const;
   /// Returns axes with labels around `inside` (SVG).

@@ -7,12 +7,12 @@
 
 namespace wheeltap::apps {
 
-/// Returns sentences on parameters at their priors or at a bound of them, on pairs that are not
-/// identifiable separately, and on modes with large residuals.
+/// Returns sentences on parameters whose posteriors equal their priors or pile up at a bound, on
+/// pairs that are not identifiable separately, and on modes with large residuals.
 [[nodiscard]] std::vector<std::string> baseline_sentences(
     const identification::DamageFindings& findings);
 
-/// Returns `baseline` of summary.json.
+/// Returns the object `baseline` of summary.json.
 [[nodiscard]] Report baseline_report(const identification::DamageCase& damage_case,
                                      const identification::DamageFindings& findings);
 

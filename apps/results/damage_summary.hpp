@@ -7,15 +7,16 @@
 
 namespace wheeltap::apps {
 
-/// Returns the case and findings that sentences refer to. The arguments must outlive it.
+/// Returns a Context with the case and findings to which sentences refer. The arguments must
+/// outlive the Context.
 [[nodiscard]] Context damage_context(const DamageCaseFile& damage_case,
                                      const identification::DamageFindings& findings);
 
-/// Returns all warnings, the gravest first.
+/// Returns all warnings of the run, the most serious first.
 [[nodiscard]] std::vector<std::string> damage_warnings(
     const DamageCaseFile& damage_case, const identification::DamageFindings& findings);
 
-/// Returns summary.json.
+/// Returns the content of summary.json.
 [[nodiscard]] Report damage_summary(const DamageCaseFile& damage_case,
                                     const identification::DamageFindings& findings,
                                     const RunInfo& info);

@@ -14,12 +14,13 @@ namespace wheeltap::apps {
 void print_damage(std::ostream& out, const DamageCaseFile& damage_case,
                   const identification::DamageFindings& findings, bool colour);
 
-/// Prints an emulator's errors: per mode and with its warnings (`in_full`), or one line per count.
+/// Prints the errors of an emulator. With `in_full`, it prints errors per mode and warnings,
+/// otherwise one line per count of damages.
 void print_emulator(std::ostream& out, const identification::EmulatorFinding& emulator, bool colour,
                     bool in_full);
 
-/// Draws the beam as text of `width` characters: expected number of defects along it, beam,
-/// supports.
+/// Draws the beam as text of `width` characters: the expected number of defects along the beam, the
+/// beam and the supports.
 [[nodiscard]] std::string draw_beam(const fem::Beam& beam, const std::vector<double>& expected,
                                     int width);
 

@@ -12,11 +12,11 @@
 
 namespace wheeltap::apps {
 
-/// Writes the group sample_stats; `k` is its count per draw (defects, terms).
+/// Writes the group sample_stats. The variable `k` is the number of defects or terms of each draw.
 void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior& posterior,
                         const DrawColumn& k);
 
-/// Returns the variable of the group `posterior` that holds an unknown: "location",
+/// Returns the name of the variable with an unknown in the group `posterior`: "location",
 /// "support_location", "cov".
 [[nodiscard]] std::string damage_variable(const identification::DamageCase& damage_case,
                                           const identification::Unknown& unknown);
@@ -25,11 +25,12 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 [[nodiscard]] std::vector<DrawColumn> damage_columns(const identification::DamageProblem& problem,
                                                      const inference::Posterior& posterior);
 
-/// Fills a NetCDF-4 file. Attributes name models, moves and the run (RunFiles). Groups:
+/// Writes the contents of posterior.nc (NetCDF-4). Attributes name models, moves and the run
+/// (RunFiles). Groups:
 /// - posterior: parameters (chain, draw[, slot]), NaN in unused slots; k, model.
 /// - sample_stats: lp, log_likelihood, k, move, accepted (chain, draw).
-/// - posterior_predictive: frequency (chain, draw, mode): predicted, with noise of `seed` by the
-///   noise model of the likelihood.
+/// - posterior_predictive: frequency (chain, draw, mode): predicted frequencies plus noise from the
+///   noise model of the likelihood with the seed `seed`.
 /// - observed_data: frequency (mode).
 /// Throws io::FileError (unwritable) if NetCDF rejects a value.
 void write_posterior(const io::NetcdfWriter& file, const std::string& run,

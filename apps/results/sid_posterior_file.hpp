@@ -13,12 +13,12 @@ namespace wheeltap::apps {
 [[nodiscard]] std::vector<DrawColumn> sid_columns(const identification::SidProblem& problem,
                                                   const inference::Posterior& posterior);
 
-/// Fills a NetCDF-4 file. Groups:
-/// - posterior: one variable per parameter (chain, draw), NaN if the model lacks it;
-///   model: the number of the model.
+/// Writes the contents of posterior.nc (NetCDF-4). Groups:
+/// - posterior: one variable per parameter (chain, draw), NaN in draws of models without the
+///   parameter; model: the number of the model.
 /// - sample_stats: as in posterior_file.hpp.
-/// - posterior_predictive: one variable per response (chain, draw, sample), with noise of `seed`;
-///   the draws of `predictive`, numbered in draw_index.
+/// - posterior_predictive: one variable per response (chain, draw, sample), plus noise with the
+///   seed `seed`, for the draws of `predictive`; draw_index gives the numbers of these draws.
 /// - noise_free: one variable per response (quantile, sample): 2.5, 50 and 97.5 % of the
 ///   predictions of the same draws without noise.
 /// - link_paths: extension, rate and tension of each link (sample) in the motion of the

@@ -7,18 +7,22 @@
 
 namespace wheeltap::apps {
 
-/// Returns summary.json. `problem` is that of the run: its case has the time steps used.
+/// Returns the content of summary.json. `problem` is the problem of the run, whose case has the
+/// time steps of the run.
 [[nodiscard]] Report sid_summary(const SidCaseFile& parsed,
                                  const identification::SidProblem& problem,
                                  const identification::SidFindings& findings, const RunInfo& info);
 
-/// Returns [{"model", "against", "log_bayes_factor", "mcse", "basis", "never_visited"}, …].
+/// Returns the Bayes factors as JSON: [{"model", "against", "log_bayes_factor", "mcse", "basis",
+/// "never_visited"}, …].
 [[nodiscard]] Report bayes_factors_report(const identification::SidFindings& findings);
 
-/// Returns {model: [{"channel", "mass", "mse", …}, …], …} at the means of the models' parameters.
+/// Returns the fits at the posterior means of each model's parameters: {model: [{"channel", "mass",
+/// "mse", …}, …], …}.
 [[nodiscard]] Report fits_report(const identification::SidFindings& findings);
 
-/// Returns the one of the two models that has no draws: its name, "both", or "".
+/// Returns which of the two models of a Bayes factor has no draws: the name of the model, "both",
+/// or "".
 [[nodiscard]] std::string never_visited(const identification::SidFindings& findings,
                                         const identification::BayesFactor& factor);
 

@@ -16,41 +16,43 @@ class NetcdfReader;
 
 namespace wheeltap::apps {
 
-/// Returns an identifier of a run from its draws: the same for the same case, seed and options on
-/// every machine. posterior.nc has it as the attribute `run_id`, summary.json as /wheeltap/run.
+/// Returns an identifier of a run, computed from its draws. The identifier is the same for the same
+/// case, seed and options on every machine. posterior.nc has it as the attribute `run_id`,
+/// summary.json as /wheeltap/run.
 [[nodiscard]] std::string run_id(const Report& about, const inference::Posterior& posterior);
 
 /// Returns {"bytes", "checksum"} of a file, as in /files of summary.json. The checksum is
 /// io::fingerprint.
 [[nodiscard]] Report seal(std::string_view bytes);
-/// Returns {"bytes", "checksum"} of a file of any length, which is read in pieces.
+/// Returns {"bytes", "checksum"} of a file of any length, which is read in blocks.
 [[nodiscard]] Report seal_of_file(const std::filesystem::path& file);
 
-/// The description of posterior.nc in messages.
+/// The description of the file posterior.nc in messages.
 inline constexpr const char* kPosterior = "a posterior of wheeltap";
 
-/// Opens a posterior.nc, which messages call `name`. A long file is read on demand. Throws
-/// io::FileError: missing, corrupt.
+/// Opens a posterior.nc. Messages use the name `name` for the file. A long file is read on demand.
+/// Throws io::FileError: missing, corrupt.
 [[nodiscard]] std::unique_ptr<const io::NetcdfReader> read_posterior(
     const std::filesystem::path& file, const std::filesystem::path& name);
 
-/// Returns summary.json of a folder; none if it is missing or unreadable.
+/// Returns summary.json of a folder; empty if the file is missing or unreadable.
 [[nodiscard]] std::optional<Report> stored_summary(const std::filesystem::path& folder);
 
-/// Returns true if the run in `folder` has this file, false if its summary states that it could
-/// not be written. Throws io::FileError if the file is not the one of the run: missing; corrupt
-/// (truncated or damaged); mismatch (of another run). Does not check runs of versions without
-/// checksums.
+/// Returns true if the run in `folder` has this file, false if its summary states that it could not
+/// be written. Throws io::FileError if the file does not belong to the run: missing; corrupt
+/// (truncated or damaged); mismatch (of another run). Runs of versions without checksums are not
+/// checked.
 [[nodiscard]] bool is_sealed(const std::filesystem::path& folder, const std::string& name,
                              const Report& summary);
-/// Returns its bytes; none if the run has no such file. Throws the exceptions of `is_sealed`.
+/// Returns the bytes of a file of a run; empty if the run has no such file. Throws the exceptions
+/// of `is_sealed`.
 [[nodiscard]] std::optional<std::string> sealed_file(const std::filesystem::path& folder,
                                                      const std::string& name,
                                                      const Report& summary);
 
-/// Returns the text of the finished run in `folder` if case, contents of the input files, seed and
-/// options (in /wheeltap/KEY) are the same and it has all its draws. Throws io::FileError if a file
-/// is not the one of the run.
+/// Returns the text of the finished run in `folder` if its case, contents of input files, seed and
+/// options (in /wheeltap/KEY) are the same and the run is complete. Throws io::FileError if a file
+/// does not belong to the run.
 [[nodiscard]] std::optional<std::string> finished_run(const std::filesystem::path& folder,
                                                       const CaseFile& file, std::uint64_t seed,
                                                       const std::string& key,

@@ -16,12 +16,13 @@ using fem::DrawnStructure;
 using fem::StructureDrawing;
 using identification::drawn;
 
-/// Returns the point with the largest motion in a shape (preferably a node within 1 % of it) and
-/// its direction: "beam at 0.5 m, y", "node B, x and y", "rotation of post at 0.5 m about y".
+/// Returns the location and the direction of the largest motion in a mode shape. A node is
+/// preferred if its motion is within 1 % of the largest motion: "beam at 0.5 m, y", "node B, x and
+/// y", "rotation of post at 0.5 m about y".
 [[nodiscard]] std::string largest_motion(const StructureDrawing& drawing,
                                          const Eigen::VectorXd& shape);
 
-/// The motions of a node (mass, or named place) in a shape, by direction.
+/// The motions of a node (mass, or named location) in a mode shape, by direction.
 struct NodeMotion {
   std::string node;
   std::vector<std::pair<std::string, double>> motions;

@@ -12,31 +12,35 @@
 
 namespace wheeltap::apps {
 
-/// Seed and command line of a run, for its repetition.
+/// Seed and command line of a run, from which the run can be repeated.
 struct RunInfo {
   std::uint64_t seed = 1;
   std::string command_line;
 };
 
-/// Returns {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk", "ess_tail", "rhat"}.
+/// Returns a marginal as JSON: {"mean", "sd", "q2.5", "q50", "q97.5", "mode", "ess_bulk",
+/// "ess_tail", "rhat"}.
 [[nodiscard]] Report json(const identification::Marginal& estimate);
 
-/// Returns {"mean", "sd", "q2.5", "q5", "q50", "q95", "q97.5"} for a further window; "whole": the
-/// same in the limit of long records; "scatter"; "use": "windows" or "run"; "windows": the value of
-/// each window.
+/// Returns the results by windows as JSON. "mean", "sd", "q2.5", "q5", "q50", "q95" and "q97.5" are
+/// the prediction for a further window. "whole" has the same keys for the limit of long records.
+/// The other keys are "scatter", "use" ("windows" or "run") and "windows" (the value of each
+/// window).
 [[nodiscard]] Report json(const identification::BetweenWindows& between);
 
-/// Returns {label: estimate, …}, with "between_windows" if the case requests windows.
+/// Returns the parameter estimates as {label: estimate, …}, with "between_windows" if the case
+/// requests windows.
 [[nodiscard]] Report json(const std::vector<identification::ParameterFinding>& parameters);
 
-/// Returns one row per model: name, prior, probability and its Monte Carlo standard error (`mcse`,
-/// null if not known), and their basis: "visited" (chains that drew it), "proposed" and "entered"
-/// (jumps into it), "log_evidence" and "log_evidence_se", "basis" ("draws" or "evidence"), "told"
-/// (a sentence, if the probability does not come from draws).
+/// Returns one row per model. The row has name, prior, probability and the Monte Carlo standard
+/// error of the probability (`mcse`, null if not known). Further keys state the basis of the
+/// probability: "visited" (number of chains with draws of the model), "proposed" and "entered"
+/// (jumps into the model), "log_evidence" and "log_evidence_se", "basis" ("draws" or "evidence"),
+/// "told" (a sentence, if the probability does not come from draws).
 [[nodiscard]] Report model_table(const identification::Findings& findings);
 
-/// Returns the parameter estimates of models with draws. Like all entries by model except the model
-/// table, it contains only the models that the summary describes in full (told_in_full).
+/// Returns the parameter estimates of models with draws. The result contains only the models that
+/// the summary describes in full (told_in_full).
 [[nodiscard]] Report parameter_tables(const identification::Findings& findings);
 
 /// Returns convergence, acceptance and mixing between models.
@@ -45,14 +49,15 @@ struct RunInfo {
 
 /// Returns the diagnosis of whether the models explain the data: {ok, r2, p, why}.
 [[nodiscard]] Report fit_report(const identification::FitVerdict& verdict);
-/// Returns {"tmcmc": [{"model", "log_evidence", "standard_error", "log_bayes_factor",
-/// "probability", …}, …], …}.
+/// Returns the evidences as JSON: {"tmcmc": [{"model", "log_evidence", "standard_error",
+/// "log_bayes_factor", "probability", …}, …], …}.
 [[nodiscard]] Report evidence_report(const identification::Findings& findings);
 
 /// Returns the data that are needed to repeat the run: version, command, seed, machine and case.
 [[nodiscard]] Report about(const std::string& command, const RunInfo& info, const CaseFile& file);
 
-/// Returns processor and number of cores, in words; nothing that identifies a single machine.
+/// Returns a description of processor and number of cores, without information that identifies a
+/// single machine.
 [[nodiscard]] std::string machine();
 
 /// Returns the cost of the run: evaluations, time, draws.

@@ -13,7 +13,7 @@
 namespace wheeltap::apps {
 
 inline constexpr int kTerminalWidth = 76;
-/// Models with less probability are not described.
+/// Smallest probability of a model that the terminal text describes.
 inline constexpr double kWorthPrinting = 0.05;
 
 /// True if standard output is a terminal and NO_COLOR is not set.
@@ -38,7 +38,7 @@ struct Page {
   void heading(const std::string& text) const;
 };
 
-/// Returns the number of columns that UTF-8 text takes.
+/// Returns the width of UTF-8 text in terminal columns.
 [[nodiscard]] std::size_t columns(const std::string& text);
 [[nodiscard]] std::string pad_right(const std::string& text, std::size_t width);
 [[nodiscard]] std::string pad_left(const std::string& text, std::size_t width);
@@ -48,33 +48,33 @@ struct Page {
 /// Returns x with `digits` significant digits; "-" if it is not finite.
 [[nodiscard]] std::string number_or_dash(double x, int digits);
 
-/// Prints the answer in two sentences.
+/// Prints the answer of a run in two sentences.
 void print_answer(const Page& page, const Answer& said);
-/// Prints one bar per model; if there are more than kMostBars models, only for the kTopModels most
-/// probable ones.
+/// Prints one bar per model. If there are more than kMostBars models, only the kTopModels most
+/// probable models get a bar.
 inline constexpr std::size_t kMostBars = 12, kTopModels = 5;
 void print_models(const Page& page, const std::vector<identification::ModelFinding>& models);
-/// Prints the heading of numbers that are conditional on a model: "If cubic (56 %)", or its name if
-/// it is the only model.
+/// Prints the heading of results that are conditional on a model: "If cubic (56 %)", or only the
+/// name of the model if the run has one model.
 void print_condition(const Page& page, const identification::ModelFinding& model, bool several);
 void print_evidence(const Page& page, const identification::Findings& findings);
 /// Prints warnings, cost and convergence; `what` names the quantity that the models count.
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
-/// Returns the model probabilities of the draws so far: "P = 0.25 0.75"; of more than kMostListed
-/// models the two most probable by name, "P = 0.97 linear + cubic, 0.02 linear". Empty before the
-/// first draw.
+/// Returns the model probabilities of the draws so far: "P = 0.25 0.75". If there are more than
+/// kMostListed models, the text names the two most probable models: "P = 0.97 linear + cubic, 0.02
+/// linear". The text is empty before the first draw.
 inline constexpr std::size_t kMostListed = 6;
 [[nodiscard]] std::string probabilities_so_far(const std::vector<double>& probabilities,
                                                const std::vector<std::string>& names);
 
-/// Selects the progress lines of a log: one at the start of a stage, and then one as soon as both a
-/// tenth of the stage and 5 s have passed, or 30 s.
+/// Selects the progress lines of a log. The log has one line at the start of a stage. A further
+/// line follows when both a tenth of the stage and 5 s have passed, or when 30 s have passed.
 class ProgressLines {
  public:
-  /// Returns a line, or none yet. `seconds`: since the start of the run; `left`: remaining,
-  /// negative if not known.
+  /// Returns the next progress line, or an empty result if no line is due. `seconds` is the time
+  /// since the start of the run. `left` is the remaining time, negative if not known.
   [[nodiscard]] std::optional<std::string> next(const std::string& stage, double fraction,
                                                 double seconds, double left,
                                                 const std::string& detail);
@@ -93,8 +93,8 @@ class ProgressBar {
   ProgressBar& operator=(const ProgressBar&) = delete;
   ~ProgressBar() { clear(); }
 
-  /// Shows that `fraction` of `stage` is done, followed by `detail`. `left`: remaining seconds of
-  /// the whole run; without it the bar extrapolates the stage.
+  /// Shows that `fraction` of `stage` is done, followed by `detail`. `left` is the remaining time
+  /// of the whole run in seconds. Without `left`, the bar extrapolates the time of the stage.
   void show(const std::string& stage, double fraction, const std::string& detail,
             std::optional<double> left = {});
   void clear();

@@ -1,4 +1,4 @@
-// posterior.nc: every draw of an update, in the ArviZ InferenceData layout.
+// posterior.nc: every draw of a model-updating run, in the ArviZ InferenceData layout.
 #pragma once
 
 #include <string>
@@ -10,11 +10,11 @@
 
 namespace wheeltap::apps {
 
-/// Fills a NetCDF-4 file. Groups:
+/// Writes the contents of posterior.nc (NetCDF-4). Groups:
 /// - posterior: one variable per parameter (chain, draw).
 /// - sample_stats: lp, log_likelihood, k, move, accepted (chain, draw).
-/// - posterior_predictive: frequency (chain, draw, mode) of the measured modes, with noise of
-///   `seed` by the covariance of the likelihood.
+/// - posterior_predictive: frequency (chain, draw, mode) of the measured modes plus noise with the
+///   covariance of the likelihood and the seed `seed`.
 /// - observed_data: frequency, sd (mode), shape (mode, sensor).
 /// Throws io::FileError (unwritable) if NetCDF rejects a value.
 void write_update_posterior(const io::NetcdfWriter& file, const std::string& run,

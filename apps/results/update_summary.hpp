@@ -1,4 +1,4 @@
-// summary.json of an update.
+// summary.json of a model-updating run.
 #pragma once
 
 #include "apps/cases/update_case.hpp"

@@ -1,4 +1,4 @@
-// Terminal text of an update.
+// Terminal text of a model-updating run.
 #pragma once
 
 #include <iosfwd>

@@ -31,18 +31,18 @@ class CaseRun {
   /// The key of the requested options in /wheeltap of a summary.
   [[nodiscard]] virtual const char* options_key() const { return "options"; }
 
-  /// Returns memory and time of the run; std::nullopt if they are known only after prepare(), and
-  /// the function must be called again then. Throws Failure (65) if they exceed the limits in
-  /// common().
+  /// Returns memory and time of the run. If the cost is known only after prepare(), the result is
+  /// std::nullopt, and the function must be called again after prepare(). Throws Failure (65) if
+  /// the cost exceeds the limits in common().
   virtual std::optional<RunCost> estimate() = 0;
-  /// Passes the estimates to CommonOptions::dry_run; `cost` is the result of estimate().
+  /// Passes the estimated costs to CommonOptions::dry_run. `cost` is the result of estimate().
   virtual void dry_run(const std::optional<RunCost>& cost, RunWatch& watch);
-  /// Trains or opens the predictor. Throws Failure, io::FileError, OutsideModelError.
+  /// Trains or opens the predictor of the case. Throws Failure, io::FileError, OutsideModelError.
   virtual void prepare(RunWatch& /*watch*/) {}
   /// Prints the results of the preparation.
   virtual void print_preparation() const {}
-  /// Samples and diagnoses convergence; returns std::nullopt on ranks other than the first. Throws
-  /// the exceptions of the watch.
+  /// Samples the posterior and diagnoses convergence. Returns std::nullopt on ranks other than the
+  /// first. Throws the exceptions of the watch.
   virtual std::optional<FinishedRun> sample(RunWatch& watch) = 0;
 
   /// Returns the case's predictor, likelihood and posterior, after prepare(). Throws Failure.
@@ -58,13 +58,13 @@ class CaseRun {
 [[nodiscard]] std::unique_ptr<CaseRun> make_update_run(CaseFile file, const CommonOptions& common,
                                                        const SamplingOptions& options);
 
-/// Checks the options and returns the case on the command line. Throws Failure.
+/// Checks the options and returns the case that the command line names. Throws Failure.
 [[nodiscard]] CaseFile case_to_sample(const CommonOptions& common, const SamplingOptions& options);
 
 /// Runs the case, writes summary.json, posterior.nc and the report into the output folder, and
-/// prints the findings. With --dry-run it only estimates. With --resume it only prints the stored
-/// text if the folder has a finished run of the same case and options. Throws Failure,
-/// io::FileError.
+/// prints the findings. With --dry-run, the function only estimates the cost. With --resume, it
+/// only prints the stored text if the folder has a finished run of the same case and options.
+/// Throws Failure, io::FileError.
 void run_case(CaseRun& run);
 
 }  // namespace wheeltap::apps

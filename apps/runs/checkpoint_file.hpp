@@ -18,27 +18,28 @@ namespace wheeltap::apps {
 
 /// The identity of the run to which a checkpoint belongs.
 struct CheckpointOf {
-  std::string command;  ///< "damage" or "sid"
+  std::string command;  ///< name of the command: "damage" or "sid"
   std::uint64_t seed = 1;
-  Report options;  ///< options_report
-  Json case_json;  ///< with the overrides of the command line
-  Json inputs;     ///< the contents of the input files, InputFiles::json
+  Report options;  ///< options of the run (options_report)
+  Json case_json;  ///< case with the overrides of the command line
+  Json inputs;     ///< fingerprints of the input files (InputFiles::json)
 };
 
 /// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case,
 /// contents of its input files, state of a repeated sid run, checksums of the parts) and a group
-/// "state" (inference::Checkpoint). After them follow 16 hexadecimal digits, the fingerprint of all
-/// previous bytes. If there are many draws, each FOLDER/checkpoint-N.nc has a part of them in the
-/// same format, without "run".
+/// "state" (inference::Checkpoint). The file ends with 16 hexadecimal digits, the fingerprint of
+/// all previous bytes. If there are many draws, each file FOLDER/checkpoint-N.nc has a part of the
+/// draws in the same format, without "run".
 class CheckpointFile {
  public:
   static constexpr const char* kName = "checkpoint.nc";
 
   /// With `resume`, reads an existing checkpoint. Throws io::FileError if the file is truncated or
   /// damaged (corrupt), not a checkpoint (foreign), of another format (version) or of another run
-  /// (mismatch, with the difference). With `others_pass` it ignores the checkpoint of another case.
-  /// If an input file has changed, a line on standard error names it and a new run begins. Without
-  /// `resume`, removes a checkpoint; throws (unwritable) if the file is not a checkpoint.
+  /// (mismatch, with the difference). With `others_pass`, the checkpoint of another case is
+  /// ignored. If an input file has changed, a line on standard error names this file and a new run
+  /// begins. Without `resume`, an existing checkpoint is removed. Throws io::FileError (unwritable)
+  /// if the file is not a checkpoint.
   CheckpointFile(const std::filesystem::path& folder, CheckpointOf of, const CommonOptions& common,
                  bool others_pass = false);
 
@@ -47,22 +48,22 @@ class CheckpointFile {
   [[nodiscard]] const std::optional<identification::StepsRefined>& refined() const {
     return refined_;
   }
-  /// Stores that the run is now being repeated with these time steps.
+  /// Stores the time steps with which the run is being repeated.
   void repeat(const identification::StepsRefined& refined) {
     refined_ = refined;
     if (!seals_.empty())
       first_ = seals_.rbegin()->first + 1;  // the last checkpoint still needs its parts
   }
-  /// Makes the engine save its checkpoints here and, at the first call, resume from the one that
-  /// was read. If a checkpoint cannot be written, the run continues and standard error shows one
-  /// line about it.
+  /// Sets the options of the engine so that it saves its checkpoints in this file. At the first
+  /// call, the engine also resumes from the checkpoint that was read. If a checkpoint cannot be
+  /// written, the run continues and one line on standard error reports the fault.
   void attach(inference::Options& engine);
   /// True if a checkpoint of this run exists.
   [[nodiscard]] bool kept() const { return kept_; }
   /// Removes the checkpoint of a finished run.
   void remove();
-  /// Removes checkpoints from the folder of a finished run that was killed before it could remove
-  /// them.
+  /// Removes checkpoints from the folder of a finished run that was killed before it removed its
+  /// checkpoints.
   static void discard(const std::filesystem::path& folder);
 
  private:

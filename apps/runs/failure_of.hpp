@@ -8,8 +8,8 @@
 
 namespace wheeltap::apps {
 
-/// Returns the printable error line and exit code of an exception. The line names `case_path` for
-/// numerical errors that name no place themselves.
+/// Returns the printable error line and exit code of an exception. For numerical errors without a
+/// location, the line names `case_path`.
 [[nodiscard]] Failure failure_of(const std::exception_ptr& error,
                                  const std::filesystem::path& case_path);
 

@@ -17,18 +17,19 @@
 
 namespace wheeltap::apps {
 
-/// Results of a run. It owns everything that it refers to.
+/// Results of a run. The object owns all data to which it refers.
 struct FinishedRun {
-  Report summary;   ///< without the entries that RunFiles::keep adds
-  std::string run;  ///< run_id
+  Report summary;   ///< summary.json without the entries that RunFiles::keep adds
+  std::string run;  ///< identifier of the run (run_id)
   std::shared_ptr<const inference::Posterior> posterior;
   std::function<void(std::ostream&, bool colour)> print;  ///< prints the terminal text
-  io::FillNetcdf draws;                                   ///< posterior.nc
-  std::function<std::vector<DrawColumn>()> columns;       ///< its group `posterior`
+  io::FillNetcdf draws;                                   ///< function that writes posterior.nc
+  /// Columns of the group `posterior` of posterior.nc
+  std::function<std::vector<DrawColumn>()> columns;
 
   [[nodiscard]] std::string text() const;
   [[nodiscard]] bool converged() const;
-  /// Approximate memory of its draws.
+  /// Approximate memory of the draws [bytes].
   [[nodiscard]] std::size_t bytes_of_draws() const;
 };
 

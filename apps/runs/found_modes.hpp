@@ -13,15 +13,16 @@
 namespace wheeltap::apps {
 
 struct ModesOptions {
-  std::optional<int> modes;  ///< number, with rigid-body modes
+  std::optional<int> modes;  ///< number of modes, rigid-body modes included
   bool truth = false;        ///< true: include the damage of the case's truth
   bool json = false;
-  bool shapes = false;        ///< with json: add the shapes
-  std::filesystem::path vtk;  ///< write the structure and its shapes into this file
+  bool shapes = false;        ///< add the mode shapes to the JSON output
+  std::filesystem::path vtk;  ///< VTK file for the structure and its mode shapes
 };
 
 struct FoundModes {
-  Report report;                                    ///< output of --json; with shapes if `shapes`
+  /// Output of --json, with mode shapes if `shapes` is set
+  Report report;
   std::string text;                                 ///< terminal text
   std::vector<identification::Remark> doubts = {};  ///< implausible values of the case
 };

@@ -7,7 +7,8 @@
 namespace wheeltap::apps {
 
 /// Computes natural frequencies and shapes with every parameter at its nominal value, and writes
-/// the VTK file of the options. Throws Failure; 65 for mechanisms and axial forces beyond buckling.
+/// the VTK file of the options. Throws Failure, for example 65 for mechanisms and for axial forces
+/// above the buckling load.
 [[nodiscard]] FoundModes find_structure_modes(CaseFile file, const ModesOptions& options);
 
 }  // namespace wheeltap::apps

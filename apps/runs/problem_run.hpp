@@ -11,14 +11,14 @@
 
 namespace wheeltap::apps {
 
-/// A problem as JSON, by the schema "sample". Parameters of the same name in two models are the
-/// same parameter, with the same prior.
+/// A problem as JSON, by the schema "sample". Parameters with the same name in two models are one
+/// parameter with one prior.
 struct ProblemFile {
   CaseFile file;
   std::string title;
   std::shared_ptr<const inference::ModelSpace> space;
 };
-/// Throws Failure.
+/// Parses a problem from JSON. Throws Failure.
 [[nodiscard]] ProblemFile parse_problem(CaseFile file);
 
 /// A parameter sampled by its probability u ~ U(0, 1); `quantiles` replaces each u by x(u).
@@ -27,9 +27,9 @@ struct QuantilePrior {
   std::function<void(std::vector<double>& u)> quantiles;
 };
 
-/// Samples and diagnoses convergence. The summary has "answer", "models", "parameters", "priors",
-/// "diagnostics" and "cost". `problem` has the model space of `parsed`. Throws the exceptions of
-/// the watch.
+/// Samples the posterior of a general problem and diagnoses convergence. The summary has "answer",
+/// "models", "parameters", "priors", "diagnostics" and "cost". `problem` has the model space of
+/// `parsed`. Throws the exceptions of the watch.
 [[nodiscard]] FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
                                          const inference::Problem& problem,
                                          const CommonOptions& common,

@@ -10,14 +10,16 @@
 
 namespace wheeltap::apps {
 
-/// Returns "about 0.02 GB of memory, 120 000 likelihoods or FE runs of 0.3 ms each, 10 s".
+/// Returns the cost in words: "about 0.02 GB of memory, 120 000 likelihoods or FE runs of 0.3 ms
+/// each, 10 s".
 [[nodiscard]] std::string in_words(const RunCost& cost);
 
 /// Prints the estimate of a "run" or "table" on standard output: CommonOptions::dry_run of one
 /// case.
 void print_estimate(const std::string& what, const RunCost& cost);
 
-/// Returns the same as JSON text: "what", "memory_bytes", "disk_bytes", "likelihoods", "seconds".
+/// Returns the estimate as JSON text: "what", "memory_bytes", "disk_bytes", "likelihoods",
+/// "seconds".
 [[nodiscard]] std::string estimate_json(const std::string& what, const RunCost& cost);
 
 /// Throws Failure (65) at `where`, with the estimate, if the cost exceeds --max-memory, --max-hours
@@ -35,7 +37,8 @@ void require_room(const RunCost& cost, const CommonOptions& common);
   return common.dry_run ? 0.5 : 0.1;
 }
 
-/// Returns the bytes of draws above which a run stores them on disk; infinity without a folder.
+/// Returns the largest size of draws in memory [bytes]. A run stores more draws on disk. The result
+/// is infinity without a folder.
 [[nodiscard]] double draws_in_memory(const CommonOptions& common);
 
 /// Returns the peak memory of this process so far [bytes].

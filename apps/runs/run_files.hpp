@@ -15,29 +15,29 @@
 
 namespace wheeltap::apps {
 
-/// Returns the engine options of a command line.
+/// Returns the options of the engine for the options of a command line.
 [[nodiscard]] inference::Options engine_options(const CommonOptions& common,
                                                 const SamplingOptions& options);
 
-/// Returns the options as a summary stores them and `--resume` compares them.
+/// Returns the sampling options as JSON. A summary stores this JSON, and `--resume` compares it.
 [[nodiscard]] Report options_report(const SamplingOptions& options);
 
 /// Writes posterior.nc. Throws io::FileError.
 using WriteDraws = std::function<void(io::AtomicFile&)>;
 
-/// posterior.nc, summary.json, summary.txt and report.html of one run. The constructor reserves the
-/// names and space for the numbers, so that a run whose results cannot be stored does not start.
-/// The destructor removes files that were not kept.
+/// posterior.nc, summary.json, summary.txt and report.html of one run. The constructor creates the
+/// files and reserves disk space for the results. A run whose results cannot be stored therefore
+/// does not start. The destructor removes unfinished files.
 class RunFiles {
  public:
   /// Creates the folder. Throws io::FileError.
   explicit RunFiles(std::filesystem::path folder);
 
   /// Writes all four files as one transaction; the summary contains the run identifier and the
-  /// checksums of the other files. If this fails (full disk) and the folder has no earlier run, it
-  /// writes everything except the draws. If the folder has an earlier run, it leaves its files
-  /// unchanged and writes summary.unkept.json. It then returns the error with the list of written
-  /// files; the caller throws it after printing the text.
+  /// checksums of the other files. If the disk is full and the folder has no earlier run, the
+  /// function writes all files except posterior.nc. If the folder has an earlier run, the function
+  /// leaves the earlier files unchanged and writes summary.unkept.json. In both cases, it returns
+  /// the error with the list of written files. The caller throws the error after printing the text.
   [[nodiscard]] std::optional<io::FileError> keep(Report summary, const std::string& text,
                                                   const std::string& run, const WriteDraws& draws);
 
@@ -46,7 +46,7 @@ class RunFiles {
                                  const std::string& reason);
 
   std::filesystem::path folder_;
-  bool earlier_;  // the folder has an earlier run
+  bool earlier_;  // true if the folder has an earlier run
   std::optional<io::AtomicFile> posterior_;
   io::AtomicFile summary_, text_, report_;
 };

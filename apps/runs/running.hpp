@@ -23,13 +23,13 @@ namespace wheeltap::apps {
 
 class CheckpointFile;
 
-/// Returns a log on standard error; with `quiet`, only for warnings.
+/// Returns a log on standard error. With `quiet`, the log shows only warnings.
 [[nodiscard]] std::shared_ptr<spdlog::logger> make_log(bool quiet);
 
-/// While an object exists, Ctrl-C (or another of base::kStopSignals; SIGHUP unless it was ignored)
-/// stops the engine: the run ends with the draws so far. A second signal after at least 1 s ends
-/// the program. A second signal within 1 s is ignored, and so are repetitions of SIGXCPU. The
-/// signal handlers remain installed after the first signal.
+/// While an object of this class exists, Ctrl-C or another of base::kStopSignals stops the engine,
+/// and the run ends with the draws so far. SIGHUP stops the engine unless the signal was ignored at
+/// the start. A second signal after at least 1 s ends the program. A second signal within 1 s and
+/// repetitions of SIGXCPU are ignored. The signal handlers remain installed after the first signal.
 class StopOnInterrupt {
  public:
   StopOnInterrupt();
@@ -48,9 +48,9 @@ void outlive_readers();
 
 [[nodiscard]] bool was_interrupted();
 
-/// Samples with a progress bar and checkpoints until the end or an interruption (StopOnInterrupt),
-/// starting from the checkpoint that was read, if any. It truncates all chains to the same length.
-/// Throws Failure if the likelihood fails or there are no draws.
+/// Runs the engine with a progress bar and checkpoints until the end or an interruption
+/// (StopOnInterrupt). If a checkpoint was read, the engine resumes from it. The function truncates
+/// all chains to the same length. Throws Failure if the likelihood fails or there are no draws.
 [[nodiscard]] inference::Posterior run_engine(const inference::Problem& problem,
                                               inference::Options options,
                                               const std::filesystem::path& case_path, bool quiet,
@@ -59,8 +59,8 @@ void outlive_readers();
 /// Prints on standard error that --resume continues a stopped run.
 void print_how_to_resume(const CheckpointFile& checkpoint, bool stopped);
 
-/// Returns the methods of a text such as "tmcmc+bridge"; none for "". Throws Failure (usage) for a
-/// method other than tmcmc, bridge and laplace.
+/// Returns the evidence methods of a text such as "tmcmc+bridge"; the list is empty for "". Throws
+/// Failure (usage) for a method other than tmcmc, bridge and laplace.
 [[nodiscard]] std::vector<identification::EvidenceMethod> evidence_methods(const std::string& text);
 
 /// Prints a note and calls identification::compute_evidence for each method. After an interruption,
@@ -73,7 +73,7 @@ void print_how_to_resume(const CheckpointFile& checkpoint, bool stopped);
 /// stop the run (StopOnInterrupt).
 class TerminalWatch : public RunWatch {
  public:
-  /// Both must outlive it.
+  /// `common` and `log` must outlive this object.
   TerminalWatch(const CommonOptions& common, spdlog::logger& log);
   /// Sets the checkpoint file; call it before sample().
   void keep(CheckpointFile& checkpoint) { checkpoint_ = &checkpoint; }
@@ -99,8 +99,9 @@ class TerminalWatch : public RunWatch {
 /// Creates the folder. Throws io::FileError if this fails.
 void make_output_folder(const std::filesystem::path& directory);
 
-/// Creates the folder and locks it until this process ends, since two runs would mix their files.
-/// Throws io::FileError also if another run has locked it.
+/// Creates the folder and locks it until this process ends, because two runs in one folder would
+/// mix their files. Throws io::FileError if the folder cannot be created or if another run has
+/// locked it.
 void claim_output_folder(const std::filesystem::path& directory);
 
 /// Writes a file atomically. Throws io::FileError.

@@ -1,4 +1,4 @@
-// The program as one of several MPI ranks (base/ranks.hpp).
+// Execution of the program as one of several MPI ranks (base/ranks.hpp).
 #pragma once
 
 #include <exception>
@@ -10,12 +10,12 @@
 
 namespace wheeltap::apps {
 
-/// Thrown on the other ranks if work of rank 0 for all ranks failed; rank 0 reports the error.
+/// Thrown on the other ranks if work of rank 0 for all ranks failed. Rank 0 reports the error.
 class FailedOnFirstRank : public std::exception {};
 
-/// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) has started this
-/// process; else does nothing. Ranks other than the first print nothing on standard output and
-/// error, and use one thread each unless --threads is given.
+/// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) started this process.
+/// Otherwise, the class has no effect. Ranks other than the first print nothing on standard output
+/// and error, and use one thread each unless --threads is given.
 class JoinedRanks {
  public:
   /// Throws Failure (64) if there are other ranks and the module is missing.
@@ -24,8 +24,8 @@ class JoinedRanks {
   JoinedRanks& operator=(const JoinedRanks&) = delete;
   ~JoinedRanks();
 
-  /// Ends this rank's work. If only this rank failed, it ends the others, which would wait for it,
-  /// and prints `last_words` on the original standard error.
+  /// Ends the work of this rank. If only this rank failed, the function ends the other ranks, which
+  /// would otherwise wait, and prints `last_words` on the original standard error.
   void leave(int exit_code, const std::string& last_words);
 
  private:

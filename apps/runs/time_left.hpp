@@ -9,21 +9,22 @@
 
 namespace wheeltap::apps {
 
-/// Extrapolates the present stage from its time so far. For later stages it uses the shorter of the
-/// times per likelihood call in this stage and in the whole run, because a stage may have counted
-/// few calls so far.
+/// Extrapolates the time of the present stage from its time so far. For later stages, the estimate
+/// uses the time per likelihood call: the shorter of the times in this stage and in the whole run.
+/// The reason is that a stage may have counted few calls so far.
 class TimeLeft {
  public:
-  /// `least_a_call`: lower bound of the time of a likelihood call in later stages [s]; 0: not
+  /// `least_a_call` is a lower bound of the time of a likelihood call in later stages [s]; 0 if not
   /// known.
   explicit TimeLeft(double least_a_call = 0.0) : least_a_call_(least_a_call) {}
 
   struct Shown {
-    double fraction = 0.0;       ///< seconds / (seconds + left); 0: not known
-    std::optional<double> left;  ///< [s]
+    /// Share of the run time, seconds / (seconds + left); 0: not known
+    double fraction = 0.0;
+    std::optional<double> left;  ///< remaining time [s]
   };
-  /// Returns the progress of the whole run. At the beginning of a stage, it uses the last estimate
-  /// minus the time since.
+  /// Returns the progress of the whole run. At the beginning of a stage, the remaining time is the
+  /// last estimate minus the time since this estimate.
   Shown of_run(const inference::Options::Progress& progress, double seconds) {
     if (const auto now = estimate(progress, seconds)) {
       left_ = *now;
@@ -34,14 +35,16 @@ class TimeLeft {
     return {.fraction = seconds / std::max(seconds + left, 1e-9), .left = left};
   }
 
-  /// Returns the remaining time [s], `seconds` after the start; none without enough progress.
+  /// Returns the remaining time [s] at `seconds` after the start; empty without enough progress.
   std::optional<double> estimate(const inference::Options::Progress& progress, double seconds) {
-    constexpr double kEnough = 1.0, kShare = 0.005;  // seconds, share of the stage
+    // Smallest time [s] and smallest share of the stage for an estimate
+    constexpr double kEnough = 1.0, kShare = 0.005;
     if (stage_ != progress.stage) {
       stage_ = progress.stage;
       began_ = seconds;
       calls_before_ = progress.likelihood_evaluations;
-      share_before_ = progress.fraction;  // not 0 in a resumed run
+      // Share of the stage that was done before, not 0 in a resumed run
+      share_before_ = progress.fraction;
     }
     const double here = seconds - began_, share = progress.fraction - share_before_;
     if (here < kEnough || share < kShare) return {};

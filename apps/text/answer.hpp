@@ -11,20 +11,21 @@
 namespace wheeltap::apps {
 
 struct Answer {
-  std::string caution;  ///< why the results are not reliable yet; may be empty
+  std::string caution;  ///< reason why the results are not reliable yet; may be empty
   /// The number of damages or the model, with its probability. If no model explains the data, the
-  /// headline begins with that.
+  /// headline begins with this statement.
   std::string headline;
   std::string detail;   ///< locations, severities or parameters with 95 % intervals; may be empty
-  bool misfit = false;  ///< no model explains the data, and the headline begins with that
+  bool misfit = false;  ///< true if no model explains the data; the headline states this
 };
 
 /// Returns the reason why the results of a run are not reliable yet; empty if they are reliable.
 [[nodiscard]] std::string caution(const identification::Findings& findings);
 
 /// Returns the answer of a damage run. A count (a model) with a probability of at least 0.6 is
-/// "most likely". Below that the run is undecided, and the headline names all models with 10 % or
-/// more. A damage is "not located" if its 95 % interval covers more than a quarter of the beam.
+/// "most likely". If all probabilities are smaller, the run is undecided, and the headline names
+/// all models with 10 % or more. A damage is "not located" if the 95 % interval of its location
+/// covers more than a quarter of the beam.
 [[nodiscard]] Answer answer(const identification::DamageCase& damage_case,
                             const identification::DamageFindings& findings);
 
@@ -33,12 +34,12 @@ struct Answer {
 /// Returns the most probable equation of motion; for a discovery, the terms.
 [[nodiscard]] Answer answer(const identification::SidFindings& findings);
 
-/// One run of a sweep.
+/// The result of one run of a sweep.
 struct SweepRow {
   std::string value;
   std::vector<identification::ModelFinding> models;
   bool converged = false;
-  bool explained = true;  ///< by one of the models
+  bool explained = true;  ///< true if one of the models explains the data
 };
 /// Returns the most probable model of each range of the swept values.
 [[nodiscard]] Answer answer(const std::string& path, const std::vector<SweepRow>& rows);

@@ -1,4 +1,4 @@
-// Sentences on misfit: the reasons why models do not explain the data, and what to do.
+// Sentences on misfit: the reasons why models do not explain the data, and advice.
 #pragma once
 
 #include <string>
@@ -8,7 +8,7 @@
 
 namespace wheeltap::apps {
 
-/// Returns one sentence per kind of reason, with what to check.
+/// Returns one sentence per kind of reason, with advice on what to check.
 [[nodiscard]] std::vector<std::string> in_words(const identification::FitVerdict& verdict);
 
 /// Returns the most serious reason, for a headline: "R² -0.28 for "a"", "the residual of "a" is 14

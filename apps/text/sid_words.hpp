@@ -11,7 +11,8 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string sentence(const identification::remark::ScatterBetweenWindows& remark);
 [[nodiscard]] std::string sentence(const identification::remark::WindowsUnsound& remark);
 
-/// Returns the residual model that Wheeltap chose for a model; empty if the case states it.
+/// Returns a note on the residual model that Wheeltap chose for a model; empty if the case states
+/// the residual model.
 [[nodiscard]] std::string residuals_note(const identification::SidModel& model);
 
 }  // namespace wheeltap::apps

@@ -9,29 +9,31 @@
 
 namespace wheeltap::apps {
 
-/// Returns the information in the data, in two sentences.
+/// Returns the information in the data about the parameters, in two sentences.
 [[nodiscard]] Answer answer(const identification::UpdateFindings& findings);
 
-/// Returns why the structure does not explain the modes; empty if it does.
+/// Returns the reasons why the structure does not explain the measured modes; empty if it explains
+/// them.
 [[nodiscard]] std::vector<std::string> misfit_sentences(
     const identification::UpdateFindings& findings);
-/// Returns a sentence on separate solutions and how to distinguish them; empty if there is one.
+/// Returns a sentence on separate solutions and on measurements that distinguish them; empty if
+/// there is only one solution.
 [[nodiscard]] std::vector<std::string> solution_sentences(
     const identification::UpdateFindings& findings);
-/// Returns a sentence on doubtful numbers of modes without shapes, with the remedy; empty if they
-/// are not doubtful.
+/// Returns a sentence on doubtful mode numbers of modes without shapes, with advice; empty if no
+/// number is doubtful.
 [[nodiscard]] std::string numbering_sentence(const identification::UpdateFindings& findings);
 /// Returns sentences on the limits of the data: parameters left at their priors, pairs that the
 /// data do not distinguish, and directions without information.
 [[nodiscard]] std::vector<std::string> cannot_tell(const identification::UpdateFindings& findings);
-/// Returns all warnings, the gravest first.
+/// Returns all warnings of the run, the most serious first.
 [[nodiscard]] std::vector<std::string> update_warnings(
     const identification::UpdateFindings& findings);
 
-/// Returns "0.8 · k1 - 0.6 · k2".
+/// Returns a direction in parameter space as text: "0.8 · k1 - 0.6 · k2".
 [[nodiscard]] std::string in_words(const identification::UntouchedDirection& direction);
-/// Returns "mode 2 is the model's mode 3"; empty if a mode matches the model's mode of its number
-/// in every draw.
+/// Returns "mode 2 is the model's mode 3"; empty if the measured mode matches the model's mode with
+/// the same number in every draw.
 [[nodiscard]] std::string matched_in_words(const identification::ModeFinding& mode);
 
 }  // namespace wheeltap::apps

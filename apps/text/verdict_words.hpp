@@ -1,4 +1,4 @@
-// Sentences of a run's convergence verdict, each with the option that helps.
+// Sentences on the reasons why a run has not converged, each with the option that helps.
 #pragma once
 
 #include <string>

@@ -12,14 +12,16 @@ namespace wheeltap::identification {
 
 /// The emulator error for one number of damages.
 struct EmulatorError {
-  std::vector<emulator::HoldoutError> holdout;  ///< one per mode
+  std::vector<emulator::HoldoutError> holdout;  ///< errors on the holdout runs, one per mode
   /// Scale of the error variance, one per mode. For damages r_1 … r_k the error variance of mode i
-  /// is scale[i] · Σ r_j / (1 - r_j), which grows with the damage in the same way as its effect.
-  /// For an interpolant that predicts its own variance, it is scale[i] times that variance, scale
-  /// >= 1. Empty for tables of early versions, which have the constant variance rmse².
+  /// is scale[i] · Σ r_j / (1 - r_j), which increases with the damage in proportion to the effect
+  /// of the damage. For an interpolant that predicts its own variance, the error variance is
+  /// scale[i] times the predicted variance, with scale >= 1. The list is empty for tables of early
+  /// versions, which have the constant variance rmse².
   std::vector<double> scale;
-  std::vector<emulator::StandardisedResiduals> standardised;  ///< by that variance; one per mode
-  /// Leave-one-out RMSE, one per mode; empty if the interpolant has none.
+  /// Holdout residuals divided by the predicted standard deviation, one per mode
+  std::vector<emulator::StandardisedResiduals> standardised;
+  /// Leave-one-out RMSE, one per mode; empty if the interpolant does not compute it.
   std::vector<double> leave_one_out;
 };
 

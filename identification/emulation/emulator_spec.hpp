@@ -15,19 +15,26 @@ namespace wheeltap::identification {
 struct EmulatorSpec {
   enum class Runs { grid, latin_hypercube, sobol, csv };
 
-  std::optional<std::filesystem::path> table;  ///< file; replaces the design below
+  /// File with a trained emulator, which replaces the design below
+  std::optional<std::filesystem::path> table;
   Runs runs = Runs::grid;
   const emulator::InterpolantType* interpolant = &emulator::kMultilinear;
   std::vector<std::vector<int>>
-      sites;  ///< 0-based elements; list i is for damage i, the last list for all further damages
-  std::vector<double> reductions;  ///< levels, increasing; for scattered runs the range, or empty
+      /// 0-based elements of the damage sites. List i is for damage i, the last list for all
+      /// further damages.
+      sites;
+  /// Increasing levels of the reduction; for scattered runs the range, or empty
+  std::vector<double> reductions;
   bool compliance = false;         ///< interpolate in 1/(1-r) instead of r
   std::optional<double> accuracy;  ///< largest relative error at which grid refinement ends
   std::optional<emulator::Additive>
-      anova;  ///< how more than two damages are summed from pairs; empty: one table per count
+      /// Quantity in which the effects of pairs of damages are added; empty: one table per count
+      anova;
   std::vector<int>
-      design_runs;  ///< scattered: entry i for i + 1 damages, the last for further ones
-  std::uint64_t design_seed = 1;           ///< for scattered designs
+      /// Scattered designs: number of runs for i + 1 damages; the last entry is for all larger
+      /// counts
+      design_runs;
+  std::uint64_t design_seed = 1;           ///< seed of scattered designs
   std::vector<std::filesystem::path> csv;  ///< the user's runs: file i has i + 1 damages
   bool symmetrise = false;     ///< average predictions over damages and their mirror images
   bool emulator_error = true;  ///< add the measured emulator error to the noise

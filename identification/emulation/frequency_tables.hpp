@@ -14,7 +14,7 @@
 
 namespace wheeltap::identification {
 
-/// Identifies a beam: geometry, mesh, supports, material and section as numbers.
+/// Fingerprint of a beam from its geometry, mesh, supports, material and section.
 [[nodiscard]] std::string beam_fingerprint(const fem::Beam& beam);
 
 /// Name of the table for `count` damages within a file, for example "count_1".
@@ -23,8 +23,9 @@ namespace wheeltap::identification {
 /// The stored training data of an emulator. Table factors: location_1 [m], reduction_1, location_2
 /// …; responses: elastic frequencies [Hz]; attribute "interpolation": name of the interpolant.
 struct FrequencyTables {
-  std::vector<emulator::Table> tables;  ///< entry i for i + 1 damages
-  std::vector<EmulatorError> errors;    ///< entry i for i + 1 damages; more than tables with ANOVA
+  std::vector<emulator::Table> tables;  ///< table i is for i + 1 damages
+  /// Entry i for i + 1 damages; with ANOVA, there are more entries than tables
+  std::vector<EmulatorError> errors;
   bool symmetrised = false;  ///< predictions are means over damages and their mirror images
   /// The quantity in which the effects of more than two damages are added. If it is set, the table
   /// for two damages also contains the intact frequencies.
@@ -32,13 +33,13 @@ struct FrequencyTables {
 };
 
 /// Reads a table file that was computed for this beam, up to `max_count` damages. Throws
-/// io::FileError; throws std::invalid_argument if the file holds too few counts or modes.
+/// io::FileError; throws std::invalid_argument if the file has too few counts or modes.
 [[nodiscard]] FrequencyTables read_frequency_tables(const std::filesystem::path& path,
                                                     const fem::Beam& beam, int max_count,
                                                     int modes);
 
-/// Writes a table file; adds `attributes` to the standard ones. Throws the exceptions of
-/// emulator::write_table_file.
+/// Writes a table file with the standard attributes and the additional `attributes`. Throws the
+/// exceptions of emulator::write_table_file.
 void write_frequency_tables(const std::filesystem::path& path, const fem::Beam& beam,
                             FrequencyTables tables, std::map<std::string, std::string> attributes);
 

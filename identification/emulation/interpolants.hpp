@@ -1,5 +1,5 @@
-// The list of interpolants that a case may name. To add one, write a file in emulator/ with its
-// class and its InterpolantType, and add a line to interpolants.cpp.
+// The list of interpolants that a case may name. To add an interpolant, write a file in emulator/
+// with the class and the InterpolantType, and add a line to interpolants.cpp.
 #pragma once
 
 #include <span>
@@ -12,11 +12,11 @@ namespace wheeltap::identification {
 
 using InterpolantTypes = std::span<const emulator::InterpolantType* const>;
 
-/// All types, including Delaunay interpolation even if its library was not built; training it then
-/// throws std::invalid_argument.
+/// All types of interpolants. The list includes Delaunay interpolation even if the library CGAL was
+/// not built; its training then throws std::invalid_argument.
 [[nodiscard]] InterpolantTypes interpolant_types();
 
-/// Returns nullptr if no interpolant has this name.
+/// The type of the interpolant with this name, or nullptr if there is no such interpolant.
 [[nodiscard]] const emulator::InterpolantType* find_interpolant_type(
     std::string_view name, InterpolantTypes types = interpolant_types());
 

@@ -1,4 +1,4 @@
-// An emulator of an external model over the box of its unknowns.
+// An emulator of an external model over a box in the space of the unknowns.
 #pragma once
 
 #include <cstdint>
@@ -16,19 +16,19 @@ namespace wheeltap::identification {
 /// The emulator section of a case with an external model.
 struct OutsideEmulatorSpec {
   int runs = 0;        ///< training runs; 0: 20 per unknown, at least 40
-  int holdout = 0;     ///< fresh runs that measure the error; 0: a quarter of `runs`, at least 10
+  int holdout = 0;     ///< holdout runs that measure the error; 0: a quarter of `runs`, at least 10
   bool sobol = false;  ///< Sobol points instead of a Latin hypercube
   bool emulator_error = true;  ///< add the measured emulator error to the noise
-  std::uint64_t seed = 1;      ///< for both designs
+  std::uint64_t seed = 1;      ///< seed of the training design and of the holdout design
 
   [[nodiscard]] int runs_for(int unknowns) const;
   [[nodiscard]] int holdout_for(int unknowns) const;
 };
 
-/// One Gaussian process per response. The box ends at the bounds of each prior's support or, if
-/// unbounded, at its quantiles z = ±4. An unknown that is positive and extends over more than a
-/// decade is replaced by its logarithm. The error variance is the process variance times a factor
-/// >= 1 that calibrates it on the fresh runs (emulator_error.hpp).
+/// One Gaussian process per response. The box ends at the bounds of each prior's support or, for an
+/// unbounded support, at the quantiles z = ±4 of the prior. A positive unknown whose range covers
+/// more than a decade is replaced by its logarithm. The error variance is the process variance
+/// times a factor >= 1 that is calibrated on the holdout runs (emulator_error.hpp).
 class OutsideEmulator {
  public:
   /// Runs the model at the points of the training design and of the holdout design, on `threads`

@@ -22,7 +22,7 @@ class OutsideModelError : public std::runtime_error {
   Kind kind_;
 };
 
-/// y(x), R^inputs → R^outputs. A call may take hours. Must be thread-safe.
+/// A model y(x), R^inputs → R^outputs. A call may take hours. Implementations must be thread-safe.
 class OutsideModel {
  public:
   virtual ~OutsideModel() = default;

@@ -14,26 +14,27 @@
 namespace wheeltap::identification {
 
 /// Evaluates another model only at inputs for which the result is not stored. Each result is stored
-/// in memory and at once in a journal. After the first failure of the model, no thread calls it
-/// again. Gradients are not cached.
+/// in memory and immediately in a journal file. After the first failure of the model, no thread
+/// calls it again. Gradients are not cached.
 class RememberedModel final : public OutsideModel {
  public:
-  /// Reads the results in `journal`; an empty path disables the journal. `identity` identifies the
-  /// model to which the results belong. Throws io::FileError: foreign, mismatch, corrupt,
-  /// unwritable.
+  /// Reads the stored results from the file `journal`; an empty path disables the journal.
+  /// `identity` identifies the model to which the results belong. Throws io::FileError: foreign,
+  /// mismatch, corrupt, unwritable.
   RememberedModel(std::shared_ptr<OutsideModel> model, const std::filesystem::path& journal,
                   const std::string& identity);
 
   [[nodiscard]] int inputs() const override { return model_->inputs(); }
   [[nodiscard]] int outputs() const override { return model_->outputs(); }
-  /// Throws the exceptions of the model, with the number of stored results in the message, and
-  /// io::FileError.
+  /// Throws the exceptions of the model, with the number of stored results appended to the message,
+  /// and io::FileError.
   void evaluate(std::span<const double> x, std::span<double> y) override;
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;
 
-  [[nodiscard]] long asked() const { return asked_; }            ///< calls of the model
-  [[nodiscard]] long remembered() const { return remembered_; }  ///< from the journal
+  [[nodiscard]] long asked() const { return asked_; }  ///< number of calls of the model
+  /// Number of results read from the journal
+  [[nodiscard]] long remembered() const { return remembered_; }
   [[nodiscard]] long slopes() const { return slopes_; }
 
  private:
@@ -43,7 +44,8 @@ class RememberedModel final : public OutsideModel {
   std::shared_ptr<OutsideModel> model_;
   std::filesystem::path path_;
   std::mutex mutex_;
-  std::unordered_map<std::string, std::vector<double>> answers_;  // key: the bytes of x
+  // Stored results; the key contains the bytes of x
+  std::unordered_map<std::string, std::vector<double>> answers_;
   std::optional<emulator::Journal> journal_;
   std::optional<OutsideModelError> failure_;
   std::atomic<long> asked_{0}, slopes_{0};

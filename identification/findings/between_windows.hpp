@@ -15,19 +15,22 @@ struct Interval {
 };
 
 struct BetweenWindows {
-  /// Prediction of the parameter in one further window of the same length, that is in a record that
-  /// was not used.
+  /// Prediction of the parameter for one further window of the same length in an unused record.
   Interval next;
   /// Estimate of the limit that a fit of the whole record approaches as the record becomes longer.
-  /// The mean is the best value of this record, and sd its error from the scores of the windows.
-  /// Empty if the posterior of the whole record has no normal approximation.
+  /// The mean is the best value of this record. The standard deviation is the error of the mean,
+  /// computed from the scores of the windows. `whole` is empty if the posterior of the whole record
+  /// has no normal approximation.
   std::optional<Interval> whole = {};
-  /// Birge ratio of the windows' scatter to their own intervals, and its p-value.
+  /// Birge ratio of the scatter between windows to the standard deviations of the windows'
+  /// estimates, and the p-value of the ratio.
   inference::BirgeRatio scatter;
-  /// True if the ratio is at least 1.5 and significant. Then the interval of the run, which assumes
-  /// that the residuals follow the likelihood, is too narrow for the scatter between windows.
+  /// True if the Birge ratio is at least 1.5 and significant. The credible interval of the run is
+  /// then too narrow for the scatter between windows, because the interval assumes that the
+  /// residuals follow the likelihood.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
-  /// Value and standard deviation per window; NaN for a failed window.
+  /// Estimate and standard deviation of the parameter in each window; NaN for a window whose fit
+  /// failed.
   std::vector<double> value, sd;
 };
 

@@ -1,5 +1,5 @@
 // Results common to all kinds of runs: models, parameters, evidences and the reliability of the
-// draws. Terminal, summary and report write them.
+// draws. Terminal text, summary and report contain these results.
 #pragma once
 
 #include <cstdint>
@@ -21,12 +21,14 @@ namespace wheeltap::identification {
 
 /// A parameter of a model, identified by its position in the model.
 struct Unknown {
-  std::string name;   ///< "location", "k"
-  std::string label;  ///< "location[1]"; preceded by the kind's name if two kinds share the label
-  int kind = -1;      ///< kind of the component it belongs to; -1: a parameter of the model itself
-  int component = 0;  ///< index within that kind, 0-based
-  int parameter = 0;  ///< index within the component's parameters, or the space's
-  std::string unit = {};  ///< "N/m"; "1" if dimensionless; empty if unknown
+  std::string name;  ///< name of the parameter: "location", "k"
+  /// "location[1]"; the name of the kind precedes it if two kinds share the label
+  std::string label;
+  /// Kind of the component with this parameter; -1: a parameter of the model itself
+  int kind = -1;
+  int component = 0;      ///< 0-based index of the component within its kind
+  int parameter = 0;      ///< index among the parameters of the component, or of the model space
+  std::string unit = {};  ///< unit: "N/m"; "1" if dimensionless; empty if unknown
 
   /// Label and, if known, unit: "k [N/m]".
   [[nodiscard]] std::string with_unit() const {
@@ -40,19 +42,20 @@ struct Unknown {
 struct ParameterFinding {
   Unknown unknown;
   Marginal estimate;
-  std::optional<BetweenWindows> between_windows = {};  ///< if windows were requested
+  /// Results by windows, if windows were requested
+  std::optional<BetweenWindows> between_windows = {};
   /// The overlap of posterior and prior, Σ min over twenty parts of the prior: 1 if the data have
   /// no information. NaN if not computed.
   double prior_overlap = std::numeric_limits<double>::quiet_NaN();
 
-  /// True if the posterior nearly repeats the prior.
+  /// True if the posterior is nearly equal to the prior.
   [[nodiscard]] bool is_nearly_prior() const { return prior_overlap > 0.85; }
 };
 
 struct ModelFinding {
   std::string name = {};
-  double prior = 0.0;            ///< probability
-  std::vector<int> counts = {};  ///< per kind of component; empty for a list of models
+  double prior = 0.0;            ///< prior probability of the model
+  std::vector<int> counts = {};  ///< number of components of each kind; empty for a list of models
   int dimension = 0;
   inference::ModelStanding standing = {};
   std::vector<ParameterFinding> parameters = {};  ///< empty if the model has no draws
@@ -65,7 +68,7 @@ struct ModelFinding {
   [[nodiscard]] const Marginal* find(const std::string& name) const;
 };
 
-/// "tmcmc", "bridge", "laplace".
+/// Name of an evidence method: "tmcmc", "bridge", "laplace".
 [[nodiscard]] std::string method_name(EvidenceMethod method);
 
 /// Evidences by one method, one per model. If the method failed for a model, its evidence is NaN
@@ -75,8 +78,8 @@ struct MethodEvidence {
   std::vector<inference::Evidence> evidences;
 };
 
-/// Computes the evidence of every model by every method. Once `stopped` returns true, returns only
-/// the methods that are finished.
+/// Computes the evidence of every model by every method. Once `stopped` returns true, the result
+/// contains only the completed methods.
 [[nodiscard]] std::vector<MethodEvidence> compute_evidence(
     const inference::Problem& problem, const std::vector<EvidenceMethod>& methods,
     std::uint64_t seed, int threads, const std::function<bool()>& stopped = {});
@@ -84,17 +87,18 @@ struct MethodEvidence {
 /// The evidences of one method and the model probabilities that they imply.
 struct EvidenceFinding {
   EvidenceMethod method;
-  std::vector<inference::Evidence> evidences;  ///< one per model
+  std::vector<inference::Evidence> evidences;  ///< evidence of each model
   inference::ImpliedProbabilities implied;
 };
 
 /// The sampling record and the convergence diagnosis. `full_evaluations` counts evaluations of the
-/// full likelihood, which may use an emulator; without an approximate likelihood it equals
-/// `likelihood_evaluations`.
+/// full likelihood, which may use an emulator. Without an approximate likelihood,
+/// `full_evaluations` equals `likelihood_evaluations`.
 struct Sampling : inference::RunRecord {
   inference::Verdict verdict;
   inference::ModelProbabilities stationary;
-  long count_round_trips = 0;  ///< between the lowest and the highest count
+  /// Round trips of the chains between the lowest and the highest count
+  long count_round_trips = 0;
   bool balanced = false;
   int chains = 0;
 };
@@ -105,26 +109,28 @@ struct Findings {
   std::vector<EvidenceFinding> evidence;
   Sampling sampling;
   FitVerdict fit_verdict;
-  std::vector<Remark> remarks;  ///< in addition to the limits in `verdict`
+  /// Remarks in addition to the violated convergence rules in `verdict`
+  std::vector<Remark> remarks;
 
   /// Indices of the models, most probable first.
   [[nodiscard]] std::vector<std::size_t> by_probability() const;
 };
 
 [[nodiscard]] std::vector<std::size_t> by_probability(const std::vector<ModelFinding>& models);
-/// If there are more models than this, only models with a probability of at least kWorthFull are
-/// reported in full.
+/// Largest number of models that are all reported in full. In a longer list, only models with a
+/// probability of at least kWorthFull are reported in full.
 inline constexpr std::size_t kFewModelsTold = 40;
 inline constexpr double kWorthFull = 0.005;
 [[nodiscard]] bool told_in_full(const Findings& findings, const ModelFinding& model);
 
-/// Computes the findings that do not depend on the meaning of the models. All chains must have the
-/// same length, at least 4 draws.
+/// Computes the findings that all kinds of runs share. All chains must have the same length, at
+/// least 4 draws.
 [[nodiscard]] Findings run_findings(const inference::Posterior& posterior,
                                     const inference::Verdict& verdict, std::uint64_t seed);
 
-/// Adds the results of the evidence methods and the final remarks: methods that failed or
-/// contradict the draws, posteriors close to their priors, and impossible likelihoods.
+/// Adds the results of the evidence methods and the final remarks to the findings. The remarks
+/// report methods that failed or contradict the draws, posteriors close to their priors, and
+/// impossible likelihoods.
 void conclude(Findings& findings, const inference::ModelSpace& space,
               const std::vector<MethodEvidence>& evidence);
 

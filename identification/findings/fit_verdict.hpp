@@ -1,6 +1,6 @@
 // Diagnosis of whether a model explains the data. Every model is an approximation of the measured
-// structure, so even the most probable model may fit badly; a report begins with this result if no
-// model explains the data.
+// structure, so even the most probable model may have large residuals. If no model explains the
+// data, the report begins with this result.
 #pragma once
 
 #include <limits>
@@ -12,61 +12,66 @@ namespace wheeltap::identification {
 
 namespace misfit {
 
-/// The reason that R² of a response is below 1/2 and its residual is not noise.
+/// Reason of a misfit: R² of a response is below 1/2, and its residual is not noise.
 struct Unexplained {
   std::string channel;
   double r2;
 };
-/// The residual of a response is autocorrelated (portmanteau test) or exceeds the stated noise
-/// (predictive p), and is not small: above `kSmallResidual` of the response's RMS, or above three
-/// times the residual of a free cubic chain.
+/// Reason of a misfit: the residual of a response is autocorrelated (portmanteau test) or exceeds
+/// the stated noise (predictive p). The residual is also not small: it is above `kSmallResidual` of
+/// the response's RMS, or above three times the residual of a free cubic chain.
 struct NotNoise {
   std::string channel;
-  double share;          ///< RMS of residual over RMS of response
-  double share_of_free;  ///< the same for the free cubic chain; NaN if not computed
+  double share;          ///< RMS of residual divided by RMS of response
+  double share_of_free;  ///< RMS ratio for the free cubic chain; NaN if not computed
   int lag;               ///< lag of the largest autocorrelation
   double autocorrelation;
 };
-/// The error of the model after the window is more than twice that within the window.
+/// Reason of a misfit: the prediction error after the window is more than twice the error within
+/// the window.
 struct WorseBeyond {
   std::string channel;
-  double inside, beyond;  ///< RMS of residual over RMS of response
-  int samples;            ///< number predicted
+  double inside, beyond;  ///< RMS of residual divided by RMS of response
+  int samples;            ///< number of predicted samples after the window
 };
-/// Frequencies deviate by more than the stated noise allows.
+/// Reason of a misfit: predicted and measured frequencies differ by more than the stated noise
+/// allows.
 struct BeyondNoise {
-  double p;                ///< posterior predictive
-  std::vector<int> modes;  ///< deviate by more than 3 sd; numbered from 1
-  bool emulated;           ///< predictions are from an emulator
+  double p;                ///< posterior predictive p
+  std::vector<int> modes;  ///< modes (from 1) whose frequencies deviate by more than 3 sd
+  bool emulated;           ///< true if an emulator computes the predictions
 };
-/// Frequencies are fitted more closely than the stated noise allows.
+/// Reason of a misfit: predicted and measured frequencies differ by less than the stated noise
+/// allows.
 struct WithinNoise {
-  double p;   ///< posterior predictive
-  double cv;  ///< stated; NaN if it differs between modes
+  double p;   ///< posterior predictive p
+  double cv;  ///< stated coefficient of variation; NaN if it differs between modes
 };
 
 using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, WithinNoise>;
 
 }  // namespace misfit
 
-/// Posterior predictive p and portmanteau p-values below this reject a model.
+/// Limit of posterior predictive p and portmanteau p-values. Smaller values reject a model.
 inline constexpr double kMisfit = 1e-3;
-/// Residuals below this share of a response are reported in the text but not in the heading, even
-/// if they are not noise.
+/// Limit of a small residual, as a share of the response. Smaller residuals that are not noise are
+/// reported in the text but not in the heading.
 inline constexpr double kSmallResidual = 0.05;
-/// Limit of the residual relative to that of a free cubic chain.
+/// Limit of the ratio of a residual to the residual of a free cubic chain.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
-/// Diagnosis of the most probable model that explains the data, among models of at least 5 %; if no
-/// model explains them, of the most probable model.
+/// Diagnosis of the most probable model that explains the data, among models with a probability of
+/// at least 5 %. If no model explains the data, the diagnosis of the most probable model.
 struct FitVerdict {
-  int model = -1;                                        ///< -1: no model was judged
-  double r2 = std::numeric_limits<double>::quiet_NaN();  ///< smallest over the responses
+  /// Diagnosed model; -1: no model was diagnosed
+  int model = -1;
+  double r2 = std::numeric_limits<double>::quiet_NaN();  ///< smallest R² of the responses
   /// Posterior predictive p of χ²: P(replicate > data).
   double p = std::numeric_limits<double>::quiet_NaN();
   std::vector<misfit::Reason> why = {};
-  int instead_of = -1;  ///< the most probable model, if it fails and `model` does not
-  std::vector<misfit::Reason> why_not = {};  ///< reasons against `instead_of`
+  /// The most probable model, if only the less probable `model` explains the data
+  int instead_of = -1;
+  std::vector<misfit::Reason> why_not = {};  ///< reasons why `instead_of` does not explain the data
 
   [[nodiscard]] bool ok() const { return why.empty(); }
 };

@@ -1,4 +1,4 @@
-// Summary of draws: mean, spread, quantiles and their accuracy.
+// Summary of the draws of one quantity: mean, standard deviation, quantiles and their accuracy.
 #pragma once
 
 #include <string>
@@ -18,26 +18,29 @@ struct Marginal {
   double q2_5 = 0.0;  ///< quantiles of 2.5, 50 and 97.5 %
   double q50 = 0.0;
   double q97_5 = 0.0;
-  double mode = 0.0;  ///< midpoint of the fullest bin, bins by Freedman & Diaconis (1981)
+  /// Midpoint of the histogram bin with most draws, by Freedman & Diaconis (1981)
+  double mode = 0.0;
   double ess_bulk = 0.0, ess_tail = 0.0, rhat = 0.0;
 
-  [[nodiscard]] double width() const { return q97_5 - q2_5; }  ///< width of the 95 % interval
+  /// Width of the 95 % credible interval
+  [[nodiscard]] double width() const { return q97_5 - q2_5; }
 };
 
-/// `weights`: one per draw; empty: all equal. Requires at least one draw.
+/// Computes the summary from at least one draw. `weights` has one weight per draw; if it is empty,
+/// all weights are equal.
 [[nodiscard]] Marginal marginal(const inference::ChainsOf& chains,
                                 const inference::ChainsOf& weights = {});
 
-/// Quantile of sorted draws, linear between order statistics.
+/// Quantile of sorted draws, interpolated linearly between order statistics.
 [[nodiscard]] double quantile(const std::vector<double>& sorted, double p);
-/// Weighted quantile of pairs (value, weight) in any order; equals `quantile` if all weights are
-/// equal.
+/// Weighted quantile of pairs (value, weight) in any order. The result equals `quantile` if all
+/// weights are equal.
 [[nodiscard]] double weighted_quantile(std::vector<std::pair<double, double>> draws, double p);
 
 /// Weight of the draws of each model, 1 on average over all draws. Weights are unequal only for
 /// balanced models (Posterior::log_weight). Every average over models must use them.
 [[nodiscard]] std::vector<double> model_weights(const inference::Posterior& posterior);
-/// The weight of every draw; empty if all are equal.
+/// The weight of every draw; empty if all weights are equal.
 [[nodiscard]] inference::ChainsOf draw_weights(const inference::Posterior& posterior);
 
 /// Collects `value(chain, draw)` for every draw of one model.

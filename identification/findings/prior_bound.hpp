@@ -2,8 +2,9 @@
 //
 // Test statistic: the 2.5 % quantile of the draws' distances to the bound, divided by the 97.5 %
 // quantile. For a posterior N(m, s²) truncated by the bound at m - c s, the statistic is 0.014 for
-// c = 0, 0.028 for c = 1 and 0.083 for c = 2; for a posterior away from the bound it is larger. A
-// narrow posterior near a bound of a wide prior therefore does not count as piled up.
+// c = 0, 0.028 for c = 1 and 0.083 for c = 2; for a posterior away from the bound, the statistic is
+// larger. A narrow posterior near a bound of a wide prior therefore does not count as piled up at
+// the bound.
 #pragma once
 
 #include <span>
@@ -17,7 +18,7 @@ enum class PriorBound { none, lower, upper };
 /// Returns the finite bound at which draws pile up. Two conditions apply: at least a quarter of the
 /// weight of the draws is in the outer 5 % of the prior, and the 2.5 % quantile of the distances to
 /// the bound is less than 0.05 times the 97.5 % quantile. A lower bound of 0 is physical and is not
-/// reported. `weights`: one per draw; empty: all equal.
+/// reported. `weights` has one weight per draw; if it is empty, all weights are equal.
 [[nodiscard]] PriorBound bound_of(const inference::Prior& prior, std::span<const double> draws,
                                   std::span<const double> weights = {});
 

@@ -24,7 +24,7 @@ inline constexpr int kPriorDraws = 200;
   return x;
 }
 
-/// The range of one quantity over these draws.
+/// The range of one quantity over draws of the prior.
 struct PriorRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();

@@ -1,4 +1,5 @@
-// Remarks on the findings. Each remark is a type with its numbers; apps/ contains the texts.
+// Remarks on the findings. Each remark is a type with numbers as members; apps/ contains the texts
+// of the remarks.
 #pragma once
 
 #include <array>
@@ -20,7 +21,8 @@ namespace remark {
 
 // ---- all runs -----------------------------------------------------------------------------
 
-/// The likelihood was NaN or +∞ at `places` of `evaluated` points, which count as impossible.
+/// The likelihood was NaN or +∞ at `places` of `evaluated` points. These points count as
+/// impossible.
 struct ImpossibleLikelihoods {
   long places, evaluated;
 };
@@ -30,15 +32,15 @@ struct EvidenceFailed {
   std::string model;
   inference::EvidenceWarning why;
 };
-/// The model probability implied by a method's evidences differs from that of the draws by more
-/// than 3 of their combined errors.
+/// The model probability implied by a method's evidences differs from the probability of the draws
+/// by more than 3 combined errors.
 struct EvidenceDisagrees {
   EvidenceMethod method;
   std::string model;
   double sampled, sampled_error, implied, implied_error;
 };
 
-/// Posteriors that nearly repeat their priors (ParameterFinding::prior_overlap).
+/// Parameters whose posteriors are nearly equal to their priors (ParameterFinding::prior_overlap).
 struct NearlyPrior {
   struct Parameter {
     std::string model, name;
@@ -49,15 +51,15 @@ struct NearlyPrior {
 
 // ---- structures ---------------------------------------------------------------------------
 
-/// A material outside the range of real ones: probably a number in another unit.
+/// A material property outside the range of real materials. The number is probably in another unit.
 struct ImplausibleMaterial {
   enum class Property { young, density, speed_of_sound };
 
-  std::string of;  ///< "the beam", "member \"left post\""
+  std::string of;  ///< part of the structure: "the beam", "member \"left post\""
   Property property;
-  double value, lowest, highest;  ///< SI
+  double value, lowest, highest;  ///< value and its plausible range in SI units
   std::string unit = {};          ///< unit in which the number would be plausible; empty: none
-  double converted = 0.0;         ///< the value in that unit, converted to SI
+  double converted = 0.0;         ///< the value, read in `unit` and converted to SI units
 };
 /// A section whose height exceeds the length of the beam, or far exceeds the length of the member.
 struct DeepSection {
@@ -76,13 +78,14 @@ struct CrossingMembers {
   struct Pair {
     std::string first, second;
     std::array<double, 3> at;  ///< [m]
-    bool between;  ///< the intersection is inside at least one member; else two nodes coincide
+    /// True if the intersection is inside at least one member. False if two nodes coincide.
+    bool between;
   };
-  std::vector<Pair> pairs = {};  ///< the first few
-  int count = 0;                 ///< number of such pairs
+  std::vector<Pair> pairs = {};  ///< the first pairs
+  int count = 0;                 ///< number of intersecting pairs
   int dimension = 3;
 };
-/// Sensors, numbered from 1, with the same place and direction.
+/// Sensors, numbered from 1, with the same location and direction.
 struct SensorsAtOnePlace {
   struct Pair {
     int first, second;
@@ -93,34 +96,37 @@ struct SensorsAtOnePlace {
 
 // ---- damages ------------------------------------------------------------------------------
 
-/// Measured frequencies outside the range of the prior's damages: `ratio` is the median over the
-/// modes of measured to nearest predicted frequency.
+/// Measured frequencies outside the range that damages of the prior can produce. `ratio` is the
+/// median over the modes of the measured frequency divided by the nearest predicted frequency.
 struct FrequenciesOutOfReach {
   double ratio;
-  double measured, lowest, highest;  ///< first such mode: measured, predicted range [Hz]
-  int mode;                          ///< numbered from 1
+  /// Of mode `mode`: measured frequency and predicted range [Hz]
+  double measured, lowest, highest;
+  int mode;  ///< first mode out of range, numbered from 1
 };
-/// The stated noise of every frequency exceeds the effect of the prior's damages, which is at most
+/// The stated noise of every frequency exceeds the effect of damages of the prior, which is at most
 /// `effect`.
 struct NoiseHidesDamage {
-  double cv, effect;  ///< for the mode most sensitive to damage; `effect` relative to its noise
+  /// Noise and largest `effect` (relative to the noise) of the most sensitive mode
+  double cv, effect;
 };
 
-/// Mirror images are equally probable; a preference for one side is an effect of the emulator.
+/// Mirror images of a damage are equally probable. A difference of their probabilities is an error
+/// of the emulator.
 struct MirrorImages {
   bool emulated;
 };
-/// The structure is symmetric: groups of equivalent parts, by name, and members that a symmetry
-/// reverses.
+/// The structure is symmetric. The members list groups of equivalent parts by name, and structural
+/// members that a symmetry reverses.
 struct StructureImages {
   std::vector<std::vector<std::string>> alike;
   std::vector<std::string> turned;
 };
-/// Mutually exclusive places of damage, most probable first: one of them is damaged, and the data
-/// do not determine which one.
+/// Mutually exclusive locations of damage, the most probable first. One of these locations is
+/// damaged, but the data do not determine which one.
 struct RivalPlaces {
   struct Place {
-    int kind;  ///< index in the case's list
+    int kind;  ///< index of the kind of defect in the case
     std::string name;
     double probability;
   };
@@ -131,20 +137,20 @@ struct FittedNotTested {
   std::string model;
   int unknowns, frequencies;
 };
-/// The neighbour of a place: an end of the beam, a support, a clamp or another defect.
+/// The neighbour of a location: an end of the beam, a support, a clamp or another defect.
 struct Landmark {
   enum class Kind { left_end, right_end, support, clamp, defect };
   Kind kind;
   double at;         ///< [m]
-  std::string name;  ///< name of the defect's kind
+  std::string name;  ///< name of the kind of defect
 };
-/// A model with at least as many unknowns as data that cannot be excluded against a simpler one;
-/// `hidden`: where a further defect of each kind could be.
+/// A model with at least as many unknowns as data that the data cannot exclude against a simpler
+/// model. `hidden` gives possible locations of a further defect of each kind.
 struct CannotExclude {
   struct Hidden {
     std::string kind;
     Landmark below, above;
-    double from, to;  ///< 95 % interval of its location [m]
+    double from, to;  ///< 95 % credible interval of the location [m]
   };
   std::string model;
   double probability;
@@ -157,30 +163,30 @@ struct NoModelFits {
   std::vector<int> off;
   bool emulated;
 };
-/// Adjacent damages of a fixed extent act as one longer damage (MergedFinding).
+/// Adjacent damages of a fixed extent have the effect of one longer damage (MergedFinding).
 struct NeighbouringDamages {
-  int kind;  ///< index in the case's list
+  int kind;  ///< index of the kind of defect in the case
 };
-/// Half the probability or more is at the largest count allowed.
+/// The largest allowed count has a probability of one half or more.
 struct LargestCount {
-  int kind;  ///< index in the case's list
+  int kind;  ///< index of the kind of defect in the case
   double probability;
 };
-/// A quarter of a kind's severities lie in the prior's upper 2.3 %.
+/// A quarter of the severity draws of a kind lie in the upper 2.3 % of the prior.
 struct SeverityAtBound {
   int kind;
 };
-/// An emulator for this many damages cannot predict these modes (Q² < 0.9).
+/// The emulator for `damages` damages does not predict the frequencies of `modes` (Q² < 0.9).
 struct EmulatorBlind {
   int damages;
   std::vector<int> modes;
 };
-/// The FE solution would give a different result; see EmulatorCheck.
+/// The FE solution would give a different result than the emulator; see EmulatorCheck.
 struct EmulatorMoved {};
 
 // ---- equations of motion ------------------------------------------------------------------
 
-/// A simulated record has parameters that their priors exclude.
+/// The priors exclude true parameters of a simulated record.
 struct TruthOutsidePriors {
   struct Parameter {
     std::string name;
@@ -189,7 +195,7 @@ struct TruthOutsidePriors {
   };
   std::vector<Parameter> parameters;
 };
-/// Responses whose measured size is outside the range of the prior's draws in every model.
+/// Responses whose measured RMS is outside the range of prior draws in every model.
 struct ResponsesOutOfReach {
   struct Channel {
     std::string name;
@@ -205,7 +211,8 @@ struct NoiseAboveResponse {
   };
   std::vector<Channel> channels;
 };
-/// The window's spectra differ from the record's by more than three times their scatter.
+/// The spectra of the window differ from the spectra of the record by more than three times their
+/// scatter.
 struct PeculiarWindow {
   struct Channel {
     std::string name;
@@ -213,12 +220,13 @@ struct PeculiarWindow {
   };
   std::vector<Channel> channels;
 };
-/// Linear interpolation between samples reduces an excitation's amplitude by this share.
+/// Linear interpolation between samples reduces the amplitude of an excitation by the share `loss`.
 struct LinearExcitation {
   std::string channel;
   double loss;
 };
-/// Channels with an unknown unit, or one of another dimension; their numbers are used unconverted.
+/// Channels with an unknown unit or a unit of another dimension. Their numbers are used without
+/// conversion.
 struct UnknownUnits {
   struct Channel {
     std::string name, unit, dimension, known;
@@ -229,31 +237,34 @@ struct UnknownUnits {
 struct UnevenTime {
   signals::Sampling sampling;
 };
-/// Responses are absolute: the base displacement was integrated from its acceleration.
+/// The responses are absolute. The base displacement was therefore integrated from the base
+/// acceleration.
 struct BaseIntegrated {};
-/// The most probable model does not explain the record; a less probable one does.
+/// The most probable model does not explain the record, but a less probable model does.
 struct MostProbableFails {
   std::string model, other;
   std::vector<misfit::Reason> why;
 };
-/// The best draw reproduces almost nothing of a response and the residuals are white: the record is
-/// mostly noise.
+/// The best draw reproduces a response hardly at all, and its residuals are white. The record of
+/// this response is mostly noise.
 struct MostlyNoise {
   std::string model, channel;
   double r2;
 };
-/// The window does not start at rest, so the initial state is also inferred.
+/// The structure is not at rest at the start of the window, so the initial state is also inferred.
 struct InitialStateInferred {
-  double share;  ///< share of the response's RMS in the window's first samples
+  double share;  ///< RMS of the first samples of the window, divided by the RMS of the response
 };
 
-/// With steps a quarter as long, the best draw's response changes by `error` of the noise.
+/// With a quarter of the time step, the response of the best draw changes by `error` times the
+/// noise.
 struct StepsTooLong {
   std::string model;
   double error;
-  bool fixed;  ///< the case fixes the steps, so the run could not be repeated
+  bool fixed;  ///< true if the case fixes the time steps, so that the run was not repeated
 };
-/// The parameters' means fit the record worse than the best draw: NRMSE of both per channel.
+/// The posterior means of the parameters fit the record worse than the best draw. The members give
+/// the NRMSE of both per channel.
 struct MeansDoNotGoTogether {
   struct Channel {
     std::string name;
@@ -262,7 +273,7 @@ struct MeansDoNotGoTogether {
   std::string model;
   std::vector<Channel> channels;
 };
-/// Residuals differ from the stated noise by these factors.
+/// The RMS of the residuals differs from the stated noise by the factor `factor` of each channel.
 struct NoiseMisstated {
   struct Channel {
     std::string name;
@@ -271,23 +282,26 @@ struct NoiseMisstated {
   std::string model;
   std::vector<Channel> channels;
 };
-/// Residuals are not white; those of `others`, less probable models, are similar.
+/// The residuals of `model` are not white. The residuals of the less probable models `others` are
+/// similar.
 struct ColouredResiduals {
-  std::string residual_model = {};  ///< name, if the residuals are its innovations; empty: white
-  std::string remedy = {};          ///< suggested by the residual model; may be empty
+  /// Name of the residual model if the residuals are its innovations; empty: white
+  std::string residual_model = {};
+  std::string remedy = {};  ///< advice of the residual model; may be empty
 
   struct Channel {
     std::string name;
     int lag;  ///< lag of the largest autocorrelation
     double autocorrelation;
-    double share;  ///< RMS of residual over RMS of response
+    double share;  ///< RMS of residual divided by RMS of response
     double p_value;
   };
   std::string model;
   std::vector<Channel> channels;
   std::vector<std::string> others = {};
 };
-/// Parameters scatter between windows by these factors more than each window's interval allows.
+/// The estimates of parameters scatter between windows by `factor` times more than their credible
+/// intervals in the windows allow.
 struct ScatterBetweenWindows {
   struct Parameter {
     std::string name;
@@ -297,8 +311,8 @@ struct ScatterBetweenWindows {
   int windows;
   std::vector<Parameter> parameters;
 };
-/// Windows whose fit failed, and parameters for which the normal approximation is inaccurate in
-/// many windows.
+/// Number of windows whose fit failed, and parameters for which the normal approximation is
+/// inaccurate in many windows.
 struct WindowsUnsound {
   std::string model;
   int windows, failed;
@@ -310,29 +324,32 @@ struct ParameterAtBound {
   bool upper;
 };
 
-/// In all records, the motion ends before a one-sided law (for example a stop) acts: in `share` of
-/// the model's draws the gap never closes.
+/// A one-sided force law (for example of a stop) produces no force in the motion of any record. In
+/// the share `share` of the model's draws, its gap never closes.
 struct StopNotReached {
   std::string model, law;
-  int a, b;      ///< the masses that its link joins
-  bool opening;  ///< the side on which the law acts
-  double reach;  ///< largest extension to that side in the motion at the model's means [m]
+  int a, b;      ///< masses at the ends of the link
+  bool opening;  ///< true if the force law acts in extension, false if in compression
+  /// Largest motion of the link towards the stop, at the model's posterior means [m]
+  double reach;
   double share;
 };
 
-/// A model error that is equal in all states cancels, so estimated changes do not include it.
+/// A model error that is equal in all states cancels. The estimated changes between states do not
+/// include this error.
 struct ChangesTakenForExact {
-  double discrepancy;  ///< relative, of frequencies
+  /// Relative error of the model's frequencies in every state.
+  double discrepancy;
 };
 /// A measured mode that may not belong to the structure.
 struct SpuriousMode {
-  int mode = 0;  ///< measured mode, from 1
+  int mode = 0;  ///< number of the measured mode, from 1
   double hz = 0.0, probability = 0.0;
 };
 
 }  // namespace remark
 
-/// Reported from this probability on.
+/// Probability from which a spurious mode is reported.
 inline constexpr double kSpurious = 0.05;
 
 using Remark =

@@ -2,13 +2,13 @@
 // probability between them.
 //
 // Distances are computed in the coordinates in which the prior is standard normal, with the
-// covariance of draws about their own mode as metric. Each draw belongs to the nearest mode of the
-// search. Two modes are one solution if the smallest distance between their draws is at most
+// covariance of draws about their nearest mode as metric. Each draw belongs to the nearest mode of
+// the search. Two modes are one solution if the smallest distance between their draws is at most
 //
 //   3 × the 95 % quantile of the distance of a draw to the nearest other draw of its mode,
 //
-// the larger of the two. In one dimension, the density between two solutions is then below about a
-// thirtieth of the peak. A curved or rough ridge is one solution.
+// the larger of the two distances. In one dimension, the density between two solutions is then
+// below about a thirtieth of the peak. A curved or rough ridge is one solution.
 #pragma once
 
 #include <vector>
@@ -19,20 +19,21 @@
 namespace wheeltap::identification {
 
 struct Solution {
-  double probability = 0.0, mcse = 0.0;   ///< share of the model's draws
-  std::vector<double> best = {};          ///< parameters of its most probable draw
-  std::vector<Marginal> parameters = {};  ///< marginals of its draws, one per parameter
-  double chi_square = 0.0;                ///< χ² of the data at `best`; NaN if not computed
+  double probability = 0.0, mcse = 0.0;  ///< share of the model's draws
+  std::vector<double> best = {};         ///< parameters of the most probable draw of the solution
+  /// Marginals of the draws of the solution, one per parameter
+  std::vector<Marginal> parameters = {};
+  double chi_square = 0.0;  ///< χ² of the data at `best`; NaN if not computed
 };
 
 /// Probability below which a solution is omitted.
 inline constexpr double kWorthListing = 0.01;
 
 struct SeparateSolutions {
-  /// Most probable first; empty if there is only one solution.
+  /// Solutions, the most probable first; empty if there is only one solution.
   std::vector<Solution> list = {};
-  /// Covariance of draws about the mean of their own solution, in standard normal coordinates: the
-  /// uncertainty within a solution. Empty if `list` is.
+  /// Covariance of draws about the mean of their solution, in standard normal coordinates: the
+  /// uncertainty within a solution. The matrix is empty if `list` is empty.
   Eigen::MatrixXd covariance_within = {};
 };
 

@@ -19,10 +19,10 @@ namespace wheeltap::identification {
 /// A frequency band and approximate frequencies of its modes, read from the spectra.
 struct ModalBand {
   double lowest_hz = 0.0, highest_hz = 0.0;
-  std::vector<double> peaks_hz = {};  ///< approximate, ascending; one to three modes
+  std::vector<double> peaks_hz = {};  ///< approximate frequencies of one to three modes, ascending
 };
 
-/// Fourier lines of accelerations in a band.
+/// Fourier coefficients of accelerations in a frequency band.
 struct BandLines {
   Eigen::VectorXd frequencies_hz;
   /// channels × lines: F_k = √(2 Δt/N) Σ_j y_j e^{-2πi jk/N}, so that E F Fᴴ is the one-sided
@@ -30,9 +30,9 @@ struct BandLines {
   Eigen::MatrixXcd transform;
 };
 
-/// Computes the lines of a band. `records`: one channel per row; means are removed here. Throws
-/// std::invalid_argument for a band beyond half the sampling rate, and for fewer lines than
-/// `kFewestLines` per mode.
+/// Computes the Fourier coefficients of a band. `records` has one channel per row; the function
+/// removes the means. Throws std::invalid_argument for a band beyond half the sampling rate, and
+/// for fewer lines than `kFewestLines` per mode.
 [[nodiscard]] BandLines band_lines(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                    double sample_rate_hz, const ModalBand& band);
 
@@ -43,14 +43,14 @@ struct BandLines {
 ///   β_ik = f_i / f_k,
 ///
 /// for m modes with shapes Φ of unit length. S is the spectral density of the modal forces divided
-/// by modal mass (m × m, Hermitian), S_e that of the sensor noise; both are constant over the band.
-/// Contributions of modes outside the band count as noise, so a band should be dominated by its own
-/// modes.
+/// by modal mass (m × m, Hermitian). S_e is the spectral density of the sensor noise. S and S_e are
+/// constant over the band. Contributions of modes outside the band count as noise, so the modes in
+/// the band should dominate the spectrum.
 ///
 /// Parameters θ:
-/// - f and ζ of each mode;
-/// - per mode n - 1 numbers b: the shape is u + T b, scaled to unit length, where u is the
-/// direction of the spectral matrix at the mode's peak and T its orthogonal complement;
+/// - frequency f and damping ratio ζ of each mode;
+/// - n - 1 numbers b per mode: the shape is u + T b, scaled to unit length, where u is the
+///   direction of the spectral matrix at the mode's peak and T its orthogonal complement;
 /// - the diagonal of S;
 /// - the coherences of S as rows of a lower triangle with unit diagonal, scaled to unit length;
 /// - S_e.
@@ -68,28 +68,31 @@ class BandProblem {
   [[nodiscard]] int modes() const { return static_cast<int>(band_.peaks_hz.size()); }
   [[nodiscard]] int channels() const { return static_cast<int>(lines_.transform.rows()); }
   [[nodiscard]] const std::vector<inference::Parameter>& parameters() const { return parameters_; }
-  /// Returns -∞ if frequencies do not ascend.
+  /// Log likelihood of the parameters x, -∞ if the frequencies are not in ascending order.
   [[nodiscard]] double log_likelihood(std::span<const double> x) const;
-  /// n × m, each of unit length.
+  /// Mode shapes, n × m, each of unit length.
   [[nodiscard]] Eigen::MatrixXd shapes(std::span<const double> x) const;
-  /// The problem, with one model. Refers to this object.
+  /// The problem for the engine, with one model. The problem refers to this object.
   [[nodiscard]] inference::Problem problem() const;
 
  private:
   BandLines lines_;
   ModalBand band_;
   std::vector<inference::Parameter> parameters_;
-  std::vector<Eigen::VectorXd> directions_;   // u of each mode
-  std::vector<Eigen::MatrixXd> complements_;  // T
-  double power_ = 0.0;                        // Σ |F|²
+  std::vector<Eigen::VectorXd> directions_;   // direction u of each mode
+  std::vector<Eigen::MatrixXd> complements_;  // orthogonal complement T of each direction
+  double power_ = 0.0;                        // total power Σ |F|²
 };
 
 /// Summary of the posterior of a band's modes.
 struct BayesianBand {
-  Eigen::VectorXd frequencies_hz, damping;         ///< means
-  Eigen::MatrixXd covariance;                      ///< all frequencies, then all damping ratios
-  Eigen::MatrixXd shapes;                          ///< n × m, largest entry 1: means of the draws
-  std::vector<Eigen::MatrixXd> shape_covariances;  ///< n × n, for shapes in this scale
+  Eigen::VectorXd frequencies_hz, damping;  ///< posterior means
+  /// Covariance of all frequencies, then all damping ratios
+  Eigen::MatrixXd covariance;
+  /// Posterior mean shapes, n × m, with the largest entry 1
+  Eigen::MatrixXd shapes;
+  /// Covariance of each shape with the largest entry 1, n × n
+  std::vector<Eigen::MatrixXd> shape_covariances;
   bool converged = false;
   std::vector<std::string> not_established = {};
   long likelihood_evaluations = 0;
@@ -97,7 +100,8 @@ struct BayesianBand {
 
 struct BayesianBandOptions {
   std::uint64_t seed = 1;
-  int warmup = 2000, draws = 1500, searches = 10;  ///< as in inference::Options
+  /// Options of the engine, as in inference::Options
+  int warmup = 2000, draws = 1500, searches = 10;
   int threads = 0;
 };
 
@@ -106,7 +110,7 @@ struct BayesianBandOptions {
                                          double sample_rate_hz, const ModalBand& band,
                                          const BayesianBandOptions& options = {});
 
-/// Identifies all bands in turn; modes are sorted by frequency, and those of different bands are
+/// Identifies all bands in turn; the modes are sorted by frequency. Modes of different bands are
 /// independent. Throws the exceptions of `band_lines` and BandProblem with the number of the band
 /// (from 0), and std::invalid_argument for bands that overlap.
 [[nodiscard]] signals::ModalResult identify_bands(const Eigen::Ref<const Eigen::MatrixXd>& records,

@@ -5,9 +5,10 @@
 
 namespace wheeltap::identification {
 
-/// Cost of identifying modes from this many measured numbers.
+/// Cost of identifying modes from `numbers` measured numbers.
 [[nodiscard]] inline inference::RunCost cost_of_modes(double numbers) {
-  // Measured: 2 s for eight channels of 61 440 samples, 90 s for twenty of a million.
+  // Measured run times: 2 s for eight channels of 61 440 samples, 90 s for twenty channels of a
+  // million samples.
   return {.bytes = 2e8 + 4.0 * 8.0 * numbers, .seconds = 1.0 + 4e-6 * numbers};
 }
 

@@ -22,15 +22,16 @@ struct ModalRecord {
   std::vector<int> orders = {};
   signals::ModalOptions options = {};
   std::optional<signals::FrequencyResponses> responses = {};
-  std::vector<Eigen::MatrixXd> decays = {};  ///< pieces of the records
+  /// free decays (segments of the records)
+  std::vector<Eigen::MatrixXd> decays = {};
   std::vector<ModalBand> bands = {};
-  std::optional<signals::ModalMethod> spectral = {};  ///< decomposition or enhanced
-  int segment = 0;  ///< for FDD and EFDD, as in signals::DecompositionOptions
+  std::optional<signals::ModalMethod> spectral = {};  ///< FDD (decomposition) or EFDD (enhanced)
+  int segment = 0;  ///< segment length for FDD and EFDD, as in signals::DecompositionOptions
 };
 
 /// Identifies modes, with shapes of one quantity (signals::convert_shapes). Throws
-/// signals::ChannelError for a channel that the method cannot use; throws std::invalid_argument as
-/// the methods do.
+/// signals::ChannelError for a channel that the method cannot use; throws std::invalid_argument
+/// under the conditions of each method.
 [[nodiscard]] signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed);
 
 /// The spectrum to plot within the band of `result`: singular values if the method computed them,

@@ -1,26 +1,27 @@
-// Converts a measured complex mode shape to a real one, as an undamped model predicts.
+// Converts a measured complex mode shape to a real mode shape, which an undamped model predicts.
 #pragma once
 
 #include "base/eigen.hpp"
 
 namespace wheeltap::identification {
 
-/// A real shape y with largest entry 1: the real part of ψ e^{-iθ}, rotated to the largest real
-/// part (which minimises |Im|²):
+/// A real shape y with largest entry 1: the real part of ψ e^{-iθ}. The angle θ maximises the real
+/// part and minimises |Im|²:
 ///
 ///   θ = ½ arg Σ ψ_k²,   dy = Re(e^{-iθ} dψ) + dθ Im(e^{-iθ} ψ),   dθ = Im(Σ ψ_k dψ_k / Σ ψ_k²).
 ///
-/// Only the direction ŷ is measured. Its covariance is defined on the tangent plane, P C P + s² ŷŷᵀ
-/// with P = I - ŷŷᵀ and s² the mean variance on the plane, for any scale of the complex shape's
-/// covariance.
+/// Only the direction ŷ is measured. The covariance of ŷ is defined on the tangent plane, P C P +
+/// s² ŷŷᵀ with P = I - ŷŷᵀ and s² the mean variance on the plane, for any scale of the complex
+/// shape's covariance.
 struct RealShape {
-  Eigen::VectorXd values = {};      ///< largest entry ±1
+  Eigen::VectorXd values = {};      ///< entries of the shape; the largest entry is ±1
   Eigen::MatrixXd covariance = {};  ///< m × m, positive definite
-  double imaginary = 0.0;           ///< |Im| / |Re| of the rotated shape: the part left out
-  bool correlated = true;           ///< false: correlations were dropped, see `real_shape`
+  double imaginary = 0.0;           ///< omitted imaginary part: |Im| / |Re| of the rotated shape
+  bool correlated = true;           ///< false if `real_shape` omitted the correlations
 };
 
-/// Converts a shape ψ. `covariance`: of real parts, then imaginary parts, 2m × 2m, of ψ unscaled.
+/// Converts a shape ψ. `covariance` is the covariance of the real parts and then the imaginary
+/// parts of the unscaled ψ, 2m × 2m.
 ///
 /// A covariance estimated from n = `blocks` parts of a record has an inverse that is too large on
 /// average (`blocks` = 0: the covariance is exact). The covariance is therefore multiplied by (n -
@@ -34,8 +35,8 @@ struct RealShape {
 [[nodiscard]] RealShape real_shape(const Eigen::VectorXcd& shape, const Eigen::MatrixXd& covariance,
                                    int blocks);
 
-/// The correction factor above for the covariance of `numbers` quantities from `blocks` parts; 0 if
-/// there are too few blocks for correlations.
+/// The correction factor of `real_shape` for the covariance of `numbers` quantities from `blocks`
+/// blocks of a record. The factor is 0 if there are too few blocks for correlations.
 [[nodiscard]] double estimated_covariance_factor(int numbers, int blocks);
 
 }  // namespace wheeltap::identification

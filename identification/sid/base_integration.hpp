@@ -9,17 +9,17 @@ namespace wheeltap::identification {
 /// absolute displacement or velocity.
 [[nodiscard]] bool needs_integrated_base(const SidCase& sid_case);
 
-/// Adds the base displacement as a channel: twice the integral of the acceleration (exact if it is
-/// linear between samples) and a polynomial for the constants of integration and the sensor's
-/// offset,
+/// Adds the base displacement as a channel: the double integral of the base acceleration, and a
+/// polynomial for the constants of integration and the offset of the sensor. The integral is exact
+/// if the acceleration is linear between samples. The polynomial is
 ///
 ///   y_base(t) = ∬ a + p₀ + p₁ t + p₂ t².
 ///
 /// The coefficients are chosen so that the responses relative to the base have no such trend: least
 /// squares over the window, averaged over the responses. Without a displacement response, p₁ and p₂
-/// follow from velocities and p₀ has no effect. This also removes a slow drift of the structure
-/// itself. Clears SidCase::beyond, because the polynomial does not extrapolate. Throws InvalidInput
-/// (channel) if a scale or offset of these channels is a parameter.
+/// follow from velocities and p₀ has no effect. The fit also removes a slow drift of the structure
+/// itself. The function clears SidCase::beyond, because the polynomial is not valid after the
+/// window. Throws InvalidInput (channel) if a scale or offset of these channels is a parameter.
 void integrate_base(SidCase& sid_case);
 
 }  // namespace wheeltap::identification

@@ -18,24 +18,26 @@
 
 namespace wheeltap::identification {
 
-/// One column of the record and its meaning. Coefficients here and below index SidCase::parameters.
+/// One column of the record and its meaning. The coefficients in this file are indices into
+/// SidCase::parameters.
 struct SidChannel {
   enum class Role { time, force, base_acceleration, base_displacement, response, ignore };
 
   std::string column;  ///< header text or 1-based number
-  int record = 1;      ///< number of the record that it belongs to
+  int record = 1;      ///< number of the record with this channel
   Role role = Role::ignore;
   int mass = 0;
   dynamics::Quantity quantity = dynamics::Quantity::displacement;
   dynamics::Frame frame = dynamics::Frame::absolute;
-  /// Raw samples from the start of the lead-in; excitations are upsampled by SidCase::stride.
+  /// Raw samples from the start of the lead-in. Excitations are upsampled by the factor
+  /// SidCase::stride.
   dynamics::Signal signal = {};
-  /// SidCase::beyond unused raw samples after the window; excitations are upsampled as in the
-  /// window.
+  /// Raw samples after the window, which are not scored. SidCase::beyond gives their number.
+  /// Excitations are upsampled as in the window.
   std::vector<double> beyond = {};
-  std::string unit = {};     ///< from the case, else from the file's header
-  bool unit_given = false;   ///< by the case
-  bool scale_given = false;  ///< the case gives `signal.scale`, whatever the unit
+  std::string unit = {};     ///< unit from the case, otherwise from the header of the file
+  bool unit_given = false;   ///< true if the case gives the unit
+  bool scale_given = false;  ///< true if the case gives `signal.scale`, for any unit
   /// Comparison of the spectra of window and record, if the window is a part of the record.
   std::optional<signals::SpectrumComparison> window = {};
 
@@ -45,47 +47,48 @@ struct SidChannel {
   }
   /// Dimension of the samples; undefined for ignored channels.
   [[nodiscard]] signals::Dimension dimension() const;
-  /// Uses the unit of the header if the case does not give a unit. If the unit is known and the
-  /// case does not give a scale, sets the scale to the conversion factor of the unit.
+  /// Sets the unit to the unit of the header if the case does not give a unit. If the unit is known
+  /// and the case does not give a scale, the scale is set to the conversion factor of the unit.
   void take_unit(const std::string& header_unit);
-  /// The unit of the samples if they are not converted to SI because the unit is unknown or has
-  /// another dimension; empty if they are in SI units.
+  /// The unit of samples that are not converted to SI units, because the unit is unknown or has
+  /// another dimension. The result is empty if the samples are in SI units.
   [[nodiscard]] std::string foreign_unit() const;
   /// Unit of the scaled values: "m", or a foreign unit.
   [[nodiscard]] std::string used_unit() const;
-  /// Unit of the raw numbers and the conversion applied; factor 1 if the scale is a parameter.
+  /// Unit of the raw numbers and their conversion. The conversion factor is 1 if the scale is a
+  /// parameter.
   [[nodiscard]] signals::Conversion conversion() const;
   /// True if the column is identified by its number.
   [[nodiscard]] bool is_numbered() const {
     return column.find_first_not_of("0123456789") == std::string::npos;
   }
-  /// Its header, or "column 3".
+  /// Header of the column, or "column 3" for a column that is identified by its number.
   [[nodiscard]] std::string header() const { return is_numbered() ? "column " + column : column; }
-  /// The header, followed by the record's number from the second record on.
+  /// Header of the column. For the second and further records, the number of the record follows the
+  /// header.
   [[nodiscard]] std::string name() const {
     return header() + (record > 1 ? " (record " + std::to_string(record) + ")" : std::string());
   }
 };
 
-/// An optional law of a link (sid_discovery.hpp).
+/// An optional force law of a link (sid_discovery.hpp).
 struct SidTerm {
   std::string name = {};  ///< "cubic", "contact closing"; "cubic 0-1" if several links have terms
   int link = 0;           ///< index among the links of the base model
   dynamics::Law law = {};
-  /// Indices of the law's coefficients that are parameters with default priors, set from the
-  /// record.
+  /// Indices of the coefficients that are parameters with default priors, computed from the record.
   std::vector<std::size_t> by_default = {};
 };
 
 /// RMS motion and tension of a link, estimated from the record.
 struct LinkMotion {
-  double extension = 0.0;               ///< [m]
-  double rate = 0.0;                    ///< [m/s]
-  double tension = 0.0;                 ///< [N]
+  double extension = 0.0;               ///< RMS extension [m]
+  double rate = 0.0;                    ///< RMS rate [m/s]
+  double tension = 0.0;                 ///< RMS tension [N]
   double opening = 0.0, closing = 0.0;  ///< largest extension and compression, both > 0 [m]
 };
 
-/// Optional terms of a chain: every subset of them is a model.
+/// Optional terms of a chain. Every subset of the terms is a model.
 struct SidDiscovery {
   std::vector<SidTerm> terms = {};
   double inclusion = 0.5;  ///< prior probability of each term, independent of the others
@@ -96,9 +99,11 @@ struct SidDiscovery {
 /// The residual model of a SidModel and the case parameters that it uses.
 struct SidResiduals {
   std::shared_ptr<const ResidualModel> model = white_residuals();
-  /// Per response channel, in the order of ResidualModel::parameters; empty: none.
+  /// Coefficients per response channel, in the order of ResidualModel::parameters; empty if the
+  /// residual model has no parameters.
   std::vector<std::vector<dynamics::Coefficient>> coefficients = {};
-  /// The kind for which choose_residuals determines the value; null: `model` is given.
+  /// The kind of residual model for which choose_residuals determines the value; null if the case
+  /// gives `model`.
   const ResidualKind* chosen_kind = nullptr;
 
   /// Parameter values for response channel c.
@@ -110,10 +115,12 @@ struct SidModel {
   double weight = 1.0;
   dynamics::Chain chain = {};
   dynamics::InitialState initial = {};
-  std::vector<dynamics::Coefficient> noise = {};  ///< sd, one per response channel
+  /// Standard deviation of the noise, one per response channel
+  std::vector<dynamics::Coefficient> noise = {};
   SidResiduals residuals = {};
-  std::vector<int> parameters = {};  ///< indices of the parameters that it uses, increasing
-  std::vector<int> terms = {};       ///< indices of its terms in SidCase::discovery, increasing
+  std::vector<int> parameters = {};  ///< indices of the parameters of the model, increasing
+  /// Indices of the model's terms in SidCase::discovery, increasing
+  std::vector<int> terms = {};
 
   /// ResidualModel::log_density and innovations for response channel c.
   [[nodiscard]] double log_density(std::size_t c, std::span<const double> r,
@@ -126,7 +133,7 @@ struct SidModel {
   }
 };
 
-/// An excitation of a simulated chain; several on one mass (or on the base) add up.
+/// An excitation of a simulated chain. Several excitations of one mass (or of the base) are added.
 struct TrueExcitation {
   struct White {
     double variance;
@@ -137,12 +144,12 @@ struct TrueExcitation {
   struct Sine {
     double amplitude, frequency_hz, phase;
   };
-  /// Given sample by sample [SI].
+  /// An excitation given sample by sample [SI].
   struct Sampled {
     std::vector<double> samples;
   };
   SidChannel::Role role = SidChannel::Role::force;
-  int mass = 0;  ///< 0: the base
+  int mass = 0;  ///< number of the mass; 0: the base
   std::variant<White, BandLimited, Sine, signals::Multisine, Sampled> signal;
 };
 
@@ -150,7 +157,7 @@ struct TrueExcitation {
 struct SidTruth {
   int model = 0;
   std::vector<double> theta = {};  ///< one value per parameter of the case; NaN if not given
-  std::vector<double> noise = {};  ///< sd, one per response channel
+  std::vector<double> noise = {};  ///< standard deviation of the noise, one per response channel
   int samples = 0;
   double sample_rate_hz = 0.0;
   std::uint64_t seed = 1;
@@ -169,29 +176,33 @@ struct SidCase {
   std::optional<SidTruth> truth = {};
 
   /// Further records of the same structure: cases with the same models and parameter table, but
-  /// with their own channels, windows, initial states and integration.
+  /// with separate channels, windows, initial states and integration settings.
   std::vector<SidCase> further = {};
   int number = 1;  ///< number of this record
 
   double sample_rate_hz = 0.0;
-  signals::Sampling sampling = {};             ///< how the rate was determined
-  std::optional<io::FoundLayout> layout = {};  ///< for a record in delimited text
-  int begin = 0, end = 0;                      ///< scored samples, in the record
-  int lead_in = 0;                             ///< samples before `begin`
-  int stride = 1;                              ///< excitation samples per response sample
-  int beyond = 0;                              ///< samples kept after the window, to predict
-  int windows = 0;                             ///< number of windows to fit separately; 0: none
+  signals::Sampling sampling = {};             ///< origin of the sampling rate
+  std::optional<io::FoundLayout> layout = {};  ///< layout of a record in delimited text
+  /// First scored sample and one past the last, counted in the record
+  int begin = 0, end = 0;
+  /// Number of samples before `begin` that are integrated but not scored
+  int lead_in = 0;
+  int stride = 1;  ///< excitation samples per response sample
+  /// Number of samples after the window, for predictions
+  int beyond = 0;
+  int windows = 0;  ///< number of windows to fit separately; 0: none
   bool simulated = false;
   /// The amount of motion at the start of the window (moves_at_start), if this is the reason for
   /// inferring the initial state without a request of the case.
   std::optional<double> starts_moving = {};
-  bool base_integrated = false;  ///< the base displacement was integrated (base_integration.hpp)
-  std::string origin = {};       ///< description for texts
+  /// True if the base displacement was integrated (base_integration.hpp)
+  bool base_integrated = false;
+  std::string origin = {};  ///< origin of the record, for texts
   double band = 0.97;
-  bool balance = false;  ///< sample models evenly and reweight
+  bool balance = false;  ///< sample all models about equally often and reweight the draws
   dynamics::SimulatorOptions integration = {};
-  /// True if the case fixes the steps. Then a run with too long steps reports this and is not
-  /// repeated.
+  /// True if the case fixes the time steps. A run with too long time steps then reports this and is
+  /// not repeated.
   bool fixed_integration = false;
 
   [[nodiscard]] std::vector<const SidChannel*> responses() const;
@@ -206,9 +217,9 @@ struct SidCase {
   /// model's list the parameters that it uses in any record. Call this after the last coefficient
   /// is defined.
   void unite();
-  /// This record and the further ones.
+  /// This record and the further records.
   [[nodiscard]] std::vector<const SidCase*> records() const;
-  /// Returns the parameter of this name; adds it if it does not exist.
+  /// Returns the parameter with this name. The parameter is added if it does not exist.
   dynamics::Coefficient parameter(const std::string& name, inference::Prior prior);
 };
 

@@ -20,55 +20,60 @@ struct ResidualWhiteness {
   bool of_innovations = false;
   int lags = 0;
   signals::Whiteness test;
-  double lag_1 = 0.0;  ///< autocorrelation
+  double lag_1 = 0.0;  ///< autocorrelation at lag 1
   int worst_lag = 1;   ///< lag of the largest autocorrelation
   double worst = 0.0;
 
   [[nodiscard]] bool white() const { return test.p_value >= kMisfit; }
 };
 
-/// A forward run of a model for one response, r = measured - predicted [SI].
+/// Fit of a model to one response by a forward simulation, with residuals r = measured - predicted
+/// [SI].
 struct ChannelFit {
   std::string channel;
   int mass = 0;
-  double mse = 0.0, rmse = 0.0;  ///< Σ r² / N, and its root
+  double mse = 0.0, rmse = 0.0;  ///< mean square error Σ r² / N, and its square root
   double nrmse = 0.0;            ///< √(Σ r² / Σ (y - ȳ)²); NaN for a constant record
-  double r2 = 0.0;               ///< 1 - nrmse²; NaN if nrmse is
-  double noise_sd = 0.0;         ///< noise of the model
-  std::optional<ResidualWhiteness> whiteness;  ///< empty for too few samples
-  /// For the residuals themselves; equals `whiteness` if the residual model is white.
+  double r2 = 0.0;               ///< coefficient of determination 1 - nrmse²; NaN if nrmse is NaN
+  double noise_sd = 0.0;         ///< standard deviation of the noise in the model
+  std::optional<ResidualWhiteness> whiteness;  ///< test of whiteness; empty for too few samples
+  /// Test of the residuals themselves. The result equals `whiteness` if the residual model is
+  /// white.
   std::optional<ResidualWhiteness> plain_whiteness;
 };
 
-/// One entry per response; empty if the simulation fails. `theta`: parameters of the case.
+/// Simulates the model with the parameters `theta` of the case. The result has one entry per
+/// response and is empty if the simulation fails.
 [[nodiscard]] std::vector<ChannelFit> forward_run(const SidProblem& problem, int model,
                                                   std::span<const double> theta);
 
-/// A problem that integrates through the window without scoring and scores the samples after it
-/// (SidCase::beyond); null if there are none.
+/// A problem that integrates through the window without scoring its samples, and scores the samples
+/// after the window (SidCase::beyond). Null if there are no samples after the window.
 [[nodiscard]] std::unique_ptr<const SidProblem> continuation(const SidProblem& problem);
 
-/// The mean of a drawn model's draws, and its draw with the highest posterior density.
+/// The mean of the draws of a model. The next function returns the draw with the highest posterior
+/// density.
 [[nodiscard]] std::vector<double> mean_draw(const SidProblem& problem,
                                             const inference::Posterior& posterior, int model);
 [[nodiscard]] std::span<const double> best_draw(const SidProblem& problem,
                                                 const inference::Posterior& posterior, int model);
 
-/// Parameters of the case at the posterior mean of a drawn model.
+/// Parameters of the case at the posterior mean of a model with draws.
 [[nodiscard]] std::vector<double> posterior_mean(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 
-/// The effect of the integrator's step length on the response of a drawn model's best draw,
-/// relative to the noise,
+/// The effect of the integrator's step length on the response at the best draw of a model, relative
+/// to the noise,
 ///
 ///   ‖(r - r') / σ‖,  r' the residuals with steps a quarter as long,
 ///
-/// over all samples and channels, as innovations of the residual model. To first order, no
-/// parameter has an error of more than this number of its standard deviations. Empty if the
-/// solution is exact, or if the shorter steps would exceed the largest number of steps.
+/// over all samples and channels, as innovations of the residual model. To first order, the error
+/// of each parameter is at most the step error times the standard deviation of the parameter. The
+/// result is empty if the solution is exact, or if the shorter steps would exceed the largest
+/// number of steps.
 [[nodiscard]] std::optional<double> step_error(const SidProblem& problem,
                                                const inference::Posterior& posterior, int model);
-/// Limit of the step error; larger errors are reported.
+/// Limit of the step error. Larger step errors are reported.
 inline constexpr double kLargestStepError = 0.3;
 
 }  // namespace wheeltap::identification

@@ -1,4 +1,4 @@
-// Plausibility checks of a case before sampling, by the size of its responses.
+// Plausibility checks of a case before sampling, based on the RMS of its responses.
 #pragma once
 
 #include <vector>
@@ -8,9 +8,10 @@
 
 namespace wheeltap::identification {
 
-/// Reports responses whose RMS is 30 times, or a 30th of, that of any prior draw in any model,
-/// stated noise above the RMS of its response, and true parameters of a simulated record that their
-/// priors exclude. Uses the first 2000 scored samples of a long record.
+/// Reports three faults. The RMS of a response is more than 30 times, or less than a 30th of, the
+/// RMS of every prior draw in every model. The stated noise is above the RMS of its response. The
+/// prior of a parameter excludes the true value of a simulated record. For a long record, the
+/// function uses the first 2000 scored samples.
 [[nodiscard]] std::vector<Remark> implausible(const SidProblem& problem);
 
 }  // namespace wheeltap::identification

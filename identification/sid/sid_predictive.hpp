@@ -14,27 +14,29 @@ namespace wheeltap::identification {
 struct SidPredictive {
   struct Draw {
     std::size_t chain = 0, draw = 0;
-    std::vector<float> residuals;  ///< channel by channel, scored samples only
-    std::vector<double> noise;     ///< sd, one per channel
+    std::vector<float> residuals;  ///< residuals of the scored samples, channel by channel
+    std::vector<double> noise;     ///< standard deviation of the noise, one per channel
   };
   std::vector<Draw> draws;
 };
 
-/// Selects at most `draws` draws, fewer for long records. For balanced models, draws are selected
-/// with probabilities proportional to their weights, so that the selected draws have equal weights.
+/// Selects at most `draws` draws and computes their residuals. For long records, fewer draws are
+/// selected. For balanced models, draws are selected with probabilities proportional to their
+/// weights, so that the selected draws have equal weights.
 [[nodiscard]] SidPredictive predict(const SidProblem& problem,
                                     const inference::Posterior& posterior, int draws = 200);
 
-/// The scored samples of a response channel in SI units, with these parameters of the case.
+/// The scored samples of a response channel in SI units, converted with the given parameters of the
+/// case.
 [[nodiscard]] std::vector<double> observed(const SidProblem& problem, std::size_t response,
                                            std::span<const double> theta);
 
 /// Quantiles over the draws of the predicted response without noise [SI], one per scored sample.
-/// (With noise, the curves would not be smooth.)
+/// With noise, the curves would not be smooth.
 struct NoiseFree {
   std::vector<double> q2_5, q50, q97_5;
 };
-/// One per response; empty without draws.
+/// Computes the quantiles of each response; empty without draws.
 [[nodiscard]] std::vector<NoiseFree> noise_free(const SidProblem& problem,
                                                 const inference::Posterior& posterior,
                                                 const SidPredictive& predictive);

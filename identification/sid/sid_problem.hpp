@@ -8,20 +8,22 @@
 
 namespace wheeltap::identification {
 
-/// All data of a run, kept together because the problem's likelihood refers to it.
+/// All data of a run in one object, because the likelihood of the problem refers to these data.
 struct SidProblem {
   SidCase sid_case;
-  std::vector<dynamics::Misfit> misfits;  ///< one per model; parameters as in SidCase::parameters
+  /// Misfit function of each model; parameters as in SidCase::parameters
+  std::vector<dynamics::Misfit> misfits;
   inference::Problem problem;
-  double seconds_a_likelihood = 0.0;  ///< estimate, on one core
-  /// The further records, with the same parameter layout.
+  double seconds_a_likelihood = 0.0;  ///< estimated time of a likelihood call on one core [s]
+  /// The problems of the further records, with the same parameter layout.
   std::vector<std::unique_ptr<const SidProblem>> further = {};
 
-  /// Parameters of the case from those of a model (as in inference::Model); 0 for the others.
+  /// Converts the parameters of a model (as in inference::Model) to parameters of the case.
+  /// Parameters that the model does not have are 0.
   [[nodiscard]] std::vector<double> theta(int model, std::span<const double> x) const;
 };
 
-/// The case with its first scored samples only.
+/// The case with only the first `first` scored samples.
 [[nodiscard]] SidCase shortened(SidCase sid_case, int first);
 
 /// Makes the problem. The log likelihood of model m is
@@ -30,9 +32,9 @@ struct SidProblem {
 ///
 /// with r_c the N scored residuals of the channel in SI units and p the density of its residual
 /// model with the parameters c_c (residuals/residual_model.hpp). The last term, the density of the
-/// raw samples, is present only if the scale is a parameter. The log likelihood of several records
-/// is their sum, each with its own initial state; `misfits` are those of the first. Throws
-/// InvalidInput (models, model).
+/// raw samples, is present only if the scale is a parameter. For several records, the log
+/// likelihood is the sum over the records, each with a separate initial state. `misfits` are the
+/// misfits of the first record. Throws InvalidInput (models, model).
 [[nodiscard]] std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case);
 
 }  // namespace wheeltap::identification

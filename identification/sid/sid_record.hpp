@@ -14,14 +14,16 @@ namespace wheeltap::identification {
 
 /// The part of a record to score, and the interpolation of its excitations.
 struct RecordUse {
-  std::optional<double> sample_rate_hz = {};        ///< as stated; must agree with a time column
-  std::optional<std::pair<int, int>> samples = {};  ///< scored: first, one past the last
-  int lead_in = 0;                                  ///< samples before the window
+  /// Stated sampling rate; must agree with a time column
+  std::optional<double> sample_rate_hz = {};
+  std::optional<std::pair<int, int>> samples = {};  ///< scored samples: first, one past the last
+  int lead_in = 0;                                  ///< number of samples before the window
   /// True: the excitations had no content above half the sampling rate and are upsampled by a sinc.
   /// False: they are linear between their samples.
   bool band_limited = false;
   bool resample = false;  ///< interpolate a record with uneven time steps at an even rate
-  std::optional<int> upsample = {};  ///< factor; empty: linear interpolation may lose 0.3 %
+  /// Upsampling factor; empty: chosen so that linear interpolation loses at most 0.3 %
+  std::optional<int> upsample = {};
 };
 
 /// Puts a record's rate, window and signals into the case, and compares the spectrum of each
@@ -34,16 +36,18 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
 /// linear between their samples, and units without a conversion.
 [[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
-/// The amount of motion of the responses at the start of the window; empty if they start at rest or
-/// if the record cannot show this. Displacements and velocities: first samples relative to the RMS,
-/// if above a tenth and three standard errors. Accelerations: the first quarter of a period, only
-/// if the window starts within the record.
+/// The amount of motion of the responses at the start of the window. The result is empty if the
+/// responses start at rest, or if the record does not show whether they do. For displacements and
+/// velocities, the amount is the first samples relative to the RMS, if above a tenth and three
+/// standard errors. For accelerations, it is the first quarter of a period, only if the window
+/// starts within the record.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
-/// Makes the model's initial state unknown, with normal priors about 0. The scale of a prior is the
-/// sd of the mass's displacement, or of its velocity divided by ω or acceleration divided by ω²,
-/// where ω is the RMS frequency of the spectrum. A mass without a sensor gets the largest scale of
-/// the other masses. Throws InvalidInput (initial) if the responses are constant.
+/// Makes the initial state of the model unknown, with normal priors about 0. The scale of the prior
+/// of a mass is the standard deviation of its displacement. If only velocity or acceleration is
+/// measured, the scale is the sd of the velocity divided by ω or of the acceleration divided by ω².
+/// ω is the RMS frequency of the spectrum. A mass without a sensor gets the largest scale of the
+/// other masses. Throws InvalidInput (initial) if the responses are constant.
 void infer_initial(SidCase& sid_case, SidModel& model);
 
 }  // namespace wheeltap::identification

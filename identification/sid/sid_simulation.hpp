@@ -1,4 +1,4 @@
-// Simulation of the record that a case's truth defines.
+// Simulation of a record from the true model of a case.
 #pragma once
 
 #include <cstdint>

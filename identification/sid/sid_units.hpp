@@ -1,5 +1,5 @@
-// Units of inferred parameters, derived from their uses and from the units of the channels. They
-// are SI units unless a channel is used in a unit that Wheeltap cannot convert.
+// Units of inferred parameters, derived from the uses of the parameters and from the units of the
+// channels. The units are SI units, unless a channel has a unit that Wheeltap cannot convert.
 #pragma once
 
 #include <map>
@@ -11,21 +11,23 @@
 namespace wheeltap::identification {
 
 /// Units of force and length for a chain's coefficients. With force and displacement records in V,
-/// stiffnesses are in V/V; if no channel measures a force, its unit is N.
+/// stiffnesses are in V/V. If no channel measures a force, the unit of force is N.
 struct UnitSystem {
   std::string force = "N", length = "m";
 
   [[nodiscard]] bool is_si() const { return force == "N" && length == "m"; }
-  /// Translates a unit written with N and m: "N/m^3" is "V/V^3" if both are in V.
+  /// Converts a unit written with N and m to the units of the channels: "N/m^3" is "V/V^3" if force
+  /// and displacement are in V.
   [[nodiscard]] std::string in_place_of(const std::string& si) const;
 };
 
-/// The channels' unit system; empty if they disagree, or if a rate's unit has no name for its
-/// length.
+/// The unit system of the channels. The result is empty if the channels have different units, or if
+/// the unit of a rate does not contain a unit of length.
 [[nodiscard]] std::optional<UnitSystem> unit_system(const SidCase& sid_case);
 
-/// The unit of each parameter of the case, by name: "N/m", "kg", "1" if dimensionless. Empty if its
-/// uses have different units or the channels' units do not determine it.
+/// The unit of each parameter of the case, by name: "N/m", "kg", "1" if dimensionless. The unit is
+/// empty if the uses of the parameter have different units, or if the units of the channels do not
+/// determine the unit.
 [[nodiscard]] std::map<std::string, std::string> parameter_units(const SidCase& sid_case);
 
 }  // namespace wheeltap::identification

@@ -18,7 +18,7 @@ struct Draw {
   double log_prior = 0.0, log_likelihood = 0.0;
 
   [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
-  /// Number of components of this kind.
+  /// Number of components of one kind in the draw's model.
   [[nodiscard]] int count(int kind) const {
     return (*space)[model].counts[static_cast<std::size_t>(kind)];
   }
@@ -28,8 +28,8 @@ struct Draw {
   }
 };
 
-/// The kept draws of one chain. theta is stored as draws × dimension, row by row; rows of smaller
-/// models are padded with NaN.
+/// The kept draws of one chain. `theta` holds the parameters as draws × dimension, row by row. Rows
+/// of models with fewer parameters are padded with NaN.
 struct Chain {
   DrawList<int> model;
   DrawList<double> theta;      ///< physical parameters, laid out as in Model
@@ -58,9 +58,10 @@ struct Chain {
   void truncate(std::size_t draws);
   /// Appends the draws of `more`, a chain over the same model space.
   void append(const Chain& more);
-  /// Stores large lists in a file in this folder instead of on the heap (DrawMemory).
+  /// Stores large lists of draws in a file in `folder` instead of on the heap (DrawMemory).
   void keep_in(const std::filesystem::path& folder);
-  /// Reserves memory for `draws` draws with rows of these lengths.
+  /// Reserves memory for `draws` draws with `dimension` parameters and `predictions` predictions
+  /// each.
   void reserve(std::size_t draws, std::size_t dimension, std::size_t predictions);
   /// Waits until all draws are written to disk. Throws DrawsLost.
   void settle() const;

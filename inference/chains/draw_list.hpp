@@ -18,11 +18,12 @@ class DrawsLost : public std::runtime_error {
   using std::runtime_error::runtime_error;
 };
 
-/// A growing byte buffer. It is on the heap. If a folder is given and the size reaches kOnHeap, it
-/// is in an unnamed file in that folder, which is mapped into memory. The operating system writes
-/// mapped pages to disk when memory is short. The file disappears with this object or with the
-/// process. Disk space is reserved as the file grows. If the disk is full, or the file system does
-/// not support unnamed files, the buffer is on the heap.
+/// A growing byte buffer on the heap. If a folder is given and the size of the buffer reaches
+/// kOnHeap, the buffer moves to an unnamed file in that folder. The file is mapped into memory. The
+/// operating system writes mapped pages to disk when memory is short. The operating system deletes
+/// the file when this object is destroyed or the process ends. Disk space is reserved as the file
+/// grows. If the disk is full, or the file system does not support unnamed files, the buffer is on
+/// the heap.
 class DrawMemory {
  public:
   static constexpr std::size_t kOnHeap = std::size_t{1} << 22U;
@@ -44,12 +45,12 @@ class DrawMemory {
   [[nodiscard]] std::size_t capacity() const { return capacity_; }
   [[nodiscard]] const std::filesystem::path& folder() const { return folder_; }
   [[nodiscard]] bool in_file() const { return file_ >= 0; }
-  /// Sets the folder of the file; takes effect when the buffer grows next.
+  /// Sets the folder of the file. The setting takes effect when the buffer grows next.
   void keep_in(std::filesystem::path folder) { folder_ = std::move(folder); }
-  /// Grows to at least `bytes` and keeps the content. Throws std::bad_alloc.
+  /// Enlarges the buffer to at least `bytes` and keeps the content. Throws std::bad_alloc.
   void grow(std::size_t bytes);
-  /// Waits until the file's content is on disk. Throws DrawsLost if it cannot be written; the
-  /// content is then invalid.
+  /// Waits until the file's content is on disk. Throws DrawsLost if the content cannot be written;
+  /// the content is then invalid.
   void settle() const;
   /// Allows the system to page out the file's content until the next access. Concurrent reading is
   /// safe.
@@ -103,7 +104,7 @@ class DrawList {
   [[nodiscard]] Number& back() { return numbers()[size_ - 1]; }
   [[nodiscard]] const Number& back() const { return numbers()[size_ - 1]; }
 
-  /// See DrawMemory.
+  /// Sets the folder of the file that stores long sequences (DrawMemory).
   void keep_in(const std::filesystem::path& folder) { memory_.keep_in(folder); }
   void settle() const { memory_.settle(); }
   void let_go() const { memory_.let_go(); }

@@ -17,8 +17,9 @@ class KeptDraws {
  public:
   struct OfModel {
     std::size_t dimension = 0;
-    std::vector<double> z;              ///< draws × dimension, row after row
-    std::vector<double> log_posterior;  ///< with respect to dz, as ModelPosterior has it
+    std::vector<double> z;  ///< draws × dimension, row after row
+    /// Ln posterior density with respect to dz (ModelPosterior)
+    std::vector<double> log_posterior;
     long visits = 0, stride = 1;
 
     [[nodiscard]] std::size_t size() const { return log_posterior.size(); }

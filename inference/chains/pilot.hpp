@@ -60,38 +60,40 @@ class PilotSamples {
 struct Pilot {
   std::shared_ptr<const PilotFit> fit;
   std::shared_ptr<const Archive> archive;
-  std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;  ///< one per kind
+  /// One element per component kind
+  std::vector<std::shared_ptr<const ConditionalMixtures>> conditionals;
   RandomWalk::Scales scales;
-  /// Efficiency of each kernel (kernel_efficiencies); empty if it is not known yet.
+  /// Efficiency of each kernel (kernel_efficiencies); empty if the efficiencies are not known yet.
   std::vector<double> efficiencies;
 };
 
 /// Options of the fit of the proposals. `by_rung[i]` holds the samples at the i-th temperature, the
 /// coldest last. If a model has too few samples at the coldest temperature, its proposal is fitted
-/// to samples at higher temperatures, or to the prior if there are no samples.
+/// to samples at higher temperatures. If a model has no samples at all, its proposal is fitted to
+/// the prior.
 struct PilotOptions {
   std::uint64_t seed = 1;
   int round = 0;
   int threads = 0;
-  Eigen::Index most_samples = 8000;  ///< samples that a mixture is fitted to
-  int most_components = 20;          ///< components of a mixture
+  Eigen::Index most_samples = 8000;  ///< largest number of samples in the fit of a mixture
+  int most_components = 20;          ///< largest number of components of a mixture
   double tolerance = 1e-7;  ///< tolerance of a mixture's last fit, in mean log density per sample
-  /// Additional samples of each model's posterior, for example in regions that the chains may not
-  /// have visited; may be empty.
+  /// Additional samples of each model's posterior, for example from regions that the chains may not
+  /// have visited. The list may be empty.
   std::vector<Eigen::MatrixXd> besides{};
-  /// Probability of each model, if known; if empty, the share of the visits at the coldest
-  /// temperature.
+  /// Probability of each model. If the list is empty, each model's share of the visits at the
+  /// coldest temperature is used instead.
   std::vector<double> probability{};
-  /// Modes of each model found by the searches. A mode that the mixture does not cover is added to
-  /// it.
+  /// Posterior modes of each model, found by the mode searches. A mode that the fitted mixture does
+  /// not cover is added to the mixture.
   std::vector<std::vector<NormalMixture::Component>> modes{};
 };
 [[nodiscard]] Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_rung,
                               const PilotOptions& options);
 
-/// The log weights with which the chains visit all models of at least this probability about
-/// equally often; less probable models do not get larger weights. The purpose is that every model
-/// has enough samples, on which the quality of its proposal depends.
+/// The log weights with which the chains visit all models of at least the given probability about
+/// equally often. Less probable models do not get larger weights. Every model then has enough
+/// samples to fit its proposal.
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 

@@ -14,13 +14,14 @@ namespace wheeltap::inference {
 /// swap statistics.
 struct Ladder {
   std::vector<double> betas;
-  std::vector<State> states;        ///< at each rung
-  std::vector<double> rejection{};  ///< Σ (1 - α), one per pair of neighbours
+  std::vector<State> states;        ///< state of the replica at each rung
+  std::vector<double> rejection{};  ///< Σ (1 - α) over the swaps, one sum per pair of neighbours
   std::vector<long> tried{};        ///< swaps tried by each pair
-  std::vector<int> direction{};  ///< one per replica: +1 if it last was at β = 0, -1 if at β = 1
-  std::vector<int> replica{};    ///< index of the replica at each rung
+  /// One per replica: +1 if its last end of the ladder was β = 0, -1 if β = 1
+  std::vector<int> direction{};
+  std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
-  bool balancing = false;                    ///< weights are learned in scans that adapt
+  bool balancing = false;                    ///< true if adaptive scans learn the model weights
   long scans = 0;
   long round_trips = 0;
 
@@ -44,14 +45,14 @@ struct Ladder {
 /// The weights w_i(m) let the chain visit every model at every temperature. Without weights, no
 /// chain would find a model whose tempered evidence is low at intermediate temperatures, even if it
 /// is probable at β = 1. The weights are adapted by stochastic approximation during warm-up and
-/// fixed afterwards (Liang, Liu & Carroll 2007, JASA 102:305): w(m) decreases by γ_t when the
-/// replica is in m, γ_t = t₀ / max(t₀, t).
+/// fixed afterwards (Liang, Liu & Carroll 2007, JASA 102:305). w(m) decreases by γ_t = t₀ / max(t₀,
+/// t) when the replica is in model m.
 class TemperedChain {
  public:
   /// Creates the kernels of one rung.
   using KernelFactory = std::function<std::unique_ptr<KernelMixture>()>;
 
-  /// Continues from `ladder`. A ladder without states needs start().
+  /// Continues a chain from the state of `ladder`. If the ladder has no states, call start() first.
   TemperedChain(Target& target, Ladder ladder, KernelFactory kernels, std::uint64_t seed,
                 int chain);
   TemperedChain(Target& target, std::vector<double> betas, KernelFactory kernels,
@@ -62,28 +63,28 @@ class TemperedChain {
   /// Starts every replica from the prior. Throws LikelihoodError if none of 100 000 draws has a
   /// finite likelihood.
   void start();
-  /// Called with the outcome of each kernel step at β = 1.
+  /// Callback that receives the outcome of each kernel step at β = 1.
   using Observer = std::function<void(int kernel, const Kernel::Outcome& outcome, int from_model)>;
 
   /// Enables the adaptation of the weights in all later adaptive scans.
   void balance_models() { ladder_.balancing = true; }
-  /// w of the coldest rung.
+  /// Log weights w of the models at the coldest rung, β = 1.
   [[nodiscard]] const std::vector<double>& cold_weights() const { return ladder_.weights.back(); }
   /// Sets the state of the replica at β = 1.
   void set_cold(const State& state) { ladder_.states.back() = state; }
 
-  /// Makes `steps` kernel steps at every rung, then one round of swaps. `leave`, if any, is called
-  /// before every step; if it returns true, the scan stops and returns false, and the ladder is
-  /// invalid.
+  /// Makes `steps` kernel steps at every rung, then one round of swaps. The function `leave`, if
+  /// any, is called before every step. If `leave` returns true, the scan stops and returns false;
+  /// the ladder is then invalid.
   bool scan(int steps, bool adapting, base::Purpose purpose, const Observer& observe = nullptr,
             const std::function<bool()>& leave = nullptr);
 
-  /// Sets `rungs` inverse temperatures at which all pairs of neighbours have equal rejection rates
-  /// (ibid., algorithm 4), estimated from the swaps since the last call. Each replica continues at
-  /// the nearest rung.
+  /// Sets `rungs` inverse temperatures at which all pairs of neighbouring replicas have equal swap
+  /// rejection rates (Syed et al. 2022, algorithm 4). The rates are estimated from the swaps since
+  /// the last call. Each replica continues at the nearest rung.
   void adapt_ladder(int rungs);
-  /// The communication barrier Λ: the sum of the rejection rates of all pairs since the last
-  /// adaptation.
+  /// The communication barrier Λ: the sum of the swap rejection rates of all pairs of neighbours
+  /// since the last adaptation.
   [[nodiscard]] double barrier() const;
 
   [[nodiscard]] const Ladder& ladder() const { return ladder_; }
@@ -106,13 +107,14 @@ class TemperedChain {
   KernelFactory factory_;
   std::uint64_t seed_;
   int chain_;
-  std::vector<std::unique_ptr<KernelMixture>> kernels_;  ///< one set per rung
+  std::vector<std::unique_ptr<KernelMixture>> kernels_;  ///< one set of kernels per rung
 };
 
 /// The initial ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in geometric progression.
 [[nodiscard]] std::vector<double> geometric_ladder(int rungs);
 
-/// A draw from the prior with a finite likelihood. Throws LikelihoodError after 100 000 tries.
+/// A draw from the prior with a finite likelihood. Throws LikelihoodError after 100 000 draws
+/// without a finite likelihood.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
 /// Checks that every model with a positive prior probability has a finite likelihood at one or more

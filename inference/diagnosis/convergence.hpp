@@ -7,37 +7,46 @@
 
 namespace wheeltap::inference {
 
-/// The limits of R-hat and effective sample size are those of Vehtari et al. (2021, Bayesian
-/// Analysis 16:667). The others are Wheeltap's; verdict.hpp states the false-alarm rate of each.
+/// The limits of R-hat and effective sample size follow Vehtari et al. (2021, Bayesian Analysis
+/// 16:667). The other limits are specific to Wheeltap; verdict.hpp states the false-alarm rate of
+/// each limit.
 struct ConvergenceLimits {
-  double rhat = 1.01;        ///< upper limit
-  double ess = 400.0;        ///< lower limit, all chains together
-  double ess_within = 20.0;  ///< the same for the parameters of the least probable model judged
-  /// R-hat above which chains are in different regions, or give different shares to modes.
+  double rhat = 1.01;        ///< upper limit of R-hat
+  double ess = 400.0;        ///< lower limit of the effective sample size of all chains together
+  double ess_within = 20.0;  ///< lower limit for the parameters of the least probable judged model
+  /// Limit of R-hat. Above this limit, the chains are in different regions or disagree on the
+  /// shares of posterior modes.
   double rhat_apart = 1.05;
-  double known = 0.001;          ///< error of a probability that is negligible
-  double worth_knowing = 0.004;  ///< error of a probability that is small enough to stop
-  double expected_visits = 10.0;  ///< effective visits expected; none would have probability e⁻¹⁰
-  double sigmas = 4.5;   ///< least significant difference, in errors: false-alarm rate 7e-6
+  double known = 0.001;  ///< negligible error of a model probability
+  /// Error of a model probability that is small enough to stop the run
+  double worth_knowing = 0.004;
+  /// Expected effective visits; no visit at all then has the probability e⁻¹⁰
+  double expected_visits = 10.0;
+  /// Smallest significant difference, in standard errors (false-alarm rate 7e-6)
+  double sigmas = 4.5;
   double chance = 1e-6;  ///< false-alarm rate of disagreement between chains
-  double slack_probability = 0.005;  ///< difference of probabilities that is never significant
+  /// Largest difference of two probabilities that is never significant
+  double slack_probability = 0.005;
   double slack_nats = 0.5;
   double probable_model = 0.05;
-  double judged_model = 0.01;     ///< probability above which a model's parameters are judged
+  /// Model probability above which the convergence of its parameters is judged
+  double judged_model = 0.01;
   double searched_model = 0.001;  ///< probability above which a model needs a full search
-  double judged_mode = 0.01;      ///< share of the rarer side above which chains must agree on it
+  /// The chains must agree on a mode's share if it and the rest both exceed this share
+  double judged_mode = 0.01;
   /// Three limits for draws outside the fitted mixture. A draw is outside if the ratio of posterior
-  /// density to mixture density is above `beyond_mixture`. The rule applies if the share of such
-  /// draws is above the second limit. The third is the required number of effective visits, which
-  /// gives the share with a relative error of 0.1.
+  /// density to mixture density is above `beyond_mixture`. The rule for such draws applies if their
+  /// share is above `beyond_share`. `beyond_visits` is the required number of effective visits
+  /// outside the mixture; it determines the share to a relative error of 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
-  /// Limit of the excess of SMC draws outside the mixture: the share of the SMC draws minus that of
-  /// the chains' draws, times the probability of the model. Also the number of SMC draws that count
-  /// as one independent draw.
+  /// `annealed_share` limits the excess of SMC draws outside the mixture: the share of the SMC
+  /// draws minus the share of the chains' draws, times the probability of the model.
+  /// `annealed_draws_an_effective` is the number of SMC draws that count as one independent draw.
   double annealed_share = 0.02, annealed_draws_an_effective = 2.0;
-  std::size_t fewest_draws = 100;  ///< per chain within a model, to judge R-hat
+  /// Fewest draws per chain within a model for which R-hat is judged
+  std::size_t fewest_draws = 100;
   std::size_t fewest_for_ess = 400;
-  long round_trips = 10;  ///< on the ladder used for the draws
+  long round_trips = 10;  ///< required round trips of replicas on the ladder used for the draws
 };
 inline constexpr ConvergenceLimits kLimits{};
 
@@ -45,9 +54,9 @@ inline constexpr ConvergenceLimits kLimits{};
 /// is at most 0.004 (0.001 if `balanced` draws visit all models about equally often).
 [[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
 
-/// The share of SMC draws outside the model's mixture, minus that of the chains' draws. The result
-/// is 0 if this is negative or unknown, or if the chains visited the region often enough to
-/// estimate the share better.
+/// The share of SMC draws outside the model's mixture, minus the share of the chains' draws outside
+/// it. The result is 0 if this difference is negative or unknown. It is also 0 if the chains
+/// visited the region often enough to estimate the share better.
 [[nodiscard]] double annealed_excess(const ModelFindings& found);
 
 /// True if the excess (annealed_excess) is above `share` and significant. The test uses that 2√k of

@@ -16,7 +16,7 @@ namespace wheeltap::inference {
 /// model. Counts and model indicators are always judged.
 struct Watched {
   std::string name;
-  std::function<ChainsOf()> draws;  ///< called when it is judged; one quantity at a time
+  std::function<ChainsOf()> draws;  ///< called when the quantity is judged; one quantity at a time
 };
 
 struct Mixing {
@@ -24,21 +24,23 @@ struct Mixing {
   /// probability of 0.1 % to 99.9 %), and of the watched quantities, in this order.
   std::vector<std::pair<std::string, double>> rhats;
   double rhat_max =
-      std::numeric_limits<double>::quiet_NaN();  ///< largest over the judged quantities
-  std::string rhat_worst;                        ///< its quantity
-  double ess_log_posterior = 0.0;                ///< the smaller of bulk and tail
-  /// The smallest effective sample size over counts or indicators; that of the log posterior if
-  /// counts and indicators hardly change.
+      std::numeric_limits<double>::quiet_NaN();  ///< largest R-hat of all judged quantities
+  std::string rhat_worst;                        ///< the quantity with the largest R-hat
+  /// The smaller of bulk and tail effective sample size
+  double ess_log_posterior = 0.0;
+  /// The smallest effective sample size over counts or indicators. If counts and indicators hardly
+  /// change, it is the effective sample size of the log posterior.
   double ess_model = 0.0;
-  bool too_few = false;  ///< `ess_model` belongs to a judged quantity and is not above the limit
+  /// True if `ess_model` belongs to a judged quantity and is at most its limit
+  bool too_few = false;
 
-  /// Effective draws per chain: the smaller of the two effective sample sizes, divided by the
+  /// Effective draws per chain: the smaller of `ess_model` and `ess_log_posterior`, divided by the
   /// number of chains.
   [[nodiscard]] double effective(std::size_t chains) const;
 };
 
-/// A count or an indicator whose probabilities are known to 0.001 is not judged, however rare its
-/// transitions.
+/// Computes R-hat and the effective sample sizes of a run. A count or an indicator whose
+/// probabilities are known to 0.001 is not judged, even if its transitions are rare.
 [[nodiscard]] Mixing mixing(const Posterior& posterior, const ModelShares& shares,
                             const std::vector<Watched>& watched);
 

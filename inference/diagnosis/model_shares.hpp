@@ -2,7 +2,7 @@
 //
 //   P_m ≈ w_m s_m / Σ_k w_k s_k,
 //
-// with s_m the share of the draws in model m and w_m the weight of such a draw.
+// with s_m the share of the draws in model m and w_m the weight of a draw of model m.
 #pragma once
 
 #include <vector>
@@ -12,14 +12,16 @@
 namespace wheeltap::inference {
 
 struct ModelShares {
-  std::vector<std::vector<long>> counts;  ///< draws, chains × models
-  std::vector<double> visits;             ///< s, one per model
-  std::vector<double> weight;             ///< w, scaled to be 1 on average over the draws
-  std::vector<double> share;              ///< weighted share: P by draws
-  std::vector<double> error;              ///< Monte Carlo standard error of `share`
+  std::vector<std::vector<long>> counts;  ///< number of draws, chains × models
+  std::vector<double> visits;             ///< share s of the draws, one per model
+  std::vector<double> weight;             ///< weight w, scaled to the mean 1 over the draws
+  /// Weighted share of the draws: the model probability by draws
+  std::vector<double> share;
+  std::vector<double> error;  ///< Monte Carlo standard error of `share`
 };
 
-/// The error is that of the mean of w (indicator - P) / Σ w s (delta method).
+/// The error of a share is the standard error of the mean of w (indicator - P) / Σ w s (delta
+/// method).
 [[nodiscard]] ModelShares model_shares(const Posterior& posterior);
 
 /// Collects value(draw) for every draw, one list per chain.

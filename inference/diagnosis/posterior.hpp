@@ -21,79 +21,87 @@
 
 namespace wheeltap::inference {
 
-/// Counts of a move after warm-up.
+/// Numbers of proposals and acceptances of a move after warm-up.
 struct MoveStatistics {
   std::string name;
   long proposed = 0;
   long accepted = 0;
 };
 
-/// A mode of one model that a search found.
+/// A posterior mode of one model, found by the mode search.
 struct FoundMode {
   std::vector<double> x;       ///< physical parameters
-  double log_posterior = 0.0;  ///< in standard normal coordinates
-  long climbs = 0;             ///< number of climbs that ended there
-  double share = 0.0;          ///< share of its model's probability, by importance sampling
-  std::vector<double> drawn;   ///< its share of each chain's draws of the model; NaN if none
+  double log_posterior = 0.0;  ///< log posterior density in standard normal coordinates
+  long climbs = 0;             ///< number of local optimisations that ended at this mode
+  /// Share of the model's probability mass near this mode, by importance sampling
+  double share = 0.0;
+  /// The mode's share of each chain's draws of the model; NaN: no draws
+  std::vector<double> drawn;
 };
 
-/// Findings about one model in addition to its draws: results of the mode searches, and evidence.
+/// Results for one model in addition to its draws: posterior modes and evidence.
 struct ModelFindings {
-  long climbs = 0;       ///< to modes, each started from a draw of the prior
-  double spacing = 0.0;  ///< distance between the points that they evaluated (ModeSearch::spacing)
-  bool glanced = false;  ///< one of many models, searched by climbs alone
-  /// True for one of very many nested models that was not evaluated, because all evaluated models
-  /// one step from it are outside Occam's window (exploration/occams_window.hpp).
+  long climbs = 0;  ///< number of local optimisations, each started from a draw of the prior
+  /// Distance between the points that the optimisations evaluated (ModeSearch::spacing)
+  double spacing = 0.0;
+  bool glanced = false;  ///< true if this model of many was searched by local optimisations alone
+  /// True if this model of a long nested list was not evaluated. All evaluated models one step from
+  /// it are then outside Occam's window (exploration/occams_window.hpp).
   bool passed_over = false;
-  /// Separate modes above the threshold, the largest probability mass first.
+  /// Separate posterior modes above the threshold, the mode with the largest probability mass
+  /// first.
   std::vector<FoundMode> modes;
-  Evidence annealed = kNoEvidence;  ///< by SMC or the ladder, starting from the prior; NaN: not run
-  Evidence sampled = kNoEvidence;   ///< by importance sampling from the final mixture
+  Evidence annealed = kNoEvidence;  ///< evidence by SMC or tempering from the prior; NaN: not run
+  Evidence sampled = kNoEvidence;   ///< evidence by importance sampling from the final mixture
   Evidence bridged =
-      kNoEvidence;  ///< by bridge sampling between its draws and that mixture; NaN: too few draws
+      /// Evidence by bridge sampling between the model's draws and its mixture. NaN if the model
+      /// has too few draws.
+      kNoEvidence;
   /// Share of the model's draws at which the mixture has less than a thousandth of the posterior
-  /// density, and the effective sample size of this share. Only local moves reach these draws. NaN
-  /// if `bridged` is NaN.
+  /// density, and the effective sample size of this share. Only local moves reach draws outside the
+  /// mixture. Both values are NaN if `bridged` is NaN.
   double beyond_mixture = std::numeric_limits<double>::quiet_NaN();
   double beyond_mixture_ess = std::numeric_limits<double>::quiet_NaN();
-  /// Share of the SMC draws outside the mixture, without those from which chains return to the
-  /// mixture; NaN if it was not examined.
+  /// Share of the SMC draws that lie outside the mixture and from which chains do not return to the
+  /// mixture. NaN if the share was not examined.
   double annealed_beyond = std::numeric_limits<double>::quiet_NaN();
   long annealed_draws = 0;  ///< number of SMC draws
 };
 
-/// Number of likelihood calls of each stage. If the problem has an approximate likelihood, its
-/// calls are counted.
+/// Number of likelihood calls of each stage. If the problem has an approximate likelihood, the
+/// calls of the approximation are counted instead.
 struct Calls {
-  long explore = 0;   ///< finding the posterior from the prior, the sum of the next three
-  long search = 0;    ///< climbs to modes, most of them on the first samples of a record
+  long explore = 0;   ///< exploration from the prior: `search` + `anneal` + `weigh`
+  long search = 0;    ///< local optimisations, most of them on the first samples of a record
   long anneal = 0;    ///< SMC of each model
-  long weigh = 0;     ///< importance sampling from the results of both
-  long tune = 0;      ///< fitting the proposals, and a ladder if the draws need one
-  long sample = 0;    ///< the draws
-  long evidence = 0;  ///< evidence by the mixtures that the draws are compared with
+  long weigh = 0;     ///< importance sampling from the results of search and SMC
+  long tune = 0;      ///< fit of the proposals, and the ladder of tempered draws if any
+  long sample = 0;    ///< calls for the draws
+  long evidence = 0;  ///< calls for the evidence by the mixtures that are compared with the draws
 };
 
 /// Decisions of the engine in addition to the options.
 enum class Choice {
-  restarted_tempered,  ///< the chains disagreed: restarted with parallel tempering throughout
-  /// The chains started near modes that were found with the first samples of a record and followed
-  /// as more samples were added.
+  /// The chains disagreed; the run restarted with parallel tempering in all stages
+  restarted_tempered,
+  /// The mode search used the first samples of a record, then followed each mode as more samples
+  /// were added. The chains started near the resulting modes.
   started_on_first_samples,
-  drawn_by_searches,  ///< stopped before its chains had drawn: draws come from the searches
+  /// The run was stopped before its first draw; the draws come from the mode searches
+  drawn_by_searches,
 };
 
 /// Statistics of a run: moves, likelihood calls, and the options that were used.
 struct RunRecord {
   std::vector<MoveStatistics> moves;
-  std::vector<std::vector<long>> jumps_proposed;  ///< models × models, after warm-up
+  std::vector<std::vector<long>> jumps_proposed;  ///< proposed jumps after warm-up, models × models
   std::vector<std::vector<long>> jumps_accepted;
   int draws = 0;   ///< draws per chain
   int warmup = 0;  ///< iterations per chain at β = 1 before the first draw
   int thin = 1;
   long warmup_evaluations = 0;
   Calls calls{};
-  long likelihood_evaluations = 0;  ///< total, warm-up included
+  long likelihood_evaluations = 0;  ///< total number of likelihood calls, warm-up included
   /// Calls of the full likelihood if the problem has an approximate one, warm-up included;
   /// `likelihood_evaluations` then counts the approximate one.
   long full_evaluations = 0;
@@ -101,9 +109,11 @@ struct RunRecord {
   bool stopped_early = false;
   bool quick = false;           ///< Options::quick
   bool tempered_draws = false;  ///< drawn with parallel tempering
-  long ladder_round_trips = 0;  ///< from β = 0 to β = 1 and back while drawing, over all chains
-  double barrier = 0.0;  ///< Λ of the ladder (Syed et al. 2022), the largest of any chain; 0: none
-  long impossible = 0;   ///< likelihood values of NaN or +∞, counted as -∞
+  /// Round trips from β = 0 to β = 1 and back during the draws, over all chains
+  long ladder_round_trips = 0;
+  /// Communication barrier Λ (Syed et al. 2022), the largest of any chain; 0: no ladder
+  double barrier = 0.0;
+  long impossible = 0;  ///< likelihood values of NaN or +∞, counted as -∞
   std::vector<Choice> choices;
 };
 
@@ -112,9 +122,9 @@ struct Posterior : RunRecord {
   std::shared_ptr<const ModelSpace> space;
   std::vector<Chain> chains;
   std::vector<ModelFindings> found;  ///< one per model
-  /// ln of the weight of a draw of each model; empty if all weights are equal. It is set if, with
+  /// ln of the weight of a draw of each model; empty if all weights are equal. With
   /// `Options::balance`, the chains visit models more evenly than in proportion to their
-  /// probabilities.
+  /// probabilities, and the weights correct for this.
   std::vector<double> log_weight;
   int dimension = 0;    ///< row length of Chain::theta
   int predictions = 0;  ///< row length of Chain::prediction
@@ -126,23 +136,25 @@ struct Posterior : RunRecord {
     const auto width = static_cast<std::size_t>(dimension);
     return {chains[c].theta.data() + i * width, width};
   }
-  /// Chain and index of the draw with the largest likelihood; the first if there are several.
+  /// Chain and index of the draw with the largest likelihood. If several draws have this
+  /// likelihood, the first draw is returned.
   [[nodiscard]] std::pair<std::size_t, std::size_t> best_draw() const;
 
-  // Queries. Each of the first four diagnoses the whole run (verdict.hpp), which requires sorting
-  // all draws. For repeated queries, call `judge(posterior)` once and use its result. A model is
-  // given by index or name; an unknown one throws std::invalid_argument.
+  // Queries. Each of the first four queries diagnoses the whole run (verdict.hpp), which requires
+  // sorting all draws. For repeated queries, call `judge(posterior)` once and use its result. A
+  // model is given by index or name; an unknown index or name throws std::invalid_argument.
 
   /// P(model | data): the share of the model's draws, or the probability implied by its evidence if
   /// the draws are not reliable (ModelStanding). If neither is known, the probability is 0 and its
   /// error NaN.
   [[nodiscard]] Estimate probability(int model) const;
   [[nodiscard]] Estimate probability(std::string_view model) const;
-  /// ln B_ab; value and error are NaN if neither draws nor evidence of a or b are known.
+  /// ln of the Bayes factor B_ab of models a and b. Value and error are NaN if a or b has neither
+  /// draws nor evidence.
   [[nodiscard]] Estimate log_bayes_factor(int a, int b) const;
   [[nodiscard]] Estimate log_bayes_factor(std::string_view a, std::string_view b) const;
-  /// True if the run converged. `not_established` lists the reasons if it did not; it is empty if
-  /// and only if the run converged.
+  /// True if the run converged. `not_established` lists the reasons why a run did not converge; the
+  /// list is empty if and only if the run converged.
   [[nodiscard]] bool converged() const;
   [[nodiscard]] std::vector<Reason> why_not() const;
 
@@ -151,7 +163,7 @@ struct Posterior : RunRecord {
   /// std::invalid_argument, listing the names, if the model has no such parameter.
   [[nodiscard]] ChainsOf draws_of(std::string_view parameter, int model) const;
   [[nodiscard]] ChainsOf draws_of(std::string_view parameter, std::string_view model) const;
-  /// 1 for a draw of the model, else 0: all draws of all chains.
+  /// Indicator of a model for all draws of all chains: 1 for a draw of the model, otherwise 0.
   [[nodiscard]] ChainsOf indicator(int model) const;
 };
 

@@ -1,5 +1,5 @@
-// Reasons why a run has not converged: one type for each rule of the verdict (verdict.hpp), with
-// the values and the limit. The caller writes the text for its reader.
+// Reasons why a run has not converged: one type for each convergence rule (verdict.hpp), with the
+// values and the limit. The caller turns a reason into a message.
 #pragma once
 
 #include <string>
@@ -11,27 +11,27 @@ namespace wheeltap::inference {
 
 class ModelSpace;
 
-/// A model without draws is probable by its evidence.
+/// A model has a considerable probability by its evidence, but no draws.
 struct ModelNotEntered {
   int model = 0;
-  long proposed = 0;       ///< jumps into it after warm-up
-  Estimate by_evidence{};  ///< probability by evidence
+  long proposed = 0;       ///< proposed jumps into the model after warm-up
+  Estimate by_evidence{};  ///< model probability by evidence
 };
-/// A model that some chains drew often and others never.
+/// A model has many draws in some chains and none in others.
 struct ModelNotInEveryChain {
   int model = 0;
   int visited = 0, chains = 0;
-  Estimate by_evidence{};  ///< probability by evidence; NaN if unknown
+  Estimate by_evidence{};  ///< model probability by evidence; NaN if unknown
 };
 /// A model with neither draws nor evidence.
 struct ModelUnknown {
   int model = 0;
-  long proposed = 0;  ///< jumps into it after warm-up
+  long proposed = 0;  ///< proposed jumps into the model after warm-up
 };
 /// A chain has no draws near a mode that a search found and that the chain should have visited.
 struct ModeNotInEveryChain {
   int model = 0;
-  double share = 0.0;  ///< share of its model's probability
+  double share = 0.0;  ///< share of the model's probability mass near this mode
   int visited = 0, chains = 0;
 };
 /// The chains disagree on a mode's share of its model's draws.
@@ -40,25 +40,25 @@ struct ModeSharesDisagree {
   double lowest = 0.0, highest = 0.0;
   double rhat = 0.0, limit = 0.0;
 };
-/// ln Z by SMC from the prior is above that of the draws, so the draws may miss a mode.
+/// ln Z by SMC from the prior exceeds ln Z from the draws, so the draws may miss a posterior mode.
 struct AnnealingFindsMore {
   int model = 0;
-  Estimate annealed{}, drawn{};  ///< ln Z
+  Estimate annealed{}, drawn{};  ///< ln Z by SMC, and by the draws
 };
 /// A model's share of the draws differs from the probability implied by the evidence.
 struct EvidenceDisagrees {
   int model = 0;
-  Estimate by_draws{}, by_evidence{};  ///< probability of the model
+  Estimate by_draws{}, by_evidence{};  ///< model probability by draws, and by evidence
 };
 /// Many draws of a model lie outside its fitted mixture, but come from few effective visits. Only
 /// local moves reach this region, so the chains may have missed a part of it.
 struct DrawsBeyondMixture {
   int model = 0;
-  double share = 0.0;                ///< share of the model's draws
-  double visits = 0.0, limit = 0.0;  ///< effective visits; must exceed `limit`
+  double share = 0.0;                ///< share of the model's draws that lie outside its mixture
+  double visits = 0.0, limit = 0.0;  ///< effective visits outside the mixture; must exceed `limit`
 };
-/// The share of SMC draws outside a model's mixture is larger than that of the chains' draws, and
-/// chains that start at these SMC draws stay outside.
+/// The share of SMC draws outside a model's mixture is larger than the share of the chains' draws
+/// outside it. Chains that start at these SMC draws stay outside the mixture.
 struct AnnealingDrawsBeyond {
   int model = 0;
   /// Share of the draws outside the mixture, by SMC and by the chains.
@@ -67,17 +67,18 @@ struct AnnealingDrawsBeyond {
 /// R-hat of a quantity with the same meaning in every model is too large.
 struct ChainsDisagree {
   std::string quantity;  ///< "log posterior", "number of damages", "P(line)", or a watched quantity
-  double rhat = 0.0, limit = 0.0;  ///< must be below it
+  double rhat = 0.0, limit = 0.0;  ///< R-hat, which must be below `limit`
 };
 /// Too few effective draws of a quantity with the same meaning in every model.
 struct TooFewEffectiveDraws {
   std::string quantity;           ///< "log posterior", "count", "model"
-  double ess = 0.0, limit = 0.0;  ///< must exceed it
+  double ess = 0.0, limit = 0.0;  ///< effective sample size, which must exceed `limit`
 };
 /// R-hat of a parameter within a model is too large.
 struct ParameterDisagrees {
   int model = 0;
-  /// "sum of …" for components of a kind, because the numbers of components are arbitrary labels.
+  /// Name of the parameter. For components of a kind it is "sum of …", because the numbers of the
+  /// components are arbitrary labels.
   std::string parameter;
   double rhat = 0.0, limit = 0.0;
 };
@@ -101,8 +102,9 @@ using Reason =
                  AnnealingDrawsBeyond, ChainsDisagree, TooFewEffectiveDraws, ParameterDisagrees,
                  ParameterMovesSlowly, TooFewRoundTrips, StoppedEarly, QuickLook>;
 
-/// A sentence with the numbers of the reason; for ChainsDisagree and TooFewEffectiveDraws a clause
-/// without a full stop. The caller adds the advice (apps/text/verdict_words.hpp).
+/// A sentence that states the values of the reason. For ChainsDisagree and TooFewEffectiveDraws,
+/// the result is a clause without a full stop. The caller adds the advice
+/// (apps/text/verdict_words.hpp).
 [[nodiscard]] std::string describe(const Reason& reason, const ModelSpace& space);
 
 }  // namespace wheeltap::inference

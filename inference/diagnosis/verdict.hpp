@@ -1,5 +1,5 @@
-// Diagnosis of a run: visits and evidence of each model, whether the run has converged, and the
-// rules that it violates.
+// Diagnosis of a run: visits and evidence of each model, convergence of the run, and the
+// convergence rules that the run violates.
 #pragma once
 
 #include <limits>
@@ -17,34 +17,40 @@ namespace wheeltap::inference {
 
 /// Diagnosis of a whole run.
 struct Verdict {
-  std::vector<ModelStanding> models;    ///< one per model of the space
+  std::vector<ModelStanding> models;    ///< one element per model of the model space
   bool converged = false;               ///< true exactly if `not_established` is empty
   std::vector<Reason> not_established;  ///< the most serious first, models in order of probability
-  /// Resolution of the mode search: for a mode whose basin of attraction holds a smaller share of
-  /// the prior, the probability that all climbs missed it is above 1 %. It is 1 - 0.01^(1/n) for n
-  /// climbs, the largest over the models, and 1 without a search. If there are many models, those
-  /// below kLimits.searched_model that were only searched by climbs are excluded.
+  /// Resolution of the mode search: a share of the prior. If the basin of attraction of a mode
+  /// holds a smaller share of the prior, all local optimisations miss the mode with a probability
+  /// above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest over the
+  /// models, and 1 without a search. In a long list of models, those below kLimits.searched_model
+  /// that were searched by local optimisations alone are excluded.
   double resolution = 1.0;
-  /// Smallest width of modes for which `resolution` is valid, in standard deviations of the prior:
-  /// the largest ModeSearch::spacing of the climbs; 0 if it is not known. A narrower mode may be
-  /// missed although its basin of steepest ascent is larger (resolution_of).
+  /// Smallest width of a mode for which `resolution` is valid, in standard deviations of the prior:
+  /// the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is not known.
+  /// The search may miss a narrower mode although its basin of steepest ascent is larger
+  /// (resolution_of).
   double resolved_width = 0.0;
-  int glanced = 0;  ///< models searched by climbs alone, which do not count in `resolution`
-  /// Number of models that were not evaluated (ModelFindings::passed_over); they are also excluded
-  /// from `resolution`.
+  /// Number of models searched by local optimisations alone; `resolution` excludes them
+  int glanced = 0;
+  /// Number of models that were not evaluated (ModelFindings::passed_over). `resolution` does not
+  /// include these models.
   int passed_over = 0;
   double rhat_max = std::numeric_limits<double>::quiet_NaN();
-  std::string rhat_worst;  ///< its quantity
+  std::string rhat_worst;  ///< the quantity with the largest R-hat
   /// R-hat of all judged quantities: log posterior, counts (or models), `watched`, and parameters
-  /// as "model/parameter". Parameters have a separate rule and are not included in `rhat_max`.
+  /// as "model/parameter". `rhat_max` does not include parameters, for which a separate rule
+  /// applies.
   std::vector<std::pair<std::string, double>> rhats;
-  /// Smallest effective sample size over the counts of the kinds, or over the indicators of the
-  /// models above 0.1 %. If counts and indicators hardly change, it is that of the log posterior,
-  /// because a constant has no autocorrelation.
+  /// Smallest effective sample size over the counts of the component kinds, or over the indicators
+  /// of the models with probabilities above 0.1 %. If counts and indicators hardly change,
+  /// `ess_model` is the effective sample size of the log posterior, because a constant has no
+  /// autocorrelation.
   double ess_model = 0.0;
-  double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail
+  double ess_log_posterior = 0.0;  ///< the smaller of bulk and tail effective sample size
 
-  /// `resolution` for modes of this width, in standard deviations of the prior (search_resolution).
+  /// `resolution` for modes of the given width, in standard deviations of the prior
+  /// (search_resolution).
   [[nodiscard]] double resolution_of(double width) const {
     return search_resolution(resolution, resolved_width, width);
   }
@@ -57,24 +63,26 @@ struct Verdict {
 /// - Every chain visited, at β = 1, every model whose probability by evidence times the effective
 ///   draws per chain exceeds 10 (e⁻¹⁰ = 5e-5 per chain). Every other model has draws, or evidence,
 ///   or a prior weight of 0, or lies outside Occam's window.
-/// - Visits and evidence agree within 4.5 combined errors (7e-6) and 0.005. No evidence by SMC
-///   exceeds that of the draws by 4.5 errors and half a nat. The evidence by SMC may be lower,
-///   because SMC may miss a mode that the chains visit.
-/// - Every chain visited each mode that the searches found and whose share of the draws should
-///   exceed 10 per chain (5e-5). R-hat of the mode's indicator is below 1.05, or within the scatter
-///   of chains with that many effective draws (1e-6).
-/// - This rule applies to a model above 1 % if at more than 5 % of its draws the fitted mixture has
-///   less than a thousandth of the posterior density. The share of such draws is known to a
-///   relative error of 0.1, that is from 100 effective visits. Only local moves reach these draws.
-///   In the neck of a funnel, all chains may agree although they have found only half of it.
-/// - R-hat < 1.01 and effective sample sizes above 400 of the log posterior and of `watched`; also
-///   of counts (or model indicators), unless their probabilities are known to 0.001.
-/// - Parameters within every model above 1 % (for components of a kind their sums, because the
-///   numbers of components are arbitrary) have an R-hat below 1.01, or within the scatter expected
-///   for the number of draws (1e-6). Their effective sample size is above 800 P, at least 20 and at
-///   most 400. R-hat is judged from 100 draws per chain, the effective sample size of a model below
-///   5 % from 400.
-/// - With tempered draws, 10 round trips of the ladder.
+/// - Visits and evidence agree within 4.5 combined errors (7e-6) and 0.005. No ln Z by SMC exceeds
+///   ln Z of the draws by 4.5 errors and half a nat. The evidence by SMC may be lower, because SMC
+///   may miss a mode that the chains visit.
+/// - Every chain visited each mode that the searches found and that should have more than 10
+///   effective draws per chain (5e-5). R-hat of the mode's indicator is below 1.05, or within the
+///   scatter expected for the number of effective draws (1e-6).
+/// - Draws are outside the fitted mixture if the mixture has less than a thousandth of the
+///   posterior density there. If more than 5 % of the draws of a model with a probability above 1 %
+///   are outside, their share is known to a relative error of 0.1, that is from 100 effective
+///   visits. Only local moves reach draws outside the mixture. In the neck of a funnel, all chains
+///   may agree although they have visited only half of the neck.
+/// - The log posterior and `watched` have R-hat < 1.01 and effective sample sizes above 400. Counts
+///   (or model indicators) satisfy the same limits, unless their probabilities are known to 0.001.
+/// - The parameters of every model with a probability P above 1 % have an R-hat below 1.01, or
+///   within the scatter expected for the number of draws (1e-6). For components of a kind, the sums
+///   of their parameters are judged, because the numbers of the components are arbitrary. The
+///   effective sample size of each parameter is above 800 P, but this limit is at least 20 and at
+///   most 400. R-hat is judged from 100 draws per chain. The effective sample size of a model below
+///   5 % is judged from 400 draws per chain.
+/// - With tempered draws, the replicas completed 10 round trips of the ladder.
 /// - The run was not stopped early and is not a quick run. For a quick run, no other rule is
 ///   applied.
 ///

@@ -14,13 +14,13 @@
 
 namespace wheeltap::inference {
 
-/// The columns of a RunState. A member of a structure is a column of its name, e.g.
-/// "chains.adaptation.steps", with one number per structure, in order. A list adds its length to
-/// "….size" and its entries to the column of its name ("….each" if they are lists themselves). A
-/// matrix adds its shape to "….rows" and "….columns". The number of columns therefore does not
-/// depend on the number of chains, models or draws.
+/// The columns of a RunState. The column of a structure's member has the name of the member, e.g.
+/// "chains.adaptation.steps", and one number per structure, in order. A list appends its length to
+/// the column "….size" and its entries to the column of its name ("….each" if the entries are
+/// lists). A matrix appends its shape to the columns "….rows" and "….columns". The number of
+/// columns therefore does not depend on the number of chains, models or draws.
 struct Checkpoint {
-  /// Increased whenever a member changes.
+  /// Version number of the format, increased whenever a member of the run state changes.
   static constexpr int kFormat = 7;
 
   using Column =
@@ -42,16 +42,16 @@ class CheckpointError : public std::runtime_error {
 
 /// The draws first, …, last - 1 of a chain as columns.
 [[nodiscard]] Checkpoint draws_of(const Chain& chain, std::size_t first, std::size_t last);
-/// Reads draws from columns. Throws CheckpointError if their number is not `n`.
+/// Reads draws from columns. Throws CheckpointError if the number of draws is not `n`.
 [[nodiscard]] Chain draws_in(const Checkpoint& part, std::size_t n);
 /// The separately saved parts of the draws that a checkpoint needs: the number of the first part,
 /// and the number of parts.
 [[nodiscard]] std::pair<long, long> parts_of(const Checkpoint& checkpoint);
 
-/// Restores the run, bit for bit. The columns omit the parts that follow from the rest: the model
-/// space, the conditional proposals and the results of the last evidence computation. Throws
-/// CheckpointError if a column is missing, too short, too long or unknown, or belongs to another
-/// number of chains, models or parameters.
+/// Restores the run, bit for bit. The columns omit the parts that can be recomputed from the rest:
+/// the model space, the conditional proposals and the results of the last evidence computation.
+/// Throws CheckpointError if a column is missing, too short, too long or unknown, or if the columns
+/// belong to another number of chains, models or parameters.
 [[nodiscard]] RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains);
 
 /// Packs a chain and its draws for another rank of the same run, which unpacks them bit for bit.

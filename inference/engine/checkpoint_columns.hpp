@@ -20,7 +20,7 @@
 
 namespace wheeltap::inference::columns {
 
-// The type of the column that holds numbers of this type.
+// The type of the column that stores numbers of type Number.
 template <class Number>
 using Stored =
     std::conditional_t<std::same_as<Number, long> || std::same_as<Number, long long>, std::int64_t,
@@ -65,15 +65,15 @@ class Names {
   std::string name_;
 };
 
-/// Writes its arguments as columns. `Fields::of(archive, value)` lists the members of a structure,
-/// for writing and reading.
+/// Writes named members of structures as columns. `Fields::of(archive, value)` lists the members of
+/// a structure, for writing and reading.
 template <class Fields>
 class Writer {
  public:
   static constexpr bool kReads = false;
   explicit Writer(Checkpoint& to) : to_(to) {}
-  /// Writes draws first, …, last - 1 of each chain; if `first` has fewer entries than there are
-  /// chains, all draws from the first on.
+  /// Writes draws first, …, last - 1 of each chain. For a chain without an entry in `first`, all
+  /// draws are written.
   Writer(Checkpoint& to, std::vector<std::size_t> first,
          std::size_t last = std::numeric_limits<std::size_t>::max())
       : to_(to), first_(std::move(first)), last_(last) {}
@@ -84,14 +84,14 @@ class Writer {
     names_.within(member, [&] { put(value); });
     if constexpr (sizeof...(more) > 0) (*this)(more...);
   }
-  /// Begins another chain with this number of draws.
+  /// Begins the columns of another chain with `draws` draws.
   void chain(std::size_t draws) {
     const std::size_t c = chains_++;
     draws_ = {.all = draws,
               .first = c < first_.size() ? std::min(first_[c], draws) : 0,
               .last = std::min(last_, draws)};
   }
-  /// Writes a list of this chain that has the same number of values for each draw.
+  /// Writes a list of the current chain that has the same number of values for each draw.
   template <class N>
   void by_draw(const char* member, const DrawList<N>& values) {
     const std::size_t each = draws_.all > 0 ? values.size() / draws_.all : 0;
@@ -136,7 +136,8 @@ class Writer {
         column<long>("size").push_back(static_cast<std::int64_t>(value.size()));
         for (const auto& entry : value) {
           if constexpr (kIsList<typename T::value_type>) {
-            (*this)("each", entry);  // its length is in another column than that of `value`
+            // The length of `entry` is in another column than the length of `value`
+            (*this)("each", entry);
           } else {
             put(entry);
           }
@@ -151,7 +152,7 @@ class Writer {
   Names names_;
   std::vector<std::size_t> first_;
   std::size_t last_ = std::numeric_limits<std::size_t>::max();
-  std::size_t chains_ = 0;  // written so far
+  std::size_t chains_ = 0;  // number of chains written so far
   struct {
     std::size_t all, first, last;
   } draws_{};

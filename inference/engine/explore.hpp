@@ -5,10 +5,10 @@
 
 namespace wheeltap::inference {
 
-/// Explores each model of a short list separately (model_exploration.hpp). Models with sets of
-/// components are first explored together by parallel tempering from the prior. A long record is
-/// explored with a growing number of samples (starting_points.hpp). Stores the findings, a starting
-/// point for every chain, and initial proposals.
+/// Explores each model of a short list separately (model_exploration.hpp). If models have sets of
+/// components, parallel tempering from the prior first explores all models together. A long record
+/// is explored with a growing number of samples (starting_points.hpp). The function stores the
+/// findings, a starting point for every chain, and initial proposals.
 void explore(RunContext& run, RunState& state);
 /// Counts all likelihood calls so far as calls of the exploration.
 void count_exploring(RunState& state);

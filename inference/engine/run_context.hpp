@@ -18,15 +18,15 @@
 
 namespace wheeltap::inference {
 
-/// Up to this number, each model is explored and weighed separately.
+/// Largest number of models for which each model is explored and its evidence computed separately.
 inline constexpr int kFewModels = 40;
-inline constexpr int kTuningSteps = 32000;  ///< per chain
+inline constexpr int kTuningSteps = 32000;  ///< tuning steps per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
 /// True if the likelihood is expensive: the data are a long record, and the engine chooses the
 /// number of draws. Tuning steps and thinning, which reduce the autocorrelation of the draws, are
-/// then halved: each step takes about a hundred times as long as with a formula, and the run
-/// continues in any case until it has enough draws.
+/// then halved. The reason is that each step takes about a hundred times as long as with a
+/// likelihood given by a formula. The run continues in any case until it has enough draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return problem.samples > 0 && options.draws == 0;
 }
@@ -36,11 +36,11 @@ inline constexpr int kDefaultThin = 4;
 [[nodiscard]] inline int tuning_steps(const Problem& problem, const Options& options) {
   return is_expensive(problem, options) ? kTuningSteps / 2 : kTuningSteps;
 }
-inline constexpr int kEvidenceDraws = 4000;  ///< per model, from its mixture
-inline constexpr int kQuickDraws = 500;      ///< the same in a quick run
+inline constexpr int kEvidenceDraws = 4000;  ///< draws per model from its mixture
+inline constexpr int kQuickDraws = 500;      ///< draws per model from its mixture in a quick run
 
-/// `problem` and `options` must outlive the context. It must be used only with the run state from
-/// begin() or resume().
+/// `problem` and `options` must outlive the context. The context must be used only with the run
+/// state from begin() or resume().
 struct RunContext {
   RunContext(const Problem& of, const Options& with)
       : problem(of), options(with), monitor(with, of.space.size()), safe_points(with) {}
@@ -50,7 +50,7 @@ struct RunContext {
   ProgressMonitor monitor;
   SafePoints safe_points;
   Atlases atlases{};
-  std::vector<std::unique_ptr<Target>> targets{};  ///< one per chain
+  std::vector<std::unique_ptr<Target>> targets{};  ///< one target per chain
 
   [[nodiscard]] const ModelSpace& space() const { return problem.space; }
   [[nodiscard]] std::size_t models() const { return static_cast<std::size_t>(space().size()); }
@@ -66,7 +66,7 @@ struct RunContext {
     });
   }
 
-  /// Runs the job for every chain on every rank, for cheap jobs.
+  /// Runs a cheap job for every chain on every rank, without communication between the ranks.
   template <typename Job>
   void each_chain_here(RunState& state, Job&& job) {
     for (std::size_t c = 0; c < targets.size(); ++c) {
@@ -76,7 +76,7 @@ struct RunContext {
   }
 
   /// Runs a job that can pause between two iterations if leave() returns true. The job returns true
-  /// if it is complete. It is called again until it is complete for every chain, or the run is
+  /// if it is complete. The job is called again until it is complete for every chain or the run is
   /// stopped. The run state must contain all progress of the job.
   template <typename Job>
   void complete_each_chain(RunState& state, Job&& job) {
@@ -93,7 +93,7 @@ struct RunContext {
   }
 
  private:
-  // Whether all jobs are complete.
+  // True if the jobs of all chains are complete.
   template <typename Job>
   bool each_chain_until(RunState& state, Job&& job) {
     std::vector<char> ended(targets.size(), 0);
@@ -136,8 +136,8 @@ struct RunContext {
 /// at the chains' states differs in any bit: the data or the processor has changed.
 void resume(RunContext& run, const RunState& state);
 
-/// Calls of the likelihood, or of its approximation if the problem has one, by all chains and by
-/// shared work.
+/// Number of likelihood calls by all chains and by shared work. If the problem has an approximate
+/// likelihood, the calls of the approximation are counted.
 [[nodiscard]] long likelihood_evaluations(const RunState& state);
 
 /// The results of the run. Moves the posterior out of `state`.

@@ -6,35 +6,37 @@
 
 namespace wheeltap::inference {
 
-/// An estimate: correct within a factor of three in nine of ten runs if likelihoods were measured
-/// (docs/scale.md), otherwise within a factor of ten.
+/// Estimated cost of a run. If the time of a likelihood was measured, the estimate is correct
+/// within a factor of three in nine of ten runs (docs/scale.md); otherwise within a factor of ten.
 struct RunCost {
-  double bytes = 0.0;                 ///< largest memory in use at one time
-  double disk = 0.0;                  ///< largest size of the folder of the results, in bytes
-  double likelihoods = 0.0;           ///< evaluations, or FE runs of a table
-  double seconds = 0.0;               ///< their time on the requested threads
+  double bytes = 0.0;  ///< largest memory in use at one time
+  double disk = 0.0;   ///< largest size of the folder of the results, in bytes
+  /// Number of likelihood evaluations, or of FE runs for a table
+  double likelihoods = 0.0;
+  /// Run time of the likelihood evaluations on the requested threads [s]
+  double seconds = 0.0;
   double preparation = 0.0;           ///< seconds before the first likelihood
-  double seconds_a_likelihood = 0.0;  ///< 0: unknown
+  double seconds_a_likelihood = 0.0;  ///< run time of one likelihood [s]; 0: unknown
 };
 
 /// Sizes of a problem, known before its model space is built.
 struct ProblemSize {
   double models = 1.0;
-  double dimensions = 0.0;   ///< sum over all models
-  double largest = 0.0;      ///< dimension of a model
-  double predictions = 0.0;  ///< numbers that a draw keeps besides its parameters
-  double explored = 0.0;     ///< likelihoods per dimension before the first draw
+  double dimensions = 0.0;   ///< sum of the dimensions of all models
+  double largest = 0.0;      ///< largest dimension of a model
+  double predictions = 0.0;  ///< numbers stored per draw in addition to the parameters
+  double explored = 0.0;     ///< likelihood calls per dimension before the first draw
   double seconds_a_likelihood = 0.0;
 };
 
 /// Estimates the cost of a run that converges in its first round of draws. Draws of more than
-/// `most_in_memory` bytes are kept on the disk (DrawMemory); it is infinite if there is no folder
-/// for them.
+/// `most_in_memory` bytes are stored on the disk (DrawMemory). Set `most_in_memory` to infinity if
+/// there is no folder for draws.
 [[nodiscard]] RunCost cost_of_sampling(const ProblemSize& size, const Options& options,
                                        double most_in_memory);
 
-/// Sets likelihoods and seconds by the engine's plan and by the time of a likelihood, which it
-/// measures for about `seconds`. Leaves `cost.preparation` unchanged.
+/// Sets `cost.likelihoods` and `cost.seconds` from the engine's plan and the run time of a
+/// likelihood, which the function measures for about `seconds`. `cost.preparation` stays unchanged.
 void measure(RunCost& cost, const Problem& problem, const Options& options, double seconds);
 
 }  // namespace wheeltap::inference

@@ -7,20 +7,21 @@
 namespace wheeltap::inference {
 
 /// Likelihood calls of each stage, all chains together. A run that has not converged after its
-/// planned draws continues and needs more.
+/// planned draws continues and needs more likelihood calls.
 struct RunPlan {
-  double explore = 0.0;  ///< climbs, SMC or tempering, and importance sampling
-  double tune = 0.0;     ///< includes the burn-in before the draws
+  double explore = 0.0;  ///< calls of mode search, SMC or tempering, and importance sampling
+  double tune = 0.0;     ///< calls of the tuning, including the burn-in before the draws
   double sample = 0.0;
   double evidence = 0.0;
-  /// `explore` in equivalent calls on the whole record. For a record, most calls of the exploration
-  /// use only its first samples; for other data, both numbers are equal.
+  /// Calls of the exploration, converted to equivalent calls on the whole record. For a record,
+  /// most calls of the exploration use only the first samples. For other data, this number equals
+  /// `explore`.
   double explore_on_all_data = 0.0;
 
   [[nodiscard]] double calls() const { return explore + tune + sample + evidence; }
 };
 
-/// The options of a quick run (Options::quick): about 16 climbs per model, a thousand
+/// The options of a quick run (Options::quick): about 16 local optimisations per model, a thousand
 /// importance-sampling draws from the normal approximations at the modes, and 4 x 300 posterior
 /// draws.
 [[nodiscard]] Options quick_options(Options options);

@@ -18,32 +18,35 @@ namespace wheeltap::inference {
 
 /// Progress of a chain in a stage whose kernels adapt.
 struct AdaptationState {
-  int steps = 0;  ///< steps of this tuning round, or scans of a ladder
-  // Tempering only:
+  int steps = 0;  ///< completed steps of this tuning round, or scans of a ladder
+  // Used by parallel tempering only:
   bool begun = false;
   bool ended = false;
-  int round_scans = 0;  ///< total of this round
-  int scans = 0;        ///< total of the earlier rounds
+  int round_scans = 0;  ///< total number of scans of this round
+  int scans = 0;        ///< total number of scans of the earlier rounds
   double barrier = 0.0;
-  /// KernelMixture::learnt: one list per rung, or one list.
+  /// Adaptation state of the kernels (KernelMixture::learnt): one list per rung, or a single list
+  /// without tempering.
   std::vector<std::vector<double>> learnt{};
 };
 
-/// State of one chain. Its target and kernels are rebuilt from this and from the run's state in
-/// each round (run_context.hpp); `adaptation` holds the adaptation state of the kernels within a
+/// State of one chain. The chain's target and kernels are rebuilt from ChainState and RunState in
+/// each round (run_context.hpp). `adaptation` stores the adaptation state of the kernels within a
 /// round.
 struct ChainState {
-  State state;                     ///< the current state
-  long iteration = 0;              ///< steps of sampling so far: key of the next random numbers
-  Target::Memory target{};         ///< counters of its target
-  std::optional<Ladder> ladder{};  ///< if it was tempered
+  State state;  ///< current state of the chain
+  /// Number of sampling steps so far; key of the next random numbers
+  long iteration = 0;
+  Target::Memory target{};              ///< counters of the chain's target
+  std::optional<Ladder> ladder{};       ///< ladder of replicas, for a tempered chain
   std::vector<PilotSamples> by_rung{};  ///< states of the last round at each temperature
-  std::vector<int> models{};            ///< visited in the last round of tuning
-  std::vector<KernelRecord> records{};  ///< one per kernel, in the last round of tuning
-  std::optional<KeptDraws> kept{};      ///< a part of its draws, in standard normal coordinates
-  std::vector<std::vector<long>> at_mode{};  ///< draws nearest to each mode of each model
-  std::vector<MoveStatistics> moves{};       ///< counted after warm-up
-  /// Jumps between models, models × models, after warm-up.
+  std::vector<int> models{};            ///< models visited in the last round of tuning
+  std::vector<KernelRecord> records{};  ///< statistics of each kernel in the last round of tuning
+  /// A subset of the chain's draws, in standard normal coordinates
+  std::optional<KeptDraws> kept{};
+  std::vector<std::vector<long>> at_mode{};  ///< number of draws nearest to each mode of each model
+  std::vector<MoveStatistics> moves{};       ///< statistics of each move after warm-up
+  /// Proposed and accepted jumps between models after warm-up, models × models.
   std::vector<std::vector<long>> proposed{}, accepted{};
   AdaptationState adaptation{};
 };
@@ -59,22 +62,23 @@ struct Position {
   bool tempering = false;  ///< the chains are inside temper()
 
   Explore explore = Explore::begin;
-  std::vector<int> models{};  ///< models to be searched, or searched by climbs only
-  int model = 0;              ///< index of the next one in `models`
+  /// Models to be searched, or to be searched by local optimisations alone
+  std::vector<int> models{};
+  int model = 0;  ///< index of the next model in `models`
   /// ln (P Z) of the best model searched so far.
   double best = -std::numeric_limits<double>::infinity();
-  int look = 0;                  ///< round of climbs in many models
+  int look = 0;                  ///< round of local optimisations in many models
   int looks_left = 0;            ///< models left in this round
   std::vector<double> before{};  ///< ln π at the highest mode of each model before this round
 
-  int round = 0;  ///< of tuning
-  int tuned = 0;  ///< steps of the earlier rounds
+  int round = 0;  ///< index of the tuning round
+  int tuned = 0;  ///< tuning steps of the earlier rounds
   Sample sample = Sample::begin;
   int goal = 0;    ///< draws per chain at the end of this round
-  int refits = 0;  ///< fits of the proposals to draws
+  int refits = 0;  ///< number of fits of the proposals to draws
 
   // Parts of the draws that are saved separately (Options::Checkpoints::save_draws):
-  long first_part = 0;                ///< number of the first
+  long first_part = 0;                ///< number of the first separately saved part
   std::vector<int> part_chains = {};  ///< chain of each part
 };
 
@@ -94,14 +98,15 @@ struct RunState {
 
   // Results of exploration, one per model.
   std::vector<ModelExploration> explorations;
-  std::vector<double> log_probability;  ///< up to a constant, where known
-  std::vector<double> probability;      ///< the same, normalised
+  std::vector<double> log_probability;  ///< log model probabilities up to a constant, if known
+  std::vector<double> probability;      ///< normalised model probabilities
   std::vector<PilotSamples> by_rung;    ///< samples of all chains' ladders, the coldest last
 
   // Results of tuning.
   Pilot pilot;
   std::vector<double> tuning_bias;  ///< ln weight of each model in the last tuning round
-  /// ln weight of each model for the draws: zero, or the weights that balance the models.
+  /// ln weight of each model for the draws: zero, or the weights with which all models are visited
+  /// about equally often.
   std::vector<double> sampling_bias;
 
   // Results of sampling.

@@ -13,21 +13,23 @@
 namespace wheeltap::inference {
 
 /// Safe points lie between two iterations of all chains and between two explored models. At a safe
-/// point, RunState is complete. Saving is skipped while it would take more than kShare of the run
-/// time.
+/// point, RunState is complete. The state is not saved while saving would take more than kShare of
+/// the run time.
 class SafePoints {
  public:
   explicit SafePoints(const Options& options) : options_(options.checkpoints) {}
 
-  /// True if the chains should pause at the next iteration, to save. Safe to call from any thread.
+  /// True if the chains should pause at the next iteration so that the state can be saved. Safe to
+  /// call from any thread.
   [[nodiscard]] bool due() const { return options_.save && Clock::now() >= next_; }
-  /// To be called at a safe point. Saves the state if that is due; else stores a copy, at most once
-  /// per second, in case the run is stopped before the next safe point.
+  /// Call this function at every safe point. The function saves the state if saving is due.
+  /// Otherwise, it stores a copy of the state, at most once per second, in case the run is stopped
+  /// before the next safe point.
   void pass(RunState& state);
-  /// To be called at a safe point if the run is being stopped: saves the state.
+  /// Saves the state. Call this function at a safe point if the run is being stopped.
   void stop(RunState& state);
-  /// To be called if the run was stopped elsewhere: saves the last safe point, unless that or a
-  /// later one is saved.
+  /// Saves the state of the last safe point, unless this state or a later one is already saved.
+  /// Call this function if the run was stopped between two safe points.
   void stopped();
   /// Adds the time since the last call to the run time of the state.
   void clock(RunState& state);
@@ -47,7 +49,7 @@ class SafePoints {
   Clock::time_point clocked_ = Clock::now();
   Clock::time_point next_ = clocked_ + seconds(options_.every_seconds);
   Clock::time_point remembered_{};
-  std::optional<Checkpoint> last_;  ///< passed and not yet saved
+  std::optional<Checkpoint> last_;  ///< state of the last safe point if it is not yet saved
 
   [[nodiscard]] static Clock::duration seconds(double s) {
     return std::chrono::duration_cast<Clock::duration>(std::chrono::duration<double>(s));

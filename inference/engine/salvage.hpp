@@ -1,14 +1,14 @@
-// Draws for a run that was stopped before it had any.
+// Approximate draws for a run that was stopped before its first draw.
 #pragma once
 
 #include "inference/engine/run_context.hpp"
 
 namespace wheeltap::inference {
 
-/// For a run stopped with fewer than kSalvaged draws per chain: creates that number of draws from
-/// the findings so far. Models get the probabilities estimated from evidence and ladders,
-/// parameters are drawn from the populations of the exploration, or from the normal approximations
-/// at the modes. Does nothing if nothing was found.
+/// Creates kSalvaged draws per chain from the findings so far, for a run that was stopped with
+/// fewer draws. Model probabilities are the estimates from evidence and ladders. Parameters are
+/// drawn from the populations of the exploration, or from the normal approximations at the modes.
+/// The function does nothing if the exploration found nothing.
 void salvage(RunContext& run, RunState& state);
 
 inline constexpr int kSalvaged = 100;

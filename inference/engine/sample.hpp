@@ -6,13 +6,13 @@
 namespace wheeltap::inference {
 
 /// Runs burn-in at the posterior, draws, and computes the evidence of each model. If the engine
-/// chooses the number of draws, it doubles them until the run may stop (convergence.hpp), and adds
-/// a tempering ladder if the chains disagree without one.
+/// chooses the number of draws, it doubles this number until the run may stop (convergence.hpp). If
+/// the chains disagree, the engine adds a tempering ladder.
 void sample(RunContext& run, RunState& state);
 
 // The rounds of sample(). A run can be interrupted after each round and resumed.
 
-/// Called once after tuning: initialises the draws.
+/// Initialises the draws; called once after tuning.
 void prepare_draws(RunContext& run, RunState& state);
 /// Burn-in with the model weights of the draws. Tuning used other model weights, so the chains must
 /// first converge to the new stationary distribution.

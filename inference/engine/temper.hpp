@@ -5,13 +5,13 @@
 
 namespace wheeltap::inference {
 
-inline constexpr int kStepsAScan = 3;  ///< in each rung, before a round of swaps
+inline constexpr int kStepsAScan = 3;  ///< kernel steps in each rung before a round of swaps
 
-/// Number of models up to which weights are learned.
+/// Largest number of models for which model weights are learned.
 inline constexpr int kBalancedModels = 64;
 
 struct TemperOptions {
-  int scans = 0;          ///< upper limit, if the run's warm-up is not given
+  int scans = 0;          ///< largest number of scans if the options do not give the warm-up
   bool balanced = false;  ///< learn weights so that chains visit every model at every temperature
   bool fitted = false;    ///< use the fitted proposals, and start from the chains' states
 };
@@ -20,8 +20,8 @@ struct TemperOptions {
 /// draws. Stores each chain's ladder, its samples and its state at β = 1.
 void temper(RunContext& run, RunState& state, const TemperOptions& how);
 
-/// Pools the samples of all chains. Ladders may differ between chains; their rungs are matched from
-/// the coldest on.
+/// Pools the samples of all chains. If the ladders of the chains differ, their rungs are matched
+/// from the coldest rung on.
 void pool_ladders(const RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

@@ -6,9 +6,9 @@
 
 namespace wheeltap::inference {
 
-/// Runs three rounds of tuning, and a longer one if the model indicator has few effective draws.
-/// Model weights make the visits to all models about equal, so that each model gets enough samples.
-/// Stores fixed proposals and the model weights of the draws.
+/// Runs three rounds of tuning, and a longer fourth round if the model indicator has few effective
+/// draws. Model weights make the visits to all models about equal, so that each model gets enough
+/// samples. The function stores fixed proposals and the model weights of the draws.
 void tune(RunContext& run, RunState& state);
 
 /// Pools the chains' samples and fits the proposals to them: RunState::pilot. Round 0 follows

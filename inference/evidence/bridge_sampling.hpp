@@ -12,21 +12,22 @@ namespace wheeltap::inference {
 
 struct BridgeOptions {
   std::uint64_t seed = 1;
-  int proposal_draws = 0;  ///< 0: as many as the posterior draws in use
-  int threads = 0;         ///< 0: as many as the machine has. Never changes a result.
+  int proposal_draws = 0;  ///< number of draws of q; 0: as many as posterior draws in use
+  /// 0: all threads of the machine. The results do not depend on the number.
+  int threads = 0;
   NormalMixture::FitOptions fit{};
 };
 
 struct Bridge {
   double log_evidence = 0.0;
-  double standard_error = 0.0;   ///< of ln Z
+  double standard_error = 0.0;   ///< standard error of ln Z
   double effective_draws = 0.0;  ///< effective posterior draws
-  bool settled = false;          ///< the fixed-point iteration converged
+  bool settled = false;          ///< true if the fixed-point iteration converged
 };
 
 /// The bridge-sampling iteration alone. `at_posterior` holds ln l = ln π - ln q at posterior draws,
-/// one vector per chain, all of the same length; `at_proposal` holds it at draws of q. The next
-/// function gives the formula.
+/// one vector per chain, all of the same length. `at_proposal` holds ln l at draws of q. The
+/// comment of the next function gives the formula.
 [[nodiscard]] Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_proposal);
 
 /// Meng & Wong (1996, Statistica Sinica 6:831) with their optimal bridge. With q a normal mixture
@@ -36,8 +37,8 @@ struct Bridge {
 ///   Z ← Σ₂ l / (s₁ l + s₂ Z) / n₂  ÷  Σ₁ 1 / (s₁ l + s₂ Z) / n₁
 ///
 /// is iterated to its fixed point. s₁ and s₂ are the shares of the two samples in the total sample
-/// size; for the posterior draws, the effective size is used. The standard error follows from the
-/// delta method with the autocorrelation of the posterior draws (Frühwirth-Schnatter 2004,
+/// size. For the posterior draws, the effective sample size is used. The standard error follows
+/// from the delta method with the autocorrelation of the posterior draws (Frühwirth-Schnatter 2004,
 /// Econometrics Journal 7:143, section 3.2).
 ///
 /// Throws std::invalid_argument for fewer than 20 draws per chain.
@@ -45,8 +46,8 @@ struct Bridge {
                                        const ModelSamples& samples, const BridgeOptions& options);
 
 /// Runs TMCMC as a pilot, then four chains of 5000 draws with the pilot as independence proposal,
-/// and then bridge sampling. If this gives a warning, the chains are repeated with four and with
-/// sixteen times the length. If TMCMC fails, the result is NaN with the warning of TMCMC.
+/// and then bridge sampling. If bridge sampling gives a warning, the chains are repeated with four
+/// and with sixteen times the length. If TMCMC fails, the result is NaN with the warning of TMCMC.
 [[nodiscard]] Evidence bridge_sampling(const Problem& problem, int model,
                                        const BridgeOptions& options);
 

@@ -8,14 +8,16 @@
 
 namespace wheeltap::inference {
 
-/// P(m | data) = P(m) Z_m / Σ P(n) Z_n, and the standard errors of P and of ln P that follow from
-/// those of the evidences (delta method: ∂P_m/∂ln Z_n = P_m (δ_mn - P_n)). NaN if one is unknown.
+/// P(m | data) = P(m) Z_m / Σ P(n) Z_n, and the standard errors of P and of ln P. The errors follow
+/// from the errors of the evidences (delta method: ∂P_m/∂ln Z_n = P_m (δ_mn - P_n)). The errors are
+/// NaN if the error of an evidence is unknown.
 struct ImpliedProbabilities {
   std::vector<double> mean;
   std::vector<double> standard_error;
 };
 
-/// Takes one evidence per model of the space. Throws std::invalid_argument for any other number.
+/// Takes one evidence per model of the space. Throws std::invalid_argument if the number of
+/// evidences differs from the number of models.
 [[nodiscard]] ImpliedProbabilities implied_probabilities(const ModelSpace& space,
                                                          const std::vector<Evidence>& evidences);
 
@@ -26,8 +28,8 @@ struct Disagreement {
 };
 
 /// The models whose sampled and implied probabilities differ by more than `sigmas` combined
-/// standard errors and by more than `least`. Empty if an error is unknown (as for Laplace's
-/// method).
+/// standard errors and by more than `least`. The list is empty if the standard error of an evidence
+/// is unknown (as for Laplace's method).
 [[nodiscard]] std::vector<Disagreement> disagreements(const std::vector<double>& sampled,
                                                       const std::vector<double>& sampled_error,
                                                       const ImpliedProbabilities& implied,

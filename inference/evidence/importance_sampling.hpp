@@ -14,13 +14,13 @@ namespace wheeltap::inference {
 struct ImportanceOptions {
   std::uint64_t seed = 1;
   int draws = 20000;
-  int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
+  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number.
 };
 
 struct ImportanceSampling {
   Evidence evidence;
-  double effective_draws = 0.0;  ///< (Σw)² / Σw²
-  double pareto_k = 0.0;         ///< see pareto_shape
+  double effective_draws = 0.0;  ///< effective number of draws, (Σw)² / Σw²
+  double pareto_k = 0.0;         ///< Pareto shape of the weights (pareto_shape)
 };
 
 /// Z = E_q[π/q] with draws from the proposal q, e.g. a mixture fitted to a pilot, with a defensive
@@ -30,8 +30,9 @@ struct ImportanceSampling {
                                                      const NormalMixture& proposal,
                                                      const ImportanceOptions& options);
 
-/// ln π(z) - ln q(z) of n draws from q. Adds to `evaluations`. Any thread may call `stop`, if
-/// given, before a draw; once it returns true, the ratios are invalid.
+/// ln π(z) - ln q(z) of n draws from q. The number of likelihood calls is added to `evaluations`.
+/// Any thread may call `stop`, if given, before a draw. Once `stop` returns true, the ratios are
+/// invalid.
 [[nodiscard]] std::vector<double> log_importance_ratios(const Problem& problem, int model,
                                                         const NormalMixture& proposal, int n,
                                                         std::uint64_t seed, int threads,
@@ -40,7 +41,7 @@ struct ImportanceSampling {
 
 /// Shape k̂ of the generalised Pareto distribution fitted to the largest 3√n weights (Zhang &
 /// Stephens 2009, Technometrics 51:316; Vehtari et al. 2024, JMLR 25:72): the weights have 1/k
-/// finite moments. -∞ for fewer than 5 weights in the fit.
+/// finite moments. The result is -∞ if the fit has fewer than 5 weights.
 [[nodiscard]] double pareto_shape(std::span<const double> log_weights);
 
 }  // namespace wheeltap::inference

@@ -11,22 +11,25 @@ namespace wheeltap::inference {
 
 struct ModeOptions {
   std::uint64_t seed = 1;
-  int restarts = 3;  ///< of differential evolution; Newton steps refine the best
+  int restarts = 3;  ///< runs of differential evolution; Newton steps refine the best result
   int generations = 300;
-  double tolerance = 1e-3;  ///< in ln π, of differential evolution; the Newton steps go further
-  std::vector<double> start{};  ///< z where Newton steps start, without a search; empty: search
-  bool check = true;            ///< Laplace only: warn if the posterior is not normal
+  /// Tolerance of differential evolution in ln π; Newton steps refine the result
+  double tolerance = 1e-3;
+  /// Starting point z of the Newton steps without a search; empty: search
+  std::vector<double> start{};
+  bool check = true;  ///< Laplace's method: warn if the posterior is not normal
 };
 
 /// Mode of ln π(z), by self-adaptive differential evolution and Newton steps with finite
-/// differences. If the problem can be shortened, the search begins with the first 50 samples. It
-/// then doubles the number of samples, starting each time from the previous mode, until the record
-/// is complete. Throws LikelihoodError if no point of the search has a finite likelihood.
+/// differences. If the problem can be shortened, the search begins with the first 50 samples. The
+/// search then doubles the number of samples until the record is complete. Each search starts from
+/// the mode of the shorter record. Throws LikelihoodError if no point of the search has a finite
+/// likelihood.
 [[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
                                            const ModeOptions& options);
 
 struct Laplace {
-  Evidence evidence;  ///< standard error NaN
+  Evidence evidence;  ///< evidence with a standard error of NaN
   std::vector<double> z;
   std::vector<double> x;       ///< the mode in physical parameters
   Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, in z

@@ -11,25 +11,28 @@
 
 namespace wheeltap::inference {
 
-/// Order in which data enter, for problems that can be shortened.
+/// Path of the data, for problems that can be shortened: all data at once, or a growing part of
+/// them.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
   std::uint64_t seed = 1;
-  int replicates = 8;       ///< independent runs; their scatter gives the standard error; >= 4
-  int samples = 500;        ///< per replicate
+  /// Independent runs, at least 4; their scatter gives the standard error
+  int replicates = 8;
+  int samples = 500;        ///< number of samples per replicate
   double weight_cov = 0.5;  ///< coefficient of variation of the weights, which sets each step of β
-  /// Accepted moves per sample and stage, on average, before the next stage. For a growing record,
-  /// which has many stages, this number is halved.
+  /// Average number of accepted moves per sample before the next stage. For a growing record, which
+  /// has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
-  /// Likelihood calls after which a run ends early (`Tmcmc::cut`); 0: no limit.
+  /// Number of likelihood calls after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
-  int threads = 0;  ///< 0: as many as the machine has. Never changes a result.
-  /// Called from one thread at a time with the share of the work done since the last call.
-  /// Returning false ends the run; ln Z is then NaN.
+  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number.
+  /// Callback, called from one thread at a time with the share of the work done since the last
+  /// call. If the callback returns false, the run ends and ln Z is NaN.
   std::function<bool(double share)> progress = nullptr;
-  /// Called between two likelihoods by any thread; returning true also ends the run.
+  /// Callback, called between two likelihood calls by any thread. If the callback returns true, the
+  /// run ends.
   std::function<bool()> stop = nullptr;
 };
 
@@ -38,9 +41,9 @@ struct Tmcmc {
   /// Posterior draws of all replicates, draws × dimension; empty if ln Z is NaN.
   Eigen::MatrixXd z;
   std::vector<double> log_posterior;  ///< ln π at each draw
-  int stages = 0;                     ///< the largest number of any replicate
-  /// The run reached most_evaluations: ln Z is NaN, z are draws of the tempered posteriors reached,
-  /// and log_posterior is empty.
+  int stages = 0;                     ///< largest number of stages of any replicate
+  /// True if the run reached most_evaluations. Then ln Z is NaN, z contains draws of the last
+  /// tempered posteriors, and log_posterior is empty.
   bool cut = false;
 };
 
@@ -52,30 +55,32 @@ struct Tmcmc {
 /// weights of step j.
 ///
 /// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
-/// 89:539). The first part leads from the prior to the posterior of the first 50 samples; each
-/// further part leads to the posterior of up to twice as many. β is then the exponent of the
-/// likelihood of the new samples. The posterior of a long record lies at the end of a ridge. The
-/// ridge narrows gradually with the number of samples, but suddenly with the exponent. Small pilot
-/// runs of both kinds decide which one to use.
+/// 89:539). The first part of the data leads from the prior to the posterior of the first 50
+/// samples of the record. Each further part leads to the posterior of up to twice the number of
+/// samples. β is then the exponent of the likelihood of the new samples. The posterior of a long
+/// record lies at the end of a ridge. The ridge narrows gradually with the number of samples, but
+/// suddenly with the exponent. Small pilot runs with each path decide which path is used.
 ///
-/// Differences from these papers:
+/// Differences from the methods of Ching & Chen and of Chopin:
 ///
-/// - Bisection on the coefficient of variation of the weights sets β. The target is 0.5. With the
-///   value 1 of the paper, ln Z was two nats too low for a chain with a stop, whose tempered
-///   posteriors change direction from step to step.
+/// - Bisection on the coefficient of variation of the weights sets β. The target of the coefficient
+///   is 0.5. With the target 1 of Ching & Chen, ln Z was two nats too low for a chain of masses
+///   with a stop, whose tempered posteriors change direction from step to step.
 /// - Resampling is systematic.
-/// - The first step removes prior draws of likelihood zero; its weight is the share of possible
-///   draws. If possible draws are rare, more draws are made until 20 are possible or a replicate
-///   has 100 000 draws; the estimate of the share remains unbiased.
-/// - Half of the moves are drawn from a normal mixture. The other half are steps with the
-///   covariance of one of its components, with a scale adapted from sweep to sweep. This keeps
-///   separate modes balanced.
+/// - The first step removes prior draws of likelihood zero. The weight of this step is the share of
+///   prior draws with a positive likelihood. If such draws are rare, a replicate continues until 20
+///   draws have a positive likelihood or 100 000 draws are made. The estimate of the share remains
+///   unbiased.
+/// - Half of the proposals are drawn from a normal mixture. The other half are steps with the
+///   covariance of one component of the mixture and with a scale adapted from sweep to sweep. Both
+///   kinds of proposals together keep the shares of separate modes balanced.
 /// - The mixture that moves one half of the samples is fitted to the other half.
 /// - Sweeps continue until each sample has moved several times.
 /// - All weights are computed in log space.
 ///
-/// ln Z is the log of the replicates' mean Z. Its standard error is their scatter times
-/// √((R-1)/(R-3)), the sd of Student's t, since the scatter is known from R replicates only.
+/// ln Z is the log of the replicates' mean Z. The standard error of ln Z is the scatter of the
+/// replicates times √((R-1)/(R-3)), the sd of Student's t, because the scatter is estimated from
+/// only R replicates.
 ///
 /// If a replicate does not reach β = 1 within 1000 stages, ln Z and its standard error are NaN and
 /// the result carries a warning.

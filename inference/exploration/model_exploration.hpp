@@ -14,59 +14,70 @@ namespace wheeltap::inference {
 
 struct ExplorationOptions {
   std::uint64_t seed = 1;
-  /// Starts of climbs in addition to draws of the prior.
+  /// Starting points of local optimisations in addition to draws of the prior.
   std::vector<std::vector<double>> starts{};
   long climbs = 0;       ///< ModeSearchOptions::climbs
-  long budget = 100000;  ///< likelihood calls for climbs
-  double effort = 1.0;   ///< effort of climbs as a record grows (ModeSearchOptions)
-  bool anneal = true;    ///< run SMC from the prior, as briefly as sufficient
-  /// Run climbs only, for one of very many models. The evidence is then that of Laplace's method,
-  /// with an assumed error of one nat, and the population is drawn from the normal approximations
-  /// at the modes.
+  long budget = 100000;  ///< largest number of likelihood calls for local optimisations
+  double effort = 1.0;   ///< effort of local optimisations as a record grows (ModeSearchOptions)
+  bool anneal = true;    ///< run SMC from the prior, with the shortest sufficient length
+  /// Run local optimisations only, for one of very many models. The evidence is then computed by
+  /// Laplace's method, with an assumed error of one nat. The population is drawn from the normal
+  /// approximations at the modes.
   bool climbs_only = false;
-  bool from_starts = false;  ///< no climbs from prior draws, unless `starts` lead to no mode
-  int particles = 1200;      ///< of SMC at full length, over four replicates
-  int rounds = 5;            ///< of importance sampling, upper limit
-  int threads = 0;           ///< 0: as many as the machine has. Never changes a result.
+  /// No local optimisations from prior draws, unless `starts` lead to no mode
+  bool from_starts = false;
+  int particles = 1200;  ///< number of particles of a full SMC run, over four replicates
+  int rounds = 5;        ///< largest number of rounds of importance sampling
+  /// 0: all threads of the machine. The results do not depend on the number.
+  int threads = 0;
   /// Draws of another method, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};
-  /// Called from one thread at a time with the share of the work done since the last call;
-  /// returning false ends the exploration.
+  /// Callback, called from one thread at a time with the share of the work done since the last
+  /// call. If the callback returns false, the exploration ends.
   std::function<bool(double share)> progress = nullptr;
-  /// Called between two likelihoods by any thread; returning true ends the exploration.
+  /// Callback, called between two likelihood calls by any thread. If the callback returns true, the
+  /// exploration ends.
   std::function<bool()> stop = nullptr;
 };
 
 /// Likelihood calls of the exploration.
 struct ExplorationCalls {
-  long search = 0;  ///< climbs to modes; most of them on a shortened record if there is one
-  long anneal = 0;  ///< sequential Monte Carlo
-  long weigh = 0;   ///< importance sampling from the mixture fitted to the findings
+  long search = 0;  ///< calls of local optimisations, for a record mostly on its first samples
+  long anneal = 0;  ///< calls of sequential Monte Carlo
+  long weigh = 0;   ///< calls of importance sampling from the mixture fitted to the findings
   [[nodiscard]] long sum() const { return search + anneal + weigh; }
 };
 
 struct ModelExploration {
-  std::vector<Mode> modes;     ///< the largest probability mass first
+  /// Posterior modes, the mode with the largest probability mass first
+  std::vector<Mode> modes;
   std::vector<double> shares;  ///< probability of each mode
   long climbs = 0;
-  double spacing = 0.0;  ///< ModeSearch::spacing of these climbs
-  /// ExplorationOptions::climbs_only: searched by climbs, no importance sampling.
+  double spacing = 0.0;  ///< ModeSearch::spacing of the local optimisations
+  /// True if the model was searched by local optimisations alone, without importance sampling
+  /// (ExplorationOptions::climbs_only).
   bool glanced = false;
-  bool passed_over = false;    ///< one of very many, outside Occam's window: not evaluated
-  Eigen::MatrixXd population;  ///< equally weighted draws, dimension × n; empty: nothing was found
-  Eigen::MatrixXd annealed_draws;  ///< dimension × n; empty if SMC did not run or failed
-  std::vector<double> annealed_log_posterior;  ///< ln π at each of these draws
-  Evidence annealed = kNoEvidence;             ///< NaN if SMC did not run or failed
-  Evidence sampled = kNoEvidence;              ///< by importance sampling; NaN if nothing was found
-  double effective_draws = 0.0;                ///< effective size of the importance sample
-  double efficiency = 0.0;                     ///< effective_draws divided by the draws
+  /// True if the model is outside Occam's window and was not evaluated
+  bool passed_over = false;
+  /// Equally weighted draws, dimension × n; empty if nothing was found
+  Eigen::MatrixXd population;
+  /// Draws of SMC, dimension × n; empty if SMC did not run or failed
+  Eigen::MatrixXd annealed_draws;
+  std::vector<double> annealed_log_posterior;  ///< ln π at each SMC draw
+  /// Evidence by SMC; NaN if SMC did not run or failed
+  Evidence annealed = kNoEvidence;
+  /// Evidence by importance sampling; NaN if nothing was found
+  Evidence sampled = kNoEvidence;
+  double effective_draws = 0.0;  ///< effective size of the importance sample
+  double efficiency = 0.0;       ///< effective_draws divided by the draws
   ExplorationCalls calls{};
 
   [[nodiscard]] bool is_explored() const { return calls.sum() > 0; }
   /// The best estimate of ln Z so far; -∞ if nothing was found.
   [[nodiscard]] double log_evidence() const;
-  /// True if one mode has 99 % of the probability that the climbs found, and importance sampling
-  /// from the mixture at this mode is efficient. SMC then adds little.
+  /// True if one mode has 99 % of the probability mass found by the local optimisations, and
+  /// importance sampling from the mixture at this mode is efficient. SMC then hardly improves the
+  /// result.
   [[nodiscard]] bool settled() const;
 };
 
@@ -75,29 +86,32 @@ struct ModelExploration {
 /// path of temperatures. One normal mixture is fitted to the results of both. Adaptive multiple
 /// importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics 39:798, with Owen & Zhou's
 /// balance heuristic) gives its draws the correct weights. A mode that only one method found is
-/// thus included, and a mode that both found is counted once.
+/// thus included. A mode that both methods found is counted once.
 ///
-/// The climbs are run first, because they need the fewest likelihood calls. If they determine the
-/// posterior (settled), a brief SMC run tests whether they missed probability mass. There are two
-/// signs of this: the evidence by SMC exceeds that of the mixture significantly, as in the
-/// convergence diagnosis; or SMC draws lie far from every known mode, and a climb from them leads
-/// to another mode. On a record, SMC may fail on the first samples; it then ends after a fixed
-/// number of calls and is replaced by climbs from its current draws. A full SMC run follows only if
-/// the brief run shows missed probability mass, or if the climbs did not determine the posterior.
+/// The local optimisations run first, because they need the fewest likelihood calls. If they
+/// determine the posterior (settled), a brief SMC run tests whether they missed probability mass.
+/// Missed mass has two signs. First, the evidence by SMC exceeds the evidence by the mixture
+/// significantly, as in the convergence diagnosis. Second, SMC draws lie far from every known mode,
+/// and a local optimisation from these draws leads to another mode. On a record, SMC may fail on
+/// the first samples. SMC then ends after a fixed number of likelihood calls, and local
+/// optimisations from its current draws replace it. A full SMC run follows only if the brief run
+/// shows missed probability mass, or if the local optimisations did not determine the posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
-/// The first part: climbs, and importance sampling about their modes.
+/// The first part of explore_model: local optimisations, and importance sampling about the modes
+/// found.
 [[nodiscard]] ModelExploration survey_model(const Problem& problem, int model,
                                             const ExplorationOptions& options);
-/// The second part, for a model after survey_model: SMC, brief only or as long as needed
-/// (`how`).
+/// The second part of explore_model, after survey_model: SMC. `how` selects a brief SMC run or a
+/// run as long as needed.
 enum class Annealing { as_needed, brief };
 void anneal_model(const Problem& problem, int model, const ExplorationOptions& options,
                   Annealing how, ModelExploration& found);
 
-/// Index of the mode whose normal gives z the highest density relative to its peak: the nearest in
-/// units of its standard deviations. -1 if there is none.
+/// Index of the mode whose normal approximation has the highest density at z relative to its peak.
+/// This is the nearest mode, with distances in standard deviations of the mode. -1 if `modes` is
+/// empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,
                                std::span<const double> z);

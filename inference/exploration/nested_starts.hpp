@@ -1,4 +1,5 @@
-// Starting points for climbs in a model from the modes of models nested in it.
+// Starting points of local optimisations in a model, computed from the modes of models nested in
+// the model.
 #pragma once
 
 #include <vector>
@@ -14,17 +15,18 @@ namespace wheeltap::inference {
 /// True if `outer` has all parameters of `inner`.
 [[nodiscard]] bool is_within(const Model& inner, const Model& outer);
 
-/// True if one model of the list is nested in every other, as the empty subset is in all subsets of
-/// some terms.
+/// True if one model of the list is nested in every other model. For example, the empty subset of
+/// terms is nested in all subsets.
 [[nodiscard]] bool is_nested(const ModelSpace& space);
 
-/// Starting points for climbs in `model`, from the best modes of the explored models nested in it.
-/// Returns at most `most`: those of the highest evidence among the models that lack the fewest of
-/// its parameters. A missing parameter starts at its prior's median, and again at its quantile of 7
-/// % (z = -1.5). The median means no effect for a coefficient of either sign; the quantile means a
-/// small effect for a positive one. The search thus finds a law that has one more term than the law
-/// already found; climbs from draws of the prior would rarely find it. Empty if no explored model
-/// is nested in it.
+/// Starting points of local optimisations in `model`, from the best modes of the explored models
+/// nested in `model`. Among the models that lack the fewest parameters of `model`, those with the
+/// highest evidence are used. The function returns at most `most` points. A missing parameter
+/// starts at the median of its prior, and again at the 7 % quantile of its prior (z = -1.5). For a
+/// coefficient of either sign, the median means no effect; for a positive coefficient, the quantile
+/// means a small effect. The search thus finds a force law that has one more term than a force law
+/// already found. Local optimisations from draws of the prior would rarely find this force law. The
+/// result is empty if no explored model is nested in `model`.
 [[nodiscard]] std::vector<std::vector<double>> nested_starts(
     const ModelSpace& space, int model, const std::vector<ModelExploration>& explorations,
     std::size_t most);

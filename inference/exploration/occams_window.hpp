@@ -8,13 +8,13 @@
 
 namespace wheeltap::inference {
 
-/// The models of a nested list ordered by inclusion. A model is one step within another if its
-/// parameters are a subset of the other's and no third model lies between the two.
+/// The models of a nested list ordered by inclusion. Model a is one step within model b if the
+/// parameters of a are a subset of the parameters of b and no third model lies between a and b.
 class ModelLattice {
  public:
   explicit ModelLattice(const ModelSpace& space);
 
-  /// The models one step within m, and the models that m is one step within.
+  /// The models one step within m (`within`), and the models within which m is one step.
   [[nodiscard]] const std::vector<int>& within(int m) const { return at(m).within; }
   [[nodiscard]] const std::vector<int>& around(int m) const { return at(m).around; }
   /// Smallest number of steps from a model within which there is no other model.
@@ -33,12 +33,13 @@ class ModelLattice {
 /// the 2^n subsets of n terms lack a necessary term or contain a superfluous term. The search
 /// therefore explores
 ///
-/// - all models up to two steps from the smallest, since some terms matter only in pairs;
-/// - the models one step above or below each model whose probability is within e^-12 (6e-6) of the
-///   most probable one's (Madigan & Raftery 1994, JASA 89:1535, section 3, in both directions);
-/// - finally the largest model, whose maximum of the likelihood is at least that of all others;
-/// - the models one step within each explored model whose maximum exceeds that of the most probable
-///   model by 10 nats.
+/// - all models up to two steps from the smallest model, because some terms matter only in pairs;
+/// - the models one step above or below each model whose probability is at least e^-12 (6e-6) of
+///   the largest probability (Madigan & Raftery 1994, JASA 89:1535, section 3, in both directions);
+/// - finally the largest model, whose maximum likelihood is at least the maximum likelihood of all
+///   other models;
+/// - the models one step within each explored model whose maximum log likelihood exceeds that of
+///   the most probable model by 10 nats.
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,
                                               const std::vector<ModelExploration>& explorations);
 

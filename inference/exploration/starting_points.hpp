@@ -1,5 +1,5 @@
-// Starting points on long records. Their posteriors are thousands of times narrower than the
-// priors, so that exploration from the prior is too expensive.
+// Starting points for long records. The posterior of a long record is thousands of times narrower
+// than the prior, so that exploration from the prior is too expensive.
 #pragma once
 
 #include <vector>
@@ -11,9 +11,9 @@
 namespace wheeltap::inference {
 
 /// Samples each model's posterior given the first few thousand samples of the record. Newton steps
-/// then follow the best sample as the record grows to its full length. Returns one mode per model
-/// with its likelihood calls; the evidence is NaN if no mode was found. Requires
-/// `problem.shortened`.
+/// then follow the mode from the best sample as the record grows to its full length. The function
+/// returns one mode per model with the number of likelihood calls. The evidence is NaN if no mode
+/// was found. Requires `problem.shortened`.
 [[nodiscard]] std::vector<Laplace> climb_with_record(const Problem& problem, const Options& options,
                                                      ProgressMonitor& monitor);
 

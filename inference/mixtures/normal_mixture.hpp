@@ -15,11 +15,11 @@ namespace wheeltap::inference {
 ///
 ///   t_ν(z; μ, L) = Γ((ν+d)/2) / (Γ(ν/2) (νπ)^{d/2} |L|) · (1 + |L⁻¹(z-μ)|²/ν)^{-(ν+d)/2}.
 ///
-/// Immutable, so that threads may share one.
+/// A mixture is immutable, so that threads may share one object.
 class NormalMixture {
  public:
   struct Component {
-    double weight;           ///< > 0; normalised over the mixture
+    double weight;           ///< weight > 0; normalised over the mixture
     Eigen::VectorXd mean;    ///< d
     Eigen::MatrixXd factor;  ///< lower Cholesky factor L of the covariance (scale matrix), d × d
   };
@@ -32,14 +32,15 @@ class NormalMixture {
     /// components) or -ln likelihood + parameters (AIC: closer fit).
     Criterion criterion = Criterion::bic;
     /// Weight of an added component N(0, defensive_sd² I), which covers tails without samples
-    /// (Hesterberg 1995). With sd 1 it equals the prior in standard normal coordinates; no
-    /// importance weight then exceeds max likelihood / (weight · evidence).
+    /// (Hesterberg 1995). With sd 1, this component equals the prior in standard normal
+    /// coordinates. No importance weight then exceeds max likelihood / (weight · evidence).
     double defensive_weight = 0.02;
     double defensive_sd = 1.0;
-    /// ν of the components' tails; ∞: normal. The fit itself assumes normals.
+    /// Degrees of freedom ν of the components; ∞: normal components. The fit itself assumes normal
+    /// components.
     double degrees_of_freedom = std::numeric_limits<double>::infinity();
-    int max_iterations = 200;  ///< limit of the final EM iterations
-    double tolerance = 1e-7;   ///< their tolerance, in the mean log density per sample
+    int max_iterations = 200;  ///< largest number of final EM iterations
+    double tolerance = 1e-7;   ///< tolerance of the EM iterations, in mean log density per sample
   };
 
   /// Throws std::invalid_argument if there are no components, dimensions differ, a weight or an
@@ -55,16 +56,16 @@ class NormalMixture {
   /// N(0, sd² I) in d dimensions.
   [[nodiscard]] static NormalMixture standard(int dimension, double sd = 1.0);
 
-  /// Fits by expectation-maximisation from k-means++ centres (Arthur & Vassilvitskii 2007). It
-  /// starts with the largest number of components and repeatedly merges the pair with the smallest
-  /// loss (Runnalls 2007, IEEE Trans. AES 43:989). The criterion selects among all sizes on the
-  /// way, as in Figueiredo & Jain 2002 and AutoMix. Repeated samples (rejections of a chain) keep
-  /// their weight, but count only once for the minimum number of samples per component. No
-  /// component can therefore collapse onto a repeated sample.
+  /// Fits by expectation-maximisation from k-means++ centres (Arthur & Vassilvitskii 2007). The fit
+  /// starts with the largest number of components and repeatedly merges the pair of components with
+  /// the smallest loss (Runnalls 2007, IEEE Trans. AES 43:989). The criterion selects among all
+  /// sizes on the way, as in Figueiredo & Jain 2002 and AutoMix. Repeated samples (rejections of a
+  /// chain) keep their weight, but count only once for the minimum number of samples per component.
+  /// No component can therefore collapse onto a repeated sample.
   ///
-  /// `samples` is n × d. Throws std::invalid_argument for no sample, a sample that is not finite,
-  /// or options out of range. Returns one broad component if there are too few samples for a
-  /// covariance.
+  /// `samples` is n × d. Throws std::invalid_argument for an empty `samples`, a sample that is not
+  /// finite, or options out of range. The result has one broad component if the samples are too few
+  /// for a covariance.
   [[nodiscard]] static NormalMixture fit(const Eigen::MatrixXd& samples, const FitOptions& options,
                                          base::Random& random);
   // A separate overload, because GCC rejects {} as the default argument of a nested aggregate.
@@ -77,17 +78,20 @@ class NormalMixture {
   }
   [[nodiscard]] double degrees_of_freedom() const { return nu_; }
 
-  /// ln q(z); -∞ if z is not finite or so remote that q underflows even on the log scale.
+  /// Log density ln q(z). The result is -∞ if z is not finite, or so far from all components that q
+  /// underflows even on the log scale.
   [[nodiscard]] double log_density(std::span<const double> z) const;
-  /// Writes ln w_k + ln of component k's density at z, for every k, to `out` with size() entries.
+  /// Writes ln w_k + ln p_k(z) to out[k] for every component k with weight w_k and density p_k.
+  /// `out` has size() entries.
   void component_log_densities(std::span<const double> z, std::span<double> out) const;
 
   void sample(base::Random& random, std::span<double> out) const;
   /// Draws a component index with the mixture's weights.
   [[nodiscard]] int sample_component(base::Random& random) const;
 
-  /// u = L_k⁻¹ (z - μ_k), and its inverse; the Jacobian |dz/du| is e^{log_determinant(k)}. Applied
-  /// to components of two models, they form the affine transport of Green 2003.
+  /// Computes u = L_k⁻¹ (z - μ_k); the next function computes z from u. The Jacobian |dz/du| is
+  /// e^{log_determinant(k)}. Applied to components of two models, the two functions form the affine
+  /// transport of Green 2003.
   void standardise(int k, std::span<const double> z, std::span<double> u) const;
   void unstandardise(int k, std::span<const double> u, std::span<double> z) const;
   [[nodiscard]] double log_determinant(int k) const;
@@ -99,7 +103,7 @@ class NormalMixture {
   double nu_ = std::numeric_limits<double>::infinity();
   std::vector<Component> components_;
   std::vector<double> cumulative_;
-  std::vector<double> packed_;  ///< see packed_mixture.hpp
+  std::vector<double> packed_;  ///< components packed for vector instructions (packed_mixture.hpp)
 };
 
 }  // namespace wheeltap::inference

@@ -11,15 +11,16 @@
 
 namespace wheeltap::inference::packed {
 
-/// Packs components; ν = ∞: normal, otherwise c is that of Student's t.
+/// Packs components for vector instructions. For ν = ∞, the constants c belong to normal
+/// components, otherwise to components with Student's t distribution.
 [[nodiscard]] std::vector<double> pack(const std::vector<NormalMixture::Component>& components,
                                        double nu);
 
 [[nodiscard]] const Routines& routines();
-/// The routines that this processor can run, the narrowest vectors first.
+/// The routines that this processor can run, sorted by vector width, the narrowest first.
 [[nodiscard]] std::vector<const Routines*> runnable_routines(base::Instructions instructions);
 
-/// ln |L|
+/// ln |L|, the log determinant of a triangular factor.
 [[nodiscard]] double log_sum_diagonal(const Eigen::MatrixXd& factor);
 
 }  // namespace wheeltap::inference::packed

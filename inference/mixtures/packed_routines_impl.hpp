@@ -1,9 +1,10 @@
 // The routines of packed_routines.hpp for registers of WHEELTAP_PACKED_WIDTH doubles. Each file
-// that includes this is compiled for one instruction set. No operation depends on the width and
-// none is contracted to a fused multiply-add. The results are therefore equal bit for bit, and a
-// chain does not depend on the processor.
+// that includes this is compiled for one instruction set. No operation depends on the register
+// width, and no operation is contracted to a fused multiply-add. The results are therefore equal
+// bit for bit, and a chain does not depend on the processor.
 
-// <cmath> has templates, whose instances could be shared between instruction sets.
+// <cmath> is not included, because instances of its templates could be shared between instruction
+// sets.
 #include <math.h>
 
 #include <cstring>
@@ -17,8 +18,8 @@ constexpr std::size_t kWidth = WHEELTAP_PACKED_WIDTH;
 constexpr std::size_t kParts = kLanes / kWidth;
 constexpr double kNever = -__builtin_inf();
 
-// As wide as the processor's registers. GCC splits wider vectors into parts that depend on each
-// other through memory, which took half of the run time.
+// A vector as wide as the processor's registers. GCC splits wider vectors into parts that depend on
+// each other through memory. These memory accesses took half of the run time.
 using Part [[gnu::vector_size(kWidth * sizeof(double))]] = double;
 using PartBits [[gnu::vector_size(kWidth * sizeof(double))]] = long long;
 
@@ -95,10 +96,11 @@ inline Lanes quadratic_form(const double* group, const double* z, std::size_t d)
   return result;
 }
 
-// e^x for x <= 0, to 1e-15 relative; 0 below -700. x = n ln 2 + r with |r| <= ½ ln 2, and the
-// Taylor series in r, whose first neglected term is 2e-16.
+// e^x for x <= 0 with a relative error of 1e-15; 0 for x below -700. x = n ln 2 + r with |r| <= ½
+// ln 2, and the Taylor series in r, whose first neglected term is 2e-16.
 inline Part exponential(Part x) {
-  // Adding kMagic rounds to an integer and stores it in the low bits.
+  // Adding kMagic to a number rounds the number to an integer and stores the integer in the low
+  // bits of the sum.
   constexpr double kMagic = 0x1.8p52;
   constexpr double kInverseFactorials[] = {
       1.0 / 39916800.0, 1.0 / 3628800.0, 1.0 / 362880.0, 1.0 / 40320.0, 1.0 / 5040.0, 1.0 / 720.0,
@@ -119,7 +121,7 @@ inline Part exponential(Part x) {
   return tiny ? Part{} : sum;
 }
 
-// Computes values_k = c_k - ½ |A_k z - b_k|² and returns the largest.
+// Computes values_k = c_k - ½ |A_k z - b_k|² for all components k and returns the largest value.
 inline double log_components(const double* packed, std::size_t groups, std::size_t stride,
                              const double* z, std::size_t d, double* values) {
   Lanes top = all(kNever);
@@ -161,7 +163,7 @@ void quadratic_forms(const double* packed, std::size_t groups, std::size_t strid
 
 double em_pass(const double* packed, const double* means, std::size_t groups, std::size_t stride,
                const Samples& s, double* moments) {
-  constexpr double kNegligible = 1e-12;  // responsibility
+  constexpr double kNegligible = 1e-12;  // responsibility below which a component is ignored
   double values[kMaxComponents];
   const std::size_t moment_stride = stride + kLanes;
   double log_likelihood = 0.0;

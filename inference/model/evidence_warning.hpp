@@ -1,4 +1,4 @@
-// Warnings about an evidence estimate, as data. The caller writes the text for its reader.
+// Warnings about an evidence estimate, as data. The caller turns a warning into a message.
 #pragma once
 
 #include <concepts>
@@ -10,16 +10,18 @@ namespace wheeltap::inference {
 
 struct EvidenceWarning {
   enum class Kind {
-    failed,               ///< no evidence; `error` gives the reason
-    stalled,              ///< TMCMC stopped before β = 1; `value`: its exponent
-    replicates_scatter,   ///< the replicates of TMCMC differ, by `value` nats
-    samples_hardly_move,  ///< of TMCMC, in some stage
+    failed,               ///< the evidence could not be computed; `error` gives the reason
+    stalled,              ///< TMCMC stopped before β = 1; `value`: the exponent β that it reached
+    replicates_scatter,   ///< the ln Z of the replicates of TMCMC scatter by `value` nats
+    samples_hardly_move,  ///< the moves of TMCMC hardly change the samples in some stage
     bridge_unsettled,     ///< the proposal and the posterior hardly overlap
     few_bridge_draws,     ///< `value`: effective posterior draws in bridge sampling
     chains_disagree,      ///< `value`: R-hat
-    heavy_tail,           ///< of importance weights; `value`: their Pareto shape
+    heavy_tail,           ///< importance weights have a heavy tail; `value`: their Pareto shape
     few_effective_draws,  ///< `value`: effective draws of importance sampling
-    not_normal,  ///< about the mode; `value`: ln Z by importance sampling there minus Laplace's
+    /// The posterior about the mode is not normal. `value` is ln Z by importance sampling at the
+    /// mode minus ln Z by Laplace's method.
+    not_normal,
     no_maximum,  ///< minus the Hessian at the mode is not positive definite
   };
   Kind kind;
@@ -36,7 +38,7 @@ void carry(Parcel& parcel, Warning& warning) {
   parcel(warning.kind, warning.value, warning.error);
 }
 
-/// A short phrase without the model's name.
+/// A short phrase that describes the warning, without the name of the model.
 [[nodiscard]] std::string describe(const EvidenceWarning& warning);
 
 }  // namespace wheeltap::inference

@@ -5,17 +5,18 @@
 
 namespace wheeltap::inference {
 
-/// Run time of a likelihood as processor time of one thread [s], which other processes hardly
-/// affect.
+/// Run time of a likelihood call as processor time of one thread [s]. Other processes hardly affect
+/// this time.
 struct LikelihoodTime {
-  double mean = 0.0;    ///< over draws of the prior, as at the start of climbs
-  double middle = 0.0;  ///< the median, which a few expensive evaluations do not affect
-  long calls = 0;       ///< measured
+  double mean = 0.0;    ///< mean over draws of the prior, where local optimisations start
+  double middle = 0.0;  ///< median, which a few expensive evaluations do not change
+  long calls = 0;       ///< number of measured calls
 };
 
 /// Evaluates the likelihood at draws of the prior of all models with parameters in turn, for about
-/// `seconds`. Every model is evaluated at least once, unless that takes more than ten times as
-/// long. Impossible draws, whose evaluation may be fast, are excluded if possible draws exist.
+/// `seconds`. The likelihood of every model is evaluated at least once, unless this takes more than
+/// ten times `seconds`. Impossible draws, whose evaluation may be fast, are excluded if possible
+/// draws exist.
 [[nodiscard]] LikelihoodTime probe(const Problem& problem, double seconds);
 
 }  // namespace wheeltap::inference

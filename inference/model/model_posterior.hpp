@@ -16,8 +16,8 @@ namespace wheeltap::inference {
 ///   ln Z = ln ∫ p(data | model, x) p(x | model) dx.
 struct Evidence {
   double log_evidence = 0.0;
-  /// Standard error of ln Z. 0 if exact; NaN if the method does not give one (Laplace) or failed.
-  /// On failure ln Z is NaN, too, and a warning gives the reason.
+  /// Standard error of ln Z. The error is 0 if ln Z is exact, and NaN if the method failed or gives
+  /// no error (Laplace). If the method failed, ln Z is also NaN, and a warning gives the reason.
   double standard_error = 0.0;
   long likelihood_evaluations = 0;
   std::vector<EvidenceWarning> warnings{};
@@ -48,13 +48,14 @@ class ModelPosterior {
   /// Throws std::invalid_argument for a model outside the space. `problem` must outlive this.
   ModelPosterior(const Problem& problem, int model);
 
-  /// All values are -∞ if z is not in order or not finite. Throws LikelihoodError as Target does.
+  /// Evaluates the log posterior at z. All values are -∞ if z is not finite or its components are
+  /// not in order. Throws LikelihoodError under the conditions of Target.
   Value operator()(std::span<const double> z);
-  /// Evaluates z if only values with log_base + beta · log_gain >= `level` are needed; smaller
-  /// values may be returned as -∞.
+  /// Evaluates the log posterior at z if only values with log_base + beta · log_gain >= `level` are
+  /// needed. Smaller values may be returned as -∞.
   Value above(double level, double beta, std::span<const double> z);
-  /// Evaluates several z, stored one after the other. Values of log_posterior() below `level` may
-  /// be returned as -∞.
+  /// Evaluates the log posterior at several z, stored one after the other. Values of
+  /// log_posterior() below `level` may be returned as -∞.
   void evaluate(std::span<const double> zs, std::span<Value> out,
                 double level = -std::numeric_limits<double>::infinity());
   /// The physical parameters of the last z with ordered components that was evaluated singly.
@@ -62,8 +63,8 @@ class ModelPosterior {
 
   /// Sorts the exchangeable components of z.
   void order(std::span<double> z);
-  /// ∂ ln π/∂z at z, whose components may be in any order; false if it is not available
-  /// (Target::gradient). Evaluates z.
+  /// ∂ ln π/∂z at z, whose components may be in any order; false if the gradient is not available
+  /// (Target::gradient). The function also evaluates the log posterior at z.
   bool gradient(std::span<const double> z, std::span<double> out);
 
   /// Target::gauss_newton at z.
@@ -84,9 +85,9 @@ class ModelPosterior {
  private:
   Target target_;
   State state_;
-  std::vector<State> states_;  ///< for the evaluation of several z
+  std::vector<State> states_;  ///< states for the evaluation of several z
   double constant_ = 0.0;
-  bool has_sets_ = false;  ///< some kind has more than one component
+  bool has_sets_ = false;  ///< true if the model has more than one component of some kind
 };
 
 }  // namespace wheeltap::inference

@@ -15,25 +15,27 @@ struct Parameter {
   Prior prior;
 };
 
-/// A kind of exchangeable component, e.g. a damage with a location and a reduction. A state holds a
+/// A kind of exchangeable component, e.g. a damage with a location and a reduction. A state
+/// contains a
 /// *set* of components, sorted by their first parameter. The prior density of an ordered set of k
 /// is
 ///
 ///   P(k) · k! · ∏ p(component),
 ///
-/// since k! labelled vectors are the same set. A birth inserts a component at its place in the
-/// order, and a death removes one of the k + 1 uniformly, so that its 1/(k+1) cancels (k+1)!/k!.
+/// because k! labelled vectors are the same set. A birth inserts a component at its position in the
+/// order. A death removes one of the k + 1 components, chosen uniformly; its probability 1/(k+1)
+/// cancels the ratio (k+1)!/k! of the prior densities.
 struct ComponentKind {
-  std::string name;                   ///< singular, as in "1 damage"
-  std::string plural;                 ///< as in "2 damages"
-  std::vector<Parameter> parameters;  ///< of one component
+  std::string name;                   ///< name in the singular, as in "1 damage"
+  std::string plural;                 ///< name in the plural, as in "2 damages"
+  std::vector<Parameter> parameters;  ///< parameters of one component
 };
 
 /// A competing model. The layout of its parameter vector is
 ///   [ its own parameters | components of kind 0 | components of kind 1 | … ].
 struct Model {
   std::string name;
-  double log_prior;             ///< normalised over the space
+  double log_prior;             ///< log prior probability, normalised over the space
   std::vector<int> parameters;  ///< indices into ModelSpace::parameters()
   std::vector<int> counts;      ///< number of components of each kind
   int dimension = 0;
@@ -65,21 +67,23 @@ class ModelSpace {
  public:
   struct ListedModel {
     std::string name;
-    double weight;                        ///< prior weight, >= 0, normalised by the space
-    std::vector<std::string> parameters;  ///< names; models with the same name share the parameter
+    double weight;  ///< prior weight, >= 0, normalised by the space
+    /// Parameter names; models that use the same name share the parameter
+    std::vector<std::string> parameters;
   };
   struct Counts {
     std::vector<int> counts;  ///< one per kind
     double weight;
   };
 
-  /// Any models over a shared table of parameters. Throws std::invalid_argument for a name that is
-  /// not in the table, a parameter that no model uses, duplicate names, or weights that are
-  /// negative or all zero.
+  /// Creates a space of any models over a shared table of parameters. Throws std::invalid_argument
+  /// for a name that is not in the table, a parameter that no model uses, duplicate names, or
+  /// weights that are negative or all zero.
   [[nodiscard]] static ModelSpace of_models(std::vector<Parameter> parameters,
                                             const std::vector<ListedModel>& models);
-  /// Models of component sets: one model per entry of `counts`, all with the `common` parameters.
-  /// Names have the form "2 damages" or "1 damage, 1 support".
+  /// Creates a space of models with component sets: one model per entry of `counts`, all with the
+  /// `common` parameters. The names of the models have the form "2 damages" or "1 damage, 1
+  /// support".
   [[nodiscard]] static ModelSpace of_components(std::vector<Parameter> common,
                                                 std::vector<ComponentKind> kinds,
                                                 const std::vector<Counts>& counts);
@@ -98,23 +102,25 @@ class ModelSpace {
     return kinds_[static_cast<std::size_t>(kind)].parameters.size();
   }
   /// Range of component c of `kind` in the parameter vector of model m. c may equal the number of
-  /// components, for the range of an additional one.
+  /// components; the result is then the range of an additional component.
   [[nodiscard]] ComponentRange component(int m, int kind, int c) const {
     const std::size_t each = width(kind);
     const int begin = (*this)[m].offsets[static_cast<std::size_t>(kind)];
     return {static_cast<std::size_t>(begin) + static_cast<std::size_t>(c) * each, each};
   }
 
-  /// Prior of parameter i of model m (own parameters first, then the components').
+  /// Prior of parameter i of model m. The model's own parameters come first, then the parameters of
+  /// the components.
   [[nodiscard]] const Prior& prior(int m, int i) const;
   /// Name of parameter i of model m: "k", "location[2]" …
   [[nodiscard]] std::string parameter_name(int m, int i) const;
-  /// Index of the model with this name. Throws std::invalid_argument, listing the names, if there
-  /// is none.
+  /// Index of the model with this name. Throws std::invalid_argument with a list of the names if no
+  /// model has this name.
   [[nodiscard]] int find(std::string_view name) const;
-  /// The model with these counts, or -1.
+  /// Index of the model with the given component counts, or -1 if there is no such model.
   [[nodiscard]] int find(std::span<const int> counts) const;
-  /// The model with one component of `kind` more (step = +1) or fewer (-1) than m, or -1.
+  /// Index of the model with one component of `kind` more (step = +1) or fewer (step = -1) than m,
+  /// or -1 if there is no such model.
   [[nodiscard]] int neighbour(int m, int kind, int step) const;
 
  private:

@@ -8,7 +8,7 @@
 
 namespace wheeltap::inference {
 
-/// P(min), …, P(max) for the mean m > 0; their sum is below 1.
+/// Returns the weights P(min), …, P(max) for the mean m > 0. The sum of the weights is below 1.
 [[nodiscard]] inline std::vector<double> poisson_weights(double mean, int min, int max) {
   std::vector<double> weights;
   for (int k = min; k <= max; ++k)

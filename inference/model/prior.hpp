@@ -26,11 +26,11 @@ struct LogNormal {
 struct HalfNormal {
   double sd;
 };
-/// Mean shape · scale.
+/// Gamma distribution with the mean shape · scale.
 struct Gamma {
   double shape, scale;
 };
-/// Scaled to [lower, upper].
+/// Beta distribution, scaled to [lower, upper].
 struct Beta {
   double a, b, lower = 0.0, upper = 1.0;
 };
@@ -38,14 +38,14 @@ struct Beta {
 struct TruncatedNormal {
   double mean, sd, lower, upper;
 };
-/// 1/x ~ Gamma(shape, 1/scale): p(x) ∝ x^(-shape-1) exp(-scale/x). Its mean is infinite for
-/// shape <= 1, its standard deviation for shape <= 2.
+/// 1/x ~ Gamma(shape, 1/scale): p(x) ∝ x^(-shape-1) exp(-scale/x). The mean is infinite for shape
+/// <= 1, the standard deviation for shape <= 2.
 struct InverseGamma {
   double shape, scale;
 };
-/// (x - location)/scale has Student's t distribution with `nu` degrees of freedom, not necessarily
-/// an integer. nu = 1 is Cauchy's. The mean does not exist for nu <= 1 (mean() returns the
-/// location); the standard deviation is infinite for nu <= 2.
+/// (x - location)/scale has Student's t distribution with `nu` degrees of freedom; `nu` need not be
+/// an integer. nu = 1 gives the Cauchy distribution. The mean does not exist for nu <= 1 (mean()
+/// returns the location); the standard deviation is infinite for nu <= 2.
 struct StudentT {
   double nu, location, scale;
 };
@@ -59,13 +59,14 @@ class Distribution {
 
   /// ln p(x), normalised, for lower() < x < upper().
   [[nodiscard]] virtual double log_density(double x) const = 0;
-  /// F(x) and 1 - F(x), each with a small *relative* error; computing one as 1 minus the other
-  /// would lose accuracy in the tails.
+  /// The two tail probabilities F(x) and 1 - F(x), each with a small *relative* error. Computing
+  /// one of them as 1 minus the other would lose accuracy in the tails.
   struct Tails {
     double below, above;
   };
   [[nodiscard]] virtual Tails tails(double x) const = 0;
-  /// x with F(x) = t.below. The default finds the root of `tails`, in about sixty calls.
+  /// The quantile x with F(x) = t.below. The default implementation finds x by about sixty calls of
+  /// `tails`.
   [[nodiscard]] virtual double quantile(Tails t) const;
   /// Bounds of the support, possibly ±∞.
   [[nodiscard]] virtual double lower() const = 0;
@@ -77,7 +78,8 @@ struct OwnPrior {
   std::shared_ptr<const Distribution> distribution;
 };
 
-/// One prior. All inference uses the *standard normal coordinate* z of each parameter,
+/// The prior of one parameter. All inference uses the *standard normal coordinate* z of each
+/// parameter,
 ///
 ///   z = Φ⁻¹(F(x)),   x = F⁻¹(Φ(z)),
 ///
@@ -90,8 +92,8 @@ class Prior {
   using Family = std::variant<Uniform, LogUniform, Normal, LogNormal, HalfNormal, Gamma, Beta,
                               TruncatedNormal, InverseGamma, StudentT, OwnPrior>;
 
-  /// Throws std::invalid_argument, naming family, value and bound, if the density is improper
-  /// (inverted or infinite bounds, scale <= 0, NaN), or the distribution is null.
+  /// Throws std::invalid_argument, with the family, the value and the bound, if the density is
+  /// improper (inverted or infinite bounds, scale <= 0, NaN), or the distribution is null.
   Prior(Family family);  // NOLINT(google-explicit-constructor): a family *is* a prior
   template <class F>
   requires(std::constructible_from<Family, F> && !std::same_as<F, Family> &&
@@ -112,7 +114,7 @@ class Prior {
   [[nodiscard]] double mean() const;
   [[nodiscard]] double sd() const;
   [[nodiscard]] const Family& family() const { return family_; }
-  /// Description as in a case file, e.g. "uniform [0, 100]".
+  /// Description of the prior in the form of a case file, e.g. "uniform [0, 100]".
   [[nodiscard]] std::string describe() const;
 
  private:

@@ -14,12 +14,12 @@ namespace wheeltap::inference {
 ///
 ///   w_i = v_i ∏_{j<i} (1 - v_j),   v_i ~ Beta(α_i, Σ_{j>i} α_j) independent,   i < n;
 ///
-/// the last share is the remainder. A model has the n - 1 sticks v_i as parameters; its likelihood
-/// calls shares().
+/// the last share is the remainder. A model has the n - 1 sticks v_i as parameters. The likelihood
+/// of the model calls shares() to compute the shares.
 class Simplex {
  public:
   /// Names the sticks "`name`[1]" to "`name`[n-1]". Throws std::invalid_argument if an α is not
-  /// positive and finite, or there are fewer than two.
+  /// positive and finite, or if there are fewer than two values of α.
   Simplex(std::string name, std::vector<double> alpha);
 
   /// Parameters for ModelSpace::of_models.
@@ -27,8 +27,8 @@ class Simplex {
   [[nodiscard]] std::vector<std::string> names() const;
   [[nodiscard]] int size() const { return static_cast<int>(sticks_.size()) + 1; }
 
-  /// The shares of `sticks`, n - 1 values between 0 and 1. Throws std::invalid_argument for another
-  /// number of values.
+  /// The shares of `sticks`, n - 1 values between 0 and 1. Throws std::invalid_argument if the
+  /// number of values differs from n - 1.
   [[nodiscard]] std::vector<double> shares(std::span<const double> sticks) const;
 
  private:

@@ -11,10 +11,10 @@ namespace wheeltap::inference {
 /// from expert elicitation or the histogram of an earlier study.
 class TabulatedPrior : public Distribution {
  public:
-  /// `x` increases strictly; `density` has any unit, since it is normalised. Density may be 0 only
-  /// at the ends, since an interior zero would split the prior. Throws std::invalid_argument,
-  /// naming the entry, if one of these conditions fails, the lengths differ, or there are fewer
-  /// than 2 points.
+  /// `x` increases strictly. `density` may have any unit, because the constructor normalises it.
+  /// The density may be 0 only at the ends, because an interior zero would split the prior. Throws
+  /// std::invalid_argument, naming the entry, if one of these conditions fails, the lengths differ,
+  /// or there are fewer than 2 points.
   TabulatedPrior(std::vector<double> x, std::vector<double> density);
 
   [[nodiscard]] double log_density(double x) const override;
@@ -22,17 +22,18 @@ class TabulatedPrior : public Distribution {
   [[nodiscard]] double quantile(Tails t) const override;
   [[nodiscard]] double lower() const override { return x_.front(); }
   [[nodiscard]] double upper() const override { return x_.back(); }
-  /// "table of 5 on [0, 3]".
+  /// Description of the prior, e.g. "table of 5 on [0, 3]".
   [[nodiscard]] std::string describe() const override;
 
  private:
-  /// Mass from the left end of cell i to a distance s from it, and from a distance s before its
-  /// right end to that end.
+  /// Probability mass of cell i from its left end to a distance s from this end. The next function
+  /// gives the mass within a distance s from the right end.
   [[nodiscard]] double from_left(std::size_t i, double s) const;
   [[nodiscard]] double from_right(std::size_t i, double s) const;
 
   std::vector<double> x_, p_;
-  std::vector<double> below_, above_;  ///< F and 1 - F at each x, each summed from its own end
+  /// F at each x, summed from the left end; 1 - F, summed from the right end
+  std::vector<double> below_, above_;
 };
 
 }  // namespace wheeltap::inference

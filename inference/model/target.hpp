@@ -22,11 +22,11 @@ struct Evaluation {
   /// the convergence diagnosis of the responses.
   std::vector<double> prediction = {};
   /// Standardised residuals (observed - predicted) / sd, or empty. If given, they must satisfy ln
-  /// p(data | ·) = c - ½ Σ residual² with a c that adding a component does not change. Births are
-  /// then proposed where they explain the residual.
+  /// p(data | ·) = c - ½ Σ residual² with a constant c that does not depend on the number of
+  /// components. Births are then proposed at locations where a new component reduces the residuals.
   std::vector<double> residuals = {};
-  /// The common factor of all sds if the noise is a parameter, so that residual · noise_scale does
-  /// not depend on the noise; 1 for known noise.
+  /// The common factor of all standard deviations if the noise is a parameter, and 1 for known
+  /// noise. The product residual · noise_scale then does not depend on the noise.
   double noise_scale = 1.0;
 
   /// Resets the values and keeps the memory.
@@ -38,13 +38,13 @@ struct Evaluation {
   }
 };
 
-/// The likelihood of a problem's data. One object serves one thread. It may keep scratch memory if
-/// results do not depend on earlier calls.
+/// The likelihood of a problem's data. One object serves one thread. The object may keep scratch
+/// memory if its results do not depend on earlier calls.
 class Likelihood {
  public:
   virtual ~Likelihood() = default;
 
-  /// ln p(data | model, x) with every normaliser; -∞ if x is impossible. NaN and +∞ are
+  /// ln p(data | model, x) with all normalising constants; -∞ if x is impossible. NaN and +∞ are
   /// floating-point faults, which count as -∞; if they are frequent, Target ends the run with an
   /// error that names the model and the parameters. x is laid out as in Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
@@ -86,9 +86,9 @@ class Likelihood {
 
   /// Optional: writes ∂ ln p(data | model, x)/∂x_i to out[i], in the units of 1/x_i, for any
   /// possible x, evaluated before or not. Returns false, with `out` undefined, if there is no
-  /// gradient. Searches and proposals use the gradient; acceptance ratios do not depend on it. If
-  /// the likelihood is a step function of x_i, its derivative is zero, and the function should
-  /// return the slope across the steps.
+  /// gradient. Searches and proposals use the gradient; acceptance ratios do not depend on the
+  /// gradient. If the likelihood is a step function of x_i, its derivative is zero, and the
+  /// function should return the slope across the steps.
   virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
     return false;
   }
@@ -101,7 +101,7 @@ class Likelihood {
   ///
   /// where I is a positive semidefinite approximation of -∇² ln p. Derivatives may be computed as
   /// differences from x_i to x_i + s_i. Returns false, with undefined output, if there is no such
-  /// approximation. Only searches use it. Counts as d + 1 evaluations.
+  /// approximation. Only searches use this approximation. One call counts as d + 1 evaluations.
   virtual bool gauss_newton(int /*model*/, std::span<const double> /*x*/,
                             std::span<const double> /*steps*/, std::span<double> /*gradient*/,
                             std::span<double> /*information*/) {
@@ -113,13 +113,14 @@ class Likelihood {
 using LikelihoodFactory = std::function<std::unique_ptr<Likelihood>()>;
 
 /// A factor of the prior that the independent priors of the space cannot express (for example that
-/// change points are order statistics). It must be normalised: ∫ exp(log_factor) ∏ p(x_i) dx = 1 in
-/// every model. Tempering does not apply to it. NaN and +∞ end the run at once, because a density
-/// cannot have these values.
+/// change points are order statistics). The factor must be normalised: ∫ exp(log_factor) ∏ p(x_i)
+/// dx = 1 in every model. Tempering does not change this factor. NaN and +∞ end the run at once,
+/// because a density cannot have these values.
 using LogPriorFactor = std::function<double(int model, std::span<const double> x)>;
 
-/// x → 2·center - x of one parameter of one kind's components, e.g. the mirror image of a location
-/// in a symmetric structure: a map under which the likelihood is (nearly) unchanged.
+/// The map x → 2·center - x of one parameter of the components of one kind, under which the
+/// likelihood is (nearly) unchanged. An example is the mirror image of a location in a symmetric
+/// structure.
 struct Reflection {
   int kind = 0;       ///< index into ModelSpace::kinds()
   int parameter = 0;  ///< index into ComponentKind::parameters
@@ -128,13 +129,14 @@ struct Reflection {
 
 class Move;
 
-/// A user-defined move, e.g. a Transformation for the structure of the problem. Created for each
-/// chain and temperature at the start of every round of the engine.
+/// A user-defined move, e.g. a Transformation for the structure of the problem. The engine creates
+/// the move for each chain and temperature at the start of every round.
 struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
-  /// Largest factor by which the engine may increase the share of this move in the steps, if it
-  /// changes models more often than the engine's own moves at equal run time.
+  /// Largest factor by which the engine may increase the share of this move in the steps. The share
+  /// increases if the move changes the model more often than the engine's own moves at equal run
+  /// time.
   double most = 1.0;
 };
 
@@ -144,15 +146,16 @@ struct Problem {
   LikelihoodFactory likelihood;
   LogPriorFactor log_prior_factor = nullptr;  ///< optional
   std::vector<Reflection> reflections{};      ///< optional: symmetries to propose
-  std::vector<NamedMove> moves{};             ///< optional: added to the engine's own
-  /// Optional: a cheap approximation of `likelihood`, finite wherever `likelihood` is finite. It
-  /// decides first about each proposal (delayed acceptance, Christen & Fox 2005); the posterior
-  /// remains that of `likelihood`.
+  /// Optional: moves in addition to the engine's own moves
+  std::vector<NamedMove> moves{};
+  /// Optional: a cheap approximation of `likelihood`, finite wherever `likelihood` is finite. Each
+  /// proposal is first accepted or rejected with the approximation (delayed acceptance, Christen &
+  /// Fox 2005). The sampled posterior remains the posterior of `likelihood`.
   LikelihoodFactory screen = nullptr;
-  /// Optional, for long records: the number of samples, and the same problem with only the first of
-  /// them. The engine then searches modes on records of increasing length, each search starting
-  /// from the mode of the shorter record, because the whole record can have too many local modes
-  /// for a search.
+  /// Optional, for long records: the number of samples, and the same problem with only the first
+  /// samples of the record. The engine then searches modes on records of increasing length, each
+  /// search starting from the mode of the shorter record, because the whole record can have too
+  /// many local modes for a search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
 };
@@ -164,7 +167,7 @@ struct State {
   std::vector<double> z;  ///< standard normal coordinates, laid out as in Model
   std::vector<double> x;  ///< the physical parameters of z
   double log_likelihood = -std::numeric_limits<double>::infinity();
-  /// Log likelihood by the approximation; equals log_likelihood if the problem has no
+  /// Log likelihood by the approximation. The value equals log_likelihood if the problem has no
   /// approximation.
   double log_screen = -std::numeric_limits<double>::infinity();
   double log_prior_factor = 0.0;
@@ -172,7 +175,7 @@ struct State {
   std::vector<double> residuals;
   double noise_scale = 1.0;
   bool screened = false;   ///< x, log_screen and residuals belong to z
-  bool evaluated = false;  ///< log_likelihood and prediction, too
+  bool evaluated = false;  ///< log_likelihood and prediction also belong to z
 };
 
 /// Thrown if a model's likelihood is never finite under its prior, or NaN or +∞ too often. Names
@@ -186,9 +189,9 @@ class LikelihoodError : public std::runtime_error {
 ///
 ///   ln π(m, z) = ln P(m) + Σ_kinds ln k! + Σ ln φ(z_i) + ln factor + ln p(data | m, x(z)).
 ///
-/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if these are more
-/// than 1 % of at least 1000 values of the likelihood or of its approximation, or all of the first
-/// 20 values.
+/// A likelihood of NaN or +∞ counts as -∞ and is recorded. Throws LikelihoodError if these values
+/// are more than 1 % of at least 1000 values of the likelihood or of its approximation, or all of
+/// the first 20 values.
 class Target {
  public:
   /// `prior_only` replaces the likelihood by 1. Throws std::invalid_argument if a factory of the
@@ -198,12 +201,12 @@ class Target {
   /// Counts of values of one likelihood.
   struct Tally {
     long values = 0;
-    long impossible = 0;  ///< NaN or +∞
+    long impossible = 0;  ///< number of values of NaN or +∞
   };
-  /// All state between two calls: a target of the same problem with this memory gives identical
-  /// results.
+  /// The complete state of a target between two calls. Another target of the same problem gives
+  /// identical results after it receives this state.
   struct Memory {
-    std::vector<double> bias;       ///< one per model, see set_model_bias
+    std::vector<double> bias;       ///< bias of each model (set_model_bias)
     std::vector<double> log_model;  ///< bias + ln P(m) + Σ ln k! - (d/2) ln 2π
     long evaluations = 0;
     long full_evaluations = 0;
@@ -211,7 +214,8 @@ class Target {
   };
   [[nodiscard]] const Memory& memory() const { return memory_; }
   void set_memory(Memory memory) { memory_ = std::move(memory); }
-  /// The counts alone, for another rank's target of the same problem (base/parcel.hpp).
+  /// Packs or unpacks the counts alone, for the target of the same problem on another rank
+  /// (base/parcel.hpp).
   template <class Parcel>
   void carry(Parcel& parcel) {
     parcel(memory_.evaluations, memory_.full_evaluations, memory_.proper.values,
@@ -219,7 +223,8 @@ class Target {
   }
 
   /// Computes all members of `state` that follow from model and z. An infinite z is impossible, so
-  /// its log likelihood is -∞. The residuals are those of the approximation if the problem has one.
+  /// its log likelihood is -∞. If the problem has an approximation, the residuals come from the
+  /// approximation.
   void evaluate(State& state);
 
   /// Evaluates several states of one model, without predictions and residuals. If `floors` are
@@ -250,14 +255,16 @@ class Target {
 
   /// ∂ ln π/∂z_i and a positive definite approximation of -∂² ln π/∂z_i ∂z_j (row by row) by
   /// Likelihood::gauss_newton with differences over dz, one step per coordinate. Returns false,
-  /// with undefined output, if z is impossible, the problem has components, an approximation or a
-  /// prior factor, or the likelihood offers none. Sets x but no value.
+  /// with undefined output, if z is impossible, if the problem has components, an approximation or
+  /// a prior factor, or if the likelihood has no such approximation. The function sets state.x but
+  /// no log densities.
   bool gauss_newton(State& state, std::span<const double> dz, std::span<double> gradient,
                     std::span<double> information);
 
-  /// Draws model and parameters from the prior (without the factor), not evaluated.
+  /// Draws model and parameters from the prior without the prior factor. The state is not
+  /// evaluated.
   void draw_prior(base::Random& random, State& state) const;
-  /// Draws the parameters of one model from the prior, not evaluated.
+  /// Draws the parameters of one model from the prior. The state is not evaluated.
   void draw_prior(int model, base::Random& random, State& state) const;
 
   /// Sorts the components of each kind by their first parameter. Returns true if they were sorted
@@ -271,11 +278,11 @@ class Target {
 
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] const ModelSpace& space() const { return problem_->space; }
-  /// Calls of the likelihood, or of its approximation if there is one.
+  /// Number of calls of the likelihood, or of the approximation if the problem has one.
   [[nodiscard]] long evaluations() const { return memory_.evaluations; }
-  /// Calls of the full likelihood if there is an approximation; otherwise 0.
+  /// Number of calls of the full likelihood if the problem has an approximation; otherwise 0.
   [[nodiscard]] long full_evaluations() const { return memory_.full_evaluations; }
-  /// Values of NaN or +∞ so far, of the likelihood and its approximation together.
+  /// Number of values of NaN or +∞ so far, of the likelihood and its approximation together.
   [[nodiscard]] long impossible() const {
     return memory_.proper.impossible + memory_.stand_in.impossible;
   }
@@ -291,7 +298,7 @@ class Target {
   std::unique_ptr<Likelihood> likelihood_;
   std::unique_ptr<Likelihood> screen_;
   Memory memory_;
-  Evaluation evaluation_;  // scratch
+  Evaluation evaluation_;  // scratch memory
   std::vector<double> batch_x_, batch_values_, batch_floors_;
 };
 

@@ -6,13 +6,13 @@
 namespace wheeltap::inference {
 
 /// Delayed rejection (Tierney & Mira 1999; Haario et al. 2006, DRAM, section 2.2) on all
-/// coordinates of a model. The first proposal is z₁ = z + S u with u ~ N(0, I). If it is rejected,
-/// the second is z₂ = z + γ S u₂, accepted with probability
+/// coordinates of a model. The first proposal is z₁ = z + S u with u ~ N(0, I). If z₁ is rejected,
+/// the second proposal is z₂ = z + γ S u₂, accepted with probability
 ///
 ///   min{1, π(z₂) q(z₂ → z₁) [1 - α(z₂, z₁)] / ( π(z) q(z → z₁) [1 - α(z, z₁)] )},
 ///
-/// where q is the proposal density of the first stage and α its acceptance probability. S is one
-/// factor per model, adapted as in RandomWalk.
+/// where q is the proposal density of the first stage and α its acceptance probability. S is a
+/// scale matrix, one per model, adapted as in RandomWalk.
 class DelayedRejection : public Kernel {
  public:
   explicit DelayedRejection(RandomWalk::Scales scales)

@@ -1,4 +1,4 @@
-// Moves to symmetric images of a state, for symmetric structures.
+// Moves to the images of a state under a symmetry, for symmetric structures.
 #pragma once
 
 #include <functional>
@@ -8,7 +8,8 @@
 namespace wheeltap::inference {
 
 /// A map of parameters under which the likelihood is (nearly) invariant. It acts on one parameter
-/// of each component of some kinds, x → image(x) with |d image/dx| = 1. NaN if x has no image.
+/// of each component of some kinds, x → image(x) with |d image/dx| = 1. image(x) is NaN if x has no
+/// image.
 struct Symmetry {
   struct Part {
     int kind = 0;       ///< index into ModelSpace::kinds()
@@ -18,9 +19,10 @@ struct Symmetry {
   std::vector<Part> parts;
 };
 
-/// Chooses one of the symmetries uniformly and applies it to every component concerned (`whole`:
-/// the image of the state), or to one component chosen uniformly. The list must contain the inverse
-/// of each symmetry, so that the reverse move has the same probability. With respect to dz then
+/// Chooses one symmetry uniformly. With `whole`, the symmetry is applied to every component
+/// concerned (the image of the state), otherwise to one component chosen uniformly. The list must
+/// contain the inverse of each symmetry, so that the reverse move has the same probability. With
+/// respect to dz then
 ///
 ///   ln ratio = Σ ln |dz'/dz| = Σ [ ln p(x') - ln φ(z') - ln p(x) + ln φ(z) ]
 ///

@@ -13,7 +13,8 @@ namespace wheeltap::inference {
 /// Fits to the pilot samples: for each model a normalised density q_m(z) near its posterior, and a
 /// rough probability ω_m > 0.
 struct PilotFit {
-  std::vector<std::unique_ptr<NormalMixture>> density;  ///< null for a model without parameters
+  /// Density of each model; null for a model without parameters
+  std::vector<std::unique_ptr<NormalMixture>> density;
   std::vector<double> weight;
 
   /// ln q_m(z); 0 for a model without parameters.
@@ -23,9 +24,9 @@ struct PilotFit {
   }
 };
 
-/// Draws m' ≠ m with probability ω_m' / (1 - ω_m), and adds this choice's part of the ratio, ln
-/// [ω_m / (1 - ω_m')] - ln [ω_m' / (1 - ω_m)], to `log_ratio`. Returns -1 if there is no other
-/// model.
+/// Draws a model m' ≠ m with probability ω_m' / (1 - ω_m). The contribution of this choice to the
+/// acceptance ratio, ln [ω_m / (1 - ω_m')] - ln [ω_m' / (1 - ω_m)], is added to `log_ratio`.
+/// Returns -1 if there is no other model.
 [[nodiscard]] int propose_model(const PilotFit& fit, int from, base::Random& random,
                                 double& log_ratio);
 
@@ -34,7 +35,8 @@ struct PilotFit {
 ///
 ///   ln ratio = ln [ω_m / (1 - ω_m')] + ln q_m(z) - ln [ω_m' / (1 - ω_m)] - ln q_m'(z').
 ///
-/// q_m' is a density over all vectors; a draw whose components are not in order is no proposal.
+/// q_m' is a density over all vectors. If the components of a draw are not in order, no proposal is
+/// made.
 class MixtureJump : public Move {
  public:
   MixtureJump(std::shared_ptr<const PilotFit> fit, bool between)

@@ -21,7 +21,7 @@ struct Step {
   bool adapting = false;
 };
 
-/// A Markov kernel over (model, z).
+/// A Markov kernel over the states (model, z).
 class Kernel {
  public:
   struct Outcome {
@@ -37,8 +37,9 @@ class Kernel {
   Kernel& operator=(const Kernel&) = delete;
 
   virtual Outcome step(State& state, const Step& step) = 0;
-  /// `save` appends the adaptation state to `numbers`; `restore` removes it from their front. A new
-  /// kernel with the restored state continues bit for bit.
+  /// `save` appends the adaptation state to `numbers`. `restore` reads the adaptation state from
+  /// the front of `numbers` and removes it. A new kernel with the restored state continues bit for
+  /// bit.
   virtual void save(std::vector<double>& /*numbers*/) const {}
   virtual void restore(std::span<const double>& /*numbers*/) {}
   [[nodiscard]] const std::string& name() const { return name_; }
@@ -50,13 +51,14 @@ class Kernel {
 };
 
 /// Number of multiplications that count as one likelihood call: some microseconds, the time of a
-/// cheap likelihood. Work is counted instead of timed, so that draws are the same on every machine.
+/// cheap likelihood. Work is counted instead of measured in seconds, so that draws are the same on
+/// every machine.
 inline constexpr double kOperationsACall = 1e4;
 
 /// Statistics of a kernel while its efficiency is estimated.
 struct KernelRecord {
   long proposed = 0, accepted = 0;
-  long jumps_proposed = 0, jumps_accepted = 0;  ///< between models
+  long jumps_proposed = 0, jumps_accepted = 0;  ///< numbers of jumps between models
 
   void add(const Kernel::Outcome& outcome, bool jump) {
     if (!outcome.proposed) return;
@@ -88,7 +90,7 @@ class Move {
   /// reverse density depends on the likelihood's residuals must screen `to` itself.
   virtual std::optional<double> propose(const State& from, const Step& step, State& to) = 0;
 
-  /// Called after each of its proposals during warm-up.
+  /// Adapts the move; called after each proposal of this move during warm-up.
   virtual void adapt(double /*acceptance_probability*/, const State& /*reached*/) {}
   /// Saves the state of `adapt`; see Kernel::save.
   virtual void save(std::vector<double>& /*numbers*/) const {}
@@ -121,24 +123,25 @@ class MetropolisHastings : public Kernel {
   State proposal_;
 };
 
-/// ln of the ratio of tempered target densities, `to` over `from`; -∞ if `to` is impossible, +∞ if
-/// only `from` is.
+/// ln of the ratio of the tempered target density at `to` to that at `from`. The result is -∞ if
+/// `to` is impossible, and +∞ if only `from` is impossible.
 [[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 /// ln of the ratio of tempered target densities with the approximate log likelihood.
 [[nodiscard]] double log_screen_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 
-/// A fixed mixture of kernels: each step picks one with probability proportional to its weight,
-/// independent of the state. A kernel that does not apply leaves the state unchanged.
+/// A fixed mixture of kernels. Each step selects one kernel with a probability proportional to the
+/// weight of the kernel and independent of the state. A kernel that does not apply leaves the state
+/// unchanged.
 class KernelMixture {
  public:
   /// Adds a kernel. `most` is the largest factor by which its weight may increase
   /// (kernel_efficiencies).
   void add(double weight, std::unique_ptr<Kernel> kernel, double most = 1.0);
-  /// Multiplies the weights by one factor > 0 per kernel.
+  /// Multiplies the weight of each kernel by its factor > 0.
   void reweigh(const std::vector<double>& factors);
-  /// Makes one step; returns the index of the kernel, -1 if there is none.
+  /// Makes one step and returns the index of the selected kernel, or -1 if the mixture is empty.
   int step(State& state, const Step& step, Kernel::Outcome& outcome);
   /// Adaptation states of all kernels, one after the other.
   [[nodiscard]] std::vector<double> learnt() const;
@@ -156,11 +159,12 @@ class KernelMixture {
   std::vector<double> cumulative_, most_;
 };
 
-/// Efficiency of each kernel relative to the best other kernel of its type, from 0.1 to its `most`:
-/// accepted moves per unit of counted work, including one likelihood call per proposal. For kernels
-/// that propose jumps between models, only jumps count. Kernels without additional work whose
-/// `most` is 1 keep the weight 1, because some of them reach states that other kernels do not
-/// reach. Kernels with too few proposals also keep it.
+/// Efficiency of each kernel relative to the best other kernel of its type, limited to the range
+/// from 0.1 to `most`. The efficiency is the number of accepted moves per unit of counted work,
+/// which includes one likelihood call per proposal. For kernels that propose jumps between models,
+/// only jumps count. Kernels without additional work whose `most` is 1 have the efficiency 1,
+/// because some of them reach states that other kernels do not reach. Kernels with too few
+/// proposals also have the efficiency 1.
 [[nodiscard]] std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                                       const std::vector<KernelRecord>& records);
 

@@ -10,8 +10,9 @@
 namespace wheeltap::inference {
 
 /// z' = z + f S u with u ~ N(0, I) on a block of the coordinates, chosen uniformly: the model's own
-/// parameters, one of its components, or all of them. Symmetric, so the ratio is 1. The factor f is
-/// 1 in most steps and 0.1 or 4 in the others, independent of the state, for narrow and wide modes.
+/// parameters, one of its components, or all of them. The proposal is symmetric, so the ratio is 1.
+/// The factor f is 1 in most steps and 0.1 or 4 in the others, independent of the state, for narrow
+/// and wide modes.
 ///
 /// S (lower triangular, one per block and model) adapts in warm-up by robust adaptive Metropolis
 /// (Vihola 2012, algorithm RAM), towards an acceptance of 0.44 in one dimension and 0.234 in many:
@@ -30,7 +31,7 @@ class RandomWalk : public Move {
   /// One step of RAM after a proposal S u with this acceptance probability.
   static void learn(Block& block, const Eigen::VectorXd& u, double acceptance_probability);
 
-  /// Blocks of every model, with S = I; the last block of each holds all coordinates.
+  /// Blocks of every model, with S = I. The last block of each model contains all coordinates.
   [[nodiscard]] static Scales initial_scales(const ModelSpace& space);
 
   /// Saves S and its number of adaptation steps, block after block; see Kernel::save.

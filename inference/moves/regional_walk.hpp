@@ -17,8 +17,9 @@ namespace wheeltap::inference {
 ///   r_k(z) ∝ w_k / |L_k| · (1 + |L_k⁻¹ (z - μ_k)|²)^{-(d+1)/2}.
 ///
 /// The responsibilities have Cauchy tails, so that the nearest component is chosen outside the
-/// mixture. No single scale fits a thin curved ridge. These steps follow its curvature and continue
-/// beyond the mixture until the next fit covers that region.
+/// mixture. No single covariance fits a thin curved ridge. The steps of this walk follow the
+/// curvature of the ridge. They also lead into regions outside the mixture, which the next fit then
+/// covers.
 class RegionalWalk : public Move {
  public:
   explicit RegionalWalk(std::shared_ptr<const PilotFit> fit) : fit_(std::move(fit)) {}

@@ -1,5 +1,6 @@
 // Tests of user-defined priors and moves, to be called from the user's own test program. Such a
-// test finds a fault in seconds; in a run, the fault would give wrong results without any warning.
+// test detects a fault in seconds. In a run, the same fault would give wrong results without any
+// warning.
 #pragma once
 
 #include <cstdint>
@@ -15,8 +16,10 @@
 namespace wheeltap::inference {
 
 struct PriorCheck {
-  std::vector<std::string> faults;  ///< one per line, with the position; empty if there is none
-  /// ∫ p(x) dx over the middle 1 - 2e-9 of the distribution. Normalised if within 1e-6 of 1.
+  /// One fault per entry, with the position; empty if no fault was found
+  std::vector<std::string> faults;
+  /// ∫ p(x) dx over the middle 1 - 2e-9 of the distribution. The density is normalised if this
+  /// integral is within 1e-6 of 1.
   double mass = 0.0;
   [[nodiscard]] bool passed() const { return faults.empty(); }
 };
@@ -27,12 +30,12 @@ struct PriorCheck {
 ///   p(x(z)) dx/dz = φ(z)
 ///
 /// to 1e-5 by finite differences, where x resolves them and except at kinks of the density. If only
-/// the normalisation of the density is wrong, the result gives its mass.
+/// the normalisation of the density is wrong, the result gives the integral of the density.
 [[nodiscard]] PriorCheck check_prior(const Prior& prior);
 
 struct MoveCheckOptions {
   std::uint64_t seed = 1;
-  int draws = 20000;          ///< from the prior; three likelihood calls each
+  int draws = 20000;          ///< number of draws from the prior, with three likelihood calls each
   double false_alarm = 1e-6;  ///< probability that a correct move fails
 };
 
@@ -40,7 +43,7 @@ struct MoveCheck {
   double p_value = 1.0;  ///< probability that a correct move gives a statistic at least as large
   bool passed = true;
   long proposed = 0, accepted = 0;
-  long jumps_proposed = 0, jumps_accepted = 0;  ///< between models
+  long jumps_proposed = 0, jumps_accepted = 0;  ///< numbers of jumps between models
   double beta = 0.0;  ///< the largest power of the likelihood that the draws could represent
   std::string words;  ///< the result in one sentence
 };
@@ -52,12 +55,12 @@ struct MoveCheck {
 ///   E[w(x) α(x, y) (g(x) h(y) - h(x) g(y))] = 0
 ///
 /// holds for all g and h if and only if the step is reversible with respect to prior ×
-/// likelihood^β. It is tested for 64 pairs of bounded functions of model and z, some with h = 1
-/// (invariance), by normal tests with Bonferroni's correction (cf. Gandy & Scott 2020, section 2,
-/// who test invariance). Half of the tests use β = 0. The other half use the largest β of 1, ½, ¼,
-/// … at which the effective sample size is a twentieth of the draws. The test detects a wrong
-/// ratio, a wrong Jacobian, a missing number of choices in the ratio, and a reverse move that does
-/// not lead back. A move that is never accepted passes; `words` states this. The approximate
+/// likelihood^β. The equation is tested for 64 pairs of bounded functions of model and z, some with
+/// h = 1 (invariance), by normal tests with Bonferroni's correction (cf. Gandy & Scott 2020,
+/// section 2, who test invariance). Half of the tests use β = 0. The other half use the largest β
+/// of 1, ½, ¼, … at which the effective sample size is a twentieth of the draws. The test detects a
+/// wrong ratio, a wrong Jacobian, a ratio that omits the number of choices, and a reverse move that
+/// does not lead back. A move that is never accepted passes; `words` states this. The approximate
 /// likelihood of the problem is not used.
 ///
 /// Throws std::invalid_argument for fewer than 100 draws, or if the problem's prior factor or

@@ -5,15 +5,15 @@
 
 namespace wheeltap::inference {
 
-/// Neal (2003, Annals of Statistics 31:705, section 4 and figures 3 and 5). With y uniform below
-/// the target density at z, steps out from z along a direction of random length until both ends lie
-/// outside the slice { ln π > y }, then shrinks towards z until a point lies inside. The direction
-/// is independent of the state, so each step is a valid univariate update. It never rejects, at a
-/// cost of several likelihood calls.
+/// Neal (2003, Annals of Statistics 31:705, section 4 and figures 3 and 5). ln y is drawn with y
+/// uniform below the target density at z. An interval about z along a random direction is extended
+/// until both ends lie outside the slice { π > y }. The interval is then shortened towards z until
+/// a random point in it lies inside the slice. The direction is independent of the state, so each
+/// step is a valid univariate update. The update never rejects, but needs several likelihood calls.
 class Slice : public Kernel {
  public:
-  /// `width` [standard normal coordinates] is the typical first interval; the result depends little
-  /// on it.
+  /// `width` is the typical length of the first interval in standard normal coordinates. The result
+  /// depends little on `width`.
   explicit Slice(double width) : Kernel("slice"), width_(width) {}
   Outcome step(State& state, const Step& step) override;
 

@@ -13,13 +13,16 @@ namespace wheeltap::inference {
 /// lengths differ or there is no chain.
 using ChainsOf = std::vector<std::vector<double>>;
 
-/// Rank-normalised split R-hat: the larger of the bulk and the folded one (Vehtari et al. 2021,
-/// section 4.1). 1 for a constant equal in all chains, +∞ for chains constant at different values.
+/// Rank-normalised split R-hat: the larger of bulk R-hat and folded R-hat (Vehtari et al. 2021,
+/// section 4.1). The result is 1 if all draws are equal, and +∞ if each chain is constant but the
+/// chains differ.
 [[nodiscard]] double rhat(const ChainsOf& draws);
-/// Effective sample size of the rank-normalised split draws (ibid., sections 3.2 and 4.3), by
-/// Geyer's initial monotone sequence. At most N log10 N for antithetic chains; N for a constant.
+/// Effective sample size of the N rank-normalised split draws (Vehtari et al. 2021, sections 3.2
+/// and 4.3), by Geyer's initial monotone sequence. The result is at most N log10 N for antithetic
+/// chains, and N for a constant.
 [[nodiscard]] double ess_bulk(const ChainsOf& draws);
-/// The smaller of the effective sample sizes of the 5 % and 95 % quantiles (ibid., section 4.3).
+/// The smaller of the effective sample sizes of the 5 % and 95 % quantiles (Vehtari et al. 2021,
+/// section 4.3).
 [[nodiscard]] double ess_tail(const ChainsOf& draws);
 /// Effective sample size of the mean, from split chains without rank normalisation (valid for
 /// indicators).
@@ -29,7 +32,8 @@ using ChainsOf = std::vector<std::vector<double>>;
 /// Mean over the draws of all chains, whose lengths may differ; NaN without draws.
 [[nodiscard]] double mean(const ChainsOf& draws);
 
-/// All of the above in one pass over the data, with one sort.
+/// R-hat, effective sample sizes and errors of one quantity, computed in one pass over the data
+/// with one sort.
 struct Convergence {
   double rhat, ess_bulk, ess_tail, ess_mean, mcse_mean;
 };
@@ -38,15 +42,16 @@ struct Convergence {
 /// Posterior of the stationary distribution of the model indicator (Heck et al. 2019, Statistics
 /// and Computing 29:631). The rows of the transition matrix of the visited models get independent
 /// Dirichlet(ε, …, ε) priors, ε = 1 / (number of visited models), and each posterior draw of the
-/// matrix has a stationary vector. Assumes that the indicator is a Markov chain, which is nearly
-/// true.
+/// matrix has a stationary vector. The method assumes that the indicator is a Markov chain, which
+/// is nearly true.
 struct ModelProbabilities {
-  std::vector<double> mean;     ///< one per model; 0 for a model never visited
+  /// Posterior mean of each model probability; 0 for a model never visited
+  std::vector<double> mean;
   std::vector<double> sd;       ///< 0 for a model never visited
-  Eigen::MatrixXd transitions;  ///< counts, models × models
+  Eigen::MatrixXd transitions;  ///< number of transitions between models, models × models
   /// Size of the independent sample with the same uncertainty: the mass of the Dirichlet
-  /// distribution with the same mean and total variance, minus the prior's. Infinite if only one
-  /// model was visited.
+  /// distribution with the same mean and total variance, minus the mass of the prior. Infinite if
+  /// only one model was visited.
   double effective_draws = 0.0;
 };
 /// Throws std::invalid_argument for an index outside [0, models) or fewer than 1 posterior draw.

@@ -1,4 +1,5 @@
-// Errors of an estimate from grouped data, robust to a wrong model of the groups.
+// Standard errors of an estimate from grouped data that remain valid if the model of the groups is
+// wrong.
 #pragma once
 
 #include <cstdint>
@@ -9,15 +10,15 @@
 
 namespace wheeltap::inference {
 
-/// ln p(D_w | z) of one group about the estimate z*, to second order.
+/// Second-order approximation of ln p(D_w | z) of one group w about the estimate z*.
 struct GroupScore {
   Eigen::VectorXd score;        ///< g_w = ∇ ln p(D_w | z*)
   Eigen::MatrixXd information;  ///< H_w = -∇² ln p(D_w | z*)
 };
 
-/// Error of one component of z*.
+/// Standard error of one component of z*.
 struct GroupedError {
-  double sd = 0.0;                    ///< s
+  double sd = 0.0;                    ///< standard error s
   std::vector<double> studentized{};  ///< (z*_b - z*) / s_b of the resamples, ascending
   int groups = 0;
 
@@ -37,21 +38,23 @@ struct GroupedErrorOptions {
 ///
 ///   s² = (N-1)/N Σ_w δ_w²,   δ_w = -(A - H_w)⁻¹ g_w,
 ///
-/// and at least (A⁻¹)_ii. Unlike the sandwich A⁻¹ Σ g_w g_wᵀ A⁻¹ (Liang & Zeger 1986), it corrects
-/// for influential groups that pull z* towards themselves (Bell & McCaffrey 2002).
+/// and at least (A⁻¹)_ii. Unlike the sandwich A⁻¹ Σ g_w g_wᵀ A⁻¹ (Liang & Zeger 1986), this
+/// estimate corrects for influential groups, which shift z* towards their own estimates (Bell &
+/// McCaffrey 2002).
 ///
 /// If a few influential groups dominate, the distribution of scores is skewed, and z* and s are
-/// both too small if the record contains no such group by chance. The interval from Student's t is
-/// then too low and too short. Quantiles are therefore those of the bootstrap-t (Efron 1981; Hall
-/// 1988): N groups drawn with replacement, b, have
+/// both too small if the record contains no such group by chance. The confidence interval from
+/// Student's t is then too low and too short. Quantiles are therefore computed by the bootstrap-t
+/// (Efron 1981; Hall 1988): N groups drawn with replacement, b, have
 ///
 ///   z*_b - z* = (P + Σ_b H_w)⁻¹ (Σ_b g_w - Σ_w g_w),   and an s_b by the formula above;
 ///
 ///   P(z∞ - z* < s x) = P((z*_b - z*) / s_b > -x).
 ///
-/// The quantiles are at least as far from z* as those of Student's t with N - 1 degrees of freedom,
-/// because few groups rarely include the most influential ones. The result is empty if A is not
-/// positive definite. Throws std::invalid_argument for fewer than two groups or different sizes.
+/// The quantiles are at least as far from z* as the quantiles of Student's t with N - 1 degrees of
+/// freedom, because few groups rarely include the most influential ones. The result is empty if A
+/// is not positive definite. Throws std::invalid_argument for fewer than two groups or different
+/// sizes.
 [[nodiscard]] std::vector<GroupedError> grouped_errors(std::span<const GroupScore> groups,
                                                        const Eigen::MatrixXd& prior_information,
                                                        const GroupedErrorOptions& options = {});

@@ -8,7 +8,7 @@
 
 namespace wheeltap::inference {
 
-/// Likelihood of one group's value θ_j, without the prior:
+/// Likelihood of the quantity θ_j of one group, without the prior:
 ///
 ///   ln L_j(θ) = c - ½ ((θ - mean) / sd)²;   sd = ∞ for data without information.
 struct GroupEstimate {
@@ -26,9 +26,9 @@ class LineMixture {
   explicit LineMixture(std::vector<Component> components) : components_(std::move(components)) {}
 
   [[nodiscard]] double cdf(double x) const;
-  /// x with cdf(x) = p in (0, 1), by bisection to a relative 1e-12 of the mixture's width.
+  /// The quantile x with cdf(x) = p for p in (0, 1), by bisection to 1e-12 of the mixture's width.
   [[nodiscard]] double quantile(double p) const;
-  /// E f(x) of a smooth f, by quadrature of 29 points per component.
+  /// Expectation of f(x) for a smooth function f, by quadrature with 29 points per component.
   [[nodiscard]] double expectation(const std::function<double(double)>& f) const;
   [[nodiscard]] const std::vector<Component>& components() const { return components_; }
 
@@ -37,9 +37,9 @@ class LineMixture {
 };
 
 struct HierarchicalOptions {
-  double centre_mean = 0.0;  ///< prior of the centre: normal
+  double centre_mean = 0.0;  ///< mean of the normal prior of the centre
   double centre_sd = 1.0;
-  double largest_scatter = 1.0;  ///< T below
+  double largest_scatter = 1.0;  ///< upper limit T of the scatter τ, see HierarchicalPosterior
 };
 
 /// The posterior of
@@ -50,19 +50,20 @@ struct HierarchicalOptions {
 /// (normal hierarchical model of Gelman et al. 2013, Bayesian Data Analysis, section 5.4; Sedehi,
 /// Papadimitriou & Katafygiotis 2019 for windows of a record). The prior of τ is flat below the
 /// error λ of a group, because the data cannot resolve smaller scatter, and proportional to 1/τ
-/// above it. If groups scatter by more than their errors, the interval of the centre is therefore
-/// that of Student's t with n - 1 degrees of freedom, whose coverage is exact for any n. The prior
-/// depends on the errors, as the uniform shrinkage prior does (Daniels 1999), and not on the means.
+/// above λ. If the means of the groups scatter by more than their errors, the credible interval of
+/// the centre is therefore the interval of Student's t with n - 1 degrees of freedom. The coverage
+/// of this interval is exact for any n. The prior depends on the errors, as the uniform shrinkage
+/// prior (Daniels 1999), and not on the means.
 ///
 /// μ is integrated in closed form for every τ, and τ by the midpoint rule in ln(λ + τ), in which
-/// its prior is flat; the error is 1e-6 of the widths.
+/// its prior is flat; the integration error is 1e-6 of the widths of the distributions.
 struct HierarchicalPosterior {
-  LineMixture centre;  ///< μ: limit for infinitely many groups
-  LineMixture group;   ///< θ of a further group: N(μ, τ²)
-  /// Prediction of the estimate from the data of a further group with the error λ: N(μ, τ² + λ²).
+  LineMixture centre;  ///< posterior of the centre μ, the limit for infinitely many groups
+  LineMixture group;   ///< prediction of θ of a further group: N(μ, τ²)
+  /// Prediction of the estimate that a further group with the error λ would give: N(μ, τ² + λ²).
   LineMixture estimate;
-  std::vector<double> scatter, weight;  ///< τ and its probability, nodes of the quadrature
-  double own_error = 0.0;               ///< λ
+  std::vector<double> scatter, weight;  ///< quadrature nodes τ and their probabilities
+  double own_error = 0.0;               ///< error λ of a group
   int groups = 0;                       ///< number of groups with information
 };
 
@@ -71,8 +72,9 @@ struct HierarchicalPosterior {
 [[nodiscard]] HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> groups,
                                                            const HierarchicalOptions& options = {});
 
-/// Ratio of the groups' scatter to their errors, and the probability of such a scatter from errors
-/// alone: √(χ² / (n - 1)), χ² = Σ ((mean_j - m) / sd_j)² about the weighted mean m (Birge 1932).
+/// Ratio of the scatter of the groups' means to their errors, and the probability that errors alone
+/// cause this scatter: √(χ² / (n - 1)), χ² = Σ ((mean_j - m) / sd_j)² about the weighted mean m
+/// (Birge 1932).
 struct BirgeRatio {
   double ratio = 1.0;
   double p_value = 1.0;  ///< P(χ² with n - 1 degrees of freedom is larger)

@@ -6,7 +6,7 @@ namespace wheeltap::inference {
 /// ln √(2π).
 inline constexpr double kLogSqrt2Pi = 0.91893853320467274178;
 
-/// Φ(z), with full relative accuracy in the lower tail (it underflows to 0 below z = -38.5). For
+/// Φ(z), with full relative accuracy in the lower tail. Φ(z) underflows to 0 below z = -38.5. For
 /// the upper tail, use Φ(-z) = 1 - Φ(z).
 [[nodiscard]] double normal_cdf(double z);
 

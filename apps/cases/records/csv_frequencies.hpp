@@ -11,16 +11,16 @@ namespace wheeltap::apps {
 
 /// The cells of a CSV file that hold the frequencies.
 struct FrequencyCells {
-  /// Names (or 1-based numbers) of the columns of mode 1, 2, … of a file with one test per row.
-  /// Empty: the file has one mode per row, in a column "frequency" and optionally "sd" (units in
-  /// brackets are allowed), as `wheeltap simulate` writes it.
+  /// Names (or 1-based numbers) of the columns of mode 1, 2, … in a file with one test per row. If
+  /// the list is empty, the file has one mode per row, in a column "frequency" and optionally a
+  /// column "sd". Units in brackets are allowed. `wheeltap simulate` writes files of this form.
   std::vector<std::string> columns;
-  int row = 1;  ///< 1-based, below the header; used with `columns`
+  int row = 1;  ///< 1-based row of the test below the header; used with `columns`
 };
 
 struct FrequencyTable {
-  std::vector<double> frequencies_hz;  ///< NaN for an empty cell: not measured
-  std::vector<double> sd_hz;           ///< empty if the file has none
+  std::vector<double> frequencies_hz;  ///< measured frequencies; NaN for an empty cell
+  std::vector<double> sd_hz;           ///< standard deviations; empty if the file has none
 };
 
 /// Parses frequencies in delimited text (io/tables/delimited_text.hpp) with a header line. `name`
@@ -31,7 +31,8 @@ struct FrequencyTable {
                                                  const std::filesystem::path& name,
                                                  const FrequencyCells& cells);
 
-/// Parses a file in the same way. Also throws Failure (66) for an unreadable file.
+/// Reads and parses a file with parse_frequency_csv. Also throws Failure (66) for an unreadable
+/// file.
 [[nodiscard]] FrequencyTable read_frequency_csv(const std::filesystem::path& path,
                                                 const FrequencyCells& cells);
 

@@ -1,4 +1,4 @@
-// Sentences about a measured file: how it was read, and the faults of its channels.
+// Sentences about a measured file: the layout that Wheeltap found, and the faults of the channels.
 #pragma once
 
 #include <string>
@@ -14,10 +14,10 @@ using signals::MeasuredFile;
 using signals::MeasuredReading;
 using signals::MeasuredTable;
 
-/// Columns without numbers, one sentence per column.
+/// Sentences on columns without numbers, one per column.
 [[nodiscard]] std::vector<std::string> left_out_in_words(const MeasuredTable& table);
 
-/// How a table was read, one sentence per fact: layout, times, units, columns left out.
+/// Sentences on the reading of a table, one per fact: layout, times, units, omitted columns.
 [[nodiscard]] std::vector<std::string> reading_in_words(const MeasuredTable& table);
 
 /// Faults of a channel; each text completes a sentence that begins with the channel's name.

@@ -1,4 +1,4 @@
-// Sensor positions of a modal case, and measured shapes as motions of its nodes.
+// Sensor positions of a modal case, and measured mode shapes as motions of the geometry's nodes.
 #pragma once
 
 #include <array>
@@ -15,8 +15,8 @@ namespace wheeltap::apps {
 
 struct Geometry {
   int dimension = 2;
-  std::map<std::string, std::array<double, 3>> nodes = {};  ///< [m]
-  std::vector<std::vector<std::string>> lines = {};         ///< of nodes
+  std::map<std::string, std::array<double, 3>> nodes = {};  ///< coordinates of the nodes [m]
+  std::vector<std::vector<std::string>> lines = {};         ///< lines between nodes, by name
   std::vector<std::string> fixed = {};                      ///< nodes that do not move
 };
 
@@ -25,18 +25,20 @@ struct Geometry {
 [[nodiscard]] Geometry parse_geometry(const CaseFile& file);
 
 /// Unit vector along which a sensor measures, from its direction ("x", "-y") or its angles; empty
-/// if it has neither.
+/// if the sensor has neither a direction nor angles.
 [[nodiscard]] std::optional<std::array<double, 3>> direction_of(const MeasuredSensor& sensor);
 
-/// Conversion to {"dimension", "nodes", "lines", "fixed"}, and back. Throws nlohmann exceptions.
+/// Converts a geometry to {"dimension", "nodes", "lines", "fixed"}. The next function converts this
+/// JSON to a geometry. Throws nlohmann exceptions.
 [[nodiscard]] Report geometry_json(const Geometry& geometry);
 [[nodiscard]] Geometry geometry_of(const Report& json);
 
 /// Input of shapes.js: {"dimension", "drawing": {"points", "lines", "modes": [{"frequency_hz",
-/// "motions", "quadrature"}], "as"}}. The displacement of a node is the one of minimum norm that
-/// agrees with its sensors. Each shape is rotated by principal_angle(), and its largest
-/// displacement is 1. Nodes without sensors, except fixed nodes, and the lines to them are drawn at
-/// rest only. Null if no sensor is at a node of the geometry.
+/// "motions", "quadrature"}], "as"}}. The displacement of a node is the displacement of minimum
+/// norm that agrees with the sensors at the node. Each shape is rotated by principal_angle() and
+/// scaled to a largest displacement of 1. Nodes without sensors, except fixed nodes, and the lines
+/// to these nodes are drawn at rest only. The result is null if no sensor is at a node of the
+/// geometry.
 [[nodiscard]] Report modal_drawing(const Geometry& geometry, const MeasuredModes& modes);
 
 /// The phase by which a complex shape is rotated to minimise its imaginary part: arg(Σ φ²)/2 over

@@ -13,7 +13,7 @@ struct Column;
 
 namespace wheeltap::apps {
 
-/// Unit, scale and quantity of a channel as the case states them.
+/// Unit, scale and quantity of a channel, as given in the case.
 struct StatedUnit {
   Pointer where{};
   std::optional<std::string> unit = {};
@@ -26,7 +26,7 @@ struct StatedUnit {
 /// True if `dimension` is a displacement, a velocity or an acceleration.
 [[nodiscard]] bool is_motion(signals::Dimension dimension);
 
-/// "displacement", "velocity" or "acceleration", as in cases.
+/// Name of a quantity of motion in cases: "displacement", "velocity" or "acceleration".
 [[nodiscard]] std::string quantity_name(signals::Dimension dimension);
 
 /// Conversion of a column to SI units. Throws Failure for a unit that contradicts the case.

@@ -11,29 +11,34 @@
 
 namespace wheeltap::apps {
 
-/// The sensor of one entry of every shape.
+/// The sensor that belongs to one entry of every mode shape.
 struct MeasuredSensor {
-  std::string name = {};  ///< name of its channel
+  std::string name = {};  ///< name of the sensor's channel
   std::string node = {}, direction = {};
-  std::optional<double> azimuth = {}, elevation = {};  ///< [degrees]
+  std::optional<double> azimuth = {}, elevation = {};  ///< direction of the sensor [degrees]
   bool reference = false;
-  std::string unit = {};      ///< unit of the measured numbers; empty: unknown
-  std::string quantity = {};  ///< "displacement", "velocity", "acceleration"; empty: unknown
+  std::string unit = {};  ///< unit of the measured numbers; empty: unknown
+  /// Quantity: "displacement", "velocity", "acceleration"; empty: unknown
+  std::string quantity = {};
 };
 
 struct MeasuredModes {
   std::string title = {};
   std::vector<MeasuredSensor> sensors = {};
   std::vector<int> numbers = {};  ///< mode numbers, ascending, at least 1; empty: 1, 2, …
-  Eigen::VectorXd frequencies_hz = {}, damping = {};  ///< damping: NaN if unknown
-  /// Covariance of all frequencies, then all damping ratios; empty if the method gives none.
+  /// Frequencies and damping ratios; a damping ratio is NaN if unknown
+  Eigen::VectorXd frequencies_hz = {}, damping = {};
+  /// Covariance of all frequencies and then all damping ratios; empty if the identification method
+  /// does not compute it.
   Eigen::MatrixXd covariance = {};
-  Eigen::MatrixXcd shapes = {};  ///< one column per mode, largest entry 1; NaN: not measured
-  /// Covariance of real parts, then imaginary parts; empty if `covariance` is.
+  /// Mode shapes, one column per mode, largest entry 1; NaN: not measured
+  Eigen::MatrixXcd shapes = {};
+  /// Covariance of the real parts and then the imaginary parts of each shape; empty if `covariance`
+  /// is empty.
   std::vector<Eigen::MatrixXd> shape_covariance = {};
   std::string quantity = {};  ///< quantity of all shapes; empty: unknown
   std::vector<bool> doubtful = {};
-  int blocks = 0;  ///< blocks that the covariances were estimated from; 0: unknown
+  int blocks = 0;  ///< number of record blocks that gave the covariances; 0: unknown
 };
 
 [[nodiscard]] MeasuredModes measured_modes(const signals::ModalResult& result,
@@ -43,8 +48,8 @@ struct MeasuredModes {
 
 [[nodiscard]] Report modes_json(const MeasuredModes& modes);
 
-/// Reads a modes.json. Throws Failure: 66 for an unreadable file; 65, naming the place, for other
-/// content.
+/// Reads a modes.json. Throws Failure: 66 for an unreadable file; 65, with the location of the
+/// fault, for invalid content.
 [[nodiscard]] MeasuredModes read_modes_file(const std::filesystem::path& path);
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,4 @@
-// Layout of a record's file as the case states it, and sentences on how the file was read.
+// Layout of a record's file as given in the case, and sentences on the reading of the file.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace wheeltap::apps {
 
 /// Use of a channel: its column and unit conversion.
 struct ChannelUse {
-  std::string column = {};  ///< its name
+  std::string column = {};  ///< name of the column
   bool is_force = false;
   signals::Conversion conversion = {};
 };
@@ -23,24 +23,23 @@ struct ChannelUse {
 /// Parses rows_are_channels of the block at `where`.
 [[nodiscard]] io::ArrayLayout parse_array_layout(const CaseFile& file, const Pointer& where);
 
-/// Throws Failure for the channel whose column is not in the file of the record at `block`.
+/// Throws Failure for a channel whose column does not exist in the file of the record at `block`.
 [[noreturn]] void refuse_column(const CaseFile& file, const Pointer& block,
                                 const io::NoSuchColumn& error);
 
-/// A sentence on the layout found in a text: "Columns separated by semicolons, …".
+/// A sentence on the layout that was found in a text file: "Columns separated by semicolons, …".
 [[nodiscard]] std::string layout_in_words(const io::FoundLayout& layout);
 [[nodiscard]] Report layout_json(const io::FoundLayout& layout);
 
-/// A sentence on how times were read; empty for times at a uniform step whose header states
-/// seconds.
+/// A sentence on the reading of the time column; empty for times in seconds with a uniform step.
 [[nodiscard]] std::string sampling_in_words(const signals::Sampling& sampling);
 /// A sentence on the jitter of time stamps; empty without jitter.
 [[nodiscard]] std::string jitter_in_words(const signals::Sampling& sampling);
 [[nodiscard]] Report sampling_json(const signals::Sampling& sampling);
 
-/// {"unit", "factor", "si_unit", "basis"}: unit and conversion of a channel.
+/// Unit and conversion of a channel as JSON: {"unit", "factor", "si_unit", "basis"}.
 [[nodiscard]] Report conversion_json(const signals::Conversion& conversion);
-/// "g × 9.80665 = m/s^2", "m/s^2", "no unit: used as it is".
+/// The conversion of a channel as text: "g × 9.80665 = m/s^2", "m/s^2", "no unit: used as it is".
 [[nodiscard]] std::string conversion_in_words(const signals::Conversion& conversion);
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,4 @@
-// A structure given by mass and stiffness matrices of another program.
+// A structure given by the mass and stiffness matrices of another program.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"

@@ -11,8 +11,8 @@
 
 namespace wheeltap::apps {
 
-/// The reference material of a section. A file that holds only a section may lack Young's modulus
-/// and density.
+/// The reference material of a section. A file that contains only a section may omit Young's
+/// modulus and density.
 struct SectionMaterial {
   double poisson;
   std::optional<double> young = {};
@@ -23,18 +23,19 @@ struct SectionMaterial {
 /// others. Throws Failure.
 void check_sizes(const CaseFile& file, const Pointer& where);
 
-/// Parses a section with sizes at `where`: A, I about the width, Cowper's κ. Throws Failure.
+/// Parses a section with sizes at `where`. The result has the area A, the second moment of area I
+/// for bending about the width axis, and Cowper's shear coefficient κ. Throws Failure.
 [[nodiscard]] fem::Section parse_sized_section(const CaseFile& file, const Pointer& where,
                                                double poisson);
 
-/// Parses the outline of a "polygon", or makes that of a shape with sizes (y along the width,
-/// origin in the middle; circles as polygons of equal area). Throws Failure.
+/// Parses the outline of a "polygon", or computes the outline of a shape with sizes. y is along the
+/// width, and the origin is in the middle. Circles become polygons of equal area. Throws Failure.
 [[nodiscard]] fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
                                          const SectionMaterial& material);
 
 struct MeshedSection {
   fem::Outline outline;
-  fem::TriangleMesh mesh;  ///< the coarsest mesh
+  fem::TriangleMesh mesh;  ///< coarsest mesh of the section
   fem::SectionAnalysis analysis;
 };
 /// Meshes and analyses a section. Throws Failure for an invalid outline, and in a build without
@@ -44,7 +45,7 @@ struct MeshedSection {
 
 struct BeamSection {
   fem::Section section;
-  double density;  ///< times the section's area: mass per length of the beam
+  double density;  ///< density; times the section's area, it is the mass per length of the beam
 };
 /// Parses the section of a plane beam: bending about y (the width), shear along z.
 [[nodiscard]] BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,

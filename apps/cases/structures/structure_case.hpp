@@ -10,20 +10,21 @@
 
 namespace wheeltap::apps {
 
-/// Largest number of degrees of freedom; computing the modes then takes one or two minutes.
+/// Largest number of degrees of freedom. The computation of the modes then takes one or two
+/// minutes.
 inline constexpr long long kMostDegreesOfFreedom = 300'000;
 
-/// True if the case has a structure. Throws Failure for a case with a beam as well.
+/// True if the case has a structure. Throws Failure for a case with both a structure and a beam.
 [[nodiscard]] bool has_structure(const CaseFile& file);
 
 /// Parses the structure and its parameters, of a case validated against the schema "structure".
 /// Appends sentences on section properties that members neglect to `remarks`. Throws Failure (65)
-/// for invalid values, with their place, and for too many degrees of freedom, with the memory
-/// needed; also throws the exceptions of io::read_sparse_matrix.
+/// for invalid values, with their location in the case. Throws Failure (65) for too many degrees of
+/// freedom, with the required memory. Also throws the exceptions of io::read_sparse_matrix.
 [[nodiscard]] identification::StructureModel parse_structure(
     const CaseFile& file, std::vector<std::string>* remarks = nullptr);
 
-/// Throws Failure (65): an error of the FE library, located in the case.
+/// Throws Failure (65) with the message of an FE library error and its location in the case.
 [[noreturn]] void refuse_structure(const CaseFile& file,
                                    const identification::AnyStructure& structure,
                                    const fem::InvalidStructure& error);

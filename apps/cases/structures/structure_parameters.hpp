@@ -16,16 +16,16 @@ namespace wheeltap::apps {
 struct Bounds {
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  bool open = false;  ///< the bounds themselves are excluded
+  bool open = false;  ///< true if the bounds themselves are excluded
   const char* words = "a number";
 };
 inline constexpr Bounds kPositive = {.lower = 0.0, .open = true, .words = "positive"};
 inline constexpr Bounds kNotNegative = {.lower = 0.0, .words = "at least 0"};
 
-/// A number, or a parameter.
+/// A coefficient of a structure: a number, or a parameter.
 struct Coefficient {
-  double nominal = 0.0;  ///< for a parameter: median of its prior
-  int parameter = -1;    ///< -1: known
+  double nominal = 0.0;  ///< value of the number, or median of the parameter's prior
+  int parameter = -1;    ///< index of the parameter; -1: a known number
 
   [[nodiscard]] bool known() const { return parameter < 0; }
   [[nodiscard]] double at(std::span<const double> values) const {
@@ -33,7 +33,7 @@ struct Coefficient {
   }
 };
 
-/// The parameters of a case and the coefficients that they set.
+/// The parameters of a case and the coefficients of the structure that they determine.
 class StructureParameters {
  public:
   /// Parses /parameters. Throws Failure for an improper prior.
@@ -42,14 +42,15 @@ class StructureParameters {
   /// Parses the coefficient at `where`. Throws Failure for a number out of bounds, an unknown
   /// parameter, and a parameter whose prior exceeds the bounds.
   [[nodiscard]] Coefficient coefficient(const Pointer& where, const Bounds& bounds);
-  /// Parses a coefficient and stores it in the structure by `set`, now and whenever the parameter
-  /// changes.
+  /// Parses a coefficient and stores its value in the structure by the function `set`. `set` is
+  /// called at once and whenever the parameter changes.
   double place(const Pointer& where, const Bounds& bounds,
                std::function<void(identification::AnyStructure&, double)> set);
-  /// Registers `set`, called whenever the coefficient's parameter changes.
+  /// Registers the function `set`, which is called whenever the parameter of the coefficient
+  /// changes.
   void follow(const Coefficient& coefficient,
               std::function<void(identification::AnyStructure&, double)> set);
-  /// Registers `set`, called with all parameters.
+  /// Registers the function `set`, which is called with the values of all parameters.
   void follow_all(std::function<void(identification::AnyStructure&, std::span<const double>)> set);
 
   /// Nominal value of each parameter.

@@ -12,24 +12,25 @@
 
 namespace wheeltap::apps {
 
-/// Material of a piece of a member, as in the case.
+/// Material of a segment of a member, as given in the case.
 struct MaterialCoefficients {
   Coefficient young, poisson, density;
 };
 
 /// A section of one material.
 struct PieceSection {
-  /// The section at these values of the parameters. Throws std::invalid_argument for inconsistent
-  /// sizes.
+  /// Computes the section for given values of the parameters. Throws std::invalid_argument for
+  /// inconsistent sizes.
   std::function<fem::MemberSection(std::span<const double>)> at;
-  bool depends = false;                   ///< on a parameter
-  double density_factor = 1.0;            ///< for several materials: mass per length over ρ A
-  std::vector<std::string> remarks = {};  ///< neglected properties, in words
+  bool depends = false;         ///< true if the section depends on a parameter
+  double density_factor = 1.0;  ///< for several materials: mass per length divided by ρ A
+  std::vector<std::string> remarks = {};  ///< sentences on neglected properties
 };
 
 /// Parses the section at `where`: a shape with sizes, an outline, or stiffnesses. For shapes,
-/// bending is exact and shear is Cowper's; torsion is exact for rectangles, circles and tubes.
-/// Other properties are computed on one mesh, so the sizes must be numbers. Throws Failure.
+/// bending stiffnesses are exact and shear stiffnesses use Cowper's coefficients. Torsional
+/// stiffnesses are exact for rectangles, circles and tubes. Other properties are computed on one
+/// mesh, so the sizes must be numbers. Throws Failure.
 [[nodiscard]] PieceSection parse_piece_section(const CaseFile& file, const Pointer& where,
                                                const MaterialCoefficients& material, int dimension,
                                                StructureParameters& parameters);

@@ -13,9 +13,9 @@ struct Complaint {
   std::string message;
 };
 
-/// The first fault of `json` by the rules of `schema_name` (schema(schema_name) is `rules`), in
-/// engineering terms; empty if there is no fault. If a correction is found that satisfies the
-/// rules, the message ends with it.
+/// The first violation of the schema `schema_name` in `json`, in engineering terms; empty if `json`
+/// is valid. `rules` is schema(schema_name). If a correction satisfies the schema, the message ends
+/// with this correction.
 [[nodiscard]] std::optional<Complaint> first_complaint(const Json& rules,
                                                        const std::string& schema_name,
                                                        const Json& json);

@@ -15,32 +15,33 @@
 namespace wheeltap::apps {
 
 using Json = nlohmann::json;
-/// Place in a case, e.g. /beam/material/poisson.
+/// Location in a case, e.g. /beam/material/poisson.
 using Pointer = Json::json_pointer;
 
-/// A case as read, with the information that error messages need.
+/// A case as read from its file, with the information for error messages.
 struct CaseFile {
   std::filesystem::path path;
   Json json;
-  /// Place of /record in the file, which is different if there are several records.
+  /// Location of /record in the file. The location is different for cases with several records.
   std::string record_place = "/record";
-  /// Files resolved so far, with their fingerprints. Copies share the list.
+  /// Input files resolved so far, with their fingerprints. Copies of the case share this list.
   std::shared_ptr<InputFiles> inputs = std::make_shared<InputFiles>();
 
-  /// Throws Failure (65): "FILE: /pointer: VALUE: message", with the value at that place.
+  /// Throws Failure (65) with the text "FILE: /pointer: VALUE: message". VALUE is the value at the
+  /// location `where`.
   [[noreturn]] void refuse(const Pointer& where, const std::string& message) const;
 
-  /// Path of a file that the case names: in the folder of the case or, if it is not there, in the
-  /// current folder.
+  /// Path of a file that the case names: in the folder of the case or, if the file is not there, in
+  /// the current folder.
   [[nodiscard]] std::filesystem::path place_of(const std::string& name) const;
-  /// The path of an input file; records its content in `inputs`.
+  /// The path of an input file. The fingerprint of the file is added to `inputs`.
   [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
 };
 
 /// Reads a file and applies `overrides`, each "path.to.key=VALUE" (array elements by 0-based
 /// number; VALUE is JSON, or else text). Throws Failure: 66 for an unreadable file; 65, with line
-/// and column, for text that is not JSON; 65 for keys and texts that are not UTF-8 or that hold
-/// control characters; 64 for an override of a place that does not exist.
+/// and column, for text that is not JSON; 65 for keys and texts that are not UTF-8 or that contain
+/// control characters; 64 for an override of a key that does not exist.
 [[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
                                  const std::vector<std::string>& overrides = {});
 
@@ -49,7 +50,8 @@ struct CaseFile {
 
 /// Names of all schemas.
 [[nodiscard]] std::vector<std::string> schema_names();
-/// Kinds of complete cases with a schema; the command of the same name runs them.
+/// Kinds of complete cases with a schema. The command with the name of the kind runs the cases of
+/// this kind.
 [[nodiscard]] std::vector<std::string> kinds_with_schema();
 /// The JSON Schema (draft 7) of this name, with shared definitions. Throws Failure (64) for an
 /// unknown name.
@@ -59,10 +61,10 @@ struct CaseFile {
 /// Throws Failure (65) with the first fault.
 void validate_against_schema(CaseFile& file, std::string_view schema_name);
 
-/// Parses the prior at `where`. Throws Failure (65) if it is improper.
+/// Parses the prior at `where`. Throws Failure (65) if the prior is improper.
 [[nodiscard]] inference::Prior parse_prior(const CaseFile& file, const Pointer& where);
 
-/// "a, b, c", or "none".
+/// The names as a list, "a, b, c", or "none".
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
 /// A value as text: texts are unchanged, other values are converted to JSON, e.g. a column's

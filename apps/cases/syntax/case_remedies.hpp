@@ -13,13 +13,15 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string unknown_parameter(const std::string& text,
                                             const std::vector<std::string>& names);
 
-/// "; write {"truncated_normal": [50, 10, 0, 110]}": the prior at `where` truncated to [lower,
-/// upper]; either bound may be infinite. Empty if the prior is within the bounds.
+/// Advice to truncate the prior at `where` to [lower, upper], e.g. "; write {"truncated_normal":
+/// [50, 10, 0, 110]}". Either bound may be infinite. The result is empty if the prior is within the
+/// bounds.
 [[nodiscard]] std::string kept_within(const CaseFile& file, const Pointer& where, double lower,
                                       double upper);
 
-/// "; write [13.85, 55.4]": these frequencies in increasing order, or read with decimal commas if
-/// that makes them increase ([13, 85, 55, 4] is 13.85 and 55.4).
+/// Advice to write the frequencies in increasing order, e.g. "; write [13.85, 55.4]". If the
+/// numbers increase when read with decimal commas, the advice uses this reading ([13, 85, 55, 4] is
+/// 13.85 and 55.4).
 [[nodiscard]] std::string increasing(const std::vector<double>& frequencies);
 
 }  // namespace wheeltap::apps

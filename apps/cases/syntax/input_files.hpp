@@ -1,4 +1,5 @@
-// Input files of a case with fingerprints of their content, part of the identity of results.
+// Input files of a case with fingerprints of their content. The fingerprints are a part of the
+// identity of results.
 #pragma once
 
 #include <filesystem>
@@ -13,14 +14,15 @@ namespace wheeltap::apps {
 
 class InputFiles {
  public:
-  /// Records the content of a regular file under its name in the case, once. Ignores missing files
-  /// and files of other types; the reader of such a file reports the error.
+  /// Adds the fingerprint of a regular file under its name in the case, once. Missing files and
+  /// files of other types are ignored; the reader of the file reports the error.
   void add(const std::string& name, const std::filesystem::path& path);
 
   /// An empty list that shares the fingerprints of files already read.
   [[nodiscard]] InputFiles emptied() const;
 
-  /// {"record.csv": {"bytes": 1234, "checksum": "0123456789abcdef"}, …}, by name.
+  /// The fingerprints as JSON, by name: {"record.csv": {"bytes": 1234, "checksum":
+  /// "0123456789abcdef"}, …}.
   [[nodiscard]] nlohmann::json json() const;
 
  private:

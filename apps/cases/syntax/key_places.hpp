@@ -1,4 +1,4 @@
-// Places of keys in the schemas of cases.
+// Locations of keys in the schemas of cases.
 #pragma once
 
 #include <set>
@@ -7,17 +7,18 @@
 
 namespace wheeltap::apps {
 
-/// A place of a case and its allowed values.
+/// A location in a case and its allowed values.
 struct KeyPlace {
-  std::vector<std::string> path;  ///< keys, without names chosen by the author
-  std::string shown;              ///< as a pointer: "/models/N/masses", "/parameters/NAME"
+  /// Keys of the path, without names that the author of the case chooses
+  std::vector<std::string> path;
+  std::string shown;  ///< path as a pointer: "/models/N/masses", "/parameters/NAME"
   std::string meaning, form;
   std::set<std::string> keys = {};
-  std::vector<std::string> kinds = {};  ///< kinds of case
+  std::vector<std::string> kinds = {};  ///< kinds of case with this key
 };
 
-/// The places of these kinds of case (schema_names), in the order of the schemas. Kinds of case in
-/// which a place has the same meaning share one entry.
+/// The locations of keys in the given kinds of case (schema_names), in the order of the schemas.
+/// Kinds of case in which a location has the same meaning share one entry.
 [[nodiscard]] std::vector<KeyPlace> key_places(const std::vector<std::string>& kinds);
 
 }  // namespace wheeltap::apps

@@ -1,4 +1,5 @@
-// Insertion of the library's lists (laws, residual models, defects, interpolants) into schemas.
+// Insertion of the library's lists (force laws, residual models, defects, interpolants) into
+// schemas.
 #pragma once
 
 #include <cmath>
@@ -14,14 +15,16 @@
 
 namespace wheeltap::apps {
 
-/// The schemas whose definitions a kind of case uses in addition to its own.
+/// Names of the schemas whose definitions a kind of case uses in addition to the definitions of its
+/// schema.
 inline std::vector<std::string> definitions_of(std::string_view kind) {
   if (kind == "update") return {"common", "structure"};
   return {"common"};
 }
 
-/// The rule for a law in a case, from the law's description: an object, a list of objects or, if
-/// one coefficient is sufficient, its bare value.
+/// The schema of a force law in a case, generated from the description of the force law. A force
+/// law is an object, a list of objects or, if one coefficient is sufficient, the value of this
+/// coefficient.
 template <class AnyJson>
 AnyJson law_rule(const dynamics::LawInfo& law) {
   AnyJson object = {{"description", law_in_words(law)}, {"type", AnyJson::array()}};
@@ -52,7 +55,7 @@ AnyJson law_rule(const dynamics::LawInfo& law) {
   return rule;
 }
 
-/// Adds a key for every law to the links of a schema that has links.
+/// Adds a key for every force law to the links of a schema that has links.
 template <class AnyJson>
 void add_laws(AnyJson& rules) {
   if (!rules.at("definitions").contains("link")) return;
@@ -81,13 +84,14 @@ void add_residual_models(AnyJson& rules) {
   if (kinds.size() == 1) object["required"].push_back(std::string(kinds.front()->key));
 }
 
-/// Adds the types of defect, and a key for the severity of each, to a schema that has defects.
+/// Adds the types of defect, and a key for the severity of each type, to a schema that has defects.
 template <class AnyJson>
 void add_defects(AnyJson& rules) {
   if (!rules.at("definitions").contains("defects")) return;
   auto& keys = rules["definitions"]["defects"]["properties"];
   auto& of_truth = rules["definitions"]["true_defect"]["properties"];
-  AnyJson names = AnyJson::array();  // no reference: adding keys may move the others
+  // A copy instead of a reference, because adding keys may move other keys
+  AnyJson names = AnyJson::array();
   for (const auto* type : identification::defect_types()) {
     if (!type->is_for_beams()) continue;
     names.push_back(std::string(type->name));
@@ -122,8 +126,8 @@ void fill_lists(AnyJson& rules) {
   }
 }
 
-/// Limits whole numbers without a maximum to the range of int, since larger ones would overflow
-/// silently. Seeds may have 63 bits.
+/// Limits whole numbers without a maximum to the range of int, because larger numbers would
+/// overflow silently. Seeds may have 63 bits.
 template <class AnyJson>
 void bound_integers(AnyJson& rules, const std::string& key = {}) {
   const auto whole = [](const AnyJson& type) {

@@ -11,22 +11,23 @@ namespace wheeltap::apps {
 
 inline constexpr const char* kBatchFolders = "batch.json";
 
-/// Identifies a case by its path, not by its position: each case keeps its folder if the list
-/// grows, shrinks or changes its order between two calls. Paths are relative to the batch folder,
-/// so that both can move together. FOLDER/batch.json stores them:
-/// {"format": 1, "folders": [{"case": "../a/case.json", "folder": "case"}, …]}.
+/// Assigns a folder to each case of a batch. The path of a case identifies the case, not its
+/// position in the list. A case therefore keeps its folder if the list grows, shrinks or changes
+/// its order between two calls. Paths are relative to the batch folder, so that cases and batch
+/// folder can be moved together. FOLDER/batch.json stores paths and folders: {"format": 1,
+/// "folders": [{"case": "../a/case.json", "folder": "case"}, …]}.
 class BatchFolders {
  public:
-  /// With `resume`, reads FOLDER/batch.json. Throws io::FileError (foreign) if it is not a file of
-  /// a batch, and does not overwrite it.
+  /// With `resume`, reads FOLDER/batch.json. Throws io::FileError (foreign) if batch.json is not a
+  /// file of a batch; the file is not overwritten.
   BatchFolders(std::filesystem::path folder, bool resume);
 
-  /// Sets name and place. The n-th occurrence of a path gets the n-th stored folder of this path.
-  /// If there is none, it gets a new folder, named as the file without extension, with "-2", "-3",
-  /// … if this name is in use.
+  /// Sets name and relative path of a case. The n-th occurrence of a path gets the n-th stored
+  /// folder of this path. If no folder is stored, the case gets a new folder with the name of the
+  /// file without extension. If this name is in use, "-2", "-3", … is appended.
   void give(BatchCase& one);
 
-  /// Writes batch.json. Throws io::FileError (unwritable).
+  /// Writes the folders to batch.json. Throws io::FileError (unwritable).
   void keep() const;
 
  private:
@@ -35,9 +36,10 @@ class BatchFolders {
 
   std::filesystem::path folder_;
   std::map<std::string, std::vector<std::string>> of_;  // folders of each path
-  std::map<std::string, std::size_t> given_;            // number of them already assigned
+  // Number of already assigned folders of each path
+  std::map<std::string, std::size_t> given_;
   std::set<std::string> taken_;
-  std::map<std::string, int> last_;  // last number after a stem
+  std::map<std::string, int> last_;  // last number appended to a folder name
 };
 
 }  // namespace wheeltap::apps

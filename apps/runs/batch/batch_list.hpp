@@ -9,8 +9,8 @@ namespace wheeltap::apps {
 
 struct BatchCase {
   std::filesystem::path path;
-  std::string name{};   ///< name of its folder, BatchFolders
-  std::string place{};  ///< its path relative to the batch folder, BatchFolders
+  std::string name{};   ///< name of the case's folder (BatchFolders)
+  std::string place{};  ///< path of the case relative to the batch folder (BatchFolders)
 };
 
 /// Reads a list with one path per line, relative to the folder of the list; ignores blank lines and

@@ -14,13 +14,13 @@ inline constexpr const char* kBatchTable = "batch.csv";
 
 struct BatchRow {
   std::string name;     ///< name of the case and its folder
-  std::string kind{};   ///< empty if the case does not state it
-  int exit = 0;         ///< exit code of its run; 128 + the signal that ended it
-  std::string model{};  ///< the most probable model; "7 modes" of a modal case; else empty
+  std::string kind{};   ///< kind of the case; empty if the case does not state its kind
+  int exit = 0;         ///< exit code of the run, or 128 + the signal that ended the run
+  std::string model{};  ///< the most probable model, "7 modes" for a modal case, otherwise empty
   std::optional<double> probability{};  ///< probability of this model
   std::optional<bool> converged{};
   double seconds = 0.0;  ///< wall time of the run, summed over its sessions
-  std::string error{};   ///< one line if exit is not 0
+  std::string error{};   ///< error message of one line, if exit is not 0
   std::string path{};    ///< path of the case, relative to the batch folder
 };
 
@@ -33,7 +33,7 @@ void carry(Parcel& parcel, Row& row) {
 }
 
 /// Fills the results of a successful run from summary.json in `folder`; a sweep has converged if
-/// all its rows have.
+/// all its rows have converged.
 void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 
 /// Returns true if the run in `folder` was stopped before its end.
@@ -45,7 +45,8 @@ void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 /// numbers.
 [[nodiscard]] std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows);
 
-/// Returns the same as JSON text: a list of objects with the columns as keys; null: empty cell.
+/// Returns the table as JSON text: a list of objects with the columns as keys. An empty cell is
+/// null.
 [[nodiscard]] std::string batch_json(const std::vector<std::optional<BatchRow>>& rows);
 
 /// Returns a line without its end: "[ 3/10] name  2 damages, P = 97 %  converged  12 s".

@@ -13,7 +13,7 @@ namespace wheeltap::apps {
 /// than the limits allow.
 void require_room_for_truth(CaseFile& file, const CommonOptions& common);
 
-/// Returns the cost of a run of the case, with its record.
+/// Returns the cost of a run of the case, the record included.
 [[nodiscard]] RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
                                   const SamplingOptions& options);
 
@@ -23,11 +23,11 @@ struct SidOutcome {
   identification::SidPredictive predictive;
   identification::SidFindings findings;
 };
-/// Runs a case. Throws Failure.
+/// Runs a system identification of the case. Throws Failure.
 [[nodiscard]] SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
                                   const SamplingOptions& options, RunWatch& watch);
 
-/// Returns the run of a case without a sweep.
+/// Creates the run of a case without a sweep.
 [[nodiscard]] std::unique_ptr<CaseRun> make_sid_run(CaseFile file, const CommonOptions& common,
                                                     const SamplingOptions& options);
 

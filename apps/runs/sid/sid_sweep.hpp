@@ -1,4 +1,4 @@
-// A system identification over values of one number of its case.
+// A sweep: system identifications for several values of one number of a case.
 #pragma once
 
 #include <spdlog/logger.h>
@@ -9,9 +9,9 @@
 namespace wheeltap::apps {
 
 /// Runs the case for each value of its sweep, prints one line per value, and writes sweep.csv,
-/// summary.json and report.html. During the sweep, sweep.rows stores the finished rows; with
-/// `common.resume` they are not run again. An interrupted sweep writes the files with its finished
-/// rows, unless files of a complete sweep exist. Throws Failure.
+/// summary.json and report.html. During the sweep, sweep.rows stores the finished rows. With
+/// `common.resume`, finished rows are not run again. An interrupted sweep writes the result files
+/// with its finished rows, unless files of a complete sweep exist. Throws Failure.
 void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions& options,
                spdlog::logger& log);
 

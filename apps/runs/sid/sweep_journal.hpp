@@ -16,19 +16,19 @@ namespace wheeltap::apps {
 /// lines after it.
 class SweepJournal {
  public:
-  /// Opens or creates the journal of the sweep with this identity; without `resume` it discards the
-  /// rows of an earlier journal. Throws io::FileError: unwritable, also if the file is not a
-  /// journal; mismatch for the journal of another sweep.
+  /// Opens or creates the journal of the sweep with the given identity. Without `resume`, the rows
+  /// of an earlier journal are discarded. Throws io::FileError: unwritable, also if the file is not
+  /// a journal; mismatch for the journal of another sweep.
   SweepJournal(std::filesystem::path path, std::string_view identity, bool resume);
   SweepJournal(const SweepJournal&) = delete;
   SweepJournal& operator=(const SweepJournal&) = delete;
   ~SweepJournal();
 
-  /// Returns the row of this value, if the journal has it.
+  /// Returns the row of the given swept value, if the journal has this row.
   [[nodiscard]] std::optional<Report> find(const Report& value) const;
   /// Appends a row and synchronises it to disk. Throws io::FileError (unwritable).
   void append(const Report& value, const Report& row);
-  /// Removes the journal, when all rows are in the result files.
+  /// Removes the journal. Call this function when all rows are in the result files.
   void remove();
 
  private:
@@ -36,7 +36,7 @@ class SweepJournal {
 
   std::filesystem::path path_;
   int descriptor_ = -1;
-  std::map<std::string, Report> rows_;  // by the text of the value
+  std::map<std::string, Report> rows_;  // rows by the text of the swept value
 };
 
 }  // namespace wheeltap::apps

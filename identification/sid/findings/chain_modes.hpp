@@ -13,8 +13,8 @@ struct ChainMode {
   Marginal frequency_hz, damping_ratio;
 };
 
-/// Modes of a drawn model, sorted by frequency; at most 500 draws per chain, evenly spread. Empty
-/// if the number of modes differs between draws.
+/// Modes of a model with draws, sorted by frequency, from at most 500 evenly spaced draws per
+/// chain. The result is empty if the number of modes differs between draws.
 [[nodiscard]] std::vector<ChainMode> chain_modes(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 

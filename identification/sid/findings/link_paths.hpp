@@ -9,19 +9,20 @@
 
 namespace wheeltap::identification {
 
-/// All links between masses a and b together, over the scored samples. With the extension
-/// e = z_b - z_a, their tension T pulls a towards b (dynamics/chain.hpp).
+/// All links between masses a and b together, over the scored samples. Their extension is e = z_b -
+/// z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
 struct LinkPath {
   int a = 0, b = 0;
-  std::vector<double> extension;  ///< e [m] of the model's motion
-  std::vector<double> rate;       ///< ė [m/s] of the model's motion
-  std::vector<double> tension;    ///< T [N] of the model's motion
-  /// T [N] from the balance of forces with measured accelerations. NaN where unknown, empty if
-  /// unknown everywhere.
+  std::vector<double> extension;  ///< extension e [m] in the model's motion
+  std::vector<double> rate;       ///< rate ė [m/s] in the model's motion
+  std::vector<double> tension;    ///< tension T [N] in the model's motion
+  /// T [N] from the balance of forces with measured accelerations. Unknown samples are NaN; the
+  /// list is empty if all samples are unknown.
   std::vector<double> measured;
-  /// Measured extension [m] if both ends were measured; otherwise empty.
+  /// Measured extension [m] if the motions of both ends were measured; otherwise empty.
   std::vector<double> measured_extension;
-  bool differentiated = false;  ///< an acceleration in `measured` is a numerical derivative
+  /// True if `measured` uses a numerically differentiated acceleration
+  bool differentiated = false;
 };
 
 /// Computes the paths for a model with parameters `theta` of the case. The tensions follow from the
@@ -29,13 +30,14 @@ struct LinkPath {
 ///
 ///   Σ ±T = m_j ÿ_j - F_j  for each mass j, ÿ the absolute acceleration,
 ///
-/// without the internal state of laws with memory. This balance does not determine the tensions of
-/// links in a closed loop; then, or if the simulation fails, the result is empty.
+/// which does not need the internal state of force laws with memory. The balance of forces does not
+/// determine the tensions of links in a closed loop. In this case, and if the simulation fails, the
+/// result is empty.
 ///
-/// `measured` uses masses and scales from `theta`, and ÿ from the record: either measured or
-/// computed from a measured velocity or displacement by finite differences of order eight (Fornberg
-/// 1988). It is omitted if the noise, estimated from sixth differences, would exceed a tenth of the
-/// tension's range.
+/// `measured` uses masses and scales from `theta`, and ÿ from the record. If ÿ was not measured, it
+/// is computed from a measured velocity or displacement by finite differences of order eight
+/// (Fornberg 1988). `measured` is omitted if the noise of the tension, estimated from sixth
+/// differences, would exceed a tenth of the tension's range.
 [[nodiscard]] std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
                                                std::span<const double> theta);
 

@@ -14,35 +14,39 @@
 
 namespace wheeltap::identification {
 
-/// Results of a drawn model, in addition to those of every run.
+/// Results of a model with draws, in addition to the results common to all kinds of runs.
 struct SidModelFinding {
-  std::vector<double> best_draw;  ///< in the order of its parameters
+  std::vector<double> best_draw;  ///< best draw, in the order of the model's parameters
   std::vector<ChannelFit> at_mean, at_best;
-  std::vector<std::vector<ChannelFit>> further;  ///< at the best draw, for each further record
-  int substeps = 0;  ///< per sample, at the posterior mean (Simulator::substeps)
+  std::vector<std::vector<ChannelFit>> further;  ///< fits at the best draw, for each further record
+  int substeps = 0;  ///< time steps per sample at the posterior mean (Simulator::substeps)
   std::optional<double> step_error;
-  // Computed only for models of at least 5 %:
+  // Computed only for models with a probability of at least 5 %:
   std::optional<std::vector<LinkCurve>> links;
   std::vector<ChainMode> modes;  ///< modes of the linear part
 };
 
-/// ln (p(data | model) / p(data | against)).
+/// Log Bayes factor ln (p(data | model) / p(data | against)).
 struct BayesFactor {
   int model = 0, against = 0;
-  std::optional<double> log;  ///< empty if either evidence is unknown
+  std::optional<double> log;  ///< empty if the evidence of a model is unknown
   double error = 0.0;         ///< Monte Carlo standard error; NaN if unknown
   inference::Basis basis = inference::Basis::draws;
 };
 
 struct SidFindings : Findings {
-  std::vector<std::optional<SidModelFinding>> of_models;  ///< empty for models without draws
-  std::vector<BayesFactor> bayes_factors;                 ///< each further model against the first
+  /// One entry per model; empty for models without draws
+  std::vector<std::optional<SidModelFinding>> of_models;
+  /// Bayes factor of each further model against the first model
+  std::vector<BayesFactor> bayes_factors;
   std::vector<double> coverage;  ///< share of each response's samples within the predictive band
   int predictive_draws = 0;
-  Discovery discovery;                  ///< empty if not requested
-  std::optional<Look> look;             ///< if the run used only part of the record
-  std::optional<StepsRefined> refined;  ///< if the run was repeated
-  long windows_evaluations = 0;         ///< likelihoods of windows, each of a part of the record
+  Discovery discovery;  ///< results of the discovery; empty if not requested
+  /// The used part of the record, if a quick run did not use all samples
+  std::optional<Look> look;
+  std::optional<StepsRefined> refined;  ///< new time steps, if the run was repeated
+  /// Likelihood evaluations for the windows, each on a part of the record
+  long windows_evaluations = 0;
 };
 
 /// Computes the findings. The run must have at least 4 draws per chain and chains of equal length.

@@ -1,4 +1,4 @@
-// Separate fits of the windows of a record: agreement of the estimates between windows.
+// Separate fits of the windows of a record, and the agreement of the estimates between windows.
 #pragma once
 
 #include <optional>
@@ -15,11 +15,12 @@ namespace wheeltap::identification {
 /// The fits of all windows under one model.
 struct ModelWindows {
   int windows = 0;  ///< number of windows, over all records
-  int fitted = 0;   ///< windows with a mode and a normal approximation
+  int fitted = 0;   ///< number of windows with a posterior mode and a normal approximation
   /// One entry per parameter of the model; empty for initial states, and if fewer than two windows
   /// have information about the parameter.
   std::vector<std::optional<BetweenWindows>> parameters = {};
-  /// Number of windows, per parameter, in which the likelihood is far from normal along it.
+  /// Number of windows, per parameter, in which the likelihood is far from normal as a function of
+  /// the parameter.
   std::vector<int> rough = {};
   long likelihood_evaluations = 0;
 };
@@ -29,12 +30,13 @@ struct ModelWindows {
 [[nodiscard]] std::vector<std::pair<int, int>> window_bounds(const SidCase& sid_case);
 
 /// Restricts the scoring of one record to samples [first, last). The samples before the window,
-/// from the start of the record, are integrated but not scored. The window's likelihood is its part
-/// of the whole record's,
+/// from the start of the record, are integrated but not scored. The likelihood of a window is a
+/// conditional factor of the likelihood of the whole record,
 ///
 ///   ln p(r_1 … r_N | θ) = Σ_w ln p(r_w | θ)   (white residuals),
 ///
-/// so windows have no parameters of their own, and their estimates agree with the whole record.
+/// so windows need no additional parameters, and their estimates are consistent with the estimates
+/// of the whole record.
 [[nodiscard]] SidCase window_case(SidCase sid_case, int first, int last);
 
 /// Fits the hierarchical model of Sedehi, Papadimitriou & Katafygiotis (2019, Mech. Syst. Signal
@@ -42,28 +44,29 @@ struct ModelWindows {
 ///
 ///   z_w ~ N(μ, Σ),   data of w | z_w.
 ///
-/// z are the standard normal coordinates of the priors. The prior of μ is that of the case, and Σ
+/// z are the standard normal coordinates of the priors. The prior of μ is the prior of the case. Σ
 /// cannot be wider than this prior. As in the paper, each window's posterior is replaced by its
 /// normal approximation at the mode (inference/evidence/laplace.hpp), found from `start` (the
-/// model's parameters, e.g. the best draw). Each parameter is judged by its marginal,
+/// model's parameters, e.g. the best draw). Each parameter is analysed by its marginal,
 ///
 ///   ẑ_w ~ N(μ_i, Σ_ii + s_w²),
 ///
-/// which does not need the other entries of Σ and works from two windows on
-/// (hierarchical_posterior.hpp; useful intervals need five or more). The window's prior, N(0, 1),
-/// is divided out of ẑ_w and s_w. Several records count as further windows. The log posterior two
-/// standard deviations from the mode, along the regression on the parameter, is 2 lower for a
-/// normal distribution. If it is not lower by 1 to 4, the window counts as far from normal.
+/// which does not need the other entries of Σ (hierarchical_posterior.hpp). This analysis needs at
+/// least two windows; useful credible intervals need five or more. The prior N(0, 1) of the window
+/// is divided out of ẑ_w and s_w. Several records count as further windows. For a normal
+/// distribution, the log posterior decreases by 2 at two standard deviations from the mode, along
+/// the regression on the parameter. If the decrease is not between 1 and 4, the window counts as
+/// far from normal.
 ///
 /// As records become longer, the best fit approaches the point at which the expected score is zero.
-/// This differs from the mean of the windows, because windows with more information have more
-/// weight. The error of the whole record's mode relative to it comes from the windows' scores
-/// (inference/statistics/grouped_scores.hpp).
+/// This limit differs from the mean of the windows, because windows with more information have more
+/// weight. The error of the whole record's mode relative to the limit comes from the scores of the
+/// windows (inference/statistics/grouped_scores.hpp).
 [[nodiscard]] ModelWindows fit_windows(const SidProblem& problem, int model,
                                        std::span<const double> start, int threads = 0);
 
-/// Reports windows that disagree by more than their intervals allow (BetweenWindows::scatters),
-/// failed fits and inaccurate normal approximations.
+/// Remarks on windows whose estimates differ by more than their credible intervals allow
+/// (BetweenWindows::scatters), on failed fits and on inaccurate normal approximations.
 [[nodiscard]] std::vector<Remark> window_remarks(const SidProblem& problem, int model,
                                                  const ModelWindows& windows);
 

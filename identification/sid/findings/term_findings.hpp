@@ -12,15 +12,17 @@ namespace wheeltap::identification {
 /// One term of SidCase::discovery.
 struct TermFinding {
   std::string label;       ///< "cubic 0-1", as in model names
-  std::string name;        ///< law and side: "contact closing"
-  int a = 0, b = 0;        ///< masses that its link joins
+  std::string name;        ///< force law and side: "contact closing"
+  int a = 0, b = 0;        ///< masses at the ends of the link
   double prior = 0.5;      ///< prior inclusion probability
   double inclusion = 0.0;  ///< posterior inclusion probability: sum over models with the term
-  double mcse = 0.0;       ///< its Monte Carlo standard error
-  bool drawn = false;      ///< by any chain
-  std::vector<ParameterFinding> parameters = {};  ///< its unknown coefficients, given inclusion
+  double mcse = 0.0;       ///< Monte Carlo standard error of `inclusion`
+  bool drawn = false;      ///< true if any chain has a draw with the term
+  /// Unknown coefficients of the term, given its inclusion
+  std::vector<ParameterFinding> parameters = {};
 
-  /// Included (above the limit), excluded (below one minus the limit), or neither.
+  /// True for an included term: its inclusion probability is above the limit kDecided. The next
+  /// function is true for an excluded term: its inclusion probability is below 1 - kDecided.
   [[nodiscard]] bool is_in() const { return inclusion > kDecided; }
   [[nodiscard]] bool is_out() const { return inclusion < 1.0 - kDecided; }
   static constexpr double kDecided = 0.9;
@@ -28,15 +30,16 @@ struct TermFinding {
 
 /// Results of a discovery; no terms if the case requests none.
 struct Discovery {
-  std::vector<TermFinding> terms;  ///< in the order of the case
-  std::vector<LinkLaw> laws;  ///< laws of the links with optional terms, averaged over all models
+  std::vector<TermFinding> terms;  ///< terms in the order of the case
+  /// Force laws of the links with optional terms, averaged over all models
+  std::vector<LinkLaw> laws;
 };
 
 /// Computes inclusion probabilities from the model probabilities
-/// (inference/diagnosis/standing.hpp), so that models without reliable draws count by their
-/// evidence. The error combines two parts: the error of the mean of the term's indicator over the
-/// chains (at least one effective draw of the model), and the errors of model probabilities from
-/// evidence.
+/// (inference/diagnosis/standing.hpp), so that the evidence determines the probability of models
+/// without reliable draws. The error combines two parts: the error of the mean of the term's
+/// indicator over the chains (at least one effective draw of the model), and the errors of model
+/// probabilities from evidence.
 [[nodiscard]] std::vector<TermFinding> term_findings(const SidCase& sid_case,
                                                      const inference::Posterior& posterior,
                                                      const Findings& findings);

@@ -1,8 +1,8 @@
 // Models of the residuals r = (measured - predicted) [SI] of one response.
 //
 // To add a residual model, write one file in this folder. If case files may name the model, add a
-// ResidualKind to the file and a line to residual_list.cpp; schema, parser, summary and texts use
-// this list.
+// ResidualKind to the file and a line to residual_list.cpp. Schema, parser, summary and texts use
+// the list in residual_list.cpp.
 #pragma once
 
 #include <memory>
@@ -21,7 +21,7 @@ struct ResidualKind;
 struct ResidualParameter {
   std::string name;
   inference::Prior prior;
-  std::string_view unit;  ///< SI; "1": dimensionless
+  std::string_view unit;  ///< SI unit of the parameter; "1": dimensionless
 };
 
 /// Parts of a residual model's name in texts: "an" "autoregression" " of order 2".
@@ -38,18 +38,19 @@ struct Innovations {
   double variance;
 };
 
-/// The joint density p(r | σ, c) of the N residuals of a response, Gaussian. σ is the standard
-/// deviation of each single r_n, used by predictive bands; `c` are the parameter values.
+/// The Gaussian joint density p(r | σ, c) of the N residuals of a response. σ is the standard
+/// deviation of each single r_n, which predictive bands use. `c` contains the parameter values.
 class ResidualModel {
  public:
   virtual ~ResidualModel() = default;
 
   [[nodiscard]] virtual ResidualWords words() const = 0;
-  /// The kind and its value in a case file; null and 0 if a case cannot name it.
+  /// The kind of the residual model and its value in a case file; null and 0 if a case file cannot
+  /// name the model.
   [[nodiscard]] virtual const ResidualKind* kind() const { return nullptr; }
   [[nodiscard]] virtual int value() const { return 0; }
-  /// The parameters for one response, in the order of `c`. `channel` ("[2]"; empty if the case has
-  /// one response) is part of each name, so that names are unique.
+  /// The parameters for one response, in the order of `c`. `channel` is a part of each name, so
+  /// that names are unique: "[2]", or empty if the case has one response.
   [[nodiscard]] virtual std::vector<ResidualParameter> parameters(
       const std::string& channel) const = 0;
   /// True if p(r | σ) = ∏ N(r_n | 0, σ²), so that the likelihood needs only Σ r_n².
@@ -62,8 +63,8 @@ class ResidualModel {
   /// `out` may be `residuals`.
   virtual void standardise(std::span<const double> residuals, std::span<const double> c,
                            std::span<double> out) const = 0;
-  /// Innovations for tests of whiteness, linear in r; a model may omit the first ones. Default:
-  /// those of standardise, with variance σ².
+  /// Innovations for tests of whiteness, linear in r. A model may omit the first innovations. The
+  /// default is the result of standardise with the variance σ².
   [[nodiscard]] virtual Innovations innovations(std::span<const double> residuals, double sigma,
                                                 std::span<const double> c) const;
 };
@@ -77,16 +78,17 @@ struct ResidualKind {
   std::string_view key;
   std::string_view description;        ///< description of the object, for the schema
   std::string_view value_description;  ///< description of the value, for the schema
-  int highest;                         ///< highest value
+  int highest;                         ///< highest allowed value
   std::shared_ptr<const ResidualModel> (*make)(int value);
-  /// The value that fits the residuals of one response, from the best fit with white residuals.
+  /// Chooses the value for the residuals of one response, which come from the best fit with white
+  /// residuals.
   int (*choose)(std::span<const double> residuals);
   std::string_view criterion;  ///< criterion of `choose`
 };
 [[nodiscard]] std::span<const ResidualKind* const> residual_kinds();
 
-/// Stationary autoregressions of order `value`. Their parameters "ar[1]" … are the partial
-/// autocorrelations in (-1, 1), each with the prior U(-1, 1).
+/// Stationary autoregressions of order `value`. The parameters "ar[1]" … of an autoregression are
+/// the partial autocorrelations in (-1, 1), each with the prior U(-1, 1).
 extern const ResidualKind kAutoregressive;
 
 }  // namespace wheeltap::identification

@@ -10,12 +10,12 @@
 
 namespace wheeltap::inference {
 
-/// From k components to k + 1 or k - 1, each proposed with probability ½. If the neighbouring model
-/// does not exist (at k = 0 or k_max), the chain repeats its state, so that both probabilities are
-/// ½ also at the bounds.
+/// The move proposes k + 1 or k - 1 components for a state with k components, each with probability
+/// ½. If the neighbouring model does not exist (at k = 0 or k_max), the chain repeats its state.
+/// Both probabilities are therefore ½ also at the bounds.
 ///
-/// Birth draws c from q(· | set) and inserts it in order; death removes component i of the k + 1
-/// with probability p_i:
+/// A birth draws a component c from q(· | set) and inserts it in order. A death removes component i
+/// of the k + 1 components with probability p_i:
 ///
 ///   ln ratio(birth) = ln p_c(set with c) - ln q(c | set without c)         |J| = 1.
 ///
@@ -33,10 +33,10 @@ class BirthDeath : public Move {
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  /// ε. It is large because a density fitted to few samples may be inaccurate.
+  /// The constant ε of p_i. It is large because a density fitted to few samples may be inaccurate.
   static constexpr double kDefensive = 0.4;
 
-  /// Writes p_i of the larger set to probability_.
+  /// Writes the death probabilities p_i of the larger set to probability_.
   void choose_deaths(const ModelSpace& space, int larger, const std::vector<double>& z);
 
   int kind_;
@@ -45,13 +45,13 @@ class BirthDeath : public Move {
   std::vector<double> component_, rest_, probability_;
 };
 
-/// Removes one component, chosen uniformly, and inserts it elsewhere:
+/// Removes one component, chosen uniformly, and inserts a component at another location:
 ///
 ///   ln ratio = ln q(c | set without c) - ln q(c' | set without c).
 ///
-/// The residual without c follows from the atlas (InformedProposal). For the forward density it is
-/// computed from the current state, for the reverse density from the proposed state, so that each
-/// density depends on one state only.
+/// The residual without c follows from the atlas (InformedProposal). This residual is computed from
+/// the current state for the forward density, and from the proposed state for the reverse density.
+/// Each density therefore depends on one state only.
 class Relocation : public Move {
  public:
   Relocation(int kind, std::unique_ptr<ComponentProposal> proposal)

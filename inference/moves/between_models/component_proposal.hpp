@@ -12,7 +12,7 @@
 
 namespace wheeltap::inference {
 
-/// Proposes the standard normal coordinates of one component, given the state that it would join.
+/// Proposes the standard normal coordinates of one component that is added to a given state.
 class ComponentProposal {
  public:
   virtual ~ComponentProposal() = default;
@@ -20,7 +20,7 @@ class ComponentProposal {
   /// Prepares the proposal for states like `context`; if `skip` >= 0, for the set without that
   /// component of `kind`. `beta` tempers the influence of the residual.
   virtual void condition(const State& context, int kind, int skip, double beta) = 0;
-  /// Draws from the conditioned proposal.
+  /// Draws the coordinates z of a component from the conditioned proposal.
   virtual void draw(base::Random& random, std::span<double> z) = 0;
   /// ln [ q(z) / ∏ φ(z_i) ] of the conditioned proposal, its density relative to the prior.
   [[nodiscard]] virtual double log_density_ratio(std::span<const double> z) const = 0;
@@ -44,11 +44,11 @@ struct EffectAtlas {
   int total = 0;
   Eigen::Matrix<float, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>
       effects;                  ///< total × residuals
-  Eigen::VectorXf half_square;  ///< ½ |D_c|²
+  Eigen::VectorXf half_square;  ///< ½ |D_c|² of each cell
   double noise_scale = 1.0;     ///< noise scale for which the effects were computed
 
-  /// Cost of weighting all cells once, in equivalent likelihood calls. It counts one multiplication
-  /// for each residual of each cell, and ten for each exponential.
+  /// Cost of computing the weights of all cells once, in equivalent likelihood calls. Each residual
+  /// of each cell counts as one multiplication, and each exponential as ten multiplications.
   [[nodiscard]] double work() const {
     return static_cast<double>(total) * (static_cast<double>(effects.cols()) + 10.0) /
            kOperationsACall;
@@ -67,8 +67,8 @@ struct EffectAtlas {
 ///   q(c) = ε / N + (1 - ε) softmax_c( -½ β |r + D_c|² ),     uniform within the cell in prior
 ///   probability.
 ///
-/// Because of the term with ε, every location can be proposed. If one component of the state is to
-/// be left out, its own effect is subtracted from the residual first.
+/// Because of the term with ε, every location can be proposed. To leave out one component of the
+/// state, its effect is first subtracted from the residual.
 class InformedProposal : public ComponentProposal {
  public:
   InformedProposal(std::shared_ptr<const EffectAtlas> atlas, const ModelSpace& space, int kind);
@@ -77,15 +77,15 @@ class InformedProposal : public ComponentProposal {
   [[nodiscard]] double log_density_ratio(std::span<const double> z) const override;
 
  private:
-  static constexpr double kDefensive = 0.2;  ///< ε
+  static constexpr double kDefensive = 0.2;  ///< weight ε of the prior in the proposal
 
   std::shared_ptr<const EffectAtlas> atlas_;
   const ModelSpace* space_;
   std::size_t width_;
   Eigen::VectorXf residual_;
-  Eigen::ArrayXf weights_;  ///< softmax, not normalised
+  Eigen::ArrayXf weights_;  ///< softmax weights of the cells, not normalised
   float sum_ = 1.0F;
-  bool flat_ = true;  ///< no residual available: use the prior
+  bool flat_ = true;  ///< true if there are no residuals; the proposal is then the prior
 };
 
 }  // namespace wheeltap::inference

@@ -17,7 +17,7 @@ namespace wheeltap::inference {
 ///                                                      Σ_JJ - Σ_JI Σ_II⁻¹ Σ_IJ),
 ///   p(j, l | z_I) ∝ w_l N(z_I; μ_I, Σ_II).
 ///
-/// Computed once per pilot and shared by all threads.
+/// The conditional mixtures are computed once per pilot and shared by all threads.
 class ConditionalMixtures {
  public:
   ConditionalMixtures(const ModelSpace& space, const PilotFit& fit, int kind);
@@ -32,7 +32,7 @@ class ConditionalMixtures {
     Eigen::MatrixXd regression;  ///< Σ_JI Σ_II⁻¹
     Eigen::MatrixXd factor;      ///< Cholesky factor of the conditional covariance
     Eigen::MatrixXd inverse_factor;
-    double log_determinant;  ///< of `factor`
+    double log_determinant;  ///< log determinant of `factor`
   };
   [[nodiscard]] const std::vector<Conditional>& of_model(int m) const {
     return conditionals_[static_cast<std::size_t>(m)];
@@ -51,7 +51,7 @@ class ConditionalProposal : public ComponentProposal {
   [[nodiscard]] double log_density_ratio(std::span<const double> z) const override;
 
  private:
-  static constexpr double kDefensive = 0.1;    ///< ε
+  static constexpr double kDefensive = 0.1;    ///< weight ε of the defensive component
   static constexpr double kNegligible = 1e-5;  ///< terms with a smaller p(j, l | z_I) are dropped
 
   struct Term {

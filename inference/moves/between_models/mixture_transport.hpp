@@ -1,5 +1,5 @@
-// Jumps between models by means of the fitted mixtures; a jump keeps the standardised position
-// within a mixture component.
+// Jumps between models that use the fitted mixtures. A jump keeps the standardised position within
+// a mixture component.
 #pragma once
 
 #include <memory>
@@ -10,8 +10,8 @@ namespace wheeltap::inference {
 
 /// AutoMix (Hastie 2005, section 3.3; Green 2003, section 6.2). The state of model m is allocated
 /// to component l of its mixture with probability p(l | z) and standardised, u = L_l⁻¹(z - μ_l). A
-/// model m' and a component l' are drawn. u is truncated or extended with standard normals to the
-/// new dimension, and z' = μ_l' + L_l' u':
+/// model m' and a component l' of its mixture are drawn. u is truncated or extended with standard
+/// normals to the new dimension, and z' = μ_l' + L_l' u':
 ///
 ///   ln ratio = ln [ω_m / (1 - ω_m')] + ln w_l + ln p(l' | z')
 ///            - ln [ω_m' / (1 - ω_m)] - ln w_l' - ln p(l | z)

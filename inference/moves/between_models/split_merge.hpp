@@ -12,15 +12,15 @@ namespace wheeltap::inference {
 ///   a_i₁ = s_i a_i, a_i₂ = (1 - s_i) a_i,   s_i ~ U(0, 1),
 ///
 /// and two neighbours merge by x = (x₁ + x₂)/2, a_i = a_i₁ + a_i₂, so that sums are conserved. If
-/// the effects multiply instead (1 - a is the remaining share of a component), -ln(1 - a) replaces
-/// a. One of k components is chosen to split and one of k neighbouring pairs of k + 1 to merge, so
-/// these probabilities cancel:
+/// effects combine by multiplication, 1 - a is the remaining share of a component, and -ln(1 - a)
+/// replaces a. One of k components is chosen to split and one of k neighbouring pairs of k + 1 to
+/// merge, so these probabilities cancel:
 ///
 ///   ln ratio(split) = - ln g(w) + ln |J| + Σ ln |dz'/dx'| - Σ ln |dz/dx|,     |J| = 2 ∏ |a_i|.
 class SplitMerge : public Move {
  public:
   enum class Keeps { sum, product_of_complements };
-  /// `width` [unit of the first parameter] is that of the half-normal g.
+  /// `width` is the scale of the half-normal g, in the unit of the first parameter.
   SplitMerge(int kind, double width, Keeps keeps = Keeps::sum)
       : kind_(kind), width_(width), compounds_(keeps == Keeps::product_of_complements) {}
   std::optional<double> propose(const State& from, const Step& step, State& to) override;

@@ -16,7 +16,7 @@ namespace wheeltap::inference {
 ///   ln ratio(lower → upper) = Σ ln g'(u') - Σ ln g(u) + ln |∂(x', u')/∂(x, u)|
 ///                             + Σ ln |dz'/dx'| - Σ ln |dz/dx|.
 ///
-/// One expression serves both directions.
+/// The same expression holds for both directions of the jump.
 class Transformation : public Move {
  public:
   /// Reads the concatenated (x, u), writes the concatenated (x', u') and returns ln |J|.
@@ -26,16 +26,18 @@ class Transformation : public Move {
     int lower = 0;
     int upper = 1;
     std::vector<Prior> lower_auxiliaries;  ///< g
-    std::vector<Prior> upper_auxiliaries;  ///< g'
-    Map forward;                           ///< lower → upper
-    Map inverse;  ///< upper → lower; returns its own ln |J|, minus the forward one's
+    std::vector<Prior> upper_auxiliaries;  ///< densities g' of the auxiliary variables u'
+    Map forward;                           ///< map from `lower` to `upper`
+    /// Map from `upper` to `lower`. The map returns its own ln |J|, which is minus the ln |J| of
+    /// `forward`.
+    Map inverse;
   };
 
   /// Throws std::invalid_argument if the dimensions do not match.
   Transformation(const ModelSpace& space, Definition definition);
 
-  /// Throws std::logic_error if inverse(forward(·)) differs from its argument by more than 10⁻⁸ of
-  /// its size, or the two log-Jacobians do not cancel: the user's map is inconsistent.
+  /// Throws std::logic_error if the user's map is inconsistent: inverse(forward(x)) differs from x
+  /// by more than 10⁻⁸ of the size of x, or the two log-Jacobians do not cancel.
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
   /// The nested map (Tiboaca 2016, thesis, section 4.2): shared parameters are kept, and the one
