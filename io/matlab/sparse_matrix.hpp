@@ -21,10 +21,10 @@ inline constexpr long long kMostMatrixRows = 10'000'000;
 inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 
 /// Reads the matrix called `name` from a MATLAB file (v5 or v7.3, sparse or full, real), or from a
-/// folder of Matrix Market files that contains NAME or NAME.mtx. Throws FileError: missing if the
-/// file or folder does not exist; corrupt if the file or folder does not contain this matrix (the
-/// message lists the matrices that exist), or if the matrix is not real or has an index out of
-/// range. Also throws the errors of `parse_matrix_market`.
+/// folder of Matrix Market files that contains NAME or NAME.mtx. Throws FileError (missing) if the
+/// file or folder does not exist. Throws FileError (corrupt) if the file or folder does not contain
+/// this matrix; the message lists the matrices that exist. Throws FileError (corrupt) if the matrix
+/// is not real or has an index out of range. Also throws the errors of `parse_matrix_market`.
 [[nodiscard]] SparseMatrix read_sparse_matrix(const std::filesystem::path& path,
                                               const std::string& name);
 

@@ -25,10 +25,11 @@ struct NetcdfArray {
   }
 };
 
-/// A reader of one NetCDF-4 file. Throws FileError: missing if the file does not exist; corrupt if
-/// the file is truncated, damaged, not a NetCDF-4 file, or stores its numbers in other files
-/// (require_own_storage); foreign if a requested group or variable does not exist. `what` names the
-/// expected file in the message of the last error: "a posterior of wheeltap".
+/// A reader of one NetCDF-4 file. Throws FileError (missing) if the file does not exist. Throws
+/// FileError (corrupt) if the file is truncated, damaged, not a NetCDF-4 file, or stores its
+/// numbers in other files (require_own_storage). Throws FileError (foreign) if a requested group or
+/// variable does not exist. `what` names the expected file in the message of this last error: "a
+/// posterior of wheeltap".
 class NetcdfReader {
  public:
   explicit NetcdfReader(const std::filesystem::path& path, std::string what = "the file expected")

@@ -14,13 +14,13 @@
 //
 // Options that are not set are detected (io/text/text_layout.hpp):
 //
-// - the separator (comma, semicolon, tab, bar, or any run of blanks) and the decimal mark (point or
-// comma): the pair for which most cells are numbers
+//   - the separator (comma, semicolon, tab, bar, or any run of blanks) and the decimal mark (point
+//     or comma): the pair for which most cells are numbers
 //   - the first row, from which all lines hold numbers and stamps in the same columns
 //   - the line of names above it, a line of units below the names, and the number of other lines
 //   above
-// - remarks after the rows, whose lines begin with neither a number nor a stamp; remarks are
-// ignored
+//   - remarks after the rows, whose lines begin with neither a number nor a stamp; remarks are
+//     ignored
 //
 // A first line "sep=;" states the separator. The header "force [N]" contains the name force and the
 // unit N (see io/tables/columns.hpp). The caller checks the content of cells and decides whether
