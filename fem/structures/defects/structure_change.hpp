@@ -59,8 +59,8 @@ class ImpossibleChange : public std::invalid_argument {
 /// same part into one scaling. The remaining stiffness is the product of the individual values.
 void compound(StructureChange& change);
 
-/// Applies the changes to the discretisation. Tests compare the reanalysis with the result of this
-/// function. The function eliminates the degrees of freedom that rigid springs restrain, and
+/// Applies the changes to the discretisation. The modes of the result are the reference for the
+/// reanalysis. The function eliminates the degrees of freedom that rigid springs restrain, and
 /// expresses `motions` in the remaining degrees of freedom. Throws std::invalid_argument like
 /// `StructureReanalysis::solve`, and ImpossibleChange if the change removes more mass than the
 /// structure has.
