@@ -1,14 +1,14 @@
 // Eigen, with the settings of the library build.
 //
 // Eigen's vectors and matrices cross the library boundary by value: one side allocates memory and
-// the other frees it. The method of freeing depends on EIGEN_MALLOC_ALREADY_ALIGNED, which follows
-// from the compiler's -march unless it is set, as does EIGEN_MAX_ALIGN_BYTES. wheeltap::base sets
-// both for its users. Code compiled without them fails to compile here instead of crashing in
-// free().
+// the other frees it. The method of freeing depends on EIGEN_MALLOC_ALREADY_ALIGNED. Without
+// explicit settings, this macro and EIGEN_MAX_ALIGN_BYTES follow from the compiler's option -march.
+// wheeltap::base sets both macros for its users. Without these settings, compilation stops here;
+// otherwise the program could crash in free().
 //
 // EIGEN_NO_CPUID: Eigen splits sums of products by cache sizes, which it reads from the processor.
-// Rounding, and with it every draw of a chain, would depend on the machine. With this setting, the
-// sizes are the same everywhere.
+// Rounding errors, and therefore every draw of a chain, would depend on the machine. With this
+// setting, Eigen assumes the same cache sizes on every machine.
 #pragma once
 
 #include "base/eigen_products.hpp"

@@ -2,12 +2,14 @@
 //
 // Eigen divides C = A B into panels and multiplies them with a kernel (`gebp_kernel`; Goto & van de
 // Geijn 2008). The kernel is a template of the scalar types and storage orders. Without this
-// header, every source file with a matrix product compiles the kernel, which took a third of the
-// build time. With the following declarations, only eigen_products.cpp compiles it. Results do not
-// change, because the kernel is compiled from the same code with the same options.
+// header, every source file with a matrix product compiles the kernel; these compilations took a
+// third of the build time. With the following declarations, only eigen_products.cpp compiles the
+// kernel. The results of products do not change, because the kernel is compiled from the same code
+// with the same options.
 //
-// The names are those of Eigen 3.4. With another version of Eigen, or an instruction set other than
-// the library's, this header declares nothing, and each source file compiles its own kernel.
+// The names of the templates are those of Eigen 3.4. With another version of Eigen, or an
+// instruction set other than that of the library build, this header declares nothing, and each
+// source file compiles its own kernel.
 #pragma once
 
 #include <Eigen/Core>

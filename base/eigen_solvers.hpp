@@ -1,10 +1,10 @@
 // Eigen's decompositions of dense matrices of variable size, compiled once (eigen_solvers.cpp).
 //
-// Include this instead of <Eigen/Dense>, <Eigen/Cholesky>, <Eigen/LU>, <Eigen/QR>, <Eigen/SVD> and
-// <Eigen/Eigenvalues>; source files then do not compile the decompositions. Pass a matrix to a
-// decomposition instead of an expression: a decomposition of an expression is a further template
-// instance. Decompositions that only one or two files use (complex matrices, JacobiSVD,
-// EigenSolver) are compiled in those files.
+// Include this header instead of <Eigen/Dense>, <Eigen/Cholesky>, <Eigen/LU>, <Eigen/QR>,
+// <Eigen/SVD> and <Eigen/Eigenvalues>; source files that include this header do not compile the
+// decompositions. Pass a matrix to a decomposition instead of an expression: a decomposition of an
+// expression is a further template instance. Decompositions that only one or two files use (complex
+// matrices, JacobiSVD, EigenSolver) are compiled in those files.
 #pragma once
 
 #include <Eigen/Dense>
@@ -34,7 +34,7 @@ WHEELTAP_SOLVER_INSTANCE template SelfAdjointEigenSolver<MatrixXd>&
 SelfAdjointEigenSolver<MatrixXd>::compute(const EigenBase<MatrixXd>&, int);
 WHEELTAP_SOLVER_INSTANCE template class GeneralizedSelfAdjointEigenSolver<MatrixXd>;
 
-// Functions that decompositions of expressions call.
+// Functions that the decompositions of expressions call.
 namespace internal {
 WHEELTAP_SOLVER_INSTANCE template void tridiagonalization_inplace(MatrixXd&, VectorXd&);
 WHEELTAP_SOLVER_INSTANCE template void make_block_householder_triangular_factor(

@@ -1,4 +1,4 @@
-// Conversion between Eigen's signed indices and the containers' unsigned ones.
+// Conversion of Eigen's signed indices to the unsigned indices of the standard containers.
 #pragma once
 
 #include <concepts>
@@ -6,7 +6,7 @@
 
 namespace wheeltap {
 
-/// i >= 0 as an unsigned index.
+/// Converts an index i >= 0 to an unsigned index.
 [[nodiscard]] constexpr std::size_t index(std::integral auto i) {
   return static_cast<std::size_t>(i);
 }

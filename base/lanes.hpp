@@ -1,5 +1,5 @@
 // Elementary functions for GCC vector types (and double). All lanes execute the same operations, so
-// the result of a lane does not depend on the width of the vector.
+// the value computed in a lane does not depend on the width of the vector.
 #pragma once
 
 #include <cmath>
@@ -23,8 +23,9 @@ template <class V>
   return a > b ? a : b;
 }
 
-/// exp(x) for |x| <= 700: 2ᵏ times the Taylor polynomial of degree 13 on |r| <= ½ ln 2, whose
-/// remainder is 4e-18. Relative error below 3 units in the last place.
+/// Computes exp(x) for |x| <= 700 as 2ᵏ times the Taylor polynomial of exp(r), degree 13, with |r|
+/// <= ½ ln 2. The remainder of the polynomial is 4e-18. The relative error of the result is below 3
+/// units in the last place.
 template <class V>
 [[gnu::always_inline]] inline V exp(V x) {
   // Adding 1.5·2⁵² stores the nearest integer in the low bits of the mantissa.
@@ -45,7 +46,7 @@ template <class V>
   }
 }
 
-/// tanh(x) with an absolute error of a few 1e-16.
+/// Computes tanh(x) with an absolute error of a few 1e-16.
 template <class V>
 [[gnu::always_inline]] inline V tanh(V x) {
   const V magnitude = abs(x);
@@ -54,7 +55,7 @@ template <class V>
   return x < 0.0 ? -y : y;
 }
 
-/// xⁿ for x >= 0, lane by lane; fast if all lanes have the exponent 1, or all have 2.
+/// Computes xⁿ for x >= 0, lane by lane. The computation is fast in lanes with the exponent 1 or 2.
 template <class V>
 [[gnu::always_inline]] inline V power(V x, V n) {
   if constexpr (std::is_same_v<V, double>) {

@@ -1,4 +1,5 @@
-// Runs independent jobs on several threads and, in a run with several ranks, on all ranks.
+// Parallel execution of independent jobs on several threads and, in a run with several ranks, on
+// all ranks.
 #pragma once
 
 #include <algorithm>
@@ -13,26 +14,27 @@
 
 namespace wheeltap::base {
 
-/// Number of threads to use: the requested number, or for 0 the number of processors.
+/// Returns the number of threads to use: the requested number, or the number of processors if the
+/// requested number is 0.
 [[nodiscard]] inline int thread_count(int asked) {
   return asked > 0 ? asked : std::max(1, static_cast<int>(std::thread::hardware_concurrency()));
 }
 
 /// Starts up to `n` threads that run `work`. If the system allows fewer threads (container, batch
-/// system), it starts fewer; they do all of the work.
+/// system), this function starts fewer threads. These threads then do all of the work.
 template <typename Work>
 void enlist(std::vector<std::jthread>& crew, int n, const Work& work) {
   try {
     for (int t = 0; t < n; ++t) crew.emplace_back(work);
   } catch (const std::system_error&) {
     return;
-  } catch (const std::bad_alloc&) {  // for the thread's state or its stack
+  } catch (const std::bad_alloc&) {  // no memory for the thread's state or stack
     return;
   }
 }
 
-/// Calls job(0), …, job(n - 1), each once, on up to `threads` threads; rethrows the exception of
-/// the failed job with the lowest number.
+/// Calls job(0), …, job(n - 1), each once, on up to `threads` threads. If jobs fail, this function
+/// rethrows the exception of the failed job with the lowest number.
 template <typename Job>
 void parallel_for(int n, int threads, Job&& job) {
   std::vector<std::exception_ptr> errors(static_cast<std::size_t>(n));
@@ -72,8 +74,9 @@ void parallel_for(int n, int threads, Job&& job, const Carriage& carriage) {
       carriage);
 }
 
-/// True if the run must stop. With one process, the result is `wish`. With several ranks it is
-/// their common decision; inside a shared job, it is `wish` or the request of any rank.
+/// Returns true if the run must stop. In a run with one process, the result is `wish`. In a run
+/// with several ranks, the result is the common decision of the ranks. Inside a shared job, the
+/// result is true if `wish` is true or if any rank has requested a stop.
 [[nodiscard]] inline bool is_to_stop(bool wish) {
   const Ranks* all = ranks();
   if (all == nullptr) return wish;

@@ -1,4 +1,5 @@
-// Serialises the results of jobs for other ranks of the same program. This is not a file format.
+// Serialisation of the results of jobs for other ranks of the same program. The serialised bytes
+// are not a file format.
 #pragma once
 
 #include <concepts>
@@ -20,10 +21,10 @@ namespace wheeltap::base {
 template <class T>
 concept PlainNumber = std::is_arithmetic_v<T> || std::is_enum_v<T>;
 
-/// Packs its arguments one after the other: numbers, texts, vectors and matrices of numbers,
-/// optional values, and structures with a function `carry(parcel, structure)` in their namespace;
-/// also vectors of all these. The length of a span is not packed, because sender and receiver know
-/// it.
+/// Packs the arguments of each call one after the other. An argument is a number, a text, a vector
+/// or matrix of numbers, an optional value, or a structure with a function `carry(parcel,
+/// structure)` in its namespace. Vectors of all these types are allowed too. The length of a span
+/// is not packed, because sender and receiver know the length.
 class Packer {
  public:
   template <class... T>
@@ -75,7 +76,7 @@ class Packer {
   std::string bytes_;
 };
 
-/// Unpacks values of the same types in the same order.
+/// Unpacks values of the same types in the order in which a Packer packed them.
 class Unpacker {
  public:
   explicit Unpacker(std::string_view bytes) : bytes_(bytes) {}
@@ -141,9 +142,9 @@ class Unpacker {
   std::string_view bytes_;
 };
 
-/// Creates the Carriage (base/ranks.hpp) of the values that `members` lists for a job. The same
-/// list serves for packing and unpacking: `[&](int unit, auto& parcel) { parcel(x[unit], y[unit]);
-/// }`.
+/// Creates a Carriage (base/ranks.hpp) that transfers the values that `members` lists for a job.
+/// The same function `members` is used for packing and unpacking: `[&](int unit, auto& parcel) {
+/// parcel(x[unit], y[unit]); }`.
 template <class Members>
 [[nodiscard]] Carriage carriage(Members members) {
   return {.pack =

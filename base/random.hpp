@@ -1,5 +1,5 @@
-// Counter-based random numbers: they depend only on seed, chain, iteration and purpose, and not on
-// threads or earlier random numbers.
+// Counter-based random numbers. A random number depends only on seed, chain, iteration, purpose and
+// its position in the stream. It does not depend on threads or on other streams.
 #pragma once
 
 #include <Random123/philox.h>
@@ -11,7 +11,8 @@
 
 namespace wheeltap::base {
 
-/// Purpose of a stream of random numbers; a part of its key, so that streams never overlap.
+/// Purpose of a stream of random numbers. The purpose is part of the counter of the stream, so that
+/// streams never overlap.
 enum class Purpose : std::uint32_t {
   start,
   exploration,
@@ -29,7 +30,7 @@ enum class Purpose : std::uint32_t {
 };
 
 /// A stream of Philox 4x64-10 (Salmon et al. 2011, "Parallel random numbers: as easy as 1, 2, 3").
-/// It is cheap to construct; every iteration constructs a new one.
+/// A stream is cheap to construct; every iteration constructs a new stream.
 class Random {
  public:
   Random(std::uint64_t seed, std::uint64_t chain, std::uint64_t iteration, Purpose purpose)
@@ -50,13 +51,13 @@ class Random {
     return block_[next_++];
   }
 
-  /// Uniform on the open interval (0, 1).
+  /// Draws a number with the uniform distribution on the open interval (0, 1).
   double uniform() { return (static_cast<double>(bits() >> 11) + 0.5) * 0x1.0p-53; }
 
-  /// Uniform on {0, …, n-1}; n >= 1.
+  /// Draws an integer with the uniform distribution on {0, …, n-1}; n >= 1.
   int index(int n) { return static_cast<int>(uniform() * n); }
 
-  /// Standard normal (Box & Muller 1958).
+  /// Draws a number with the standard normal distribution (Box & Muller 1958).
   double normal() {
     if (has_spare_) {
       has_spare_ = false;
@@ -69,11 +70,11 @@ class Random {
     return radius * std::cos(angle);
   }
 
-  /// Standard exponential.
+  /// Draws a number with the standard exponential distribution.
   double exponential() { return -std::log(uniform()); }
 
-  /// Gamma with this shape > 0 and scale 1 (Marsaglia & Tsang 2000). A small shape may underflow to
-  /// 0.
+  /// Draws a number with the gamma distribution of this shape > 0 and scale 1 (Marsaglia & Tsang
+  /// 2000). For a small shape, the number may underflow to 0.
   double gamma(double shape) {
     if (shape < 1.0) {
       const double grown = gamma(shape + 1.0);

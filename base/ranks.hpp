@@ -1,10 +1,10 @@
 // Several processes (ranks) that run the same program on the same input and share its work.
 //
-// Every rank executes the whole program. It does all cheap work, and its share of the expensive
-// jobs (base::parallel_for with a Carriage); then the ranks exchange the results. Each rank thus
-// always has the complete state and needs no other communication. Rank 0 writes the files.
-// Information that only one rank has (a clock, a signal, a result file) must be distributed by the
-// functions here, so that all ranks take the same branch.
+// Every rank executes the whole program. Each rank does all cheap work and a share of the expensive
+// jobs (base::parallel_for with a Carriage). Then the ranks exchange the results of these jobs.
+// Each rank therefore always has the complete state and needs no other communication. Rank 0 writes
+// the files. The functions of this header must distribute any information that only one rank has (a
+// clock, a signal, a result file). Otherwise the ranks might take different branches.
 #pragma once
 
 #include <atomic>
@@ -17,12 +17,13 @@ namespace wheeltap::base {
 
 /// Transfers the result of a job to the ranks that did not compute it.
 struct Carriage {
-  /// Packs the result; called by the thread that ran the job, directly after the job.
+  /// Packs the result of a job. The thread that ran the job calls this function directly after the
+  /// job.
   std::function<std::string(int unit)> pack;
-  /// Unpacks the result; called by the thread that started the parallel loop.
+  /// Unpacks the result of a job. The thread that started the parallel loop calls this function.
   std::function<void(int unit, std::string_view bytes)> unpack;
-  /// Returns true if all ranks should pause (Ranks::pause_requested); called by rank 0 during
-  /// shared work.
+  /// Returns true if all ranks should pause (Ranks::pause_requested). Rank 0 calls this function
+  /// during shared work.
   std::function<bool()> pause = {};
 };
 
@@ -40,26 +41,29 @@ class Ranks {
 
   /// Calls job(0), …, job(n - 1), each once on one of the ranks, with up to `threads` threads per
   /// rank. The next free thread takes the next job. If jobs fail, all ranks throw the exception of
-  /// the one with the lowest number; ranks on which it did not run repeat it for that purpose.
+  /// the failed job with the lowest number. Ranks that did not run this job repeat the job to
+  /// obtain its exception.
   virtual void share_out(int n, int threads, const std::function<void(int)>& job,
                          const Carriage& carriage) = 0;
-  /// Distributes the bytes of rank 0: every rank returns them.
+  /// Distributes the bytes of rank 0 to all ranks. On every rank, this function returns the bytes
+  /// of rank 0.
   [[nodiscard]] virtual std::string from_first(std::string bytes) = 0;
-  /// Returns true if all ranks pass the same bytes.
+  /// Returns true if all ranks call this function with the same bytes.
   [[nodiscard]] virtual bool all_have(const std::string& bytes) = 0;
-  /// Waits until all ranks have called this function. Returns false if that takes more than
-  /// `seconds`.
+  /// Waits until all ranks have called this function. Returns false if some rank has not called it
+  /// within `seconds`.
   [[nodiscard]] virtual bool meet(double seconds) = 0;
   /// Terminates all ranks at once.
   [[noreturn]] virtual void abort(int exit_code) = 0;
 
-  /// Sets a callback for requests to stop, called during shared work. If any rank requests a stop,
-  /// all ranks decide to stop at the end of that work.
+  /// Sets a callback that returns true to request a stop. The ranks call the callback during shared
+  /// work. If any rank requests a stop, all ranks decide to stop at the end of the shared work.
   void on_wish_to_stop(std::function<bool()> wish) { wish_ = std::move(wish); }
-  /// Requests a stop. Safe to call from any thread.
+  /// Requests a stop of the run. Any thread may call this function.
   void ask_to_stop() { asked_ = true; }
   [[nodiscard]] virtual bool stop_agreed() const = 0;
-  /// True during shared work if some rank has requested a stop; if rank 0 has requested a pause.
+  /// stop_requested() is true during shared work if some rank has requested a stop.
+  /// pause_requested() is true during shared work if rank 0 has requested a pause.
   [[nodiscard]] virtual bool stop_requested() const = 0;
   [[nodiscard]] virtual bool pause_requested() const = 0;
 
@@ -71,13 +75,13 @@ class Ranks {
   std::atomic<bool> asked_{false};
 };
 
-/// The ranks of the run that this process belongs to; null if it is the only process.
+/// The ranks of the run to which this process belongs; null if the run has only one process.
 [[nodiscard]] inline Ranks*& ranks() {
   static Ranks* all = nullptr;
   return all;
 }
 
-/// True if this process writes the results: it is rank 0 or the only process.
+/// True if this process writes the results, because it is rank 0 or the only process of the run.
 [[nodiscard]] inline bool is_first_rank() {
   return ranks() == nullptr || ranks()->rank() == 0;
 }

@@ -9,8 +9,8 @@
 
 namespace wheeltap::base {
 
-/// x as text with `digits` significant digits and without trailing zeros: in decimal notation from
-/// 1e-4 to a million ("350", not "3.5e+02"), otherwise with an exponent ("5.4e-6").
+/// Converts x to text with `digits` significant digits and without trailing zeros: in decimal
+/// notation from 1e-4 to a million ("350", not "3.5e+02"), otherwise with an exponent ("5.4e-6").
 [[nodiscard]] inline std::string readable(double x, int digits) {
   std::string text = significant(x, digits);
   const std::size_t e = text.find('e');

@@ -1,10 +1,10 @@
 // Loops compiled once for each vector register width and selected at run time.
-//
-// Such a loop is in an implementation file of its own. The build compiles this file once for each
-// instruction set, each time into a table of functions. These files use only plain pointers: the
-// linker might otherwise take a library template compiled for wide registers for all processors.
-// `runnable` returns the tables that this processor can run. All versions are compiled without
-// fused multiply-add, so their results are identical to the last bit. Tests run each of them.
+// Each of these loops has its own implementation file. The build compiles this file once for each
+// instruction set; each compilation produces a table of functions. The implementation files use
+// only plain pointers. Otherwise the linker might select a library template that is compiled for
+// wide registers, and use this template on all processors. `runnable` returns the tables that this
+// processor can run. All versions of a loop are compiled without fused multiply-add, so their
+// results are identical to the last bit. Tests run each version.
 #pragma once
 
 #include <cstdlib>
@@ -13,10 +13,11 @@
 
 namespace wheeltap::base {
 
-/// The vector instructions to use; `automatic` selects the widest that the processor has.
+/// The vector instructions to use; `automatic` selects the widest vector instructions that the
+/// processor has.
 enum class Instructions { automatic, baseline, avx2, avx512 };
 
-/// The environment variable that limits `automatic` to these instructions or narrower ones:
+/// The environment variable that names the widest instructions that `automatic` may choose:
 /// "baseline", "avx2" or "avx512".
 inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
 
@@ -32,8 +33,8 @@ inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
   return widest;
 }
 
-/// True if this processor has the instructions that the compiler may use: with the flag -mavx2 for
-/// avx2, and -mavx512f -mavx512dq -mavx512vl for avx512.
+/// True if this processor has the instructions that the compiler may use. The compiler flag for
+/// avx2 is -mavx2; the flags for avx512 are -mavx512f -mavx512dq -mavx512vl.
 [[nodiscard]] inline bool processor_has(Instructions instructions) {
   if (instructions == Instructions::automatic || instructions == Instructions::baseline)
     return true;
@@ -46,7 +47,8 @@ inline constexpr const char* kInstructionsVariable = "WHEELTAP_SIMD";
 #endif
 }
 
-/// The function tables of one set of loops; null for instructions that the build does not include.
+/// The function tables of one set of loops. A pointer is null if the build does not include these
+/// instructions.
 template <class Table>
 struct Compiled {
   const Table* baseline;
@@ -54,8 +56,9 @@ struct Compiled {
   const Table* avx512 = nullptr;
 };
 
-/// The tables that this processor can run, from the narrowest to the widest registers; only that of
-/// `wanted` if it is not `automatic`. Empty if `wanted` is not available.
+/// Returns the function tables that this processor can run, from the narrowest to the widest
+/// registers. If `wanted` is not `automatic`, returns only the table of `wanted`. The list is empty
+/// if `wanted` is not available.
 template <class Table>
 [[nodiscard]] std::vector<const Table*> runnable(const Compiled<Table>& compiled,
                                                  Instructions wanted = Instructions::automatic) {

@@ -6,10 +6,10 @@
 
 namespace wheeltap::base {
 
-/// The signals of Ctrl-C, `kill` and a closed terminal, and the two user signals. mpirun forwards
-/// the user signals to its ranks; clusters send them before the time of a job ends (Slurm
-/// optionally; Grid Engine and LSF: SIGUSR2). SIGXCPU reports the limit of processor time and
-/// repeats every second (setrlimit(2)).
+/// The signals of Ctrl-C, `kill` and a closed terminal, the two user signals, and SIGXCPU. mpirun
+/// forwards the user signals to its ranks. Clusters send a user signal before the time limit of a
+/// job (Slurm optionally; Grid Engine and LSF: SIGUSR2). The system sends SIGXCPU every second
+/// after the limit of processor time (setrlimit(2)).
 inline constexpr std::array kStopSignals{SIGINT, SIGTERM, SIGHUP, SIGUSR1, SIGUSR2, SIGXCPU};
 
 }  // namespace wheeltap::base

@@ -1,8 +1,8 @@
-// Selects the vector width of an expensive loop at run time, so that a portable build is fast.
+// Selection of the vector width of an expensive loop at run time, so that a portable build is fast.
 #pragma once
 
-// Sanitizer builds do not use clones: GCC selects the clones at load time, before the run-time
-// library of the sanitizer is ready. clang-format off
+// Sanitizer builds do not use target clones, because GCC selects the clones at load time, before
+// the run-time library of the sanitizer is ready. clang-format off
 #if defined(__x86_64__) && defined(__linux__) && defined(__GNUC__) && !defined(__clang__) && \
     !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) && !defined(__AVX2__)
 #define WHEELTAP_VECTOR_CLONES \

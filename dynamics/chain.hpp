@@ -11,12 +11,12 @@
 
 namespace wheeltap::dynamics {
 
-/// A link between masses a and b; 0 is the ground or the moving base, 1 the first mass. With the
-/// extension e = y_b - y_a (opening: e > 0), its tension
+/// A link between the masses a and b. Number 0 is the ground or the moving base; number 1 is the
+/// first mass. With the extension e = y_b - y_a (opening: e > 0), the tension of the link,
 ///
 ///   T(e, ė) = stiffness · e + damping · ė + Σ laws
 ///
-/// pulls a towards b: +T on a, -T on b.
+/// pulls a towards b. The force is +T on a and -T on b.
 struct Link {
   int a = 0;
   int b = 1;
@@ -25,30 +25,30 @@ struct Link {
   std::vector<Law> laws = {};
 };
 
-/// M z̈ = -M 1 ÿ_base + F(t) + Σ ±T, with z the displacement relative to the base. If the base does
-/// not move, z is the absolute displacement.
+/// A chain with the equation of motion M z̈ = -M 1 ÿ_base + F(t) + Σ ±T, where z is the
+/// displacement relative to the base. If the base does not move, z is the absolute displacement.
 struct Chain {
-  std::vector<Coefficient> masses = {};  ///< [kg], masses 1, 2, …
+  std::vector<Coefficient> masses = {};  ///< masses 1, 2, … [kg]
   std::vector<Link> links = {};
 
   [[nodiscard]] int size() const { return static_cast<int>(masses.size()); }
-  /// True if no link has a law besides stiffness and damping.
+  /// True if no link has a force law in addition to stiffness and damping.
   [[nodiscard]] bool is_linear() const;
-  /// The largest parameter index of any coefficient, plus one.
+  /// Returns the largest parameter index of any coefficient, plus one.
   [[nodiscard]] int parameters() const;
 };
 
-/// Throws std::invalid_argument for a chain without masses or links, a link that does not join two
-/// different existing masses, a constant mass that is not positive, and constant coefficients that
-/// are not feasible for their law.
+/// Checks a chain. Throws std::invalid_argument for a chain without masses or links, a link that
+/// does not join two different existing masses, a constant mass that is not positive, and constant
+/// coefficients that are infeasible for their force law.
 void validate(const Chain& chain);
 
-/// The reason why the chain is infeasible at these parameters ("mass 1 = 0, must be > 0"); empty if
-/// it is feasible. Simulator::simulate returns Outcome::impossible for an infeasible chain, and if
-/// frequencies overflow.
+/// Returns the reason why the chain is infeasible at these parameters ("mass 1 = 0, must be > 0"),
+/// or an empty text for a feasible chain. Simulator::simulate returns Outcome::impossible for an
+/// infeasible chain, and if natural frequencies overflow.
 [[nodiscard]] std::string impossibility(const Chain& chain, std::span<const double> theta);
 
-/// The matrices of the linear part, n × n each.
+/// The matrices of the linear part of a chain, n × n each.
 struct LinearMatrices {
   Eigen::MatrixXd mass, damping, stiffness;
 };
@@ -56,25 +56,25 @@ struct LinearMatrices {
 
 /// Rates that limit a time step.
 struct Rates {
-  double frequency = 0.0;  ///< upper bound of the highest natural frequency ω [rad/s]
-  /// Upper bound of the largest decay rate, that is of the largest eigenvalue of M⁻¹ C [1/s].
+  double frequency = 0.0;  ///< upper bound of all natural frequencies ω [rad/s]
+  /// Upper bound of the decay rates, that is of the largest eigenvalue of M⁻¹ C [1/s].
   double damping = 0.0;
 };
 
-/// Gershgorin's bounds over the rows of M⁻¹ K and M⁻¹ C, with the largest slope of every law for
-/// extensions up to `extension[link]` [m]. If `extension` is empty, the extension is 0, and a cubic
-/// spring does not contribute. The bounds are exact for one mass. `paces` gives the rates that grow
-/// with the speed of a link.
+/// Computes Gershgorin's bounds over the rows of M⁻¹ K and M⁻¹ C. Each force law enters with its
+/// largest slope for extensions up to `extension[link]` [m]. If `extension` is empty, the
+/// extensions are 0, and a cubic spring does not contribute. The bounds are exact for one mass.
+/// `paces` computes the rates that grow with the speed of a link.
 [[nodiscard]] Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                                    std::span<const double> extension = {});
 
-/// True if the chain has a law whose rates grow with the speed of its link (LawInfo::paced).
+/// True if the chain has a force law whose rates grow with the speed of the link (LawInfo::paced).
 [[nodiscard]] bool is_paced(const Chain& chain);
 
-/// Computes the growth of rates with speed, one number per link [1/m]. At the speeds ė, the fastest
-/// rate of the paced laws is at most Σ pace[link] |ė_link| [1/s], with pace = Σ laws (∂²T/∂ė²
-/// (1/m_a + 1/m_b) + memory_per_speed). A rate is a damping rate (an eigenvalue of M⁻¹ C) or the
-/// rate of a law's internal state.
+/// Computes the growth of rates with the speed of each link, one number per link [1/m]. At the
+/// speeds ė, the largest rate of the paced laws is at most Σ pace[link] |ė_link| [1/s], with pace =
+/// Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). A rate is a damping rate (an eigenvalue of
+/// M⁻¹ C) or the rate of the internal state of a law.
 void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace);
 
 }  // namespace wheeltap::dynamics

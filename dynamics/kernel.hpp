@@ -6,22 +6,23 @@
 
 namespace wheeltap::dynamics::kernel {
 
-// The loops use plain arrays only: library code in a file compiled for AVX-512 could be selected by
-// the linker for every processor.
+// The loops use only plain arrays. Otherwise the linker could select library code compiled for
+// AVX-512 and use it on every processor.
 
 struct LawTerm {
   int kind = 0;
-  int slot = 0;    ///< first coefficient; the side (±1) follows the last one
-  int memory = 0;  ///< index of its internal state, if it has one
-  int dry = -1;    ///< for exact friction: index of its pair of masses
+  int slot = 0;    ///< slot of the first coefficient; the side (±1) follows the last coefficient
+  int memory = 0;  ///< index of the internal state, for a law with memory
+  int dry = -1;    ///< for exact friction: index of the pair of masses
 };
 
 struct LinkTerm {
   int a = 0, b = 0;
-  int slot = 0;       ///< stiffness, damping
-  int pace_slot = 0;  ///< rate of its laws per unit of its speed [1/m], see chain.hpp
+  int slot = 0;       ///< slot of the stiffness, then damping
+  int pace_slot = 0;  ///< slot of the rate of the laws per unit of the link's speed [1/m], see
+                      ///< `paces`
   int law_begin = 0, law_end = 0;
-  bool turning = false;  ///< has a law with memory, which has a corner at ė = 0
+  bool turning = false;  ///< true for a law with memory, whose rate has a corner at ė = 0
 };
 
 struct DriveTerm {
@@ -30,50 +31,53 @@ struct DriveTerm {
   int slot = 0;  ///< scale, offset
 };
 
-/// One sensor. Its predicted value is the relative motion + base_scale · base[n] + base_offset.
+/// One sensor. The predicted value of the sensor is the relative motion + base_scale · base[n] +
+/// base_offset.
 struct SensorTerm {
   int mass = 0;
-  int quantity = 0;              ///< time derivatives
-  const double* base = nullptr;  ///< null: relative. One value per sample of the excitation.
+  int quantity = 0;              ///< number of time derivatives
+  const double* base = nullptr;  ///< base motion, one value per sample of the excitation; null:
+                                 ///< relative motion
   int base_slot = 0;             ///< scale, offset
   const double* observed = nullptr;
-  int slot = 0;  ///< scale and offset of the observed signal
+  int slot = 0;  ///< slot of scale and offset of the observed signal
 };
 
 /// The work for one group of parameter vectors, one per lane.
 struct Task {
   int masses = 0, links = 0, laws = 0, drives = 0, sensors = 0, memories = 0;
-  int frictions = 0;  ///< pairs of masses with exact friction between them
+  int frictions = 0;  ///< number of pairs of masses with exact friction
   const LinkTerm* link = nullptr;
   const LawTerm* law = nullptr;
   const DriveTerm* drive = nullptr;
   const SensorTerm* sensor = nullptr;
-  bool serial = false;  ///< link i joins masses i and i + 1, and there are no other links
-  int only_law = -1;    ///< the kind of all laws, if they have the same
+  bool serial = false;  ///< link i joins masses i and i + 1, and the chain has no other links
+  int only_law = -1;    ///< the kind of all laws, if all laws have the same kind
   double step = 0.0;    ///< time between two samples of the excitation [s]
   std::int64_t samples = 0;
   int stride = 1;
-  std::int64_t lead_in = 0;  ///< samples of the response before scoring begins
+  std::int64_t lead_in = 0;  ///< number of samples of the response before scoring begins
   int substeps = 1;
   bool turning = false;  ///< LinkTerm::turning of any link
-  bool paced = false;    ///< some law has a rate that grows with the speed of its link
-  double pace = 0.0;     ///< largest product of their rates and a step
-  int most_steps = 1;    ///< per lane and sample
+  bool paced = false;    ///< some law has a rate that grows with the speed of the link
+  double pace = 0.0;     ///< largest product of a paced rate and a step
+  int most_steps = 1;    ///< largest number of steps per lane and sample
   int degree = 0;        ///< degree of the Taylor series, 2 … kMaxDegree
   int halvings = 0;  ///< number of halvings of the step in the exponential of the exact solution
   double bound = 0.0;
-  int initial_slot = 0;  ///< displacements, then velocities; masses are slots 0, 1, …
+  int initial_slot = 0;  ///< slot of the displacements, then velocities; masses have the slots 0,
+                         ///< 1, …
 
-  /// coefficients[slot · W + lane], 64-byte aligned like everything below.
+  /// coefficients[slot · W + lane]. All following arrays are 64-byte aligned.
   const double* coefficients = nullptr;
   double* scratch = nullptr;  ///< scratch_size(…) · W doubles
   double* sums = nullptr;     ///< [sensor][lane]; null: store the trajectory
-  /// `weights` is [sensor][lane] or null, `limits` [lane]. A lane whose weighted sum exceeds its
-  /// limit fails at once.
+  /// `weights` is [sensor][lane] or null, `limits` [lane]. If the weighted sum of a lane exceeds
+  /// the limit of the lane, the lane fails at once.
   const double* weights = nullptr;
   const double* limit = nullptr;
   double* trajectory = nullptr;  ///< [sample of the response][sensor][lane]
-  double* failed = nullptr;      ///< [lane]: 0, or the reason
+  double* failed = nullptr;      ///< [lane]: 0, or the reason of the failure
 };
 
 /// Values of `failed`.
@@ -81,18 +85,19 @@ inline constexpr double kDiverged = 1.0, kStepsTooLong = 2.0;
 
 inline constexpr int kMaxMasses = 64;
 inline constexpr int kMaxMemories = 64;
-inline constexpr int kMaxThresholds = 4;   ///< each doubles the number of regimes
-inline constexpr int kMaxPolynomials = 8;  ///< largest number of links with such laws for series
-inline constexpr int kMaxFrictions = 8;    ///< pairs of masses with exact friction between them
+inline constexpr int kMaxThresholds = 4;   ///< each threshold doubles the number of regimes
+inline constexpr int kMaxPolynomials = 8;  ///< largest number of links with polynomial laws for
+                                           ///< series
+inline constexpr int kMaxFrictions = 8;    ///< number of pairs of masses with exact friction
 inline constexpr int kMaxDegree = 12;
 
-/// Vectors of scratch memory that the exact solution needs.
+/// Returns the number of vectors of scratch memory that the exact solution needs.
 constexpr int scratch_size(int masses, int inputs, int sensors) {
   const int n = 2 * masses;
   return 3 * n * n + masses * (n + inputs) + 4 * n * inputs + sensors * (n + inputs) + inputs + n;
 }
 
-/// Vectors of scratch memory that the exact solution between switches needs.
+/// Returns the number of vectors of scratch memory that the exact solution between switches needs.
 constexpr int scratch_size(int masses, int inputs, int sensors, int thresholds) {
   const int n = 2 * masses;
   return scratch_size(masses, inputs + 1, sensors) + inputs +

@@ -3,7 +3,8 @@
 //   WHEELTAP_KERNEL        its own namespace, so that no two instruction sets share a symbol,
 //   WHEELTAP_KERNEL_TABLE  the name of its table of functions (base/simd.hpp),
 //   WHEELTAP_LANES         the number of doubles in a vector.
-// Compiled without contraction to fused multiply-add: every width gives the same bits.
+// The compiler does not contract operations to fused multiply-adds, so the results are the same
+// bits for every vector width.
 #pragma once
 
 #include "dynamics/kernel.hpp"
@@ -16,7 +17,7 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// N = 0: any number of masses.
+/// For N = 0, the number of masses is arbitrary.
 template <int N>
 void run_runge_kutta(const Task& task) {
   if (task.paced || task.frictions > 0)

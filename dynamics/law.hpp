@@ -1,4 +1,4 @@
-// Common parts of the force laws of a link: coefficients, description, largest slopes.
+// Types that all force laws of a link use: coefficients, description, largest slopes.
 #pragma once
 
 #include <array>
@@ -10,7 +10,7 @@
 
 namespace wheeltap::dynamics {
 
-/// A coefficient of the model: a constant, or the entry `parameter` of the parameter vector.
+/// A coefficient of the model. It is a constant, or the entry `parameter` of the parameter vector.
 struct Coefficient {
   double value = 0.0;
   int parameter = -1;  ///< index into the parameter vector, or -1 for the constant `value`
@@ -29,39 +29,42 @@ struct Coefficient {
   }
 };
 
-/// The sign of the extension on which a one-sided law acts.
+/// The sign of the extension for which a one-sided law has a force.
 enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
 
-/// Role of a coefficient in its law. From the role and the motion of the link follows the scale of
+/// Role of a coefficient in its force law. The role and the motion of the link give the scale of
 /// the coefficient.
 struct LawRole {
   enum class Kind {
     other,      ///< no scale
-    factor,     ///< c in a tension c eᵖ ėᵍ
+    factor,     ///< factor c in a tension c eᵖ ėᵍ
     extension,  ///< an extension of the link
   } kind = Kind::other;
-  int p = 0, q = 0;  ///< powers, for a factor
+  int p = 0, q = 0;  ///< powers p and q, for a factor
 };
 
 constexpr LawRole factor_of(int p, int q = 0) {
   return {.kind = LawRole::Kind::factor, .p = p, .q = q};
 }
 
-/// One coefficient of a law: its name in a case file, SI unit, role, default value, the bounds
-/// within which it is feasible, and descriptions for the documentation.
+/// One coefficient of a force law: its name in a case file, SI unit, role, default value, feasible
+/// range, and descriptions for the documentation.
 struct LawCoefficient {
   std::string_view name;
   std::string_view unit;
   LawRole role = {};
-  double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< default; NaN: required
+  double otherwise = std::numeric_limits<double>::quiet_NaN();  ///< default value; NaN: the
+                                                                ///< coefficient is required
   double lower = -std::numeric_limits<double>::infinity();
   double upper = std::numeric_limits<double>::infinity();
-  bool above_lower = false;      ///< `lower` itself is excluded (the law divides by it)
-  std::string_view symbol = {};  ///< in the law's formula
-  std::string_view words = {};   ///< its meaning
-  double example = 1.0;          ///< for a spring of 2000 N/m and motions of a centimetre
+  bool above_lower = false;      ///< the value `lower` is excluded (the law divides by the
+                                 ///< coefficient)
+  std::string_view symbol = {};  ///< symbol in the formula of the law
+  std::string_view words = {};   ///< meaning of the coefficient
+  double example = 1.0;          ///< example value for a spring of 2000 N/m and motions of a
+                                 ///< centimetre
 
   [[nodiscard]] constexpr bool required() const { return otherwise != otherwise; }
   /// True if the value is finite and within the bounds.
@@ -71,17 +74,17 @@ struct LawCoefficient {
   }
 };
 
-/// Description of a law. Coefficients are listed in the order in which the law reads them.
+/// Description of a force law. Coefficients are listed in the order in which the functions of the
+/// law read them.
 struct LawInfo {
-  std::string_view name;         ///< its key in a case file
-  std::string_view formula;      ///< plain text; e: extension, ė: its rate, T > 0: tension
-  std::string_view description;  ///< its meaning, half a sentence
+  std::string_view name;     ///< key of the law in a case file
+  std::string_view formula;  ///< plain text; e: extension, ė: rate of extension, T > 0: tension
+  std::string_view description;  ///< meaning of the law, half a sentence
   std::string_view notes = {};   ///< further advice, whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
-  bool one_sided =
-      false;            ///< one-sided; defined for opening, for closing T(e, ė) = -T_open(-e, -ė)
-  bool memory = false;  ///< has an internal state
-  bool paced = false;   ///< has rates that grow with the speed of its link (Slopes)
+  bool one_sided = false;  ///< one-sided: T_open for opening; for closing T(e, ė) = -T_open(-e, -ė)
+  bool memory = false;     ///< the law has an internal state
+  bool paced = false;      ///< the law has rates that grow with the speed of the link (Slopes)
 
   [[nodiscard]] constexpr int size() const {
     int n = 0;
@@ -91,10 +94,10 @@ struct LawInfo {
 };
 
 /// Bounds for the choice of the time step: the largest slopes of a law for |e| <= e_max, and for a
-/// paced law their growth with |ė|.
+/// paced law the growth of the slopes with |ė|.
 struct Slopes {
   double stiffness = 0.0;          ///< |∂T/∂e| [N/m]
-  double damping = 0.0;            ///< |∂T/∂ė| at ė = 0, or its bound [N s/m]
+  double damping = 0.0;            ///< |∂T/∂ė| at ė = 0, or a bound of |∂T/∂ė| [N s/m]
   double damping_per_speed = 0.0;  ///< growth of |∂T/∂ė| with |ė| [N s²/m²]
   double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's internal state [1/m]
 };
@@ -104,7 +107,7 @@ template <class... Laws>
 struct TypeList {
   static constexpr int kSize = static_cast<int>(sizeof...(Laws));
 
-  /// Calls visit(Law{}) for the law at `kind`; returns false if there is none.
+  /// Calls visit(Law{}) for the law with the index `kind`. Returns false if no law has this index.
   template <class Visitor>
   [[gnu::always_inline]] static constexpr bool visit(int kind, Visitor&& visitor) {
     int i = 0;
@@ -118,7 +121,8 @@ struct TypeList {
   }
 };
 
-/// One law on a link: `kind` indexes the list in laws/list.hpp; laws.hpp creates laws.
+/// One force law of a link. `kind` is the index in the list of laws/list.hpp; the functions of
+/// laws.hpp create laws.
 struct Law {
   int kind = 0;
   std::array<Coefficient, kMaxLawCoefficients> coefficients{};

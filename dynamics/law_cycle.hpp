@@ -1,4 +1,4 @@
-// Response of a law to a prescribed motion: its curve or hysteresis loop.
+// Tension of a force law under a prescribed motion: the curve or hysteresis loop of the law.
 #pragma once
 
 #include <vector>
@@ -7,12 +7,13 @@
 
 namespace wheeltap::dynamics {
 
-/// Extension of a link, e(t) = A sin(2π t / T).
+/// A prescribed extension of a link, e(t) = A sin(2π t / T).
 struct Cycle {
   double amplitude = 0.01;  ///< A [m]
   double period = 1.0;      ///< T [s]
-  int before = 2;           ///< preceding cycles, for a law with memory to become steady
-  int points = 240;         ///< in the returned cycle, both ends included
+  int before = 2;           ///< number of preceding cycles, in which a law with memory becomes
+                            ///< steady
+  int points = 240;         ///< number of points of the returned cycle, both ends included
 };
 
 struct CyclePoint {
@@ -21,8 +22,8 @@ struct CyclePoint {
   double tension = 0.0;    ///< [N]
 };
 
-/// T along the last cycle, for a law whose coefficients are all constant. The state of a law with
-/// memory is integrated by the classical Runge-Kutta scheme with 20 steps per point.
+/// Computes the tension along the last cycle, for a force law with constant coefficients. The state
+/// of a law with memory is integrated by the classical Runge-Kutta scheme with 20 steps per point.
 [[nodiscard]] std::vector<CyclePoint> law_cycle(const Law& law, const Cycle& cycle);
 
 }  // namespace wheeltap::dynamics

@@ -1,4 +1,4 @@
-// Access to the force laws of laws/list.hpp: descriptions, properties and construction.
+// Functions for the force laws of laws/list.hpp: descriptions, properties and construction.
 #pragma once
 
 #include <initializer_list>
@@ -10,35 +10,36 @@
 
 namespace wheeltap::dynamics {
 
-/// True if a law is linear on both sides of a threshold, so that the chain has an exact solution
+/// True if a force law is linear on both sides of a threshold. The chain then has an exact solution
 /// between switches.
 template <class Law>
 inline constexpr bool kPiecewiseLinear = Law::kInfo.one_sided&& requires(const double* c) {
   Law::threshold(c);
 };
 
-/// True if a law is a power of the extension.
+/// True if the tension of a law is a power of the extension.
 template <class Law>
 inline constexpr bool kPolynomial = requires {
   Law::kPower;
 };
 
-/// True if a law is a friction law, which may be exact.
+/// True if a law is a dry friction law. Such a law is exact or regularised.
 template <class Law>
 inline constexpr bool kFriction = requires(const double* c) {
   Law::friction(c);
   Law::kCreep;
 };
 
-/// True if a law is exact dry friction: its creep speed is the constant 0.
+/// True if a law is exact dry friction, that is if its creep speed is the constant 0.
 [[nodiscard]] bool is_dry(const Law& law);
-/// True if a creep speed given by a parameter is 0 at these coefficients. Such a case is
-/// infeasible: the stick-slip events of friction with a creep speed are not located, and no step
-/// would be short enough.
+/// True if a creep speed that is given by a parameter is 0 at these coefficients. These
+/// coefficients are infeasible. The integrators do not locate the stick-slip events of friction
+/// with a creep speed, so no time step would be short enough.
 [[nodiscard]] bool has_zero_creep_speed(const Law& law, const double* c);
 
-/// True if coefficients [N, m, s …] are feasible for a law: each is finite and within its bounds,
-/// and all together satisfy `feasible`, if the law has it.
+/// True if coefficients [N, m, s …] are feasible for a law. Each coefficient must be finite and
+/// within its bounds. The coefficients together must satisfy the function `feasible` of the law, if
+/// the law has this function.
 template <class L>
 [[nodiscard]] bool is_feasible(const double* c) {
   for (int i = 0; i < L::kInfo.size(); ++i)
@@ -50,12 +51,12 @@ template <class L>
 /// True if the coefficients are feasible for the law with the index `kind`.
 [[nodiscard]] bool is_feasible(int kind, const double* c);
 
-/// The descriptions of all laws, in the order of Law::kind.
+/// Returns the descriptions of all laws, in the order of Law::kind.
 [[nodiscard]] std::span<const LawInfo> law_infos();
 
-/// Creates the law called `name`, with coefficients in the order of its LawInfo. Coefficients
-/// missing at the end get their default values. Throws std::invalid_argument for an unknown name,
-/// too many or too few coefficients.
+/// Creates the law called `name`, with coefficients in the order of its LawInfo. Missing
+/// coefficients at the end get their default values. Throws std::invalid_argument for an unknown
+/// name, and for too many or too few coefficients.
 [[nodiscard]] Law make_law(std::string_view name, std::span<const Coefficient> coefficients,
                            Side side = Side::opening);
 

@@ -1,4 +1,4 @@
-// Natural frequencies and damping ratios of a chain's linear part.
+// Natural frequencies and damping ratios of the linear part of a chain.
 #pragma once
 
 #include <span>
@@ -14,14 +14,14 @@ struct LinearMode {
   double damping_ratio;  ///< -Re λ / |λ|; negative for a growing motion
 };
 
-/// Modes of
+/// Computes the modes of
 ///
 ///   M z̈ + C ż + K z = 0,
 ///
 /// in order of frequency, from the complex pairs of eigenvalues of [0 1; -M⁻¹K -M⁻¹C]. Only the
-/// linear stiffness and damping of the links are used. (Springs beyond a gap and powers of the
-/// extension vanish at rest; friction and hysteresis are ignored.) Motions without oscillation
-/// (rigid, overdamped, unstable at rest) are omitted. Masses must be > 0.
+/// linear stiffness and damping of the links are used. The stiffness of springs beyond a gap and of
+/// powers of the extension is 0 at rest. Friction and hysteresis are ignored. Motions without
+/// oscillation (rigid, overdamped, unstable at rest) are omitted. Masses must be > 0.
 [[nodiscard]] std::vector<LinearMode> linear_modes(const Chain& chain,
                                                    std::span<const double> theta);
 

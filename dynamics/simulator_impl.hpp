@@ -13,34 +13,35 @@ namespace wheeltap::dynamics {
 
 namespace detail {
 
-/// Throws std::invalid_argument.
+/// Throws std::invalid_argument with the message `what`.
 [[noreturn]] void fail(const std::string& what);
 
 /// Throws std::invalid_argument if `thetas` does not hold `sets` vectors of at least `parameters`
 /// numbers each.
 void require_parameters(std::span<const double> thetas, int sets, int parameters);
 
-/// The available kernels, narrowest first: the requested one, or all that this processor can run.
+/// Returns the available kernels by ascending vector width: the kernel of the requested
+/// instructions, or all kernels that this processor can run.
 [[nodiscard]] std::vector<const kernel::Kernel*> make_kernels(Instructions instructions);
 
 [[nodiscard]] int count_thresholds(const Chain& chain);
 
-/// The pairs of masses with exact friction between them, smaller number first, in the order of the
-/// links.
+/// Returns the pairs of masses with exact friction between them, in the order of the links. In each
+/// pair, the smaller number is first.
 [[nodiscard]] std::vector<std::pair<int, int>> frictions(const Chain& chain);
 
-/// Step limit at which damping rates γ satisfy γ h <= 1; a lower step limit reduces the limit of γ
-/// h in proportion.
+/// Step limit at which damping rates γ satisfy γ h <= 1; for a lower step limit, the limit of γ h
+/// is lower in proportion.
 inline constexpr double kUsualStepLimit = 0.2;
 
-/// Step parameters that must be equal for all parameter vectors of a group.
+/// Step parameters that are equal for all parameter vectors of a group.
 struct Key {
   int substeps = 0, halvings = 0, degree = 0;
   auto operator<=>(const Key&) const = default;
 };
 
 inline constexpr Key kInfeasible{-1, -1, -1};
-/// Key of a parameter vector that would need more than kMaxSubsteps steps.
+/// The key of a parameter vector that would need more than kMaxSubsteps steps.
 inline constexpr Key kTooManySteps{-2, -1, -1};
 
 /// Outcome of one parameter set, and its lane in the memory of `task`.
@@ -51,7 +52,7 @@ struct Lane {
   std::size_t lane = 0, lanes = 1;
 };
 
-/// A reference to a function that is called for every set.
+/// A reference to a function that is called for every parameter vector.
 class Receiver {
  public:
   template <class F>
@@ -84,9 +85,9 @@ struct Simulator::Impl {
   kernel::Task task;
   std::vector<const kernel::Kernel*> kernels;
   Integrator integrator = Integrator::runge_kutta;
-  int samples = 0;  ///< number in the excitation
+  int samples = 0;  ///< number of samples of the excitation
   int parameters = 0;
-  int no_offset = 0;  ///< slots (1, 0)
+  int no_offset = 0;  ///< slot of the scale 1 and the offset 0
 
   int add(std::initializer_list<Coefficient> coefficients) {
     const int first = static_cast<int>(slots.size());
@@ -100,9 +101,10 @@ struct Simulator::Impl {
   [[nodiscard]] detail::Key key(std::span<const double> theta) const;
   [[nodiscard]] int response_samples() const { return (samples - 1) / options.stride + 1; }
 
-  /// Runs the sets in groups of equal key and calls receive(lane, task) for each set after its
-  /// group. If `sums` is false, task.trajectory holds the trajectory. `weights` of each set's
-  /// sensors and `limits` of each set as in kernel::Task::weights, or empty.
+  /// Integrates the parameter vectors in groups of equal key. Calls receive(lane, task) for each
+  /// parameter vector after the integration of its group. If `sums` is false, task.trajectory holds
+  /// the trajectory. `weights` (per vector and sensor) and `limits` (per vector) have the meaning
+  /// of kernel::Task::weights, or are empty.
   void run(std::span<const double> thetas, int sets,
            const std::vector<kernel::SensorTerm>& sensor_terms,
            std::span<const Coefficient> all_slots, int lead_in, bool sums, detail::Receiver receive,

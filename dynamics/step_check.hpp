@@ -1,4 +1,4 @@
-// Simulation with a step length verified by step halving.
+// Simulation with a step length that is verified by step halving.
 #pragma once
 
 #include <span>
@@ -7,29 +7,31 @@
 
 namespace wheeltap::dynamics {
 
-/// Criterion of step halving. The change of a response is the largest value over the sensors of
+/// Criterion of step halving. The change of a response by halving is the largest value over all
+/// sensors of
 ///
 ///   ‖r - r'‖ / ‖r'‖,   r' the response with steps half as long.
 struct StepCheck {
-  double wanted = 1e-6;     ///< steps are halved until the change is at most this,
-  int most_halvings = 8;    ///< or this number of times;
-  double tolerated = 1e-3;  ///< a larger change gives Outcome::steps_too_long
+  double wanted = 1e-6;     ///< steps are halved until the change is at most `wanted`
+  int most_halvings = 8;    ///< largest number of halvings
+  double tolerated = 1e-3;  ///< for a larger change, the outcome is Outcome::steps_too_long
 };
 
 struct CheckedResponse {
   /// The outcome is `diverged` only if the response also diverges with steps a quarter as long;
   /// otherwise it is `steps_too_long`.
   Response response;
-  double change = 0.0;  ///< 0 for the exact solution, which has no truncation error
-  /// Options with which the response was computed: extensions of the links, and the sufficient step
-  /// limit.
+  double change = 0.0;  ///< change by halving; 0 for the exact solution, which has no truncation
+                        ///< error
+  /// Options of the simulation that gave the response, with the extensions of the links and the
+  /// sufficient step limit.
   SimulatorOptions options;
 };
 
-/// Computes the response of the simulator's chain with steps that suit this motion. A first
-/// simulation gives the extensions of the nonlinear laws. Then the steps are halved as StepCheck
-/// specifies, or series are used if the laws allow. If the options fix the number of substeps, the
-/// steps remain, and only the change is computed.
+/// Simulates the response of the simulator's chain with a sufficient number of steps. A first
+/// simulation gives the extensions of links with nonlinear laws. Then the steps are halved as
+/// StepCheck specifies, or the integrator `series` is used if the laws allow it. If the options fix
+/// the number of substeps, the steps are not changed, and only the change by halving is computed.
 [[nodiscard]] CheckedResponse checked_response(const Simulator& simulator,
                                                std::span<const double> theta,
                                                const StepCheck& check = {});

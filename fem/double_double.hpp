@@ -1,4 +1,4 @@
-// Double-double numbers of 106 bits: unevaluated sums of two doubles.
+// Double-double numbers with 106 significant bits: unevaluated sums of two doubles.
 #pragma once
 
 #include <Eigen/Core>
@@ -7,14 +7,15 @@
 
 namespace wheeltap::fem {
 
-/// high + low with |low| <= ulp(high) / 2. The condition number of the element matrices grows with
-/// (elements)⁴ on fine meshes; 53 or 64 bits lose digits of the low modes, 106 bits keep them. Sums
-/// and products have a relative error of at most 2⁻¹⁰⁴ (Joldes, Muller & Popescu 2017, ACM Trans.
-/// Math. Softw. 44:15res, algorithms 6, 12 and 17). The class requires rounding to nearest,
-/// compilation without -ffast-math, and |x| between 1e-250 and 1e250.
+/// A number high + low with |low| <= ulp(high) / 2. On fine meshes, the condition number of the
+/// assembled matrices grows with (elements)⁴. Computations with 53 or 64 bits then lose digits of
+/// the low modes; computations with 106 bits do not. Sums and products have a relative error of at
+/// most 2⁻¹⁰⁴ (Joldes, Muller & Popescu 2017, ACM Trans. Math. Softw. 44:15res, algorithms 6, 12
+/// and 17). The class requires rounding to nearest, compilation without -ffast-math, and |x|
+/// between 1e-250 and 1e250.
 class DoubleDouble {
  public:
-  constexpr DoubleDouble(double x = 0.0) : high_(x) {}  // NOLINT: a double is such a number
+  constexpr DoubleDouble(double x = 0.0) : high_(x) {}  // NOLINT: every double is a DoubleDouble
   /// Converts x, rounded to 106 bits; the conversion is exact for a long double with 64 bits.
   static DoubleDouble from(long double x) {
     const auto high = static_cast<double>(x);
@@ -47,7 +48,7 @@ class DoubleDouble {
   }
   friend DoubleDouble sqrt(const DoubleDouble& a) {
     if (a.high_ <= 0.0) return std::sqrt(a.high_);
-    // One Newton step from 53 bits.
+    // One Newton step from a root with 53 bits.
     const double root = std::sqrt(a.high_);
     const DoubleDouble rest = a - product(root, root);
     return fast_sum(root, rest.high_ / (2.0 * root));
@@ -73,7 +74,8 @@ class DoubleDouble {
  private:
   constexpr DoubleDouble(double high, double low) : high_(high), low_(low) {}
 
-  /// a + b exactly (Knuth 1969). `fast_sum` needs |a| >= |b| and three operations (Dekker 1971).
+  /// Computes a + b exactly (Knuth 1969). `fast_sum` requires |a| >= |b| and needs only three
+  /// operations (Dekker 1971).
   static DoubleDouble sum(double a, double b) {
     const double s = a + b, t = s - a;
     return {s, (a - (s - t)) + (b - t)};
@@ -82,7 +84,8 @@ class DoubleDouble {
     const double s = a + b;
     return {s, b - (s - a)};
   }
-  /// a b exactly, by fused multiply-add or from halves of 26 bits. Both give the same bits.
+  /// Computes the product a b exactly, by a fused multiply-add or from halves of 26 bits. Both
+  /// methods give the same bits.
   static DoubleDouble product(double a, double b) {
     const double p = a * b;
 #ifdef __FMA__

@@ -1,5 +1,5 @@
-// Finds the damaged eigenvalues as roots of the secular problem and proves their error bounds.
-// Internal to the reanalysis.
+// Computation of the eigenvalues of the damaged structure as roots of the secular problem, with
+// proven error bounds. Internal to the reanalysis.
 #pragma once
 
 #include <span>
@@ -10,21 +10,21 @@
 
 namespace wheeltap::fem::detail {
 
-/// Proven relative error of a root, apart from rounding.
+/// Proven bound of the relative error of a root, apart from rounding errors.
 inline constexpr double kConfirmed = 1e-12;
 
 /// Result of one evaluation of the secular problem for one root.
 struct Found {
   double lambda = 0.0;  ///< the Rayleigh quotient
-  double radius = 0.0;  ///< an eigenvalue lies within it of lambda
+  double radius = 0.0;  ///< an eigenvalue lies within lambda ± radius
   double at = 0.0;      ///< the λ at which the secular problem was evaluated
-  int below = 0;        ///< eigenvalues below `at`
+  int below = 0;        ///< number of eigenvalues below `at`
 };
 
-/// The intact modes, and the quantities of the defects that bound the roots. Does not own its
-/// arrays.
+/// The intact modes, and the quantities of the defects that bound the roots. This structure does
+/// not own its arrays.
 struct SecularProblem {
-  const double* eigenvalues;  ///< ascending, `stride` of them
+  const double* eigenvalues;  ///< `stride` eigenvalues, ascending
   const double* scales;       ///< s_j
   std::size_t stride;         ///< distance between columns: number of modes, at least two
   int modes;
@@ -34,58 +34,62 @@ struct SecularProblem {
   double residual_factor = 1.0;  ///< see Secular
   int columns;
   int supports;                         ///< number of support columns, which come first
-  int held;                             ///< degrees of freedom that they remove
-  double least_remaining;               ///< root i >= this λ_i, or 0
-  double added_stiffness;               ///< of springs: bounds the increase of any root
+  int held;                             ///< number of degrees of freedom that the supports remove
+  double least_remaining;               ///< root i >= least_remaining · λ_i; may be 0
+  double added_stiffness;               ///< stiffness of the springs: bounds the increase of any
+                                        ///< root
   const double* c;                      ///< columns × stride
   std::span<const double> starts = {};  ///< initial value of each root; empty: first-order estimate
 };
 
-/// Finds the roots eight at a time, each in a lane of `SecularKernel`. The inertia of S brackets a
-/// root, and Rayleigh quotients converge to it quadratically from a first-order start.
+/// Finds the roots eight at a time, each root in a lane of `SecularKernel`. The inertia of S
+/// brackets a root. Rayleigh quotients converge quadratically to the root from a first-order start.
 ///
 /// A root is accepted if r² / gap is at most 2e-13, where r is the residual and gap an estimate of
-/// the distance to the next eigenvalue. Afterwards the error is proven. Each root has an interval
-/// that contains at least one eigenvalue. Suppose that b of these intervals are disjoint and lie
-/// below a λ, and that by inertia b eigenvalues lie below this λ. Then each interval contains
-/// exactly one eigenvalue, and its distance to the other intervals is the gap. Thus
+/// the distance to the next eigenvalue. Afterwards, RootSearch proves the bound of the error. Each
+/// root has an interval that contains at least one eigenvalue. Suppose that b of these intervals
+/// are disjoint and lie below a value λ, and that the inertia counts b eigenvalues below λ. Then
+/// each interval contains exactly one eigenvalue, and its distance to the other intervals is the
+/// gap. Thus
 ///
 ///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
 ///   10.5)
 ///
 /// is proven for nearly every root without another evaluation. If the bound of a root exceeds
-/// `kConfirmed`, counts at λ (1 ± kConfirmed) confirm it; if they disagree, bisection follows.
+/// `kConfirmed`, counts of eigenvalues at λ (1 ± kConfirmed) confirm the root. If the counts
+/// disagree with the root, bisection follows.
 class RootSearch {
  public:
-  /// Sets the problem; must be called for each set of defects. Keeps pointers to the memory of the
-  /// problem.
+  /// Sets the secular problem; the caller must call this function for each set of defects.
+  /// RootSearch keeps pointers to the memory of the problem.
   void set(const SecularProblem& problem, const SecularKernel& kernel);
 
-  /// Writes eigenvalues first … lambda.size() - 1; the eigenvalues before `first` are zero.
+  /// Writes the eigenvalues with the indices first … lambda.size() - 1 to `lambda`; the eigenvalues
+  /// before `first` are zero.
   void find(int first, std::span<double> lambda);
 
-  /// The mode of one root: its components along the two nearest intact modes, and the forces η of
-  /// `DefectColumns`.
+  /// The mode shape of one root: the components along the two nearest intact modes, and the forces
+  /// η of `DefectColumns`.
   struct Mode {
     int root;
     double lambda;
     int pole;
     double a1, a2;
     std::span<double> eta;
-    bool found;  ///< false if no pair of modes determines its shape
+    bool found;  ///< false if no pair of intact modes determines the mode shape
   };
   /// Calls visit(mode) for each root from `first` on, in order.
   template <class Visit>
   void modes(int first, std::span<const double> lambda, Visit&& visit);
 
-  /// coordinates[j]: component of the mode along intact mode j.
+  /// Writes the component of the mode shape along intact mode j to coordinates[j].
   void coordinates(const Mode& mode, double* coordinates) const;
 
  private:
   /// State of the refinement of one root in one lane.
   struct Search {
-    int root = -1;   // 0-based index among the damaged eigenvalues; -1 when idle
-    double z = 0.0;  // where the secular problem is evaluated next
+    int root = -1;   // index (from 0) among the damaged eigenvalues; -1 when idle
+    double z = 0.0;  // next λ at which the secular problem is evaluated
     double low = 0.0, high = 0.0;
     int evaluations = 0;
     bool confirming = false;
@@ -122,9 +126,9 @@ class RootSearch {
   SecularSteps steps_;
   std::vector<Pack> packs_;
   std::vector<double> pairs_, product_, eta_;
-  std::vector<Found> found_;  // one per root, and one more
+  std::vector<Found> found_;  // one per root, and one additional entry
   std::vector<int> queue_;
-  int last_ = 0;  // the root after the requested ones, evaluated once; -1: none
+  int last_ = 0;  // index of the root after the requested roots, evaluated once; -1: none
 };
 
 template <class Visit>

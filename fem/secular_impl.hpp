@@ -1,6 +1,7 @@
-// The loops of secular.hpp for vectors of WHEELTAP_SECULAR_WIDTH doubles. Each file that includes
-// this is compiled for one instruction set. No operation depends on the vector width or is
-// contracted to a fused multiply-add, so the results are bitwise equal on every processor.
+// The loops of secular.hpp for vectors of WHEELTAP_SECULAR_WIDTH doubles. Each source file that
+// includes this header is compiled for one instruction set. No operation depends on the vector
+// width, and the compiler contracts no operations to fused multiply-adds. The results are therefore
+// bitwise equal on every processor.
 
 #include <cstring>
 
@@ -13,7 +14,7 @@ constexpr int kWidth = WHEELTAP_SECULAR_WIDTH;
 
 using Vec = double __attribute__((vector_size(kWidth * sizeof(double)), may_alias));
 
-/// Lanes first … first + kWidth - 1.
+/// Returns lanes first … first + kWidth - 1 of a pack.
 inline const Vec& at(const Pack& pack, int first) {
   return *reinterpret_cast<const Vec*>(pack.lane + first);
 }
@@ -21,14 +22,15 @@ inline Vec& at(Pack& pack, int first) {
   return *reinterpret_cast<Vec*>(pack.lane + first);
 }
 
-/// kWidth numbers from any address.
+/// Loads kWidth numbers from any address.
 inline Vec load(const double* from) {
   Vec out;
   std::memcpy(&out, from, sizeof out);
   return out;
 }
 
-/// Eight partial sums of a(j) b(j), independent of the width, then their sum in order.
+/// Computes Σ_j a[j] b[j] as eight partial sums, whose order of operations does not depend on the
+/// vector width. Then the partial sums are added in order.
 inline double dot(const double* a, const double* b, int size) {
   constexpr int kParts = kLanes / kWidth;
   Vec part[kParts] = {};
@@ -42,7 +44,7 @@ inline double dot(const double* a, const double* b, int size) {
   return sum;
 }
 
-/// out[t] = Σ_j weights[j] pairs[t][j] over rows first … last - 1.
+/// Computes out[t] = Σ_j weights[j] pairs[t][j] over rows first … last - 1.
 inline void accumulate(const Secular& s, int lanes, const Pack* weights, int first, int last,
                        Pack* out) {
   for (int chunk = 0; chunk < s.chunks(); ++chunk) {
@@ -66,7 +68,8 @@ inline void accumulate(const Secular& s, int lanes, const Pack* weights, int fir
   }
 }
 
-/// weights[j] = κ_j, zero for the two excluded poles, then λ T_p(x); slopes as in SecularScratch.
+/// Computes weights[j] = κ_j, with zero for the two excluded poles, then λ T_p(x). Computes the
+/// slopes as described in SecularScratch.
 inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_pole,
                   const SecularScratch& scratch) {
   Vec pole{};
@@ -103,14 +106,14 @@ inline void weigh(const Secular& s, int lanes, const Vec& z, const int* lower_po
   }
 }
 
-/// The 2 × 2 matrices H and N, and B, the part of N from the modes other than the poles.
+/// The 2 × 2 matrices H and N, and B, the contribution to N of the modes other than the two poles.
 struct Small {
   Vec h11, h12, h22, n11, n12, n22, b11, b12, b22;
   Vec root1, root2;    // √s of the poles
   Vec above1, above2;  // s_p - λ_p + λ
 };
 
-/// The properties of the shape of one δ; see SecularSteps.
+/// Computes the properties of the mode shape for one solution δ; see SecularSteps.
 inline void shape(const Small& k, const Vec& delta, double residual_factor, bool low, Pack& step,
                   Pack& residual, Pack& v1, Pack& v2, Pack& a1, Pack& a2, int lanes) {
   const Vec zero{};
@@ -139,12 +142,13 @@ inline void shape(const Small& k, const Vec& delta, double residual_factor, bool
   at(a2, lanes) = p2 * size;
 }
 
-/// Row a of A and of its factors.
+/// Returns row a of the matrix A and of its factors.
 inline Pack* row_of(const SecularScratch& scratch, int a) {
   return scratch.matrix + a * (a + 1) / 2;
 }
 
-/// Gathers the columns e of the two poles into `forces`, and sets H of the poles alone.
+/// Gathers the columns e of the two poles into `forces`, and initialises H with the contribution of
+/// the two poles.
 inline void gather_poles(const Secular& s, int lanes, const Pack& lambda, const int* lower_pole,
                          const SecularScratch& scratch, Small& k) {
   const int m = s.columns;
@@ -173,8 +177,8 @@ inline void gather_poles(const Secular& s, int lanes, const Pack& lambda, const 
   k.h22 = gap2 / k.above2;
 }
 
-/// A = J - Σ κ e eᵀ, then A = L D Lᵀ in place (D inverted), L u = e, and H. Sums are kept in local
-/// variables because stores to `scratch` could alias k.
+/// Computes A = J - Σ κ e eᵀ, then the factors A = L D Lᵀ in place (with D⁻¹ stored), the solutions
+/// u of L u = e, and H. Sums are kept in local variables because stores to `scratch` could alias k.
 inline void factor_matrix(const Secular& s, int lanes, const SecularScratch& scratch, Small& k,
                           SecularSteps& steps) {
   const int m = s.columns;
@@ -223,7 +227,7 @@ inline void factor_matrix(const Secular& s, int lanes, const SecularScratch& scr
   at(steps.smallest_pivot, lanes) = smallest;
 }
 
-/// y = A⁻¹ e from D and u; in `forces` it replaces e.
+/// Computes y = A⁻¹ e from D and u; y replaces e in `forces`.
 inline void substitute_back(int m, int lanes, const SecularScratch& scratch) {
   Pack* y1 = scratch.forces;
   Pack* y2 = y1 + m;
@@ -242,7 +246,7 @@ inline void substitute_back(int m, int lanes, const SecularScratch& scratch) {
   }
 }
 
-/// B = -Yᵀ A' Y, and N.
+/// Computes B = -Yᵀ A' Y and N.
 inline void differentiate(const Secular& s, int lanes, const SecularScratch& scratch, Small& k) {
   const int m = s.columns;
   const Pack* y1 = scratch.forces;
@@ -284,14 +288,15 @@ inline void differentiate(const Secular& s, int lanes, const SecularScratch& scr
   k.b12 = b12;
   k.b22 = b22;
   const Vec per1 = k.root1 / k.above1, per2 = k.root2 / k.above2;
-  // N must be positive so that δ has the signs of H; any such N gives the correct v at a root.
+  // N must be positive definite so that the values δ have the signs of the eigenvalues of H. At a
+  // root, any positive definite N gives the correct v.
   k.n11 = per1 * per1 + (k.b11 + 2.0 * m11);
   k.n12 = k.b12 + 2.0 * m12;
   k.n22 = per2 * per2 + (k.b22 + 2.0 * m22);
 }
 
-/// Both δ of H v = δ N v, through N's Cholesky factor. The smaller one is determinant / larger, so
-/// that it keeps its relative accuracy at convergence.
+/// Computes both values δ of H v = δ N v with the Cholesky factor of N. The value with the smaller
+/// magnitude is determinant / other value. It therefore keeps its relative accuracy at convergence.
 inline void both_roots(const Small& k, Vec& low, Vec& high) {
   const Vec zero{};
   const Vec r = k.n12 / k.n11;
@@ -373,7 +378,7 @@ void subtract(double* to, const double* from, double factor, int size) {
   for (int j = 0; j < size; ++j) to[j] -= factor * from[j];
 }
 
-/// Σ_j a[j] b[j] w[j] with the same partial sums as `dot`.
+/// Computes Σ_j a[j] b[j] w[j] with the same partial sums as `dot`.
 double weighted_dot(const double* a, const double* b, const double* w, int size) {
   constexpr int kParts = kLanes / kWidth;
   Vec part[kParts] = {};

@@ -1,18 +1,19 @@
-// Selects the intact modes that the secular function sums directly; a series represents the other
-// modes. Internal.
+// Selection of the intact modes that the secular function sums directly; a series represents the
+// other modes. Internal.
 #pragma once
 
 #include <vector>
 
 namespace wheeltap::fem::detail {
 
-/// A range of λ and the way in which S is summed in it (`Secular`).
+/// A range of λ, and the near modes and the series for the computation of S in this range
+/// (`Secular`).
 struct Window {
   int near = 0;
   int terms = 0;
   double cap = 0.0;
   std::vector<double> series;   // terms × (modes - near)
-  std::vector<int> series_end;  // per term: modes beyond are negligible
+  std::vector<int> series_end;  // per term: index from which modes are negligible
 
   Window(const std::vector<double>& eigenvalues, int modes, int highest_root);
 };

@@ -1,4 +1,4 @@
-// Atomic file writing: no partly written file ever has the final name.
+// Atomic writing of files: a partly written file never has the final name.
 #pragma once
 
 #include <functional>
@@ -11,14 +11,15 @@
 namespace wheeltap::io {
 
 /// A temporary file in the directory of `path`: "NAME.part" and 16 random hexadecimal digits,
-/// created exclusively and locked for the lifetime of this object. `commit` renames it to `path`;
-/// without a commit it is removed. If the process is killed, the temporary file remains without its
-/// lock; the next AtomicFile for the same `path` removes it.
+/// created exclusively and locked for the lifetime of this object. `commit` renames the temporary
+/// file to `path`. The destructor removes a temporary file that was not committed. If the process
+/// is killed, the temporary file remains without its lock; the next AtomicFile for the same `path`
+/// removes it.
 class AtomicFile {
  public:
-  /// Reserves `reserve` bytes. Throws FileError (unwritable) if no file can be created there, if
-  /// the name belongs to something other than a regular file (a folder, a pipe, a device), or if
-  /// there is not enough space.
+  /// Reserves `reserve` bytes on the disk. Throws FileError (unwritable) if no file can be created
+  /// in the directory of `path`, or if the disk has too little space. Also throws FileError
+  /// (unwritable) if `path` exists and is not a regular file (a folder, a pipe, a device).
   explicit AtomicFile(std::filesystem::path path, std::size_t reserve = 0);
   AtomicFile(const AtomicFile&) = delete;
   AtomicFile& operator=(const AtomicFile&) = delete;
@@ -26,16 +27,16 @@ class AtomicFile {
 
   [[nodiscard]] const std::filesystem::path& path() const { return path_; }
   [[nodiscard]] const std::filesystem::path& temporary() const { return temporary_; }
-  /// Replaces the content written so far. Throws FileError (unwritable).
+  /// Replaces the content of the temporary file by `bytes`. Throws FileError (unwritable).
   void write(std::string_view bytes);
-  /// Appends to the content. Throws FileError (unwritable).
+  /// Appends `bytes` to the content of the temporary file. Throws FileError (unwritable).
   void append(std::string_view bytes);
-  /// Calls `use` with the path of the temporary file. `use` may open the file for reading or
-  /// writing and lock it itself.
+  /// Calls `use` with the path of the temporary file. During the call, `use` may open the file for
+  /// reading or writing, and may lock the file.
   void lend(const std::function<void(const std::filesystem::path& temporary)>& use);
-  /// Flushes to the disk. Throws FileError (unwritable).
+  /// Writes the buffered content of the temporary file to the disk. Throws FileError (unwritable).
   void flush();
-  /// Flushes and renames. Throws FileError (unwritable).
+  /// Flushes the temporary file and renames it to `path`. Throws FileError (unwritable).
   void commit();
 
  private:
@@ -49,10 +50,10 @@ class AtomicFile {
   bool committed_ = false;
 };
 
-/// Renames the files of one folder together, all or none. If one rename fails, the previous files
-/// are restored. If the process is killed between two renames, or cannot restore the files, a file
-/// with the remaining steps (kCommitNote) is left; `finish_commit` completes them. Throws FileError
-/// (unwritable).
+/// Renames the temporary files of one folder to their final names, all or none. If one rename
+/// fails, this function restores the previous files. If the process is killed between two renames,
+/// or cannot restore the files, a file with the remaining steps (kCommitNote) stays in the folder.
+/// `finish_commit` completes these steps. Throws FileError (unwritable).
 void commit_together(std::span<AtomicFile* const> files);
 
 /// Completes an interrupted `commit_together` in this folder, if there is one.

@@ -16,7 +16,8 @@ struct Place {
   std::ptrdiff_t column = 0;
   std::string header = {};  ///< name of the column
 
-  /// ", line 3, column 2 ('force [N]')": the text after the file's name.
+  /// The position as text that follows the file's name in messages: ", line 3, column 2 ('force
+  /// [N]')".
   [[nodiscard]] std::string text() const {
     std::string out;
     if (line > 0) out += ", line " + std::to_string(line);
@@ -31,13 +32,13 @@ struct Place {
 class FileError : public std::runtime_error {
  public:
   enum class Kind {
-    missing,     ///< does not exist or cannot be read
+    missing,     ///< the file does not exist or cannot be read
     corrupt,     ///< truncated, damaged, or inconsistent
     foreign,     ///< file of another program or another format
     version,     ///< format of another version of this program
-    mismatch,    ///< written for another case (its fingerprint differs)
-    incomplete,  ///< a table with runs still to be done
-    unwritable   ///< cannot be created there
+    mismatch,    ///< file of another case: the fingerprints differ
+    incomplete,  ///< a table with missing runs
+    unwritable   ///< the file cannot be created or written
   };
   FileError(Kind kind, std::filesystem::path path, std::string reason)
       : FileError(kind, std::move(path), {}, std::move(reason)) {}
@@ -59,7 +60,7 @@ class FileError : public std::runtime_error {
   std::string reason_;
 };
 
-/// The error for a column that does not exist in a file, or exists more than once.
+/// The error for a requested column that does not exist in a file, or exists more than once.
 class NoSuchColumn : public FileError {
  public:
   NoSuchColumn(std::filesystem::path path, std::string column, std::string reason)

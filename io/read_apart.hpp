@@ -1,4 +1,4 @@
-// Reads or writes a file in a child process.
+// Reading and writing of a file in a child process.
 #pragma once
 
 #include <filesystem>
@@ -11,22 +11,23 @@
 
 namespace wheeltap::io {
 
-/// Calls `read` in a child process and returns its bytes. If a damaged file causes a library to
-/// crash or to loop for ever, only the child process is affected. Text that the child prints is
-/// lost. A FileError of `read` is rethrown here, other exceptions as std::runtime_error. Throws
-/// FileError (corrupt) if the child crashes, takes more processor time than `seconds` (or
-/// `most_seconds` of the file's size if `seconds` is 0), or needs `most_bytes` more memory than
-/// this process. Throws std::bad_alloc if the memory limit of this process is lower than that, or
-/// if the system killed the child. The child ignores the signals that request a stop.
+/// Calls `read` in a child process and returns the bytes that `read` returns. If a damaged file
+/// causes a library to crash or to loop for ever, only the child process is affected. Text that the
+/// child prints is lost. A FileError of `read` is rethrown here, other exceptions as
+/// std::runtime_error. Throws FileError (corrupt) if the child crashes or exceeds a limit. The
+/// limit of processor time is `seconds`, or `most_seconds` of the file's size if `seconds` is 0.
+/// The limit of memory is that of this process plus `most_bytes`. Throws std::bad_alloc if the
+/// memory limit of this process is lower than this limit, or if the system killed the child. The
+/// child ignores the signals that request a stop.
 ///
-/// The child has only the calling thread: the caller must hold any lock that `read` needs. If no
-/// child can be started, reads in this process.
+/// The child has only the calling thread, so the caller must hold any lock that `read` needs. If
+/// the system cannot start a child process, this function calls `read` in this process.
 [[nodiscard]] std::string read_apart(const std::filesystem::path& path,
                                      const std::function<std::string()>& read,
                                      double seconds = 0.0);
 
-/// Reads the file in a child process and discards the result. If this succeeds, the file can be
-/// read in this process.
+/// Calls `read` in a child process and discards the result. If the child succeeds, this process can
+/// read the file without a crash.
 inline void check_apart(const std::filesystem::path& path, const std::function<void()>& read) {
   (void)read_apart(path, [&] {
     read();
@@ -35,20 +36,23 @@ inline void check_apart(const std::filesystem::path& path, const std::function<v
 }
 
 /// Calls `write` in a child process without limits. If a full disk causes a library to crash, only
-/// the child process ends. A FileError of `write` is rethrown here; if the child crashes, lacks
-/// memory or is killed, throws FileError (unwritable) for `path`. Other exceptions are rethrown as
-/// std::runtime_error. Returns false without calling `write` if no child can be started.
+/// the child process ends. A FileError of `write` is rethrown here. If the child crashes, lacks
+/// memory or is killed, this function throws FileError (unwritable) for `path`. Other exceptions
+/// are rethrown as std::runtime_error. Returns false without calling `write` if the system cannot
+/// start a child process.
 [[nodiscard]] bool write_apart(const std::filesystem::path& path,
                                const std::function<void()>& write);
 
-/// Limit of processor time [s]: at least ten times that for reading a valid file of this size.
+/// Limit of processor time [s] for a file of this size: at least ten times the time for reading a
+/// valid file.
 [[nodiscard]] double most_seconds(std::uintmax_t bytes);
 
-/// Memory limit [bytes]: several times that for reading a valid file of this size. Compressed
-/// 16-bit samples need 24 bytes for each byte of the file.
+/// Memory limit [bytes] for a file of this size: several times the memory for reading a valid file.
+/// A file of compressed 16-bit samples needs 24 bytes of memory for each byte of the file.
 [[nodiscard]] double most_bytes(std::uintmax_t bytes);
 
-/// The same as read_apart, for a result of any type that base/parcel.hpp serialises.
+/// Calls `read` in a child process like read_apart; the result has any type that base/parcel.hpp
+/// serialises.
 template <class T>
 [[nodiscard]] T read_apart_as(const std::filesystem::path& path, const std::function<T()>& read) {
   const std::string bytes = read_apart(path, [&] {

@@ -1,4 +1,5 @@
-// Excitations for simulated experiments; a seed gives the same signal on every computer.
+// Excitations for simulated experiments. With the same seed, the signal is the same on every
+// computer.
 #pragma once
 
 #include <cstdint>
@@ -7,12 +8,13 @@
 
 namespace wheeltap::signals {
 
-/// Uniform and normal random numbers, independent of the standard library.
+/// A generator of uniform and normal random numbers. The numbers do not depend on the
+/// implementation of the standard library.
 class Noise {
  public:
   explicit Noise(std::uint64_t seed) : generator_(seed) {}
-  double uniform();  ///< on (0, 1)
-  double normal();   ///< standard (Box & Muller 1958)
+  double uniform();  ///< uniform distribution on (0, 1)
+  double normal();   ///< standard normal distribution (Box & Muller 1958)
 
  private:
   std::mt19937_64 generator_;
@@ -20,18 +22,18 @@ class Noise {
   bool has_spare_ = false;
 };
 
-/// Independent normal samples with this variance.
+/// Draws independent normal samples with this variance and mean 0.
 [[nodiscard]] std::vector<double> white_noise(int samples, double variance, Noise& noise);
 
-/// Gaussian noise with a flat spectrum on [low_hz, high_hz] and zero outside; `variance` is its
-/// expectation. It is a section of a longer periodic signal, so that it is not periodic itself.
-/// Throws std::invalid_argument unless 0 <= low_hz < high_hz <= sample_rate_hz / 2 and the band
-/// contains a line of the period.
+/// Draws Gaussian noise with a flat spectrum on [low_hz, high_hz] and a spectrum of zero outside
+/// this band. `variance` is the expected variance of the noise. The noise is a section of a longer
+/// periodic signal, so that the noise is not periodic itself. Throws std::invalid_argument unless 0
+/// <= low_hz < high_hz <= sample_rate_hz / 2 and the band contains a line of the period.
 [[nodiscard]] std::vector<double> band_limited_noise(int samples, double sample_rate_hz,
                                                      double low_hz, double high_hz, double variance,
                                                      Noise& noise);
 
-/// amplitude · sin(2π f t + phase), phase in rad.
+/// Computes the samples of amplitude · sin(2π f t + phase), with the phase in rad.
 [[nodiscard]] std::vector<double> sine(int samples, double sample_rate_hz, double amplitude,
                                        double frequency_hz, double phase = 0.0);
 
@@ -45,8 +47,8 @@ struct Multisine {
   bool odd_lines_only = false;
 };
 
-/// Throws std::invalid_argument if no line lies in the band, or the band reaches half the sampling
-/// rate.
+/// Computes the samples of a multisine with random phases. Throws std::invalid_argument if the band
+/// contains no spectral line, or reaches half the sampling rate.
 [[nodiscard]] std::vector<double> multisine(int samples, double sample_rate_hz,
                                             const Multisine& options, Noise& noise);
 

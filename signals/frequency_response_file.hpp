@@ -1,4 +1,4 @@
-// Frequency responses from universal files (dataset 58, function type 4).
+// Reading of frequency responses from universal files (dataset 58, function type 4).
 #pragma once
 
 #include <filesystem>
@@ -14,16 +14,17 @@ struct MeasuredResponses {
   FrequencyResponses responses = {};
   std::vector<io::UniversalDof> outputs = {}, inputs = {};
   std::vector<Conversion> conversions = {};  ///< one per output; empty if `transposed`
-  /// One per output: 0 displacement, 1 velocity, 2 acceleration; empty if the file does not state
-  /// it.
+  /// The quantity of each output: 0 displacement, 1 velocity, 2 acceleration. Empty if the file
+  /// does not state the quantities.
   std::vector<int> orders = {};
-  bool transposed = false;  ///< a roving hammer: outputs and inputs exchanged by reciprocity
+  bool transposed = false;  ///< true: outputs and inputs were exchanged by reciprocity (roving
+                            ///< hammer)
 };
 
-/// Reads all frequency responses of a file and converts outputs with known units to SI. If there
-/// are more references than responses, outputs and inputs are exchanged (reciprocity). Throws
-/// io::FileError for another kind of file, and if responses have different frequencies, are
-/// duplicates or leave a gap in the matrix.
+/// Reads all frequency responses of a file and converts outputs with known units to SI. If the file
+/// has more reference than response degrees of freedom, outputs and inputs are exchanged
+/// (reciprocity). Throws io::FileError for another kind of file. Also throws io::FileError if
+/// frequency responses have different frequencies, occur twice, or are missing in the matrix.
 [[nodiscard]] MeasuredResponses read_frequency_responses(const std::filesystem::path& path);
 
 }  // namespace wheeltap::signals

@@ -1,4 +1,4 @@
-// Frequency responses of several outputs to several inputs, measured or estimated from records.
+// Frequency responses of several outputs to several inputs: measured, or estimated from records.
 #pragma once
 
 #include <vector>
@@ -19,17 +19,19 @@ struct FrequencyResponses {
   [[nodiscard]] Eigen::Index outputs() const { return h.empty() ? 0 : h.front().rows(); }
   [[nodiscard]] Eigen::Index inputs() const { return h.empty() ? 0 : h.front().cols(); }
 
-  /// The frequency responses at the lines within [lowest, highest] [Hz].
+  /// Returns the frequency responses at the spectral lines within [lowest_hz, highest_hz].
   [[nodiscard]] FrequencyResponses band(double lowest_hz, double highest_hz) const;
 };
 
-/// H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, the mean of each segment
-/// removed (Bendat & Piersol 2010, section 7.4). Noise on the outputs averages out; noise on the
-/// inputs makes H₁ too small; resonances narrower than 1/segment duration are smeared. `inputs`,
-/// `outputs`: one channel per row. If `segment` is 0, it is the largest power of 2 that fits eight
-/// times into the record, and at least 16 samples. Throws std::invalid_argument for lengths that
-/// differ, fewer than 2 segments for each input, a rate <= 0, and inputs that are linearly
-/// dependent.
+/// Estimates H₁ = S_yx S_xx⁻¹ by Welch's method: Hann windows that overlap by half, after
+/// subtraction of the mean of each segment (Bendat & Piersol 2010, section 7.4). The effect of
+/// noise on the outputs decreases with the number of averages. Noise on the inputs makes the
+/// magnitude of H₁ too small. For resonances narrower than 1 / (segment duration), the estimated
+/// peaks are too wide and too low. `inputs` and `outputs` have one channel per row. `segment` is
+/// the segment length in samples. If `segment` is 0, the segment length is the largest power of 2
+/// that fits eight times into the record, and at least 16 samples. Throws std::invalid_argument for
+/// inputs and outputs of different lengths, fewer than 2 segments per input, a rate <= 0, and
+/// linearly dependent inputs.
 [[nodiscard]] FrequencyResponses estimate_frequency_responses(
     const Eigen::Ref<const Eigen::MatrixXd>& inputs,
     const Eigen::Ref<const Eigen::MatrixXd>& outputs, double sample_rate_hz, int segment);

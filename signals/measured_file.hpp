@@ -1,4 +1,4 @@
-// A measured file: its channels with their units, sampling, quality and spectra.
+// The content of a measured file: channels with units, sampling, quality and spectra.
 #pragma once
 
 #include <filesystem>
@@ -15,7 +15,8 @@ namespace wheeltap::signals {
 
 struct MeasuredChannel {
   std::string name = {}, unit = {};
-  /// A unit that the column's name may denote, but that is not applied; empty if there is none.
+  /// A unit that the column's name may denote. This unit is not applied. Empty if the name denotes
+  /// no unit.
   std::string possible_unit = {};
   std::vector<double> values = {};
   ChannelQuality quality = {};
@@ -27,25 +28,27 @@ struct MeasuredChannel {
 struct LeftOutColumn {
   int number = 1;  ///< from 1
   std::string header = {};
-  bool is_time_stamp = false;  ///< additional time stamps; otherwise texts or empty
-  bool maybe_time = false;     ///< a text in a table without a column of times
+  bool is_time_stamp = false;  ///< true: additional time stamps; false: texts or empty cells
+  bool maybe_time = false;     ///< a column of texts in a table without a time column
 };
 
-/// Columns with common sampling times.
+/// A table of columns with common sampling times.
 struct MeasuredTable {
   std::string abscissa = {}, abscissa_unit = {};  ///< empty without an abscissa
-  std::vector<double> x = {};                     ///< values of the abscissa; likewise empty
-  bool is_time = true;                            ///< otherwise a spectrum or the like
+  std::vector<double> x = {};                     ///< values of the abscissa; empty without an
+                                                  ///< abscissa
+  bool is_time = true;                            ///< true: the abscissa is time; false: a
+                                                  ///< frequency or another quantity
   std::optional<double> sample_rate_hz = {};
   Sampling sampling = {};                      ///< only with a time column without fault
   std::optional<io::FoundLayout> layout = {};  ///< only for delimited text and workbooks
   std::vector<LeftOutColumn> left_out = {};
-  std::string sampling_fault = {};  ///< why a time column gives no rate: a sentence
+  std::string sampling_fault = {};  ///< a sentence: the reason why the time column gives no rate
   std::vector<MeasuredChannel> channels = {};
 
   [[nodiscard]] long rows() const;
-  /// True if a channel is treated as a time history: its sampling rate is known, or it is long
-  /// enough.
+  /// True if Wheeltap treats a channel as a time history, because the sampling rate is known or the
+  /// channel is long enough.
   [[nodiscard]] bool is_record(const MeasuredChannel& channel) const;
 };
 
@@ -53,11 +56,11 @@ struct MeasuredFile {
   std::filesystem::path path = {};
   std::string format = {};
   std::vector<MeasuredTable> tables = {};
-  std::vector<std::string> others = {};  ///< content other than channels, in words
+  std::vector<std::string> others = {};  ///< descriptions of content other than channels
   std::optional<io::UniversalFile> universal = {};
 };
 
-/// Options for reading a file; empty ones are detected.
+/// Options for reading a file. Options that are empty are detected.
 struct MeasuredReading {
   std::optional<double> sample_rate_hz = {};  ///< for a file without a rate
   io::TextLayout layout = {};                 ///< for delimited text and Excel workbooks
@@ -65,8 +68,8 @@ struct MeasuredReading {
   bool resample = false;                      ///< interpolate uneven records at an even rate
 };
 
-/// Reads and checks a file. Throws io::FileError, and std::invalid_argument for a rate that is not
-/// positive.
+/// Reads a file and checks the quality of its channels. Throws io::FileError, and
+/// std::invalid_argument for a rate that is not positive.
 [[nodiscard]] MeasuredFile look_at(const std::filesystem::path& path,
                                    const MeasuredReading& reading = {});
 

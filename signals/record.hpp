@@ -11,30 +11,31 @@
 
 namespace wheeltap::signals {
 
-/// A table whose row n is sample n.
+/// A measured record as a table. Row n holds sample n of all channels.
 struct Record : io::Columns {
   [[nodiscard]] int samples() const { return rows(); }
-  /// The time column, -1 if there is none. A column is the time column by its name: "time", "t", a
-  /// name that begins with "time", or the name of time in another language or in the files of a
-  /// logger. If no name fits, it is the first column of time stamps. A column of texts is never it.
+  /// Returns the index of the time column, or -1 if the record has no time column. A time column
+  /// has one of these names: "time", "t", a name that begins with "time", the word for time in
+  /// another language, or the name that a logger uses. If no column has such a name, the time
+  /// column is the first column of time stamps. A column of texts is never the time column.
   [[nodiscard]] int find_time() const;
 };
 
 /// Options for reading a file: columns and layout.
 struct RecordReading {
-  std::vector<std::string> columns = {};  ///< as in io::Columns::find; empty: all
-  std::vector<std::string> ignored = {};  ///< not read, not even as time
+  std::vector<std::string> columns = {};  ///< columns as for io::Columns::find; empty: all columns
+  std::vector<std::string> ignored = {};  ///< columns that are not read, even as time column
   io::TextLayout layout = {};             ///< for delimited text
   io::ArrayLayout arrays = {};            ///< for files of arrays
 };
 
 /// Reads a record as delimited text (io/tables/delimited_text.hpp). Reads only the named columns
-/// (see io::Columns::find) and time, or all if no names are given; the others may hold anything.
-/// Throws io::FileError.
+/// (see io::Columns::find) and the time column, or all columns if `columns` is empty. Columns that
+/// are not read may have any content. Throws io::FileError.
 [[nodiscard]] Record parse_record(std::string bytes, const std::filesystem::path& name,
                                   std::vector<std::string> columns = {});
 
-/// Reads a record in any known format.
+/// Reads a record in any of the formats `known`. Throws io::FileError.
 [[nodiscard]] Record read_record(const std::filesystem::path& path, RecordReading reading = {},
                                  std::span<const io::Format> known = io::formats());
 
@@ -44,56 +45,60 @@ struct Sampling {
     unit,     ///< from the column's header or name
     scale,    ///< from the caller
     stamps,   ///< dates and times of day
-    epoch,    ///< counts since 1970, so large that only this unit is possible
+    epoch,    ///< counts since 1970; the counts are so large that only this unit is possible
     days,     ///< a spreadsheet's dates: days since 1900, or since year 0
     assumed,  ///< no unit: seconds
     header,   ///< no time column: a line above the rows gives the rate
-    stated    ///< no time column, or a too coarse one: the case states the rate
+    stated    ///< no time column, or times that are too coarse: the case states the rate
   };
   double rate_hz = 0.0;
   Basis basis = Basis::stated;
   std::string unit = {};  ///< unit of the column's numbers
-  /// Largest relative difference of a step from the mean step that the printed digits do not
-  /// explain; 0 if below 0.1 %.
+  /// Largest relative difference between a time step and the mean time step, beyond the difference
+  /// that the rounding of the printed times explains. 0 if the difference is below 0.1 %.
   double jitter = 0.0;
-  /// True if there is no unit and times are whole numbers in steps of two or more: possibly
-  /// milliseconds.
+  /// True if the time column has no unit and the times are whole numbers in steps of two or more.
+  /// The unit could then be milliseconds.
   bool doubtful_unit = false;
-  int line = 0;  ///< line with the rate, for Basis::header
+  int line = 0;  ///< number of the line that gives the rate, for Basis::header
   double off_grid =
-      0.0;  ///< largest distance of a time stamp from an even grid, in steps; 0 without jitter
+      0.0;  ///< largest distance of a time stamp from an even grid, in time steps; 0 without jitter
 };
 
-/// Determines the sampling from a time column. If `scale` [s] does not give the length of one unit,
-/// the unit is that of the header or the name, otherwise seconds (or one of Sampling::Basis). Every
-/// time step must equal the mean time step within 1 % and the printed precision. Throws
-/// io::FileError (corrupt) with the line for NaN, decreasing times, gaps and uneven steps; also for
-/// an unknown time unit, and if `stated` differs by more than 0.1 %.
+/// Determines the sampling from a time column. `scale` [s] gives the duration of one unit of the
+/// column. Without `scale`, the unit is that of the column's header or name, or a unit that follows
+/// from the values (see Sampling::Basis), otherwise seconds. Every time step must equal the mean
+/// time step within 1 % and the printed precision. Throws io::FileError (corrupt), with the line
+/// number, for NaN, decreasing times, gaps and uneven steps. Also throws io::FileError for an
+/// unknown time unit, and if `stated` differs from the rate of the time column by more than 0.1 %.
 [[nodiscard]] Sampling sampling_of(const Record& record, int time_column,
                                    std::optional<double> stated = std::nullopt,
                                    std::optional<double> scale = std::nullopt);
 
-/// The sampling rate from a line above the rows of a text: "Fs = 100 Hz", "Sample interval (s):
-/// 0.01". std::nullopt if no line states a rate, or if lines state different rates.
+/// Returns the sampling rate that a line above the rows of a text states: "Fs = 100 Hz", "Sample
+/// interval (s): 0.01". Returns std::nullopt if no line states a rate, or if lines state different
+/// rates.
 [[nodiscard]] std::optional<Sampling> sampling_from_header(const Record& record);
 
-/// Resamples all columns that were read to an even rate, `rate_hz` or the mean rate, by natural
-/// cubic splines through their samples. Throws io::FileError (corrupt) with the line if time does
-/// not increase, a step is longer than five median steps, or a value is not finite.
+/// Resamples all columns that were read to an even rate by natural cubic splines through the
+/// samples. The new rate is `rate_hz`, or the mean rate if `rate_hz` is not set. Throws
+/// io::FileError (corrupt), with the line number, if time does not increase, a time step exceeds
+/// five median time steps, or a value is not finite.
 [[nodiscard]] Record resampled(const Record& record, int time_column, std::optional<double> rate_hz,
                                std::optional<double> scale = std::nullopt);
 
-/// The rate [Hz] of the resampled record.
+/// Returns the sampling rate [Hz] of a record; the arguments are those of `sampling_of`.
 [[nodiscard]] double sample_rate_hz(const Record& record, int time_column,
                                     std::optional<double> stated = std::nullopt,
                                     std::optional<double> scale = std::nullopt);
 
-/// Samples [begin, end) of a column. Throws io::FileError (corrupt) if the window is empty or
-/// exceeds the record, or holds a value that is not finite (with its line).
+/// Returns samples [begin, end) of a column. Throws io::FileError (corrupt) if this window is empty
+/// or exceeds the record, or if a value in the window is not finite (with the line number of the
+/// value).
 [[nodiscard]] std::vector<double> window(const Record& record, int column, int begin, int end);
 
-/// A record as CSV text, with a comment line and a header line; 17 digits per number preserve every
-/// bit.
+/// Writes a record as CSV text, with a comment line and a header line. `digits` is the number of
+/// significant digits; 17 digits preserve every bit of a number.
 [[nodiscard]] std::string record_csv(const Record& record, const std::string& comment,
                                      int digits = 10);
 

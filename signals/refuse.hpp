@@ -1,4 +1,4 @@
-// Errors about bad settings and bad channels.
+// Errors for invalid settings and unusable channels.
 #pragma once
 
 #include <optional>
@@ -9,14 +9,15 @@
 
 namespace wheeltap::signals {
 
-/// Throws std::invalid_argument: "segment = 4: must be at least 8 samples".
+/// Throws std::invalid_argument for a setting with an invalid value: "segment = 4: must be at least
+/// 8 samples".
 [[noreturn]] inline void refuse(const std::string& name, auto value, const std::string& bound) {
   throw std::invalid_argument(name + " = " + base::number(static_cast<double>(value)) + ": " +
                               bound);
 }
 
-/// The error for a channel that a computation cannot use (channel numbers start at 0): "channel =
-/// 3: does not move".
+/// The error for a channel that a computation cannot use: "channel = 3: does not move". Channel
+/// numbers start at 0.
 struct ChannelError : std::invalid_argument {
   ChannelError(long number, std::string why, std::optional<long> copied = {})
       : std::invalid_argument("channel = " + std::to_string(number) + ": " + why),
@@ -25,7 +26,8 @@ struct ChannelError : std::invalid_argument {
         original(copied) {}
   long channel;
   std::string reason;
-  std::optional<long> original;  ///< the channel that it is proportional to, if that is the reason
+  std::optional<long> original;  ///< the channel to which this channel is proportional, if that is
+                                 ///< the reason
 };
 
 }  // namespace wheeltap::signals

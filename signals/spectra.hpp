@@ -9,26 +9,28 @@
 
 namespace wheeltap::signals {
 
-/// Welch's method (1967): Hann windows over overlapping segments, mean of each segment removed.
+/// Options of Welch's method (1967): Hann windows over overlapping segments, after subtraction of
+/// the mean of each segment.
 struct WelchOptions {
-  int segment = 1024;    ///< samples; at most the record
-  double overlap = 0.5;  ///< fraction of a segment, in [0, 1)
+  int segment = 1024;    ///< segment length in samples, at most the length of the record
+  double overlap = 0.5;  ///< overlap as a fraction of the segment length, in [0, 1)
 };
 
-/// One-sided power spectral density: ∫ density df is the variance.
+/// One-sided power spectral density of a signal: ∫ density df is the variance of the signal.
 struct Spectrum {
   std::vector<double> frequencies_hz;
   std::vector<double> density;  ///< [unit² / Hz]
   int segments = 0;
 };
 
-/// Throws std::invalid_argument for fewer than 4 samples, a rate <= 0 or an overlap outside [0, 1).
+/// Estimates the power spectral density of x by Welch's method. Throws std::invalid_argument for
+/// fewer than 4 samples, a rate <= 0 or an overlap outside [0, 1).
 [[nodiscard]] Spectrum welch(std::span<const double> x, double sample_rate_hz,
                              WelchOptions options = {});
 
-/// Frequency response of y to x. H1 = S_xy / S_xx is for noise on the output, H2 = S_yy / S_yx for
-/// noise on the input. The coherence is γ² = |S_xy|² / (S_xx S_yy) = H1 / H2; with a single segment
-/// it is always 1.
+/// Frequency response of the output y to the input x. H1 = S_xy / S_xx is the estimate for noise on
+/// the output, and H2 = S_yy / S_yx the estimate for noise on the input. The coherence is γ² =
+/// |S_xy|² / (S_xx S_yy) = H1 / H2. The coherence of a single segment is always 1.
 struct FrequencyResponse {
   std::vector<double> frequencies_hz;
   std::vector<std::complex<double>> h1, h2;
@@ -40,41 +42,45 @@ struct FrequencyResponse {
                                                    std::span<const double> y, double sample_rate_hz,
                                                    WelchOptions options = {});
 
-/// Compares samples [begin, end) with the whole record; both spectra use the same segments.
+/// Comparison of a time window of a record with the whole record. Both spectra use the same segment
+/// length.
 struct SpectrumComparison {
   Spectrum full, window;
-  double power_ratio = 1.0;  ///< variance in the window over that in the record
-  /// Root mean square of 10 log₁₀(window / full) over the frequencies with 99.9 % of the record's
-  /// power, and its expectation for two independent estimates of the same spectrum.
+  double power_ratio = 1.0;  ///< variance in the window divided by the variance of the record
+  /// `difference_db` is the root mean square of 10 log₁₀(window / full) over the frequencies that
+  /// contain 99.9 % of the record's power. `expected_db` is the expected value of this difference
+  /// for two independent estimates of the same spectrum.
   double difference_db = 0.0;
   double expected_db = 0.0;
 };
 
-/// Compares a window of a record with the whole record; segments are at most as long as the window.
-/// Throws std::invalid_argument for an invalid window.
+/// Compares samples [begin, end) of a record with the whole record. The segment length is at most
+/// the length of this window. Throws std::invalid_argument for an invalid window.
 [[nodiscard]] SpectrumComparison compare_window(std::span<const double> record, int begin, int end,
                                                 double sample_rate_hz, WelchOptions options = {});
 
-/// The share of a signal's amplitude lost by linear interpolation between its samples: 1 - √(Σ S
-/// sinc⁴(f / f_s) / Σ S) over its spectrum (a component at f keeps sinc²(f/f_s)).
+/// Computes the share of a signal's amplitude that linear interpolation between the samples loses:
+/// 1 - √(Σ S sinc⁴(f / f_s) / Σ S), with the sums over the signal's spectrum S. Linear
+/// interpolation multiplies the amplitude of a component of frequency f by sinc²(f / f_s).
 [[nodiscard]] double linear_interpolation_loss(const Spectrum& spectrum, double sample_rate_hz);
 
-/// Subtracts the least-squares polynomial of degree 0 (mean) or 1 (line), in place.
+/// Subtracts from x the least-squares polynomial of degree 0 (mean) or 1 (line), in place.
 void detrend(std::span<double> x, int degree);
 
-/// Interpolates samples [begin, end) of a record to `factor` times its rate: (end - begin - 1) ·
-/// factor + 1 values, the original samples unchanged. Uses a sinc of 32 samples to either side with
-/// a Kaiser window (β = 12), which keeps content below 0.43 of the sampling rate to 1e-5 of its
-/// amplitude. It uses samples outside the window if the record contains them. Beyond its ends, the
+/// Interpolates samples [begin, end) of a record to `factor` times the sampling rate. The result
+/// has (end - begin - 1) · factor + 1 values and contains the original samples unchanged. The
+/// interpolation filter is a sinc function of 32 samples to either side with a Kaiser window (β =
+/// 12). Signal components below 0.43 of the sampling rate keep their amplitude within 1e-5. The
+/// filter uses samples outside [begin, end) if the record contains them. Beyond its ends, the
 /// record is continued by odd reflection, so the first and last 32 samples are less accurate.
 /// Throws std::invalid_argument for a factor < 1 or an invalid window.
 [[nodiscard]] std::vector<double> upsample(std::span<const double> record, int begin, int end,
                                            int factor);
 
-/// Every `factor`-th sample from the first on, after a zero-phase low-pass: content below 0.4 of
-/// the new rate is kept, and content above 0.5 of it, which would alias, is removed, both to 1e-4
-/// of the amplitude. The record is continued beyond its ends by odd reflection. Throws
-/// std::invalid_argument for a factor < 1.
+/// Returns every `factor`-th sample of x, from the first sample on, after a zero-phase low-pass
+/// filter. Components below 0.4 of the new rate keep their amplitude within 1e-4. Components above
+/// 0.5 of the new rate would alias; the filter reduces their amplitude to 1e-4. The record is
+/// continued beyond its ends by odd reflection. Throws std::invalid_argument for a factor < 1.
 [[nodiscard]] std::vector<double> decimate(std::span<const double> x, int factor);
 
 /// A point of the plot of a spectrum.
@@ -82,15 +88,15 @@ struct SpectralLevel {
   double frequency_hz, level_db;
 };
 
-/// The level in dB of the sum of the channels' spectral densities, each divided by the channel's
-/// variance, within [lowest_hz, highest_hz]. Lines with a sum of 0 are omitted. `records`: one
-/// channel per row.
+/// Computes the sum of the spectral densities of the channels in dB, within [lowest_hz,
+/// highest_hz]. The density of each channel is divided by the variance of the channel. Spectral
+/// lines with a sum of 0 are omitted. `records` has one channel per row.
 [[nodiscard]] std::vector<SpectralLevel> spectral_levels(
     const Eigen::Ref<const Eigen::MatrixXd>& records, double sample_rate_hz, double lowest_hz,
     double highest_hz);
 
-/// Reduces a spectrum to at most `most` lines: the highest line of each group of neighbouring
-/// lines.
+/// Reduces a spectrum to at most `most` spectral lines. Each group of neighbouring lines is reduced
+/// to its highest line.
 [[nodiscard]] std::vector<SpectralLevel> highest_lines(const std::vector<SpectralLevel>& levels,
                                                        std::size_t most);
 

@@ -1,4 +1,4 @@
-// Forces on the masses of a chain, for all integrators except the exact one. Part of
+// Forces on the masses of a chain, for all integrators except the exact solution. Part of
 // kernel_impl.hpp, which describes the compilation.
 #pragma once
 
@@ -30,11 +30,12 @@ WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
 
 struct AnyLaw {};
 
-/// z̈ = drive + M⁻¹ pull: drive = F / m - ÿ_base, pull is the sum of the tensions on a mass.
-/// friction.hpp adds exact friction.
+/// The equation of motion z̈ = drive + M⁻¹ pull, with drive = F / m - ÿ_base. `pull` is the sum of
+/// the tensions on a mass. friction.hpp adds exact friction.
 ///
 /// N is the number of masses, or 0 if task.masses gives it. kSerial is true if link i joins masses
-/// i and i + 1. OnlyLaw: the kind of all laws, so that no law is selected at run time.
+/// i and i + 1. OnlyLaw is the type of all laws of the chain. The code then selects no law at run
+/// time.
 template <int N, bool kSerial, class OnlyLaw>
 class EquationOfMotion {
  public:
@@ -51,7 +52,7 @@ class EquationOfMotion {
   [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
   [[nodiscard]] WHEELTAP_INLINE V inverse_mass(int i) const { return inverse_mass_[i]; }
 
-  /// drive[i] = F_i / m_i - ÿ_base at a sample.
+  /// Computes drive[i] = F_i / m_i - ÿ_base at a sample.
   WHEELTAP_INLINE void excite(std::int64_t sample, V* drive) const {
     const int n = masses();
     V force[M], base{};
@@ -69,7 +70,7 @@ class EquationOfMotion {
     for (int i = 1; i <= n; ++i) drive[i] = force[i] * inverse_mass_[i] - base;
   }
 
-  /// For laws without memory and without exact friction.
+  /// Computes the accelerations of chains without memory and without exact friction.
   WHEELTAP_INLINE void accelerations(std::int64_t sample, const V* y, const V* v, V* a) const {
     const int n = masses();
     V pull[M];
@@ -80,7 +81,8 @@ class EquationOfMotion {
     for (int i = 1; i <= n; ++i) a[i] += inverse_mass_[i] * pull[i];
   }
 
-  /// The sum of the tensions on every mass, and the rates of the laws' internal states.
+  /// Computes the sum of the tensions on every mass, and the rates of the internal states of the
+  /// laws.
   WHEELTAP_INLINE void forces(const V* y, const V* v, const V* q, V* pull, V* q_rate) const {
     const int n = masses();
     pull[0] = V{};
@@ -95,7 +97,8 @@ class EquationOfMotion {
       V tension = c_[link.slot] * e;
       for (int j = link.law_begin; j < link.law_end; ++j)
         tension += apply(task_.law[j], e, rate, q, q_rate);
-      // The damping force is added last, because the velocity of a stage is computed last.
+      // The damping force is added last, because the velocity of a Runge-Kutta stage is computed
+      // last.
       tension += c_[link.slot + 1] * rate;
       pull[from] += tension;
       pull[to] -= tension;

@@ -11,13 +11,13 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 ///   x⁺ = Φ x + Γ₀ u + Γ₁ u⁺,  Φ = e^A, Γ₁ = φ₂(A) B, Γ₀ = φ₁(A) B - Γ₁,
 ///   A = [0 1; -h² M⁻¹K  -h M⁻¹C],  φ₁(A) = Σ Aᵏ/(k+1)!,  φ₂(A) = Σ Aᵏ/(k+2)!
 ///
-/// (first-order hold; Van Loan 1978 gives the integrals). The loop propagates w = x - Γ₁ u, which
-/// needs one product with u per step: w⁺ = Φ w + (Φ Γ₁ + Γ₀) u.
+/// (first-order hold; Van Loan 1978 gives the integrals). The loop propagates w = x - Γ₁ u by w⁺ =
+/// Φ w + (Φ Γ₁ + Γ₀) u, which needs only one product with u per step.
 template <int N>
 class Exact {
  public:
-  /// If `thresholds` is true, a constant input of 1 follows the other inputs; it gives the constant
-  /// forces of springs with a threshold other than e = 0.
+  /// If `thresholds` is true, a constant input of 1 follows the other inputs; this input represents
+  /// the constant forces of springs with a threshold other than e = 0.
   explicit Exact(const Task& task, bool thresholds = false)
       : task_(task),
         c_(vectors(task.coefficients)),
@@ -57,8 +57,8 @@ class Exact {
     return block;
   }
 
-  /// The lower half of A and of B, in units of the step, with the laws whose bit is set in
-  /// `regime`: springs T = k e - side · k · threshold.
+  /// Assembles the lower halves of A and B, in units of the step. A law whose bit is set in
+  /// `regime` enters as a spring T = k e - side · k · threshold.
   void assemble(unsigned regime) {
     const int m = masses(), n = order();
     const double h = task_.step, h2 = h * h;
@@ -102,7 +102,8 @@ class Exact {
     }
   }
 
-  /// y ← factor A x, y and x n × columns. The upper half of A only moves rows up.
+  /// Computes y = factor · A x for matrices x and y of n × columns. The upper half of A only moves
+  /// rows up.
   void multiply_a(double factor, const V* x, V* y, int columns) const {
     const int m = masses(), n = order();
     for (int i = 0; i < m; ++i)
@@ -114,7 +115,7 @@ class Exact {
       }
   }
 
-  /// y ← Φ x.
+  /// Computes y = Φ x.
   void multiply_transition(const V* x, V* y, int columns) const {
     const int n = order();
     for (int i = 0; i < n; ++i)
@@ -125,8 +126,9 @@ class Exact {
       }
   }
 
-  /// Taylor polynomials at A/2ˢ, whose norm is at most 1/2 (remainder 3e-18), then s doublings:
-  /// Φ(2A) = Φ², φ₁(2A) = (Φ + 1) φ₁ / 2, φ₂(2A) = (Φ φ₂ + φ₁ + φ₂) / 4.
+  /// Computes Φ, φ₁ and φ₂ by Taylor polynomials at A/2ˢ, whose norm is at most 1/2 (remainder
+  /// 3e-18), and then s doublings: Φ(2A) = Φ², φ₁(2A) = (Φ + 1) φ₁ / 2, φ₂(2A) = (Φ φ₂ + φ₁ + φ₂) /
+  /// 4.
   void discretise(unsigned regime) {
     assemble(regime);
     const int m = masses(), n = order(), j = inputs_;
@@ -175,8 +177,8 @@ class Exact {
     for (int i = 0; i < n * j; ++i) gain_[i] += gamma0_[i];
   }
 
-  /// Sensor i measures rows · w + feed · u. Except for an accelerometer, rows has one nonzero
-  /// entry.
+  /// Computes the rows and feeds of the sensors. The signal of sensor i is rows · w + feed · u. For
+  /// sensors other than accelerometers, `rows` has one nonzero entry.
   void observe() {
     const int m = masses(), n = order(), j = inputs_;
     const double h = task_.step;
@@ -261,7 +263,7 @@ class Exact {
 
   const Task& task_;
   const V* c_;
-  V* free_;  ///< unused rest of the scratch memory
+  V* free_;  ///< unused part of the scratch memory
   int masses_, inputs_;
   V *transition_, *phi2_, *product_, *lower_, *input_;
   V *gamma0_, *gamma1_, *gain_, *shifted_, *rows_, *feed_, *u_, *state_;

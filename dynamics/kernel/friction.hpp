@@ -7,21 +7,23 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Between two events every link with friction either slips, T = ±F, or sticks; its tension is then
-/// the Lagrange multiplier of ė = 0. With ë₀ the accelerations of the extensions without friction
-/// and B the signs with which masses enter extensions (-1 at a, +1 at b),
+/// Exact dry friction of links. Between two events, every link with friction either slips, T = ±F,
+/// or sticks. The tension of a sticking link is the Lagrange multiplier of ė = 0. ë₀ denotes the
+/// accelerations of the extensions without friction, and B the signs of the masses in the
+/// extensions (-1 at a, +1 at b). Then
 ///
 ///   ë = ë₀ - G T,   G = B M⁻¹ Bᵀ,   so that   G_ss T_s = ë₀_s - G_sg T_g
 ///
-/// for the sticking links s and the slipping links g. Among the links with ė = 0, the stick-slip
-/// state follows from the unique solution T, since G is positive definite, of
+/// for the sticking links s and the slipping links g. For the links with ė = 0, the stick-slip
+/// state follows from the tensions T that satisfy
 ///
 ///   |T| < F, ë = 0   or   T = F, ë >= 0   or   T = -F, ë <= 0
 ///
-/// (Glocker 2001, Set-Valued Force Laws, chapter 5). The solver changes the first link that
-/// violates its condition until none does. Least-index pivoting ends after finitely many changes
-/// (Murty 1974; for bounds on both sides Júdice & Pires 1992). In a closed loop of sticking links G
-/// is singular and the tensions are not unique; the first links then carry the force.
+/// (Glocker 2001, Set-Valued Force Laws, chapter 5). The solution T is unique if G is positive
+/// definite. The solver repeatedly changes the state of the first link that violates its condition,
+/// until all links satisfy their conditions. Least-index pivoting ends after finitely many changes
+/// (Murty 1974; for bounds on both sides Júdice & Pires 1992). In a closed loop of sticking links,
+/// G is singular and the tensions are not unique. The first links then carry the force.
 ///
 /// Links between the same two masses stick and slip together. The result of a lane does not depend
 /// on the other lanes.
@@ -58,19 +60,21 @@ class Friction {
   }
 
   [[nodiscard]] WHEELTAP_INLINE int size() const { return size_; }
-  /// 1 and -1 in the lanes where link f slips and opens or closes, 0 where it sticks.
+  /// Returns the state of link f in each lane: 1 for slip in opening, -1 for slip in closing, 0 for
+  /// stick.
   [[nodiscard]] WHEELTAP_INLINE V state(int f) const { return state_[f]; }
   [[nodiscard]] WHEELTAP_INLINE V force(int f) const { return force_[f]; }
-  /// Change of ë per unit of tension.
+  /// Returns the change of ë of link f per unit of its tension.
   [[nodiscard]] WHEELTAP_INLINE V compliance(int f) const { return delassus_[f][f]; }
   /// True if any link sticks in any lane.
   [[nodiscard]] WHEELTAP_INLINE bool sticking() const { return sticking_; }
-  /// Difference of a quantity between the two ends of link f, for example ė from the velocities.
+  /// Returns the difference of a quantity between the two ends of link f, for example ė from the
+  /// velocities.
   [[nodiscard]] WHEELTAP_INLINE V across(int f, const V* x) const { return x[b_[f]] - x[a_[f]]; }
 
-  /// Computes the tensions for accelerations without friction, and adds their effect to
-  /// `acceleration`. Without `slipping` (for higher terms of a series), slipping links have no
-  /// tension.
+  /// Computes the friction tensions for `acceleration` without friction, and adds the effect of the
+  /// tensions to `acceleration`. If `slipping` is false (for higher terms of a series), slipping
+  /// links have no tension.
   WHEELTAP_INLINE void pull(bool slipping, V* acceleration, V* tension) const {
     for (int f = 0; f < size_; ++f) {
       tension[f] = slipping ? state_[f] * force_[f] : V{};
@@ -86,8 +90,8 @@ class Friction {
     }
   }
 
-  /// Sets the regime for these velocities and accelerations without friction: links with ė = 0
-  /// stick if they can.
+  /// Determines the stick-slip states for these velocities and accelerations without friction.
+  /// Links with ė = 0 stick if the conditions allow it.
   void start(V* v, const V* free) {
     V at_rest[kMaxFrictions] = {};
     for (int f = 0; f < size_; ++f) {
@@ -98,9 +102,10 @@ class Friction {
     settle(at_rest, v, free);
   }
 
-  /// In the lanes of `stop`, the slipping link f comes to rest.
+  /// Changes the slipping link f to stick in the lanes of `stop`.
   WHEELTAP_INLINE void stop(int f, V stop) { state_[f] = stop > 0.0 ? V{} : state_[f]; }
-  /// In the lanes with nonzero `side`, link f breaks away on that side. Does not factorise.
+  /// Changes link f to slip on the side `side`, in the lanes with nonzero `side`. Does not update
+  /// the factorisation.
   WHEELTAP_INLINE void break_away(int f, V side) { state_[f] = side == 0.0 ? state_[f] : side; }
 
   /// Determines the state of the links at rest for accelerations without friction, and removes the
@@ -134,14 +139,14 @@ class Friction {
     for (int f = 0; f < size_; ++f) push(f, impulse[f], v);
   }
 
-  /// Factorises for `pull` in the current regime.
+  /// Factorises G for `pull` with the current stick-slip states.
   void factor() {
     sticking_ = false;
     for (int f = 0; f < size_; ++f) {
       sticking_ = sticking_ || !all(state_[f]);
       V pivot = state_[f] == 0.0 ? delassus_[f][f] : V{};
       for (int k = 0; k < f; ++k) pivot -= lower_[f][k] * lower_[f][k] * pivot_[k];
-      // 0 for a slipping link, and for a sticking link whose rate follows from those of other
+      // 0 for a slipping link, and for a sticking link whose rate follows from the rates of other
       // links.
       const V usable = pivot > kSingular * delassus_[f][f] ? V{} + 1.0 : V{};
       pivot_[f] = usable > 0.0 ? pivot : V{};
@@ -174,7 +179,7 @@ class Friction {
     x[b_[f]] -= inverse_[b_[f]] * tension;
   }
 
-  /// x ← G_ss⁻¹ x, and 0 for links that slip: G_ss = L D Lᵀ.
+  /// Replaces x by G_ss⁻¹ x, with G_ss = L D Lᵀ; the entries of slipping links become 0.
   WHEELTAP_INLINE void solve(V* x) const {
     for (int i = 0; i < size_; ++i) {
       x[i] = state_[i] == 0.0 ? x[i] : V{};

@@ -7,16 +7,16 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// The scheme of RungeKutta for chains with laws whose rate grows with the speed of their link
-/// (LawInfo::paced). No constant step is suitable both near rest and in fast motion. With s the sum
-/// over the links of (rate per unit of speed) · |ė|, and s' that of (rate per unit of speed) · (|ë|
-/// + largest change of the drive within a step), a step τ is at most that of task.substeps and
-/// satisfies
+/// The scheme of RungeKutta for chains with laws whose rate grows with the speed of the link
+/// (LawInfo::paced). No constant step is suitable both near rest and in fast motion. Let s be the
+/// sum over the links of (rate per unit of speed) · |ė|. Let s' be the sum over the links of (rate
+/// per unit of speed) · (|ë| + largest change of the drive within a step). A step τ is at most the
+/// step of task.substeps and satisfies
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
-/// Each lane chooses its steps from its own state alone. A step within which a link with exact
-/// friction would come to rest or break away ends there.
+/// The steps of a lane depend only on the state of this lane. If a link with exact friction comes
+/// to rest or breaks away within a step, the step ends at this time.
 ///
 ///   0   |
 ///   1/2 | 1/2
@@ -77,7 +77,8 @@ class PacedRungeKutta {
  private:
   using Motion = EquationOfMotion<N, false, AnyLaw>;
   static constexpr int M = Motion::M;
-  /// Product of rate and step above which the scheme is unstable; 2.79 on the real axis.
+  /// Product of rate and step above which the scheme is unstable; the limit is 2.79 on the real
+  /// axis.
   static constexpr double kUnstable = 2.5;
   /// Largest number of friction events in a sample. After this number, links keep their state (slip
   /// or stick) until the end of the sample.
@@ -89,7 +90,7 @@ class PacedRungeKutta {
   struct State {
     V y[M], v[M], q[kMaxMemories];
   };
-  /// Time derivatives of v and q; that of y is v.
+  /// Time derivatives of v and q; the time derivative of y is v.
   struct Rates {
     V v[M], q[kMaxMemories];
   };
@@ -99,7 +100,7 @@ class PacedRungeKutta {
     rates(x, drive, k, tension);
   }
 
-  /// The rates including the tensions of friction.
+  /// Computes the rates, including the effect of friction tensions.
   WHEELTAP_INLINE void rates(const State& x, const V* drive, Rates& k, V* tension) const {
     const int n = motion_.masses();
     V pull[M];
@@ -110,7 +111,7 @@ class PacedRungeKutta {
     if (friction_.size() > 0) friction_.pull(true, k.v, tension);
   }
 
-  /// z̈ without friction.
+  /// Computes the accelerations z̈ without friction.
   [[gnu::noinline]] void accelerate(const State& x, const V* drive, V* acceleration) const {
     const int n = motion_.masses();
     V pull[M], q_rate[kMaxMemories];
@@ -119,7 +120,7 @@ class PacedRungeKutta {
     for (int i = 1; i <= n; ++i) acceleration[i] = drive[i] + motion_.inverse_mass(i) * pull[i];
   }
 
-  /// `to` = x + τ (speed, k).
+  /// Computes `to` = x + τ (speed, k).
   WHEELTAP_INLINE void go(const State& x, V tau, const V* speed, const Rates& k, State& to) const {
     const int n = motion_.masses();
     to.y[0] = to.v[0] = V{};
@@ -135,10 +136,10 @@ class PacedRungeKutta {
   [[gnu::noinline]] void advance(State& x, const V* now, const V* next, Watch& watch) {
     const int n = motion_.masses();
     const V longest = V{} + 1.0 / task_.substeps;
-    V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // remaining share of the sample
+    V left = watch.failed() > 0.0 ? V{} : V{} + 1.0;  // remaining share of the sample interval
     for (int steps = 0; any(left); ++steps) {
       if (steps == task_.most_steps) {
-        V fast{};  // above the bound within a sample: smaller steps would not help
+        V fast{};  // above the bound within a sample: smaller steps cannot help
         WHEELTAP_UNROLL
         for (int i = 1; i <= n; ++i)
           fast = lanes::max(fast, outside(x.v[i] * task_.step, task_.bound));
@@ -146,7 +147,7 @@ class PacedRungeKutta {
         watch.out_of_steps(stop, fast);
         return;
       }
-      // k1, at the beginning
+      // k1, at the beginning of the step
       V drive[M];
       Rates k1;
       drive_at(1.0 - left, now, next, drive);
@@ -177,8 +178,8 @@ class PacedRungeKutta {
     for (int i = 1; i <= n; ++i) drive[i] = now[i] + time * (next[i] - now[i]);
   }
 
-  /// Makes one step of the length `part` (in samples), in the lanes that have not reached the end
-  /// of the sample.
+  /// Makes one step of the length `part` (in sample intervals), in the lanes that have not reached
+  /// the end of the sample interval.
   WHEELTAP_INLINE void step(const State& x, const Rates& k1, const V* now, const V* next, V left,
                             V part, State& end) const {
     const int n = motion_.masses();
@@ -208,7 +209,7 @@ class PacedRungeKutta {
     WHEELTAP_UNROLL
     for (int i = 1; i <= n; ++i) speed4[i] = stage.v[i];
 
-    // 1/6 k1 + 1/3 k2 + 1/3 k3 + 1/6 k4, in the lanes that move
+    // Step with 1/6 k1 + 1/3 k2 + 1/3 k3 + 1/6 k4, in the lanes that advance
     const V sixth = left > 0.0 ? h / 6.0 : V{};
     end.y[0] = end.v[0] = V{};
     WHEELTAP_UNROLL
@@ -220,9 +221,9 @@ class PacedRungeKutta {
       end.q[m] = x.q[m] + sixth * (k1.q[m] + k4.q[m] + 2.0 * (k2.q[m] + k3.q[m]));
   }
 
-  /// Shortens the step so that it ends where a link with hysteresis reverses or its internal state
-  /// changes sign, because the law is not smooth there. Returns true if the step of any lane was
-  /// shortened.
+  /// Shortens the step so that it ends at the time at which a link with hysteresis reverses or its
+  /// internal state changes sign. At this time, the rate of the law is not smooth. Returns true if
+  /// the step of any lane was shortened.
   [[gnu::noinline]] bool stop_at_turn(const State& x, const Rates& k1, V left, V& part,
                                       const State& end) const {
     const V h = part * task_.step;
@@ -240,8 +241,9 @@ class PacedRungeKutta {
     return true;
   }
 
-  /// Lowers `share` to the zero of the parabola through `from` with `slope` and, a step later,
-  /// `to`. A step that begins at a zero keeps a positive length.
+  /// Reduces `share` to the zero of a parabola. The parabola has the value `from` and the slope
+  /// `slope` at the start of the step, and the value `to` at its end. If the zero is at the start
+  /// of the step, the step keeps a positive length.
   WHEELTAP_INLINE static void first_zero(V from, V slope, V to, V& share) {
     V root = slope * slope - 4.0 * (to - from - slope) * from;
     for (int lane = 0; lane < WHEELTAP_LANES; ++lane)
@@ -250,8 +252,8 @@ class PacedRungeKutta {
     share = from * to < 0.0 && at < share && at > kAtTurn ? at : share;
   }
 
-  /// Distance of each link with friction from an event, in units of a speed, and negative beyond
-  /// it. Returns the smallest.
+  /// Computes the distance of each link with friction from its next event, in units of a speed; the
+  /// distance is negative after the event. Returns the smallest distance.
   [[gnu::noinline]] V margins(const State& x, V time, const V* now, const V* next,
                               V* margin) const {
     V tension[kMaxFrictions], drive[M], least = V{} + 1e300;
@@ -272,9 +274,10 @@ class PacedRungeKutta {
     return least;
   }
 
-  /// Shortens the step so that it ends at its first friction event, found to 1e-12 of a sample by
-  /// bisection and false position (Illinois rule). Returns true if any lane has an event. Writes to
-  /// changes[link] the side to which the link breaks away, or 2 if it comes to rest.
+  /// Shortens the step so that it ends at its first friction event. Bisection and false position
+  /// (Illinois rule) locate the event to 1e-12 of a sample interval. Returns true if any lane has
+  /// an event. Writes to changes[link] the side to which the link breaks away, or 2 if the link
+  /// comes to rest.
   [[gnu::noinline]] bool stop_at_event(const State& x, const Rates& k1, const V* now, const V* next,
                                        V left, V& part, State& end, V* changes) const {
     const V begin = 1.0 - left;
@@ -284,7 +287,7 @@ class PacedRungeKutta {
     V at_low = margins(x, begin, now, next, margin);
     V low{}, high = part, open = found, last{};
     for (int i = 0; i < kMostTrials && any(open); ++i) {
-      // If the event is at the start of the step, only bisection advances.
+      // If the event is at the start of the step, only bisection reduces the interval.
       const V chord = low + (high - low) * (at_low / (at_low - at_high)),
               middle = 0.5 * (low + high);
       const V inside = at_low > 0.0 ? (i % 3 == 2 ? middle : chord) : middle;
@@ -314,7 +317,7 @@ class PacedRungeKutta {
     return true;
   }
 
-  /// Changes to another regime of friction.
+  /// Changes the stick-slip states of links at a friction event.
   [[gnu::noinline]] void stick_or_slip(State& x, const V* changes, V left, const V* now,
                                        const V* next) {
     V stopping{}, at_rest[kMaxFrictions] = {};
@@ -332,11 +335,11 @@ class PacedRungeKutta {
     friction_.settle(at_rest, x.v, free);
   }
 
-  /// The length of the next step, in samples.
+  /// Returns the length of the next step, in sample intervals.
   WHEELTAP_INLINE V pace(const State& x, const Rates& k, const V* now, const V* next, V longest,
                          Watch& watch) const {
-    // If a law keeps its link at rest against the drive, ė and ë do not limit the step; the change
-    // of the drive is used instead.
+    // If the force of a law keeps the link at rest against the drive, ė and ë do not limit the
+    // step. The change of the drive limits the step instead.
     const auto coming = [&](int mass) __attribute__((always_inline)) {
       return mass == 0 ? V{} : next[mass] - now[mass];
     };

@@ -7,11 +7,12 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Integrates chains whose laws are all springs beyond a threshold, and which are linear between
-/// switches. A sample without a switch uses the exact solution of its regime; a sample with a
-/// switch uses Taylor series. A switch is detected by the sign of e - threshold at the end of the
-/// sample, or if its tangents at both ends cross zero. If the sample is long relative to the
-/// shortest period, all samples use series.
+/// Integrates chains whose laws are all springs beyond a threshold. These chains are linear between
+/// switches. For a sample interval without a switch, the exact solution of the current regime is
+/// used; for an interval with a switch, Taylor series. A switch is detected by the sign of e -
+/// threshold at the end of the interval, or if the tangents of e - threshold at both ends cross
+/// zero. If the sample interval is long relative to the shortest period, series are used for all
+/// samples.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:
@@ -82,7 +83,7 @@ class Piecewise : private Exact<N> {
   [[nodiscard]] WHEELTAP_INLINE int order() const { return 2 * this->masses(); }
   [[nodiscard]] WHEELTAP_INLINE const Task& task() const { return this->task_; }
 
-  /// The value of side · e - threshold, and its increase in a step.
+  /// Computes side · e - threshold, and the increase of this value in a step.
   WHEELTAP_INLINE V level(const Threshold& t, const V* x) const {
     return t.side * (end(t.b, x) - end(t.a, x)) - t.threshold;
   }
@@ -91,8 +92,8 @@ class Piecewise : private Exact<N> {
   }
   WHEELTAP_INLINE static V end(int mass, const V* x) { return mass == 0 ? V{} : x[mass - 1]; }
 
-  /// The table of the current regime of `series_`. If lanes are in different regimes, each lane
-  /// gets its part from the table of its regime.
+  /// Returns the table of the current regime of `series_`. If lanes are in different regimes, the
+  /// result combines the tables of these regimes lane by lane.
   [[gnu::noinline]] const Table* choose() {
     unsigned regime[WHEELTAP_LANES];
     bool same = true;
@@ -140,8 +141,8 @@ class Piecewise : private Exact<N> {
     series_.start(y);
   }
 
-  /// Advances by one sample; the lanes of `switched` use series. Returns true if the regime of a
-  /// lane has changed at the end.
+  /// Advances the state by one sample, by series in the lanes of `switched`. Returns true if the
+  /// regime of any lane has changed at the end of the step.
   [[gnu::noinline]] bool step(std::int64_t sample, const V* x, V switched, V* next) {
     const int m = this->masses(), laws = task().laws;
     V y[M], v[M], now[M], then[M], before[kMaxThresholds];

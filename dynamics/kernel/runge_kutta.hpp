@@ -71,8 +71,8 @@ class RungeKutta {
   using Motion = EquationOfMotion<N, kSerial, OnlyLaw>;
   static constexpr int M = Motion::M;
 
-  /// Advances from one sample to the next, with linear drives in between. Passes the accelerations
-  /// at the first sample to `seen`, and stops if it returns true.
+  /// Advances the state from one sample to the next, with linear drives between the samples. Passes
+  /// the accelerations at the first sample to `seen`, and stops if `seen` returns true.
   template <class Seen>
   WHEELTAP_INLINE void advance(V* y, V* v, const V* drive_now, const V* drive_next,
                                Seen seen) const {
@@ -85,12 +85,12 @@ class RungeKutta {
     for (int s = 0; s < steps; ++s) {
       // k_j = (velocity, acceleration a_j) at stage j. The velocities of the stages are v, v + h/2
       // a1, v + h/2 a2, v + h a3, so y increases by h v + h²/6 (a1 + a2 + a3). The operations of a
-      // stage depend on each other, so the part that is known before its forces, v + h drive / 2,
-      // is added first.
+      // stage depend on each other. The sum that is known before the forces of the stage, v + h
+      // drive / 2, is therefore computed first.
       V a1[M], a2[M], a3[M], known[M], yi[M], vi[M], vn[M], drive[M], pull[M];
       yi[0] = vi[0] = vn[0] = V{};
 
-      // k1, at the beginning
+      // k1, at the beginning of the step
       WHEELTAP_UNROLL
       for (int i = 1; i <= n; ++i) {
         drive[i] = drive_now[i] + (2.0 * s) * slope[i];

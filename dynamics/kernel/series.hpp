@@ -7,12 +7,13 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Integrates springs that are polynomials, or linear beyond a threshold, by Taylor series in time.
-/// The solution between two samples is analytic except where a law switches. Each sample is divided
-/// into pieces. A piece is a series that ends at its full length or where the first law reaches its
-/// threshold. A step across a switch would have an error of second order in its length. This error
-/// would depend on the position of the switch and make the likelihood discontinuous. Exact friction
-/// adds events: a slipping link comes to rest, or a sticking link needs more than its slip force.
+/// Integrates chains by Taylor series in time, for springs whose tension is a polynomial or is
+/// linear beyond a threshold. The solution between two samples is analytic except where a law
+/// switches. Each sample interval is divided into segments with one series each. A segment ends at
+/// its full length, or at the time at which the first law reaches its threshold. A step across a
+/// switch would have an error of second order in the step length. This error would depend on the
+/// position of the switch and make the likelihood discontinuous. Exact friction adds events: a
+/// slipping link comes to rest, or the tension of a sticking link exceeds the slip force.
 template <int N, bool kSerial>
 class Series {
  public:
@@ -102,23 +103,23 @@ class Series {
   };
   [[nodiscard]] WHEELTAP_INLINE int switches() const { return switches_; }
   [[nodiscard]] WHEELTAP_INLINE const Threshold& threshold(int i) const { return thresholds_[i]; }
-  /// 1 in the lanes in which a law is active, else -1.
+  /// Returns 1 in the lanes in which law i is active, else -1.
   [[nodiscard]] WHEELTAP_INLINE V sign(int i) const { return sign_[i]; }
 
-  /// Sets the regime at y.
+  /// Sets the regime of all laws for the displacements y.
   WHEELTAP_INLINE void start(const V* y) {
     for (int i = 0; i < switches_; ++i)
       sign_[i] = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
   }
 
-  /// Advances y and v (in units of a sample's time) by one sample, in the lanes that move; `now`
-  /// and `then` are the drives at its ends.
+  /// Advances y and v (in units of the sample interval) by one sample, in the lanes of `moving`.
+  /// `now` and `then` are the drives at the ends of the sample interval.
   WHEELTAP_INLINE void advance(V* y, V* v, const V* now, const V* then, V moving) {
     const int m = masses(), degree = task_.degree;
     const V piece = V{} + 1.0 / task_.substeps;
     V terms[kMaxDegree + 1][M], fresh[kMaxThresholds], root[kMaxThresholds];
     for (int i = 0; i < switches_; ++i) fresh[i] = V{};
-    V left = moving;  // remaining share of the sample
+    V left = moving;  // remaining share of the sample interval
     for (int pieces = 0; any(left); ++pieces) {
       const bool watching = pieces < task_.substeps + kMostSwitches;
       const V length = left > 1.000001 * piece ? piece : left;
@@ -154,7 +155,8 @@ class Series {
       left = left > 0.0 ? left - until : left;
       for (int i = 0; i < switches_ && !watching; ++i) {
         const V now_acts = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
-        sign_[i] = moved > 0.0 ? now_acts : sign_[i];  // not in lanes that waited for others
+        sign_[i] = moved > 0.0 ? now_acts : sign_[i];  // unchanged in lanes that waited for other
+                                                       // lanes
       }
       if (friction_.size() > 0) {
         for (int f = 0; f < friction_.size(); ++f)
@@ -164,7 +166,8 @@ class Series {
     }
   }
 
-  /// `v` in units of a sample's time.
+  /// Writes the motions of the sensors at a sample to `output`; `v` is in units of the sample
+  /// interval.
   WHEELTAP_INLINE void show(Output& output, std::int64_t sample, const V* y, const V* v) const {
     const double rate = 1.0 / task_.step;
     V speed[M], a[M];
@@ -192,13 +195,13 @@ class Series {
   }
 
  private:
-  /// Largest number of switches per sample. After this number, a law that switches back and forth
-  /// at its threshold keeps its state.
+  /// Largest number of switches per sample interval. After this number of switches, a law that
+  /// switches back and forth at its threshold keeps its state.
   static constexpr int kMostSwitches = 32;
   static constexpr int kMaxPower = 3;
   /// Tolerance of switching times for springs and for friction. The tension of a spring is
-  /// continuous at its threshold, so an error of the switching time has only a quadratic effect;
-  /// the tension of friction jumps.
+  /// continuous at its threshold, so the error of the response is quadratic in the error of the
+  /// switching time. The tension of friction jumps.
   static constexpr double kSwitchCloseness = 1e-4, kSlipCloseness = 1e-8;
   struct Polynomial {
     int a, b;
@@ -207,13 +210,14 @@ class Series {
 
   [[nodiscard]] WHEELTAP_INLINE int masses() const { return N > 0 ? N : masses_; }
 
-  /// side · e - threshold.
+  /// Computes side · e - threshold.
   WHEELTAP_INLINE static V reach(const Threshold& t, const V* y) {
     return t.side * (y[t.b] - y[t.a]) - t.threshold;
   }
 
-  /// Coefficients of y_i(τ) = Σ terms[k][i] τᵏ, τ in samples from the time with `left` of this
-  /// sample remaining, by the equation of motion in the regime of `sign_`:
+  /// Computes the coefficients of y_i(τ) = Σ terms[k][i] τᵏ from the equation of motion in the
+  /// regime of `sign_`. The time τ [sample intervals] begins when the share `left` of the sample
+  /// interval remains:
   ///   (k + 1)(k + 2) y_{k+2} = h² (drive_k + M⁻¹ [-K y_k - C (k + 1) y_{k+1} / h - T(e)_k]),
   /// with the powers of e by Cauchy products.
   WHEELTAP_INLINE void expand(const V* y, const V* v, const V* now, const V* then, V left,
@@ -280,7 +284,7 @@ class Series {
     }
   }
 
-  /// h² z̈ without friction.
+  /// Computes h² z̈ without friction.
   void accelerate(const V* y, const V* v, const V* drive, V* acceleration) const {
     const double rate = 1.0 / task_.step, unit = task_.step * task_.step;
     V speed[M], pull[M];
@@ -291,8 +295,8 @@ class Series {
       acceleration[i] = unit * drive[i] + scaled_inverse_[i] * pull[i];
   }
 
-  /// The first time in [0, length] at which link f changes between stick and slip, and the side to
-  /// which it breaks away; 2 if there is none.
+  /// Returns the first time in [0, length] at which link f changes between stick and slip, or 2 if
+  /// the state does not change. Writes to `side` the side to which the link breaks away.
   V first_change(int f, const V terms[][M], V length, V& side) const {
     const int degree = task_.degree;
     const V state = friction_.state(f), force = friction_.force(f);
@@ -317,8 +321,7 @@ class Series {
   }
 
   /// Changes the stick-slip state of the links in the lanes of `change` (one entry per link). In
-  /// the lanes of `unwatched`, where events are not detected, the state follows from the
-  /// velocities.
+  /// the lanes of `unwatched`, events are not detected, and the state follows from the velocities.
   void stick_or_slip(const V* change, const V* side, V until, const V* y, V* v, const V* now,
                      const V* then, V left, V unwatched) {
     const int links = friction_.size();
@@ -352,9 +355,9 @@ class Series {
     }
   }
 
-  /// The first time in [0, length] at which law i switches, that is at which sign · (side · e -
-  /// threshold) becomes negative; 2 if it does not switch. A law that has just switched begins at
-  /// its threshold; this root is divided out of the polynomial.
+  /// Returns the first time in [0, length] at which law i switches, that is at which sign · (side ·
+  /// e - threshold) becomes negative. Returns 2 if the law does not switch. If the law has just
+  /// switched, the polynomial has a root at the start; this root is divided out of the polynomial.
   WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
     const Threshold& t = thresholds_[i];
     const int degree = task_.degree;
@@ -373,7 +376,8 @@ class Series {
     for (int k = 0; k <= task_.degree; ++k) g[k] = fresh > 0.0 ? g[k + 1] : g[k];
   }
 
-  /// The first time in [0, length] at which g becomes negative; 2 if it does not.
+  /// Returns the first time in [0, length] at which g becomes negative, or 2 if g does not become
+  /// negative.
   WHEELTAP_INLINE V first_root(const V* g, V length, double closeness) const {
     const int degree = task_.degree;
     V falls[kMaxDegree + 1] = {};
@@ -402,9 +406,9 @@ class Series {
     return sum;
   }
 
-  /// The root of g in [0, high], g(high) = at_high < 0, in the lanes of `wanted`: Newton's method,
-  /// safeguarded by bisection. The last step is at most `closeness` of a sample, so that the error
-  /// is about its square.
+  /// Returns the root of g in [0, high], g(high) = at_high < 0, in the lanes of `wanted`, by
+  /// Newton's method safeguarded by bisection. The last Newton step is at most `closeness` sample
+  /// intervals, so that the error of the root is about the square of `closeness`.
   static V turn(const V* g, int degree, V high, V at_high, V wanted, double closeness) {
     V low{}, x = g[0] > 0.0 ? high * g[0] / (g[0] - at_high) : 0.5 * high, open = wanted;
     for (int i = 0; i < 60 && any(open); ++i) {
@@ -435,8 +439,8 @@ class Series {
   Threshold thresholds_[kMaxThresholds];
   V sign_[kMaxThresholds];
   Polynomial polynomials_[kMaxPolynomials];
-  V tension_[kMaxDegree][kMaxFrictions];  ///< of friction in the current piece, as a series
-  /// 1 if slip began with ė = 0 at the start of the piece, 2 if also with ë = 0.
+  V tension_[kMaxDegree][kMaxFrictions];  ///< friction tension in the current segment, as a series
+  /// 1 if slip began with ė = 0 at the start of the segment, 2 if slip began with ė = 0 and ë = 0.
   V fresh_slip_[kMaxFrictions];
 };
 

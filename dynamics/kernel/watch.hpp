@@ -9,11 +9,11 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 constexpr std::int64_t kSamplesBetweenChecks = 64;
-/// Interval of the checks [samples] for paced integration, which needs many steps per sample, a
-/// different number in each lane.
+/// Interval of the checks [samples] for paced integration. This integration needs many steps per
+/// sample, and the number of steps differs between lanes.
 constexpr std::int64_t kPacedSamplesBetweenChecks = 4;
 
-/// Scores or stores a sample.
+/// Adds a sample to the sums of squares, or stores the sample.
 class Output {
  public:
   explicit Output(const Task& task) : task_(task), c_(vectors(task.coefficients)) {
@@ -29,7 +29,7 @@ class Output {
     return task_.sums == nullptr || sample_ >= task_.lead_in;
   }
 
-  /// `motion` is the sensor's relative motion.
+  /// Processes sample n of sensor i; `motion` is the relative motion of the sensor.
   WHEELTAP_INLINE void take(std::int64_t n, int i, V motion) {
     const SensorTerm& s = task_.sensor[i];
     if (s.base != nullptr) motion += c_[s.base_slot] * s.base[n] + c_[s.base_slot + 1];
@@ -42,7 +42,8 @@ class Output {
   }
 
   [[nodiscard]] WHEELTAP_INLINE bool limited() const { return task_.weights != nullptr; }
-  /// 1 in lanes whose limit is exceeded: sums of squares can only grow.
+  /// Returns 1 in lanes whose sums of squares exceed the limit. These lanes can stop, because sums
+  /// of squares can only increase.
   WHEELTAP_INLINE V over_limit() const {
     V total{};
     for (int i = 0; i < task_.sensors; ++i)
@@ -57,25 +58,26 @@ class Output {
   std::int64_t sample_ = -1;
 };
 
-/// Which trajectories continue, and which have failed. Uses only comparisons that are false for
-/// NaN, since the compiler may fold arithmetic such as 0 · x.
+/// Records which trajectories have failed. The class uses only comparisons that are false for NaN,
+/// because the compiler may fold arithmetic like 0 · x.
 class Watch {
  public:
   explicit Watch(const Task& task) : task_(task), bound_(task.bound) {}
 
-  /// To be called for every mass at every sample. A lane whose displacement has exceeded the bound
-  /// once remains failed.
+  /// Checks a displacement; the caller must call this function for every mass at every sample. A
+  /// lane whose displacement has once exceeded the bound remains failed.
   WHEELTAP_INLINE void check(V displacement) {
     outside_ = lanes::abs(displacement) <= bound_ ? outside_ : V{} + 1.0;
   }
 
-  /// To be called for the whole state at the last sample, including the laws' internal states.
+  /// Checks a component of the state; the caller must call this function for the whole state at the
+  /// last sample, including the internal states of laws.
   WHEELTAP_INLINE void check_last(V x) {
     outside_ = lanes::max(outside_, outside(x, std::numeric_limits<double>::max()));
   }
 
-  /// Marks lanes with a step for which the scheme is unstable. If such a lane fails, this is the
-  /// reported reason.
+  /// Marks lanes with a step for which the scheme is unstable. If a marked lane fails, the reported
+  /// reason is kStepsTooLong.
   WHEELTAP_INLINE void mark_long_steps(V too_long) {
     long_steps_ = lanes::max(long_steps_, too_long);
   }
@@ -85,10 +87,11 @@ class Watch {
     mark_long_steps(fast > 0.0 ? V{} : stopped);
     outside_ = lanes::max(outside_, stopped);
   }
-  /// 1 in the lanes whose trajectory has failed, else 0.
+  /// Returns 1 in the lanes whose trajectory has failed, else 0.
   [[nodiscard]] WHEELTAP_INLINE V failed() const { return outside_; }
 
-  /// True if all lanes have failed or exceeded their limits; checked only at intervals.
+  /// Returns true if all lanes have failed or exceeded their limits. The check is made only at
+  /// intervals of several samples.
   WHEELTAP_INLINE bool over(std::int64_t sample, const Output& output,
                             std::int64_t between = kSamplesBetweenChecks) {
     if (sample % between != 0) return false;

@@ -12,8 +12,8 @@ namespace wheeltap::dynamics::laws {
 ///
 ///   T = k e_y ζ,   ζ̇ = (ė / e_y) (1 - |ζ|ⁿ (β sgn(ė ζ) + γ)),   ζ(0) = 0,
 ///
-/// k the stiffness before yield, e_y the yield extension. |ζ| <= (β + γ)^(-1/n); the loop
-/// dissipates for -β <= γ <= β.
+/// where k is the stiffness before yield and e_y the yield extension. The internal state is bounded
+/// by |ζ| <= (β + γ)^(-1/n). The hysteresis loop dissipates energy for -β <= γ <= β.
 struct BoucWen {
   static constexpr LawInfo kInfo{
       .name = "bouc_wen",
@@ -69,9 +69,9 @@ struct BoucWen {
     return rate / c[1] *
            (1.0 - base::lanes::power(zeta > 0.0 ? zeta : -zeta, c[2]) * (direction + c[4]));
   }
-  /// Bounds at the largest |ζ|, z = (β + γ)^(-1/n): |∂ζ̇/∂ζ| <= |ė|/e_y n zⁿ⁻¹ (|β| + |γ|), and
-  /// |dζ/de| <= (1 + (β - γ) zⁿ) / e_y at a reversal of the motion. The rate of yielding is
-  /// |ė|/e_y.
+  /// Computes the bounds of the slopes at the largest |ζ|, z = (β + γ)^(-1/n): |∂ζ̇/∂ζ| <= |ė|/e_y
+  /// n zⁿ⁻¹ (|β| + |γ|), and |dζ/de| <= (1 + (β - γ) zⁿ) / e_y at a reversal of the motion. The
+  /// rate of yielding is |ė|/e_y.
   static Slopes slopes(const double* c, double /*e_max*/) {
     const double sum = c[3] + c[4], turning = std::max(1.0, 2.0 * c[3] / sum);
     const double yielding =

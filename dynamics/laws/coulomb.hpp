@@ -9,15 +9,15 @@ namespace wheeltap::dynamics::laws {
 
 /// Dry friction of force F >= 0 (Coulomb):
 ///
-///   T = F sgn(ė) in slip; |T| <= F, with the value that keeps ė = 0, in stick.
+/// T = F sgn(ė) in slip; in stick |T| <= F, and T has the value that keeps ė = 0.
 ///
 /// The integrators locate the transitions in time (kernel/friction.hpp). If the creep speed v is >
 /// 0 or a parameter, the law is regularised:
 ///
 ///   T = F tanh(ė / v).
 ///
-/// For |ė| < v this is a viscous damper F/v: the link creeps instead of sticking. A small v
-/// requires small time steps.
+/// For |ė| < v, the regularised law is a viscous damper F/v, so that the link creeps instead of
+/// sticking. A small v requires small time steps.
 struct Coulomb {
   static constexpr LawInfo kInfo{
       .name = "coulomb",

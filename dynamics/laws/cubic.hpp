@@ -6,8 +6,8 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// T = k₃ e³ (Duffing): k₃ > 0 hardens, k₃ < 0 softens. With a negative linear stiffness beside it
-/// the link has two wells at e = ±√(-k/k₃).
+/// Cubic spring T = k₃ e³ (Duffing). The spring hardens for k₃ > 0 and softens for k₃ < 0. Together
+/// with a negative linear stiffness k, the potential of the link has two wells at e = ±√(-k/k₃).
 struct Cubic {
   static constexpr LawInfo kInfo{
       .name = "cubic",

@@ -1,5 +1,5 @@
-// The list of force laws. To add a law, write one file in laws/ and add two lines here, the include
-// and the name in `LawList`; add its test to tests/dynamics/laws_test.cpp.
+// The list of force laws. To add a force law, write one file in laws/ and add two lines here: the
+// include and the name in `LawList`. Add a test of the force law to tests/dynamics/laws_test.cpp.
 //
 // A law T(e, ė) is a struct with
 //   kInfo                    name in a case file; coefficients with units, roles and bounds
@@ -14,7 +14,8 @@
 //                            exact instead of regularised
 //
 // A law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and memory_rate(c,
-// e, ė, ζ) = ζ̇. A law whose rates grow with |ė|, such as any law with memory, sets `kInfo.paced`.
+// e, ė, ζ) = ζ̇. A law whose rates grow with |ė|, for example any law with memory, sets
+// `kInfo.paced`.
 #pragma once
 
 #include <type_traits>

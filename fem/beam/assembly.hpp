@@ -1,4 +1,4 @@
-// Assembles the matrices of K φ = ω² M φ for a beam with defects.
+// Assembly of the matrices of K φ = ω² M φ for a beam with defects.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -13,43 +13,47 @@
 
 namespace wheeltap::fem {
 
-/// The motion at one place as a linear combination of four neighbouring degrees of freedom (one at
-/// a node): w(x) or θ(x) = coefficients · u[first_dof .. first_dof + 4).
+/// The motion w(x) or θ(x) at one location as a linear combination of four neighbouring degrees of
+/// freedom: coefficients · u[first_dof .. first_dof + 4). At a node, only one coefficient is not
+/// zero.
 template <class Real>
 struct MotionRow {
   int first_dof;
   Eigen::Matrix<Real, 4, 1> coefficients;
 };
 
-/// The row of w(x) or θ(x) from the element's shape functions, exact at nodes. A place within 1e-9
-/// L of a node counts as that node. Throws std::invalid_argument outside the beam.
+/// Computes the row of w(x) or θ(x) from the shape functions of the element; the row is exact at
+/// nodes. A location within 1e-9 L of a node counts as that node. Throws std::invalid_argument
+/// outside the beam.
 template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
-/// The remaining stiffness Π (1 - r) of each element under the damages. It is computed as a
-/// product, because 1 minus the lost share has no correct digits if little stiffness remains.
+/// Computes the remaining stiffness Π (1 - r) of each element under the damages. The computation
+/// uses the product, because 1 minus the lost share has no correct digits if little stiffness
+/// remains.
 template <class Real>
 [[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
                                                                          const Defects& defects);
 
-/// The number of rigid-body motions that the supports of the beam and the added supports leave
-/// free; at most two (translation and rotation).
+/// Returns the number of rigid-body motions that the supports of the beam and the added supports do
+/// not prevent: at most two (translation and rotation).
 [[nodiscard]] int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added);
 
 /// The eigenvalue problem in the free degrees of freedom q, with u = T q. A rigid support N(x) · u
-/// = 0 eliminates one degree of freedom and expresses it by the others of its element, so K and M
-/// remain sparse.
+/// = 0 eliminates one degree of freedom. The other degrees of freedom of the element express the
+/// eliminated one, so K and M remain sparse.
 template <class Real>
 struct Assembly {
   using Sparse = Eigen::SparseMatrix<Real>;
   Sparse stiffness;            ///< Tᵀ K T, n × n, symmetric (both triangles)
   Sparse mass;                 ///< Tᵀ M T, n × n
   Sparse free_to_all;          ///< T, 2 (elements + 1) × n
-  std::vector<int> free_dofs;  ///< n: the number of the degree of freedom behind each entry of q
+  std::vector<int> free_dofs;  ///< n entries: the degree of freedom of the mesh for each entry of q
 };
 
-/// Throws std::invalid_argument for an invalid beam, or a defect outside the beam or out of range.
+/// Assembles the eigenvalue problem. Throws std::invalid_argument for an invalid beam, and for a
+/// defect outside the beam or with a value out of range.
 template <class Real>
 [[nodiscard]] Assembly<Real> assemble(const Beam& beam, const Defects& defects);
 

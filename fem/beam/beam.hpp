@@ -7,7 +7,7 @@
 
 namespace wheeltap::fem {
 
-/// Linear elastic, isotropic.
+/// A linear elastic, isotropic material.
 struct Material {
   double young;    ///< Young's modulus E [Pa], > 0
   double poisson;  ///< Poisson's ratio ν [-], -1 < ν < 0.5
@@ -25,13 +25,13 @@ struct Section {
   double shear_coefficient;  ///< κ [-]: the shear stiffness is κ G A
 };
 
-/// A support at `at`. It restrains the listed motions rigidly, or by a spring if `stiffness` is
-/// given.
+/// A support at the location `at`. The support restrains the selected motions rigidly, or by a
+/// spring if `stiffness` is set.
 struct Support {
-  double at;                        ///< [m], anywhere in [0, length]; not only at nodes
-  bool deflection = true;           ///< holds the deflection w
-  bool rotation = false;            ///< holds the rotation θ
-  std::optional<double> stiffness;  ///< spring [N/m for w, N·m/rad for θ]; rigid when empty
+  double at;                        ///< location [m], anywhere in [0, length], also between nodes
+  bool deflection = true;           ///< true: restrains the deflection w
+  bool rotation = false;            ///< true: restrains the rotation θ
+  std::optional<double> stiffness;  ///< spring stiffness [N/m for w, N·m/rad for θ]; empty: rigid
 };
 
 /// A straight prismatic Timoshenko beam meshed with equal two-node elements.
@@ -45,25 +45,26 @@ struct Beam {
   [[nodiscard]] int nodes() const { return elements + 1; }
   [[nodiscard]] double element_length() const { return length / elements; }
 
-  /// The index (from 0) of the element that contains x. Element e covers [x_e, x_{e+1}); the last
-  /// element includes its end. An x within 1e-9 L of a node counts as that node. Throws
+  /// Returns the index (from 0) of the element that contains x. Element e covers [x_e, x_{e+1});
+  /// the last element includes its end. An x within 1e-9 L of a node counts as that node. Throws
   /// std::invalid_argument outside [0, L].
   [[nodiscard]] int element_at(double x) const;
 
-  /// Midpoint of element e [m].
+  /// Returns the midpoint of element e [m].
   [[nodiscard]] double element_midpoint(int e) const { return (e + 0.5) * element_length(); }
 };
 
-/// Supports by name: "simply-supported", "cantilever" (clamped at 0), "clamped-clamped",
-/// "clamped-pinned" (clamped at 0), "free-free". Throws std::invalid_argument for another name.
+/// Returns the supports with a name: "simply-supported", "cantilever" (clamped at 0),
+/// "clamped-clamped", "clamped-pinned" (clamped at 0), "free-free". Throws std::invalid_argument
+/// for another name.
 [[nodiscard]] std::vector<Support> named_supports(std::string_view name, double length);
 
-/// True if the intact beam is symmetric under x → L - x. Frequencies then cannot distinguish a
-/// defect from its mirror image.
+/// True if the intact beam is symmetric under x → L - x. Natural frequencies then cannot
+/// distinguish a defect from its mirror image.
 [[nodiscard]] bool is_mirror_symmetric(const Beam& beam);
 
-/// Throws std::invalid_argument for the first member that is out of range, with its value and the
-/// allowed range.
+/// Checks a beam. Throws std::invalid_argument for the first member that is out of range; the
+/// message gives the value and the allowed range.
 void validate(const Beam& beam);
 
 }  // namespace wheeltap::fem

@@ -7,14 +7,15 @@
 namespace wheeltap::fem {
 
 /// A stiffness reduction: the element that contains `location` keeps 1 - `reduction` of its bending
-/// and shear stiffness. Damages in the same element multiply: (1 - r1)(1 - r2).
+/// and shear stiffness. Two damages in the same element leave the share (1 - r1)(1 - r2) of the
+/// stiffness.
 struct Damage {
   double location;   ///< x [m] in [0, L]
   double reduction;  ///< r [-] in [0, 1)
 };
 
-/// A spring to ground at `location` that acts through the element's shape functions. Infinite
-/// stiffness means a rigid support.
+/// A spring to ground at `location`. Its force acts on the beam through the shape functions of the
+/// element. An infinite stiffness means a rigid support.
 struct SpringSupport {
   double location;                                             ///< x [m] in [0, L]
   double stiffness = std::numeric_limits<double>::infinity();  ///< [N/m] or [N·m/rad], > 0

@@ -1,4 +1,4 @@
-// Represents damages and added supports as columns of the secular problem. Internal to the
+// Representation of damages and added supports as columns of the secular problem. Internal to the
 // reanalysis.
 #pragma once
 
@@ -12,52 +12,56 @@
 
 namespace wheeltap::fem::detail {
 
-/// A damaged element changes K by -Γ c cᵀ for each of its two strains c, with Γ = 1 - Π (1 - r). A
-/// support changes K by + k c cᵀ, that is Γ = -k, where c is the restrained motion. With all Γ in
-/// one diagonal matrix, the damaged eigenvalues solve
+/// A damaged element changes K by -Γ c cᵀ for each of the two strains c of the element, with Γ = 1
+/// - Π (1 - r). A support changes K by + k c cᵀ, that is Γ = -k, where c is the restrained motion.
+/// With all Γ in one diagonal matrix, the eigenvalues of the damaged beam solve
 ///
 ///   det [Γ⁻¹ - Cᵀ (K - λ M)⁻¹ C] = 0.
 ///
-/// The matrix is scaled by its static part G = Γ⁻¹ - Σ_j c_j c_jᵀ / s_j. With supports first, G = L
-/// J Lᵀ, J = diag(-1, 1), L = [L_s 0; W Rᵀ],
+/// This matrix is scaled by its static part G = Γ⁻¹ - Σ_j c_j c_jᵀ / s_j. With supports first, G =
+/// L J Lᵀ, J = diag(-1, 1), L = [L_s 0; W Rᵀ],
 ///
 ///   L_s L_sᵀ = 1/k + Σ_j c_j c_jᵀ / s_j (supports),   W = Σ_j c_j (L_s⁻¹ c_j)ᵀ / s_j,
 ///   Rᵀ R = q / (1 - q) + Q Qᵀ + W Wᵀ (damages),   q = Π (1 - r),
 ///
-/// where Q are the self-stresses (`self_stresses`). With added supports, s_j > λ_j for soft modes,
-/// and Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) over these modes is added to Rᵀ R. Every term is a square, and
-/// Givens rotations assemble R row by row. R is therefore accurate even if almost no stiffness
-/// remains. `Secular` receives the columns L⁻¹ C.
+/// where Q are the self-stresses (`self_stresses`). With added supports, s_j > λ_j for soft modes.
+/// The sum Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) over these modes is added to Rᵀ R. Every term of Rᵀ R is a
+/// square, and Givens rotations assemble R row by row. R is therefore accurate even if almost no
+/// stiffness remains. `Secular` receives the columns L⁻¹ C.
 class DefectColumns {
  public:
-  /// Throws std::invalid_argument for defects outside the beam or out of range.
+  /// Computes the columns of these defects. Throws std::invalid_argument for defects outside the
+  /// beam or with values out of range.
   void set(const IntactModes& intact, const SecularKernel& kernel, std::span<const Damage> damages,
            std::span<const SpringSupport> supports);
 
   [[nodiscard]] int count() const { return support_columns_ + damage_columns_; }
   [[nodiscard]] int supports() const { return support_columns_; }
-  /// Number of rigid supports among the defects; each removes one degree of freedom.
+  /// Number of rigid supports among the defects; each rigid support removes one degree of freedom.
   [[nodiscard]] int held() const { return held_; }
   /// Number of rigid-body modes of the damaged beam.
   [[nodiscard]] int rigid_body_modes() const { return rigid_; }
-  /// The smallest q: damaged λ_i >= q × intact λ_i.
+  /// The smallest remaining stiffness q of an element: eigenvalue i of the damaged beam is at least
+  /// q times intact eigenvalue i.
   [[nodiscard]] double least_remaining() const { return least_remaining_; }
   /// Σ k Σ_j c_j² over the springs: an upper bound on the increase of any eigenvalue.
   [[nodiscard]] double added_stiffness() const { return added_stiffness_; }
-  /// The largest k Σ_j c_j² / s_j of the springs, which is the ratio of the spring stiffness to the
-  /// stiffness of the beam at the same place.
+  /// The largest k Σ_j c_j² / s_j of the springs: the ratio of the spring stiffness to the
+  /// stiffness of the beam at the same location.
   [[nodiscard]] double stiffest_spring() const { return stiffest_spring_; }
-  /// L⁻¹ C, column by column.
+  /// The matrix L⁻¹ C, column by column.
   [[nodiscard]] const double* columns() const { return columns_.data(); }
 
   /// One damaged element.
   struct Element {
     int element;
     double remaining;  ///< q = Π (1 - r)
-    double lost;       ///< 1 - q, stored because q near 1 loses its digits
+    double lost;       ///< 1 - q, stored separately because the difference loses digits for q near
+                       ///< 1
   };
   [[nodiscard]] std::span<const Element> elements() const { return elements_; }
-  /// The column of each listed support; -1 if its motion is already restrained.
+  /// The index of the column of each listed support; -1 if the motion of the support is already
+  /// restrained.
   [[nodiscard]] std::span<const int> support_column() const { return support_column_; }
 
   /// Converts the forces η of L⁻¹ C to the motion or strain cᵀφ of each column, Γ⁻¹ L⁻ᵀ η, in
@@ -73,7 +77,7 @@ class DefectColumns {
   void rotate_in(double* row);
 
   std::vector<Element>
-      elements_;  // ascending, so that the order of the damages does not change the result
+      elements_;  // ascending elements, so that the order of the damages does not change the result
   std::vector<int> support_column_;
   std::vector<double> columns_;        // count × stride
   std::vector<double> inverse_gamma_;  // 1/lost, -1/k, or 0 for a rigid support

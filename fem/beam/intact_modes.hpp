@@ -12,34 +12,35 @@ namespace wheeltap::fem::detail {
 struct IntactModes {
   Beam beam;
   TimoshenkoElement<double> element;
-  int wanted;                       // largest number of modes that can be requested
-  int modes;                        // all modes of the mesh, n
+  int wanted;                       // largest number of modes that a caller can request
+  int modes;                        // number n of all modes of the mesh
   int rigid;                        // number of modes at λ = 0
   std::size_t stride;               // n, and at least two
   std::vector<double> eigenvalues;  // stride
-  int stiff;  // first mode that bends the beam; earlier modes only move its springs
-  std::vector<double> scales;  // s_j: λ_j, or the value of mode `stiff` for rigid-body modes
+  int stiff;  // first mode that bends the beam; earlier modes only deform the springs
+  std::vector<double> scales;  // s_j: λ_j; for rigid-body modes, the eigenvalue of mode `stiff`
   std::vector<double>
-      held_scales;  // s_j with added supports: the value of mode `stiff` also for soft modes
+      held_scales;  // s_j with added supports: the eigenvalue of mode `stiff` also for soft modes
   std::vector<double> compliances;   // 1 / held_scales
   std::vector<double> frequencies;   // wanted
   std::vector<double> element_rows;  // 2 elements × stride: b·φ_j, a·φ_j of each element
   std::vector<double> dof_rows;      // 2 nodes × stride: φ_j at each degree of freedom
-  int self_stresses = 0;             // their number
+  int self_stresses = 0;             // number of self-stress states
   std::vector<double> stress_rows;   // 2 elements × self_stresses
-  std::vector<Window> windows;       // for no, few, and any number of added supports
+  std::vector<Window> windows;       // one window each for no, few, and any number of added
+                                     // supports
 
   /// Throws the same exceptions as `Reanalysis`.
   IntactModes(const Beam& intact_beam, int wanted_modes);
 
-  /// The summation window of S for this number of added supports.
+  /// Returns the summation window of S for this number of added supports.
   [[nodiscard]] const Window& window(int supports) const;
 
-  /// Σ_j a_j b_j / s_j: a compliance that is finite also for a beam with rigid-body modes.
+  /// Computes Σ_j a_j b_j / s_j, a compliance that is finite also for a beam with rigid-body modes.
   [[nodiscard]] double compliance(const double* a, const double* b) const;
 
-  /// row[j] = N(x) · φ_j, or N_θ(x) · φ_j. Returns the compliance from the same terms, without
-  /// cancellation.
+  /// Computes row[j] = N(x) · φ_j, or N_θ(x) · φ_j for a rotation. Returns the compliance computed
+  /// from the same terms, without cancellation.
   double motion(double at, bool rotation, double* row) const;
 };
 

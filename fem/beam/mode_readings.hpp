@@ -1,4 +1,5 @@
-// Computes the gradients and shapes of one mode of the damaged beam. Internal to the reanalysis.
+// Computation of the gradients and the shape of one mode of the damaged beam. Internal to the
+// reanalysis.
 #pragma once
 
 #include <span>
@@ -14,19 +15,21 @@ namespace wheeltap::fem::detail {
 /// Throws std::invalid_argument unless `size` is 0 or the expected size.
 void require_size(const char* name, std::size_t size, std::size_t expected);
 
-/// Writes gradients and shapes into `Reanalysis::Results`, mode by mode; skips empty spans.
+/// Writes gradients and mode shapes into `Reanalysis::Results`, mode by mode. Empty spans are
+/// skipped.
 class ModeReadings {
  public:
   /// Throws std::invalid_argument if the size of a span does not fit.
   void set(const IntactModes& intact, const SecularKernel& kernel, const DefectColumns& columns,
            std::span<const Damage> damages, const Reanalysis::Results& results);
 
-  /// False if only frequencies are requested.
+  /// True if the caller requests results other than frequencies.
   [[nodiscard]] bool wanted() const { return wanted_; }
 
-  /// A mode of the secular problem.
+  /// Writes the results of a mode of the secular problem.
   void read(const RootSearch& search, const RootSearch::Mode& mode);
-  /// A rigid-body mode of the supported beam, or an intact mode if there is no defect.
+  /// Writes the results of a mode that the defects do not change: a rigid-body mode of the
+  /// supported beam, or any intact mode if the beam has no defect.
   void read_unchanged(int root);
 
  private:
@@ -40,7 +43,7 @@ class ModeReadings {
   const Reanalysis::Results* results_ = nullptr;
   bool wanted_ = false;
   bool need_coordinates_ =
-      false;  // of modes; true if results besides gradients of the defects are requested
+      false;  // true if results other than the gradients of the defects are requested
   std::vector<double> column_strains_, coordinates_, element_strains_, point_rows_;
 };
 

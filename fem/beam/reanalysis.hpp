@@ -1,4 +1,5 @@
-// Exact frequencies of a beam with a few defects, from the modes of the intact beam.
+// Exact computation of the natural frequencies of a beam with a few defects, from the modes of the
+// intact beam.
 #pragma once
 
 #include <memory>
@@ -9,36 +10,39 @@
 
 namespace wheeltap::fem {
 
-/// A damaged element changes K by rank 2 and a support by rank 1. If the columns of C span these
-/// changes, the frequencies of the beam with s defects are the roots of a small secular problem
+/// A damaged element changes K by a matrix of rank 2, and a support by a matrix of rank 1. If the
+/// columns of C span these changes, the frequencies of the beam with s defects are the roots of a
+/// small secular problem
 ///
 ///   det S(λ) = 0,   S(λ) = Σ - |Γ|½ Cᵀ (K - λ M)⁻¹ C |Γ|½,   Σ = sign Γ,
 ///
-/// The number of damaged eigenvalues below λ is the intact number plus the negative inertia of
-/// S(λ), minus the number of supports (Wittrick & Williams 1971; Haynsworth 1968). This count
-/// brackets every root, so no mode is missed or swapped.
+/// The number of eigenvalues of the damaged beam below λ is the number of intact eigenvalues below
+/// λ, plus the negative inertia of S(λ), minus the number of supports (Wittrick & Williams 1971;
+/// Haynsworth 1968). This count brackets every root, so the method misses no mode and exchanges no
+/// modes.
 ///
 /// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
-/// `error_bound` bounds the rounding. The only truncation is that of a Chebyshev series for the
-/// modes far above the requested ones, at 1e-17. From a first-order start, a root needs 1.8 (one
-/// damage) to 2.4 (six damages) evaluations of S on average. A start from the previous state of a
-/// Markov chain would save little, and results would depend on earlier calls.
+/// `error_bound` bounds the rounding. The only truncation error, 1e-17, is that of a Chebyshev
+/// series for the modes far above the requested modes. From a first-order start, a root needs 1.8
+/// (one damage) to 2.4 (six damages) evaluations of S on average. A start from the root of a
+/// previous call, for example in a Markov chain, would save little time. The results would then
+/// depend on earlier calls.
 ///
-/// The object is immutable after construction. Any number of threads may share it, each with its
-/// own workspace.
+/// The object is immutable after construction. Any number of threads may share the object, each
+/// thread with its own workspace.
 class Reanalysis {
  public:
   class Workspace;
 
-  /// Solves the intact beam once for all its modes (`full_spectrum`). `modes` is the largest number
-  /// of lowest frequencies that can be requested, rigid-body modes included. Throws
+  /// Computes all modes of the intact beam once (`full_spectrum`). `modes` is the largest number of
+  /// lowest frequencies that a caller can request, rigid-body modes included. Throws
   /// std::invalid_argument for an invalid beam or more modes than free degrees of freedom.
   Reanalysis(const Beam& beam, int modes);
   ~Reanalysis();
   Reanalysis(Reanalysis&&) noexcept;
   Reanalysis& operator=(Reanalysis&&) noexcept;
 
-  /// An observed motion: the deflection or rotation at a place.
+  /// An observed motion: the deflection or rotation at one location.
   struct Point {
     double at;  ///< x [m] in [0, L]
     bool rotation = false;
@@ -48,16 +52,19 @@ class Reanalysis {
   /// one row per mode.
   struct Results {
     std::span<double> frequencies_hz;  ///< n <= modes() lowest, ascending
-    /// n × damages: ∂f/∂r of each listed damage with the others fixed [Hz].
-    std::span<double> damage_gradients_hz;
-    /// n × elements: ∂f/∂r at r = 0 of an additional damage in each element, on top of those listed
+    /// n × damages: ∂f/∂r for the reduction r of each listed damage, with the other defects fixed
     /// [Hz].
+    std::span<double> damage_gradients_hz;
+    /// n × elements: ∂f/∂r at r = 0 for an additional damage in each element, with all listed
+    /// defects present [Hz].
     std::span<double> element_gradients_hz;
-    /// n × points: mass-normalised shapes. The largest entry (the first of equals) is positive.
+    /// n × points: mass-normalised shapes. The largest entry of a shape (the first of several equal
+    /// entries) is positive.
     std::span<double> shapes;
-    std::span<const Point> points;  ///< places at which shapes are requested
-    /// n × supports: ∂f/∂k of each listed support with the others fixed [Hz per N/m or N·m/rad]; 0
-    /// for a rigid support or one that holds an already restrained motion.
+    std::span<const Point> points;  ///< locations at which shapes are requested
+    /// n × supports: ∂f/∂k for the stiffness k of each listed support, with the other defects fixed
+    /// [Hz per N/m or N·m/rad]. 0 for a rigid support, and for a support of an already restrained
+    /// motion.
     std::span<double> support_gradients_hz = {};
   };
 
@@ -69,52 +76,56 @@ class Reanalysis {
     std::span<double> supports_hz_m;  ///< n × supports
   };
 
-  /// An upper bound on the relative error of a frequency [Hz] under these defects, compared with
-  /// exact arithmetic on the same mesh:
+  /// Returns an upper bound of the relative error of a frequency [Hz] for these defects, compared
+  /// with exact arithmetic on the same mesh:
   ///
   ///   1e-10 + 1e-16 k/k_beam + 4e-15 (1/q + λ_1/λ),
   ///
-  /// k is the stiffest added spring, k_beam the beam's own stiffness at its place, q = Π (1 - r) of
-  /// the most damaged element, λ_1 the lowest elastic eigenvalue of the intact beam. The last term
-  /// matters only in two cases. In the first, added supports restrain a free beam, and the
-  /// compliances of hinges and soft springs cancel those of the supports. In the second, the mesh
-  /// has few more modes than damaged strains. The form follows from rounding analysis; the factors
-  /// cover 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// where k is the stiffness of the stiffest added spring and k_beam the stiffness of the beam at
+  /// the location of this spring. q = Π (1 - r) is the remaining stiffness of the most damaged
+  /// element, and λ_1 the lowest elastic eigenvalue of the intact beam. The last term is relevant
+  /// only in two cases. In the first, added supports restrain a free beam, and the compliances of
+  /// hinges and soft springs cancel those of the supports. In the second, the mesh has few more
+  /// modes than damaged strains. The form of the bound follows from rounding analysis. Its factors
+  /// are chosen such that the bound holds for 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
 
   [[nodiscard]] Workspace make_workspace() const;
   [[nodiscard]] int modes() const;
-  [[nodiscard]] int rigid_body_modes() const;  ///< number for the intact beam
+  [[nodiscard]] int rigid_body_modes() const;  ///< number of rigid-body modes of the intact beam
   [[nodiscard]] const Beam& beam() const;
-  /// The intact frequencies [Hz], ascending.
+  /// Returns the natural frequencies of the intact beam [Hz], ascending.
   [[nodiscard]] std::span<const double> intact_frequencies_hz() const;
 
   /// Writes the `out.size()` <= modes() lowest frequencies [Hz] of the beam with these defects,
-  /// ascending. Throws std::invalid_argument for a defect outside the beam or out of range.
+  /// ascending. Throws std::invalid_argument for a defect outside the beam or with a value out of
+  /// range.
   void frequencies_hz(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                       Workspace& workspace, std::span<double> out) const;
 
-  /// Computes frequencies with their gradients and shapes. The gradients are modal strain energies,
+  /// Computes natural frequencies, their gradients and mode shapes. The gradients are modal strain
+  /// energies,
   ///
   ///   ∂λ/∂γ = -(Cᵀφ)² = -(Γ⁻¹ η)²,   (Γ⁻¹ - F(λ)) η = 0,   φ = Σ_j φ_j c_jᵀ η / (λ_j - λ),
   ///
-  /// This is φᵀ (∂K/∂γ) φ for a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
-  /// equation 5), with γ = -k for a spring. The gradients cost almost nothing once the root is
-  /// known. For a multiple eigenvalue they belong to one basis of its modes. Throws
-  /// std::invalid_argument like `frequencies_hz` and if the size of a span does not fit;
-  /// std::runtime_error if a shape cannot be separated from others.
+  /// ∂λ/∂γ is φᵀ (∂K/∂γ) φ for a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
+  /// equation 5), with γ = -k for a spring. The additional run time for the gradients is
+  /// negligible. For a multiple eigenvalue, the gradients are those of one basis of its modes.
+  /// Throws std::invalid_argument like `frequencies_hz`, and if the size of a span does not fit.
+  /// Throws std::runtime_error if a mode shape cannot be separated from other shapes.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
              Workspace& workspace, const Results& results) const;
 
-  /// Computes the slope of the frequencies along each defect's location with the others fixed
-  /// [Hz/m], by differences of exact frequencies, two solutions per location. A damage covers a
-  /// whole element, so frequencies are piecewise constant in its location and ∂f/∂x is zero almost
-  /// everywhere. The slope is therefore taken between the midpoints of the two neighbouring
-  /// elements. At an end it is taken between the element and its only neighbour; it is 0 for a beam
-  /// of one element. A support acts at a point: its slope is the difference over ± 10⁻³ of an
-  /// element, cut off at the beam's ends. Throws the exceptions of `solve`.
+  /// Computes the slope of the frequencies with respect to the location of each defect, with the
+  /// other defects fixed [Hz/m]. The slope is a difference of exact frequencies, from two solutions
+  /// per location. A damage covers a whole element. Frequencies are therefore piecewise constant in
+  /// the location of the damage, and ∂f/∂x is zero almost everywhere. The slope is therefore taken
+  /// between the midpoints of the two neighbouring elements. At an end of the beam, the slope is
+  /// taken between the element and its only neighbour. The slope is 0 for a beam of one element. A
+  /// support acts at a point. The slope for a support is the difference quotient over ± 10⁻³ of an
+  /// element, limited to the beam. Throws the exceptions of `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;
 
@@ -124,7 +135,7 @@ class Reanalysis {
   std::unique_ptr<const Impl> impl_;
 };
 
-/// Scratch memory of one thread; move-only.
+/// Scratch memory for the calls of one thread; move-only.
 class Reanalysis::Workspace {
  public:
   Workspace(Workspace&&) noexcept;

@@ -1,4 +1,4 @@
-// Self-stress states of a beam: stresses in equilibrium without any load.
+// Self-stress states of a beam: stresses that are in equilibrium without any load.
 #pragma once
 
 #include <Eigen/Core>
@@ -9,15 +9,16 @@
 namespace wheeltap::fem {
 
 /// Let the rows of B be the strains of the elements and of the springs, so that K = Bᵀ B. The
-/// self-stresses are the null space of Bᵀ. Their number is the degree of static indeterminacy (0
-/// for a cantilever or a simply supported beam). The orthonormal columns Q satisfy
+/// self-stresses are the null space of Bᵀ. The number of self-stresses is the degree of static
+/// indeterminacy (0 for a cantilever or a simply supported beam). The orthonormal columns Q satisfy
 ///
 ///   Q Qᵀ = I - B K⁻¹ Bᵀ = I - Σ_j c_j c_jᵀ / λ_j
 ///
-/// over the elastic modes with strains c_j. Q Qᵀ is computed without cancellation, unlike the sum
-/// on the right; this matters if a damage leaves almost no stiffness. Returns only the rows of the
-/// elements, 2 elements × (number of self-stresses), in the order of `FullSpectrum::strains`. They
-/// are computed from equilibrium along the beam, in long double.
+/// over the elastic modes with strains c_j. The sum on the right suffers from cancellation; the
+/// computation of Q does not. This accuracy is necessary if a damage leaves almost no stiffness.
+/// This function returns only the rows of Q for the elements, 2 elements × (number of
+/// self-stresses), in the order of `FullSpectrum::strains`. The self-stresses are computed from
+/// equilibrium along the beam, in long double.
 [[nodiscard]] Eigen::MatrixXd self_stresses(const Beam& beam);
 
 }  // namespace wheeltap::fem

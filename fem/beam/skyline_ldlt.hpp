@@ -1,4 +1,4 @@
-// L D Lᵀ of the banded matrices K - σ M, for inertia counts and inverse iteration.
+// Factorisation L D Lᵀ of the banded matrices K - σ M, for inertia counts and inverse iteration.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -13,15 +13,15 @@
 
 namespace wheeltap::fem {
 
-/// K - σ M = L D Lᵀ without pivoting, stored by rows from each row's first entry (Jennings'
-/// skyline). By Sylvester's law the negative entries of D count the eigenvalues of K φ = λ M φ
-/// below σ.
+/// The factorisation K - σ M = L D Lᵀ without pivoting. Each row is stored from its first entry
+/// (Jennings' skyline). By Sylvester's law of inertia, the number of negative entries of D is the
+/// number of eigenvalues of K φ = λ M φ below σ.
 template <class Real>
 class SkylineLdlt {
  public:
   using Sparse = Eigen::SparseMatrix<Real>;
 
-  /// K and M are symmetric n × n with both triangles stored.
+  /// K and M must be symmetric n × n matrices with both triangles stored.
   SkylineLdlt(const Sparse& k, const Sparse& m)
       : first_(static_cast<std::size_t>(k.rows())), start_(first_.size() + 1, 0) {
     for (std::size_t i = 0; i < first_.size(); ++i) first_[i] = i;
@@ -74,11 +74,11 @@ class SkylineLdlt {
   }
 
   /// False if σ is nearly an eigenvalue of a leading block. The rounding errors of the tiny pivot
-  /// then dominate the rows below it, and the count and the solutions are unreliable. The caller
-  /// should retry with a slightly different σ.
+  /// then dominate the rows below this pivot, and the eigenvalue count and the solutions are
+  /// unreliable. The caller should retry with a slightly different σ.
   [[nodiscard]] bool stable() const { return growth_ < Real{kLargestGrowth}; }
 
-  /// Overwrites x with (K - σ M)⁻¹ x of the last factorisation.
+  /// Replaces x by (K - σ M)⁻¹ x, with the last factorisation.
   template <class Vector>
   void solve(Vector& x) const {
     const std::size_t n = first_.size();
@@ -91,8 +91,8 @@ class SkylineLdlt {
   }
 
  private:
-  /// Limit of the growth of entries: four lost digits in double or long double; with 106 bits, more
-  /// digits may be lost.
+  /// Limit of the growth of entries. In double or long double, a stable factorisation may lose four
+  /// digits; in 106-bit arithmetic, it may lose more digits.
   static constexpr double kLargestGrowth = std::numeric_limits<Real>::digits > 100 ? 1e12 : 1e4;
 
   [[nodiscard]] std::size_t place(std::size_t i, std::size_t j) const {

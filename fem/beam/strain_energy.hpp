@@ -1,13 +1,13 @@
-// Strain energy φᵀ K φ without cancellation.
+// Computation of the strain energy φᵀ K φ without cancellation.
 #pragma once
 
 #include "fem/beam/assembly.hpp"
 
 namespace wheeltap::fem {
 
-/// φᵀ K φ = Σ_e (1 - r_e) [(b·φ_e)² + (a·φ_e)²] + Σ k (N(x)·φ)². For smooth shapes on fine meshes,
-/// the product with the assembled K suffers from cancellation; the sum of squared strains does not.
-/// Rayleigh quotients of the low modes therefore keep full relative accuracy.
+/// Computes φᵀ K φ = Σ_e (1 - r_e) [(b·φ_e)² + (a·φ_e)²] + Σ k (N(x)·φ)². For smooth shapes on fine
+/// meshes, the product with the assembled matrix K suffers from cancellation; the sum of squared
+/// strains does not. Rayleigh quotients of the low modes therefore keep full relative accuracy.
 template <class Real>
 class StrainEnergy {
  public:
@@ -27,7 +27,7 @@ class StrainEnergy {
     for (const SpringSupport& s : defects.supports) add(s.location, s.rotation, s.stiffness);
   }
 
-  /// Twice the strain energy [J] of the shape u (all degrees of freedom of the mesh).
+  /// Returns twice the strain energy [J] of the shape u (all degrees of freedom of the mesh).
   [[nodiscard]] Real twice(const Eigen::Ref<const Vector>& u) const {
     const auto bending = element_.bending(), shear = element_.shear();
     Real sum = 0;

@@ -18,12 +18,13 @@ struct Flexure {
   Real rotary;             ///< ρ I [kg·m]
 };
 
-/// Deflection w and rotation θ inside an element of length l follow from the homogeneous static
-/// equilibrium of a Timoshenko beam. The shape functions therefore contain Φ = 12 E I / (κ G A l²),
-/// and the element does not lock (Friedman & Kosmatka 1993, Computers & Structures 47:473). Degrees
-/// of freedom are (w₁, θ₁, w₂, θ₂), θ = w' for Φ = 0.
+/// A two-node beam element of length l. Inside the element, the deflection w and the rotation θ
+/// follow from the homogeneous static equilibrium of a Timoshenko beam. The shape functions
+/// therefore contain Φ = 12 E I / (κ G A l²), and the element does not lock (Friedman & Kosmatka
+/// 1993, Computers & Structures 47:473). The degrees of freedom are (w₁, θ₁, w₂, θ₂); for Φ = 0, θ
+/// = w'.
 ///
-/// `Real` is double, or a wider type for low modes of fine meshes.
+/// `Real` is double, or a type of higher precision for the low modes of fine meshes.
 template <class Real>
 class TimoshenkoElement {
  public:
@@ -33,21 +34,23 @@ class TimoshenkoElement {
   explicit TimoshenkoElement(const Beam& beam);
   explicit TimoshenkoElement(const Flexure<Real>& flexure);
 
-  /// K = b bᵀ + a aᵀ [N/m, N, N·m]. Its rank is 2, because rigid-body motions are stress-free.
+  /// Stiffness matrix K = b bᵀ + a aᵀ [N/m, N, N·m]. The rank of K is 2, because rigid-body motions
+  /// are stress-free.
   [[nodiscard]] Matrix stiffness() const {
     return bending() * bending().transpose() + shear() * shear().transpose();
   }
-  /// b = √(EI/l) (0, -1, 0, 1): the energy of constant curvature.
+  /// Strain row of constant curvature: b = √(EI/l) (0, -1, 0, 1).
   [[nodiscard]] Vector bending() const;
-  /// a = √(12 EI / (l³ (1 + Φ))) (1, l/2, -1, l/2): the energy of constant shear force.
+  /// Strain row of constant shear force: a = √(12 EI / (l³ (1 + Φ))) (1, l/2, -1, l/2).
   [[nodiscard]] Vector shear() const;
-  /// M = ρA ∫ N_wᵀ N_w dx + ρI ∫ N_θᵀ N_θ dx [kg, kg·m, kg·m²].
+  /// Mass matrix M = ρA ∫ N_wᵀ N_w dx + ρI ∫ N_θᵀ N_θ dx [kg, kg·m, kg·m²].
   [[nodiscard]] Matrix mass() const;
 
-  /// N_w(ξ) and N_θ(ξ), 0 <= ξ = x/l <= 1: w = N_w · u, θ = N_θ · u.
+  /// Shape functions N_w(ξ) and N_θ(ξ), 0 <= ξ = x/l <= 1: w = N_w · u, θ = N_θ · u.
   [[nodiscard]] Vector deflection_row(Real xi) const;
   [[nodiscard]] Vector rotation_row(Real xi) const;
-  /// w'(ξ) = N_w'(ξ) · u [1/m, 1]; differs from N_θ if the beam deforms in shear.
+  /// Derivative of the deflection, w'(ξ) = N_w'(ξ) · u [1/m, 1]. The row N_w' differs from N_θ if
+  /// the beam deforms in shear.
   [[nodiscard]] Vector slope_row(Real xi) const;
 
   [[nodiscard]] Real length() const { return l_; }

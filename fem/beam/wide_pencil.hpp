@@ -1,4 +1,5 @@
-// K φ = λ M φ in 106 bits: refines approximate modes and proves eigenvalue bounds.
+// The eigenvalue problem K φ = λ M φ in 106-bit arithmetic: refinement of approximate modes and
+// proof of eigenvalue bounds.
 #pragma once
 
 #include <optional>
@@ -10,15 +11,15 @@
 
 namespace wheeltap::fem {
 
-/// The rigid motions that the supports leave free, mass-normalised, one per column. They are
-/// computed exactly from the geometry, instead of as null vectors of a rounded K. Rows are all
-/// degrees of freedom of the mesh.
+/// Computes the rigid motions that the supports do not prevent, mass-normalised, one per column.
+/// The motions follow exactly from the geometry, and not from the null space of the rounded matrix
+/// K. Rows are all degrees of freedom of the mesh.
 [[nodiscard]] Eigen::Matrix<DoubleDouble, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(
     const Beam& beam, const Defects& defects);
 
-/// The banded matrices in double-double. Rounding moves an eigenvalue λ of the assembled matrices
-/// by about 2⁻¹⁰⁴ λ_max, so λ keeps 15 digits up to λ_max / λ = 10¹⁶. Meshes of 150 elements reach
-/// 10¹².
+/// The banded matrices K and M in double-double numbers. Rounding of the assembled matrices changes
+/// an eigenvalue λ by about 2⁻¹⁰⁴ λ_max. At least 15 digits of λ are therefore correct up to λ_max
+/// / λ = 10¹⁶. On meshes of 150 elements, this ratio is 10¹².
 class WidePencil {
  public:
   using Real = DoubleDouble;
@@ -27,27 +28,27 @@ class WidePencil {
   WidePencil(const Beam& beam, const Defects& defects);
 
   [[nodiscard]] int size() const { return ldlt_.size(); }
-  /// The rigid motions, in the free degrees of freedom.
+  /// Returns the rigid motions in the free degrees of freedom.
   [[nodiscard]] const std::vector<Vector>& rigid_modes() const { return rigid_; }
   [[nodiscard]] const Assembly<Real>& assembly() const { return assembly_; }
 
-  /// The number of eigenvalues below σ. Returns std::nullopt if the factorisation is unstable, for
-  /// example because σ is nearly an eigenvalue of a leading block.
+  /// Returns the number of eigenvalues below σ. Returns std::nullopt if the factorisation is
+  /// unstable, for example because σ is nearly an eigenvalue of a leading block.
   [[nodiscard]] std::optional<int> count_below(Real sigma);
 
   /// True if eigenvalue `index` (from 0, ascending) lies in λ (1 ± error): at most `index`
   /// eigenvalues lie below λ (1 - error), and more than `index` below λ (1 + error).
   [[nodiscard]] bool holds(int index, Real lambda, double error);
 
-  /// Rayleigh quotient iteration from q. On return q is mass-normalised and orthogonal to the rigid
-  /// motions and to `others`. Returns the eigenvalue, or nothing if the iteration does not
-  /// converge.
+  /// Refines the approximate mode q by Rayleigh quotient iteration. On return, q is mass-normalised
+  /// and orthogonal to the rigid motions and to `others`. Returns the eigenvalue, or std::nullopt
+  /// if the iteration does not converge.
   [[nodiscard]] std::optional<Real> refine(Vector& q, const std::vector<Vector>& others = {});
 
-  /// The share of rigid-body motions in q, in the norm of M, from 0 to 1.
+  /// Returns the share of rigid-body motions in q, in the norm of M, from 0 to 1.
   [[nodiscard]] double rigid_share(const Vector& q) const;
 
-  /// u = T q on all degrees of freedom of the mesh.
+  /// Returns u = T q, the motion of all degrees of freedom of the mesh.
   [[nodiscard]] Vector all_dofs(const Vector& q) const { return assembly_.free_to_all * q; }
 
  private:

@@ -1,4 +1,4 @@
-// Computes the stiffnesses of a cross-section by finite elements for Saint-Venant torsion and
+// Computation of the stiffnesses of a cross-section by finite elements for Saint-Venant torsion and
 // flexure.
 //
 // With y, z from the centroid, e = E/E_ref, g = G/G_ref, and c_j = M⁻¹ (unit vector j) for M = [∫e
@@ -8,8 +8,9 @@
 //   ∫ g ∇ψ_j·∇v = ∫ g ν/2 d_j·∇v + 2 (1 + ν_ref) ∫ e c_j·(y, z) v                (shear force j)
 //   d = (c_y (y² - z²) + 2 c_z yz,  2 c_y yz - c_z (y² - z²))
 //
-// A unit rate of twist has the stresses τ = G_ref g (∇ω + (-z, y)). A unit force along j has τ_j =
-// g (∇ψ_j - ν/2 d_j) / (2 (1 + ν_ref)). From these
+// A unit rate of twist causes the stresses τ = G_ref g (∇ω + (-z, y)). A unit force along j causes
+// the stresses τ_j = g (∇ψ_j - ν/2 d_j) / (2 (1 + ν_ref)). The section properties follow from these
+// stresses:
 //
 //   J    = ∫ g |∇ω + (-z, y)|²
 //   α_ij = 1/κ_ij = ∫G ∫ τ_i·τ_j / G   (equal strain energy)
@@ -31,7 +32,7 @@
 
 namespace wheeltap::fem {
 
-/// About axes through the centroid [m⁴].
+/// Second moments about axes through the centroid [m⁴].
 struct SecondMoments {
   double yy;  ///< ∫ e z²: bending about y, deflection along z
   double zz;  ///< ∫ e y²
@@ -40,12 +41,13 @@ struct SecondMoments {
 
 struct PrincipalAxes {
   double largest, smallest;  ///< second moments [m⁴]
-  double
-      angle;  ///< from y to the axis with the largest moment, in (-π/2, π/2]; 0 if both are equal
+  double angle;  ///< angle from y to the axis with the largest moment, in (-π/2, π/2]; 0 for equal
+                 ///< moments
 };
 [[nodiscard]] PrincipalAxes principal_axes(const SecondMoments& moments);
 
-/// α = 1/κ: a shear force V has the energy ½ Vᵀ α V / (G A) per unit length.
+/// Shear flexibility coefficients α = 1/κ. A shear force V has the strain energy ½ Vᵀ α V / (G A)
+/// per unit length.
 struct ShearFlexibility {
   double yy, zz, yz;
 };
@@ -73,17 +75,18 @@ struct SectionLevel {
   SectionProperties properties;
 };
 
-/// Relative change of each property at the last mesh refinement. For properties near zero the
-/// reference is 1e-4 (I_yy + I_zz)²/A for Γ, a tenth of the radius of gyration for a centre, and a
-/// twentieth of √(α_yy α_zz) for α_yz. The remaining error is smaller: the change divided by 2^p -
-/// 1, where p is the order of convergence (4 for smooth solutions).
+/// Relative change of each property at the last mesh refinement. For properties near zero, the
+/// change is relative to a reference value. The reference is 1e-4 (I_yy + I_zz)²/A for Γ, a tenth
+/// of the radius of gyration for a centre, and a twentieth of √(α_yy α_zz) for α_yz. The remaining
+/// error is smaller than the change: it is the change divided by 2^p - 1, where p is the order of
+/// convergence (4 for smooth solutions).
 struct SectionErrors {
   double torsion_constant, warping_constant, shear_centre, shear_flexibility;
   [[nodiscard]] double largest() const;
 };
 
 struct SectionAnalysis {
-  SectionProperties properties;  ///< by the finest mesh
+  SectionProperties properties;  ///< properties on the finest mesh
   SectionErrors errors;
   std::vector<SectionLevel> levels;  ///< from the coarsest mesh to the finest
   bool converged;  ///< all properties are finite, and errors.largest() <= tolerance
@@ -91,24 +94,24 @@ struct SectionAnalysis {
 };
 
 struct SectionAnalysisOptions {
-  double reference_poisson = 0.3;  ///< ν_ref, defines G_ref
+  double reference_poisson = 0.3;  ///< ν_ref, which defines G_ref
   double tolerance = 2e-4;         ///< largest allowed change at the last refinement, > 0
-  int most_nodes = 600'000;        ///< upper bound on the nodes of a mesh
+  int most_nodes = 600'000;        ///< largest number of nodes of a mesh
   int least_levels = 2;            ///< smallest number of meshes, >= 2
 };
 
-/// Computes the properties on one mesh with quadratic triangles and one Cholesky factorisation by
-/// CHOLMOD. The solutions are unique up to a constant, so the value at one node is set to zero.
-/// `regions` are numbered as in mesh.regions. Throws std::invalid_argument for too few regions or a
-/// mesh without area.
+/// Computes the section properties on one mesh with quadratic triangles and one Cholesky
+/// factorisation by CHOLMOD. The functions ω and ψ are unique up to a constant, so the value at one
+/// node is set to zero. `regions` has the numbering of mesh.regions. Throws std::invalid_argument
+/// for too few regions or a mesh without area.
 [[nodiscard]] SectionProperties section_properties(const TriangleMesh& mesh,
                                                    std::span<const Region> regions,
                                                    double reference_poisson);
 
-/// Refines a mesh that is graded towards the corners until the properties converge. Stops earlier
-/// if a property is not finite, or if the changes show that the remaining refinements will not
-/// reach the tolerance. Throws the exceptions of section_properties, and std::invalid_argument for
-/// options out of range.
+/// Computes the section properties on a sequence of refined meshes, graded towards the corners,
+/// until the properties converge. The refinement stops earlier if a property is not finite, or if
+/// the changes show that further refinements cannot reach the tolerance. Throws the exceptions of
+/// section_properties, and std::invalid_argument for options out of range.
 [[nodiscard]] SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regions,
                                               const SectionAnalysisOptions& options = {});
 

@@ -8,39 +8,41 @@
 
 namespace wheeltap::fem {
 
-/// Straight-sided triangles, counter-clockwise and conforming (edge to edge).
+/// A mesh of straight-sided triangles. The triangles are counter-clockwise and conforming (edge to
+/// edge).
 struct TriangleMesh {
   std::vector<Eigen::Vector2d> points;        ///< (y, z) [m]
   std::vector<std::array<int, 3>> triangles;  ///< point numbers, from 0
   std::vector<int> regions;                   ///< region number of each triangle, from 0
 };
 
-/// The midpoints of the edges, numbered from 0.
+/// The edges of a mesh, numbered from 0.
 struct EdgeNumbers {
   std::vector<std::array<int, 3>> of_triangle;  ///< edge i lies opposite corner i
   std::vector<std::array<int, 2>> ends;         ///< point numbers, the smaller first
-  std::vector<std::array<int, 2>> triangles;    ///< on both sides; -1 if there is none
+  std::vector<std::array<int, 2>> triangles;    ///< triangles on both sides of the edge; -1 for no
+                                                ///< triangle
 };
 [[nodiscard]] EdgeNumbers number_edges(const TriangleMesh& mesh);
 
-/// Shares of an edge's length, one per point, measured from the point, at which refinement splits
-/// the edge. The share is ½, but less at re-entrant corners of the domain and of interfaces. There
-/// a function behaves as r^λ, λ = π / angle, and quadratic elements keep their order h⁴ (of
-/// energies) with shares of at most 2^(-2/λ) (Babuška, Kellogg & Pitkäranta 1979, Numer. Math.
-/// 33:447). At corners and ends of an interface, λ depends on the moduli; its smallest possible
-/// value, ½, is used there.
+/// Returns one share per point. Refinement splits an edge at this share of the edge's length,
+/// measured from the point. The share is ½, but smaller at re-entrant corners of the domain and of
+/// interfaces. At these corners, a function behaves as r^λ, λ = π / angle. Quadratic elements keep
+/// their order of convergence h⁴ (of energies) with shares of at most 2^(-2/λ) (Babuška, Kellogg &
+/// Pitkäranta 1979, Numer. Math. 33:447). At corners and ends of an interface, λ depends on the
+/// moduli. There the share is that of the smallest possible value, λ = ½.
 [[nodiscard]] std::vector<double> split_shares(const TriangleMesh& mesh);
 
-/// Splits every triangle into four. Existing points keep their numbers; `shares` gets ½ for each
-/// new point. An edge between two points of share below ½ is halved.
+/// Splits every triangle into four triangles. Existing points keep their numbers; `shares` gets the
+/// entry ½ for each new point. An edge between two points with shares below ½ is halved.
 [[nodiscard]] TriangleMesh refined(const TriangleMesh& mesh, std::vector<double>& shares);
 
-/// Adds `rings` rings of smaller triangles around each point of share below ½; each ring is a third
-/// of the size of the one around it. Existing points keep their numbers; `shares` gets ½ for each
-/// new point.
+/// Adds `rings` rings of smaller triangles around each point with a share below ½. Each ring has a
+/// third of the size of the next outer ring. Existing points keep their numbers; `shares` gets the
+/// entry ½ for each new point.
 [[nodiscard]] TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings);
 
-/// The number of connected parts of the mesh.
+/// Returns the number of connected parts of the mesh.
 [[nodiscard]] int pieces(const TriangleMesh& mesh);
 
 }  // namespace wheeltap::fem

@@ -11,7 +11,8 @@
 
 namespace wheeltap::fem {
 
-/// A linear form of the degrees of freedom: Σ coefficients[i] u[dofs[i]]. Dofs ascend.
+/// A linear form of the degrees of freedom: Σ coefficients[i] u[dofs[i]]. `dofs` is in ascending
+/// order.
 struct SparseRow {
   std::vector<int> dofs = {};
   std::vector<double> coefficients = {};
@@ -24,8 +25,8 @@ struct SparseRow {
   [[nodiscard]] bool empty() const { return dofs.empty(); }
 };
 
-/// factor (row · u)²: twice the energy of one strain; factor 1, or -1 of a compressed member's
-/// geometric stiffness. The row holds the square root of the stiffness.
+/// One strain; twice its energy is factor (row · u)². The factor is 1, or -1 for the geometric
+/// stiffness of a compressed member. The row contains the square root of the stiffness.
 struct Strain {
   SparseRow row;
   double factor = 1.0;
@@ -33,35 +34,38 @@ struct Strain {
 
 /// The name of a degree of freedom, for messages and sensors.
 struct DofName {
-  std::string place;  ///< a node, or a place on a member
+  std::string place;  ///< a node, or a location on a member
   std::string direction;
 };
 
-/// K φ = λ M φ in the n free degrees of freedom. K = Bᵀ D B + K_rest from the strains B. φᵀ K φ is
-/// then a sum of squares without cancellation. With the assembled matrix, smooth shapes on fine
-/// meshes suffer from cancellation.
+/// The eigenvalue problem K φ = λ M φ in the n free degrees of freedom, with K = Bᵀ D B + K_rest
+/// and the strains B. φᵀ K φ is computed as a sum of squares of strains, without cancellation. The
+/// product with the assembled matrix K suffers from cancellation for smooth shapes on fine meshes.
 struct Discretisation {
   using Sparse = Eigen::SparseMatrix<double>;
 
   std::vector<DofName> names;      ///< n
   std::vector<Strain> strains;     ///< the rows of B
-  Sparse rest;                     ///< K_rest, n × n: the part given as a matrix (or empty)
-  std::vector<Sparse> parts = {};  ///< summands of `rest`; empty if they are not distinguished
+  Sparse rest;                     ///< K_rest, n × n: the part of K that is given as a matrix (or
+                                   ///< empty)
+  std::vector<Sparse> parts = {};  ///< summands of `rest`; empty if the summands are not
+                                   ///< distinguished
   Sparse stiffness;                ///< K, n × n, both triangles
   Sparse mass;                     ///< M, n × n, positive semidefinite
   Eigen::MatrixXd rigid_motions;   ///< n × r: strain-free motions, in any basis
 
   [[nodiscard]] Eigen::Index size() const { return mass.rows(); }
-  /// Selects r of the n degrees of freedom (r rigid motions) whose restraint prevents all rigid
-  /// motions.
+  /// Selects degrees of freedom whose restraint prevents all rigid motions. Their number is the
+  /// number of rigid motions.
   [[nodiscard]] std::vector<char> holding_dofs() const;
-  /// K u, computed from the strains.
+  /// Computes K u from the strains.
   [[nodiscard]] Eigen::VectorXd stiffness_times(const Eigen::Ref<const Eigen::VectorXd>& u) const;
-  /// uᵀ K u from the strains: twice the strain energy.
+  /// Computes uᵀ K u, twice the strain energy, from the strains.
   [[nodiscard]] double energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
-  /// Vᵀ K V, computed from the strains of the columns of V.
+  /// Computes Vᵀ K V from the strains of the columns of V.
   [[nodiscard]] Eigen::MatrixXd projected_stiffness(const Eigen::MatrixXd& basis) const;
-  /// The energy if no terms cancelled inside a strain; rounding errors are relative to it.
+  /// Computes the energy without cancellation of terms inside each strain. Rounding errors of
+  /// `energy` are relative to this value.
   [[nodiscard]] double uncancelled_energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
 };
 

@@ -1,4 +1,5 @@
-// Lumped-mass chains: masses and springs that move along one line, such as storeys.
+// Lumped-mass chains: masses and springs that move along one line, for example the storeys of a
+// building.
 #pragma once
 
 #include <array>
@@ -13,14 +14,15 @@ namespace wheeltap::fem {
 struct LumpedChain {
   struct Link {
     std::string name;
-    std::array<int, 2> between;  ///< 0 is the ground, i the i-th mass
+    std::array<int, 2> between;  ///< ends of the link: 0 is the ground, i the i-th mass
     double stiffness;            ///< [N/m], > 0
   };
   std::vector<double> masses;  ///< [kg], > 0
   std::vector<Link> links;
 };
 
-/// Throws InvalidStructure (a mass is a `masses` part, a link a `members` part).
+/// Checks a chain. Throws InvalidStructure; an invalid mass is a `masses` part, and an invalid link
+/// a `members` part.
 void validate(const LumpedChain& chain);
 
 /// Discretises the chain; strain i belongs to link i. Throws the exceptions of `validate`.

@@ -1,4 +1,4 @@
-// A structure given by the matrices of another program.
+// A structure that is given by the matrices of another program.
 #pragma once
 
 #include <string>
@@ -8,8 +8,9 @@
 
 namespace wheeltap::fem {
 
-/// M and K = Σ (1 + α_j) K_j, all symmetric and of the same size. M is positive semidefinite;
-/// degrees of freedom without mass follow from the others by statics.
+/// The matrices M and K = Σ (1 + α_j) K_j. M and all K_j are symmetric and have the same size. M is
+/// positive semidefinite. The motion of degrees of freedom without mass follows from the motion of
+/// the others by statics.
 struct MatrixStructure {
   using Sparse = Discretisation::Sparse;
   struct Part {
@@ -19,11 +20,13 @@ struct MatrixStructure {
   };
   Sparse mass;
   std::vector<Part> parts;
-  std::vector<DofName> names = {};  ///< empty: "degree of freedom 1" …
+  std::vector<DofName> names = {};  ///< names of the degrees of freedom; empty: "degree of freedom
+                                    ///< 1" …
 };
 
-/// Throws InvalidStructure (`masses` for M, `members` for K_j) if a matrix is not square, differs
-/// in size, is not symmetric (to 1e-8 of its largest entry) or not finite, or if α <= -1.
+/// Checks the matrices. Throws InvalidStructure (part `masses` for M, `members` for K_j) if a
+/// matrix is not square, has another size than the others, is not finite, or is not symmetric to
+/// 1e-8 of its largest entry. Also throws InvalidStructure if α <= -1.
 void validate(const MatrixStructure& structure);
 
 /// Discretises the structure: K_rest is K, and its parts are the summands of K. Does not search for

@@ -1,4 +1,4 @@
-// Motions of the ends of an element along and about its own axes. Internal to the mesh.
+// Motions of the ends of an element along and about the axes of the element. Internal to the mesh.
 #pragma once
 
 #include <array>
@@ -33,12 +33,14 @@ class RowSum {
 
 /// The six motions of a node, or of a boundary between elements.
 using Motions = std::array<SparseRow, kDirections>;
-/// [end][k]: along the member's own axis k, and about it.
+/// The motions [end][k]: translations along the member's own axis k, then rotations about these
+/// axes.
 using OwnMotions = std::array<std::array<SparseRow, 6>, 2>;
 
 [[nodiscard]] OwnMotions own_motions(const MemberFrame& frame, const Motions& first,
                                      const Motions& second);
-/// (w₁, w₁', w₂, w₂'): w' = -θ_y of a deflection along z, +θ_z of one along y.
+/// Returns the bending motions (w₁, w₁', w₂, w₂') of an element. For a deflection along z, w' =
+/// -θ_y; for a deflection along y, w' = θ_z.
 [[nodiscard]] std::array<SparseRow, 4> plane_motions(const OwnMotions& own, bool along_z);
 
 }  // namespace wheeltap::fem::detail

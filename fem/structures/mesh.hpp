@@ -1,4 +1,4 @@
-// Meshes a structure of members and assembles its matrices.
+// Meshing of a structure of members, and assembly of its matrices.
 #pragma once
 
 #include <array>
@@ -10,61 +10,66 @@
 
 namespace wheeltap::fem {
 
-/// The strains of one element of a member: an axial force, a torque, and in each plane a constant
-/// moment and a constant shear force. A plane structure has three, a spatial structure six.
+/// The strains of one element of a member. They belong to the axial force, the torque, and in each
+/// plane a constant moment and a constant shear force. An element of a plane structure has three
+/// strains, an element of a spatial structure six.
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 
-/// Flexural properties of an element of this length in one plane of the section: deflection along z
-/// with bending about y, or deflection along y with bending about z.
+/// Returns the flexural properties of an element of this length in one plane of the section: for a
+/// deflection along z with bending about y, or for a deflection along y with bending about z.
 [[nodiscard]] Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
                                       bool rotary_inertia);
 
-/// A meshed structure: the positions of its elements, and the motions of places on it.
+/// A meshed structure. It provides the positions of the elements, and the motions of locations on
+/// the structure.
 class Mesh {
  public:
   struct Element {
     int member;
-    double from, to;  ///< [m] from the member's first end
-    /// Index of each strain in `Discretisation::strains`; -1 if it does not exist.
+    double from, to;  ///< ends of the element [m from the member's first end]
+    /// Index of each strain in `Discretisation::strains`; -1 for a strain that the element does not
+    /// have.
     std::array<int, kElementStrains> strains;
-    int piece;  ///< piece of the member
+    int piece;  ///< index of the segment in `Member::pieces`
   };
 
-  /// Throws InvalidStructure.
+  /// Meshes a structure. Throws InvalidStructure.
   explicit Mesh(const Structure& structure);
 
   [[nodiscard]] const Structure& structure() const { return structure_; }
   [[nodiscard]] const Discretisation& discretisation() const { return discretisation_; }
   [[nodiscard]] const std::vector<Element>& elements() const { return elements_; }
-  /// Index of the first element of a member; for member = `members`, the number of elements.
+  /// Returns the index of the first element of a member. If `member` is the number of members,
+  /// returns the number of elements.
   [[nodiscard]] int first_element(int member) const {
     return first_element_[static_cast<std::size_t>(member)];
   }
   [[nodiscard]] double member_length(int member) const;
 
-  /// The element of a member that contains s [m]: element e covers [s_e, s_{e+1}), the last one
-  /// closed. An s within 1e-9 of the member's length of a boundary counts as that boundary. Throws
-  /// std::invalid_argument outside the member.
+  /// Returns the element of a member that contains s [m]. Element e covers [s_e, s_{e+1}); the last
+  /// element includes its end. If the distance of s from a boundary is below 1e-9 times the
+  /// member's length, s counts as this boundary. Throws std::invalid_argument outside the member.
   [[nodiscard]] int element_at(int member, double s) const;
 
-  /// (w₁, w₁', w₂, w₂') of an element's ends, for a deflection along the section's z, or along y.
+  /// Returns the motions (w₁, w₁', w₂, w₂') of the ends of an element, for a deflection along the z
+  /// axis or the y axis of the section.
   [[nodiscard]] std::array<SparseRow, 4> bending_motions(int element, bool along_z) const;
 
-  /// The strains of the rotational springs at a node: of member ends joined there with a finite
-  /// stiffness, and of springs to ground.
+  /// Returns the strains of the rotational springs at a node: the springs of member ends that are
+  /// joined to the node with a finite stiffness, and the springs to ground.
   [[nodiscard]] const std::vector<int>& joint_strains(int node) const {
     return joint_strains_[static_cast<std::size_t>(node)];
   }
 
-  /// The motion of a node as a row; empty if it is restrained.
+  /// Returns the motion of a node as a row; the row is empty if the motion is restrained.
   [[nodiscard]] const SparseRow& motion(int node, Direction direction) const;
-  /// The motion of a place on a member along (or about) a global axis, through the element's shape
-  /// functions.
+  /// Returns the motion of a location on a member along (or about) a global axis, computed by the
+  /// shape functions of the element.
   [[nodiscard]] SparseRow motion(int member, double s, Direction direction) const;
-  /// The motion of a place on a member along (or about) an arbitrary unit vector.
+  /// Returns the motion of a location on a member along (or about) an arbitrary unit vector.
   [[nodiscard]] SparseRow motion(int member, double s, const Vector3& axis, bool rotation) const;
-  /// The member's own x, y, z in global coordinates.
+  /// Returns the x, y, z axes of a member in global coordinates.
   [[nodiscard]] const std::array<Vector3, 3>& member_axes(int member) const {
     return frames_[static_cast<std::size_t>(member)].axes;
   }

@@ -9,19 +9,20 @@
 namespace wheeltap::fem {
 
 /// An isometry of the plane or of space that maps nodes to nodes and members to members. Only the
-/// geometry is compared; the frequencies show whether stiffness and mass are symmetric as well.
+/// geometry is compared. Natural frequencies show whether stiffness and mass are also symmetric.
 struct SelfMap {
   std::vector<int> node;       ///< image of node i
   std::vector<int> member;     ///< image of member i; for a chain, of link i
   std::vector<bool> reversed;  ///< true if the map exchanges the ends of member i
 };
 
-/// All such maps except the identity, each with its inverse. Images are found by their distances
-/// from the centroid of the nodes and from one to three reference nodes, equal to 1e-6 of the
-/// structure's size. Returns no maps for more than `kMostMappedNodes` nodes (no search) or more
-/// than `kMostSelfMaps` maps.
+/// Finds all self-maps of a structure except the identity; the list contains the inverse of each
+/// map. The search compares distances from the centroid of the nodes and from one to three
+/// reference nodes, with a tolerance of 1e-6 of the structure's size. The list is empty if the
+/// structure has more than `kMostMappedNodes` nodes (no search) or more than `kMostSelfMaps` maps.
 [[nodiscard]] std::vector<SelfMap> self_maps(const Structure& structure);
-/// The reversal of the order of the masses and links of a chain, if it maps links to links.
+/// Returns the reversal of the order of the masses and links of a chain, if the reversal maps links
+/// to links.
 [[nodiscard]] std::vector<SelfMap> self_maps(const LumpedChain& chain);
 
 inline constexpr int kMostMappedNodes = 500;

@@ -12,18 +12,19 @@
 
 namespace wheeltap::fem {
 
-/// A motion of a node, along or about a global axis. A plane structure has x, y and rz.
+/// The direction of a node's motion: along or about a global axis. A plane structure has the
+/// directions x, y and rz.
 enum class Direction { x, y, z, rx, ry, rz };
 inline constexpr int kDirections = 6;
 [[nodiscard]] constexpr bool is_rotation(Direction d) {
   return d >= Direction::rx;
 }
-/// "x" … "rz"; "rotation" for rz of a plane structure.
+/// Returns the name of a direction: "x" … "rz"; "rotation" for rz of a plane structure.
 [[nodiscard]] std::string direction_name(Direction d, int dimension);
 
 /// Cross-section properties of a member in its own axes (y, z); x runs along the member. The axes
-/// are principal, and the shear centre is the centroid. In a plane structure z lies in the plane
-/// and y is normal to it, so `second_moment_y` governs bending.
+/// are the principal axes, and the shear centre is the centroid. In a plane structure, z lies in
+/// the plane and y is normal to the plane, so `second_moment_y` determines bending.
 struct MemberSection {
   static constexpr double kNoShear = std::numeric_limits<double>::infinity();
 
@@ -34,47 +35,52 @@ struct MemberSection {
   double shear_coefficient_z =
       kNoShear;  ///< κ_z [-]: shear stiffness κ_z G A along z; ∞: no shear deformation
   double shear_coefficient_y = kNoShear;  ///< κ_y [-], in space
-  double depth = 0.0;                     ///< outer size along z [m], for cracks; 0 where unknown
+  double depth = 0.0;                     ///< outer size along z [m], for cracks; 0 if unknown
 };
 
 struct Node {
   std::string name;
-  Vector3 at = {};  ///< [m]; z = 0 in the plane
+  Vector3 at = {};  ///< position [m]; z = 0 in a plane structure
 };
 
 /// The connection of a member's end to its node.
 struct MemberEnd {
   static constexpr double kRigid = std::numeric_limits<double>::infinity();
 
-  /// Rigid arm from the node to the member's end, in global axes [m].
+  /// Vector of the rigid arm from the node to the member's end, in global axes [m].
   Vector3 offset = {};
-  /// Rotational stiffness of the joint about the member's own x, y, z [N·m/rad]: ∞ is rigid, 0 a
-  /// hinge. A plane structure bends about y.
+  /// Rotational stiffness of the joint about the member's own x, y, z [N·m/rad]: ∞ is a rigid
+  /// joint, and 0 a hinge. Members of a plane structure bend about their y axis.
   std::array<double, 3> rotation = {kRigid, kRigid, kRigid};
 };
 
 /// A straight Timoshenko beam-column between two nodes.
 struct Member {
-  /// Material and section from the end of the previous piece (or the first node) up to `to`.
+  /// A segment of the member with its own material and section. The segment extends from the end of
+  /// the previous segment (or from the first node) up to `to`.
   struct Piece {
-    double to;  ///< [m] from the first end; the last piece ends at the second end
+    double to;  ///< end of the segment [m from the first end]; the last segment ends at the second
+                ///< end
     Material material;
     MemberSection section;
   };
 
   std::string name;
   std::array<int, 2> nodes = {};  ///< indices of `Structure::nodes`
-  int elements = 1;  ///< of equal length; the end of a piece is an element boundary, too
-  std::vector<Piece> pieces = {};  ///< at least one
-  /// In space: the section's z axis is the component of `up` normal to the member. Zero selects
-  /// global z, or global y if the member is parallel to z.
+  int elements = 1;  ///< number of elements of equal length; the ends of segments are element
+                     ///< boundaries, too
+  std::vector<Piece> pieces = {};  ///< at least one segment
+  /// For structures in space: the z axis of the section is the component of `up` normal to the
+  /// member. For `up` = 0, global z is used, or global y if the member is parallel to z.
   Vector3 up = {};
   std::array<MemberEnd, 2> ends = {};
-  double axial_force = 0.0;  ///< N, tension positive [N]: geometric stiffness N ∫ w'² dx
-  double foundation = 0.0;   ///< elastic foundation along the section's axes y and z [N/m²]
+  double axial_force = 0.0;  ///< axial force N, positive in tension [N]: geometric stiffness N ∫
+                             ///< w'² dx
+  double foundation = 0.0;   ///< stiffness of the elastic foundation along the section's axes y and
+                             ///< z [N/m²]
 };
 
-/// Restrains a node, rigidly or by springs to ground.
+/// A support that restrains a node rigidly or by springs to ground.
 struct NodeSupport {
   int node = 0;
   std::array<bool, kDirections> fix = {};
@@ -87,21 +93,22 @@ struct NodeMass {
   Vector3 inertia = {};  ///< rotary inertia about x, y, z [kg·m²]
 };
 
-/// A massless spring between two nodes, or from a node to ground (`nodes[1]` = kGround): along the
-/// line between the nodes, or on the difference of one motion.
+/// A massless spring between two nodes, or from a node to ground (`nodes[1]` = kGround). The spring
+/// acts along the line between the nodes, or on the difference of one motion.
 struct NodeSpring {
   static constexpr int kGround = -1;
   static constexpr int kAlong = -1;
 
   std::array<int, 2> nodes = {0, kGround};
-  int direction = kAlong;  ///< static_cast<int>(Direction), or along the line
+  int direction = kAlong;  ///< static_cast<int>(Direction), or kAlong: along the line between the
+                           ///< nodes
   double stiffness = 0.0;  ///< [N/m], [N·m/rad]
 };
 
-/// A structure of members. Units are SI.
+/// A structure of members. All values are in SI units.
 struct Structure {
   enum class Mass {
-    consistent,  ///< ρA and ρI through the shape functions
+    consistent,  ///< ρA and ρI integrated with the shape functions
     lumped       ///< half of ρA l at each end of an element; no rotary inertia
   };
 
@@ -112,11 +119,11 @@ struct Structure {
   std::vector<NodeMass> masses = {};
   std::vector<NodeSpring> springs = {};
   Mass mass = Mass::consistent;
-  bool rotary_inertia = true;  ///< for consistent masses: include ρI
-  bool axial = true;           ///< for plane structures: allow motion along x
+  bool rotary_inertia = true;  ///< for consistent masses: true includes ρI
+  bool axial = true;           ///< for plane structures: true allows motion along x
 };
 
-/// An invalid structure: the faulty part and what is wrong with it.
+/// The error for an invalid structure: the faulty part and the fault.
 class InvalidStructure : public std::invalid_argument {
  public:
   enum class Part { whole, nodes, members, supports, masses, springs };
@@ -124,7 +131,7 @@ class InvalidStructure : public std::invalid_argument {
   InvalidStructure(Part part, int index, const std::string& message)
       : std::invalid_argument(message), part_(part), index_(index) {}
   [[nodiscard]] Part part() const { return part_; }
-  /// Index in the list of parts of this kind; undefined for `whole`.
+  /// Index of the faulty part in the list of parts of its kind; undefined for `whole`.
   [[nodiscard]] int index() const { return index_; }
 
  private:
@@ -132,25 +139,28 @@ class InvalidStructure : public std::invalid_argument {
   int index_;
 };
 
-/// Throws InvalidStructure with the part, the value and the allowed range.
+/// Checks a structure. Throws InvalidStructure with the faulty part, the value and the allowed
+/// range.
 void validate(const Structure& structure);
 
-/// Axes of a member: the rows are its own x, y, z in global coordinates. `length` is the distance
-/// between its ends, without offsets [m].
+/// The axes of a member: the rows are the member's x, y, z axes in global coordinates. `length` is
+/// the distance between the ends of the member, without offsets [m].
 struct MemberFrame {
   std::array<Vector3, 3> axes;
   double length;
 };
-/// Throws InvalidStructure for a member without length, or with `up` along it.
+/// Computes the axes of a member. Throws InvalidStructure for a member without length, or with `up`
+/// parallel to the member.
 [[nodiscard]] MemberFrame member_frame(const Structure& structure, int member);
 
-/// Boundaries of a member's elements from its first end [m]: 0 … length, ascending.
+/// Returns the boundaries of a member's elements, as distances from the first end of the member
+/// [m]: 0 … length, ascending.
 [[nodiscard]] std::vector<double> element_boundaries(const Structure& structure, int member);
 
-/// The plane structure equivalent to a beam: along x from 0, deflecting along y, without motion
-/// along x. Members span between its supports, with the beam's elements. `depth` is the height of
-/// its section, for cracks. Throws std::invalid_argument for supports between nodes of the beam's
-/// mesh.
+/// Converts a beam to the equivalent plane structure. The structure lies along x from 0, deflects
+/// along y, and has no motion along x. Its members extend between the supports of the beam and have
+/// the elements of the beam. `depth` is the height of the section, for cracks. Throws
+/// std::invalid_argument for supports between nodes of the beam's mesh.
 [[nodiscard]] Structure as_structure(const Beam& beam, double depth = 0.0);
 
 }  // namespace wheeltap::fem

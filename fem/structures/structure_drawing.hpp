@@ -1,4 +1,4 @@
-// Draws a structure as points and lines, with the motion of every point in a mode shape.
+// Drawing of a structure as points and lines, with the motion of every point in a mode shape.
 #pragma once
 
 #include <array>
@@ -28,25 +28,26 @@ struct StructureDrawing {
   };
   int dimension = 2;
   std::vector<Point> points;            ///< nodes first, in their order
-  std::vector<std::vector<int>> lines;  ///< points; one line per member, then per spring or link
+  std::vector<std::vector<int>> lines;  ///< indices of points; one line per member, then one line
+                                        ///< per spring or link
   double size = 1.0;                    ///< the largest extent [m]
   std::vector<DofName> names;           ///< one per degree of freedom
 };
 
-/// A structure's matrices and drawing. A structure given as matrices has named degrees of freedom
-/// without places, and no drawing. A chain is drawn upwards, one metre per mass, moving
-/// along x.
+/// The matrices and the drawing of a structure. A structure that is given as matrices has degrees
+/// of freedom with names but without positions, and no drawing. A chain is drawn upwards, with a
+/// distance of one metre between masses; the masses move along x.
 struct DrawnStructure {
   Discretisation discretisation;
   StructureDrawing drawing;
 };
-/// Throws InvalidStructure.
+/// Discretises and draws a structure. Throws InvalidStructure.
 [[nodiscard]] DrawnStructure drawn(const Structure& structure);
 [[nodiscard]] DrawnStructure drawn(const LumpedChain& chain);
 [[nodiscard]] DrawnStructure drawn(const MatrixStructure& matrices);
 
-/// The displacement of every point in a mode shape, scaled to a largest displacement of 1 (all 0
-/// for a shape of zeros).
+/// Computes the displacement of every point in a mode shape, scaled to a largest displacement of 1.
+/// All displacements are 0 for a shape of zeros.
 [[nodiscard]] std::vector<Vector3> point_motions(const StructureDrawing& drawing,
                                                  const Eigen::VectorXd& shape);
 

@@ -1,4 +1,5 @@
-// Closed outlines from drawings: ASCII DXF (AutoCAD DXF Reference, "ENTITIES section").
+// Reading of closed outlines from drawings in the format ASCII DXF (AutoCAD DXF Reference,
+// "ENTITIES section").
 //
 //   file   = (code newline value newline)…    pairs; code 0 begins an entity
 //
@@ -13,8 +14,9 @@
 
 namespace wheeltap::io {
 
-/// A corner and the edge that starts there: straight for bulge 0, otherwise an arc of the angle 4
-/// atan(bulge), counter-clockwise if positive.
+/// A corner of an outline and the edge that starts at this corner. The edge is straight if `bulge`
+/// is 0. Otherwise the edge is an arc of the angle 4 atan(bulge), counter-clockwise for a positive
+/// bulge.
 struct PathCorner {
   double x, y;
   double bulge = 0.0;
@@ -22,16 +24,17 @@ struct PathCorner {
 using ClosedPath = std::vector<PathCorner>;
 
 struct Drawing {
-  std::vector<ClosedPath> outlines;  ///< as drawn, in the file's unit
+  std::vector<ClosedPath> outlines;  ///< in the unit of the file
   double unit = 0.0;                 ///< metres per unit, from $INSUNITS; 0: not given
 };
 
-/// Joins edges whose ends lie within 1e-6 of the drawing's size. Throws FileError: foreign for a
-/// text that is not an ASCII DXF; corrupt, with the line, for invalid pairs and entities, for edges
-/// that do not close and for a drawing without outlines. Messages use `name` for the file.
+/// Parses a drawing. Edges are joined if the distance of their ends is at most 1e-6 of the
+/// drawing's size. Throws FileError: foreign for a text that is not an ASCII DXF; corrupt, with the
+/// line number, for invalid pairs and entities, for edges that form no closed outline and for a
+/// drawing without outlines. Messages use `name` for the file.
 [[nodiscard]] Drawing parse_dxf(const std::string& bytes, const std::filesystem::path& name);
 
-/// Metres per unit for "m", "cm", "mm", "in", "ft"; 0 for any other name.
+/// Length of a unit in metres for "m", "cm", "mm", "in", "ft"; 0 for any other name.
 [[nodiscard]] double metres(const std::string& unit);
 
 }  // namespace wheeltap::io

@@ -1,6 +1,6 @@
-// File formats that hold a table of numbers.
-//
-// To add a format, write a file with its parser, a line in the list of formats.cpp, and a test.
+// The file formats from which Wheeltap reads a table of numbers.
+// To add a format, write a source file with the parser of the format, add a line to the list in
+// formats.cpp, and write a test.
 #pragma once
 
 #include <span>
@@ -14,19 +14,19 @@
 namespace wheeltap::io {
 
 struct Format {
-  std::string_view name;                  ///< name in messages
+  std::string_view name;                  ///< name of the format in messages
   std::vector<std::string_view> endings;  ///< file extensions, in lower case: ".csv"; "" is none
-  std::vector<std::string_view> magic{};  ///< possible first bytes of such files, if fixed
+  std::vector<std::string_view> magic{};  ///< possible first bytes of a file; empty if not fixed
   /// Parses the bytes as a table; messages use `name` for the file. Throws FileError.
   Columns (*parse)(std::string bytes, const std::filesystem::path& name,
                    const Wanted& wanted) = nullptr;
-  /// Used instead of `parse` if the caller may state the layout of a text.
+  /// Parser for text formats, whose layout the caller may state; used instead of `parse`.
   Columns (*parse_text)(std::string bytes, const std::filesystem::path& name, const Wanted& wanted,
                         const TextLayout& stated) = nullptr;
-  /// Used instead of `parse` if the library that reads the format needs a path.
+  /// Reader for formats whose library needs a path; used instead of `parse`.
   Columns (*read)(const std::filesystem::path& path, const Wanted& wanted,
                   const ArrayLayout& stated) = nullptr;
-  /// Used instead of `parse` for arrays.
+  /// Parser for formats that store arrays; used instead of `parse`.
   Columns (*parse_arrays)(std::string bytes, const std::filesystem::path& name,
                           const Wanted& wanted, const ArrayLayout& stated) = nullptr;
 };
@@ -34,13 +34,15 @@ struct Format {
 /// All supported formats.
 [[nodiscard]] std::span<const Format> formats();
 
-/// Finds the format of a file from its first bytes, then from its extension. Throws FileError
-/// (foreign) with the list of known extensions if neither matches.
+/// Finds the format of a file from its first bytes (`beginning`), otherwise from its extension.
+/// Throws FileError (foreign), with the list of known extensions, if no format matches the bytes or
+/// the extension.
 [[nodiscard]] const Format& format_of(const std::filesystem::path& path, std::string_view beginning,
                                       std::span<const Format> known = formats());
 
-/// Reads a file of any of these formats. Throws FileError, also if a text layout is given for a
-/// file that is not delimited text, or array options for a file without arrays.
+/// Reads a file in any of the formats `known`. Throws FileError for a file that cannot be read.
+/// Also throws FileError if the caller states a text layout for a file that is not delimited text,
+/// or array options for a file without arrays.
 [[nodiscard]] Columns read_columns(const std::filesystem::path& path, const Wanted& wanted = {},
                                    std::span<const Format> known = formats(),
                                    const TextLayout& stated = {}, const ArrayLayout& arrays = {});

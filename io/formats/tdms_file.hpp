@@ -6,14 +6,15 @@
 namespace wheeltap::io {
 
 /// Parses a file of segments, each with a lead-in, metadata and raw data (National Instruments,
-/// "TDMS File Format Internal Structure"). Channels hold numbers or time stamps, interleaved or
-/// not, in either byte order. A channel becomes the column "channel", or "group/channel" if there
-/// are several groups, with its property unit_string as unit. Linear and polynomial scales of its
-/// properties (NI_Scale) are applied. If wf_increment gives a time step, there is a column "time
-/// [s]" that starts at wf_start_offset. Channels of other lengths and channels of texts are listed
-/// in the table's `others`. Throws FileError: foreign for files of other formats; corrupt, with a
-/// remedy, for a truncated or damaged file, a file without channels, raw data of DAQmx and other
-/// types of scales.
+/// "TDMS File Format Internal Structure"). Channels hold numbers or time stamps; the raw data may
+/// be interleaved and have either byte order. A channel becomes the column "channel", or
+/// "group/channel" if the file has several groups. The property unit_string of a channel gives the
+/// unit of the column. Linear and polynomial scales in the properties of a channel (NI_Scale) are
+/// applied. If the property wf_increment gives a time step, the table has a column "time [s]" that
+/// starts at wf_start_offset. Channels of another length and channels of texts are listed in the
+/// table's `others`. Throws FileError: foreign for files of other formats; corrupt, with a remedy,
+/// for a truncated or damaged file, a file without channels, raw data of DAQmx and other types of
+/// scales.
 [[nodiscard]] Columns parse_tdms(std::string bytes, const std::filesystem::path& name,
                                  const Wanted& wanted);
 

@@ -11,24 +11,27 @@ namespace wheeltap::io {
 
 struct ZipMember {
   std::string name = {};
-  std::uint64_t packed = 0, size = 0;  ///< bytes in the archive, and uncompressed
-  std::uint64_t offset = 0;            ///< of its local header
+  std::uint64_t packed = 0, size = 0;  ///< number of bytes in the archive; number of uncompressed
+                                       ///< bytes
+  std::uint64_t offset = 0;            ///< offset of the member's local header in the archive
+                                       ///< [bytes]
   std::uint32_t checksum = 0;          ///< CRC-32
   int method = 0;                      ///< 0 stored, 8 deflated
 };
 
-/// The members of an archive in memory. The memory must outlive this object.
+/// A ZIP archive in memory. The memory must outlive this object.
 class ZipArchive {
  public:
-  /// Reads the directory at the archive's end, including ZIP64. Throws FileError: foreign for other
-  /// files, corrupt for a truncated or damaged archive. Messages use `name` for the file.
+  /// Reads the directory of members at the end of the archive, also in the ZIP64 format. Throws
+  /// FileError: foreign for other files, corrupt for a truncated or damaged archive. Messages use
+  /// `name` for the file.
   ZipArchive(std::string_view bytes, std::filesystem::path name);
 
   [[nodiscard]] const std::vector<ZipMember>& members() const { return members_; }
   [[nodiscard]] const ZipMember* find(std::string_view name) const;
-  /// The uncompressed bytes of a member, checked against its size and checksum. Throws FileError
-  /// (corrupt), also for an encrypted member, another compression method, or a size above
-  /// `largest`.
+  /// Returns the uncompressed bytes of a member. Throws FileError (corrupt) if the bytes do not
+  /// match the size or the checksum of the member. Also throws FileError (corrupt) for an encrypted
+  /// member, another compression method, or a size above `largest`.
   [[nodiscard]] std::string read(const ZipMember& member, std::uint64_t largest) const;
 
  private:

@@ -8,7 +8,8 @@
 
 namespace wheeltap::io {
 
-/// An object of a class, which libmatio cannot read: for example "T" of the class "table".
+/// A variable that is an object of a MATLAB class, for example "T" of the class "table". libmatio
+/// cannot read objects.
 struct MatlabObject {
   std::string name, class_name;
 };
@@ -18,12 +19,13 @@ struct MatlabElements {
   std::vector<MatlabObject> objects = {};
 };
 
-/// Lists the variables of the file and checks that each is complete. A header of 128 bytes precedes
-/// the elements. Each element has a type and a number of bytes, 4 bytes each, and that many bytes
-/// (MathWorks, MAT-File Format, chapter 1); a compressed one holds a zlib stream with its checksum
-/// (RFC 1950). For files of other versions, the result is empty. This check is necessary because
-/// libmatio ignores checksums and silently stops at the first variable that it cannot read. Throws
-/// FileError (corrupt) if an element is truncated or its checksum is wrong.
+/// Lists the variables of the file and checks that each variable is complete. A header of 128 bytes
+/// precedes the elements. Each element consists of a type (4 bytes), the number of data bytes (4
+/// bytes) and the data bytes (MathWorks, MAT-File Format, chapter 1). The data of a compressed
+/// element are a zlib stream with a checksum (RFC 1950). For files of other versions, the result is
+/// empty. This check is necessary because libmatio ignores checksums and silently stops at the
+/// first variable that it cannot read. Throws FileError (corrupt) if an element is truncated or its
+/// checksum is wrong.
 [[nodiscard]] MatlabElements whole_matlab_elements(const std::filesystem::path& path);
 
 }  // namespace wheeltap::io

@@ -1,4 +1,4 @@
-// MATLAB files, through libmatio.
+// Reading of MATLAB files with the library libmatio.
 #pragma once
 
 #include <filesystem>
@@ -10,12 +10,13 @@ namespace wheeltap::io {
 
 /// Reads the numeric arrays of a MATLAB file (v5; v4 and v7.3 as far as libmatio supports them) as
 /// columns (io/tables/array_columns.hpp). Fields of structures are "s.field" and "run(2).acc",
-/// cells "runs{2}"; a complex "H" becomes "H, real" and "H, imaginary". libmatio cannot read
-/// objects (tables, datetimes); the table's `others` lists them with a remedy. The argument is a
-/// path, because libmatio cannot read from memory. A child process reads the file (`read_apart`),
-/// because some damaged files crash libmatio or HDF5. Throws FileError: missing if the file cannot
-/// be read, or the library was built without libmatio; corrupt if the file has no numeric arrays,
-/// is truncated, or contains an array that cannot be read.
+/// elements of cell arrays "runs{2}". A complex array "H" becomes the columns "H, real" and "H,
+/// imaginary". libmatio cannot read objects (tables, datetimes); the table's `others` lists the
+/// objects with a remedy. The argument is a path, because libmatio cannot read from memory. A child
+/// process reads the file (`read_apart`), because some damaged files crash libmatio or HDF5. Throws
+/// FileError: missing if the file cannot be read, or the library was built without libmatio;
+/// corrupt if the file has no numeric arrays, is truncated, or contains an array that cannot be
+/// read.
 [[nodiscard]] Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted = {},
                                        const ArrayLayout& layout = {});
 

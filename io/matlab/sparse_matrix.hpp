@@ -1,4 +1,4 @@
-// Sparse matrices from other programs: MATLAB files and Matrix Market files.
+// Reading of sparse matrices of other programs from MATLAB files and Matrix Market files.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -14,17 +14,17 @@ namespace wheeltap::io {
 
 using SparseMatrix = Eigen::SparseMatrix<double>;
 
-/// Largest number of rows and of columns. A compressed matrix needs memory for each column, even
-/// for an empty one.
+/// Largest number of rows and of columns of a matrix. A compressed sparse matrix needs memory for
+/// each column, even for an empty column.
 inline constexpr long long kMostMatrixRows = 10'000'000;
-/// Largest number of stored entries.
+/// Largest number of stored entries of a matrix.
 inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 
 /// Reads the matrix called `name` from a MATLAB file (v5 or v7.3, sparse or full, real), or from a
-/// folder of Matrix Market files that contains NAME or NAME.mtx. Throws FileError: missing if the
-/// file or folder does not exist; corrupt if it does not contain this matrix (the message lists its
-/// matrices), or if the matrix is not real or has an index out of range. Also throws the errors of
-/// `parse_matrix_market`.
+/// folder of Matrix Market files that contains NAME or NAME.mtx. Throws FileError (missing) if the
+/// file or folder does not exist. Throws FileError (corrupt) if the file or folder does not contain
+/// this matrix; the message lists the matrices that exist. Throws FileError (corrupt) if the matrix
+/// is not real or has an index out of range. Also throws the errors of `parse_matrix_market`.
 [[nodiscard]] SparseMatrix read_sparse_matrix(const std::filesystem::path& path,
                                               const std::string& name);
 
@@ -36,8 +36,9 @@ inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 ///   row column value             (from 1; pattern: no value, 1 is meant; array: a value, columns
 ///                                 first)
 ///
-/// A symmetric matrix contains the diagonal and the entries below it. Duplicate entries are added.
-/// Throws FileError (corrupt, with the line; foreign without the first line) for anything else.
+/// A symmetric matrix contains the diagonal and the entries below it. Entries with the same row and
+/// column are summed. Throws FileError: foreign for a text without the first line; corrupt, with
+/// the line number, for any other deviation from this format.
 [[nodiscard]] SparseMatrix parse_matrix_market(std::string_view text,
                                                const std::filesystem::path& name);
 

@@ -7,17 +7,17 @@
 
 namespace wheeltap::io {
 
-/// The number of bytes that a complete NetCDF file of a classic format has up to its last value,
-/// computed from its header (CDF-1, CDF-2 with 64-bit offsets, CDF-5). The result is 0 for other
-/// formats, and std::nullopt if the header is truncated or invalid. Without this check the NetCDF
-/// library silently reads zeros beyond the end of a truncated file, and some damaged headers crash
-/// it.
+/// Computes the number of bytes of a complete NetCDF file of a classic format (CDF-1, CDF-2 with
+/// 64-bit offsets, CDF-5) up to its last value, from the header of the file. The result is 0 for
+/// other formats, and std::nullopt if the header is truncated or invalid. Without this check the
+/// NetCDF library silently reads zeros beyond the end of a truncated file, and some damaged headers
+/// cause the library to crash.
 ///
 /// A variable of fixed size ends at begin plus the size of its values. A variable with numrecs
-/// records ends at begin + (numrecs - 1) Σ vsize plus the size of its values in one record; Σ is
-/// the sum over all record variables (NetCDF Classic and 64-bit Offset File Formats, Unidata,
-/// "Computing File Offsets"). A file that another program is still writing (numrecs = -1) is
-/// invalid, because the NetCDF library would read 2³² - 1 records.
+/// records ends at begin + (numrecs - 1) Σ vsize plus the size of the variable's values in one
+/// record. The sum Σ is over all record variables (NetCDF Classic and 64-bit Offset File Formats,
+/// Unidata, "Computing File Offsets"). A file that another program is still writing (numrecs = -1)
+/// is invalid, because the NetCDF library would read 2³² - 1 records.
 [[nodiscard]] std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file);
 
 }  // namespace wheeltap::io

@@ -11,13 +11,14 @@
 
 namespace wheeltap::io {
 
-/// Lock for the NetCDF and HDF5 C libraries, which keep global state without locks. Hold it during
-/// every call. It is not recursive. NetcdfWriter and NetcdfReader do not lock; if several threads
-/// read or write, their callers must.
+/// Lock for the NetCDF and HDF5 C libraries, which keep global state without locks. The caller must
+/// hold the lock during every call of these libraries. The lock is not recursive. NetcdfWriter and
+/// NetcdfReader do not take the lock. If several threads read or write files, the callers of
+/// NetcdfWriter and NetcdfReader must hold the lock.
 class NetcdfLock {
  public:
-  // Turns off HDF5's error printing, which is a setting per thread; NetCDF turns it off only in the
-  // first thread.
+  // Turns off the error printing of HDF5 in this thread. The setting is per thread, and the NetCDF
+  // library turns off the printing only in the first thread.
   NetcdfLock() : lock_(mutex()) { H5Eset_auto2(H5E_DEFAULT, nullptr, nullptr); }
 
  private:
@@ -28,7 +29,7 @@ class NetcdfLock {
   std::lock_guard<std::mutex> lock_;
 };
 
-/// An open NetCDF file, closed when it goes out of scope.
+/// The handle of an open NetCDF file. The destructor closes the file.
 class NetcdfHandle {
  public:
   NetcdfHandle() = default;
@@ -42,11 +43,13 @@ class NetcdfHandle {
     open_ = false;
     return nc_close(id);
   }
-  /// Creates a NetCDF-4 file in memory. HDF5 terminates the program if it writes to a full disk.
+  /// Creates a NetCDF-4 file in memory. A file on the disk would be unsafe, because HDF5 terminates
+  /// the program if the disk is full.
   [[nodiscard]] int create_in_memory();
-  /// Creates a file on the disk. Only a process that HDF5 may terminate should use it.
+  /// Creates a file on the disk. Call this function only in a process that HDF5 may terminate.
   [[nodiscard]] int create(const std::string& path);
-  /// Closes the file and returns its content as it would be on the disk.
+  /// Closes the file in memory and stores in `bytes` the content that the file would have on the
+  /// disk.
   [[nodiscard]] int close_in_memory(std::string& bytes);
   int id = -1;
 
@@ -73,7 +76,7 @@ inline constexpr nc_type kNetcdfType<std::uint8_t> = NC_UBYTE;
 template <>
 inline constexpr nc_type kNetcdfType<char> = NC_CHAR;
 
-/// The first bytes of a NetCDF-4 file (HDF5's signature).
+/// The first bytes of a NetCDF-4 file (the signature of HDF5).
 inline constexpr char kNetcdfMagic[] = "\x89HDF\r\n\x1a\n";
 
 }  // namespace wheeltap::io

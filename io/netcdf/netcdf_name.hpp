@@ -7,13 +7,14 @@
 
 namespace wheeltap::io {
 
-/// The reason why a text is not a valid name of a variable, or not a valid beginning of a name, as
-/// the end of a sentence: "must begin with a letter, a digit or _". std::nullopt for a valid text.
-/// The rules are those of NC_check_name (NetCDF-C, libdispatch/dstring.c), except that some of the
-/// 256 allowed bytes are reserved for prefixes and suffixes.
+/// Returns the reason why a text is not a valid name of a variable, or not a valid beginning of a
+/// name. The reason is the end of a sentence: "must begin with a letter, a digit or _". Returns
+/// std::nullopt for a valid text. The rules are those of NC_check_name (NetCDF-C,
+/// libdispatch/dstring.c), except that some of the 256 allowed bytes are reserved for prefixes and
+/// suffixes.
 [[nodiscard]] std::optional<std::string> netcdf_name_error(std::string_view name);
 
-/// The nearest valid name: invalid characters become _.
+/// Converts a text to a valid name: each invalid character becomes _.
 [[nodiscard]] std::string netcdf_name(std::string_view name);
 
 }  // namespace wheeltap::io

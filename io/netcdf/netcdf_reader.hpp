@@ -1,4 +1,4 @@
-// Reads NetCDF-4 files with groups, one call per variable.
+// Reading of NetCDF-4 files with groups, with one call per variable.
 #pragma once
 
 #include <algorithm>
@@ -17,7 +17,7 @@ namespace wheeltap::io {
 struct NetcdfArray {
   std::vector<std::size_t> shape;
   std::vector<double> values;
-  /// Number of values for each index of the first `outer` dimensions.
+  /// Number of values for each combination of indices of the first `outer` dimensions.
   [[nodiscard]] std::size_t inner(std::size_t outer = 2) const {
     std::size_t n = 1;
     for (std::size_t i = outer; i < shape.size(); ++i) n *= shape[i];
@@ -25,10 +25,11 @@ struct NetcdfArray {
   }
 };
 
-/// Throws FileError: missing; corrupt if the file is truncated, damaged, not a NetCDF-4 file, or
-/// refers to other files for its numbers (require_own_storage); foreign if a requested group or
-/// variable does not exist. `what` names the expected file in that message: "a posterior of
-/// wheeltap".
+/// A reader of one NetCDF-4 file. Throws FileError (missing) if the file does not exist. Throws
+/// FileError (corrupt) if the file is truncated, damaged, not a NetCDF-4 file, or stores its
+/// numbers in other files (require_own_storage). Throws FileError (foreign) if a requested group or
+/// variable does not exist. `what` names the expected file in the message of this last error: "a
+/// posterior of wheeltap".
 class NetcdfReader {
  public:
   explicit NetcdfReader(const std::filesystem::path& path, std::string what = "the file expected")
@@ -38,7 +39,7 @@ class NetcdfReader {
     require_own_storage(path);
     opened(nc_open(path.c_str(), NC_NOWRITE, &file_.id));
   }
-  /// Reads from memory; messages use `name` for the file.
+  /// Reads a file from memory; messages use `name` for the file.
   NetcdfReader(std::string bytes, const std::filesystem::path& name,
                std::string what = "the file expected")
       : path_(name), what_(std::move(what)), bytes_(std::move(bytes)) {
@@ -83,8 +84,8 @@ class NetcdfReader {
     check(nc_get_var_double(group, id, out.values.data()));
     return out;
   }
-  /// Reads every `step`-th index of the second dimension. In addition to the result, memory holds
-  /// the values of one index of the first dimension.
+  /// Reads the values of a variable at every `step`-th index of the second dimension. In addition
+  /// to the result, this function needs memory for the values at one index of the first dimension.
   [[nodiscard]] NetcdfArray read_every(int group, const std::string& name, std::size_t step) const {
     const int id = id_of(group, name);
     NetcdfArray out{.shape = shape_of(group, id), .values = {}};
@@ -106,7 +107,8 @@ class NetcdfReader {
   [[nodiscard]] std::vector<std::size_t> shape(int group, const std::string& name) const {
     return shape_of(group, id_of(group, name));
   }
-  /// The values at index `which` of the last dimension, for all indices of the other dimensions.
+  /// Reads the values at index `which` of the last dimension, for all indices of the other
+  /// dimensions.
   [[nodiscard]] std::vector<double> read_last(int group, const std::string& name,
                                               std::size_t which) const {
     const int id = id_of(group, name);
@@ -128,8 +130,8 @@ class NetcdfReader {
     check(nc_inq_vartype(group, id, &type));
     return type;
   }
-  /// Reads data that NetcdfWriter::column has written; the result is empty if they do not exist.
-  /// Throws FileError (foreign) for data of another type.
+  /// Reads a variable that NetcdfWriter::column has written; the result is empty if the variable
+  /// does not exist. Throws FileError (foreign) for data of another type.
   template <class Sequence>
   [[nodiscard]] Sequence column(int group, const std::string& name) const {
     Sequence out;
@@ -145,11 +147,11 @@ class NetcdfReader {
     check(nc_get_var(group, id, out.data()));
     return out;
   }
-  /// A global attribute; empty if it does not exist.
+  /// Returns a global attribute, or an empty text if the attribute does not exist.
   [[nodiscard]] std::string text(const char* attribute) const {
     return attribute_of(file_.id, NC_GLOBAL, attribute);
   }
-  /// An attribute of a variable; empty if it does not exist.
+  /// Returns an attribute of a variable, or an empty text if the attribute does not exist.
   [[nodiscard]] std::string text(int group, const std::string& name, const char* attribute) const {
     int id = 0;
     if (nc_inq_varid(group, name.c_str(), &id) != NC_NOERR) return {};

@@ -1,4 +1,4 @@
-// Writes NetCDF-4 files with groups, one call per variable.
+// Writing of NetCDF-4 files with groups, with one call per variable.
 #pragma once
 
 #include <algorithm>
@@ -14,8 +14,8 @@
 
 namespace wheeltap::io {
 
-/// Writes to memory, or to an existing file (write_netcdf.hpp chooses); messages use `name`. Throws
-/// io::FileError (unwritable).
+/// Writes a NetCDF-4 file in memory or on the disk (write_netcdf.hpp chooses between them).
+/// Messages use `name` for the file. All functions throw io::FileError (unwritable).
 class NetcdfWriter {
  public:
   explicit NetcdfWriter(const std::filesystem::path& name) : path_(name) {
@@ -24,7 +24,7 @@ class NetcdfWriter {
   NetcdfWriter(const std::filesystem::path& name, const std::filesystem::path& file) : path_(name) {
     check(file_.create(file.string()));
   }
-  /// Closes the file and returns it from memory.
+  /// Closes the file in memory and returns its bytes.
   [[nodiscard]] std::string close() {
     std::string bytes;
     check(file_.close_in_memory(bytes));
@@ -37,8 +37,8 @@ class NetcdfWriter {
     if (status == NC_NOERR) return;
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
-  /// Writes program and creation time as ArviZ does, and the run. Throws the errors of
-  /// date_of_files.
+  /// Writes the attributes of ArviZ for program, version and creation time, and the identifier of
+  /// the run. Throws the errors of date_of_files.
   void about(const std::string& version, const std::string& run) const {
     text(file_.id, NC_GLOBAL, "inference_library", "wheeltap");
     text(file_.id, NC_GLOBAL, "inference_library_version", version);
@@ -59,7 +59,7 @@ class NetcdfWriter {
   void text(int group, int variable, const char* name, const std::string& value) const {
     check(nc_put_att_text(group, variable, name, value.size(), value.c_str()));
   }
-  // A dimension with its coordinate variable 0, 1, … (or 1, 2, …).
+  // Defines a dimension and its coordinate variable `first`, `first` + 1, … (0, 1, … or 1, 2, …).
   [[nodiscard]] int dimension(int group, const char* name, std::size_t size, int first) const {
     int id = 0, variable = 0;
     check(nc_def_dim(group, name, size, &id));
@@ -96,9 +96,9 @@ class NetcdfWriter {
     return id;
   }
   /// Writes a variable with dimensions (row, column[, …]) row by row: `fill(r, row)` appends the
-  /// numbers of row r to an empty vector. A chunk holds all columns' values of one row at one index
-  /// of each further dimension, so that a reader can read such a part alone. Only one row is in
-  /// memory at a time.
+  /// numbers of row r to an empty vector. A chunk holds the values of all columns of one row, at
+  /// one index of each further dimension. A reader can therefore read one chunk without the others.
+  /// This function holds only one row in memory at a time.
   template <class Number, class Fill>
   int put_rows(int group, const std::string& name, const std::vector<int>& dimensions,
                const Fill& fill, nc_type type = kNetcdfType<Number>) const {
@@ -110,7 +110,7 @@ class NetcdfWriter {
     const std::size_t rows = std::exchange(count[0], 1);
     pieces[1] = std::min(kPiece, count[1]);
     check(nc_def_var_chunking(group, id, NC_CHUNKED, pieces.data()));
-    // HDF5 need not cache chunks, because each is written in one call.
+    // HDF5 need not cache chunks, because each chunk is written in one call.
     check(nc_set_var_chunk_cache(group, id, kPiece, 1, 1.0F));
     std::vector<Number> row;
     for (start[0] = 0; start[0] < rows; ++start[0]) {
@@ -120,8 +120,8 @@ class NetcdfWriter {
     }
     return id;
   }
-  /// Writes numbers or characters without conversion, as a variable with a dimension of its own.
-  /// Writes nothing for an empty sequence.
+  /// Writes a sequence of numbers or characters without conversion, as a variable with its own
+  /// dimension. Does not write a variable for an empty sequence.
   template <class Sequence>
   void column(int group, const std::string& name, const Sequence& values) const {
     if (values.empty()) return;

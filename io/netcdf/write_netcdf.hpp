@@ -1,4 +1,4 @@
-// Writes a NetCDF-4 file completely or not at all.
+// Writing of a complete NetCDF-4 file: after an error, the previous file remains.
 #pragma once
 
 #include <cstddef>
@@ -10,16 +10,17 @@ namespace wheeltap::io {
 
 class NetcdfWriter;
 
-/// Writes groups and variables into a file.
+/// A function that writes groups and variables into a file.
 using FillNetcdf = std::function<void(const NetcdfWriter&)>;
 
-/// Limit of the expected size: smaller files are built in memory, larger ones on the disk by a
-/// child process, because HDF5 ends its process if the disk is full.
+/// Largest expected size of a file that is built in memory [bytes]. A child process builds larger
+/// files on the disk, because HDF5 terminates its process if the disk is full.
 constexpr std::size_t kNetcdfInMemory = std::size_t{64} << 20U;
 
-/// Writes the content that `fill` produces, of about `bytes` bytes, and replaces the previous file.
-/// The file is the same whether it is built in memory or by a child process. The child process has
-/// only the calling thread (read_apart.hpp). Throws FileError (unwritable).
+/// Writes the content that `fill` produces, and replaces the previous file. `bytes` is the expected
+/// size of the file. The content of the file does not depend on the method: in memory or by a child
+/// process. The child process has only the calling thread (read_apart.hpp). Throws FileError
+/// (unwritable).
 void write_netcdf(AtomicFile& to, std::size_t bytes, const FillNetcdf& fill);
 
 }  // namespace wheeltap::io

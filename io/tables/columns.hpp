@@ -15,16 +15,17 @@
 namespace wheeltap::io {
 
 struct Column {
-  std::string header = {};  ///< as in the file: "force [N]", "X1(:,2)"; "3" in a file without names
+  std::string header = {};  ///< header in the file: "force [N]", "X1(:,2)"; "3" in a file without
+                            ///< names
   std::string name = {};    ///< "force"
   std::string unit = {};    ///< "N", or empty
   std::vector<double> values = {};
-  /// The printed precision of the column: the largest numbers of digits after the point and of
-  /// significant digits. Negative for binary files.
+  /// The printed precision of the column: the largest number of digits after the decimal point, and
+  /// the largest number of significant digits. Both are negative for binary files.
   int decimals = -1;
   int digits = -1;
-  /// The content of the column: numbers; time stamps, with values in seconds since the first one;
-  /// or texts, without values.
+  /// The content of the column: numbers; time stamps, with values in seconds since the first time
+  /// stamp; or texts, without values.
   CellKind cells = CellKind::number;
 };
 
@@ -34,23 +35,24 @@ struct Column {
 
 struct Columns {
   std::string file = {};
-  std::vector<Column> columns = {};  ///< of equal length, except columns that were not requested
+  std::vector<Column> columns = {};  ///< columns of equal length; columns that were not requested
+                                     ///< are empty
   std::map<std::string, double> scalars = {};
   /// Descriptions of content that is not a column, for files of arrays: "note (text)".
   std::vector<std::string> others = {};
   int first_line = 0;                      ///< line of row 0; 0 for binary files
   std::vector<int> skipped = {};           ///< rows preceded by a comment, increasing
-  std::optional<FoundLayout> layout = {};  ///< of delimited text
+  std::optional<FoundLayout> layout = {};  ///< layout of a delimited text
 
   [[nodiscard]] int rows() const;
-  /// The index of the column with this header, this name, or this number (from 1). Throws FileError
-  /// (corrupt), with the list of columns, if there is none or more than one.
+  /// Returns the index of the column with this header, this name, or this number (from 1). Throws
+  /// FileError (corrupt), with the list of columns, if no column matches or several columns match.
   [[nodiscard]] int find(std::string_view column) const;
-  /// The position of a row and a column in the file, for messages.
+  /// Returns the position of a row and a column in the file, for messages.
   [[nodiscard]] Place place(std::size_t row, int column = -1) const;
 };
 
-/// Serialisation for other processes (base/parcel.hpp), in both directions.
+/// Serialises a column for another process, or restores a serialised column (base/parcel.hpp).
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, Column>
 void carry(Parcel& parcel, Of& column) {
@@ -70,9 +72,9 @@ void carry(Parcel& parcel, Of& table) {
     for (std::size_t i = 0; i < names.size(); ++i) table.scalars[names[i]] = values[i];
 }
 
-/// Selects the columns to read: returns true for them, and is called once per column with the
-/// headers of the table. Columns that are not selected keep their headers and have no values. An
-/// empty function selects all columns.
+/// A function that selects the columns to read: it returns true for a column that is to be read.
+/// The reader calls the function once per column with the headers of the table. Columns that are
+/// not selected keep their headers and have no values. An empty function selects all columns.
 using Wanted = std::function<bool(const Columns&, std::size_t column)>;
 
 }  // namespace wheeltap::io

@@ -1,5 +1,5 @@
-// Tables as text with one row per line. This is the grammar of all delimited text that Wheeltap
-// reads.
+// Tables as text with one row per line. Wheeltap reads all delimited texts by the following
+// grammar.
 //
 //   file   = [byte order mark] line…              lines end with LF, CR LF or CR
 //   line   = blanks | mark anything | row         the first two are no rows
@@ -15,16 +15,16 @@
 // Options that are not set are detected (io/text/text_layout.hpp):
 //
 //   - the separator (comma, semicolon, tab, bar, or any run of blanks) and the decimal mark (point
-//   or
-//     comma): those that explain the most numbers
+//     or comma): the pair for which most cells are numbers
 //   - the first row, from which all lines hold numbers and stamps in the same columns
 //   - the line of names above it, a line of units below the names, and the number of other lines
 //   above
-//   - remarks after the rows, which begin with neither a number nor a stamp; they are ignored
+//   - remarks after the rows, whose lines begin with neither a number nor a stamp; remarks are
+//     ignored
 //
-// A first line "sep=;" states the separator. "force [N]" is the name force and the unit N (see
-// io/tables/columns.hpp). The caller checks the content of cells and decides whether rows may be
-// short.
+// A first line "sep=;" states the separator. The header "force [N]" contains the name force and the
+// unit N (see io/tables/columns.hpp). The caller checks the content of cells and decides whether
+// rows may have fewer cells than the header.
 #pragma once
 
 #include <optional>
@@ -44,36 +44,38 @@ enum class FirstRow {
   header  ///< the first line that is not a comment holds the names
 };
 
-/// The lines of a delimited text; a line is split into cells when it is needed.
+/// The lines of a delimited text. A line is split into cells when a caller needs its cells.
 class DelimitedText {
  public:
-  /// Throws FileError (corrupt) for an invalid text (a NUL byte, a header with an unclosed quote)
-  /// and for an ambiguous layout, with the option that resolves it. Messages use `name` for the
-  /// file.
+  /// Detects the layout of the text. Throws FileError (corrupt) for an invalid text (a NUL byte, a
+  /// header with an unclosed quote). Also throws FileError (corrupt) for an ambiguous layout; the
+  /// message names the option that resolves the ambiguity. Messages use `name` for the file.
   DelimitedText(std::string bytes, std::filesystem::path name,
                 FirstRow first_row = FirstRow::detected, TextLayout stated = {});
 
-  /// One entry per column, without values. Without a header the names are "1", "2", …
+  /// The columns without values. If the text has no header, the names are "1", "2", …
   [[nodiscard]] const std::vector<Column>& headers() const { return headers_; }
-  [[nodiscard]] int header_line() const { return header_line_; }  ///< 0 if there is none
+  [[nodiscard]] int header_line() const { return header_line_; }  ///< 0 if the text has no header
   [[nodiscard]] int rows() const { return static_cast<int>(starts_.size()); }
-  /// Line of a row, from 1; for `rows()`, the line after the last row.
+  /// Line number of a row, from 1. For row = `rows()`, the result is the number of the line after
+  /// the last row.
   [[nodiscard]] int line(int row) const;
   [[nodiscard]] const FoundLayout& layout() const { return layout_; }
-  /// A cell as a number, with the decimal mark of this text; NaN for a missing value.
+  /// Converts a cell to a number, with the decimal mark of this text. The result is NaN for a
+  /// missing value, and std::nullopt for other cells that are not numbers.
   [[nodiscard]] std::optional<double> number(std::string_view cell) const;
-  /// The cells of a row, trimmed and without their quotes. Throws FileError (corrupt) for a quote
-  /// that is not closed, or text after one.
+  /// Returns the cells of a row, without blanks at either end and without enclosing quotes. Throws
+  /// FileError (corrupt) for an unclosed quote, or for text after a closing quote.
   [[nodiscard]] std::vector<std::string> cells(int row) const;
 
-  /// All rows as numbers; columns that are not requested may have any content. An empty line
+  /// Reads all rows as numbers; columns that are not requested may have any content. An empty line
   /// between rows, or a row of another length, is an error, because each row is a sample. Throws
   /// FileError (corrupt), with the line and column.
   [[nodiscard]] Columns columns(const Wanted& wanted = {}) const;
 
  private:
   [[nodiscard]] std::string_view line_at(std::size_t start) const;
-  /// A cell without its blanks and quotes.
+  /// Returns a cell without blanks at either end and without enclosing quotes.
   [[nodiscard]] std::string content(std::string_view raw, const Place& place) const;
   [[nodiscard]] std::vector<std::string> split(std::string_view line, int number) const;
   [[noreturn]] void fail(Place place, const std::string& reason) const;

@@ -9,17 +9,17 @@
 
 namespace wheeltap::io {
 
-/// The layout as the caller states it. Options that are not set are detected. Line numbers start at
-/// 1.
+/// The layout of a text as stated by the caller. Options that are not set are detected. Line
+/// numbers start at 1.
 struct TextLayout {
   std::optional<char> separator = {};  ///< ',', ';', '\t', '|' or ' ' for any run of blanks
   std::optional<char> decimal = {};    ///< '.' or ','
   std::optional<int> skip = {};        ///< lines to skip before detection
-  std::optional<int> header = {};      ///< line of the column names; 0: no such line
-  std::optional<int> units_row = {};   ///< line of the column units; 0: no such line
+  std::optional<int> header = {};      ///< line of the column names; 0: no line of names
+  std::optional<int> units_row = {};   ///< line of the column units; 0: no line of units
   std::string time_format =
       {};                  ///< format of time stamps (io/text/time_stamp.hpp); empty: detected
-  std::string sheet = {};  ///< a workbook's sheet; empty: the first that is not hidden
+  std::string sheet = {};  ///< sheet of a workbook; empty: the first sheet that is not hidden
 
   bool operator==(const TextLayout&) const = default;
 };
@@ -35,17 +35,18 @@ struct FoundLayout {
   int columns = 0;
   int first_row = 0;       ///< line of the first row of numbers
   std::string start = {};  ///< the first time stamp
-  /// First and last of the lines after the table that were ignored; 0 if there are none.
+  /// First and last ignored line after the table; 0 if no line was ignored.
   int tail_from = 0, tail_to = 0;
   std::vector<HeadLine> above = {};  ///< lines above the rows, without comment marks
 };
 
 /// The name of a separator in cases and messages: "comma", "semicolon", "tab", "bar", "blank".
 [[nodiscard]] std::string_view separator_name(char separator);
-/// The separator from its name or the character itself (",", ";", "\t", "|", " ").
+/// Converts the name of a separator, or the character itself (",", ";", "\t", "|", " "), to the
+/// separator.
 [[nodiscard]] std::optional<char> parse_separator(std::string_view text);
 
-/// A line of text as input of the layout detection.
+/// A line of text; an input of the layout detection.
 struct TextLine {
   std::string_view text;
   int number = 0;  ///< from 1
@@ -58,13 +59,15 @@ enum class CellKind {
   text
 };
 
-/// Result of the detection: how rows are split, and where they begin.
+/// Result of the layout detection: the rules for splitting rows into cells, and the position of the
+/// first row.
 struct TableShape {
   char separator = ',';
   char decimal = '.';
   std::size_t columns = 0;
   std::size_t trailing = 0;  ///< number of separators at the end of rows without a cell after them
-  /// True if the last column holds remarks; its cell and separator may be missing in a row.
+  /// True if the last column holds remarks. The cell and the separator of this column may be
+  /// missing in a row.
   bool optional_last = false;
   bool grouped = false;              ///< numbers have thousands separators
   std::vector<CellKind> kinds = {};  ///< one per column
@@ -72,22 +75,26 @@ struct TableShape {
   std::optional<std::size_t> names;  ///< index of the line of names
   std::optional<std::size_t> units;  ///< index of the line of units
   bool date_unnamed = false;   ///< the first columns are a date and a time, and the line of names
-                               ///< names only the time
-  bool index_unnamed = false;  ///< the line of names omits the first column, which numbers the rows
+                               ///< contains a name only for the time
+  bool index_unnamed = false;  ///< the first column numbers the rows and has no name in the line of
+                               ///< names
 };
 
-/// True if a line could be a remark after the rows: its first cell is neither a number nor a stamp.
+/// True if a line could be a remark after the rows, because its first cell is neither a number nor
+/// a time stamp.
 [[nodiscard]] bool is_remark(std::string_view line, const TableShape& shape);
 
-/// The error for a layout that cannot be detected, with the reason and the option that resolves it.
+/// The error for a layout that cannot be detected. The message gives the reason and the option that
+/// resolves the ambiguity.
 struct UnclearLayout : std::runtime_error {
   UnclearLayout(int at, const std::string& reason) : std::runtime_error(reason), line(at) {}
-  int line;  ///< 0: the whole text
+  int line;  ///< line number; 0: the whole text
 };
 
 /// Detects the layout of a text from its first lines and a sample of later ones. `head` holds all
-/// lines, comments included, before the first row and some after it; `body` further rows. With
-/// `header_first` the first line that is not a comment holds the names. Throws UnclearLayout.
+/// lines before the first row, comments included, and some lines after it. `body` holds further
+/// rows. If `header_first` is true, the first line that is not a comment holds the names. Throws
+/// UnclearLayout.
 [[nodiscard]] TableShape find_shape(const std::vector<TextLine>& head,
                                     const std::vector<TextLine>& body, const TextLayout& stated,
                                     bool header_first);

@@ -1,11 +1,11 @@
-// Iterates over the lines of a text.
+// Iteration over the lines of a text.
 #pragma once
 
 #include <string_view>
 
 namespace wheeltap::io {
 
-/// Line numbers start at 1; LF and CR LF end a line.
+/// An iterator over the lines of a text. Line numbers start at 1; LF and CR LF end a line.
 class Lines {
  public:
   explicit Lines(std::string_view text) : rest_(text) {}

@@ -1,4 +1,4 @@
-// Printed numbers, and cells that mean "no value".
+// Conversion of printed numbers, and recognition of cells that mean "no value".
 #pragma once
 
 #include <optional>
@@ -6,8 +6,8 @@
 
 namespace wheeltap::io {
 
-/// The printed precision of numbers: the largest numbers of digits after the point and of
-/// significant digits. Negative if there is no number.
+/// The printed precision of numbers: the largest number of digits after the decimal point, and the
+/// largest number of significant digits. Both are negative before the first number.
 struct PrintedDigits {
   int decimals = -1;
   int digits = -1;
@@ -15,26 +15,27 @@ struct PrintedDigits {
 
 /// Converts the whole text to the nearest double, as std::from_chars does. Returns std::nullopt for
 /// an empty text, a text that is not a number, and a number beyond the range of doubles. `decimal`
-/// is '.' or ','. Accepts Fortran exponents ("1.5D-3").
+/// is '.' or ','. The exponent may have the Fortran form ("1.5D-3").
 [[nodiscard]] std::optional<double> parse_number(std::string_view text, char decimal = '.');
 
-/// A number with thousands separators: "1.234,5", "1'234.5", "1 234 567". A single comma or point
-/// between two groups ("1,234") could be the decimal mark. `grouped` is true if other numbers of
-/// the text show that it separates thousands.
+/// Converts a number with thousands separators: "1.234,5", "1'234.5", "1 234 567". A single comma
+/// or point between two groups of digits ("1,234") could be the decimal mark. `proven` is true if
+/// other numbers of the text show that this character separates thousands.
 [[nodiscard]] std::optional<double> parse_grouped_number(std::string_view text, char decimal,
                                                          bool proven = false);
 
-/// True for a text with which loggers and spreadsheets mark "no value": empty, NA, N/A, NULL, #N/A,
-/// 1.#QNAN, "-", "---", … ("nan" and "inf" are numbers).
+/// True for a text by which loggers and spreadsheets mark a missing value: empty, NA, N/A, NULL,
+/// #N/A, 1.#QNAN, "-", "---", … ("nan" and "inf" are numbers).
 [[nodiscard]] bool is_missing_value(std::string_view text);
 
-/// True for a missing value (is_missing_value) and for words with which loggers mark it:
-/// "overload", "error", "no data". Use this function only for columns of numbers; elsewhere such
-/// words may be names.
+/// True for a missing value (is_missing_value) and for words by which loggers mark a missing value:
+/// "overload", "error", "no data". Use this function only for columns of numbers; in other cells,
+/// these words may be names.
 [[nodiscard]] bool is_missing_word(std::string_view text);
 
-/// Reads the decimal number at the start of [p, end) and its printed precision. Returns the end of
-/// the number; null if there is no number, or if it is nan, inf or beyond the range of doubles.
+/// Reads the decimal number at the start of [p, end) and updates `digits` by its printed precision.
+/// Returns the end of the number. Returns null if the text does not begin with a number, or if the
+/// number is nan, inf or beyond the range of doubles.
 [[nodiscard]] const char* read_number(const char* p, const char* end, double& value,
                                       PrintedDigits& digits, char decimal = '.');
 

@@ -1,4 +1,4 @@
-// Splits a line of text into cells for one separator and classifies the cells.
+// Splitting of a line of text into cells for one separator, and classification of the cells.
 #pragma once
 
 #include <cstddef>
@@ -34,17 +34,17 @@ struct Split {
 
 [[nodiscard]] Split split(std::string_view line, char separator, const Reading& reading);
 
-/// A score of how well a separator and a decimal mark explain the lines. A line of only numbers and
-/// time stamps adds twice its number of cells. Any other line adds the number of its numbers and
-/// time stamps minus the number of its texts.
+/// Computes a score for a separator and a decimal mark. The score is the sum of one term per line.
+/// The term of a line with only numbers and time stamps is twice the number of its cells. The term
+/// of any other line is the number of its numbers and time stamps minus the number of its texts.
 [[nodiscard]] long explained_cells(std::span<const TextLine> lines, char separator,
                                    const Reading& reading);
 
 /// The possible meanings of commas in rows of whole numbers.
 enum class Commas { separate, decimal, unclear, mixed };
 
-/// Determines the meaning of commas in rows such as "0,1108", which may be two whole numbers or one
-/// number. `names`: number of columns that the header names; 0 if there is no header.
+/// Determines the meaning of commas in rows like "0,1108", which contain either two whole numbers
+/// or one number. `names` is the number of column names in the header, or 0 without a header.
 [[nodiscard]] Commas commas_of(const std::vector<Split>& rows, std::size_t columns,
                                std::size_t names);
 

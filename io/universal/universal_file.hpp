@@ -1,9 +1,8 @@
 // Universal files (UFF, UNV): datasets 15, 55, 58, 58b, 82, 151, 164, 2411, 2412, 2414 and 2420.
-//
-// A file is a sequence of datasets, each between two lines that hold "-1"; the line after the first
-// "-1" holds the dataset's number. Formats: University of Cincinnati SDRL, "Universal File Formats
-// for Modal Analysis Testing"; numbers in fixed columns, as written by Fortran. Other datasets are
-// skipped and counted.
+// A file is a sequence of datasets. Each dataset is between two lines that hold "-1"; the line
+// after the first "-1" holds the number of the dataset. Numbers are in fixed columns, as written by
+// Fortran. The formats are those of University of Cincinnati SDRL, "Universal File Formats for
+// Modal Analysis Testing". Datasets with other numbers are skipped and counted.
 #pragma once
 
 #include <array>
@@ -18,8 +17,8 @@
 
 namespace wheeltap::io {
 
-/// A degree of freedom of a node: 1, 2, 3 are +x, +y, +z; 4, 5, 6 rotations about them; negative
-/// numbers have the opposite direction; 0 is a scalar.
+/// A degree of freedom of a node. The directions 1, 2, 3 are translations along +x, +y, +z; 4, 5, 6
+/// are rotations about these axes. A negative number is the opposite direction; 0 is a scalar.
 struct UniversalDof {
   std::string entity = {};  ///< "NONE" in files is empty here
   int node = 0;
@@ -45,18 +44,18 @@ struct UniversalFunction {
   bool is_complex = false;
   bool is_double = true;
   bool even = true;
-  double first = 0.0, step = 0.0;  ///< abscissa, if evenly spaced
+  double first = 0.0, step = 0.0;  ///< start and step of an evenly spaced abscissa
   double z = 0.0;
   UniversalAxis abscissa = {}, numerator = {}, denominator = {}, z_axis = {};
-  std::vector<double> x = {};  ///< as many as y; written if unevenly spaced
+  std::vector<double> x = {};  ///< one abscissa per y; written if unevenly spaced
   std::vector<std::complex<double>> y = {};
-  bool binary = false;      ///< 58b
+  bool binary = false;      ///< true: dataset 58b
   bool big_endian = false;  ///< byte order of 58b
   std::ptrdiff_t line = 0;  ///< line of its dataset in the original file
 };
 
-/// Dataset 55, or 2414 at nodes: values at nodes, e.g. a mode shape. The numbers of 2414 are mapped
-/// to those of 55.
+/// Dataset 55, or dataset 2414 with values at nodes: for example, a mode shape. The codes of
+/// dataset 2414 are converted to those of dataset 55.
 struct UniversalShape {
   std::array<std::string, 5> ids = {};
   int model = 0;     ///< 1 structural
@@ -71,7 +70,8 @@ struct UniversalShape {
   std::vector<std::complex<double>> values = {};  ///< nodes × values_a_node
   std::ptrdiff_t line = 0;
 
-  /// Mode number, frequency [Hz] and damping ratio; NaN if the analysis does not give them.
+  /// Mode number, frequency [Hz] and damping ratio. Frequency and damping ratio are NaN if the
+  /// analysis does not give them.
   [[nodiscard]] int mode() const;
   [[nodiscard]] double frequency_hz() const;
   [[nodiscard]] double damping() const;
@@ -82,8 +82,8 @@ struct UniversalNode {
   int label = 0;
   int definition = 0, displacement = 0;  ///< coordinate systems
   int colour = 0;
-  std::array<double, 3> at = {};  ///< in the file's unit of length
-  bool is_double = false;         ///< written to 17 digits (2411)
+  std::array<double, 3> at = {};  ///< coordinates in the file's unit of length
+  bool is_double = false;         ///< written with 17 digits (dataset 2411)
 };
 
 /// Dataset 2412: a finite element.
@@ -95,7 +95,7 @@ struct UniversalElement {
   std::array<int, 3> beam = {};  ///< orientation node, sections at the ends
   std::vector<int> nodes = {};
 
-  /// True if the element belongs to the family with `beam`.
+  /// True if the element is a rod or beam, for which files store the numbers `beam`.
   [[nodiscard]] bool is_beam() const { return descriptor >= 11 && descriptor <= 24; }
 };
 
@@ -105,7 +105,7 @@ struct UniversalSystem {
   int kind = 0;  ///< 0 Cartesian, 1 cylindrical, 2 spherical
   int colour = 0;
   std::string name = {};
-  /// Rows: its axes in the part's coordinates, then its origin.
+  /// The axes of the system (three rows) and its origin (last row), in the coordinates of the part.
   std::array<std::array<double, 3>, 4> axes = {};
 };
 
@@ -122,8 +122,8 @@ struct UniversalHeader {
   std::array<std::string, 7> lines = {};  ///< model, description, program, created, saved, …
 };
 
-/// Dataset 164. SI = value / factor, with one factor each for length, force and
-/// temperature.
+/// Dataset 164: the units of the file. A value in SI units is the value in the file divided by the
+/// factor for length, force or temperature.
 struct UniversalUnits {
   int code = 1;  ///< 1: SI
   std::string description = {};
@@ -144,38 +144,44 @@ struct UniversalFile {
   std::map<int, int> left_out = {};  ///< number of datasets of each number that were skipped; 2414
                                      ///< if its values are not at nodes
 
-  /// Metres per unit of length of the file.
+  /// The file's unit of length in metres.
   [[nodiscard]] double metres() const { return units ? 1.0 / units->factors[0] : 1.0; }
 };
 
-/// Parses a file; messages use `name`. Throws FileError: foreign for other files; corrupt, with the
-/// line, for a truncated dataset and for invalid or missing numbers.
+/// Parses a universal file; messages use `name` for the file. Throws FileError: foreign for other
+/// files; corrupt, with the line number, for a truncated dataset and for invalid or missing
+/// numbers.
 [[nodiscard]] UniversalFile parse_universal_file(const std::string& bytes,
                                                  const std::filesystem::path& name);
-/// Reads and parses a file. Throws the exceptions of parse_universal_file, and FileError (missing).
+/// Reads and parses a universal file. Throws the exceptions of parse_universal_file, and FileError
+/// (missing).
 [[nodiscard]] UniversalFile read_universal_file(const std::filesystem::path& path);
 
-/// The bytes of a file with this content; functions with `binary` are written as 58b. The format
-/// stores abscissae of unevenly spaced functions with 6 digits as text, and in single precision as
-/// binary.
+/// Returns the bytes of a universal file with this content. A function with `binary` = true is
+/// written as dataset 58b. For unevenly spaced functions, the text format stores abscissae with 6
+/// digits, and the binary format stores abscissae in single precision.
 [[nodiscard]] std::string universal_text(const UniversalFile& file);
 
-/// Converts functions with a common abscissa to a table: the abscissa, then one column per
-/// function, or two (", real" and ", imaginary"). Values are converted to SI if dataset 164 and the
-/// powers of the axes define the units, and the axis does not name a unit. Throws FileError
-/// (corrupt) if there is no function, or if the abscissae differ.
+/// Converts the functions of a file with a common abscissa to a table. The first column is the
+/// abscissa. Each real function becomes one column, and each complex function two columns (", real"
+/// and ", imaginary"). Values are converted to SI if the axis does not name a unit, and dataset 164
+/// and the powers of the axis define the unit. Throws FileError (corrupt) if the file contains no
+/// function, or if the abscissae differ.
 [[nodiscard]] Columns universal_columns(const UniversalFile& file,
                                         const std::filesystem::path& name);
 
-/// Parses a file to a table, for the list of formats in io/formats.
+/// Parses a universal file as a table; the list of formats in io/formats uses this function.
 [[nodiscard]] Columns parse_universal_columns(std::string bytes, const std::filesystem::path& name,
                                               const Wanted& wanted);
 
-/// "12:+Z": name of a degree of freedom; empty if it has no node.
+/// Returns the name of a degree of freedom, for example "12:+Z", or an empty text if the degree of
+/// freedom has no node.
 [[nodiscard]] std::string dof_in_words(const UniversalDof& dof);
-/// "x", "-z"; empty for rotations and unknown directions.
+/// Returns the axis of a translation, for example "x" or "-z", or an empty text for rotations and
+/// unknown directions.
 [[nodiscard]] std::string translation_axis(const UniversalDof& dof);
-/// "frequency response", …; "function of type 37" for an unknown type.
+/// Returns the name of a function type: "frequency response", …; "function of type 37" for an
+/// unknown type.
 [[nodiscard]] std::string function_in_words(int type);
 
 }  // namespace wheeltap::io

@@ -1,4 +1,4 @@
-// The lines of a universal file and their numbers, for the readers of its datasets.
+// A reader of the lines of a universal file, for the functions that read its datasets.
 #pragma once
 
 #include <algorithm>
@@ -33,7 +33,8 @@ inline std::string none_is_empty(std::string_view text) {
   return word == "NONE" ? std::string() : word;
 }
 
-/// A Fortran number: "1.5E+00", "1.5D+00", "1.5-100", "1.5". std::nullopt for any other text.
+/// Converts a Fortran number: "1.5E+00", "1.5D+00", "1.5-100", "1.5". Returns std::nullopt for any
+/// other text.
 inline std::optional<double> fortran_number(std::string_view field) {
   std::string text(trimmed(field));
   if (text.empty()) return {};
@@ -62,7 +63,8 @@ class Reader {
     throw FileError(FileError::Kind::corrupt, name_, {.line = number_}, reason);
   }
 
-  /// A line without its end (LF, CR LF or CR).
+  /// Reads the next line and returns it without its line break (LF, CR LF or CR). `what` names the
+  /// expected content in messages.
   std::string_view next(const char* what) {
     if (done()) fail(std::string("the file ends where ") + what + " must follow");
     const std::size_t end = bytes_.find_first_of("\r\n", at_);
@@ -77,7 +79,7 @@ class Reader {
     ++number_;
     return line;
   }
-  /// The next line, without advancing.
+  /// Returns the next line without advancing.
   [[nodiscard]] std::string_view peek() const {
     const std::size_t end = bytes_.find_first_of("\r\n", at_);
     return std::string_view(bytes_).substr(
@@ -119,8 +121,8 @@ class Reader {
     if (!value) fail(std::string(what) + " '" + std::string(trimmed(text)) + "' is not a number");
     return *value;
   }
-  /// Reads whole numbers in columns of `width` characters, or separated by blanks if they do not
-  /// fit the columns.
+  /// Reads the whole numbers of a line in columns of `width` characters. If the numbers do not fit
+  /// these columns, blanks separate them.
   std::vector<int> integers(std::string_view line, std::size_t width, const char* what) const {
     std::vector<int> out;
     const std::vector<std::string_view> words = split(line);
@@ -153,8 +155,9 @@ class Reader {
     return words;
   }
 
-  /// Reads `count` numbers from several lines. Each line has columns of these widths, repeated;
-  /// numbers that are not in columns are separated by blanks. A line may have fewer numbers.
+  /// Reads `count` numbers from several lines. Each line has columns with these widths, repeated.
+  /// If the numbers of a line are not in these columns, blanks separate them. A line may have fewer
+  /// numbers than columns.
   std::vector<double> numbers(std::size_t count, const std::vector<std::size_t>& widths,
                               const char* what) {
     std::vector<double> out;
@@ -199,7 +202,7 @@ class Reader {
   std::ptrdiff_t number_ = 0;
 };
 
-/// Datasets 15, 2411, 82, 2412 and 2420: appends their content to the list.
+/// Read a dataset (15, 2411, 82, 2412 or 2420) and append its content to the list.
 void read_nodes(Reader& in, std::vector<UniversalNode>& out);
 void read_double_nodes(Reader& in, std::vector<UniversalNode>& out);
 void read_traces(Reader& in, std::vector<UniversalTrace>& out);

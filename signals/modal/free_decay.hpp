@@ -1,19 +1,19 @@
 // Modes from free decays: the eigensystem realisation algorithm, with the covariance of all
 // results.
 //
-// After an impact or a release, y(k Δt) = C A^k x₀. The samples replace the output covariances of
-// stochastic_subspace.hpp, and each decay, with its own x₀, replaces a reference (Juang & Pappa
-// 1985, J. Guid. Control Dyn. 8:620).
+// After an impact or a release, the response is y(k Δt) = C A^k x₀. The samples of the responses
+// replace the output covariances of stochastic_subspace.hpp. Each decay has its own initial state
+// x₀ and replaces a reference channel (Juang & Pappa 1985, J. Guid. Control Dyn. 8:620).
 //
-// Poles that fit noise can be as stable over orders as modes. A pole is therefore removed if the
-// decays are fitted equally well without it. The remaining poles are refined together by least
-// squares of
+// Poles that fit noise can be as stable over model orders as poles of modes. A pole is therefore
+// removed if the model without this pole fits the decays equally well. The remaining poles are
+// refined together by a least-squares fit of
 //
 //   y(t) = Re Σ c e^{λt} + c₀
 //
-// over all channels and decays (variable projection). The uncertainty follows from normal noise
-// with the spectra and cross-spectra of the residuals, smoothed over frequency lines. The
-// derivatives of the least-squares fit propagate it.
+// over all channels and decays (variable projection). The uncertainty follows from the assumption
+// of normal noise with the spectra and cross-spectra of the residuals, smoothed over spectral
+// lines. The derivatives of the least-squares fit give the covariance of the results.
 #pragma once
 
 #include <cstdint>
@@ -23,11 +23,13 @@
 
 namespace wheeltap::signals {
 
-/// `decays`: one matrix per decay, with one channel per row. Each decay begins after the last force
-/// has ended; all are cut to the length of the shortest. ModalOptions::blocks is the number of
-/// surrogates (0: 200), `lags` the number of samples used (0: as many as fit); `references` is not
-/// used. Throws std::invalid_argument for an invalid band, channels that differ in number, are not
-/// finite or constant, and decays too short for any order.
+/// Identifies modes from free decays. `decays` holds one matrix per decay, with one channel per
+/// row. Each decay must begin after the end of the last force. All decays are cut to the length of
+/// the shortest decay. ModalOptions::blocks is the number of surrogates of the noise (0: 200).
+/// ModalOptions::lags is the number of samples used (0: the largest possible number).
+/// ModalOptions::references is not used. Throws std::invalid_argument for an invalid band, decays
+/// with different numbers of channels, channels that are constant or not finite, and decays too
+/// short for any order.
 [[nodiscard]] ModalResult identify_decays(const std::vector<Eigen::MatrixXd>& decays,
                                           const ModalOptions& options, std::uint64_t seed = 1);
 

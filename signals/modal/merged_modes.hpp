@@ -1,16 +1,16 @@
-// Merges the modes of several sensor set-ups that share reference sensors.
+// Merging of the modes of several sensor set-ups that share reference sensors.
 //
-// Each set-up is identified separately, and then the modes are merged (PoSER: Reynders, Magalhães,
+// The modes of each set-up are identified separately, and then merged (PoSER: Reynders, Magalhães,
 // De Roeck & Cunha 2009, IMAC 27; with uncertainty, Döhler, Lam & Mevel 2013, Mech. Syst. Signal
-// Process. 36:562). The records need neither the same start nor the same excitation.
-//
-// Frequencies and damping: weighted means x̄ = Σ w_s x_s / Σ w_s, w_s = 1/(v_s + τ²), with the
-// variances v_s of the set-ups and the additional variance τ² between them (DerSimonian & Laird
-// 1986). Shapes: the shape of each set-up s has an unknown factor a_s. With r_s its entries at the
-// references and r the mean of all r_s,
+// Process. 36:562). The records of the set-ups need neither the same start nor the same excitation.
+// Frequencies and damping ratios: weighted means x̄ = Σ w_s x_s / Σ w_s over the set-ups s, w_s =
+// 1/(v_s + τ²). v_s is the variance of the estimate of set-up s, and τ² is the additional variance
+// between set-ups (DerSimonian & Laird 1986). Shapes: the shape of each set-up s has an unknown
+// factor a_s. With the entries r_s of this shape at the references, and the mean r of all r_s,
 //   a_s = r_sᴴ r / r_sᴴ r_s,   φ_k = Σ_s u_s a_s φ_{s,k} / Σ_s u_s  over the set-ups with sensor k,
-// where u_s is the inverse variance of r_s. Covariances follow from those of the independent
-// set-ups by derivatives (for shapes, by central differences).
+// where u_s is the inverse variance of r_s. The covariances of the merged results follow from the
+// covariances of the set-ups, which are independent, and the derivatives of the merged results (for
+// shapes, central differences).
 #pragma once
 
 #include <vector>
@@ -19,31 +19,35 @@
 
 namespace wheeltap::signals {
 
-/// The results of one set-up, with the sensor of each channel.
+/// The modes of one set-up, with the sensor of each channel.
 struct SetUpModes {
   std::vector<Mode> modes = {};
   Eigen::MatrixXd covariance = {};  ///< all frequencies, then all damping ratios
-  std::vector<int> sensors = {};    ///< by channel
+  std::vector<int> sensors = {};    ///< sensor of each channel
 };
 
 /// Reasons to doubt a merged mode.
 enum class MergeDoubt {
-  few_set_ups,   ///< found in less than half of the set-ups
-  doubted,       ///< doubtful in most set-ups that found it
-  inconsistent,  ///< scatter of frequencies between set-ups exceeds their standard deviations
-  unlike         ///< two set-ups' shapes differ at the references: MAC below 0.8
+  few_set_ups,   ///< identified in less than half of the set-ups
+  doubted,       ///< doubtful in most set-ups in which the mode was identified
+  inconsistent,  ///< scatter of the frequencies between set-ups exceeds the standard deviations of
+                 ///< the frequencies
+  unlike         ///< shapes of two set-ups differ at the references: MAC below 0.8
 };
 
 struct MergedMode {
   double frequency_hz = 0.0, frequency_sd = 0.0;
   double damping = 0.0, damping_sd = 0.0;
-  double between_hz = 0.0;       ///< τ of the frequency
-  double consistency_p = 1.0;    ///< of χ² = Σ (f_s - f̄)² / v_s; 1 in one set-up alone
-  double reference_mac = 1.0;    ///< the smallest MAC between two set-ups at the references
-  double collinearity = 0.0;     ///< modal phase collinearity of the whole shape
-  std::vector<int> places = {};  ///< one per set-up: index among its modes; -1: not found
-  Eigen::VectorXcd shape = {};   ///< by sensor, largest entry 1; NaN if no set-up measured it
-  Eigen::MatrixXd shape_covariance = {};  ///< of real parts, then imaginary parts; 0 where NaN
+  double between_hz = 0.0;     ///< standard deviation τ of the frequency between set-ups
+  double consistency_p = 1.0;  ///< p-value of χ² = Σ (f_s - f̄)² / v_s; 1 for a single set-up
+  double reference_mac = 1.0;  ///< the smallest MAC between two set-ups at the references
+  double collinearity = 0.0;   ///< modal phase collinearity of the whole shape
+  std::vector<int> places = {};  ///< per set-up: index of the mode in the set-up; -1: not
+                                 ///< identified
+  Eigen::VectorXcd shape = {};   ///< one entry per sensor, largest entry 1; NaN for sensors without
+                                 ///< a measured entry
+  Eigen::MatrixXd shape_covariance = {};  ///< covariance of real parts, then imaginary parts; 0 for
+                                          ///< entries that are NaN
   std::vector<MergeDoubt> doubts = {};
 
   [[nodiscard]] int found() const;
@@ -52,14 +56,15 @@ struct MergedMode {
 struct MergedModes {
   std::vector<MergedMode> modes = {};  ///< by frequency
   Eigen::MatrixXd covariance = {};     ///< all frequencies, then all damping ratios
-  std::vector<int> references = {};    ///< sensors that every set-up has
+  std::vector<int> references = {};    ///< sensors that occur in every set-up
 };
 
-/// Modes of two set-ups match if their frequencies differ by less than 2 % or five standard
-/// deviations, and |Δf|/f + 1 - MAC at the references is small (average_linkage to 0.15). If some
-/// set-ups lack a mode, its shape has gaps. `sensors`: total number of sensors. Throws
-/// std::invalid_argument for no set-up, a sensor outside `sensors` or repeated in one set-up, and
-/// set-ups without a common sensor.
+/// Merges the modes of several set-ups. Modes of two set-ups match if their frequencies differ by
+/// less than 2 % or five standard deviations, and |Δf|/f + 1 - MAC at the references is small
+/// (average_linkage with the threshold 0.15). If a mode is not identified in some set-ups, the
+/// merged shape has gaps at the sensors of these set-ups. `sensors` is the total number of sensors.
+/// Throws std::invalid_argument for an empty list of set-ups, set-ups without a common sensor, and
+/// a sensor number that is out of range or occurs twice in one set-up.
 [[nodiscard]] MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors);
 
 }  // namespace wheeltap::signals

@@ -1,4 +1,5 @@
-// Operational modal analysis: modes from response records, with the covariance of all results.
+// Operational modal analysis: identification of modes from response records, with the covariance of
+// all results.
 #pragma once
 
 #include <optional>
@@ -11,36 +12,43 @@ namespace wheeltap::signals {
 
 struct ModalOptions {
   double sample_rate_hz = 1.0;
-  double lowest_hz = 0.0, highest_hz = 0.0;  ///< the band; 0: up to 0.45 of the rate
-  int largest_order = 0;                     ///< 0: 10 per channel, from 20 to 80
-  int lags = 0;    ///< p + q; 0: enough for the orders and a period of the lowest mode
-  int blocks = 0;  ///< n_b; 0: 50, fewer if the blocks would be too short
-  std::vector<int> references = {};  ///< channels; all if empty
+  double lowest_hz = 0.0, highest_hz = 0.0;  ///< frequency band; 0: up to 0.45 of the sampling rate
+  int largest_order = 0;                     ///< largest model order; 0: 10 per channel, from 20 to
+                                             ///< 80
+  int lags = 0;    ///< number of lags p + q; 0: enough for the model orders and a period of the
+                   ///< lowest mode
+  int blocks = 0;  ///< number of data blocks n_b; 0: 50, or fewer if the blocks would be too short
+  std::vector<int> references = {};  ///< reference channels; empty: all channels
   int threads = 0;
 };
 
 /// Reasons to doubt a mode.
 enum class ModeDoubt {
-  few_orders,       ///< in less than half of the orders after its first appearance
-  damping_unknown,  ///< its standard deviation exceeds half its value
+  few_orders,       ///< identified in less than half of the model orders after the first order with
+                    ///< this mode
+  damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
-  tone,             ///< very low damping and a constant amplitude: harmonic of a machine
-  /// Another mode with the same shape is within the standard deviations of both frequencies. Or it
-  /// is within the half-power bandwidths and has a smaller uncertainty.
+  tone,             ///< very low damping ratio and a constant amplitude, like a harmonic of a
+                    ///< machine
+  /// Another mode has the same shape, and the frequencies differ by less than their standard
+  /// deviations. Or another mode with the same shape is within the half-power bandwidths and has a
+  /// smaller uncertainty.
   twin,
-  at_the_edge  ///< within a twentieth of the band from one of its ends
+  at_the_edge  ///< distance to an end of the band is less than a twentieth of the band
 };
 
-/// Limit of the modal phase collinearity; below it, a mode shape is doubtful.
+/// Smallest modal phase collinearity of a mode shape that is not doubtful.
 inline constexpr double kCollinear = 0.8;
 
 struct Mode {
   Pole pole = {};
   double collinearity = 0.0;     ///< modal phase collinearity
   double phase_deviation = 0.0;  ///< mean phase deviation [rad]
-  int present = 0, orders = 0;   ///< orders with this mode, and orders since its first appearance
-  double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² about its frequency: 1 a sine, 2 noise
-  Eigen::MatrixXd shape_covariance = {};  ///< of real parts, then imaginary parts
+  int present = 0, orders = 0;   ///< number of orders with this mode; number of orders from the
+                                 ///< first order with this mode
+  double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency: 1 for
+                                    ///< a sine, 2 for noise
+  Eigen::MatrixXd shape_covariance = {};  ///< covariance of real parts, then imaginary parts
   std::vector<ModeDoubt> doubts = {};
 };
 
@@ -50,25 +58,30 @@ enum class ModalMethod {
   polyreference,  ///< from frequency responses (polyreference.hpp)
   realisation,    ///< from free decays (free_decay.hpp)
   decomposition,  ///< peaks of spectra (frequency_domain_decomposition.hpp)
-  enhanced,       ///< decays of these spectra
-  bayesian        ///< of frequency bands, by sampling (identification/modal/bayesian_modes.hpp)
+  enhanced,       ///< decay of the correlations that belong to these spectra
+  bayesian        ///< Bayesian inference in frequency bands
+                  ///< (identification/modal/bayesian_modes.hpp)
 };
 
-/// Warnings about the whole record.
+/// Warnings about the identification from the whole record.
 struct ModalRemarks {
-  bool short_blocks = false;  ///< fewer than 20 blocks, or less than five times the lags
-  int longer_decays = 0;      ///< number of modes whose 1 / (ζω) exceeds a block
-  bool band_cut = false;      ///< band exceeds the range of the sampling rate
-  int order_cut = 0;          ///< requested largest order, if the records allow less
-  int narrow = 0;             ///< number of modes with a half-power width below the line spacing
-  int moved = 0;              ///< number of modes that refinement moved away
-  std::vector<std::string> unsettled = {};  ///< bands with unreliable draws, with the reason
+  bool short_blocks = false;  ///< fewer than 20 blocks, or blocks shorter than five times the lags
+  int longer_decays = 0;      ///< number of modes whose decay time 1 / (ζω) exceeds the block
+                              ///< length
+  bool band_cut = false;      ///< the requested band exceeds the range of the sampling rate
+  int order_cut = 0;          ///< requested largest order, if the records allow only a smaller
+                              ///< order
+  int narrow = 0;             ///< number of modes whose half-power width is below the spacing of
+                              ///< spectral lines
+  int moved = 0;              ///< number of modes whose poles the refinement moved away
+  std::vector<std::string> unsettled = {};  ///< bands with unreliable posterior draws, with the
+                                            ///< reason
 };
 
 struct ModalResult {
   ModalMethod method = ModalMethod::subspace;
   std::vector<Mode> modes = {};     ///< by frequency
-  Eigen::MatrixXd covariance = {};  ///< all frequencies [Hz], then all damping ratios
+  Eigen::MatrixXd covariance = {};  ///< covariance of all frequencies [Hz], then all damping ratios
   Stabilisation diagram = {};
   Eigen::VectorXd singular_values = {};
   double sample_rate_hz = 0.0;  ///< after decimation
@@ -79,31 +92,34 @@ struct ModalResult {
   long lines = 0;      ///< number of lines of the frequency responses
   int replicates = 0;  ///< bootstrap replicates, or surrogates of the noise
   std::vector<int> references = {};
-  Eigen::MatrixXd singular_spectrum =
-      {};                         ///< for peaks of spectra: line [Hz], first singular value
-  int segments = 0, segment = 0;  ///< segments of these spectra: number, samples per segment
+  Eigen::MatrixXd singular_spectrum = {};  ///< for peaks of spectra: frequency of the line [Hz],
+                                           ///< first singular value
+  int segments = 0, segment = 0;  ///< segments of these spectra: number of segments, samples per
+                                  ///< segment
   ModalRemarks remarks = {};
 };
 
-/// Identifies modes from `records`, one channel per row. It decimates the records to the band and
-/// identifies the modes twice. The first time, the lags cover one period of the band's lowest
-/// frequency; the second time, one period of the lowest mode, because more lags add scatter. Throws
+/// Identifies modes from `records`, with one channel per row. This function decimates the records
+/// to the band and identifies the modes twice. In the first identification, the lags cover one
+/// period of the lowest frequency of the band. In the second identification, the lags cover one
+/// period of the lowest mode, because more lags increase the scatter of the estimates. Throws
 /// ChannelError (signals/refuse.hpp) for channels that are constant, proportional to another one or
 /// not finite, and std::invalid_argument for an invalid band and for records too short for any
 /// order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 
-/// Modes from several set-ups, merged before identification (merged_subspace.hpp). `sensors` gives
-/// the sensor number of each channel of each record, out of `count` sensors. `references` gives the
-/// channels of the common reference sensors, in the same order. The references limit the orders;
-/// options.references is not used. Throws std::invalid_argument like identify_modes.
+/// Identifies modes from several set-ups, whose covariances are merged before identification
+/// (merged_subspace.hpp). `sensors` gives the sensor number of each channel of each record, out of
+/// `count` sensors. `references` gives the channels of the common reference sensors, in the same
+/// order. The number of references limits the model orders; options.references is not used. Throws
+/// std::invalid_argument like identify_modes.
 [[nodiscard]] ModalResult identify_set_ups(const std::vector<Eigen::MatrixXd>& records,
                                            const std::vector<std::vector<int>>& sensors,
                                            const std::vector<std::vector<int>>& references,
                                            int count, const ModalOptions& options);
 
-/// Checks and completes the band in `out`, and returns the records decimated to it. Throws
+/// Checks and completes the band in `out`, and returns the records decimated to this band. Throws
 /// std::invalid_argument like identify_modes. Public for the implementations of the methods.
 [[nodiscard]] Eigen::MatrixXd records_of_band(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                               double sample_rate_hz, int threads, ModalResult& out);
@@ -111,8 +127,9 @@ struct ModalResult {
 /// Sets the reasons for doubt of each mode. Public for the implementations of the methods.
 void doubt_modes(ModalResult& result);
 
-/// Kurtosis E|z|⁴ / (E|z|²)² of a signal's complex amplitude near a frequency, averaged over
-/// windows of `cycles` cycles: 1 for a steady sine, 2 for normal noise.
+/// Computes the kurtosis E|z|⁴ / (E|z|²)² of the complex amplitude z of a signal near a frequency.
+/// The mean E is over time windows of `cycles` cycles. The kurtosis is 1 for a steady sine and 2
+/// for normal noise.
 [[nodiscard]] double amplitude_kurtosis(const Eigen::Ref<const Eigen::VectorXd>& x,
                                         double frequency_hz, double sample_rate_hz,
                                         double cycles = 20.0);

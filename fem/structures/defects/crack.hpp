@@ -6,8 +6,8 @@
 
 namespace wheeltap::fem {
 
-/// A crack of depth a in a section of height h allows a relative rotation c per unit of bending
-/// moment,
+/// A model of a crack of depth a in a section of height h. The crack causes a relative rotation c
+/// per unit of bending moment,
 ///
 ///   c = 6 π (h / E I) J(a/h),   J(x) = ∫₀ˣ s F(s)² ds  [rad/(N·m)],
 ///
@@ -20,15 +20,15 @@ struct CrackLaw {
   bool plane_strain = false;
 };
 
-/// "tada" (Tada, Paris & Irwin: F = √(tan(πs/2)/(πs/2)) (.923 + .199 (1 - sin(πs/2))⁴)/cos(πs/2)),
-/// "tada-plane-strain", and "ostachowicz-krawczuk" (J as a polynomial to s⁸). The first is the
-/// default.
+/// Returns all crack models: "tada" (Tada, Paris & Irwin: F = √(tan(πs/2)/(πs/2)) (.923 + .199 (1 -
+/// sin(πs/2))⁴)/cos(πs/2)), "tada-plane-strain", and "ostachowicz-krawczuk" (J as a polynomial to
+/// s⁸). The default is "tada".
 [[nodiscard]] std::span<const CrackLaw> crack_laws();
-/// The crack model with this name; nullptr if there is none.
+/// Returns the crack model with this name, or nullptr for an unknown name.
 [[nodiscard]] const CrackLaw* find_crack_law(std::string_view name);
 
-/// c [rad/(N·m)] for depth ratio a/h in [0, 1), height h [m], bending stiffness EI [N·m²]. Throws
-/// std::invalid_argument for values out of range.
+/// Computes the compliance c [rad/(N·m)] of a crack for the depth ratio a/h in [0, 1), the height h
+/// [m] and the bending stiffness EI [N·m²]. Throws std::invalid_argument for values out of range.
 [[nodiscard]] double crack_compliance(const CrackLaw& law, double depth_ratio, double height,
                                       double bending_stiffness, double poisson);
 

@@ -1,4 +1,5 @@
-// Changes of a discretised structure by defects: low-rank terms in K and M, and scales of parts.
+// Changes of a discretised structure by defects: low-rank terms in K and M, and scale factors of
+// parts of K.
 #pragma once
 
 #include <span>
@@ -10,7 +11,7 @@
 
 namespace wheeltap::fem {
 
-/// Changes by defects: low-rank terms, and scales of whole parts of K.
+/// Changes of a structure by defects: low-rank terms, and scale factors of whole parts of K.
 struct StructureChange {
   /// A change of strains e = Bu of a few rows along one direction v, |v| = 1: Bᵀ B becomes Bᵀ (I -
   /// (1 - q) v vᵀ) B, q > 0. Directions that share rows must be orthogonal.
@@ -18,20 +19,21 @@ struct StructureChange {
     std::vector<std::pair<int, double>> direction;  ///< rows of `Discretisation::strains`, v
     double remaining = 1.0;                         ///< q in (0, 1]
   };
-  /// A spring adds k r rᵀ to K, where r · u is the motion that it restrains; k = ∞ restrains it
-  /// rigidly.
+  /// A spring adds k r rᵀ to K, where r · u is the motion that the spring restrains. A spring with
+  /// k = ∞ is a rigid support.
   struct Spring {
     SparseRow motion;
     double stiffness;  ///< k [N/m], [N·m/rad]
   };
-  /// A mass adds μ r rᵀ to M, where r · u is its motion. M must remain positive (semi)definite.
+  /// A mass adds μ r rᵀ to M, where r · u is the motion of the mass. The changed M must be positive
+  /// (semi)definite.
   struct Mass {
     SparseRow motion;
     double mass;  ///< μ [kg], [kg·m²]; negative for removed mass
   };
 
-  /// Scales a part of K_rest (`Discretisation::parts`) by q > 0. The change can have any rank, so
-  /// column-based reanalysis does not support it.
+  /// A scale factor q > 0 of a part of K_rest (`Discretisation::parts`). This change can have any
+  /// rank, so column-based reanalysis does not support it.
   struct Scaling {
     int part;
     double remaining = 1.0;  ///< q in (0, 1]
@@ -47,29 +49,30 @@ struct StructureChange {
   }
 };
 
-/// The error for a change after which no valid structure exists: it removes more mass than there
-/// is, or so much stiffness that compressed members buckle.
+/// The error for a change after which no valid structure exists: it removes more mass than the
+/// structure has, or so much stiffness that compressed members buckle.
 class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };
 
-/// Combines softenings of the same strain, and scalings of the same part, into one with the product
-/// of their remaining stiffnesses.
+/// Combines several softenings of the same strain into one softening, and several scalings of the
+/// same part into one scaling. The remaining stiffness is the product of the individual values.
 void compound(StructureChange& change);
 
-/// Applies the changes to the discretisation; the result is the reference for the reanalysis.
-/// Eliminates the degrees of freedom that rigid springs restrain, and expresses `motions` in the
-/// remaining degrees of freedom. Throws std::invalid_argument like `StructureReanalysis::solve`,
-/// ImpossibleChange if more mass is removed than there is.
+/// Applies the changes to the discretisation. The modes of the result are the reference for the
+/// reanalysis. The function eliminates the degrees of freedom that rigid springs restrain, and
+/// expresses `motions` in the remaining degrees of freedom. Throws std::invalid_argument like
+/// `StructureReanalysis::solve`, and ImpossibleChange if the change removes more mass than the
+/// structure has.
 [[nodiscard]] Discretisation changed(const Discretisation& d, const StructureChange& change,
                                      std::span<SparseRow> motions = {});
 
 /// Throws ImpossibleChange if the changed M is indefinite, that is if D of M = L D Lᵀ has a
-/// negative entry. Does nothing if no mass is removed.
+/// negative entry. Does nothing if the change removes no mass.
 void require_mass_left(const Discretisation& d, const StructureChange& change);
 
-/// Throws std::invalid_argument for q outside (0, 1], k <= 0, masses that are not finite, and
-/// strains or parts that do not exist.
+/// Checks a change. Throws std::invalid_argument for q outside (0, 1], k <= 0, masses that are not
+/// finite, and strains or parts that do not exist.
 void validate(const Discretisation& d, const StructureChange& change);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// Defects of a structure of members, and the changes of its matrices by each.
+// Defects of a structure of members, and the changes of its matrices by each defect.
 #pragma once
 
 #include <vector>
@@ -10,32 +10,33 @@
 namespace wheeltap::fem {
 
 struct StructureDefects {
-  /// A stiffness reduction of one element: the element that contains `at` keeps the share 1 - r of
+  /// A stiffness reduction of one element. The element that contains `at` keeps the share 1 - r of
   /// its stiffness in every strain.
   struct ElementReduction {
     int member;
     double at;         ///< [m] from the member's first end
     double reduction;  ///< r in [0, 1)
   };
-  /// A stiffness reduction of a segment: from `from` to `to`, within the ends of the member, the
-  /// member keeps the share 1 - r of its stiffness in every strain. Overlapping reductions
-  /// multiply, (1 - r₁)(1 - r₂).
+  /// A stiffness reduction of a segment from `from` to `to` within the ends of the member. The
+  /// segment keeps the share 1 - r of its stiffness in every strain. Two overlapping reductions
+  /// leave the share (1 - r₁)(1 - r₂).
   struct Reduction {
     int member;
     double from, to;   ///< [m] from the member's first end
     double reduction;  ///< r in [0, 1)
   };
-  /// An open crack across the section's z axis, of depth ratio a/h.
+  /// An open crack across the z axis of the section, with the depth ratio a/h.
   struct Crack {
     int member;
     double at;     ///< [m] from the member's first end
     double depth;  ///< a/h in [0, 1)
     const CrackLaw* law;
   };
-  /// A loose joint or rotational support. If the joint has springs (member ends with a finite
-  /// stiffness, rotational springs to ground), each spring keeps the share 1 - r of its stiffness.
-  /// Otherwise every rigidly joined end gets the fixity 1 - r, that is a rotation of r / (1 - r) ·
-  /// L / (3 E I) per unit of moment (Monforton & Wu 1963).
+  /// A reduction of the rotational stiffness of a joint or support. If the joint has springs
+  /// (member ends with a finite stiffness, rotational springs to ground), each spring keeps the
+  /// share 1 - r of its stiffness. Otherwise every rigidly joined member end gets the fixity 1 - r.
+  /// The end then rotates relative to the joint by r / (1 - r) · L / (3 E I) per unit of moment
+  /// (Monforton & Wu 1963).
   struct LooseJoint {
     int node;
     double reduction;  ///< r in [0, 1)
@@ -62,22 +63,24 @@ struct StructureDefects {
   std::vector<AddedSupport> supports = {};
 };
 
-/// Reductions, cracks and loose ends add flexibility to the strains of an element: for stresses t,
-/// the strains are (I + ΔF) t. A bending moment is M(ξ) = v(ξ) · t on the element's constant moment
-/// and constant shear force,
+/// Computes the changes of the matrices by these defects. Reductions, cracks and loose ends add
+/// flexibility to an element: for the stresses t, the strains are (I + ΔF) t. The bending moment
+/// M(ξ) = v(ξ) · t follows from the constant moment and the constant shear force of the element,
 ///
 ///   v = (√(EI/l), √(12 EI / (l (1 + Φ))) (ξ - ½)).
 ///
 /// A crack of compliance c at ξ adds c v vᵀ. A segment of reduced stiffness adds r/(1 - r) ∫ v vᵀ
-/// dx / EI, with its share of shear. The eigenvectors of I + ΔF are the directions of
-/// StructureChange::Softening; the inverses of its eigenvalues are the remaining stiffnesses.
+/// dx / EI and the corresponding shear flexibility. The eigenvectors of I + ΔF are the directions
+/// of StructureChange::Softening; the inverses of its eigenvalues are the remaining stiffnesses.
 ///
-/// The rotation θ = c v · t of a hinge also moves the mass of the element, by g(x) θ, where g is (x
-/// - x₀)₊ minus its interpolation by the shape functions. With θ = p · Bu this gives M + m pᵀB +
-/// Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g': a positive and a negative mass.
+/// The rotation θ = c v · t of a hinge also moves the mass of the element by g(x) θ. The function g
+/// is (x - x₀)₊ minus the interpolation of (x - x₀)₊ by the shape functions. With θ = p · Bu, the
+/// mass matrix becomes M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g'. The change is the
+/// sum of a positive and a negative mass.
 ///
-/// Throws std::invalid_argument for places outside a member and values out of range. `change` is
-/// the initial change; softenings of the same strain multiply.
+/// `change` is the initial change; the defects are added to this change, and the remaining
+/// stiffnesses of softenings of the same strain multiply. Throws std::invalid_argument for
+/// locations outside a member and values out of range.
 [[nodiscard]] StructureChange change_of(const Mesh& mesh, const StructureDefects& defects,
                                         StructureChange change = {});
 

@@ -1,4 +1,5 @@
-// The lowest modes of a parametric structure: a reduced basis with an error bound for each result.
+// Computation of the lowest modes of a parametric structure by a reduced basis, with an error bound
+// for each result.
 #pragma once
 
 #include <functional>
@@ -14,19 +15,23 @@ namespace wheeltap::fem {
 
 struct ParametricModesOptions {
   int modes = 1;  ///< number of lowest elastic modes
-  /// The requested shape components, as linear forms of the degrees of freedom.
+  /// The requested components of mode shapes, as linear forms of the degrees of freedom.
   std::vector<SparseRow> motions = {};
-  double tolerance = 1e-7;        ///< relative error of an eigenvalue
-  double shape_tolerance = 1e-3;  ///< sine of the angle to the true shape, in the energy norm
+  double tolerance = 1e-7;        ///< largest relative error of an eigenvalue
+  double shape_tolerance = 1e-3;  ///< largest sine of the angle to the true shape, in the energy
+                                  ///< norm
   int most_basis = 400;           ///< largest number of columns of the basis
-  int complete = 60;              ///< no reduction up to this number of degrees of freedom
-  std::function<void(double)> progress = {};  ///< receives the share of the training, 0 to 1
+  int complete = 60;              ///< up to this number of degrees of freedom, the basis is
+                                  ///< complete
+  std::function<void(double)> progress = {};  ///< receives the completed share of the training, 0
+                                              ///< to 1
 };
 
-/// Solves K(θ) φ = λ M(θ) φ by Rayleigh-Ritz on a basis V of modes at selected θ. Each step solves
-/// the full problem at the training point with the largest error and adds its modes to the basis
-/// (greedy reduced bases for eigenproblems: Horger, Wohlmuth & Dickopf 2017, section 4). The basis
-/// contains the response to the low-rank terms, (K₀ + σM₀)⁻¹ C, from the start.
+/// Solves K(θ) φ = λ M(θ) φ by Rayleigh-Ritz on a basis V of modes at selected θ. Each training
+/// step solves the full problem at the training point with the largest error bound, and adds the
+/// modes of this solution to the basis (greedy reduced bases for eigenproblems: Horger, Wohlmuth &
+/// Dickopf 2017, section 4). The initial basis contains the responses to the low-rank terms, (K₀ +
+/// σM₀)⁻¹ C.
 ///
 /// Every result has an error bound. With a Ritz vector u, uᵀ(K + σM)u = λ + σ, and r = K u - λ M u,
 ///
@@ -37,20 +42,20 @@ struct ParametricModesOptions {
 /// spectrum. Modes closer than `kCluster` share the bound of their common subspace (Mathias 1998,
 /// theorem 1): Σ η² / gap. σ = 0 unless there are rigid-body motions. The sine of the angle between
 /// a shape and the true one is at most η/gap. If a bound exceeds its tolerance, structure_modes
-/// solves the full structure.
+/// solves the full problem.
 ///
-/// The bounds prove that a mode lies near each result; they do not prove that no mode is missing.
-/// For that, Sturm counts check every training point during the training; later calls are not
-/// checked. Degrees of freedom without mass need no special treatment, because V includes their
-/// static response.
+/// The bounds prove that a mode lies near each result. They do not prove that no mode is missing.
+/// Sturm counts check for missing modes at every training point during the training; later calls
+/// have no such check. Degrees of freedom without mass need no special treatment, because V
+/// includes the static response of these degrees of freedom.
 ///
-/// Immutable after construction; each thread needs its own workspace.
+/// The object is immutable after construction; each thread needs its own workspace.
 class ParametricModes {
  public:
   class Workspace;
 
-  /// `training`: values of θ, for example draws from the prior. Throws the exceptions of
-  /// `structure_modes` at θ₀.
+  /// Trains the basis. `training` holds the training points θ, for example draws from the prior
+  /// distribution. Throws the exceptions of `structure_modes` at θ₀.
   ParametricModes(std::shared_ptr<const ParametricStructure> structure,
                   const std::vector<std::vector<double>>& training, ParametricModesOptions options);
   ~ParametricModes();
@@ -58,40 +63,48 @@ class ParametricModes {
   ParametricModes& operator=(ParametricModes&&) noexcept;
 
   struct Modes {
-    Eigen::VectorXd eigenvalues;  ///< elastic ones [rad²/s²], ascending
-    Eigen::MatrixXd shapes;       ///< motions × modes: mass-normalised, of any sign
+    Eigen::VectorXd eigenvalues;  ///< eigenvalues of the elastic modes [rad²/s²], ascending
+    Eigen::MatrixXd shapes;       ///< motions × modes: mass-normalised; the sign of a shape is
+                                  ///< arbitrary
     Eigen::VectorXd bounds;       ///< relative error bounds of the eigenvalues
     Eigen::VectorXd
         shape_bounds;      ///< bounds of the sines of the angles between computed and true shapes
-    bool in_full = false;  ///< true if solved without the basis
-    /// Modal stiffnesses φ_jᵀ K_p φ_k of the pieces p, modes × modes each; then their derivatives
-    /// to errors of the stiffness loss by damage in each piece. Empty unless requested.
+    bool in_full = false;  ///< true if the full problem was solved
+    /// One matrix (modes × modes) per segment p with the modal stiffnesses φ_jᵀ K_p φ_k. Then, for
+    /// each segment, one matrix with the derivatives to errors of the stiffness loss by damage.
+    /// Empty unless requested.
     std::vector<Eigen::MatrixXd> pieces = {};
   };
-  /// ∂λ/∂θ: modes × parameters; ∂shapes/∂θ_j: motions × modes each.
+  /// Derivatives ∂λ/∂θ (modes × parameters), and ∂shapes/∂θ_j (one matrix, motions × modes, per
+  /// parameter).
   struct Slopes {
     Eigen::MatrixXd eigenvalues;
     std::vector<Eigen::MatrixXd> shapes;
   };
 
   [[nodiscard]] Workspace make_workspace() const;
-  /// Throws the exceptions of `family.at` and `structure_modes` if there is no structure at θ.
+  /// Computes the modes at θ. Throws the exceptions of `family.at` and `structure_modes` if no
+  /// valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
-  /// Solves with derivatives: of eigenvalues by ∂λ = φᵀ(∂K - λ ∂M)φ, of shapes by Nelson (1976) in
-  /// the basis. Returns false without derivatives if the matrices are not affine in θ, the full
-  /// structure had to be solved, or modes are closer than 1e-6.
+  /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976) in the basis. Returns false without
+  /// derivatives if the matrices are not affine in θ, if the full problem was solved, or if modes
+  /// are closer than 1e-6.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 
   /// Summary of the training.
   struct Training {
-    int basis = 0;          ///< number of columns; all degrees of freedom if there is no reduction
-    bool complete = false;  ///< true if there is no reduction
-    int points = 0;         ///< training points at which there is a structure
-    int solved = 0;         ///< full solutions for the basis
+    int basis = 0;          ///< number of columns of the basis; the number of degrees of freedom
+                            ///< for a complete basis
+    bool complete = false;  ///< true if the basis is complete, that is without reduction
+    int points = 0;         ///< number of training points with a valid structure
+    int solved = 0;         ///< number of full solutions for the basis
     double largest_bound = 0.0;  ///< largest error bound of an eigenvalue over the training set
-    int beyond = 0;              ///< training points whose bounds still exceed the tolerances
-    int miscounted = 0;  ///< training points at which Sturm counts find a different number of modes
+    int beyond = 0;              ///< number of training points whose bounds still exceed the
+                                 ///< tolerances
+    int miscounted = 0;  ///< number of training points at which Sturm counts give another number of
+                         ///< modes
   };
   [[nodiscard]] const Training& training() const;
   [[nodiscard]] int modes() const;
@@ -109,7 +122,7 @@ class ParametricModes::Workspace {
   Workspace& operator=(Workspace&&) noexcept;
   ~Workspace();
   [[nodiscard]] long solved() const;          ///< number of calls
-  [[nodiscard]] long solved_in_full() const;  ///< number of calls solved without the basis
+  [[nodiscard]] long solved_in_full() const;  ///< number of calls that solved the full problem
 
  private:
   friend class ParametricModes;

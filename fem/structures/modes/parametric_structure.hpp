@@ -1,4 +1,4 @@
-// A structure whose matrices depend on parameters, decomposed into constant terms.
+// A structure whose matrices depend on parameters. The matrices are decomposed into constant terms.
 #pragma once
 
 #include <functional>
@@ -11,24 +11,25 @@
 
 namespace wheeltap::fem {
 
-/// A structure for each value of the d parameters θ.
+/// A family of structures: one structure for each value of the d parameters θ.
 struct StructureFamily {
-  /// Throws InvalidStructure or std::invalid_argument if there is no structure at θ.
+  /// Returns the structure at θ. Throws InvalidStructure or std::invalid_argument if no valid
+  /// structure exists at θ.
   std::function<Discretisation(std::span<const double>)> at;
   std::vector<double> nominal = {};  ///< θ₀
-  /// For a structure given by matrices: K_rest = Σ scales_i(θ) parts_i, scales > 0.
+  /// For a structure that is given by matrices: K_rest = Σ scales_i(θ) parts_i, with scales > 0.
   std::vector<Discretisation::Sparse> parts = {};
   std::function<std::vector<double>(std::span<const double>)> scales = {};
 };
 
-/// K(θ) = Σ_t q_t(θ) K_t and M(θ), with q_t(θ₀) = 1. Strains that keep their direction and whose
-/// stiffness changes by the same factor form one term; each part of a K given as matrices is a
-/// term. A term may have any rank.
+/// The decomposition K(θ) = Σ_t q_t(θ) K_t, with q_t(θ₀) = 1, and M(θ). Strains that keep their
+/// direction and whose stiffness changes by the same factor form one term. If K is given as
+/// matrices, each part of K is a term. A term may have any rank.
 ///
 /// If all K_t are positive semidefinite, K(θ) ≽ α K(θ₀) with α = min q_t, so bounds of K(θ₀)⁻¹ give
 /// bounds of K(θ)⁻¹ (the "min-θ" of reduced bases; Rozza, Huynh & Patera 2008, section 4.2).
 /// Low-rank terms K_t = C_t C_tᵀ, for example springs, may change by orders of magnitude without
-/// weakening this bound. With α the minimum over the other terms only,
+/// weakening this bound. If α is the minimum over the other terms only,
 ///
 ///   K(θ) ≽ α (K(θ₀) + Σ (q_t/α - 1) C_t C_tᵀ).
 class ParametricStructure {
@@ -36,27 +37,28 @@ class ParametricStructure {
   using Sparse = Discretisation::Sparse;
 
   enum class Form {
-    affine,  ///< q and M are affine in θ: no assembly needed
+    affine,  ///< q and M are affine in θ; no assembly is necessary
     scaled,  ///< strains keep their directions; q and M come from assembly
-    general  ///< neither
+    general  ///< neither affine nor scaled
   };
 
-  /// `samples`: values of θ, for example of the prior. The decomposition is verified to 1e-10 at
-  /// the first 12 samples at which a structure exists. Throws the exceptions of `family.at` at θ₀.
+  /// Decomposes the matrices. `samples` holds values of θ, for example draws from the prior
+  /// distribution. The constructor verifies the decomposition to 1e-10 at the first 12 samples at
+  /// which a valid structure exists. Throws the exceptions of `family.at` at θ₀.
   ParametricStructure(StructureFamily family, std::span<const std::vector<double>> samples);
 
   /// The matrices at one θ.
   struct Point {
     Eigen::VectorXd scales;                        ///< q_t; empty in `general`
     Eigen::VectorXd change;                        ///< θ - θ₀
-    std::optional<Discretisation> assembled = {};  ///< unless `affine`
+    std::optional<Discretisation> assembled = {};  ///< empty for `affine`
     double floor = 0.0;                            ///< α; 0 if unknown
-    /// q_t/α - 1 of each column of `low_rank()`, where α is at most 1.
+    /// q_t/α - 1 for each column of `low_rank()`, where α is at most 1.
     Eigen::VectorXd excess = {};
   };
   /// Throws the exceptions of `family.at`.
   [[nodiscard]] Point at(std::span<const double> theta) const;
-  /// K(θ) u and M(θ) u for the columns u, with K from the strains.
+  /// Compute K(θ) u and M(θ) u for the columns u, with K u from the strains.
   [[nodiscard]] Eigen::MatrixXd stiffness_times(const Point& point, const Eigen::MatrixXd& u) const;
   [[nodiscard]] Eigen::MatrixXd mass_times(const Point& point, const Eigen::MatrixXd& u) const;
   /// Throws the exceptions of `family.at`.
@@ -65,13 +67,14 @@ class ParametricStructure {
   }
   [[nodiscard]] Discretisation assemble(const Point& point) const;
 
-  /// Vᵀ K_t V of each term; empty in `general`.
+  /// Computes Vᵀ K_t V of each term; the list is empty for `general`.
   [[nodiscard]] std::vector<Eigen::MatrixXd> project_terms(const Eigen::MatrixXd& basis) const;
 
-  /// The columns of C, n × their number; empty if a term is not positive semidefinite.
+  /// The columns of C, one column per rank of the low-rank terms; empty if a term is not positive
+  /// semidefinite.
   [[nodiscard]] const Eigen::MatrixXd& low_rank() const { return low_rank_; }
   [[nodiscard]] Form form() const { return form_; }
-  /// ∂q_t/∂θ_j, terms × d, and ∂M/∂θ_j; only in `affine`.
+  /// The derivatives ∂q_t/∂θ_j (terms × d) and ∂M/∂θ_j; only for `affine`.
   [[nodiscard]] const Eigen::MatrixXd& scale_slopes() const { return slopes_; }
   [[nodiscard]] const std::vector<Sparse>& mass_slopes() const { return mass_slopes_; }
   [[nodiscard]] bool mass_changes() const { return mass_changes_; }
@@ -95,7 +98,7 @@ class ParametricStructure {
   Form form_ = Form::general;
   int terms_ = 0;
   std::vector<int> group_;          // term of each strain
-  std::vector<Sparse> part_terms_;  // the last terms
+  std::vector<Sparse> part_terms_;  // the last terms: parts of K that is given as matrices
   std::vector<double> nominal_scales_;
   bool definite_ = false;  // every term is positive semidefinite
   Eigen::MatrixXd low_rank_;

@@ -1,4 +1,4 @@
-// K φ = ω² M φ of a discretised structure: natural frequencies and mode shapes.
+// Natural frequencies and mode shapes of a discretised structure, from K φ = ω² M φ.
 #pragma once
 
 #include <string>
@@ -8,39 +8,43 @@
 
 namespace wheeltap::fem {
 
-/// The lowest modes, rigid-body ones first.
+/// The lowest modes of a structure, rigid-body modes first.
 struct StructureModes {
   Eigen::VectorXd frequencies_hz;  ///< ascending; exactly 0 for rigid-body modes
   Eigen::VectorXd eigenvalues;     ///< ω² [rad²/s²]
-  /// n × modes: mass-normalised, φᵀ M φ = 1; the largest motion is positive.
+  /// Mode shapes, n × modes. Shapes are mass-normalised, φᵀ M φ = 1, and the largest motion is
+  /// positive.
   Eigen::MatrixXd shapes;
   int rigid_body_modes = 0;
-  /// ‖K φ - λ M φ‖ in the norm of K⁻¹, divided by √λ. By Temple's bound, the relative distance of λ
-  /// to an eigenvalue is at most λ / gap times the square of the scaled residual.
+  /// Scaled residuals: ‖K φ - λ M φ‖ in the norm of K⁻¹, divided by √λ. By Temple's bound, the
+  /// relative distance of λ to an eigenvalue is at most λ / gap times the square of the scaled
+  /// residual.
   Eigen::VectorXd residuals;
-  /// True if no mode is missing: a Sturm count in a gap above the last mode found confirms the
-  /// number of modes, or these are all modes of the structure.
+  /// True if no mode is missing. Either a Sturm count in a gap above the highest computed mode
+  /// confirms the number of modes, or the result contains all modes of the structure.
   bool certified = false;
   std::string solver;  ///< "spectra" or "dense", with the reason
 };
 
-/// The number of modes: the rank of M in the free degrees of freedom. Massless degrees of freedom
-/// follow exactly from the others by statics.
+/// Returns the number of modes: the rank of M in the free degrees of freedom. The motion of
+/// massless degrees of freedom follows exactly from the motion of the others by statics.
 [[nodiscard]] Eigen::Index mode_count(const Discretisation& d);
 
-/// Shift-and-invert Lanczos (Spectra) or a dense solver finds approximate modes. Rounding of the
-/// assembled and factored matrices (λ_max / λ times that of double) leaves errors in the low modes.
-/// A Rayleigh-Ritz step on the modes and their residuals, both computed from the strains, removes
-/// these errors. A Sturm count by L D Lᵀ detects a missing mode, for example one of two close
-/// modes; the search then continues among vectors orthogonal to the modes found.
+/// Computes the lowest modes. Shift-and-invert Lanczos (Spectra) or a dense solver finds
+/// approximate modes. Rounding of the assembled and factored matrices causes errors in the low
+/// modes: λ_max / λ times the rounding error of double. A Rayleigh-Ritz step on the modes and their
+/// residuals, both computed from the strains, removes these errors. A Sturm count by L D Lᵀ detects
+/// a missing mode, for example one of two close modes; the search then continues in the space
+/// orthogonal to the computed modes.
 ///
-/// Throws std::invalid_argument for more modes than there are. Throws InvalidStructure for axial
-/// forces beyond buckling and for a mechanism, which it names: a motion with mass but without
-/// stiffness, or a degree of freedom with neither stiffness nor mass.
+/// Throws std::invalid_argument if `modes` exceeds the number of modes of the structure. Throws
+/// InvalidStructure for axial forces beyond buckling and for a mechanism; the message names the
+/// mechanism. A mechanism is a motion with mass but without stiffness, or a degree of freedom with
+/// neither stiffness nor mass.
 [[nodiscard]] StructureModes structure_modes(const Discretisation& d, int modes);
 
-/// The number of eigenvalues of K φ = λ M φ below σ, from the signs of D in K - σ M = L D Lᵀ
-/// (Sylvester). Throws std::domain_error if σ is an eigenvalue.
+/// Returns the number of eigenvalues of K φ = λ M φ below σ, from the signs of D in K - σ M = L D
+/// Lᵀ (Sylvester's law of inertia). Throws std::domain_error if σ is an eigenvalue.
 [[nodiscard]] int eigenvalues_below(const Discretisation& d, double sigma);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// The lowest modes of a sequence of similar structures.
+// Computation of the lowest modes of a sequence of similar structures.
 #pragma once
 
 #include "base/eigen.hpp"
@@ -9,16 +9,17 @@ namespace wheeltap::fem {
 /// Solves K φ = λ M φ by block inverse iteration with a Rayleigh-Ritz step (Bathe & Wilson 1972;
 /// Saad 2011, section 5.2),
 ///
-///   X ← (K + σ M)⁻¹ M X,   starting from the modes of the structure given to the constructor,
+/// X ← (K + σ M)⁻¹ M X, starting from the modes of the structure that the constructor received,
 ///
-/// until the relative change of all requested eigenvalues is below `tolerance`. Each step reduces
-/// errors by the factor (λ_requested/λ_next)², where λ_next is the lowest eigenvalue outside the
-/// block. The block has twice as many vectors as requested modes, and at least 8 more. σ = 0 unless
-/// there are rigid-body motions. Up to `kDense` degrees of freedom K is factored densely without
-/// iteration. Degrees of freedom without mass are allowed.
+/// until the relative change of all requested eigenvalues is below `tolerance`. Each step
+/// multiplies the errors of the eigenvalues by the factor (λ_requested/λ_next)², where λ_next is
+/// the lowest eigenvalue outside the block. The block has twice as many vectors as requested modes,
+/// and at least 8 more. σ = 0 unless the structure has rigid-body motions. Up to `kDense` degrees
+/// of freedom, a dense solver computes the modes without iteration. Degrees of freedom without mass
+/// are allowed.
 ///
-/// This class does not check for missing modes; use `eigenvalues_below` for that. It is immutable
-/// after construction, and results depend only on the arguments.
+/// This class does not check for missing modes; use `eigenvalues_below` for that. The object is
+/// immutable after construction, and the results depend only on the arguments.
 class SubspaceModes {
  public:
   static constexpr int kDense = 40;
@@ -32,13 +33,13 @@ class SubspaceModes {
   SubspaceModes(const Discretisation& first, const Options& options);
 
   struct Found {
-    Eigen::VectorXd eigenvalues = {};  ///< elastic ones [rad²/s²], ascending
+    Eigen::VectorXd eigenvalues = {};  ///< eigenvalues of the elastic modes [rad²/s²], ascending
     Eigen::MatrixXd shapes = {};       ///< n × modes, mass-normalised
-    int steps = 0;                     ///< iteration steps; 0: dense
+    int steps = 0;                     ///< number of iteration steps; 0: dense solver
   };
-  /// Solves for the modes of a structure. If its degrees of freedom differ from those of the first
-  /// structure, the full problem is solved. Returns false if K is not positive definite apart from
-  /// its rigid motions, or if the iteration does not converge.
+  /// Computes the modes of a structure. If its degrees of freedom differ from those of the first
+  /// structure, structure_modes solves the problem. Returns false if K is not positive definite
+  /// apart from the rigid motions, or if the iteration does not converge.
   bool solve(const Discretisation& d, Found& out) const;
 
  private:
@@ -48,7 +49,7 @@ class SubspaceModes {
 
   Options options_;
   Eigen::MatrixXd start_;  // n × block
-  double sigma_ = 0.0;     // nonzero if there are rigid motions
+  double sigma_ = 0.0;     // nonzero if the structure has rigid motions
 };
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,5 @@
-// Represents changes of a structure as columns of the secular problem. Internal to the reanalysis.
+// Representation of the changes of a structure as columns of the secular problem. Internal to the
+// reanalysis.
 #pragma once
 
 #include <vector>
@@ -10,28 +11,30 @@
 
 namespace wheeltap::fem::detail {
 
-/// The counterpart of `DefectColumns` for springs, floating masses and softenings. `ResidualModes`
-/// replace the modes that are not kept.
+/// The columns of springs, floating masses and softenings, like `DefectColumns` for beams.
+/// `ResidualModes` replace the modes that are not kept.
 class ChangeColumns {
  public:
-  /// Throws ImpossibleChange.
+  /// Computes the columns of a change. Throws ImpossibleChange.
   void set(const IntactStructure& intact, const StructureChange& change,
            const SecularKernel& kernel);
 
   [[nodiscard]] int count() const {
     return stride == 0 ? 0 : static_cast<int>(columns.size() / stride);
   }
-  /// Writes the component of a motion in each kept mode, then in each residual mode.
+  /// Writes to `out` the component of a motion in each kept mode, then in each residual mode.
   void observe(const IntactStructure& intact, const SparseRow& row, double* out) const;
-  /// Upper bound on the relative distance by which a root of the structure with residual modes
-  /// exceeds that of the whole structure; ∞ if no bound exists. `next`: the lowest eigenvalue that
-  /// is not kept.
+  /// Computes an upper bound of the relative error of a root. The root of the structure with
+  /// residual modes exceeds the root of the whole structure by at most this share; ∞ if no bound
+  /// exists. `next` is the lowest eigenvalue of the modes that are not kept.
   [[nodiscard]] double bound(double found, int root, double next) const;
 
   std::vector<double> eigenvalues, scales, compliances;  // floating masses, kept, residual modes
   std::vector<double> columns;                           // count × stride, supports first
-  int poles = 0, negative_poles = 0;  // number of floating masses; removed masses, which come first
-  int supports = 0, held = 0;         // number of columns of springs and links; of rigid ones
+  int poles = 0, negative_poles = 0;  // number of floating masses; number of removed masses, which
+                                      // come first
+  int supports = 0, held = 0;         // number of columns of springs and links; number of rigid
+                                      // ones
   int rigid = 0;                      // number of remaining rigid motions
   int extra = 0;                      // number of residual modes
   std::size_t stride = 0;

@@ -14,17 +14,18 @@
 
 namespace wheeltap::fem::detail {
 
-/// Added springs and removed masses may raise root i up to intact eigenvalue i + their number. Up
-/// to the largest of these numbers, S uses a short sum over the near modes; above it, the sum over
-/// all modes.
+/// Limits of the number n of added springs and removed masses. With n such changes, root i is at
+/// most intact eigenvalue i + n. Up to the largest of these limits, S is computed by a short sum
+/// over the near modes; above this limit, by the sum over all modes.
 inline constexpr std::array kLifting = {0, 8, 16, 32, 64};
-/// λ of a massless motion, relative to the lowest elastic eigenvalue; only its static part matters.
+/// The value λ that represents a massless motion, relative to the lowest elastic eigenvalue. Only
+/// the static part of such a motion is relevant.
 inline constexpr double kStaticOnly = 1e30;
 
 struct IntactStructure {
   std::shared_ptr<const Discretisation> discretisation;
-  int wanted;          // largest number of modes that can be requested
-  int modes;           // number of kept modes; all if they are few
+  int wanted;          // largest number of modes that a caller can request
+  int modes;           // number of kept modes; all modes for a small structure
   int massive;         // number of kept modes with mass
   int rigid;           // number of modes at λ = 0
   std::size_t stride;  // modes, and at least two
@@ -33,20 +34,21 @@ struct IntactStructure {
   std::vector<double> dof_rows;                          // n × stride
   std::vector<double> strain_rows;                       // strains × stride
   Eigen::MatrixXd self_stresses;  // strains × strains; only if all modes are kept
-  bool compressed = false;        // true if geometric stiffness reduces that of the strains
-  std::vector<Window> windows;    // one per entry of kLifting, and one for any number
-  std::unique_ptr<const ResidualFlexibility> residual;  // sum over the modes not kept
+  bool compressed = false;        // true if geometric stiffness reduces the stiffness of the
+                                  // strains
+  std::vector<Window> windows;    // one window per entry of kLifting, and one for larger numbers
+  std::unique_ptr<const ResidualFlexibility> residual;  // sum over the modes that are not kept
   double next = 0.0;  // the lowest eigenvalue of the modes that are not kept
 
   /// Throws the exceptions of the constructor of StructureReanalysis.
   IntactStructure(std::shared_ptr<const Discretisation> given, int wanted_modes, int kept_modes);
 
-  /// The window for changes that raise root i up to intact eigenvalue i + `lifting`.
+  /// Returns the window for changes after which root i is at most intact eigenvalue i + `lifting`.
   [[nodiscard]] const Window& window_for(int lifting) const {
     const auto at = std::ranges::lower_bound(kLifting, lifting);
     return windows[static_cast<std::size_t>(at - kLifting.begin())];
   }
-  /// The component of a motion in each mode: `stride` numbers.
+  /// Writes the component of a motion in each mode to `out`: `stride` numbers.
   void motion(const SparseRow& row, double* out) const;
 
  private:

@@ -1,4 +1,5 @@
-// Residual flexibility of the modes that are not kept, and a few residual modes that represent it.
+// Residual flexibility of the modes that are not kept, and a few residual modes that represent this
+// flexibility.
 #pragma once
 
 #include <cstddef>
@@ -12,38 +13,41 @@
 
 namespace wheeltap::fem {
 
-/// With p kept modes, any linear forms C of the motion, and sums over the other modes (for a free
-/// structure, on the complement of its rigid motions),
+/// For p kept modes and any linear forms C of the motion, the residual flexibility is the sum over
+/// the other modes (for a free structure, on the complement of its rigid motions),
 ///
 ///   Cᵀ (K - λ M)⁻¹ C - Σ_{j <= p} c_j c_jᵀ / (λ_j - λ) = R₀ + λ R₁ + λ² R₂ + λ³ R₃ + …,
 ///   R_n = Σ_{j > p} c_j c_jᵀ / λ_j^(n+1).
 ///
-/// Forms are sums of *basic* forms: the strains and the degrees of freedom. With P = I - Φ Φᵀ M,
-/// which removes the kept modes, and D = P K⁻¹ Pᵀ, R_n = aᵀ (D M)ⁿ D b. A basic form is equivalent
-/// to motions l_n of its part and forces r_n on that part's edge (`StaticCondensation`). Since D K
-/// = P,
+/// Linear forms are sums of *basic* forms: the strains and the degrees of freedom. With P = I - Φ
+/// Φᵀ M, which removes the kept modes, and D = P K⁻¹ Pᵀ, R_n = aᵀ (D M)ⁿ D b. A basic form is
+/// equivalent to motions l_n of its part of the structure and forces r_n on the edge of this part
+/// (`StaticCondensation`). Because D K = P,
 ///
 ///   (D M)ⁿ D a = P l_n + Σ_{i <= n} (D M)ⁱ D E r_{n-i},
 ///
-/// where E selects the boundary's dofs. With Q_n = Eᵀ (D M)ⁿ D E and α_n = Φᵀ M l_n,
+/// where E selects the degrees of freedom of the boundary. With Q_n = Eᵀ (D M)ⁿ D E and α_n = Φᵀ M
+/// l_n,
 ///
 ///   R_n = f_Iᵀ l_n' - Σ_{j <= p} λ_j α_0j α_nj' - r_0ᵀ Φ_E α_n'
 ///         + Σ_{i <= n} (Σ_{k <= i} Q_k r_{i-k} - Φ_E α_i)ᵀ r_{n-i}'.
 ///
-/// The first term applies if both forms are on one part; primes mark the second form. Only Q_n
-/// requires solutions of the whole structure. The large contributions to it are subtracted in
-/// advance, so that there is no cancellation. Q_n is computed for batches of kBatch degrees of
-/// freedom: at construction if there are few, otherwise on request.
+/// The first term is present only if both forms belong to the same part; primes mark the second
+/// form. Only Q_n requires solutions of the whole structure. The large contributions to Q_n are
+/// subtracted in advance, so that no cancellation occurs. Q_n is computed for batches of kBatch
+/// degrees of freedom. The constructor computes the batches of a small boundary; otherwise a batch
+/// is computed at its first request.
 ///
 /// Any number of threads may share the object; results do not depend on the order of requests. The
-/// cache holds `memory` bytes and drops the least recently used values.
+/// cache holds `memory` bytes and removes the least recently used values.
 class ResidualFlexibility {
  public:
-  /// R₀ … R₃ of two forms [N⁻¹ times the units of the forms, s² more each].
+  /// The moments R₀ … R₃ of two forms. The unit of R₀ is N⁻¹ times the units of the forms; each
+  /// further moment has an additional factor s².
   struct Moments {
     double r[4] = {0.0, 0.0, 0.0, 0.0};
   };
-  /// A linear form: weights of basic forms.
+  /// A linear form: basic forms with weights.
   using Form = std::vector<std::pair<int, double>>;
 
   /// `shapes` (n × p, mass-normalised) and `eigenvalues` of the lowest modes, rigid-body modes
@@ -59,7 +63,7 @@ class ResidualFlexibility {
   [[nodiscard]] Form motion(const SparseRow& row) const;
 
   [[nodiscard]] Moments moments(const Form& a, const Form& b) const;
-  /// row · u and row · w of a form, where u = D a and w = D M u.
+  /// Computes row · u and row · w for a form a, where u = D a and w = D M u.
   [[nodiscard]] std::pair<double, double> responses(const SparseRow& row, const Form& form) const;
 
  private:
@@ -67,21 +71,23 @@ class ResidualFlexibility {
   std::unique_ptr<Impl> impl_;
 };
 
-/// A few modes with the R₀ … R₃ of m forms: the Ritz modes of the structure on span{u_a, w_a},
+/// A few modes that have the moments R₀ … R₃ of m forms: the Ritz modes of the structure on
+/// span{u_a, w_a},
 ///
 ///   [R₀ R₁; R₁ R₂] y = θ [R₁ R₂; R₂ R₃] y.
 ///
-/// Together with the kept modes they form a constrained structure. Its frequencies are never below
-/// those of the whole structure, with or without changes along these forms. (Block Gauss quadrature
-/// of the sum over the other modes; Golub & Meurant 2010, Matrices, Moments and Quadrature,
-/// chapters 4 and 6.)
+/// The residual modes and the kept modes together represent a constrained structure. The
+/// frequencies of the constrained structure are never below those of the whole structure, with or
+/// without changes along these forms. (The method is block Gauss quadrature of the sum over the
+/// other modes; Golub & Meurant 2010, Matrices, Moments and Quadrature, chapters 4 and 6.)
 struct ResidualModes {
   Eigen::VectorXd eigenvalues;  ///< θ, ascending
-  Eigen::MatrixXd forms;        ///< m × modes: the forms of the mass-normalised modes
-  Eigen::MatrixXd weights;      ///< 2m × modes: of u_1 … u_m, w_1 … w_m in each
+  Eigen::MatrixXd forms;        ///< m × modes: values of the forms for the mass-normalised modes
+  Eigen::MatrixXd weights;      ///< 2m × modes: weights of u_1 … u_m, w_1 … w_m in each mode
 };
 
-/// `moments[n]`: R_n, m × m. Directions below 1e-11 of the forms' own flexibility are dropped.
+/// Computes the residual modes. `moments[n]` is R_n, m × m. Directions with a flexibility below
+/// 1e-11 of the forms' own flexibility are omitted.
 [[nodiscard]] ResidualModes residual_modes(const Eigen::MatrixXd (&moments)[4]);
 
 }  // namespace wheeltap::fem

@@ -1,4 +1,4 @@
-// All modes of a discretised structure, for its reanalysis.
+// Computation of all modes of a discretised structure, for its reanalysis.
 #pragma once
 
 #include "base/eigen.hpp"
@@ -15,10 +15,10 @@ struct StructureSpectrum {
   Matrix massless = {};  ///< n × massless motions, M ψ = 0, ψᵀ K ψ = 1: static response only
 };
 
-/// Solves M φ = μ (K + u M) φ, whose largest μ are the lowest modes, in O(n³). Uses long double up
-/// to `kWideSpectrum` degrees of freedom. Beyond, it uses double and refines the `refined` lowest
-/// modes like `structure_modes`. Massless motions are condensed exactly. Throws the exceptions of
-/// `structure_modes`.
+/// Computes all modes in O(n³) operations from M φ = μ (K + u M) φ; the largest μ belong to the
+/// lowest modes. The computation uses long double up to `kWideSpectrum` degrees of freedom. For
+/// larger structures, it uses double and refines the `refined` lowest modes like `structure_modes`.
+/// Massless motions are condensed exactly. Throws the exceptions of `structure_modes`.
 inline constexpr int kWideSpectrum = 700;
 [[nodiscard]] StructureSpectrum structure_spectrum(const Discretisation& d, int refined);
 
