@@ -4,6 +4,7 @@
 
 #include <Eigen/Dense>
 #include <cmath>
+#include <limits>
 #include <numbers>
 
 #include "base/constants.hpp"
@@ -54,6 +55,35 @@ TEST(ModalLikelihood, EigenvaluesReproduceFrequenciesExactly) {
     const double f = std::sqrt(lambda) / (2.0 * std::numbers::pi);
     EXPECT_EQ(std::sqrt(eigenvalue_of(f)) / (2.0 * std::numbers::pi), f);
   }
+}
+
+// The fast density of uncorrelated frequencies equals the score.
+TEST(ModalLikelihood, TheDensityOfFrequenciesEqualsTheScore) {
+  const double gap = std::numeric_limits<double>::quiet_NaN();
+  ModalData data = data_of({1.0, gap, 2.5}, 0.02, {}, 0.0);
+  const Modes modes = modes_of({1.03, 1.9, 2.4, 5.0}, MatrixXd(0, 4));
+  const auto compare = [&](const ModalNoise& noise) {
+    const ModalLikelihood likelihood(data);
+    double log_density = 1.0;
+    std::vector<double> frequencies;
+    ASSERT_TRUE(likelihood.add_density_of_frequencies(modes, noise, log_density, frequencies));
+    const auto score = likelihood.score(modes, noise);
+    EXPECT_NEAR(log_density - 1.0, score.log_likelihood, 1e-12 * std::abs(score.log_likelihood));
+    ASSERT_EQ(frequencies.size(), score.matches.size());
+    for (std::size_t i = 0; i < frequencies.size(); ++i)
+      EXPECT_EQ(frequencies[i], score.matches[i].frequency_hz);
+  };
+  compare({});
+  compare({.discrepancy = 0.03});
+  compare({.emulator_variance = {1e-4, 1.0, 2e-4}});
+  data.cov_prior = inference::LogNormal{-4.0, 1.0};
+  compare({.cov = 0.01});
+  double ignored = 0.0;
+  std::vector<double> frequencies;
+  data.cov_prior = {};
+  data.covariance(0, 2) = data.covariance(2, 0) = 1e-5;
+  EXPECT_FALSE(
+      ModalLikelihood(data).add_density_of_frequencies(modes, {}, ignored, frequencies));
 }
 
 // A gap keeps the numbers of the following modes; with shapes it is not matched.

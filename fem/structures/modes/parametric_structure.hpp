@@ -82,6 +82,10 @@ class ParametricStructure {
   [[nodiscard]] const Discretisation& nominal() const { return nominal_; }
   [[nodiscard]] int parameters() const { return static_cast<int>(family_.nominal.size()); }
   [[nodiscard]] int terms() const { return terms_; }
+  /// The term of each strain of `nominal`; empty in `general`.
+  [[nodiscard]] std::span<const int> term_of_strain() const {
+    return form_ == Form::general ? std::span<const int>() : group_;
+  }
 
  private:
   void group_strains(const std::vector<Discretisation>& at_samples);

@@ -56,6 +56,8 @@ struct DamageCase {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }
   [[nodiscard]] fem::Defects true_defects() const;
+  /// The intact beam; null for a structure.
+  [[nodiscard]] const fem::Beam* intact_beam() const { return structure ? nullptr : &beam; }
   /// True if the case needs a structure: it has one, or has shapes, or its beam has defects that
   /// only structures support (a crack, a mass, an extent).
   [[nodiscard]] bool solved_as_structure() const;

@@ -26,7 +26,8 @@ inference::RunCost cost_of_damages(const DamageCase& damage_case, const inferenc
       .seconds_a_likelihood =
           1e-6 * modes * (structure ? 1.5 + 0.01 * kept : 0.6 + 0.00125 * kept)};
   if (damage_case.states()) {
-    const StatesLikelihood states(damage_case.states(), damage_case.kinds);
+    const StatesLikelihood states(damage_case.states(), damage_case.kinds,
+                                  damage_case.intact_beam());
     size.seconds_a_likelihood = states.check(8).seconds_a_solution;
     size.largest += static_cast<double>(damage_case.states()->parameters().size());
   }

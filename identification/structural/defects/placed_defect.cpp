@@ -31,4 +31,14 @@ fem::StructureChange structure_change(const std::vector<DefectKind>& kinds,
   return std::move(effects.change);
 }
 
+void place_in_beam(const std::vector<DefectKind>& kinds, const std::vector<PlacedDefect>& defects,
+                   fem::Defects& out) {
+  out.damages.clear();
+  out.supports.clear();
+  for (const PlacedDefect& defect : defects) {
+    const DefectKind& kind = kinds[static_cast<std::size_t>(defect.kind)];
+    kind.type->place(kind, defect.location, defect.severity, out);
+  }
+}
+
 }  // namespace wheeltap::identification

@@ -21,4 +21,8 @@ struct PlacedDefect {
                                                     const std::vector<PlacedDefect>& defects,
                                                     const fem::Mesh* mesh);
 
+/// Replaces `out` by the defects on a beam. Every type must have `place`.
+void place_in_beam(const std::vector<DefectKind>& kinds, const std::vector<PlacedDefect>& defects,
+                   fem::Defects& out);
+
 }  // namespace wheeltap::identification

@@ -5,7 +5,7 @@
 #include <variant>
 
 #include "base/constants.hpp"
-#include "identification/structural/forward/elastic_modes.hpp"
+#include "identification/structural/elastic_modes.hpp"
 
 namespace wheeltap::identification {
 namespace {

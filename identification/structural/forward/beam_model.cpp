@@ -2,19 +2,9 @@
 
 #include <algorithm>
 
-#include "identification/structural/forward/elastic_modes.hpp"
+#include "identification/structural/elastic_modes.hpp"
 
 namespace wheeltap::identification {
-
-void place_in_beam(const std::vector<DefectKind>& kinds, const std::vector<PlacedDefect>& defects,
-                   fem::Defects& out) {
-  out.damages.clear();
-  out.supports.clear();
-  for (const PlacedDefect& defect : defects) {
-    const DefectKind& kind = kinds[static_cast<std::size_t>(defect.kind)];
-    kind.type->place(kind, defect.location, defect.severity, out);
-  }
-}
 
 class BeamModel::BeamSolver final : public Solver {
  public:

@@ -25,8 +25,4 @@ class BeamModel final : public ForwardModel {
   std::size_t modes_, rigid_;
 };
 
-/// Adds the defects to a beam.
-void place_in_beam(const std::vector<DefectKind>& kinds, const std::vector<PlacedDefect>& defects,
-                   fem::Defects& out);
-
 }  // namespace wheeltap::identification

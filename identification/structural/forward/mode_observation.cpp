@@ -27,6 +27,14 @@ class OneStructure final : public ModeObservation {
       const ModalNoise& noise) const override {
     return likelihood_.score(modes.front(), noise);
   }
+  bool density_of_frequencies(const std::vector<fem::ParametricModes::Modes>& modes,
+                              const ModalNoise& noise, double& log_density,
+                              std::vector<double>& frequencies_hz) const override {
+    log_density = 0.0;
+    frequencies_hz.clear();
+    return likelihood_.add_density_of_frequencies(modes.front(), noise, log_density,
+                                                  frequencies_hz);
+  }
 
   ModalLikelihood likelihood_;
 };
@@ -64,6 +72,11 @@ class SeveralStates final : public ModeObservation {
       const ModalNoise& noise) const override {
     return likelihood_->score(modes, noise);
   }
+  bool density_of_frequencies(const std::vector<fem::ParametricModes::Modes>& modes,
+                              const ModalNoise& noise, double& log_density,
+                              std::vector<double>& frequencies_hz) const override {
+    return likelihood_->density_of_frequencies(modes, noise, log_density, frequencies_hz);
+  }
 
   std::shared_ptr<const StatesLikelihood> likelihood_;
 };
@@ -87,7 +100,12 @@ class StatesSolver final : public ForwardModel::Solver {
 
 double ModeObservation::log_density(const Prediction& predicted, std::span<const double> noise,
                                     inference::Evaluation& out) const {
-  const ModalLikelihood::Score found = score(predicted, scatters_.noise(noise));
+  ModalNoise scatters = scatters_.noise(noise);
+  if (!predicted.error_variance.empty()) scatters.emulator_variance = predicted.error_variance;
+  double log_density = 0.0;
+  if (density_of_frequencies(predicted.modes, scatters, log_density, out.prediction))
+    return log_density;
+  const ModalLikelihood::Score found = score_modes(predicted.modes, scatters);
   out.prediction.clear();
   for (const ModalLikelihood::Match& match : found.matches)
     out.prediction.push_back(match.frequency_hz);

@@ -54,6 +54,10 @@ class ModeObservation : public Observation {
  private:
   [[nodiscard]] virtual ModalLikelihood::Score score_modes(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise) const = 0;
+  /// As StatesLikelihood::density_of_frequencies.
+  virtual bool density_of_frequencies(const std::vector<fem::ParametricModes::Modes>& modes,
+                                      const ModalNoise& noise, double& log_density,
+                                      std::vector<double>& frequencies_hz) const = 0;
 
   UnknownScatters scatters_;
 };

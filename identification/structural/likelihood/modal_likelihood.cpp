@@ -85,6 +85,7 @@ ModalLikelihood::ModalLikelihood(ModalData data) : data_(std::move(data)) {
       with_frequency_.push_back(i);
   if (!(data_.doubt >= 0.0 && data_.doubt < 1.0))
     throw std::invalid_argument("doubt must be in [0, 1)");
+  numbered_ = !data_.has_shapes() && (data_.cov_prior || data_.covariance.isDiagonal(0.0));
   if (!data_.has_shapes() && data_.doubt > 0.0) throw std::invalid_argument("doubt needs shapes");
   if (!data_.has_shapes()) return;
   if (data_.shapes.rows() != n || data_.shapes.cols() != static_cast<Index>(data_.sensors.size()))
@@ -319,6 +320,26 @@ ModalLikelihood::Score ModalLikelihood::score(const Modes& modes, const ModalNoi
   out.log_likelihood -= 0.5 * chi_square + 0.5 * static_cast<double>(n) * std::log(kTwoPi);
   for (Index k = 0; k < n; ++k) out.log_likelihood -= std::log(llt.matrixLLT()(k, k));
   return out;
+}
+
+bool ModalLikelihood::add_density_of_frequencies(const Modes& modes, const ModalNoise& noise,
+                                                 double& log_density,
+                                                 std::vector<double>& frequencies_hz) const {
+  if (!numbered_) return false;
+  const double relative =
+      (data_.cov_prior ? noise.cov * noise.cov : 0.0) + noise.discrepancy * noise.discrepancy;
+  for (std::size_t i = 0; i < data_.frequencies_hz.size(); ++i) {
+    const double computed = frequency_of(modes, static_cast<Index>(i));
+    frequencies_hz.push_back(computed);
+    const double f = data_.frequencies_hz[i];
+    if (std::isnan(f)) continue;
+    const auto at = static_cast<Index>(i);
+    double variance = relative * f * f + (data_.cov_prior ? 0.0 : data_.covariance(at, at));
+    if (!noise.emulator_variance.empty()) variance += noise.emulator_variance[i];
+    log_density -=
+        0.5 * ((f - computed) * (f - computed) / variance + std::log(kTwoPi * variance));
+  }
+  return true;
 }
 
 VectorXd ModalLikelihood::pulls(const Modes& modes, const std::vector<int>& matched,

@@ -96,6 +96,11 @@ class ModalLikelihood {
   };
   [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
                             const ModalNoise& noise) const;
+  /// Adds ln p of uncorrelated numbered frequencies to `log_density`, and the computed frequencies
+  /// [Hz] of all modes. Faster than `score`; returns false for other data.
+  bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes,
+                                  const ModalNoise& noise, double& log_density,
+                                  std::vector<double>& frequencies_hz) const;
   /// Comparison of a measured shape for the integration over stiffness errors: the residual without
   /// these errors, in units of the noise, and its sensitivity to the error of each piece, m ×
   /// pieces. Close modes are mixed by the sd of their rotation.
@@ -144,6 +149,7 @@ class ModalLikelihood {
                                        const ModalNoise& noise) const;
 
   ModalData data_;
+  bool numbered_ = false;  // frequencies only, which are uncorrelated and never spurious
   std::vector<int> with_frequency_;
   std::vector<std::vector<int>> entries_;  // sensors of each shape
   std::vector<std::optional<ShapeDensity>> shapes_;

@@ -21,6 +21,7 @@ using Modes = fem::ParametricModes::Modes;
 namespace {
 
 constexpr int kTraining = 200;      // structures on which a reduced basis is tested
+constexpr double kSameEigenvalue = 1e-7;  // relative, by reanalysis and by a full solution
 constexpr int kTriedForPieces = 8;  // prior draws that must have the same strains as the medians
 constexpr int kOfPieces = 8;  // additional modes for the sensitivity of shapes to stiffness errors
 
@@ -30,6 +31,8 @@ bool same_masses(const ObservedState& a, const ObservedState& b) {
            x.motion.coefficients == y.motion.coefficients;
   });
 }
+
+const std::vector<PlacedDefect> kNoDefects;
 
 /// Relative tolerance of eigenvalues: a thousandth of the smallest scatter of a frequency, doubled.
 double tolerance_of(const ObservedStates& states) {
@@ -44,7 +47,7 @@ double tolerance_of(const ObservedStates& states) {
 }  // namespace
 
 StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
-                                   std::vector<DefectKind> kinds)
+                                   std::vector<DefectKind> kinds, const fem::Beam* beam)
     : states_(std::move(states)), kinds_(std::move(kinds)), joined_(states_->joined()) {
   const bool matrices = std::holds_alternative<fem::MatrixStructure>(states_->model->nominal);
   if (matrices) scales_ = scales_of(*states_->model);
@@ -110,12 +113,67 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
             "a discrepancy of stiffness: priors of springs and axial forces must exclude 0");
     }
     if (pieces) modes = std::min(available, modes + kOfPieces);
+    group.modes = modes;
+    for (const int s : group.states)
+      for (const Sensor& sensor : of(s).data().sensors) group.motions.push_back(sensor.motion);
     if (matrices)
       group.reduced = reduced_basis(group, modes);
     else
       group.solver = std::make_shared<const fem::SubspaceModes>(
           d, fem::SubspaceModes::Options{.modes = modes, .tolerance = tolerance_of(*states_)});
   }
+  if (!pieces && !matrices) try_reanalysis(beam);
+}
+
+void StatesLikelihood::try_reanalysis(const fem::Beam* beam) {
+  if (std::ranges::any_of(kinds_, [](const DefectKind& k) { return !k.type->has_low_rank; }))
+    return;
+  int modes = 1;
+  for (const Group& group : groups_) modes = std::max(modes, group.modes);
+  // Reanalysis of a beam has no shapes and no added masses.
+  const bool as_beam = std::ranges::all_of(groups_, [&](const Group& group) {
+    return group.motions.empty() &&
+           states_->list[static_cast<std::size_t>(group.states[0])].masses.empty();
+  });
+  reanalysed_ = ReanalysedModes::make(states_->model, kinds_, modes, as_beam ? beam : nullptr,
+                                      prior_draws(*states_->model, kTraining));
+  for (const Group& group : groups_)
+    for (int i = 0; i < kReanalysed && reanalysed_; ++i)
+      if (!agrees_with_full(group, i)) reanalysed_ = nullptr;
+}
+
+bool StatesLikelihood::agrees_with_full(const Group& group, int i) const {
+  const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+  const Draw one = draw(i);
+  fem::Discretisation d;
+  try {
+    d = structure(one.x, one.defects, state);
+  } catch (const std::invalid_argument&) {
+    return true;  // impossible structure
+  }
+  Workspace workspace = make_workspace();
+  Modes found;
+  const auto outcome =
+      reanalyse(group, states_->values(one.x, state),
+                state.damaged ? one.defects : std::vector<PlacedDefect>{}, workspace, found);
+  if (outcome == ReanalysedModes::Outcome::unsupported) return true;
+  if (outcome == ReanalysedModes::Outcome::impossible) return false;
+  const VectorXd full =
+      fem::structure_modes(d, static_cast<int>(d.rigid_motions.cols()) + group.modes)
+          .eigenvalues.tail(group.modes);
+  return ((found.eigenvalues - full).array().abs() <= kSameEigenvalue * full.array()).all();
+}
+
+ReanalysedModes::Outcome StatesLikelihood::reanalyse(const Group& group,
+                                                     const std::vector<double>& values,
+                                                     const std::vector<PlacedDefect>& defects,
+                                                     Workspace& workspace, Modes& out) const {
+  return reanalysed_->solve(
+      values, defects,
+      {.modes = group.modes,
+       .motions = group.motions,
+       .masses = states_->list[static_cast<std::size_t>(group.states[0])].masses},
+      *workspace.reanalysed, out);
 }
 
 std::shared_ptr<const fem::ParametricModes> StatesLikelihood::reduced_basis(const Group& group,
@@ -141,10 +199,8 @@ std::shared_ptr<const fem::ParametricModes> StatesLikelihood::reduced_basis(cons
         scales(one.x, state.damaged ? one.defects : std::vector<PlacedDefect>{}, state));
   }
   double sd = std::numeric_limits<double>::infinity();
-  std::vector<fem::SparseRow> motions;
   for (const int s : group.states) {
     const ModalLikelihood& one = of(s);
-    for (const Sensor& sensor : one.data().sensors) motions.push_back(sensor.motion);
     for (int i = 0; i < one.data().modes(); ++i)
       if (one.shape(i))
         sd = std::min(sd, one.data().shape_sd_prior
@@ -154,7 +210,7 @@ std::shared_ptr<const fem::ParametricModes> StatesLikelihood::reduced_basis(cons
   return std::make_shared<const fem::ParametricModes>(
       std::make_shared<const fem::ParametricStructure>(std::move(family), training), training,
       fem::ParametricModesOptions{.modes = modes,
-                                  .motions = std::move(motions),
+                                  .motions = group.motions,
                                   .tolerance = tolerance_of(*states_),
                                   .shape_tolerance = std::clamp(0.2 * sd, 1e-4, 1e-2)});
 }
@@ -242,6 +298,18 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   out.log_likelihood -= 0.5 * chi_square + 0.5 * static_cast<double>(n) * std::log(kTwoPi) +
                         MatrixXd(llt.matrixL()).diagonal().array().log().sum();
   return out;
+}
+
+bool StatesLikelihood::density_of_frequencies(const std::vector<Modes>& modes,
+                                              const ModalNoise& noise, double& log_density,
+                                              std::vector<double>& frequencies_hz) const {
+  if (pieces_.count() > 0 || (noise.discrepancy != 0.0 && likelihoods_.size() > 1)) return false;
+  log_density = 0.0;
+  frequencies_hz.clear();
+  for (std::size_t s = 0; s < likelihoods_.size(); ++s)
+    if (!likelihoods_[s].add_density_of_frequencies(modes[s], noise, log_density, frequencies_hz))
+      return false;
+  return true;
 }
 
 MatrixXd StatesLikelihood::frequency_sensitivities(const std::vector<Modes>& modes,
@@ -452,7 +520,37 @@ StatesLikelihood::Workspace StatesLikelihood::make_workspace() const {
     out.groups.emplace_back();
     if (group.reduced) out.groups.back().reduced.emplace(group.reduced->make_workspace());
   }
+  if (reanalysed_) out.reanalysed.emplace(reanalysed_->make_workspace());
   return out;
+}
+
+bool StatesLikelihood::solve_assembled(const Group& group, const std::vector<double>& values,
+                                       const std::vector<PlacedDefect>& defects,
+                                       Workspace& workspace, Modes& out) const {
+  const ObservedState& state = states_->list[static_cast<std::size_t>(group.states[0])];
+  Workspace::Intact& intact = workspace.intact[group.intact];
+  assemble(values, intact);
+  const fem::StructureChange change = change_of(intact, defects, state);
+  std::optional<fem::Discretisation> other;
+  if (!change.empty()) other = fem::changed(intact.discretisation, change);
+  const fem::Discretisation& d = other ? *other : intact.discretisation;
+  fem::SubspaceModes::Found found;
+  if (!group.solver->solve(d, found)) return false;
+  if (pieces_.count() > 0) {
+    out.pieces = pieces_.energies(d, found.shapes);
+    // With a rigid support fewer degrees of freedom remain, and the rows no longer match.
+    const bool same = d.size() == intact.discretisation.size();
+    std::ranges::move(pieces_.losses(intact.discretisation,
+                                     same ? change : fem::StructureChange{}, found.shapes),
+                      std::back_inserter(out.pieces));
+  }
+  out.eigenvalues = std::move(found.eigenvalues);
+  out.shapes.resize(static_cast<Index>(group.motions.size()), found.shapes.cols());
+  for (Index row = 0; row < out.shapes.rows(); ++row)
+    for (Index m = 0; m < out.shapes.cols(); ++m)
+      out.shapes(row, m) =
+          group.motions[static_cast<std::size_t>(row)].of(found.shapes.col(m));
+  return true;
 }
 
 bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
@@ -466,37 +564,18 @@ bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
   Modes& out = own.found;
   try {
     if (group.reduced) {
-      group.reduced->solve(scales(x, damaged ? defects : std::vector<PlacedDefect>{}, state),
+      group.reduced->solve(scales(x, damaged ? defects : kNoDefects, state),
                            *own.reduced, out);
       if (!out.eigenvalues.allFinite() || !(out.eigenvalues.minCoeff() > 0.0)) return false;
     } else {
-      Workspace::Intact& intact = workspace.intact[group.intact];
-      assemble(values, intact);
-      const fem::StructureChange change = change_of(intact, defects, state);
-      std::optional<fem::Discretisation> other;
-      if (!change.empty()) other = fem::changed(intact.discretisation, change);
-      const fem::Discretisation& d = other ? *other : intact.discretisation;
-      fem::SubspaceModes::Found found;
-      if (!group.solver->solve(d, found)) return false;
-      if (pieces_.count() > 0) {
-        out.pieces = pieces_.energies(d, found.shapes);
-        // With a rigid support fewer degrees of freedom remain, and the rows no longer match.
-        const bool same = d.size() == intact.discretisation.size();
-        std::ranges::move(pieces_.losses(intact.discretisation,
-                                         same ? change : fem::StructureChange{}, found.shapes),
-                          std::back_inserter(out.pieces));
-      }
-      out.eigenvalues = std::move(found.eigenvalues);
-      Index sensors = 0;
-      for (const int s : group.states) sensors += static_cast<Index>(of(s).data().sensors.size());
-      out.shapes.resize(sensors, found.shapes.cols());
-      Index row = 0;
-      for (const int s : group.states)
-        for (const Sensor& sensor : of(s).data().sensors) {
-          for (Index m = 0; m < out.shapes.cols(); ++m)
-            out.shapes(row, m) = sensor.motion.of(found.shapes.col(m));
-          ++row;
-        }
+      using Outcome = ReanalysedModes::Outcome;
+      const Outcome outcome =
+          reanalysed_ ? reanalyse(group, values, damaged ? defects : kNoDefects, workspace, out)
+                      : Outcome::unsupported;
+      if (outcome == Outcome::impossible) return false;
+      if (outcome == Outcome::unsupported &&
+          !solve_assembled(group, values, defects, workspace, out))
+        return false;
     }
   } catch (const std::invalid_argument&) {
     return false;  // impossible structure

@@ -12,6 +12,7 @@
 #include "fem/structures/modes/subspace_modes.hpp"
 #include "identification/structural/defects/placed_defect.hpp"
 #include "identification/structural/likelihood/modal_likelihood.hpp"
+#include "identification/structural/likelihood/reanalysed_modes.hpp"
 #include "identification/structural/likelihood/stiffness_errors.hpp"
 #include "identification/structural/observed_states.hpp"
 #include "identification/structural/structure_family.hpp"
@@ -41,15 +42,22 @@ namespace wheeltap::identification {
 /// Stiffness errors of pieces of the structure (`ModalData::stiffness_discrepancy`) are integrated
 /// out of frequencies and shapes of all states with the same `known` together; see StiffnessErrors.
 ///
-/// Each state's structure is assembled at θ, changed by its damages and masses, and solved by
-/// SubspaceModes. States that differ only in temperature share a solution. Matrices of another
+/// If the parameters allow it, ReanalysedModes solves each state's structure: at most a few
+/// springs, point masses and scales of the whole structure are unknown. The constructor compares
+/// `kReanalysed` such solutions with full ones. Otherwise each structure is assembled at θ, changed
+/// by its damages and masses, and solved by SubspaceModes. States that differ only in temperature share a solution. Matrices of another
 /// program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change only the q_j, for
 /// any rank of K_j.
 class StatesLikelihood {
  public:
-  /// `kinds`: of the damages; empty for an update. Throws std::invalid_argument for inconsistent
-  /// data, naming state and mode; throws fem::InvalidStructure.
-  StatesLikelihood(std::shared_ptr<const ObservedStates> states, std::vector<DefectKind> kinds);
+  /// Number of solutions by reanalysis that are compared with full solutions.
+  static constexpr int kReanalysed = 8;
+
+  /// `kinds`: of the damages; empty for an update. `beam`: the beam that the nominal structure
+  /// represents, or null. Throws std::invalid_argument for inconsistent data, naming state and
+  /// mode; throws fem::InvalidStructure.
+  StatesLikelihood(std::shared_ptr<const ObservedStates> states, std::vector<DefectKind> kinds,
+                   const fem::Beam* beam = nullptr);
 
   [[nodiscard]] const ObservedStates& states() const { return *states_; }
   [[nodiscard]] int modes() const { return static_cast<int>(joined_.frequencies_hz.size()); }
@@ -71,12 +79,20 @@ class StatesLikelihood {
   [[nodiscard]] ModalLikelihood::Score score(const std::vector<fem::ParametricModes::Modes>& modes,
                                              const ModalNoise& noise) const;
 
+  /// ln p without shapes and common errors of states, from the frequencies alone; writes the
+  /// computed frequencies [Hz]. Returns false if `score` is required.
+  bool density_of_frequencies(const std::vector<fem::ParametricModes::Modes>& modes,
+                              const ModalNoise& noise, double& log_density,
+                              std::vector<double>& frequencies_hz) const;
+
   /// C of the measured frequencies, including common errors if present; `with` receives their
   /// indices in the concatenation.
   [[nodiscard]] Eigen::MatrixXd frequency_covariance(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
 
+  /// Whether reanalysis solves the structures (ReanalysedModes).
+  [[nodiscard]] bool by_reanalysis() const { return reanalysed_ != nullptr; }
   /// True if stiffness errors are included.
   [[nodiscard]] bool with_errors(const ModalNoise& noise) const {
     return pieces_.count() > 0 && noise.stiffness_discrepancy > 0.0;
@@ -102,6 +118,7 @@ class StatesLikelihood {
     };
     std::vector<Intact> intact;
     std::vector<Group> groups;
+    std::optional<ReanalysedModes::Workspace> reanalysed = {};
   };
   [[nodiscard]] Workspace make_workspace() const;
 
@@ -157,6 +174,8 @@ class StatesLikelihood {
                   Eigen::MatrixXd& covariance) const;
   struct Group {
     std::vector<int> states;  // states that differ only in temperature
+    int modes = 1;            // number of elastic modes
+    std::vector<fem::SparseRow> motions = {};  // of all sensors
     std::size_t intact = 0;   // index in Workspace
     std::shared_ptr<const fem::SubspaceModes> solver = {};
     std::shared_ptr<const fem::ParametricModes> reduced = {};  // for matrices, instead of `solver`
@@ -170,6 +189,18 @@ class StatesLikelihood {
   [[nodiscard]] Draw draw(int i) const;
   [[nodiscard]] std::shared_ptr<const fem::ParametricModes> reduced_basis(const Group& group,
                                                                           int modes) const;
+  /// Sets `reanalysed_` if its solutions agree with full ones.
+  void try_reanalysis(const fem::Beam* beam);
+  [[nodiscard]] bool agrees_with_full(const Group& group, int draw) const;
+  [[nodiscard]] ReanalysedModes::Outcome reanalyse(const Group& group,
+                                                   const std::vector<double>& values,
+                                                   const std::vector<PlacedDefect>& defects,
+                                                   Workspace& workspace,
+                                                   fem::ParametricModes::Modes& out) const;
+  /// Solves the assembled structure of a group. Throws as SubspaceModes.
+  bool solve_assembled(const Group& group, const std::vector<double>& values,
+                       const std::vector<PlacedDefect>& defects, Workspace& workspace,
+                       fem::ParametricModes::Modes& out) const;
   /// Solves for the modes of a group's structure, with shapes at the sensors of its states,
   /// concatenated.
   bool solve(const Group& group, std::span<const double> x,
@@ -198,6 +229,7 @@ class StatesLikelihood {
   std::vector<ModalLikelihood> likelihoods_;
   std::vector<Place> places_;
   std::vector<Group> groups_;
+  std::shared_ptr<const ReanalysedModes> reanalysed_;
   MatrixScales scales_;  // for matrices
   StiffnessPieces pieces_;
   std::vector<int> family_;  // per state: states with the same `known` have common errors

@@ -1,0 +1,81 @@
+// A structure with parameters as a base structure with scales and a few low-rank changes.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fem/structures/defects/structure_change.hpp"
+#include "fem/structures/modes/parametric_structure.hpp"
+
+namespace wheeltap::fem {
+
+/// With scales s and m of the whole structure, strains b and motions r,
+///
+///   K(θ) = s(θ) (K₀ + Σ_c (q_c(θ) / s(θ) - 1) b_c b_cᵀ),
+///   M(θ) = m(θ) (M₀ + Σ_i μ_i(θ) / m(θ) r_i r_iᵀ).
+///
+/// So a reanalysis of the base structure (K₀, M₀) also solves the structure at any θ: the sums are
+/// a `StructureChange`, eigenvalues are multiplied by s/m and mass-normalised shapes by 1/√m. For
+/// example, Young's modulus and density of all members are scales; a spring adds one strain, and a
+/// point mass one motion per direction. s and m, all q_c and all μ_i are affine in θ, and the
+/// decomposition is exact within 1e-9.
+class ScaledStructure {
+ public:
+  /// Largest number of strains and motions: beyond, other methods are faster.
+  static constexpr int kMostColumns = 16;
+
+  /// Empty if the family has no such form or needs more columns. `samples`: values of θ, for
+  /// example of the prior. Throws as `ParametricStructure`.
+  [[nodiscard]] static std::optional<ScaledStructure> of(
+      StructureFamily family, std::span<const std::vector<double>> samples);
+
+  [[nodiscard]] const std::shared_ptr<const Discretisation>& base() const { return base_; }
+  /// θ of the base structure. Its point masses are the smallest among the samples.
+  [[nodiscard]] const std::vector<double>& base_parameters() const { return origin_; }
+  /// Number of strains and motions; 0: only the scales depend on θ.
+  [[nodiscard]] int columns() const {
+    return static_cast<int>(strains_.size() + masses_.size());
+  }
+
+  struct Scales {
+    double stiffness = 1.0, mass = 1.0;  ///< s, m
+  };
+  /// The scales at θ; empty if one of them is not positive.
+  [[nodiscard]] std::optional<Scales> scales(std::span<const double> theta) const;
+
+  enum class Outcome {
+    possible,
+    impossible,   ///< no structure at θ
+    unsupported,  ///< a crack or partial reduction in a strain that depends on θ
+  };
+  /// Replaces a change of the structure at θ by the corresponding change of the base structure.
+  Outcome transform(std::span<const double> theta, const Scales& scales,
+                    StructureChange& change) const;
+
+ private:
+  /// An affine function of θ: 1 + slopes · (θ - θ₀), or without the 1 for masses.
+  using Slopes = std::vector<double>;
+  struct ChangedStrain {
+    int strain = 0;  // of `base_`
+    Slopes slopes = {};
+  };
+  struct ChangedMass {
+    SparseRow motion = {};
+    int parameter = 0;
+    double slope = 0.0;
+  };
+
+  [[nodiscard]] bool take_stiffness(const ParametricStructure& structure);
+  [[nodiscard]] bool take_mass(const ParametricStructure& structure);
+  [[nodiscard]] double change(const Slopes& slopes, std::span<const double> theta) const;
+
+  std::vector<double> origin_;
+  std::shared_ptr<const Discretisation> base_;
+  Slopes stiffness_, mass_;
+  std::vector<ChangedStrain> strains_;
+  std::vector<ChangedMass> masses_;
+};
+
+}  // namespace wheeltap::fem

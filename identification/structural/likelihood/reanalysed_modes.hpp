@@ -1,0 +1,72 @@
+// Modes of a structure with parameters, damages and added masses, by reanalysis of one base
+// structure.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "fem/beam/beam.hpp"
+#include "fem/beam/reanalysis.hpp"
+#include "fem/structures/mesh.hpp"
+#include "fem/structures/modes/parametric_modes.hpp"
+#include "fem/structures/reanalysis/scaled_structure.hpp"
+#include "fem/structures/reanalysis/structure_reanalysis.hpp"
+#include "identification/structural/defects/placed_defect.hpp"
+#include "identification/structural/structure_family.hpp"
+
+namespace wheeltap::identification {
+
+/// Unknown parameters enter a reanalysis as scales of the whole structure and as further low-rank
+/// changes (fem::ScaledStructure), beside those of the damages. Frequencies are therefore as
+/// accurate as those of known parameters: 1e-9, relative, or the bound of fem::StructureReanalysis.
+/// A beam of which parameters change only the scales is solved by fem::Reanalysis.
+///
+/// Immutable; each thread needs its own workspace.
+class ReanalysedModes {
+ public:
+  /// `modes`: the largest number of elastic modes. `beam`: the beam that the nominal structure
+  /// represents, or null. `samples`: parameters of the model. Null if the parameters do not have
+  /// this form. Throws fem::InvalidStructure, std::invalid_argument.
+  [[nodiscard]] static std::shared_ptr<const ReanalysedModes> make(
+      const std::shared_ptr<const StructureModel>& model, std::vector<DefectKind> kinds, int modes,
+      const fem::Beam* beam, std::span<const std::vector<double>> samples);
+
+  struct Workspace {
+    std::optional<fem::Reanalysis::Workspace> beam = {};
+    std::optional<fem::StructureReanalysis::Workspace> structure = {};
+    fem::Defects placed = {};
+    std::vector<double> frequencies = {}, shapes = {};
+  };
+  [[nodiscard]] Workspace make_workspace() const;
+
+  struct Wanted {
+    int modes = 1;                                              ///< number of elastic modes
+    std::span<const fem::SparseRow> motions = {};               ///< of the sensors
+    std::span<const fem::StructureChange::Mass> masses = {};  ///< added ones
+  };
+  using Outcome = fem::ScaledStructure::Outcome;
+  /// Computes eigenvalues and shapes at these values of the model's parameters.
+  Outcome solve(std::span<const double> values, const std::vector<PlacedDefect>& defects,
+                const Wanted& wanted, Workspace& workspace,
+                fem::ParametricModes::Modes& out) const;
+
+ private:
+  using Scales = fem::ScaledStructure::Scales;
+
+  ReanalysedModes(fem::ScaledStructure scaled, std::vector<DefectKind> kinds)
+      : scaled_(std::move(scaled)), kinds_(std::move(kinds)) {}
+  /// Computes the frequencies [Hz] of the base beam or structure, and its shapes.
+  Outcome solve_base(std::span<const double> values, const std::vector<PlacedDefect>& defects,
+                     const Scales& scales, const Wanted& wanted, Workspace& workspace) const;
+
+  fem::ScaledStructure scaled_;
+  std::vector<DefectKind> kinds_;
+  std::shared_ptr<const fem::Mesh> mesh_;  ///< of the base structure, if it has members
+  std::optional<fem::Reanalysis> beam_;
+  std::optional<fem::StructureReanalysis> structure_;
+  int rigid_ = 0;
+};
+
+}  // namespace wheeltap::identification
