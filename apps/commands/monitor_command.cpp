@@ -8,9 +8,9 @@
 #include "apps/cases/monitoring/monitor_case.hpp"
 #include "apps/commands/command_list.hpp"
 #include "apps/commands/command_options.hpp"
+#include "apps/remote/alarm_command.hpp"
 #include "apps/results/monitoring/monitor_summary.hpp"
 #include "apps/results/terminal.hpp"
-#include "apps/remote/alarm_command.hpp"
 #include "apps/runs/monitor_run.hpp"
 #include "apps/runs/run_cost.hpp"
 #include "apps/runs/running.hpp"
@@ -48,7 +48,7 @@ std::optional<AlarmCommand> alarm_command(const CaseFile& file, const CommonOpti
   return out;
 }
 
-/// What the program reads: the headline and the new alarms.
+/// Input of the program: the headline and the new alarms.
 std::string alarm_text(const MonitorRun& run, const std::filesystem::path& folder) {
   const Report& monitor = run.summary.at("monitor");
   const Report& all = monitor.at("alarms");
@@ -74,8 +74,8 @@ Report process(const CommonOptions& common, const MonitorFlags& flags) {
   else
     print_monitor(std::cout, parsed, run.summary, colour_wanted());
   if (command && run.new_alarms > 0)
-    if (const std::string fault = run_on_alarm(*command, common.output / "summary.json",
-                                               alarm_text(run, common.output));
+    if (const std::string fault =
+            run_on_alarm(*command, common.output / "summary.json", alarm_text(run, common.output));
         !fault.empty())
       std::cerr << "wheeltap: " << io::printable(fault) << "\n";
   return std::move(run.summary);

@@ -26,8 +26,8 @@ void track(const CommonOptions& common, const TrackFlags& flags) {
   if (paths.empty()) throw Failure(Exit::no_input, list + ": has no modes.json files");
   for (const auto& path : paths)
     if (!std::filesystem::is_regular_file(path))
-      throw Failure(Exit::no_input, list + " names " + io::printable(path.string()) +
-                                        ": there is no such file");
+      throw Failure(Exit::no_input,
+                    list + " names " + io::printable(path.string()) + ": there is no such file");
   const std::vector<MonitoredTest> tests = read_tests(paths);
   const auto records = identified_records(tests);
   const auto n = static_cast<std::ptrdiff_t>(records.size());
@@ -61,8 +61,8 @@ Command track_command() {
               [flags](CommandOptions& options) {
                 options.app()
                     .add_option("LIST", options.invocation().common.case_path,
-                                "a folder of modes.json files, or a text file with their paths, "
-                                "one a line, in order of time")
+                                "a folder of modes.json files, or a text file with one path per "
+                                "line, in order of time")
                     ->required();
                 options.add_output("FILE.nc", "the file of tracked modes, NetCDF");
                 options.add_json("print the table as JSON");

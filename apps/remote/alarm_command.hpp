@@ -9,7 +9,7 @@ namespace wheeltap::apps {
 
 struct AlarmCommand {
   std::vector<std::string> words = {};  ///< {summary}: summary.json, {case}: folder of the case
-  std::filesystem::path folder = {};    ///< of the case
+  std::filesystem::path folder = {};    ///< the case's
   double timeout_seconds = 60.0;
 };
 

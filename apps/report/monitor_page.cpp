@@ -190,9 +190,11 @@ std::string entry_or_dash(const Report& of, const char* key) {
 std::string chart_section(const Report& monitor, const io::Columns& charts, const std::string& unit,
                           const std::vector<double>& marks) {
   std::string out =
-      "<h2 id=\"charts\">Comparison charts</h2>\n<p>Control charts that learned from the same rows. "
+      "<h2 id=\"charts\">Comparison charts</h2>\n<p>Control charts that learned from the same "
+      "rows. "
       "Each threshold is for the stated rate of false alarms. A delay counts from the median onset "
-      "of the first alarm above.</p>\n<div class=\"scroll\"><table><tr><th>chart</th><th>first alarm"
+      "of the first alarm above.</p>\n<div class=\"scroll\"><table><tr><th>chart</th><th>first "
+      "alarm"
       "</th><th>alarms</th><th>of these before the onset</th><th>delay</th></tr>\n";
   for (const Report& chart : monitor.at("charts"))
     out += "<tr><td>" + escaped(chart.at("name").get<std::string>()) + "</td><td>" +
@@ -230,9 +232,8 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
                  significant(rates.at("replayed").get<double>(), 3) +
                  " in replayed healthy rows. Wheeltap uses the more careful threshold."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
-  const std::string unit =
-      dates ? "days since the first row"
-            : "time [" + monitor.value("time_unit", std::string("h")) + "]";
+  const std::string unit = dates ? "days since the first row"
+                                 : "time [" + monitor.value("time_unit", std::string("h")) + "]";
   std::vector<double> marks;
   const io::Column& alarm = series.columns.back();
   for (std::size_t i = 0; i < t.time.size(); ++i)

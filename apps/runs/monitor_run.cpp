@@ -197,10 +197,9 @@ MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& commo
     summary["files"]["charts.csv"] = seal(charts);
   }
   std::optional<io::Columns> chart_table;
-  if (options.charts)
-    chart_table = io::parse_delimited_text(charts, folder / "charts.csv");
-  const std::string page = monitor_page(
-      summary, io::parse_delimited_text(table, folder / "series.csv"), chart_table);
+  if (options.charts) chart_table = io::parse_delimited_text(charts, folder / "charts.csv");
+  const std::string page =
+      monitor_page(summary, io::parse_delimited_text(table, folder / "series.csv"), chart_table);
   io::AtomicFile series(folder / "series.csv"), kept(folder / "state.nc"),
       report(folder / "report.html"), whole(folder / "summary.json");
   std::optional<io::AtomicFile> compared;
@@ -214,8 +213,7 @@ MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& commo
     files.push_back(&*compared);
   }
   io::commit_together(files);
-  return {.summary = std::move(summary),
-          .new_alarms = state->monitor.alarms().size() - earlier};
+  return {.summary = std::move(summary), .new_alarms = state->monitor.alarms().size() - earlier};
 }
 
 }  // namespace wheeltap::apps

@@ -20,8 +20,9 @@ struct MonitorRunOptions {
 
 /// Learns, or continues from FOLDER/state.nc where common.resume is set and the file exists; takes
 /// all rows that are new; writes summary.json, series.csv, state.nc, report.html and, with charts,
-/// charts.csv as if at once. Throws Failure (65) where the case is another one than that of the state,
-/// or rows that were processed have changed; io::FileError where a file cannot be read or written.
+/// charts.csv as if at once. Throws Failure (65) where the case is another one than that of the
+/// state, or rows that were processed have changed; io::FileError where a file cannot be read or
+/// written.
 [[nodiscard]] MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common,
                                      const MonitorRunOptions& options = {});
 

@@ -46,7 +46,7 @@ void carry(Parcel& parcel, Of& r) {
 
 /// Healthy rows as the filter predicted them, n x p.
 struct Innovations {
-  Eigen::MatrixXd standardised = {};       ///< over their scales; NaN: missing
+  Eigen::MatrixXd standardised = {};  ///< over their scales; NaN: missing
   /// Noise variance of each entry relative to a usual one; empty: 1, no sd is stated.
   Eigen::MatrixXd relative_variance = {};
 };
@@ -54,8 +54,8 @@ struct Innovations {
 /// Innovations of the first draw's filter.
 [[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& rows);
 
-/// Replays `innovations`, with their noise variances, through a detector with the first draw's drift
-/// and noise, and no covariates.
+/// Replays `innovations`, with their noise variances, through a detector with the first draw's
+/// drift and noise, and no covariates.
 [[nodiscard]] Replay replay(const Baseline& baseline, const Innovations& innovations,
                             const ChangePointOptions& change, const ReplayOptions& options);
 

@@ -392,16 +392,15 @@ std::span<const double> best_draw(const inference::Posterior& posterior) {
   return best;
 }
 
-/// Split R-hat of what the draws are used for: the effect of the covariates on each feature in
-/// some learning rows, its noise and its drift. Knots themselves need no R-hat near one: among
-/// covariates that move together, different ones explain the same effect.
+/// The largest split R-hat over the features of: the covariates' effect in some learning rows, the
+/// noise, and the drift. Knots need no R-hat near one: different covariates that move together
+/// explain the same effect.
 double rhat_of_effects(const Prepared& of, const Layout& layout,
                        const inference::Posterior& posterior) {
-  constexpr std::size_t kMostDraws = 125;  // of a chain
+  constexpr std::size_t kMostDraws = 125;  // per chain
   constexpr Index kRows = 4;
   const std::size_t each = kRows + 2, count = of.features.size() * each + 1;
-  std::vector<inference::ChainsOf> quantities(
-      count, inference::ChainsOf(posterior.chains.size()));
+  std::vector<inference::ChainsOf> quantities(count, inference::ChainsOf(posterior.chains.size()));
   for (std::size_t c = 0; c < posterior.chains.size(); ++c) {
     const auto& chain = posterior.chains[c];
     const std::size_t n = std::min(chain.size(), kMostDraws);

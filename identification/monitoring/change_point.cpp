@@ -105,7 +105,7 @@ class DensitySum {
 ///
 ///   g_j = r e_j + F_j' h - Σ_{i<j} (k_i' h)_j g_i,
 ///
-/// F_j the rows of feature j, i the entries before it; F itself changes once a row.
+/// F_j the rows of feature j, i the entries before it; F changes after the row's last entry.
 class DrawScores {
  public:
   DrawScores(const std::vector<CandidateOnset*>& all, std::size_t draw,
@@ -187,8 +187,7 @@ class DrawScores {
       }
     }
     gains_.col(entries_) = gain;
-    for (Index j = 0; j < p_; ++j)
-      along_(entries_, j) = gain.segment(j * block_, block_).dot(h_);
+    for (Index j = 0; j < p_; ++j) along_(entries_, j) = gain.segment(j * block_, block_).dot(h_);
     ++entries_;
   }
 
@@ -202,8 +201,8 @@ class DrawScores {
   void write(std::size_t i, MatrixXd& log_density) const {
     for (Index h = 0; h <= p_; ++h)
       for (Index size = 0; size < kSizes; ++size)
-        log_density(h, size) = density_.value(
-            sums_[i * hypotheses_ + static_cast<std::size_t>(h * kSizes + size)]);
+        log_density(h, size) =
+            density_.value(sums_[i * hypotheses_ + static_cast<std::size_t>(h * kSizes + size)]);
   }
 
  private:

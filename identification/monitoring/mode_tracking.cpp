@@ -21,9 +21,9 @@ using Eigen::VectorXd;
 
 constexpr double kDegreesOfTracking = 4.0;
 constexpr double kLeastScatter = 5e-4, kLeastDiscrepancy = 5e-3;
-constexpr double kDoubtfulFactor = 0.2;  // of L: doubtful modes are more often spurious
+constexpr double kDoubtfulFactor = 0.2;  // reduces L: doubtful modes are more often spurious
 constexpr double kUnlikeShapes = 0.1;    // share of the uniform density of 1 - MAC
-constexpr std::size_t kMostModes = 60;   // of a record: bits of a set
+constexpr std::size_t kMostModes = 60;   // per record: bits of a set
 
 /// A tracked mode on its way: level and its variance.
 struct Level {
@@ -43,8 +43,8 @@ double pair_density(const TrackedMode& tracked, double predicted, double varianc
     return frequency * (mode.doubtful ? kDoubtfulFactor : 1.0);
   const double unlike = 1.0 - modal_assurance(tracked.shape, mode.shape);
   const double e = tracked.discrepancy;
-  const double shape = (1.0 - kUnlikeShapes) * std::exp(-unlike / e) / (e * -std::expm1(-1.0 / e)) +
-                       kUnlikeShapes;
+  const double shape =
+      (1.0 - kUnlikeShapes) * std::exp(-unlike / e) / (e * -std::expm1(-1.0 / e)) + kUnlikeShapes;
   return frequency * shape * (mode.doubtful ? kDoubtfulFactor : 1.0);
 }
 
@@ -120,7 +120,7 @@ double modal_assurance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
 
 MatrixXd pair_probabilities(const MatrixXd& ratio, const VectorXd& detection) {
   using Weights = std::map<std::uint64_t, double>;
-  constexpr double kNegligible = 1e-14;  // of the largest weight of a step
+  constexpr double kNegligible = 1e-14;  // relative to the largest weight
   const Index tracked = ratio.rows(), modes = ratio.cols();
   const auto bit = [](Index j) { return std::uint64_t{1} << static_cast<unsigned>(j); };
   const auto prune = [](Weights& w) {
@@ -275,8 +275,8 @@ std::vector<TrackedRecord> ModeTracker::track(const std::vector<IdentifiedRecord
       // An uncertain assignment moves the level less.
       const double gain = out.back().probability[static_cast<Index>(k)] * levels[k].variance /
                           (levels[k].variance + noise);
-      levels[k].mean += gain * (std::log(mode.frequency_hz) - effect[static_cast<Index>(k)] -
-                                levels[k].mean);
+      levels[k].mean +=
+          gain * (std::log(mode.frequency_hz) - effect[static_cast<Index>(k)] - levels[k].mean);
       levels[k].variance *= 1.0 - gain;
     }
   }
@@ -328,7 +328,8 @@ void ModeTracker::learn(const std::vector<IdentifiedRecord>& records, const Matr
     if (weight > 0.0) {
       double sum = 0.0;
       for (const double d : unlike) sum += d;
-      mode.discrepancy = std::max(kLeastDiscrepancy, 2.0 * sum / static_cast<double>(unlike.size()));
+      mode.discrepancy =
+          std::max(kLeastDiscrepancy, 2.0 * sum / static_cast<double>(unlike.size()));
       mode.shape = shape / shape.norm();
     }
   }

@@ -10,12 +10,14 @@
 //   p(σ | record) ∝ Π_k [ D_k L_kσ(k)/λ  or  1 - D_k ],
 //   L_kj = p(ln f_j | m_k) p(1 - MAC_kj).
 //
-// λ is the density of spurious modes over ln f. p(ln f) is Student's t about m_k with a share of a
-// broad normal density, so that a mode that damage moved by several per cent is still the same
-// mode; p(1 - MAC) is exponential with a share of the uniform density that spurious modes have. The
-// marginal probabilities of all pairs are exact: sums over all assignments, by a recursion over
-// tracked modes and the sets of identified modes that they take (the joint probabilistic data
-// association of Fortmann, Bar-Shalom & Scheffe 1983).
+// The density of spurious modes over ln f is λ. The density p(ln f) is Student's t about m_k with a
+// share of a broad normal density: a mode that damage moved by several per cent is still the same
+// mode. The density p(1 - MAC) is exponential, with a share of the uniform density that spurious
+// modes have.
+//
+// The marginal probabilities of all pairs are exact sums over all assignments. A recursion over
+// tracked modes and over sets of identified modes computes them (joint probabilistic data
+// association; Fortmann, Bar-Shalom & Scheffe 1983).
 #pragma once
 
 #include <vector>
@@ -26,8 +28,8 @@ namespace wheeltap::identification::monitoring {
 
 struct IdentifiedMode {
   double frequency_hz = 0.0;
-  double frequency_sd = 0.0;       ///< 0: unknown
-  Eigen::VectorXcd shape = {};     ///< empty: unknown; NaN: entry not measured
+  double frequency_sd = 0.0;    ///< 0: unknown
+  Eigen::VectorXcd shape = {};  ///< empty: unknown; NaN: entry not measured
   bool doubtful = false;
 };
 
@@ -38,17 +40,17 @@ using IdentifiedRecord = std::vector<IdentifiedMode>;
 [[nodiscard]] double modal_assurance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 
 struct TrackingOptions {
-  double share = 0.5;        ///< a mode is tracked where this share of the learning records has it
-  double broad_sd = 0.08;    ///< of ln f, of the broad part
+  double share = 0.5;      ///< a mode is tracked where this share of the learning records has it
+  double broad_sd = 0.08;  ///< of ln f, of the broad part
   double broad_share = 0.05;
-  double walk = 0.3;         ///< sd of the step of a_k between records, in the scatter of ln f
+  double walk = 0.3;  ///< sd of the step of a_k between records, in the scatter of ln f
 };
 
 struct TrackedMode {
-  double log_frequency = 0.0;     ///< median in learning
-  double scatter = 0.01;          ///< of ln f about its prediction, beside identification's sd
-  double discrepancy = 0.02;      ///< mean of 1 - MAC
-  double detection = 0.9;         ///< D
+  double log_frequency = 0.0;  ///< median in learning
+  double scatter = 0.01;       ///< of ln f about its prediction, beside identification's sd
+  double discrepancy = 0.02;   ///< mean of 1 - MAC
+  double detection = 0.9;      ///< D
   Eigen::VectorXcd shape = {};
 };
 
@@ -85,9 +87,9 @@ class ModeTracker {
 
   TrackingOptions options_;
   std::vector<TrackedMode> modes_;
-  double spurious_ = 1.0;                  ///< λ, modes per unit of ln f
-  Eigen::MatrixXd learned_covariates_;     ///< n x c
-  Eigen::MatrixXd learned_frequencies_;    ///< n x K: ln f, NaN: missing
+  double spurious_ = 1.0;                ///< λ, modes per unit of ln f
+  Eigen::MatrixXd learned_covariates_;   ///< n x c
+  Eigen::MatrixXd learned_frequencies_;  ///< n x K: ln f, NaN: missing
 };
 
 /// Marginal probabilities of pairs, K x M. `ratio`: L_kj/λ; `detection`: D, K.

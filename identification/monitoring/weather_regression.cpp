@@ -65,8 +65,7 @@ HingeRegression::HingeRegression(const Series& learning) : scaling_(learning.cov
       const double sd = robust_scatter(r).sd[0];
       constexpr double kDegrees = 5.0;
       for (Index t = 0; t < n; ++t)
-        if (present[t] > 0.0)
-          weight[t] = (kDegrees + 1.0) / (kDegrees + r[t] * r[t] / (sd * sd));
+        if (present[t] > 0.0) weight[t] = (kDegrees + 1.0) / (kDegrees + r[t] * r[t] / (sd * sd));
     }
   }
 }

@@ -42,9 +42,9 @@ class ProcessRegression {
 
  private:
   struct Feature {
-    Eigen::MatrixXd points = {};    // covariates x n
-    Eigen::MatrixXd inverse = {};   // n x n: of the kernel matrix
-    Eigen::VectorXd weights = {};   // n: inverse times values
+    Eigen::MatrixXd points = {};   // covariates x n
+    Eigen::MatrixXd inverse = {};  // n x n: of the kernel matrix
+    Eigen::VectorXd weights = {};  // n: inverse times values
     double mean = 0.0, length = 1.0, noise = 0.1, variance = 1.0;
   };
   [[nodiscard]] static Feature fit(const Eigen::MatrixXd& points, const Eigen::VectorXd& values);

@@ -18,8 +18,8 @@ using testing::HasSubstr;
 
 constexpr int kHealthy = 60, kDamaged = 8;
 
-/// modes.json of one test: modes near 4.5, 15 and 41 Hz, which damage lowers by 3, 2 and 10 %, and a
-/// doubtful one in every third test.
+/// modes.json of one test: modes near 4.5, 15 and 41 Hz, which damage lowers by 3, 2 and 10 %, and
+/// a doubtful one in every third test.
 json modes_of_test(int number) {
   base::Random random(7, static_cast<std::uint64_t>(number), 0, base::Purpose::test);
   const bool damaged = number > kHealthy;
@@ -111,8 +111,8 @@ TEST_F(MonitoredModes, TrackWritesATableAndAFile) {
   ASSERT_EQ(table.size(), 3U);
   EXPECT_EQ(table[2]["identified"], kHealthy);
   where.write("list.txt", "modes/none.json\n");
-  const Outcome missing = wheeltap(where, "track " + (where / "list.txt").string() + " -o " +
-                                              (where / "tracked.nc").string());
+  const Outcome missing = wheeltap(
+      where, "track " + (where / "list.txt").string() + " -o " + (where / "tracked.nc").string());
   EXPECT_EQ(missing.exit_code, 66);
   EXPECT_THAT(missing.err, HasSubstr("none.json"));
 }
@@ -167,7 +167,8 @@ TEST_F(MonitoredModes, NameWhatIsWrong) {
 
 TEST_F(MonitoredModes, ALastLineWithoutItsEndWaits) {
   std::string text = "hour,f\n";
-  for (int t = 0; t < 40; ++t) text += std::to_string(t) + ",4." + std::to_string(10 + t % 7) + "\n";
+  for (int t = 0; t < 40; ++t)
+    text += std::to_string(t) + ",4." + std::to_string(10 + t % 7) + "\n";
   where.write("series.csv", text + "40,4.1");
   json c = a_case();
   c["series"] = {{"file", "series.csv"}, {"time", "hour"}, {"features", {"f"}}};

@@ -1,6 +1,6 @@
 // Simulation-based calibration (Talts et al. 2018) of the onset, the shift and the baseline's
-// parameters: series are drawn from the model with everything from its prior, and the true value's
-// place in its posterior is uniform. 60 series here; with WHEELTAP_LONG_TESTS
+// parameters. Onset, shift and parameters come from their priors, and series from the model. The
+// place of a true value in its posterior is then uniform. 60 series here; with WHEELTAP_LONG_TESTS
 // (scripts/monitoring-calibration) 500 longer ones, and a control with a wrong hazard.
 #include <gtest/gtest.h>
 
@@ -70,8 +70,7 @@ Truth random_truth(double hazard, int rows, base::Random& random) {
   const double s = kShiftSizes[random.index(kSizes)];
   const int which = random.uniform() < 0.5 ? -1 : random.index(kFeatures);
   for (Index j = 0; j < kFeatures; ++j)
-    if (which < 0 || which == j)
-      out.shift[j] = s * (j == 0 ? 1.1 : 0.8) * random.normal();
+    if (which < 0 || which == j) out.shift[j] = s * (j == 0 ? 1.1 : 0.8) * random.normal();
   return out;
 }
 
@@ -118,9 +117,7 @@ Places places_of(const ChangePoint& change, const Truth& truth, base::Random& ra
   const double changed = change.probability_changed();
   double all = 0.0;
   for (const CandidateOnset& c : change.candidates()) all += std::exp(c.log_mass());
-  const auto mass = [&](const CandidateOnset& c) {
-    return changed * std::exp(c.log_mass()) / all;
-  };
+  const auto mass = [&](const CandidateOnset& c) { return changed * std::exp(c.log_mass()) / all; };
   // No change is an onset after the last row.
   double below = 0.0, at = 1.0 - changed;
   for (const CandidateOnset& c : change.candidates()) {
@@ -194,7 +191,8 @@ TEST(MonitoringCalibration, PlacesOfTheTruthAreUniform) {
   const auto statistic = statistics_of(series, rows, hazard, hazard);
   const char* names[] = {"onset", "shift", "parameters"};
   for (std::size_t i = 0; i < 3; ++i) {
-    if (is_long) std::printf("%s: chi-square %.1f with 9 degrees of freedom\n", names[i], statistic[i]);
+    if (is_long)
+      std::printf("%s: chi-square %.1f with 9 degrees of freedom\n", names[i], statistic[i]);
     EXPECT_LT(statistic[i], kLimit) << names[i];
   }
   if (!is_long) return;

@@ -267,7 +267,8 @@ void read_learning(MonitorCaseFile& out) {
 /// Faults of the series as complaints about the case; a constant covariate is a warning.
 void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
   using Kind = SeriesFault::Kind;
-  const Pointer tests = kSeries / (out.file.json.at("series").contains("modes") ? "modes" : "records");
+  const Pointer tests =
+      kSeries / (out.file.json.at("series").contains("modes") ? "modes" : "records");
   for (const SeriesFault& fault : find_faults(out.series, out.learning_rows)) {
     const auto feature = [&](const std::string& message) {
       if (out.tests)
@@ -357,8 +358,7 @@ void check_source(const CaseFile& file) {
   reject("file", "is for a table of features: remove it, or name its columns in \"features\"");
   reject("sd", "is for a table of features: modes come with their standard deviations");
   for (const char* key : {"time", "time_unit", "covariates"})
-    if (!series.contains("times"))
-      reject(key, "needs \"times\", a table of file and time");
+    if (!series.contains("times")) reject(key, "needs \"times\", a table of file and time");
 }
 
 void read_series_table(const SeriesColumns& columns, const ModesReading& reading,
@@ -412,8 +412,9 @@ void order_by_times(const SeriesColumns& columns, const ModesReading& reading, M
     });
     if (found == tests.end())
       refuse_row(table, static_cast<int>(i), -1,
-                 names[i] + " is not among the files of the series: correct the name, or remove "
-                            "the row");
+                 names[i] +
+                     " is not among the files of the series: correct the name, or remove "
+                     "the row");
     ordered.push_back(*found);
   }
   for (const MonitoredTest& test : tests)
@@ -485,9 +486,9 @@ void read_series_of_tests(const SeriesColumns& columns, const ModesReading& read
                               out.series.covariates.topRows(out.learning_rows));
     fill_tracked(tracker, records, out);
   } catch (const std::invalid_argument& error) {
-    out.file.refuse(kSeries / (series.contains("modes") ? "modes" : "records"),
-                    std::string(error.what()) + " (" + std::to_string(learning) +
-                        " learning records)");
+    out.file.refuse(
+        kSeries / (series.contains("modes") ? "modes" : "records"),
+        std::string(error.what()) + " (" + std::to_string(learning) + " learning records)");
   }
 }
 

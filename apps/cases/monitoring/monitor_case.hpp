@@ -32,7 +32,7 @@ struct TrackedTests {
   std::vector<identification::monitoring::TrackedMode> modes = {};
   /// n x K: probability of the assignment of a tracked mode, or that it is missing.
   Eigen::MatrixXd probability = {};
-  std::vector<std::uint64_t> checksums = {};  ///< of the files
+  std::vector<std::uint64_t> checksums = {};  ///< over the files' contents
 };
 
 struct MonitorCaseFile {
@@ -47,10 +47,10 @@ struct MonitorCaseFile {
   std::vector<std::string> warnings = {};
 };
 
-/// Reads the case and its table, or the modes of its tests. Throws Failure (65) with one line that names the file, the key or
-/// the row, the value and a remedy. Faults are times that repeat or decrease, features that are not
-/// positive or are missing or constant in the learning period, and a learning period that is empty
-/// or not over.
+/// Reads the case and its table, or the modes of its tests. Throws Failure (65) with one line that
+/// names the file, the key or the row, the value and a remedy. Faults are times that repeat or
+/// decrease, features that are not positive or are missing or constant in the learning period, and
+/// a learning period that is empty or not over.
 [[nodiscard]] MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading = {});
 
 /// The key of a valid case that names the series' files: /series/file, /series/modes or

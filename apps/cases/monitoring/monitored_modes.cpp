@@ -247,11 +247,11 @@ std::vector<IdentifiedRecord> identified_records(const std::vector<MonitoredTest
     if (test.fault.empty()) {
       if (first == nullptr) first = &test;
       if (modes.shapes.rows() != first->modes.shapes.rows())
-        throw Failure(Exit::bad_input,
-                      io::printable(test.name) + ": has " + std::to_string(modes.shapes.rows()) +
-                          " sensors, but " + io::printable(first->name) + " has " +
-                          std::to_string(first->modes.shapes.rows()) +
-                          ": all tests must measure at the same sensors");
+        throw Failure(Exit::bad_input, io::printable(test.name) + ": has " +
+                                           std::to_string(modes.shapes.rows()) + " sensors, but " +
+                                           io::printable(first->name) + " has " +
+                                           std::to_string(first->modes.shapes.rows()) +
+                                           ": all tests must measure at the same sensors");
     }
     for (Eigen::Index m = 0; m < modes.frequencies_hz.size(); ++m) {
       if (!(modes.frequencies_hz[m] > 0.0)) continue;

@@ -15,10 +15,10 @@ namespace wheeltap::apps {
 
 /// One test: its modes, or why there are none.
 struct MonitoredTest {
-  std::string name = {};         ///< of its file, as in messages
-  std::uint64_t checksum = 0;    ///< of the file's content
+  std::string name = {};       ///< folder and name of its file
+  std::uint64_t checksum = 0;  ///< over the file's content
   MeasuredModes modes = {};
-  std::string fault = {};        ///< why no modes were identified; empty: they were
+  std::string fault = {};  ///< why no modes were identified; empty: they were
 };
 
 struct ModesReading {
@@ -32,7 +32,7 @@ struct ModesReading {
 };
 
 /// The modes.json files of a folder (also one folder below, and its other .json files), of a text
-/// file without the ending .json that lists paths or folders of runs, one a line, or the file
+/// file without the ending .json that lists one path or folder of a run per line, or the file
 /// itself.
 [[nodiscard]] std::vector<std::filesystem::path> mode_files(const std::filesystem::path& path);
 

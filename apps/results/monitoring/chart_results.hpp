@@ -15,9 +15,9 @@ namespace wheeltap::apps {
     const MonitorCaseFile& parsed,
     const std::vector<identification::monitoring::ChartFinding>& charts);
 
-/// A list with name, threshold, alarms and first_alarm of each chart. Where `monitor` (the summary's)
-/// has an alarm also alarms_before_onset and delay: the time from the median onset of its first
-/// alarm to the chart's first alarm after it, in time units (hours for dates).
+/// A list with name, threshold, alarms and first_alarm of each chart. Where `monitor` (the
+/// summary's) has an alarm also alarms_before_onset and delay: the time from the median onset of
+/// its first alarm to the chart's first alarm after it, in time units (hours for dates).
 [[nodiscard]] Report charts_json(
     const MonitorCaseFile& parsed, const identification::monitoring::Monitor& monitor,
     const std::vector<identification::monitoring::ChartFinding>& charts);

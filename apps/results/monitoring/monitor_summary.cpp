@@ -38,18 +38,19 @@ Report alarm_json(const MonitorCaseFile& parsed, const AlarmRecord& alarm) {
                         {"sd", change.shift_sd[j]},
                         {"probability_shifted", change.shifted_probability[j]}});
   Report out = {{"time", parsed.time.written(alarm.hours)},
-          {"onset",
-           {{"q2.5", parsed.time.written(change.onset_low)},
-            {"q50", parsed.time.written(change.onset_median)},
-            {"q97.5", parsed.time.written(change.onset_high)}}},
-          {"probability_changed", change.probability},
-          {"probability_at_alarm", alarm.probability_at_alarm},
-          {"probability_ramp", change.ramp_probability},
-          {"features", features}};
+                {"onset",
+                 {{"q2.5", parsed.time.written(change.onset_low)},
+                  {"q50", parsed.time.written(change.onset_median)},
+                  {"q97.5", parsed.time.written(change.onset_high)}}},
+                {"probability_changed", change.probability},
+                {"probability_at_alarm", alarm.probability_at_alarm},
+                {"probability_ramp", change.ramp_probability},
+                {"features", features}};
   if (parsed.tests) {
     const auto& hours = parsed.series.hours;
     const auto row = std::ranges::lower_bound(hours, alarm.hours) - hours.begin();
-    out["file"] = parsed.tests->names[index(std::min<std::ptrdiff_t>(row, parsed.series.rows() - 1))];
+    out["file"] =
+        parsed.tests->names[index(std::min<std::ptrdiff_t>(row, parsed.series.rows() - 1))];
   }
   return out;
 }
@@ -67,13 +68,13 @@ Report tracked_json(const MonitorCaseFile& parsed) {
         ++present;
         probability += parsed.tests->probability(t, column);
       }
-    out.push_back({{"name", parsed.series.feature_names[k]},
-                   {"frequency_hz", std::exp(mode.log_frequency)},
-                   {"scatter", mode.scatter},
-                   {"identified", present},
-                   {"missing", parsed.features.rows() - present},
-                   {"mean_probability",
-                    present > 0 ? probability / static_cast<double>(present) : 0.0}});
+    out.push_back(
+        {{"name", parsed.series.feature_names[k]},
+         {"frequency_hz", std::exp(mode.log_frequency)},
+         {"scatter", mode.scatter},
+         {"identified", present},
+         {"missing", parsed.features.rows() - present},
+         {"mean_probability", present > 0 ? probability / static_cast<double>(present) : 0.0}});
   }
   return out;
 }

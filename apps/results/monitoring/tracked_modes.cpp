@@ -59,9 +59,7 @@ std::string tracked_netcdf(const TrackedModesOf& tracked, const std::filesystem:
     for (std::size_t k = 0; k < count; ++k) {
       const int m = record.mode[k];
       probability.push_back(record.probability[static_cast<Eigen::Index>(k)]);
-      number.push_back(m < 0                   ? 0
-                       : found.numbers.empty() ? m + 1
-                                               : found.numbers[index(m)]);
+      number.push_back(m < 0 ? 0 : found.numbers.empty() ? m + 1 : found.numbers[index(m)]);
       frequency.push_back(m < 0 ? kNaN : found.frequencies_hz[m]);
       sd.push_back(m < 0 ? kNaN : frequency_sd(found, m));
       damping.push_back(m < 0 ? kNaN : found.damping[m]);
@@ -104,10 +102,10 @@ void print_tracked(std::ostream& out, const TrackedModesOf& tracked, bool colour
       {"mode", "f, median [Hz]", "lowest", "highest", "identified", "missing", "probability"}};
   for (std::size_t k = 0; k < tracked.modes.size(); ++k) {
     const TrackedRow row = row_of_mode(tracked, k);
-    rows.push_back({std::to_string(k + 1), number_or_dash(row.median, 6), number_or_dash(row.low, 6),
-                    number_or_dash(row.high, 6), std::to_string(row.present),
-                    std::to_string(tracked.records.size() - row.present),
-                    percent(row.probability)});
+    rows.push_back(
+        {std::to_string(k + 1), number_or_dash(row.median, 6), number_or_dash(row.low, 6),
+         number_or_dash(row.high, 6), std::to_string(row.present),
+         std::to_string(tracked.records.size() - row.present), percent(row.probability)});
   }
   page.table(rows);
   double spurious = 0.0;

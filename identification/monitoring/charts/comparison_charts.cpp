@@ -56,8 +56,7 @@ class HotellingChart final : public ComparisonChart {
 /// The squared prediction error of the principal components that hold nine tenths of the variance.
 class ComponentChart final : public ComparisonChart {
  public:
-  explicit ComponentChart(const Series& learning)
-      : scatter_(robust_scatter(learning.features)) {
+  explicit ComponentChart(const Series& learning) : scatter_(robust_scatter(learning.features)) {
     const Index p = scatter_.sd.size();
     const VectorXd scale = scatter_.sd.cwiseInverse();
     const MatrixXd correlation = scale.asDiagonal() * scatter_.covariance * scale.asDiagonal();

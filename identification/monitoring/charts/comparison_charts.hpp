@@ -51,7 +51,7 @@ inline constexpr int kRowsBelow = 24;
 struct ChartFinding {
   std::string name;
   double threshold = 0.0;
-  std::vector<double> statistic = {};  ///< of the rows after learning; NaN: none
+  std::vector<double> statistic = {};  ///< rows after learning; NaN: none
   std::vector<int> alarms = {};        ///< rows of the series in which an alarm began
 };
 
@@ -67,7 +67,6 @@ struct ChartFinding {
 [[nodiscard]] double chart_threshold(const std::vector<double>& healthy, double rows_between);
 
 /// Rows in which an alarm begins.
-[[nodiscard]] std::vector<int> chart_alarms(const std::vector<double>& statistic,
-                                            double threshold);
+[[nodiscard]] std::vector<int> chart_alarms(const std::vector<double>& statistic, double threshold);
 
 }  // namespace wheeltap::identification::monitoring
