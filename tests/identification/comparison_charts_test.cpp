@@ -104,8 +104,8 @@ TEST(ChartThreshold, ExtrapolatesToTheAskedRate) {
   std::vector<double> healthy(24000);
   for (double& x : healthy) x = -std::log(random.uniform());
   const double threshold = chart_threshold(healthy, 1e5);
-  // 1000 maxima: the mean excess is known to 1/√500 of its value, over ln(1e5/24/1.44) = 8 of them.
-  EXPECT_NEAR(threshold, std::log(1e5), 4.0 * 8.0 / std::sqrt(500.0));
+  // 1000 maxima: the scale is known to about 1/√1000 of its value, over ln(1e5/24) = 8.3 of them.
+  EXPECT_NEAR(threshold, std::log(1e5), 4.0 * 8.3 / std::sqrt(1000.0));
 }
 
 TEST(ChartAlarms, BeginAnewOnlyAfterRowsBelow) {

@@ -20,6 +20,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr int kMedianRows = 12;
+constexpr double kEulerGamma = 0.57721566490153286;
 
 /// The residuals of the learning rows, n x p, by `residuals_of` a row.
 template <class Residuals>
@@ -185,13 +186,14 @@ std::unique_ptr<ComparisonChart> learned(const Series& learning) {
   return std::make_unique<Chart>(learning);
 }
 
-/// Takes the median of a chart's last values.
+/// Takes the median of a chart's last values; NaN before there are enough.
 class RunningMedian {
  public:
   explicit RunningMedian(int rows) : rows_(static_cast<std::size_t>(rows)) {}
   double add(double value) {
     if (!std::isfinite(value) || rows_ == 1) return value;
     values_.push_back(value);
+    if (values_.size() < rows_) return kNaN;
     if (values_.size() > rows_) values_.erase(values_.begin());
     std::vector<double> sorted = values_;
     const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
@@ -239,7 +241,10 @@ ChartFinding run_chart(const ChartKind& kind, const Series& series, int learning
   }
   ChartFinding out{.name = kind.name, .threshold = chart_threshold(healthy, rows_between)};
   const auto chart = kind.learn(series.first(learning_rows));
-  out.statistic = statistics_of(kind, *chart, series, learning_rows, series.rows(), is_short);
+  // The last learning rows fill the median and the memory of the chart.
+  const int from = std::max(0, learning_rows - kMedianRows);
+  out.statistic = statistics_of(kind, *chart, series, from, series.rows(), is_short);
+  out.statistic.erase(out.statistic.begin(), out.statistic.begin() + (learning_rows - from));
   out.alarms = chart_alarms(out.statistic, out.threshold);
   for (int& row : out.alarms) row += learning_rows;
   return out;
@@ -285,13 +290,15 @@ double chart_threshold(const std::vector<double>& healthy, double rows_between) 
   }
   if (maxima.empty()) return kInfinity;
   std::ranges::sort(maxima);
-  const std::size_t middle = maxima.size() / 2;
-  const double median = maxima[middle];
-  double excess = 0.0;
-  for (std::size_t i = middle; i < maxima.size(); ++i) excess += maxima[i] - median;
-  excess /= static_cast<double>(maxima.size() - middle);
-  const double p = -std::expm1(-static_cast<double>(block) / rows_between);
-  return p >= 0.5 ? median : median - excess * std::log(2.0 * p);
+  const auto n = static_cast<double>(maxima.size());
+  double mean = 0.0, weighted = 0.0;  // b0 and b1, probability-weighted moments
+  for (std::size_t i = 0; i < maxima.size(); ++i) {
+    mean += maxima[i] / n;
+    if (n > 1.0) weighted += maxima[i] * static_cast<double>(i) / (n * (n - 1.0));
+  }
+  const double scale = std::max(0.0, 2.0 * weighted - mean) / std::log(2.0);
+  const double place = mean - kEulerGamma * scale;
+  return place + scale * std::log(rows_between / static_cast<double>(block));
 }
 
 std::vector<int> chart_alarms(const std::vector<double>& statistic, double threshold) {

@@ -8,8 +8,8 @@
 //
 // Each chart learns from the rows that the baseline learns from. Its threshold is for the rate of
 // false alarms that the case states: the chart learns from two thirds of the learning rows and runs
-// over the remaining third, for each third in turn. The maxima over blocks of these rows beyond
-// their median are taken as exponential.
+// over the remaining third, for each third in turn. The maxima over blocks of these rows give the
+// threshold.
 #pragma once
 
 #include <functional>
@@ -59,11 +59,8 @@ struct ChartFinding {
 [[nodiscard]] std::vector<ChartFinding> run_charts(const Series& series, int learning_rows,
                                                    double rows_between_false_alarms, int threads);
 
-/// The threshold that healthy values exceed once in `rows_between` rows, by the maxima over blocks:
-///
-///   P(maximum of a block > A) = 1/2 exp(-(A - u)/h),
-///
-/// u the median of the maxima, h the mean excess of those above it.
+/// The threshold that healthy values exceed once in `rows_between` rows. The maxima over blocks follow
+/// a Gumbel distribution, P(maximum <= A) = exp(-exp(-(A - m)/s)), by its L-moments (Hosking 1990).
 [[nodiscard]] double chart_threshold(const std::vector<double>& healthy, double rows_between);
 
 /// Rows in which an alarm begins.
