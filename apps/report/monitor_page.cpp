@@ -165,9 +165,62 @@ std::string alarm_log(const Report& alarms) {
   return out + "</table></div>\n";
 }
 
+std::string tracked_table(const Report& modes) {
+  std::string out =
+      "<h2 id=\"tracked\">Tracked modes</h2>\n<div class=\"scroll\"><table><tr><th>mode</th>"
+      "<th>median in learning</th><th>scatter</th><th>identified</th><th>missing</th>"
+      "<th>mean probability of the assignment</th></tr>\n";
+  for (const Report& m : modes)
+    out += "<tr><td>" + escaped(m.at("name").get<std::string>()) + "</td><td>" +
+           significant(m.at("frequency_hz").get<double>(), 6) + "</td><td>" +
+           fixed(100.0 * m.at("scatter").get<double>(), 2) + " %</td><td>" +
+           std::to_string(m.at("identified").get<long>()) + "</td><td>" +
+           std::to_string(m.at("missing").get<long>()) + "</td><td>" +
+           percent(m.at("mean_probability").get<double>()) + "</td></tr>\n";
+  return out + "</table></div>\n";
+}
+
+/// An entry that may be null or absent.
+std::string entry_or_dash(const Report& of, const char* key) {
+  if (!of.contains(key) || of.at(key).is_null()) return "–";
+  const Report& x = of.at(key);
+  return x.is_string() ? x.get<std::string>() : base::significant(x.get<double>(), 6);
+}
+
+std::string chart_section(const Report& monitor, const io::Columns& charts, const std::string& unit,
+                          const std::vector<double>& marks) {
+  std::string out =
+      "<h2 id=\"charts\">Comparison charts</h2>\n<p>Control charts that learned from the same "
+      "rows. "
+      "Each threshold is for the stated rate of false alarms. A delay counts from the median onset "
+      "of the first alarm above.</p>\n<div class=\"scroll\"><table><tr><th>chart</th><th>first "
+      "alarm"
+      "</th><th>alarms</th><th>of these before the onset</th><th>delay</th></tr>\n";
+  for (const Report& chart : monitor.at("charts"))
+    out += "<tr><td>" + escaped(chart.at("name").get<std::string>()) + "</td><td>" +
+           escaped(entry_or_dash(chart, "first_alarm")) + "</td><td>" +
+           entry_or_dash(chart, "alarms") + "</td><td>" +
+           entry_or_dash(chart, "alarms_before_onset") + "</td><td>" +
+           entry_or_dash(chart, "delay") + "</td></tr>\n";
+  out += "</table></div>\n";
+  Numbers time = charts.columns[0].values;
+  if (charts.columns[0].cells == io::CellKind::stamp)
+    for (double& t : time) t /= 86400.0;
+  for (std::size_t c = 1; c < charts.columns.size(); ++c) {
+    Numbers ratio = charts.columns[c].values;
+    for (double& x : ratio) x = x > 0.0 ? std::log10(x) : NAN;
+    const auto [low, high] = limits({&ratio});
+    out += "<h3>" + escaped(charts.columns[c].header) + "</h3>\n" +
+           single_chart(time, ratio, "log10(statistic / threshold)", unit, std::max(low, -3.0),
+                        std::max(high, 0.5), marks, 0.0);
+  }
+  return out;
+}
+
 }  // namespace
 
-std::string monitor_page(const Report& summary, const io::Columns& series) {
+std::string monitor_page(const Report& summary, const io::Columns& series,
+                         const std::optional<io::Columns>& charts) {
   const SeriesTable t = table_of(series);
   if (t.time.empty()) throw std::invalid_argument("series.csv has no rows");
   const Report& monitor = summary.at("monitor");
@@ -180,12 +233,7 @@ std::string monitor_page(const Report& summary, const io::Columns& series) {
                  " in replayed healthy rows. Wheeltap uses the more careful threshold."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
   const std::string unit = dates ? "days since the first row"
-                                 : "time [" +
-                                       summary.at("wheeltap")
-                                           .at("case")
-                                           .at("series")
-                                           .value("time_unit", std::string("h")) +
-                                       "]";
+                                 : "time [" + monitor.value("time_unit", std::string("h")) + "]";
   std::vector<double> marks;
   const io::Column& alarm = series.columns.back();
   for (std::size_t i = 0; i < t.time.size(); ++i)
@@ -199,10 +247,12 @@ std::string monitor_page(const Report& summary, const io::Columns& series) {
          single_chart(t.time, t.statistic, "ln S", unit, std::min(low, 0.0),
                       std::max(high, threshold + 1.0), marks, threshold) +
          "<p>The Shiryaev-Roberts statistic and its threshold. Dashed lines mark alarms.</p>\n";
+  if (monitor.contains("tracked_modes")) out += tracked_table(monitor.at("tracked_modes"));
   out +=
       "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % band of the prediction without "
       "a change. Right: the same values without the effect of the covariates.</p>\n";
   for (std::size_t j = 0; j < t.names.size(); ++j) out += feature_charts(t, j, unit, marks);
+  if (charts) out += chart_section(monitor, *charts, unit, marks);
   const Report& warnings = summary.at("diagnostics").at("warnings");
   out += "<h2 id=\"warnings\">Warnings</h2>\n";
   if (warnings.empty()) out += "<p>No warnings.</p>\n";

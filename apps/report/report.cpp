@@ -56,12 +56,18 @@ bool is_monitor(const Report& summary) {
          summary.at("wheeltap").value("command", Report()) == "monitor";
 }
 
-/// The page of a monitoring run, of its summary and series.csv.
+/// The page of a monitoring run, of its summary, series.csv and, where it ran them, charts.csv.
 std::string series_page(const fs::path& directory, const Report& summary) {
   const auto table = sealed_file(directory, "series.csv", summary);
   if (!table) throw FileError(FileError::Kind::missing, directory / "series.csv", "no such file");
+  std::optional<std::string> charts;
+  if (summary.at("files").contains("charts.csv"))
+    charts = sealed_file(directory, "charts.csv", summary);
   try {
-    return monitor_page(summary, io::parse_delimited_text(*table, directory / "series.csv"));
+    std::optional<io::Columns> compared;
+    if (charts) compared = io::parse_delimited_text(*charts, directory / "charts.csv");
+    return monitor_page(summary, io::parse_delimited_text(*table, directory / "series.csv"),
+                        compared);
   } catch (const std::logic_error& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
                     std::string("does not have the format of a run's results: ") + error.what());

@@ -1,10 +1,12 @@
 #include "apps/runs/monitor_run.hpp"
 
+#include <cmath>
 #include <cstring>
 #include <optional>
 #include <string_view>
 
 #include "apps/report/monitor_page.hpp"
+#include "apps/results/monitoring/chart_results.hpp"
 #include "apps/results/monitoring/monitor_summary.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/runs/running.hpp"
@@ -56,6 +58,7 @@ std::uint64_t checksum_of(const MonitorCaseFile& parsed, std::int64_t from, std:
     hash = add_numbers(hash, &series.hours[index(i)], 1, 1);
     for (const Eigen::MatrixXd* table : {&parsed.features, &series.sds, &series.covariates})
       if (table->size() > 0) hash = add_numbers(hash, table->data() + i, table->cols(), n);
+    if (parsed.tests) hash = io::fnv1a(std::to_string(parsed.tests->checksums[index(i)]), hash);
   }
   return hash;
 }
@@ -63,7 +66,7 @@ std::uint64_t checksum_of(const MonitorCaseFile& parsed, std::int64_t from, std:
 /// The case without what may change between calls.
 std::string case_text_of(const MonitorCaseFile& parsed, std::uint64_t seed) {
   Json kept = parsed.file.json;
-  for (const char* key : {"title", "notes", "$schema"}) kept.erase(key);
+  for (const char* key : {"title", "notes", "$schema", "on_alarm"}) kept.erase(key);
   return kept.dump() + " seed " + std::to_string(seed);
 }
 
@@ -117,15 +120,15 @@ void check_continues(const MonitorCaseFile& parsed, const MonitorState& state,
                   parsed.file.path.string() +
                       ": the case or the seed differs from that of state.nc: run once without "
                       "--resume to begin anew");
-  const auto name = parsed.file.json.at("series").at("file").get<std::string>();
+  const Pointer source = source_of(parsed.file);
   if (parsed.series.rows() < state.rows)
-    parsed.file.refuse(Pointer("/series/file"),
+    parsed.file.refuse(source,
                        "has " + std::to_string(parsed.series.rows()) + " rows, but " +
                            std::to_string(state.rows) +
                            " were processed already: rows must be appended; run once without "
                            "--resume to begin anew");
   if (checksum_of(parsed, 0, state.rows, 0) != state.checksum)
-    parsed.file.refuse(Pointer("/series/file"),
+    parsed.file.refuse(source,
                        "some of the first " + std::to_string(state.rows) +
                            " rows have changed since they were processed: restore them, or run "
                            "once without --resume to begin anew");
@@ -147,7 +150,8 @@ MonitorState learn(const MonitorCaseFile& parsed, const CommonOptions& common, s
 
 }  // namespace
 
-Report run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common) {
+MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common,
+                       const MonitorRunOptions& options) {
   const fs::path& folder = common.output;
   io::finish_commit(folder);
   const std::uint64_t seed = common.seed.value_or(1);
@@ -172,6 +176,7 @@ Report run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common) {
   const Eigen::VectorXd usual =
       identification::monitoring::usual_sds(parsed.series, parsed.learning_rows);
   const std::int64_t first = state->rows;
+  const std::size_t earlier = state->monitor.alarms().size();
   for (; state->rows < parsed.series.rows(); ++state->rows) {
     const int i = static_cast<int>(state->rows);
     table += series_row(parsed, i, state->monitor.add(row_of(parsed.series, i, usual)));
@@ -182,17 +187,33 @@ Report run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common) {
   Report summary =
       monitor_summary(parsed, state->monitor, {.seed = seed, .command_line = common.command_line});
   summary["files"]["series.csv"] = seal(table);
+  std::string charts;
+  if (options.charts) {
+    const auto found = identification::monitoring::run_charts(
+        parsed.series, parsed.learning_rows, std::exp(state->monitor.log_threshold_stated()),
+        base::thread_count(common.threads));
+    charts = charts_csv(parsed, found);
+    summary["monitor"]["charts"] = charts_json(parsed, state->monitor, found);
+    summary["files"]["charts.csv"] = seal(charts);
+  }
+  std::optional<io::Columns> chart_table;
+  if (options.charts) chart_table = io::parse_delimited_text(charts, folder / "charts.csv");
   const std::string page =
-      monitor_page(summary, io::parse_delimited_text(table, folder / "series.csv"));
+      monitor_page(summary, io::parse_delimited_text(table, folder / "series.csv"), chart_table);
   io::AtomicFile series(folder / "series.csv"), kept(folder / "state.nc"),
       report(folder / "report.html"), whole(folder / "summary.json");
+  std::optional<io::AtomicFile> compared;
   series.write(table);
   kept.write(state_bytes(*state, folder / "state.nc"));
   report.write(page);
   whole.write(summary.dump(1) + "\n");
-  io::AtomicFile* const files[] = {&series, &kept, &report, &whole};
+  std::vector<io::AtomicFile*> files = {&series, &kept, &report, &whole};
+  if (options.charts) {
+    compared.emplace(folder / "charts.csv").write(charts);
+    files.push_back(&*compared);
+  }
   io::commit_together(files);
-  return summary;
+  return {.summary = std::move(summary), .new_alarms = state->monitor.alarms().size() - earlier};
 }
 
 }  // namespace wheeltap::apps

@@ -26,7 +26,7 @@ Baseline without_covariates(const Baseline& of) {
   return {.residual_sd = of.residual_sd, .draws = {draw}, .rows_per_hour = of.rows_per_hour};
 }
 
-double largest_statistic(const Baseline& baseline, const MatrixXd& innovations,
+double largest_statistic(const Baseline& baseline, const Innovations& innovations,
                          const ChangePointOptions& change, const ReplayOptions& options,
                          int number) {
   base::Random random(options.seed, index(number), 0, base::Purpose::simulation);
@@ -38,17 +38,20 @@ double largest_statistic(const Baseline& baseline, const MatrixXd& innovations,
   const Weather weather{.h = VectorXd::Ones(3)};
   double largest = -kInfinity;
   Index at = 0;
+  const MatrixXd& healthy = innovations.standardised;
   VectorXd covariance;
   for (int t = 0; t < options.rows; ++t) {
-    at = t % options.block == 0 ? random.index(static_cast<int>(innovations.rows()))
-                                : (at + 1) % innovations.rows();
+    at = t % options.block == 0 ? random.index(static_cast<int>(healthy.rows()))
+                                : (at + 1) % healthy.rows();
     Row row{.hours = (t + 1) * step,
             .features = VectorXd::Constant(p, kNaN),
             .relative_variance = VectorXd::Ones(p),
             .covariates = VectorXd()};
+    if (innovations.relative_variance.size() > 0)
+      row.relative_variance = innovations.relative_variance.row(at).transpose();
     simulated.predict(b, step);
     for (Index j = 0; j < p; ++j) {
-      const double z = innovations(at, j);
+      const double z = healthy(at, j);
       if (!std::isfinite(z)) continue;
       const int feature = static_cast<int>(j);
       simulated.observe(feature, weather.h, covariance);
@@ -77,22 +80,25 @@ double Replay::log_threshold(double rate) const {
   return p >= 0.5 ? log_median : log_median - tail * std::log(2.0 * p);
 }
 
-MatrixXd healthy_innovations(const Baseline& baseline, const Series& series) {
+Innovations healthy_innovations(const Baseline& baseline, const Series& series) {
   BaselineDraw draw = baseline.draws.front();
-  MatrixXd out(series.rows(), series.feature_count());
+  Innovations out{.standardised = MatrixXd(series.rows(), series.feature_count())};
+  if (baseline.usual_sds.size() > 0) out.relative_variance = out.standardised;
   double before = baseline.last_hours;
   for (int t = 0; t < series.rows(); ++t) {
     const Row row = row_of(series, t, baseline.usual_sds);
     const double step = row.hours - before;
     before = row.hours;
     const Weather weather = next_weather(baseline.scaling(row.covariates), step, draw);
-    out.row(t) =
+    if (out.relative_variance.size() > 0)
+      out.relative_variance.row(t) = row.relative_variance.transpose();
+    out.standardised.row(t) =
         filter_row(draw.parameters, weather, row, step, draw.filter).standardised.transpose();
   }
   return out;
 }
 
-Replay replay(const Baseline& baseline, const MatrixXd& innovations,
+Replay replay(const Baseline& baseline, const Innovations& innovations,
               const ChangePointOptions& change, const ReplayOptions& options) {
   const Baseline reduced = without_covariates(baseline);
   std::vector<double> largest(index(options.series));

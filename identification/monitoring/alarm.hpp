@@ -44,12 +44,19 @@ void carry(Parcel& parcel, Of& r) {
   parcel(r.series, r.rows, r.log_median, r.tail);
 }
 
-/// Standardised innovations of healthy rows (n x p, NaN: missing) of the first draw's filter.
-[[nodiscard]] Eigen::MatrixXd healthy_innovations(const Baseline& baseline, const Series& rows);
+/// Healthy rows as the filter predicted them, n x p.
+struct Innovations {
+  Eigen::MatrixXd standardised = {};  ///< over their scales; NaN: missing
+  /// Noise variance of each entry relative to a usual one; empty: 1, no sd is stated.
+  Eigen::MatrixXd relative_variance = {};
+};
 
-/// Replays `innovations` through a detector with the first draw's drift and noise, and no
-/// covariates.
-[[nodiscard]] Replay replay(const Baseline& baseline, const Eigen::MatrixXd& innovations,
+/// Innovations of the first draw's filter.
+[[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& rows);
+
+/// Replays `innovations`, with their noise variances, through a detector with the first draw's
+/// drift and noise, and no covariates.
+[[nodiscard]] Replay replay(const Baseline& baseline, const Innovations& innovations,
                             const ChangePointOptions& change, const ReplayOptions& options);
 
 }  // namespace wheeltap::identification::monitoring

@@ -13,6 +13,7 @@
 #include "identification/monitoring/marginal_likelihood.hpp"
 #include "inference/diagnosis/verdict.hpp"
 #include "inference/engine/reversible_jump.hpp"
+#include "inference/statistics/diagnostics.hpp"
 
 namespace wheeltap::identification::monitoring {
 namespace {
@@ -89,15 +90,22 @@ MatrixXd term_table(const Prepared& of, CovariateTerms& terms) {
   const Index c = of.sorted.cols(), hinges = static_cast<Index>(terms.knots.size());
   const auto n = static_cast<Index>(of.hours.size());
   MatrixXd out(1 + c + hinges, n);
-  VectorXd v;
+  double before = -1.0, follows = 1.0;  // share of the way that v goes in a step
   for (Index t = 0; t < n; ++t) {
     const double step = t > 0 ? of.hours[index(t)] - of.hours[index(t - 1)] : 0.0;
-    follow_lag(of.scaled[index(t)].z, step, terms.lag_hours, v);
+    if (terms.lag_hours > 0.0 && step != before) follows = -std::expm1(-step / terms.lag_hours);
+    before = step;
+    const double* z = of.scaled[index(t)].z.data();
     double* phi = out.col(t).data();
     phi[0] = 1.0;
-    std::copy(v.data(), v.data() + c, phi + 1);
+    if (t == 0 || !(terms.lag_hours > 0.0)) {
+      std::copy(z, z + c, phi + 1);
+    } else {
+      const double* last = out.col(t - 1).data() + 1;
+      for (Index i = 0; i < c; ++i) phi[1 + i] = last[i] + follows * (z[i] - last[i]);
+    }
     for (Index h = 0; h < hinges; ++h)
-      phi[1 + c + h] = std::max(0.0, v[terms.hinge_of[index(h)]] - terms.knots[index(h)]);
+      phi[1 + c + h] = std::max(0.0, phi[1 + terms.hinge_of[index(h)]] - terms.knots[index(h)]);
   }
   terms.long_low = of.long_low;
   terms.long_high = of.long_high;
@@ -384,10 +392,43 @@ std::span<const double> best_draw(const inference::Posterior& posterior) {
   return best;
 }
 
+/// The largest split R-hat over the features of: the covariates' effect in some learning rows, the
+/// noise, and the drift. Knots need no R-hat near one: different covariates that move together
+/// explain the same effect.
+double rhat_of_effects(const Prepared& of, const Layout& layout,
+                       const inference::Posterior& posterior) {
+  constexpr std::size_t kMostDraws = 125;  // per chain
+  constexpr Index kRows = 4;
+  const std::size_t each = kRows + 2, count = of.features.size() * each + 1;
+  std::vector<inference::ChainsOf> quantities(count, inference::ChainsOf(posterior.chains.size()));
+  for (std::size_t c = 0; c < posterior.chains.size(); ++c) {
+    const auto& chain = posterior.chains[c];
+    const std::size_t n = std::min(chain.size(), kMostDraws);
+    for (std::size_t i = 0; i < n; ++i) {
+      const auto x = chain.draw(i * chain.size() / n, *posterior.space).theta;
+      CovariateTerms terms = terms_of(of, layout, x);
+      const MatrixXd table = term_table(of, terms);
+      for (std::size_t j = 0; j < of.features.size(); ++j) {
+        const ProcessRatios process = ratios_of(layout, x, j);
+        const auto fit = marginal_likelihood(of.hours, table, of.features[j], process,
+                                             prior_of(of, j, table.rows()));
+        for (Index r = 0; r < kRows; ++r)
+          quantities[j * each + index(r)][c].push_back(
+              fit.coefficients.dot(table.col((2 * r + 1) * table.cols() / (2 * kRows))));
+        quantities[j * each + kRows][c].push_back(std::log(fit.scale / fit.shape));
+        quantities[j * each + kRows + 1][c].push_back(std::log(process.fast_ratio));
+      }
+      quantities.back()[c].push_back(std::log(x[layout.rate()]));
+    }
+  }
+  double most = 1.0;
+  for (const auto& one : quantities) most = std::max(most, inference::rhat(one));
+  return most;
+}
+
 void tell_of_engine(const inference::Posterior& posterior, Baseline& out) {
   const inference::Verdict verdict = inference::judge(posterior);
   out.converged = verdict.converged;
-  out.rhat_max = verdict.rhat_max;
   out.likelihood_evaluations = posterior.likelihood_evaluations;
   out.hinge_probability.assign(static_cast<std::size_t>(posterior.space->size()), 0.0);
   double all = 0.0;
@@ -430,6 +471,7 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
     };
   const inference::Posterior posterior = inference::reversible_jump(problem, engine);
   tell_of_engine(posterior, out);
+  out.rhat_max = rhat_of_effects(*prepared, layout, posterior);
 
   const std::vector<Row> rows = rows_of(learning, out);
   base::Random random(options.seed, 0, 0, base::Purpose::simulation);

@@ -66,7 +66,7 @@ struct Baseline {
   // Diagnostics of the engine:
   std::vector<double> hinge_probability = {};  ///< of 0, 1, … hinges
   bool converged = false;
-  double rhat_max = 1.0;
+  double rhat_max = 1.0;  ///< over effects of covariates, noise and drift
   long likelihood_evaluations = 0;
 };
 

@@ -100,6 +100,141 @@ class DensitySum {
   double degrees_, constant_;
 };
 
+/// One draw's candidates in one row. The gain k_i of entry i is common to all candidates, so that
+/// the innovation of entry j changes with δ by
+///
+///   g_j = r e_j + F_j' h - Σ_{i<j} (k_i' h)_j g_i,
+///
+/// F_j the rows of feature j, i the entries before it; F changes after the row's last entry.
+class DrawScores {
+ public:
+  DrawScores(const std::vector<CandidateOnset*>& all, std::size_t draw,
+             const BaselineParameters& parameters, const VectorXd& h, double hours,
+             std::int64_t row)
+      : p_(parameters.features()),
+        block_(parameters.block()),
+        degrees_(parameters.degrees),
+        h_(h),
+        density_(parameters.degrees),
+        hypotheses_(static_cast<std::size_t>((1 + p_) * kSizes)),
+        sums_(all.size() * hypotheses_),
+        gains_(p_ * block_, p_),
+        along_(p_, p_),
+        mass_(static_cast<Index>(all.size())),
+        inflation_(static_cast<Index>(all.size())) {
+    for (std::size_t i = 0; i < all.size(); ++i) {
+      CandidateOnset& c = *all[i];
+      Candidate one{.shift = &c.draws[draw],
+                    .profile = profile_at(c.profile, hours - c.hours),
+                    .g = MatrixXd(p_, p_),
+                    .spread = MatrixXd(p_, kSizes)};
+      for (Index j = 0; j < p_; ++j)
+        one.g.col(j).noalias() =
+            one.shift->sensitivity.middleRows(j * block_, block_).transpose() * h;
+      one.projected = one.g;
+      const MatrixXd& log_weight = one.shift->log_weight;
+      const double most = log_weight.maxCoeff(&one.favourite[0], &one.favourite[1]);
+      mass_[static_cast<Index>(i)] = c.row == row ? -kInfinity : c.log_mass() + most;
+      candidates_.push_back(std::move(one));
+    }
+  }
+
+  /// Adds the densities of an entry of feature j, whose innovation without a shift is v, of
+  /// variance s. Returns the inflation of noise on which the candidates agree: that of their most
+  /// probable hypotheses, weighted by their mass.
+  double score(Index j, double v, double s) {
+    for (std::size_t i = 0; i < candidates_.size(); ++i) {
+      Candidate& c = candidates_[i];
+      const ShiftPosterior& shift = *c.shift;
+      auto g = c.g.col(entries_);
+      g = c.projected.col(j);
+      g[j] += c.profile;
+      for (Index e = 0; e < entries_; ++e) g -= along_(e, j) * c.g.col(e);
+      DensitySum::Terms* sum = &sums_[i * hypotheses_];
+      for (Index size = 0; size < kSizes; ++size) {
+        auto spread = c.spread.col(size);
+        spread.noalias() = shift.covariance.middleCols(size * p_, p_) * g;
+        add(i, 0, size, v - g.dot(shift.mean.col(size)), s + g.dot(spread), sum[size]);
+        for (Index k = 0; k < p_; ++k)
+          add(i, 1 + k, size, v - g[k] * shift.single_mean(k, size),
+              s + g[k] * g[k] * shift.single_variance(k, size), sum[(1 + k) * kSizes + size]);
+      }
+    }
+    if (degrees_ == kGaussian) return 1.0;
+    const double top = mass_.maxCoeff();
+    if (top == -kInfinity) return noise_inflation(v, s, degrees_);
+    const VectorXd weight = (mass_.array() - top).exp();
+    return weight.dot(inflation_) / weight.sum();
+  }
+
+  /// Conditions every δ on the entry that was scored last.
+  void update(double v, double inflated, const VectorXd& gain) {
+    for (Candidate& c : candidates_) {
+      ShiftPosterior& shift = *c.shift;
+      const auto g = c.g.col(entries_);
+      for (Index size = 0; size < kSizes; ++size) {
+        const auto spread = c.spread.col(size);
+        const double total = inflated + g.dot(spread);
+        shift.mean.col(size) += spread * ((v - g.dot(shift.mean.col(size))) / total);
+        shift.covariance.middleCols(size * p_, p_).noalias() -=
+            (spread / total) * spread.transpose();
+        for (Index k = 0; k < p_; ++k) {
+          double& variance = shift.single_variance(k, size);
+          const double kg = variance * g[k], st = inflated + g[k] * kg;
+          shift.single_mean(k, size) += kg * (v - g[k] * shift.single_mean(k, size)) / st;
+          variance -= kg * kg / st;
+        }
+      }
+    }
+    gains_.col(entries_) = gain;
+    for (Index j = 0; j < p_; ++j) along_(entries_, j) = gain.segment(j * block_, block_).dot(h_);
+    ++entries_;
+  }
+
+  void finish() {
+    for (Candidate& c : candidates_)
+      c.shift->sensitivity.noalias() -=
+          gains_.leftCols(entries_) * c.g.leftCols(entries_).transpose();
+  }
+
+  /// ln of the row's density under each hypothesis of candidate i.
+  void write(std::size_t i, MatrixXd& log_density) const {
+    for (Index h = 0; h <= p_; ++h)
+      for (Index size = 0; size < kSizes; ++size)
+        log_density(h, size) =
+            density_.value(sums_[i * hypotheses_ + static_cast<std::size_t>(h * kSizes + size)]);
+  }
+
+ private:
+  struct Candidate {
+    ShiftPosterior* shift = nullptr;
+    double profile = 1.0;
+    MatrixXd g = {};          // p x entries
+    MatrixXd projected = {};  // column j: F_j' h
+    MatrixXd spread = {};     // covariance of δ times g, of each size
+    std::array<Index, 2> favourite = {};
+  };
+
+  void add(std::size_t i, Index hypothesis, Index size, double v, double s,
+           DensitySum::Terms& sum) {
+    density_.add(sum, v, s);
+    if (hypothesis != candidates_[i].favourite[0] || size != candidates_[i].favourite[1]) return;
+    inflation_[static_cast<Index>(i)] = noise_inflation(v, s, degrees_);
+    mass_[static_cast<Index>(i)] += log_innovation_density(v, s, degrees_);
+  }
+
+  Index p_, block_;
+  double degrees_;
+  const VectorXd& h_;
+  DensitySum density_;
+  std::size_t hypotheses_;
+  std::vector<DensitySum::Terms> sums_;
+  std::vector<Candidate> candidates_;
+  MatrixXd gains_, along_;  // states x entries; entries x features: (k' h) of each feature
+  VectorXd mass_, inflation_;
+  Index entries_ = 0;
+};
+
 }  // namespace
 
 /// Log density of the row under each candidate and hypothesis of one draw.
@@ -214,24 +349,8 @@ void ChangePoint::score_draw(std::size_t m, const Row& row, const Weather& weath
   const BaselineParameters& parameters = draws_[m].parameters;
   BaselineFilter& filter = changed_[m];
   const auto p = static_cast<Index>(residual_sd_.size());
-  const Index block = parameters.block();
   const std::vector<CandidateOnset*> all = all_candidates();
-  const std::size_t n = all.size();
-  const DensitySum density(parameters.degrees);
-  const auto hypotheses = static_cast<std::size_t>((1 + p) * kSizes);
-  std::vector<DensitySum::Terms> sums(n * hypotheses);
-  MatrixXd g(p, static_cast<Index>(n));
-  // The inflation that candidates agree on: those of their most probable hypotheses, by mass.
-  std::vector<std::array<Index, 2>> favourite(n);
-  VectorXd mass(static_cast<Index>(n)), profile(static_cast<Index>(n));
-  for (std::size_t i = 0; i < n; ++i) {
-    const CandidateOnset& c = *all[i];
-    const MatrixXd& log_weight = c.draws[m].log_weight;
-    log_weight.maxCoeff(&favourite[i][0], &favourite[i][1]);
-    const bool is_new = c.row == rows_;
-    mass[static_cast<Index>(i)] = is_new ? -kInfinity : c.log_mass() + log_weight.maxCoeff();
-    profile[static_cast<Index>(i)] = profile_at(c.profile, row.hours - c.hours);
-  }
+  DrawScores candidates(all, m, parameters, weather.h, row.hours, rows_);
   VectorXd covariance, gain(filter.x.size());
   for (Index j = 0; j < p; ++j) {
     if (!std::isfinite(row.features[j])) continue;
@@ -241,67 +360,13 @@ void ChangePoint::score_draw(std::size_t m, const Row& row, const Weather& weath
     const double s = filter.variance(feature, weather.h, covariance) + noise;
     const double v = row.features[j] - filter.mean(feature, weather.h);
     scores.unshifted[static_cast<Index>(m)] += log_innovation_density(v, s, parameters.degrees);
-    VectorXd inflation(static_cast<Index>(n));
-    for (std::size_t i = 0; i < n; ++i) {
-      const ShiftPosterior& shift = all[i]->draws[m];
-      const auto ii = static_cast<Index>(i);
-      auto gi = g.col(ii);
-      gi.noalias() = shift.sensitivity.middleRows(j * block, block).transpose() * weather.h;
-      gi[j] += profile[ii];
-      DensitySum::Terms* sum = &sums[i * hypotheses];
-      for (Index size = 0; size < kSizes; ++size) {
-        for (Index h = 0; h <= p; ++h) {
-          double vh = v, sh = s;
-          if (h == 0) {
-            const auto cov = shift.covariance.middleCols(size * p, p);
-            vh -= gi.dot(shift.mean.col(size));
-            sh += gi.dot(cov * gi);
-          } else {
-            vh -= gi[h - 1] * shift.single_mean(h - 1, size);
-            sh += gi[h - 1] * gi[h - 1] * shift.single_variance(h - 1, size);
-          }
-          density.add(sum[h * kSizes + size], vh, sh);
-          if (h == favourite[i][0] && size == favourite[i][1]) {
-            inflation[ii] = noise_inflation(vh, sh, parameters.degrees);
-            mass[ii] += log_innovation_density(vh, sh, parameters.degrees);
-          }
-        }
-      }
-    }
-    double common = 1.0;
-    if (parameters.degrees != kGaussian && mass.maxCoeff() > -kInfinity) {
-      const VectorXd weight = (mass.array() - mass.maxCoeff()).exp();
-      common = weight.dot(inflation) / weight.sum();
-    } else if (parameters.degrees != kGaussian) {
-      common = noise_inflation(v, s, parameters.degrees);
-    }
-    const double inflated = s + noise * (common - 1.0);
+    const double inflated = s + noise * (candidates.score(j, v, s) - 1.0);
     gain = covariance / inflated;
     filter.update(covariance, v, inflated);
-    for (std::size_t i = 0; i < n; ++i) {
-      ShiftPosterior& shift = all[i]->draws[m];
-      const auto gi = g.col(static_cast<Index>(i));
-      for (Index size = 0; size < kSizes; ++size) {
-        auto cov = shift.covariance.middleCols(size * p, p);
-        const VectorXd cg = cov * gi;
-        const double total = inflated + gi.dot(cg);
-        shift.mean.col(size) += cg * ((v - gi.dot(shift.mean.col(size))) / total);
-        cov.noalias() -= cg * (cg / total).transpose();
-        for (Index k = 0; k < p; ++k) {
-          double& variance = shift.single_variance(k, size);
-          const double kg = variance * gi[k], st = inflated + gi[k] * kg;
-          shift.single_mean(k, size) += kg * (v - gi[k] * shift.single_mean(k, size)) / st;
-          variance -= kg * kg / st;
-        }
-      }
-      shift.sensitivity.noalias() -= gain * gi.transpose();
-    }
+    candidates.update(v, inflated, gain);
   }
-  for (std::size_t i = 0; i < n; ++i)
-    for (Index h = 0; h <= p; ++h)
-      for (Index size = 0; size < kSizes; ++size)
-        scores.log_density[i][m](h, size) =
-            density.value(sums[i * hypotheses + static_cast<std::size_t>(h * kSizes + size)]);
+  candidates.finish();
+  for (std::size_t i = 0; i < all.size(); ++i) candidates.write(i, scores.log_density[i][m]);
 }
 
 double ChangePoint::weigh_healthy(const RowScores& scores, double log_baseline) {
@@ -425,6 +490,17 @@ double ChangePoint::probability_changed() const {
   double sum = -kInfinity;
   for (const CandidateOnset& c : candidates_) sum = log_sum(sum, c.log_mass());
   return std::exp(sum - log_sum(sum, log_no_change_));
+}
+
+VectorXd ChangePoint::draw_probabilities() const {
+  const double changed = probability_changed();
+  double all = -kInfinity;
+  for (const CandidateOnset& c : candidates_) all = log_sum(all, c.log_mass());
+  VectorXd out = (1.0 - changed) * log_weight_.array().exp();
+  for (const CandidateOnset& c : candidates_)
+    for (Index m = 0; m < out.size(); ++m)
+      out[m] += changed * std::exp(c.log_mass() - all + log_sum_exp(c.draws[index(m)].log_weight));
+  return out / out.sum();
 }
 
 ChangeEstimate ChangePoint::estimate() const {

@@ -126,6 +126,8 @@ class ChangePoint {
   [[nodiscard]] ChangeEstimate estimate() const;
   /// P(a change) since the last that was accepted.
   [[nodiscard]] double probability_changed() const;
+  /// Posterior probabilities of the parameter draws, with and without a change together.
+  [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
   /// Takes the most probable candidate's shift into the intercepts and begins anew without
   /// candidates.
   void accept_change();

@@ -33,8 +33,10 @@ Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptio
                                         learning),
                     options.change, options.replay);
   LearningOptions shorter = options.learning;
+  // One draw is enough here, so that shorter chains are.
   shorter.draws = 1;
-
+  shorter.engine_warmup = std::min(shorter.engine_warmup, 500);
+  shorter.engine_draws = std::min(shorter.engine_draws, 100);
   shorter.progress = nullptr;
   const Baseline part = learn_baseline(first, shorter);
   return replay(part, healthy_innovations(part, rows_from(learning, trained)), options.change,

@@ -49,7 +49,7 @@ struct SeriesFault {
   int column = -1;
 };
 
-inline constexpr int kFewestLearningRows = 50;
+inline constexpr int kFewestLearningRows = 20;
 
 /// The faults of a series whose first `learning` rows are known to be healthy. A constant covariate
 /// is a fault that a caller may take as a warning; the baseline leaves that covariate out.

@@ -38,7 +38,7 @@ FOLDERS = {
                   'chains', 'diagnosis', 'exploration', 'engine'],
     'identification': ['', 'findings', 'emulation', 'structural', 'structural/defects', 'structural/likelihood', 'structural/forward',
                        'structural/problem', 'structural/updating', 'structural/damage', 'structural/damage/findings', 'sid/residuals', 'sid', 'sid/findings', 'modal',
-                       'monitoring'],
+                       'monitoring', 'monitoring/charts'],
     'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'text', 'remote', 'results', 'results/monitoring', 'report',
              'runs', 'runs/sid', 'runs/batch', 'commands', 'cli'],
 }

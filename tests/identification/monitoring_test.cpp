@@ -449,8 +449,8 @@ TEST(Replay, SeriesOfTheModelAlarmNoMoreOftenThanStated) {
       z = degrees == kGaussian
               ? random.normal()
               : random.normal() / std::sqrt(random.gamma(0.5 * degrees) / (0.5 * degrees));
-    const Replay found = replay(small_baseline(degrees), innovations, {.hazard_per_hour = 1e-4},
-                                {.series = 48, .rows = 300, .block = 1});
+    const Replay found = replay(small_baseline(degrees), {.standardised = innovations},
+                                {.hazard_per_hour = 1e-4}, {.series = 48, .rows = 300, .block = 1});
     EXPECT_LT(found.log_median, std::log(300.0 / 0.31)) << degrees;
   }
 }

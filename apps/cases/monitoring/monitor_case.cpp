@@ -2,11 +2,15 @@
 
 #include <algorithm>
 #include <cmath>
+#include <regex>
 
 #include "apps/cases/records/record_reading.hpp"
 #include "apps/nearest.hpp"
+#include "base/constants.hpp"
 #include "base/index.hpp"
 #include "base/number.hpp"
+#include "io/bytes.hpp"
+#include "io/tables/delimited_text.hpp"
 #include "io/text/text.hpp"
 #include "io/text/time_stamp.hpp"
 
@@ -31,7 +35,8 @@ std::vector<std::string> names_at(const CaseFile& file, const char* key) {
 }
 
 SeriesColumns columns_of(const CaseFile& file) {
-  SeriesColumns out{.time = text_or_number(file.json.at("series").at("time")),
+  const Json& series = file.json.at("series");
+  SeriesColumns out{.time = series.contains("time") ? text_or_number(series.at("time")) : "time",
                     .features = names_at(file, "features"),
                     .sds = names_at(file, "sd"),
                     .covariates = names_at(file, "covariates")};
@@ -62,14 +67,36 @@ Pointer place_of(const SeriesColumns& columns, const std::string& name) {
               error.reason() + " in " + error.path().filename().string());
 }
 
-signals::Record read_table(const CaseFile& file, const SeriesColumns& columns) {
+/// A text without its last line, which is still being written where it has no newline.
+std::string complete_lines(std::string text) {
+  text.resize(text.find_last_of('\n') + 1);  // npos + 1 is 0
+  return text;
+}
+
+signals::Record read_complete_lines(const std::filesystem::path& path,
+                                    signals::RecordReading reading) {
+  std::string text = io::read_bytes(path);
+  const io::Format& format = io::format_of(path, std::string_view(text).substr(0, 512));
+  if (format.parse_text == nullptr) return signals::read_record(path, std::move(reading));
+  const auto wanted = [&](const io::Columns& table, std::size_t column) {
+    return std::ranges::any_of(reading.columns, [&](const std::string& name) {
+      return table.find(name) == static_cast<int>(column);
+    });
+  };
+  return signals::Record{
+      format.parse_text(complete_lines(std::move(text)), path, wanted, reading.layout)};
+}
+
+signals::Record read_table(const CaseFile& file, const SeriesColumns& columns, const char* key,
+                           bool following) {
   signals::RecordReading reading{.layout = parse_layout(file, kSeries)};
   reading.columns.push_back(columns.time);
   for (const auto* list : {&columns.features, &columns.sds, &columns.covariates})
     reading.columns.insert(reading.columns.end(), list->begin(), list->end());
   try {
-    return signals::read_record(file.resolve(file.json.at("series").at("file").get<std::string>()),
-                                std::move(reading));
+    const auto path = file.resolve(file.json.at("series").at(key).get<std::string>());
+    if (following) return read_complete_lines(path, std::move(reading));
+    return signals::read_record(path, std::move(reading));
   } catch (const io::NoSuchColumn& error) {
     refuse_column(file, columns, error);
   } catch (const io::FileError& error) {
@@ -87,6 +114,13 @@ signals::Record read_table(const CaseFile& file, const SeriesColumns& columns) {
                                   .what()));
 }
 
+/// Whether a date ends with Z, UTC, GMT or a distance from UTC.
+bool has_zone(const std::string& date) {
+  static const std::regex zone(R"(\d\s*(Z|UTC|GMT|[+-]\d\d(:?\d\d)?)\s*$)");
+  // The day of a date without a time looks like a distance: 2026-03-01.
+  return date.find(':') != std::string::npos && std::regex_search(date, zone);
+}
+
 TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int column) {
   const io::Column& time = table.columns[index(column)];
   const Json& series = file.json.at("series");
@@ -101,8 +135,10 @@ TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int colum
     if (!start)
       refuse_row(table, 0, column,
                  "the first date cannot be read: use ISO 8601, 2026-03-01T10:00Z");
-    return {
-        .hours_per_unit = 1.0 / 3600.0, .unit = "date", .start_nanoseconds = start->nanoseconds};
+    return {.hours_per_unit = 1.0 / 3600.0,
+            .unit = "date",
+            .start_nanoseconds = start->nanoseconds,
+            .zoned = has_zone(table.layout->start)};
   }
   const std::string unit = series.value("time_unit", std::string("h"));
   const double hours = unit == "s"     ? 1.0 / 3600.0
@@ -199,11 +235,21 @@ void read_learning(MonitorCaseFile& out) {
     const auto stamp = io::read_stamp(until.get<std::string>()).stamp;
     if (!stamp || !stamp->has_date)
       out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
+    // A day without a time begins at midnight of the series' clock.
+    if (const bool timed = until.get<std::string>().find(':') != std::string::npos;
+        timed && has_zone(until.get<std::string>()) != out.time.zoned)
+      out.file.refuse(where, out.time.zoned
+                                 ? "has no time zone, but the times of the series have: add it, "
+                                   "for example \"2026-03-01T00:00Z\""
+                                 : "has a time zone, but the times of the series have none: "
+                                   "leave it out");
     hours = static_cast<double>(stamp->nanoseconds - *out.time.start_nanoseconds) / 3.6e12;
   } else {
     if (!until.is_number())
       out.file.refuse(where, "must be a number in " + out.time.unit + ", as the times are");
     hours = until.get<double>() * out.time.hours_per_unit;
+    // Of numbered tests it is the last healthy one.
+    if (out.tests && out.time.unit == "row") hours += 0.5;
   }
   const auto& times = out.series.hours;
   out.learning_rows = static_cast<int>(std::ranges::lower_bound(times, hours) - times.begin());
@@ -221,8 +267,12 @@ void read_learning(MonitorCaseFile& out) {
 /// Faults of the series as complaints about the case; a constant covariate is a warning.
 void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
   using Kind = SeriesFault::Kind;
+  const Pointer tests =
+      kSeries / (out.file.json.at("series").contains("modes") ? "modes" : "records");
   for (const SeriesFault& fault : find_faults(out.series, out.learning_rows)) {
     const auto feature = [&](const std::string& message) {
+      if (out.tests)
+        out.file.refuse(tests, out.series.feature_names[index(fault.column)] + " " + message);
       out.file.refuse(place_of(columns, columns.features[index(fault.column)]), message);
     };
     switch (fault.kind) {
@@ -280,7 +330,195 @@ void read_alarm(MonitorCaseFile& out) {
   options.learning.lag = learning.value("lag", true);
 }
 
+/// The series has one source of features.
+void check_source(const CaseFile& file) {
+  const Json& series = file.json.at("series");
+  std::vector<std::string> sources;
+  for (const char* key : {"features", "modes", "records"})
+    if (series.contains(key)) sources.emplace_back(key);
+  if (sources.size() != 1)
+    file.refuse(kSeries, sources.empty()
+                             ? "must have \"features\" (columns of a table), \"modes\" (files of "
+                               "wheeltap modal) or \"records\" (raw records)"
+                             : "has both \"" + sources[0] + "\" and \"" + sources[1] +
+                                   "\": give one of them");
+  const bool table = sources[0] == "features";
+  const auto need = [&](const char* key) {
+    if (!series.contains(key)) file.refuse(kSeries / key, "is missing: the table needs it");
+  };
+  const auto reject = [&](const char* key, const std::string& why) {
+    if (series.contains(key) && !series.at(key).is_null()) file.refuse(kSeries / key, why);
+  };
+  if (table) {
+    need("file");
+    need("time");
+    reject("times", "is for \"modes\" and \"records\": a table has its own column of times");
+    return;
+  }
+  reject("file", "is for a table of features: remove it, or name its columns in \"features\"");
+  reject("sd", "is for a table of features: modes come with their standard deviations");
+  for (const char* key : {"time", "time_unit", "covariates"})
+    if (!series.contains("times")) reject(key, "needs \"times\", a table of file and time");
+}
+
+void read_series_table(const SeriesColumns& columns, const ModesReading& reading,
+                       MonitorCaseFile& out) {
+  const signals::Record table = read_table(out.file, columns, "file", reading.following);
+  if (table.rows() == 0) refuse_row(table, 0, -1, "the table has no rows");
+  try {
+    read_times(table, columns, out);
+    read_features(table, columns, out);
+    read_covariates(table, columns, out);
+  } catch (const io::NoSuchColumn& error) {
+    refuse_column(out.file, columns, error);
+  }
+  read_learning(out);
+}
+
+/// The names in the column "file" of the table of times.
+std::vector<std::string> files_of_times(const MonitorCaseFile& out, bool following) {
+  const auto path = out.file.resolve(out.file.json.at(kSeries / "times").get<std::string>());
+  std::string text = io::read_bytes(path);
+  if (following) text = complete_lines(std::move(text));
+  const io::DelimitedText table(std::move(text), path, io::FirstRow::header,
+                                parse_layout(out.file, kSeries));
+  const auto& headers = table.headers();
+  const auto found = std::ranges::find(headers, "file", &io::Column::name);
+  if (found == headers.end())
+    out.file.refuse(kSeries / "times", "has no column \"file\" with the names of the files");
+  std::vector<std::string> names;
+  for (int i = 0; i < table.rows(); ++i)
+    names.push_back(table.cells(i)[index(found - headers.begin())]);
+  return names;
+}
+
+/// Brings the tests into the order of the table of times.
+void order_by_times(const SeriesColumns& columns, const ModesReading& reading, MonitorCaseFile& out,
+                    std::vector<MonitoredTest>& tests) {
+  const signals::Record table = read_table(out.file, columns, "times", reading.following);
+  try {
+    read_times(table, columns, out);
+    read_covariates(table, columns, out);
+  } catch (const io::NoSuchColumn& error) {
+    refuse_column(out.file, columns, error);
+  }
+  const std::vector<std::string> names = files_of_times(out, reading.following);
+  std::vector<MonitoredTest> ordered;
+  for (std::size_t i = 0; i < names.size(); ++i) {
+    const auto found = std::ranges::find_if(tests, [&](const MonitoredTest& test) {
+      const std::filesystem::path path = test.name;
+      return names[i] == test.name || names[i] == path.filename() ||
+             std::filesystem::path(names[i]).filename() == path.filename();
+    });
+    if (found == tests.end())
+      refuse_row(table, static_cast<int>(i), -1,
+                 names[i] +
+                     " is not among the files of the series: correct the name, or remove "
+                     "the row");
+    ordered.push_back(*found);
+  }
+  for (const MonitoredTest& test : tests)
+    if (!reading.following &&
+        std::ranges::none_of(ordered, [&](const auto& o) { return o.name == test.name; }))
+      out.file.refuse(kSeries / "times", "has no row for " + io::printable(test.name));
+  tests = std::move(ordered);
+}
+
+/// The features: frequencies of the tracked modes, missing where none is assigned.
+void fill_tracked(const identification::monitoring::ModeTracker& tracker,
+                  const std::vector<identification::monitoring::IdentifiedRecord>& records,
+                  MonitorCaseFile& out) {
+  const auto n = static_cast<Eigen::Index>(records.size());
+  const auto count = static_cast<Eigen::Index>(tracker.modes().size());
+  out.tests->modes = tracker.modes();
+  out.tests->probability.resize(n, count);
+  out.features = Eigen::MatrixXd::Constant(n, count, kNaN);
+  auto& series = out.series;
+  series.features = series.sds = out.features;
+  bool every_sd = true;
+  const auto tracked = tracker.track(records, series.covariates);
+  for (Eigen::Index t = 0; t < n; ++t) {
+    const auto& one = tracked[index(t)];
+    out.tests->probability.row(t) = one.probability.transpose();
+    for (Eigen::Index k = 0; k < count; ++k) {
+      const int mode = one.mode[index(k)];
+      if (mode < 0) continue;
+      const auto& identified = records[index(t)][index(mode)];
+      out.features(t, k) = identified.frequency_hz;
+      series.features(t, k) = std::log(identified.frequency_hz);
+      series.sds(t, k) = identified.frequency_sd / identified.frequency_hz;
+      every_sd = every_sd && identified.frequency_sd > 0.0;
+    }
+  }
+  if (!every_sd) series.sds.resize(0, 0);
+  for (Eigen::Index k = 0; k < count; ++k)
+    series.feature_names.push_back("f" + std::to_string(k + 1) + " [Hz]");
+}
+
+void read_series_of_tests(const SeriesColumns& columns, const ModesReading& reading,
+                          MonitorCaseFile& out) {
+  using identification::monitoring::ModeTracker;
+  const Json& series = out.file.json.at("series");
+  std::vector<MonitoredTest> tests = series.contains("modes")
+                                         ? read_modes_of_tests(out.file, reading)
+                                         : identify_tests(out.file, reading);
+  out.tests.emplace();
+  if (series.contains("times")) {
+    order_by_times(columns, reading, out, tests);
+  } else {
+    out.time = {.hours_per_unit = 1.0, .unit = "row"};
+    for (std::size_t i = 0; i < tests.size(); ++i)
+      out.series.hours.push_back(static_cast<double>(i + 1));
+    out.series.covariates.resize(static_cast<Eigen::Index>(tests.size()), 0);
+  }
+  for (const MonitoredTest& test : tests) {
+    out.tests->names.push_back(test.name);
+    out.tests->checksums.push_back(test.checksum);
+    if (!test.fault.empty())
+      out.warnings.push_back("No modes were identified in " + io::printable(test.name) + ": " +
+                             test.fault + ". Its features are missing.");
+  }
+  read_learning(out);
+  const auto records = identified_records(tests);
+  const auto learning = index(out.learning_rows);
+  try {
+    const ModeTracker tracker({records.begin(), records.begin() + out.learning_rows},
+                              out.series.covariates.topRows(out.learning_rows));
+    fill_tracked(tracker, records, out);
+  } catch (const std::invalid_argument& error) {
+    out.file.refuse(
+        kSeries / (series.contains("modes") ? "modes" : "records"),
+        std::string(error.what()) + " (" + std::to_string(learning) + " learning records)");
+  }
+}
+
 }  // namespace
+
+Pointer source_of(const CaseFile& file) {
+  for (const Pointer& where : {kSeries / "modes", kSeries / "records" / "files"})
+    if (file.json.contains(where)) return where;
+  return kSeries / "file";
+}
+
+std::string files_now(const CaseFile& file) {
+  std::string out;
+  try {
+    std::vector<std::string> names;
+    const Json& source = file.json.at(source_of(file));
+    for (const Json& one : source.is_array() ? source : Json::array({source}))
+      names.push_back(one.get<std::string>());
+    std::vector<std::filesystem::path> paths = listed_files(file, source_of(file), names);
+    if (file.json.contains(kSeries / "times"))
+      paths.push_back(file.place_of(file.json.at(kSeries / "times").get<std::string>()));
+    for (const auto& path : paths)
+      out += path.string() + " " + std::to_string(std::filesystem::file_size(path)) + " " +
+             std::to_string(std::filesystem::last_write_time(path).time_since_epoch().count()) +
+             "\n";
+  } catch (const std::exception&) {
+    return {};  // the next reading reports the fault
+  }
+  return out;
+}
 
 Report TimeAxis::written(double hours) const {
   if (start_nanoseconds) return text(hours);
@@ -292,24 +530,19 @@ std::string TimeAxis::text(double hours) const {
   if (!start_nanoseconds) return base::significant(hours / hours_per_unit, 12);
   io::TimeStamp stamp{.nanoseconds =
                           *start_nanoseconds + std::llround(hours * 3600.0) * 1'000'000'000};
-  return io::text_of(stamp);
+  return io::text_of(stamp) + (zoned ? "Z" : "");
 }
 
-MonitorCaseFile parse_monitor_case(CaseFile file) {
+MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading) {
   validate_against_schema(file, "monitor");
   MonitorCaseFile out{.file = std::move(file), .title = {}};
   out.title = out.file.json.value("title", std::string("Monitoring"));
+  check_source(out.file);
   const SeriesColumns columns = columns_of(out.file);
-  const signals::Record table = read_table(out.file, columns);
-  if (table.rows() == 0) refuse_row(table, 0, -1, "the table has no rows");
-  try {
-    read_times(table, columns, out);
-    read_features(table, columns, out);
-    read_covariates(table, columns, out);
-  } catch (const io::NoSuchColumn& error) {
-    refuse_column(out.file, columns, error);
-  }
-  read_learning(out);
+  if (out.file.json.at("series").contains("features"))
+    read_series_table(columns, reading, out);
+  else
+    read_series_of_tests(columns, reading, out);
   check_series(columns, out);
   read_alarm(out);
   return out;

@@ -37,15 +37,46 @@ Report alarm_json(const MonitorCaseFile& parsed, const AlarmRecord& alarm) {
                         {"shift", change.shift[j]},
                         {"sd", change.shift_sd[j]},
                         {"probability_shifted", change.shifted_probability[j]}});
-  return {{"time", parsed.time.written(alarm.hours)},
-          {"onset",
-           {{"q2.5", parsed.time.written(change.onset_low)},
-            {"q50", parsed.time.written(change.onset_median)},
-            {"q97.5", parsed.time.written(change.onset_high)}}},
-          {"probability_changed", change.probability},
-          {"probability_at_alarm", alarm.probability_at_alarm},
-          {"probability_ramp", change.ramp_probability},
-          {"features", features}};
+  Report out = {{"time", parsed.time.written(alarm.hours)},
+                {"onset",
+                 {{"q2.5", parsed.time.written(change.onset_low)},
+                  {"q50", parsed.time.written(change.onset_median)},
+                  {"q97.5", parsed.time.written(change.onset_high)}}},
+                {"probability_changed", change.probability},
+                {"probability_at_alarm", alarm.probability_at_alarm},
+                {"probability_ramp", change.ramp_probability},
+                {"features", features}};
+  if (parsed.tests) {
+    const auto& hours = parsed.series.hours;
+    const auto row = std::ranges::lower_bound(hours, alarm.hours) - hours.begin();
+    out["file"] =
+        parsed.tests->names[index(std::min<std::ptrdiff_t>(row, parsed.series.rows() - 1))];
+  }
+  return out;
+}
+
+/// The tracked modes: how often they were identified, and how surely.
+Report tracked_json(const MonitorCaseFile& parsed) {
+  Report out = Report::array();
+  for (std::size_t k = 0; k < parsed.tests->modes.size(); ++k) {
+    const auto& mode = parsed.tests->modes[k];
+    const auto column = static_cast<Eigen::Index>(k);
+    long present = 0;
+    double probability = 0.0;
+    for (Eigen::Index t = 0; t < parsed.features.rows(); ++t)
+      if (std::isfinite(parsed.features(t, column))) {
+        ++present;
+        probability += parsed.tests->probability(t, column);
+      }
+    out.push_back(
+        {{"name", parsed.series.feature_names[k]},
+         {"frequency_hz", std::exp(mode.log_frequency)},
+         {"scatter", mode.scatter},
+         {"identified", present},
+         {"missing", parsed.features.rows() - present},
+         {"mean_probability", present > 0 ? probability / static_cast<double>(present) : 0.0}});
+  }
+  return out;
 }
 
 Report baseline_json(const Monitor& monitor) {
@@ -115,10 +146,12 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
                      {"replayed", monitor.log_threshold_replayed()},
                      {"used", monitor.log_threshold()}}},
                    {"rows", parsed.series.rows()},
+                   {"time_unit", parsed.time.unit},
                    {"learning_rows", parsed.learning_rows},
                    {"last_time", parsed.time.written(parsed.series.hours.back())},
                    {"onset_mass_moved", monitor.change().moved_mass()},
                    {"baseline", baseline_json(monitor)}};
+  if (parsed.tests) result["tracked_modes"] = tracked_json(parsed);
   if (parsed.time.unit == "row") {
     result["rows_between_false_alarms"] = {
         {"stated", std::exp(monitor.log_threshold_stated())},
@@ -149,15 +182,18 @@ std::string monitor_headline(const Report& monitor) {
            percent(monitor.at("probability_changed").get<double>()) + ".";
   const Report& alarms = monitor.at("alarms");
   const Report& last = alarms.back();
+  const std::string unit = monitor.value("time_unit", std::string());
+  const std::string before = unit == "row" ? "row " : "";
+  const std::string after = unit == "row" || unit == "date" || unit.empty() ? "" : " " + unit;
   const auto time = [](const Report& t) {
     return t.is_string() ? t.get<std::string>() : base::significant(t.get<double>(), 8);
   };
   return std::string(alarms.size() == 1 ? "Alarm at "
                                         : std::to_string(alarms.size()) + " alarms, the last at ") +
-         time(last.at("time")) + ": features changed at " + time(last.at("onset").at("q50")) +
-         " (95 % interval " + time(last.at("onset").at("q2.5")) + " to " +
-         time(last.at("onset").at("q97.5")) + "), probability " +
-         percent(last.at("probability_changed").get<double>()) + ".";
+         before + time(last.at("time")) + after + ": features changed at " + before +
+         time(last.at("onset").at("q50")) + after + " (95 % interval " +
+         time(last.at("onset").at("q2.5")) + " to " + time(last.at("onset").at("q97.5")) + after +
+         "), probability " + percent(last.at("probability_changed").get<double>()) + ".";
 }
 
 std::string shifts_in_words(const Report& alarm) {

@@ -1,0 +1,21 @@
+// Robust scatter of residuals, and Mahalanobis distances of rows with missing entries.
+#pragma once
+
+#include "base/eigen.hpp"
+
+namespace wheeltap::identification::monitoring {
+
+/// Median and covariance of the columns of n x p residuals, NaN: missing. Standard deviations are
+/// 1.4826 median absolute deviations; correlations are those of values clipped at three standard
+/// deviations, over rows that have both.
+struct Scatter {
+  Eigen::VectorXd median, sd;
+  Eigen::MatrixXd covariance;
+};
+
+[[nodiscard]] Scatter robust_scatter(const Eigen::MatrixXd& residuals);
+
+/// (r - m)' S⁻¹ (r - m) over the entries that are present; NaN where none is.
+[[nodiscard]] double squared_distance(const Scatter& scatter, const Eigen::VectorXd& residuals);
+
+}  // namespace wheeltap::identification::monitoring

@@ -1,0 +1,55 @@
+// Features without the effect of the covariates, as plain charts remove it: least squares on linear
+// terms and hinges, and Gaussian process regression.
+#pragma once
+
+#include <vector>
+
+#include "identification/monitoring/covariate_terms.hpp"
+#include "identification/monitoring/series.hpp"
+
+namespace wheeltap::identification::monitoring {
+
+/// y_j = b_j0 + Σ_c b_jc z_c + Σ_h b_jh max(0, z_h - κ_h), by least squares with robust weights.
+/// Each covariate has a hinge at its median and, where its values in learning lie on both sides of
+/// zero, one at zero: temperatures in degrees Celsius have a change of slope there.
+class HingeRegression {
+ public:
+  explicit HingeRegression(const Series& learning);
+  /// p residuals, NaN: missing.
+  [[nodiscard]] Eigen::VectorXd residuals(const Row& row) const;
+
+ private:
+  [[nodiscard]] Eigen::VectorXd terms(const Eigen::VectorXd& covariates) const;
+  CovariateScaling scaling_;
+  std::vector<int> hinge_of_;
+  std::vector<double> knots_;
+  Eigen::MatrixXd coefficients_;  // terms x p
+};
+
+/// A Gaussian process for each feature, of the standardised covariates:
+///
+///   k(z, z') = exp(-|z - z'|²/(2 c ℓ²)) + 0.1 z'z'/c + ρ δ,
+///
+/// scaled by σ²; c covariates. ℓ and ρ have the largest marginal likelihood on a grid, with σ² in
+/// closed form (Rasmussen & Williams 2006, equation 5.8). Of long learning periods it keeps
+/// kMostPoints rows at equal distances.
+class ProcessRegression {
+ public:
+  static constexpr int kMostPoints = 300;
+  explicit ProcessRegression(const Series& learning);
+  /// p residuals over their predictive standard deviations, NaN: missing.
+  [[nodiscard]] Eigen::VectorXd residuals(const Row& row) const;
+
+ private:
+  struct Feature {
+    Eigen::MatrixXd points = {};   // covariates x n
+    Eigen::MatrixXd inverse = {};  // n x n: of the kernel matrix
+    Eigen::VectorXd weights = {};  // n: inverse times values
+    double mean = 0.0, length = 1.0, noise = 0.1, variance = 1.0;
+  };
+  [[nodiscard]] static Feature fit(const Eigen::MatrixXd& points, const Eigen::VectorXd& values);
+  CovariateScaling scaling_;
+  std::vector<Feature> features_;
+};
+
+}  // namespace wheeltap::identification::monitoring
