@@ -5,6 +5,7 @@
 #include <string_view>
 
 #include "apps/report/monitor_page.hpp"
+#include "apps/results/monitoring/explained_change.hpp"
 #include "apps/results/monitoring/monitor_summary.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/runs/running.hpp"
@@ -25,7 +26,7 @@ using identification::monitoring::Monitor;
 using identification::monitoring::RowFinding;
 namespace fs = std::filesystem;
 
-constexpr const char* kStateVersion = "1";
+constexpr const char* kStateVersion = "2";
 constexpr const char* kWhat = "a monitoring state of wheeltap";
 
 /// The state from which the next call continues.
@@ -63,7 +64,7 @@ std::uint64_t checksum_of(const MonitorCaseFile& parsed, std::int64_t from, std:
 /// The case without what may change between calls.
 std::string case_text_of(const MonitorCaseFile& parsed, std::uint64_t seed) {
   Json kept = parsed.file.json;
-  for (const char* key : {"title", "notes", "$schema"}) kept.erase(key);
+  for (const char* key : {"title", "notes", "$schema", "truth"}) kept.erase(key);
   return kept.dump() + " seed " + std::to_string(seed);
 }
 
@@ -181,6 +182,9 @@ Report run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common) {
 
   Report summary =
       monitor_summary(parsed, state->monitor, {.seed = seed, .command_line = common.command_line});
+  add_explanations(parsed,
+                   explanations(parsed, state->monitor, base::thread_count(common.threads)),
+                   summary);
   summary["files"]["series.csv"] = seal(table);
   const std::string page =
       monitor_page(summary, io::parse_delimited_text(table, folder / "series.csv"));

@@ -312,6 +312,7 @@ MonitorCaseFile parse_monitor_case(CaseFile file) {
   read_learning(out);
   check_series(columns, out);
   read_alarm(out);
+  out.structure = parse_monitored_structure(out.file, columns.features.size());
   return out;
 }
 

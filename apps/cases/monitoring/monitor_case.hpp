@@ -6,6 +6,7 @@
 #include <string>
 #include <vector>
 
+#include "apps/cases/monitoring/monitored_structure.hpp"
 #include "apps/cases/syntax/case_file.hpp"
 #include "apps/report_json.hpp"
 #include "identification/monitoring/monitor.hpp"
@@ -32,6 +33,7 @@ struct MonitorCaseFile {
   Eigen::MatrixXd features = {};                   ///< n x p: as in the table
   int learning_rows = 0;
   identification::monitoring::MonitorOptions options = {};
+  std::optional<MonitoredStructure> structure = {};  ///< to explain changes
   std::vector<std::string> warnings = {};
 };
 
