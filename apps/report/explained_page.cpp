@@ -35,9 +35,8 @@ std::string element_chart(const Report& defect) {
   const std::string name = defect.at("name").get<std::string>();
   const std::string site = defect.at("site").get<std::string>();
   const bool elements = site == "beam" || site == "member";
-  return plot.framed("place of the " + name + ", if it is the cause",
-                     elements ? "element" : site, "probability",
-                     "<path class=\"line\" d=\"" + path + "\"/>\n");
+  return plot.framed("place of the " + name + ", if it is the cause", elements ? "element" : site,
+                     "probability", "<path class=\"line\" d=\"" + path + "\"/>\n");
 }
 
 }  // namespace
@@ -50,8 +49,7 @@ std::string explanation_section(const Report& monitor) {
   for (const Report& alarm : monitor.at("alarms")) {
     if (!alarm.contains("explanation")) continue;
     const Report& explanation = alarm.at("explanation");
-    out += "<h3>Alarm at " + escaped(time(alarm.at("time"))) + "</h3>\n" +
-           cause_table(explanation);
+    out += "<h3>Alarm at " + escaped(time(alarm.at("time"))) + "</h3>\n" + cause_table(explanation);
     for (const std::string& text : explanation_in_words(alarm))
       out += "<p>" + escaped(text) + "</p>\n";
     for (const Report& defect : explanation.at("defects"))

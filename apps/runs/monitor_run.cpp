@@ -182,8 +182,7 @@ Report run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common) {
 
   Report summary =
       monitor_summary(parsed, state->monitor, {.seed = seed, .command_line = common.command_line});
-  add_explanations(parsed,
-                   explanations(parsed, state->monitor, base::thread_count(common.threads)),
+  add_explanations(parsed, explanations(parsed, state->monitor, base::thread_count(common.threads)),
                    summary);
   summary["files"]["series.csv"] = seal(table);
   const std::string page =

@@ -23,7 +23,9 @@ constexpr std::array kOffsetSizes{0.1, 0.3, 1.0, 3.0};
 constexpr std::size_t kThermometerInflations = 4;  // the first ones
 constexpr int kBinsPerSegment = 8;                 // of a severity's posterior
 
-double log_mean(double sum, std::size_t n) { return sum - std::log(static_cast<double>(n)); }
+double log_mean(double sum, std::size_t n) {
+  return sum - std::log(static_cast<double>(n));
+}
 
 /// -½ q(t)/v, q(t) = a t² + 2 b t + c, on a segment t in [0, 1].
 struct Segment {
@@ -43,8 +45,7 @@ struct Segment {
       high = -high;
     }
     return -0.5 * (c - b * b / a) / v + 0.5 * std::log(kTwoPi * v / a) +
-           inference::log_diff_exp(inference::log_normal_cdf(high),
-                                   inference::log_normal_cdf(low));
+           inference::log_diff_exp(inference::log_normal_cdf(high), inference::log_normal_cdf(low));
   }
   [[nodiscard]] Segment part(int i, int parts) const {
     const double h = 1.0 / parts, t = i * h;
@@ -103,8 +104,8 @@ class Explainer {
     const double log_each = log_weight - std::log(static_cast<double>(segments));
     for (Index s = 0; s < segments; ++s) {
       const VectorXd from = path.shifts.col(s);
-      const VectorXd step = nodes > 1 ? VectorXd(path.shifts.col(s + 1) - from)
-                                      : VectorXd::Zero(from.size());
+      const VectorXd step =
+          nodes > 1 ? VectorXd(path.shifts.col(s + 1) - from) : VectorXd::Zero(from.size());
       if (!from.allFinite() || !step.allFinite()) continue;
       for (std::size_t k = 0; k < likelihood_.components.size(); ++k) {
         const auto& one = likelihood_.components[k];
@@ -113,8 +114,8 @@ class Explainer {
         if (severities == nullptr) {
           for (std::size_t i = 0; i < evidence.size(); ++i) {
             const double v = 1.0 + kInflations[i] * kInflations[i];
-            evidence[i] = log_sum_exp(evidence[i], log_one - 0.5 * informed_[k] * std::log(v) +
-                                                       segment.log_integral(v));
+            evidence[i] = log_sum_exp(
+                evidence[i], log_one - 0.5 * informed_[k] * std::log(v) + segment.log_integral(v));
           }
           continue;
         }
@@ -142,10 +143,9 @@ class Explainer {
       const auto& one = likelihood_.components[k];
       const VectorXd pulled = one.precision * one.mean;
       const double a = d.dot(one.precision * d) / v, h = d.dot(pulled) / v;
-      sum = log_sum_exp(sum, one.log_weight - 0.5 * informed_[k] * std::log(v) -
-                                 0.5 * one.mean.dot(pulled) / v +
-                                 0.5 * h * h / (a + 1.0 / (sd * sd)) -
-                                 0.5 * std::log1p(a * sd * sd));
+      sum = log_sum_exp(
+          sum, one.log_weight - 0.5 * informed_[k] * std::log(v) - 0.5 * one.mean.dot(pulled) / v +
+                   0.5 * h * h / (a + 1.0 / (sd * sd)) - 0.5 * std::log1p(a * sd * sd));
     }
     return sum;
   }
@@ -156,11 +156,10 @@ class Explainer {
     const auto nodes = static_cast<Index>(path.severities.size());
     for (Index s = 0; s < std::max<Index>(1, nodes - 1); ++s) {
       const VectorXd from = path.shifts.col(s);
-      const VectorXd step = nodes > 1 ? VectorXd(path.shifts.col(s + 1) - from)
-                                      : VectorXd::Zero(from.size());
+      const VectorXd step =
+          nodes > 1 ? VectorXd(path.shifts.col(s + 1) - from) : VectorXd::Zero(from.size());
       if (from.allFinite() && step.allFinite())
-        least = std::min(least,
-                         segment_of(likelihood_.components.front(), from, step).least());
+        least = std::min(least, segment_of(likelihood_.components.front(), from, step).least());
     }
     return std::sqrt(least);
   }
@@ -205,11 +204,11 @@ ExplainedDefect defect_of(const Explainer& explainer, const DefectKind& kind,
     const SiteLine::Stretch& stretch = kind.line.stretches()[index(number)];
     const double metres = stretch.size / (stretch.end - stretch.start);
     const CentralInterval at = interval_of(masses);
-    out.places.push_back({.stretch = number,
-                          .probability = own,
-                          .at = {(at.q5 - stretch.start) * metres,
-                                 (at.q50 - stretch.start) * metres,
-                                 (at.q95 - stretch.start) * metres}});
+    out.places.push_back(
+        {.stretch = number,
+         .probability = own,
+         .at = {(at.q5 - stretch.start) * metres, (at.q50 - stretch.start) * metres,
+                (at.q95 - stretch.start) * metres}});
   }
   std::ranges::stable_sort(out.places, std::ranges::greater(), &ExplainedPlace::probability);
   return out;
@@ -242,8 +241,8 @@ ChangeExplanation explain_change(const ShiftLikelihood& likelihood, const Matrix
     }
     evidence[k] = inflated[0];
     const double share = options.share[k] / (mass ? mass_share : damage_share);
-    defects[k] = inflated[0] +
-                 std::log(share * (mass ? options.weights.mass : options.weights.damage));
+    defects[k] =
+        inflated[0] + std::log(share * (mass ? options.weights.mass : options.weights.damage));
     for (std::size_t i = 1; i < inflated.size(); ++i)
       other = log_sum_exp(other, log_mean(inflated[i], kInflations.size() - 1) +
                                      std::log(share * options.weights.other));
@@ -253,8 +252,8 @@ ChangeExplanation explain_change(const ShiftLikelihood& likelihood, const Matrix
   for (Index j = 0; j < p; ++j) {
     double sum = -kInfinity;
     for (const double size : kFaultSizes)
-      sum = log_sum_exp(sum, explainer.along(VectorXd::Unit(p, j),
-                                             size * options.residual_sd[j], 0.0));
+      sum = log_sum_exp(sum,
+                        explainer.along(VectorXd::Unit(p, j), size * options.residual_sd[j], 0.0));
     features[index(j)] =
         log_mean(sum, kFaultSizes.size()) + std::log(of_features / static_cast<double>(p));
   }
@@ -263,8 +262,8 @@ ChangeExplanation explain_change(const ShiftLikelihood& likelihood, const Matrix
     double sum = -kInfinity;
     for (const double size : kOffsetSizes)
       for (std::size_t n = 0; n < kThermometerInflations; ++n)
-        sum = log_sum_exp(sum, explainer.along(slopes.col(i), size * options.covariate_sd[i],
-                                               kInflations[n]));
+        sum = log_sum_exp(
+            sum, explainer.along(slopes.col(i), size * options.covariate_sd[i], kInflations[n]));
     thermometers[index(i)] = log_mean(sum, kOffsetSizes.size() * kThermometerInflations) +
                              std::log(0.5 * options.weights.sensor / static_cast<double>(usable));
   }

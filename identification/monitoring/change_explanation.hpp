@@ -9,9 +9,9 @@
 // P(cause | rows) ∝ P(cause) ∫ L(δ) p(δ | cause) dδ, L the likelihood of shift_likelihood.hpp, with
 // every normaliser. Along a path of severities δ is piecewise linear and L a mixture of normal
 // densities, so that the integrals are exact. "Other" has sizes κ = 1, 2, 4 … 128, equally
-// probable. It is the alternative that measures how far the shift lies from every damage, in its own
-// standard deviations: a shift that no damage explains to within a few of them is not called damage
-// because other causes are even less likely.
+// probable. It is the alternative that measures how far the shift lies from every damage, in its
+// own standard deviations: a shift that no damage explains to within a few of them is not called
+// damage because other causes are even less likely.
 #pragma once
 
 #include "identification/monitoring/defect_shifts.hpp"
@@ -29,8 +29,8 @@ struct CauseOptions {
   std::vector<bool> is_mass = {};  ///< one a kind: an added mass, not damage
   /// One a kind: its prior share among the kinds of damage, or among those of mass.
   std::vector<double> share = {};
-  Eigen::VectorXd residual_sd = {};    ///< p
-  Eigen::VectorXd covariate_sd = {};   ///< c, in learning; zero: left out
+  Eigen::VectorXd residual_sd = {};   ///< p
+  Eigen::VectorXd covariate_sd = {};  ///< c, in learning; zero: left out
 };
 
 /// Quantiles of a posterior.

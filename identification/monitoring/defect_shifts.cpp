@@ -37,8 +37,8 @@ std::vector<double> severities_of(const DefectKind& kind, int nodes) {
   std::vector<double> out;
   for (int i = 0; i < nodes; ++i) {
     const double share = static_cast<double>(i) / (nodes - 1);
-    out.push_back(prior->from_standard_normal(
-        std::clamp(inference::normal_quantile(share), -5.0, 5.0)));
+    out.push_back(
+        prior->from_standard_normal(std::clamp(inference::normal_quantile(share), -5.0, 5.0)));
   }
   return out;
 }

@@ -13,7 +13,14 @@ namespace {
 using Eigen::Index;
 
 /// Parts of a simulation, each with its own stream.
-enum class SimulatedPart : std::uint64_t { weather, thermometers, drift, unmeasured, noise, missing };
+enum class SimulatedPart : std::uint64_t {
+  weather,
+  thermometers,
+  drift,
+  unmeasured,
+  noise,
+  missing
+};
 
 base::Random stream_of(std::uint64_t seed, SimulatedPart part) {
   return {seed, static_cast<std::uint64_t>(part), 0, base::Purpose::simulation};
@@ -82,8 +89,8 @@ Series simulate_series(const SeriesTruth& truth, std::uint64_t seed) {
     const double hours = step * static_cast<double>(t);
     const bool first = t == 0;
     out.hours.push_back(hours);
-    const double air = air_without_fronts(truth.weather, hours) +
-                       truth.weather.front_sd * front.next(weather);
+    const double air =
+        air_without_fronts(truth.weather, hours) + truth.weather.front_sd * front.next(weather);
     follow(structure, air, truth.lag_hours, first);
     for (Index i = 0; i < c; ++i) {
       const ThermometerTruth& one = truth.thermometers[index(i)];

@@ -18,9 +18,9 @@
 namespace wheeltap::identification::monitoring {
 
 struct WeatherTruth {
-  double mean = 10.0, season = 10.0, day = 4.0;   ///< °C: mean, and amplitudes
-  double front_sd = 3.0, front_hours = 60.0;      ///< °C; time constant
-  double first_day = 0.0;                         ///< day of the year at time zero
+  double mean = 10.0, season = 10.0, day = 4.0;  ///< °C: mean, and amplitudes
+  double front_sd = 3.0, front_hours = 60.0;     ///< °C; time constant
+  double first_day = 0.0;                        ///< day of the year at time zero
 };
 
 struct FeatureTruth {

@@ -19,8 +19,8 @@ ShiftLikelihood::Component component_of(const ShiftPosterior& draw, double log_m
   constexpr Index kWidest = kSizes - 1;
   const Index p = prior_sd.size();
   const VectorXd inverse = prior_sd.cwiseInverse();
-  const MatrixXd c = inverse.asDiagonal() * draw.covariance.middleCols(kWidest * p, p) *
-                     inverse.asDiagonal();
+  const MatrixXd c =
+      inverse.asDiagonal() * draw.covariance.middleCols(kWidest * p, p) * inverse.asDiagonal();
   const VectorXd m = draw.mean.col(kWidest).cwiseProduct(inverse);
   // C <= I, so that C⁻¹ - I is positive semidefinite; rounding may leave a feature without data
   // slightly below zero.
@@ -51,8 +51,7 @@ ShiftLikelihood::Component component_of(const ShiftPosterior& draw, double log_m
 }  // namespace
 
 ShiftLikelihood shift_likelihood(const std::vector<CandidateOnset>& candidates,
-                                 const VectorXd& residual_sd,
-                                 const LikelihoodLimits& limits) {
+                                 const VectorXd& residual_sd, const LikelihoodLimits& limits) {
   constexpr Index kWidest = kSizes - 1;
   const VectorXd prior_sd = kShiftSizes[kWidest] * residual_sd;
   struct Weighed {

@@ -39,7 +39,7 @@ void carry(Parcel& parcel, Of& l) {
 }
 
 struct LikelihoodLimits {
-  int components = 24;      ///< at most
+  int components = 24;       ///< at most
   double negligible = 1e-4;  ///< relative weight below which a component is left out
 };
 
@@ -49,6 +49,7 @@ struct LikelihoodLimits {
                                                const LikelihoodLimits& limits = {});
 
 /// ln L(δ), up to a constant that all δ share.
-[[nodiscard]] double log_likelihood(const ShiftLikelihood& likelihood, const Eigen::VectorXd& shift);
+[[nodiscard]] double log_likelihood(const ShiftLikelihood& likelihood,
+                                    const Eigen::VectorXd& shift);
 
 }  // namespace wheeltap::identification::monitoring

@@ -77,7 +77,8 @@ TEST_F(MonitoredStructure, ExplainsAChangeByDamageAtItsPlace) {
   ASSERT_TRUE(s["monitor"]["alarm"].get<bool>());
   const json& e = s["monitor"]["alarms"][0]["explanation"];
   EXPECT_NEAR(e["probability_damage"].get<double>() + e["probability_added_mass"].get<double>() +
-                  e["probability_sensor_fault"].get<double>() + e["probability_other"].get<double>(),
+                  e["probability_sensor_fault"].get<double>() +
+                  e["probability_other"].get<double>(),
               1.0, 1e-9);
   EXPECT_GT(e["probability_damage"].get<double>(), 0.5);
   EXPECT_LT(e["sds_from_damage"].get<double>(), 4.0);

@@ -176,8 +176,8 @@ TEST(ChangeExplanation, IsCalibratedUnderItsPriors) {
           0.002 * kSizes[static_cast<std::size_t>(5.0 * random.uniform())] * random.normal();
     } else {
       constexpr std::array kSizes{0.1, 0.3, 1.0, 3.0};
-      shift = bridge.slopes.col(0) * 6.0 * kSizes[static_cast<std::size_t>(4.0 * random.uniform())] *
-              random.normal();
+      shift = bridge.slopes.col(0) * 6.0 *
+              kSizes[static_cast<std::size_t>(4.0 * random.uniform())] * random.normal();
     }
     for (double& y : shift) y += kSd * random.normal();
     const ChangeExplanation found = bridge.explain(shift, kSd);

@@ -67,7 +67,8 @@ TEST(SeriesSimulation, DriftHasItsStandardDeviationAndCorrelation) {
   truth.rows = 60000;
   truth.drift_hours = 5.0;
   truth.drift_correlation = 0.6;
-  for (FeatureTruth& f : truth.features) f = {.slope = 0.0, .frost = 0.0, .noise_sd = 0.0, .drift_sd = 0.01};
+  for (FeatureTruth& f : truth.features)
+    f = {.slope = 0.0, .frost = 0.0, .noise_sd = 0.0, .drift_sd = 0.01};
   const Series found = simulate_series(truth, 4);
   const Eigen::VectorXd a = found.features.col(0).array() - found.features.col(0).mean();
   const Eigen::VectorXd b = found.features.col(1).array() - found.features.col(1).mean();

@@ -70,8 +70,9 @@ class TruthParser {
     if (!series.contains(key)) return out;
     for (std::size_t i = 0; i < series[key].size(); ++i) {
       if (!series[key][i].is_string())
-        file_.refuse(Pointer("/series") / key / i,
-                     "must be a header text: a simulated table has the columns that the case names");
+        file_.refuse(
+            Pointer("/series") / key / i,
+            "must be a header text: a simulated table has the columns that the case names");
       out.push_back(series[key][i].get<std::string>());
     }
     return out;
@@ -103,11 +104,11 @@ class TruthParser {
   void parse_features(SeriesTruth& out) const {
     const Pointer where = kTruth / "frequencies";
     if (!file_.json.contains(where) && !structure_)
-      file_.refuse(where, "is missing: give one frequency in Hz for each feature, or a "
-                          "\"structure\" or \"beam\" to compute them from");
-    const std::vector<double> values = file_.json.contains(where)
-                                           ? one_each(where, features_, 0.0)
-                                           : structure_->intact_hz;
+      file_.refuse(where,
+                   "is missing: give one frequency in Hz for each feature, or a "
+                   "\"structure\" or \"beam\" to compute them from");
+    const std::vector<double> values =
+        file_.json.contains(where) ? one_each(where, features_, 0.0) : structure_->intact_hz;
     const std::vector<double> slopes = one_each(kTruth / "per_degree", features_, -0.0005);
     const std::vector<double> frost = one_each(kTruth / "frost" / "per_degree", features_, -0.0025);
     const std::vector<double> noise = one_each(kTruth / "noise", features_, 0.003);
@@ -192,8 +193,8 @@ class TimeWriter {
   }
   [[nodiscard]] std::string text(int row, double hours) const {
     if (start_)
-      return io::text_of(io::TimeStamp{
-          .nanoseconds = *start_ + std::llround(hours * 3600.0) * 1'000'000'000});
+      return io::text_of(
+          io::TimeStamp{.nanoseconds = *start_ + std::llround(hours * 3600.0) * 1'000'000'000});
     return by_row_ ? std::to_string(row) : base::significant(hours * per_hour_, 12);
   }
 

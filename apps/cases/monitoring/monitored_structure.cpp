@@ -53,8 +53,9 @@ Json added_mass(const CaseFile& file, const DamageCase& damage) {
   } else if (const auto* members = std::get_if<fem::Structure>(&structure)) {
     prior = {{"uniform", {0.0, kMassShare * mass_of(*members)}}};
   } else if (const auto* chain = std::get_if<fem::LumpedChain>(&structure)) {
-    prior = {{"uniform",
-              {0.0, kMassShare * std::accumulate(chain->masses.begin(), chain->masses.end(), 0.0)}}};
+    prior = {
+        {"uniform",
+         {0.0, kMassShare * std::accumulate(chain->masses.begin(), chain->masses.end(), 0.0)}}};
   }
   if (prior.is_null() || std::holds_alternative<fem::MatrixStructure>(structure)) return {};
   Json kind = {{"kind", "mass"}, {"count", {{"min", 0}, {"max", 1}}}, {"mass", prior}};

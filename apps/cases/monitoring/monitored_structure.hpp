@@ -13,7 +13,7 @@ struct MonitoredStructure {
   /// The kinds of defect are those of the case. Unless one of them is an added mass, an added mass
   /// anywhere follows them, where the structure has members or is a chain.
   DamageCaseFile parsed;
-  std::vector<int> modes = {};  ///< elastic mode (from 0) of each feature
+  std::vector<int> modes = {};         ///< elastic mode (from 0) of each feature
   std::vector<double> intact_hz = {};  ///< their frequencies in the model
   /// Weights, kinds and their shares; the sds depend on learning.
   identification::monitoring::CauseOptions causes = {};

@@ -17,7 +17,8 @@ using identification::monitoring::ExplainedDefect;
 using identification::monitoring::Monitor;
 
 Report interval_json(const CentralInterval& interval) {
-  return {{"q5", finite(interval.q5)}, {"q50", finite(interval.q50)}, {"q95", finite(interval.q95)}};
+  return {
+      {"q5", finite(interval.q5)}, {"q50", finite(interval.q50)}, {"q95", finite(interval.q95)}};
 }
 
 Report defect_json(const DefectKind& kind, bool is_mass, const ExplainedDefect& found) {
@@ -47,8 +48,7 @@ Report explanation_json(const MonitorCaseFile& parsed, const ChangeExplanation& 
   Report defects = Report::array(), sensors = Report::array();
   const auto& kinds = parsed.structure->parsed.damage.kinds;
   for (std::size_t k = 0; k < kinds.size(); ++k)
-    defects.push_back(
-        defect_json(kinds[k], parsed.structure->causes.is_mass[k], found.defects[k]));
+    defects.push_back(defect_json(kinds[k], parsed.structure->causes.is_mass[k], found.defects[k]));
   const auto add = [&](const std::vector<std::string>& names, const std::vector<double>& list) {
     for (std::size_t i = 0; i < list.size(); ++i)
       sensors.push_back({{"name", names[i]}, {"probability", list[i]}});

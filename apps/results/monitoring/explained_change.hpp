@@ -17,9 +17,9 @@ namespace wheeltap::apps {
 
 /// Adds them to /monitor/alarms, and /monitor/probability_damage, /monitor/probability_other and
 /// /damage, of the last alarm.
-void add_explanations(
-    const MonitorCaseFile& parsed,
-    const std::vector<identification::monitoring::ChangeExplanation>& explained, Report& summary);
+void add_explanations(const MonitorCaseFile& parsed,
+                      const std::vector<identification::monitoring::ChangeExplanation>& explained,
+                      Report& summary);
 
 /// "Cause: damage 93 %, …", and place and severity; empty for an alarm without an explanation.
 [[nodiscard]] std::vector<std::string> explanation_in_words(const Report& alarm);
