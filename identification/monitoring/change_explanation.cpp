@@ -21,7 +21,7 @@ constexpr std::array kInflations{0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.
 constexpr std::array kFaultSizes{0.5, 1.5, 5.0, 15.0, 50.0};
 constexpr std::array kOffsetSizes{0.1, 0.3, 1.0, 3.0};
 constexpr std::size_t kThermometerInflations = 4;  // the first ones
-constexpr int kBinsPerSegment = 8;                 // of a severity's posterior
+constexpr int kBinsPerSegment = 8;                 // bins of severity
 
 double log_mean(double sum, std::size_t n) {
   return sum - std::log(static_cast<double>(n));

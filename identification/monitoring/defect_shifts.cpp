@@ -18,8 +18,8 @@ namespace {
 using Eigen::Index;
 
 constexpr int kMostNodes = 65, kFewestNodes = 9;
-constexpr int kSolutions = 30'000;  // of a kind, at most, where that leaves enough nodes
-constexpr int kPlaces = 60;         // of a kind whose effect varies within an element, at least
+constexpr int kSolutions = 30'000;  // at most, for each kind
+constexpr int kPlaces = 60;         // at least, if the effect varies within an element
 
 std::shared_ptr<const ForwardModel> model_of(const DamageCase& damage_case, int modes) {
   if (!damage_case.solved_as_structure())

@@ -16,7 +16,7 @@ struct DefectPath {
   int kind = 0;
   double from = 0.0, to = 0.0;  ///< its part of the kind's line
   double extent = 0.0;          ///< [m], where the kind's is unknown: a quantile of its prior
-  double log_prior = 0.0;       ///< of the place, given one defect of this kind
+  double log_prior = 0.0;       ///< ln P(place | one defect of this kind)
   std::vector<double> severities = {};  ///< nodes, ascending; one where the severity is known
   Eigen::MatrixXd shifts = {};          ///< p x nodes; NaN: an impossible structure
 };

@@ -25,9 +25,9 @@ struct WeatherTruth {
 
 struct FeatureTruth {
   double value = 1.0;       ///< at the mean temperature
-  double slope = -0.0005;   ///< of the logarithm, 1/K
+  double slope = -0.0005;   ///< slope of the logarithm, 1/K
   double frost = -0.0025;   ///< the additional slope below freezing, 1/K
-  double noise_sd = 0.003;  ///< of the logarithm
+  double noise_sd = 0.003;  ///< relative standard deviation
   double drift_sd = 0.001, unmeasured_sd = 0.0;
 };
 

@@ -15,7 +15,7 @@ using identification::DamageCase;
 using identification::DefectKind;
 
 const Pointer kExplanation("/explanation");
-constexpr double kMassShare = 0.05;  // of the structure's mass: the largest added mass by default
+constexpr double kMassShare = 0.05;  // largest added mass by default, over the structure's mass
 
 /// The case's structure and damage as a damage case, at the same places.
 CaseFile as_damage_case(const CaseFile& file) {
