@@ -2,6 +2,7 @@
 #include <system_error>
 
 #include "apps/cases/damage_case.hpp"
+#include "apps/cases/monitoring/monitor_truth.hpp"
 #include "apps/cases/records/csv_frequencies.hpp"
 #include "apps/cases/simulation.hpp"
 #include "apps/commands/command_list.hpp"
@@ -55,6 +56,22 @@ void simulate_update(const CommonOptions& common, CaseFile file) {
               << "): " << io::printable(common.output.string()) << '\n';
 }
 
+/// Writes the series simulated from the case's truth, as CSV.
+void simulate_monitor(const CommonOptions& common, CaseFile file) {
+  if (common.output.extension() == ".json")
+    throw Failure(Exit::usage,
+                  "--output: " + common.output.string() +
+                      ": a simulated series is a table; the file name must end in .csv");
+  const SimulatedTable table = simulated_table(std::move(file), common.seed);
+  write_text(common.output, table.csv);
+  if (common.as_json)
+    common.as_json(written_data(common.output, "simulated, seed " + std::to_string(table.seed),
+                                static_cast<std::size_t>(table.rows), "rows"));
+  if (!common.quiet)
+    std::cout << table.rows << " rows of " << table.features
+              << " features: " << io::printable(common.output.string()) << '\n';
+}
+
 /// Writes noisy frequencies from the case's truth: as CSV, or as a complete case if the output ends
 /// in .json.
 void run_simulate(const CommonOptions& common) {
@@ -65,6 +82,8 @@ void run_simulate(const CommonOptions& common) {
   CaseFile file = read_case(common.case_path, common.overrides);
   if (file.json.value("kind", Json()) == "sid") return simulate_sid(common, std::move(file));
   if (file.json.value("kind", Json()) == "update") return simulate_update(common, std::move(file));
+  if (file.json.value("kind", Json()) == "monitor")
+    return simulate_monitor(common, std::move(file));
   const DamageCaseFile parsed = parse_damage_case(std::move(file), Needs::structure);
   const DamageCase& damage_case = parsed.damage;
   const std::uint64_t seed =

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <stdexcept>
 
+#include "apps/report/explained_page.hpp"
 #include "apps/report/svg_plot.hpp"
 #include "apps/results/monitoring/monitor_summary.hpp"
 #include "apps/words.hpp"
@@ -239,6 +240,7 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   for (std::size_t i = 0; i < t.time.size(); ++i)
     if (alarm.values[i] > 0.5) marks.push_back(t.time[i]);
   out += "<h2>Alarms</h2>\n" + alarm_log(monitor.at("alarms"));
+  out += explanation_section(monitor);
   out += "<h2>Probability of a change</h2>\n" +
          single_chart(t.time, t.changed, "P(changed)", unit, 0.0, 1.0, marks, NAN);
   const double threshold = monitor.at("log_threshold").at("used").get<double>();

@@ -7,6 +7,7 @@
 
 #include "apps/report/monitor_page.hpp"
 #include "apps/results/monitoring/chart_results.hpp"
+#include "apps/results/monitoring/explained_change.hpp"
 #include "apps/results/monitoring/monitor_summary.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/runs/running.hpp"
@@ -27,7 +28,7 @@ using identification::monitoring::Monitor;
 using identification::monitoring::RowFinding;
 namespace fs = std::filesystem;
 
-constexpr const char* kStateVersion = "1";
+constexpr const char* kStateVersion = "2";
 constexpr const char* kWhat = "a monitoring state of wheeltap";
 
 /// The state from which the next call continues.
@@ -66,7 +67,7 @@ std::uint64_t checksum_of(const MonitorCaseFile& parsed, std::int64_t from, std:
 /// The case without what may change between calls.
 std::string case_text_of(const MonitorCaseFile& parsed, std::uint64_t seed) {
   Json kept = parsed.file.json;
-  for (const char* key : {"title", "notes", "$schema", "on_alarm"}) kept.erase(key);
+  for (const char* key : {"title", "notes", "$schema", "on_alarm", "truth"}) kept.erase(key);
   return kept.dump() + " seed " + std::to_string(seed);
 }
 
@@ -186,6 +187,8 @@ MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& commo
 
   Report summary =
       monitor_summary(parsed, state->monitor, {.seed = seed, .command_line = common.command_line});
+  add_explanations(parsed, explanations(parsed, state->monitor, base::thread_count(common.threads)),
+                   summary);
   summary["files"]["series.csv"] = seal(table);
   std::string charts;
   if (options.charts) {

@@ -551,6 +551,24 @@ ChangeEstimate ChangePoint::estimate() const {
   return out;
 }
 
+MatrixXd ChangePoint::covariate_slopes(int covariates) const {
+  const Index p = residual_sd_.size();
+  MatrixXd out = MatrixXd::Zero(p, covariates);
+  for (std::size_t m = 0; m < draws_.size(); ++m) {
+    const BaselineDraw& draw = draws_[m];
+    if (draw.lagged.size() == 0) continue;
+    const double weight = std::exp(log_weight_[static_cast<Index>(m)]);
+    const Index block = draw.parameters.block();
+    const MatrixXd slopes = term_slopes(draw.parameters.terms, draw.lagged);
+    for (Index j = 0; j < p; ++j)
+      for (int i = 0; i < scaling_.count(); ++i)
+        out(j, scaling_.used()[index(i)]) +=
+            weight * draw.filter.x.segment(j * block, slopes.rows()).dot(slopes.col(i)) /
+            scaling_.sd(i);
+  }
+  return out;
+}
+
 void ChangePoint::accept_change() {
   const auto best = std::ranges::max_element(candidates_, {},
                                              [](const CandidateOnset& c) { return c.log_mass(); });

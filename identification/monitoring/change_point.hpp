@@ -132,6 +132,10 @@ class ChangePoint {
   /// candidates.
   void accept_change();
 
+  /// p x c (covariates of the series): ∂ feature/∂ covariate at the last row's weather, once the
+  /// lag has passed; mean of the draws, zero for a covariate that is left out.
+  [[nodiscard]] Eigen::MatrixXd covariate_slopes(int covariates) const;
+
   [[nodiscard]] std::int64_t rows() const { return rows_; }
   [[nodiscard]] const std::vector<CandidateOnset>& candidates() const { return candidates_; }
   /// Sum over all merges of the posterior mass that moved to a neighbouring onset.

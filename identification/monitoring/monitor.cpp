@@ -107,7 +107,10 @@ RowFinding Monitor::add(const Row& row) {
     settling_left_ = settling_rows_ + 1;
   }
   if (settling_left_ > 0) {
-    alarms_.back().change = change_.estimate();
+    AlarmRecord& last = alarms_.back();
+    last.change = change_.estimate();
+    last.likelihood = shift_likelihood(change_.candidates(), baseline_.residual_sd);
+    last.covariate_slopes = change_.covariate_slopes(static_cast<int>(row.covariates.size()));
     if (--settling_left_ == 0) {
       log_unchanged_ += std::log1p(-std::min(alarms_.back().change.probability, 1.0 - 1e-15));
       change_.accept_change();

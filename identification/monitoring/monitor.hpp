@@ -5,6 +5,7 @@
 #include <optional>
 
 #include "identification/monitoring/alarm.hpp"
+#include "identification/monitoring/shift_likelihood.hpp"
 
 namespace wheeltap::identification::monitoring {
 
@@ -28,6 +29,9 @@ struct AlarmRecord {
   double hours = 0.0;
   double probability_at_alarm = 0.0;
   ChangeEstimate change = {};  ///< from the rows up to `settling_rows` after the alarm
+  // From the same rows, for explanations of the change (change_explanation.hpp):
+  ShiftLikelihood likelihood = {};
+  Eigen::MatrixXd covariate_slopes = {};  ///< p x c
 };
 
 /// Results of one row.
@@ -93,7 +97,7 @@ void carry(Parcel& parcel, Of& c) {
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, AlarmRecord>
 void carry(Parcel& parcel, Of& a) {
-  parcel(a.hours, a.probability_at_alarm, a.change);
+  parcel(a.hours, a.probability_at_alarm, a.change, a.likelihood, a.covariate_slopes);
 }
 
 }  // namespace wheeltap::identification::monitoring

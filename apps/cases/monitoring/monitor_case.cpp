@@ -545,6 +545,7 @@ MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading) {
     read_series_of_tests(columns, reading, out);
   check_series(columns, out);
   read_alarm(out);
+  out.structure = parse_monitored_structure(out.file, columns.features.size());
   return out;
 }
 

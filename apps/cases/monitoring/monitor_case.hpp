@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "apps/cases/monitoring/monitored_modes.hpp"
+#include "apps/cases/monitoring/monitored_structure.hpp"
 #include "apps/cases/syntax/case_file.hpp"
 #include "apps/report_json.hpp"
 #include "identification/monitoring/monitor.hpp"
@@ -44,6 +45,7 @@ struct MonitorCaseFile {
   int learning_rows = 0;
   identification::monitoring::MonitorOptions options = {};
   std::optional<TrackedTests> tests = {};  ///< where the series is of modes or records
+  std::optional<MonitoredStructure> structure = {};  ///< to explain changes
   std::vector<std::string> warnings = {};
 };
 

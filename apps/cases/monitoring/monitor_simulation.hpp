@@ -1,4 +1,4 @@
-// A simulated series, for the starter case.
+// The simulated series of the starter case.
 #pragma once
 
 #include <cstdint>
@@ -6,9 +6,9 @@
 
 namespace wheeltap::apps {
 
-/// CSV of 120 days at 2 h: hour, three frequencies, air temperature. Below 0 °C the frequencies
-/// rise faster; 5 % of the entries are missing, 1 % are outliers. From day 100 on the second
-/// frequency is 1 % lower.
+/// CSV of 120 days at 2 h, as the "truth" of the starter case describes it: three frequencies that
+/// rise faster below 0 °C, and the air temperature. From hour 2400 on the second frequency is 1 %
+/// lower.
 [[nodiscard]] std::string simulated_series_csv(std::uint64_t seed);
 
 }  // namespace wheeltap::apps

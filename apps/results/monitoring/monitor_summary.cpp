@@ -4,6 +4,8 @@
 #include <cmath>
 #include <ostream>
 
+#include "apps/cases/monitoring/csv_header.hpp"
+#include "apps/results/monitoring/explained_change.hpp"
 #include "apps/results/terminal.hpp"
 #include "apps/words.hpp"
 #include "base/index.hpp"
@@ -19,14 +21,6 @@ using identification::monitoring::RowFinding;
 
 std::string cell(double x) {
   return std::isfinite(x) ? base::significant(x, 9) : std::string();
-}
-
-/// A header as a cell of CSV.
-std::string quoted(const std::string& text) {
-  if (text.find_first_of(",\"\n") == std::string::npos) return text;
-  std::string out = "\"";
-  for (const char c : text) out += c == '"' ? std::string("\"\"") : std::string(1, c);
-  return out + "\"";
 }
 
 Report alarm_json(const MonitorCaseFile& parsed, const AlarmRecord& alarm) {
@@ -113,7 +107,7 @@ std::string series_header(const MonitorCaseFile& parsed) {
   std::string out = "time";
   for (const std::string& name : parsed.series.feature_names)
     for (const char* what : {"", " predicted", " sd", " corrected"})
-      out += "," + quoted(name + what);
+      out += "," + csv_header(name + what);
   return out + ",log statistic,P(changed),alarm\n";
 }
 
@@ -218,8 +212,11 @@ void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Repor
   const Report& monitor = summary.at("monitor");
   out << page.bold(io::printable(parsed.title)) << "\n\n";
   page.wrapped(monitor_headline(monitor), "", "");
-  for (const Report& alarm : monitor.at("alarms"))
+  for (const Report& alarm : monitor.at("alarms")) {
     page.wrapped("Shifts: " + io::printable(shifts_in_words(alarm)) + ".", "  ", "  ");
+    for (const std::string& text : explanation_in_words(alarm))
+      page.wrapped(io::printable(text), "  ", "  ");
+  }
   const Report& rates = monitor.at("false_alarms_per_year");
   if (monitor.contains("rows_between_false_alarms")) {
     const Report& rows = monitor.at("rows_between_false_alarms");

@@ -1,0 +1,13 @@
+// The section of a monitoring page that explains changes of the structure.
+#pragma once
+
+#include <string>
+
+#include "apps/report_json.hpp"
+
+namespace wheeltap::apps {
+
+/// `monitor`: /monitor of a summary. Empty where no alarm has an explanation.
+[[nodiscard]] std::string explanation_section(const Report& monitor);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,27 @@
+// Explanations of the changes of a monitored structure: in the summary, and in words.
+#pragma once
+
+#include <string>
+#include <vector>
+
+#include "apps/cases/monitoring/monitor_case.hpp"
+#include "apps/results/summary.hpp"
+#include "identification/monitoring/change_explanation.hpp"
+
+namespace wheeltap::apps {
+
+/// One explanation for each alarm; empty without a structure. The reanalysis of all places and
+/// severities takes about a second.
+[[nodiscard]] std::vector<identification::monitoring::ChangeExplanation> explanations(
+    const MonitorCaseFile& parsed, const identification::monitoring::Monitor& monitor, int threads);
+
+/// Adds them to /monitor/alarms, and /monitor/probability_damage, /monitor/probability_other and
+/// /damage, of the last alarm.
+void add_explanations(const MonitorCaseFile& parsed,
+                      const std::vector<identification::monitoring::ChangeExplanation>& explained,
+                      Report& summary);
+
+/// "Cause: damage 93 %, …", and place and severity; empty for an alarm without an explanation.
+[[nodiscard]] std::vector<std::string> explanation_in_words(const Report& alarm);
+
+}  // namespace wheeltap::apps

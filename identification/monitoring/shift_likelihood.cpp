@@ -1,0 +1,89 @@
+#include "identification/monitoring/shift_likelihood.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+
+namespace wheeltap::identification::monitoring {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// One draw of a candidate, in units of the prior sds.
+ShiftLikelihood::Component component_of(const ShiftPosterior& draw, double log_mass,
+                                        const VectorXd& prior_sd) {
+  constexpr Index kWidest = kSizes - 1;
+  const Index p = prior_sd.size();
+  const VectorXd inverse = prior_sd.cwiseInverse();
+  const MatrixXd c =
+      inverse.asDiagonal() * draw.covariance.middleCols(kWidest * p, p) * inverse.asDiagonal();
+  const VectorXd m = draw.mean.col(kWidest).cwiseProduct(inverse);
+  // C <= I, so that C⁻¹ - I is positive semidefinite; rounding may leave a feature without data
+  // slightly below zero.
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(0.5 * (c + c.transpose())));
+  const VectorXd kept = solver.eigenvalues().cwiseMax(1e-14).cwiseMin(1.0);
+  const MatrixXd& v = solver.eigenvectors();
+  const VectorXd along = v.transpose() * m;
+  VectorXd mean = VectorXd::Zero(p), precision = VectorXd::Zero(p);
+  double log_ratio = 0.0;
+  for (Index i = 0; i < p; ++i) {
+    precision[i] = 1.0 / kept[i] - 1.0;
+    const double informed = 1.0 - kept[i];
+    log_ratio -= 0.5 * std::log(kept[i]);
+    if (informed < 1e-9) {
+      precision[i] = 0.0;
+      continue;
+    }
+    mean[i] = along[i] / informed;
+    // -½ m²/C + ½ mean² precision
+    log_ratio += 0.5 * along[i] * along[i] / informed;
+  }
+  return {.log_weight = log_mass + draw.log_weight(0, kWidest) + log_ratio,
+          .mean = prior_sd.cwiseProduct(v * mean),
+          .precision = inverse.asDiagonal() * (v * precision.asDiagonal() * v.transpose()) *
+                       inverse.asDiagonal()};
+}
+
+}  // namespace
+
+ShiftLikelihood shift_likelihood(const std::vector<CandidateOnset>& candidates,
+                                 const VectorXd& residual_sd, const LikelihoodLimits& limits) {
+  constexpr Index kWidest = kSizes - 1;
+  const VectorXd prior_sd = kShiftSizes[kWidest] * residual_sd;
+  struct Weighed {
+    const ShiftPosterior* draw;
+    double log_mass, posterior;
+  };
+  std::vector<Weighed> all;
+  for (const CandidateOnset& c : candidates)
+    for (const ShiftPosterior& draw : c.draws)
+      all.push_back({&draw, c.log_mass(), c.log_mass() + draw.log_weight(0, kWidest)});
+  std::ranges::stable_sort(all, std::ranges::greater(), &Weighed::posterior);
+  ShiftLikelihood out;
+  for (const Weighed& one : all) {
+    if (static_cast<int>(out.components.size()) == limits.components ||
+        one.posterior < all.front().posterior + std::log(limits.negligible))
+      break;
+    out.components.push_back(component_of(*one.draw, one.log_mass, prior_sd));
+  }
+  return out;
+}
+
+double log_likelihood(const ShiftLikelihood& likelihood, const VectorXd& shift) {
+  double top = -kInfinity;
+  std::vector<double> terms;
+  for (const auto& c : likelihood.components) {
+    const VectorXd from = shift - c.mean;
+    terms.push_back(c.log_weight - 0.5 * from.dot(c.precision * from));
+    top = std::max(top, terms.back());
+  }
+  double sum = 0.0;
+  for (const double term : terms) sum += std::exp(term - top);
+  return top == -kInfinity ? top : top + std::log(sum);
+}
+
+}  // namespace wheeltap::identification::monitoring

@@ -1,0 +1,55 @@
+// The likelihood of a shift δ of all features, from the candidates for its onset.
+//
+// A candidate holds p(δ | rows) = N(m, C) under the prior N(0, P) of "all features shift". For any
+// other hypothesis about δ, the rows enter through
+//
+//   L(δ) = p(rows | δ) / p(rows | no change) ∝ Σ_k w_k N(δ; m_k, C_k) / N(δ; 0, P)
+//        = Σ_k exp(log_weight_k - ½ (δ - mean_k)ᵀ precision_k (δ - mean_k)),
+//   precision = C⁻¹ - P⁻¹,   precision · mean = C⁻¹ m,
+//
+// summed over onsets, profiles and parameter draws with their posterior weights. That is exact for
+// Gaussian noise. Components of negligible weight are left out.
+#pragma once
+
+#include <vector>
+
+#include "identification/monitoring/change_point.hpp"
+
+namespace wheeltap::identification::monitoring {
+
+struct ShiftLikelihood {
+  struct Component {
+    double log_weight = 0.0;
+    Eigen::VectorXd mean = {};       ///< p
+    Eigen::MatrixXd precision = {};  ///< p x p, positive semidefinite
+  };
+  std::vector<Component> components = {};  ///< the largest weight first
+};
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, ShiftLikelihood::Component>
+void carry(Parcel& parcel, Of& c) {
+  parcel(c.log_weight, c.mean, c.precision);
+}
+
+template <class Parcel, class Of>
+requires std::same_as<std::remove_const_t<Of>, ShiftLikelihood>
+void carry(Parcel& parcel, Of& l) {
+  parcel(l.components);
+}
+
+struct LikelihoodLimits {
+  int components = 24;       ///< at most
+  double negligible = 1e-4;  ///< relative weight below which a component is left out
+};
+
+/// `residual_sd`: p, as in Baseline.
+[[nodiscard]] ShiftLikelihood shift_likelihood(const std::vector<CandidateOnset>& candidates,
+                                               const Eigen::VectorXd& residual_sd,
+                                               const LikelihoodLimits& limits = {});
+
+/// ln L(δ), up to a constant that all δ share.
+[[nodiscard]] double log_likelihood(const ShiftLikelihood& likelihood,
+                                    const Eigen::VectorXd& shift);
+
+}  // namespace wheeltap::identification::monitoring
