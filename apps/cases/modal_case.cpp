@@ -425,6 +425,20 @@ void collect_sensors(ModalCaseFile& out) {
                     "their shapes cannot be merged");
 }
 
+/// Poles of the diagram that the case chooses as its modes.
+void take_poles(const ModalCaseFile& out, SetUp& s) {
+  const Json& json = out.file.json;
+  if (!json.contains("poles")) return;
+  if (json.value("method", "ssi-cov") != "ssi-cov")
+    out.file.refuse(Pointer("/poles"), "is allowed with the method \"ssi-cov\" only");
+  if (out.set_ups.size() > 1 && json.value("merge", "") != "preger")
+    out.file.refuse(Pointer("/poles"),
+                    "needs one stabilisation diagram: give one record, or \"merge\": \"preger\"");
+  for (const Json& one : json.at("poles"))
+    s.options.poles.push_back({.order = one.at("order").get<int>(),
+                               .frequency_hz = one.at("frequency").get<double>()});
+}
+
 void take_bands(const CaseFile& file, SetUp& s) {
   if (!file.json.contains("bands"))
     file.refuse(
@@ -451,6 +465,7 @@ void take_bands(const CaseFile& file, SetUp& s) {
 
 void take_band(const ModalCaseFile& out, SetUp& s) {
   const Json& json = out.file.json;
+  take_poles(out, s);
   if (json.value("method", "ssi-cov") == "bayoma") return take_bands(out.file, s);
   if (json.contains("bands"))
     out.file.refuse(Pointer("/bands"), "is allowed with the method \"bayoma\" only");

@@ -34,6 +34,8 @@ struct Command {
   bool on_all_ranks = false;   ///< mpirun divides its work; other commands run on rank 0
   std::string case_kind = {};  ///< kind of case that it runs; empty: none
   MakeCaseRun make_run = {};   ///< makes a run of such a case; empty if the kind is not sampled
+  /// Checks such a case where the kind is not sampled: reads its data, runs nothing. Throws Failure.
+  std::function<void(CaseFile)> check = {};
   /// Adds arguments and options. They set members of the Invocation, or a value shared with `run`.
   std::function<void(CommandOptions&)> add_options = {};
   /// Runs the command. Throws Failure, io::FileError.

@@ -19,6 +19,7 @@ namespace wheeltap::apps {
 [[nodiscard]] Command update_command();
 [[nodiscard]] Command monitor_command();
 [[nodiscard]] Command serve_command();
+[[nodiscard]] Command app_command();
 [[nodiscard]] Command simulate_command();
 [[nodiscard]] Command report_command();
 [[nodiscard]] Command compare_command();

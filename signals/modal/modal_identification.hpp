@@ -16,6 +16,8 @@ struct ModalOptions {
   int lags = 0;    ///< p + q; 0: enough for the orders and a period of the lowest mode
   int blocks = 0;  ///< n_b; 0: 50, fewer if the blocks would be too short
   std::vector<int> references = {};  ///< channels; all if empty
+  /// The modes: these poles of the diagram; chosen automatically if empty.
+  std::vector<ChosenPole> poles = {};
   int threads = 0;
 };
 
@@ -70,6 +72,7 @@ struct ModalResult {
   std::vector<Mode> modes = {};     ///< by frequency
   Eigen::MatrixXd covariance = {};  ///< all frequencies [Hz], then all damping ratios
   Stabilisation diagram = {};
+  bool chosen_by_hand = false;  ///< the modes are poles that the options list
   Eigen::VectorXd singular_values = {};
   double sample_rate_hz = 0.0;  ///< after decimation
   double lowest_hz = 0.0, highest_hz = 0.0;
@@ -87,8 +90,9 @@ struct ModalResult {
 
 /// Identifies modes from `records`, one channel per row. It decimates the records to the band and
 /// identifies twice: first with the lags of one period of the band's lowest frequency, then with
-/// those of one period of the lowest mode, since more lags add scatter. Throws ChannelError
-/// (signals/refuse.hpp) for channels that are constant, alike or not finite, and
+/// those of one period of the lowest mode, since more lags add scatter. Poles chosen by hand replace
+/// the modes of the last diagram; they do not change the diagram. Throws ChannelError
+/// (signals/refuse.hpp) for channels that are constant, alike or not finite, ChosenPoleError, and
 /// std::invalid_argument for an invalid band and for records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);

@@ -8,6 +8,9 @@
 // least squares; Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
 #pragma once
 
+#include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "signals/modal/stochastic_subspace.hpp"
@@ -39,7 +42,8 @@ struct ModeCluster {
 enum class Rejection {
   few_orders,  ///< in less than least_share of the orders from its first one
   splinter,    ///< part of a mode that is known better
-  noise        ///< free decays are explained equally well without it
+  noise,       ///< free decays are explained equally well without it
+  not_chosen   ///< not in the list of poles chosen by hand
 };
 struct RejectedCluster {
   ModeCluster cluster = {};
@@ -84,6 +88,29 @@ struct Stabilisation {
 /// window. The result is limited to the band and damping of the options.
 [[nodiscard]] Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
                                       const StabilisationOptions& options);
+
+/// A pole chosen by hand: that of this order nearest to the frequency.
+struct ChosenPole {
+  int order = 0;
+  double frequency_hz = 0.0;
+};
+
+/// A chosen pole that the diagram does not have.
+struct ChosenPoleError : std::invalid_argument {
+  ChosenPoleError(long which, const std::string& reason)
+      : std::invalid_argument(reason), pole(which) {}
+  long pole;  ///< index in the list
+};
+
+/// Largest distance of a chosen pole from its stated frequency, relative to this frequency. Numbers
+/// are written with fewer digits than they have, and processors round differently.
+inline constexpr double kChosenWithin = 0.005;
+
+/// Replaces the modes by the chosen poles. A mode keeps the cluster of its pole, which becomes the
+/// representative; a pole of no cluster is a mode by itself. Clusters without a chosen pole are
+/// rejected. Throws ChosenPoleError for an order or a frequency that the diagram does not have, and
+/// for a pole chosen twice.
+void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 
 /// The distance d of two poles.
 [[nodiscard]] double pole_distance(const Pole& a, const Pole& b);
