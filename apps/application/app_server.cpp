@@ -137,7 +137,7 @@ class Application {
     answer(response, {{"error", refused.reason}}, refused.status);
   }
 
-  /// False, with an answer, for a request that is refused whatever it asks.
+  /// False, with an answer, for a request that the server rejects whatever its subject.
   bool admit(const Request& request, Response& response) {
     response.set_header("Content-Security-Policy", kPagePolicy);
     response.set_header("X-Content-Type-Options", "nosniff");
@@ -160,7 +160,8 @@ class Application {
       if (!site.empty() && site != "same-origin" && site != "none")
         throw Refused{403, "the request comes from another site"};
       if (!is_known(request.path))
-        throw Refused{403, "the address lacks the token: open the address that wheeltap app printed"};
+        throw Refused{403,
+                      "the address lacks the token: open the address that wheeltap app printed"};
       if (request.method == "POST" && request.get_header_value("Content-Type") != kJson)
         throw Refused{415, "the content must be application/json"};
     } catch (const Refused& refused) {
@@ -203,8 +204,8 @@ class Application {
 
   [[nodiscard]] fs::path place(const std::string& name) const {
     if (auto path = folder_.place(name)) return *path;
-    throw Refused{403, io::printable(name) +
-                           ": is not a name of a file below the folder of the application"};
+    throw Refused{
+        403, io::printable(name) + ": is not a name of a file below the folder of the application"};
   }
 
   // ------------------------------------------------------------------ GET
@@ -233,8 +234,7 @@ class Application {
   static bool send_page_file(const std::string& name, Response& response) {
     for (const PageFile& file : page_files()) {
       if (name != file.name) continue;
-      response.set_content(file.text.data(), file.text.size(),
-                           std::string(file.type));
+      response.set_content(file.text.data(), file.text.size(), std::string(file.type));
       return true;
     }
     return false;
@@ -288,7 +288,8 @@ class Application {
   }
 
   void get_result(const Request& request, Response& response) const {
-    const std::string file = request.has_param("file") ? parameter(request, "file") : "summary.json";
+    const std::string file =
+        request.has_param("file") ? parameter(request, "file") : "summary.json";
     if (file != "summary.json" && file != "poles.json" && file != "modes.json")
       throw Refused{403, "only summary.json, poles.json and modes.json are served here"};
     const fs::path path = place(parameter(request, "name") + "/" + file);
@@ -352,7 +353,8 @@ class Application {
 
   [[nodiscard]] std::optional<CasePlace> fault_of(const fs::path& path, const std::string& text) {
     const std::lock_guard lock(checking_);  // one at a time: a check may read a record
-    return program_.check(path, text, [this](const fs::path& input) { return folder_.contains(input); });
+    return program_.check(path, text,
+                          [this](const fs::path& input) { return folder_.contains(input); });
   }
 
   void check(const Json& asked, Response& response) {
@@ -377,9 +379,10 @@ class Application {
     } else {
       const std::string now = io::read_bytes(path, kLargestBody);
       if (io::fingerprint(now) != asked.at("before").get<std::string>())
-        throw Refused{409, io::printable(name) +
-                               ": has changed on the disk since you opened it: copy your text, then "
-                               "open the case again"};
+        throw Refused{409,
+                      io::printable(name) +
+                          ": has changed on the disk since you opened it: copy your text, then "
+                          "open the case again"};
       if (!parse_answer(now).is_object() || !parse_answer(now).contains("kind"))
         throw Refused{403, io::printable(name) + ": is not a case"};
     }

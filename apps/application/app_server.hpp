@@ -36,17 +36,17 @@ struct AppProgram {
 
 struct AppOptions {
   std::filesystem::path folder = ".";
-  int port = 0;     ///< 0: any free port
-  int at_once = 1;  ///< runs at a time
-  int threads = 1;  ///< of each run
+  int port = 0;                                                ///< 0: any free port
+  int at_once = 1;                                             ///< runs at a time
+  int threads = 1;                                             ///< threads per run
   std::function<void(const std::string& address)> ready = {};  ///< called when it listens
-  std::function<bool()> stop = {};  ///< called a few times per second
+  std::function<bool()> stop = {};                             ///< called a few times per second
 };
 
 /// Serves the application until stop() returns true. The address contains a random token of 128
-/// bits; requests without it, from other origins, under other host names, or to other methods than
-/// GET and POST are refused. Reports have a token of their own, which gives no other access. Throws
-/// Failure if the folder is missing or the port is not available.
+/// bits. The server rejects requests without it, from other origins, under other host names, and
+/// with methods other than GET and POST. Reports have a separate token, which gives no other
+/// access. Throws Failure if the folder is missing or the port is not available.
 void serve_application(const AppProgram& program, const AppOptions& options);
 
 }  // namespace wheeltap::apps

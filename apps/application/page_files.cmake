@@ -1,6 +1,5 @@
-# Turns apps/application/page/* and the report's drawing of shapes into the strings of page_files.hpp.
+# Turns apps/application/page/* and the report's drawing of shapes (report/assets.cmake) into the strings of page_files.hpp.
 set(page_dir "${CMAKE_CURRENT_LIST_DIR}/page")
-set(drawing "${CMAKE_CURRENT_LIST_DIR}/../report/shapes.js")
 
 set(PAGE_FILES "")
 foreach(part IN ITEMS :index.html:text/html app.css:app.css:text/css shapes.js::text/javascript
@@ -15,9 +14,8 @@ foreach(part IN ITEMS :index.html:text/html app.css:app.css:text/css shapes.js::
   list(GET part 2 type)
   if(name STREQUAL "shapes.js")
     # The report's script as a module.
-    file(READ "${drawing}" text)
+    file(READ "${report_dir}/shapes.js" text)
     set(text "import { charts, element } from './dom.js';\n${text}\nexport { shapeView };\n")
-    set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${drawing}")
   else()
     file(READ "${page_dir}/${file}" text)
     set_property(DIRECTORY APPEND PROPERTY CMAKE_CONFIGURE_DEPENDS "${page_dir}/${file}")

@@ -19,8 +19,8 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::uintmax_t kLargestListed = std::uintmax_t{4} << 20U;      // bytes of a case
-constexpr std::uintmax_t kLargestSummary = std::uintmax_t{64} << 20U;    // bytes of a summary
+constexpr std::uintmax_t kLargestListed = std::uintmax_t{4} << 20U;    // bytes of a case
+constexpr std::uintmax_t kLargestSummary = std::uintmax_t{64} << 20U;  // bytes of a summary
 struct Found {
   std::vector<fs::path> json = {}, records = {}, results = {};
   bool truncated = false;
@@ -101,19 +101,21 @@ std::optional<Result> read_result(const AppFolder& folder, const fs::path& path)
   const Json all = summary->value("answer", Json());
   if (answer.empty() && all.is_array() && !all.empty()) answer = text(all[0]);
   std::error_code error;
-  out.shown = {{"name", folder.name_of(path)},
-               {"command", text(run.value("command", Json()))},
-               {"title", out.used_case.is_object() ? text(out.used_case.value("title", Json())) : ""},
-               {"state", out.state},
-               {"answer", answer},
-               {"report", fs::exists(path / "report.html", error)}};
+  out.shown = {
+      {"name", folder.name_of(path)},
+      {"command", text(run.value("command", Json()))},
+      {"title", out.used_case.is_object() ? text(out.used_case.value("title", Json())) : ""},
+      {"state", out.state},
+      {"answer", answer},
+      {"report", fs::exists(path / "report.html", error)}};
   return out;
 }
 
 bool satisfies_schema(const fs::path& path, const Json& json, const std::string& kind) {
   try {
     CaseFile file{.path = path, .json = json};
-    validate_against_schema(file, kind);
+    const bool structure = kind == "damage" && json.contains("structure");
+    validate_against_schema(file, structure ? "structure" : kind);
     return true;
   } catch (const Failure&) {
     return false;
@@ -147,7 +149,8 @@ Report list_projects(const AppFolder& folder, const std::vector<std::string>& ki
   for (const fs::path& path : found.json) {
     const auto json = object_in(path, kLargestListed);
     if (!json || !json->contains("kind")) continue;
-    const auto kind = std::ranges::find_if(kinds, [&](const auto& k) { return json->at("kind") == k; });
+    const auto kind =
+        std::ranges::find_if(kinds, [&](const auto& k) { return json->at("kind") == k; });
     if (kind == kinds.end()) continue;
     const Result* own = nullptr;
     for (const Result& result : results)

@@ -33,7 +33,7 @@ struct Extremes {
   double high = -std::numeric_limits<double>::infinity();
 };
 
-/// Of the finite values.
+/// The extremes of the finite values.
 Extremes extremes(std::span<const double> values) {
   Extremes out;
   for (const double x : values) {
@@ -117,10 +117,9 @@ Report record_window(const MeasuredFile& file, const RecordWindow& window) {
     Report low = Report::array(), high = Report::array();
     for (long from = begin; from < end; from += step) {
       const long to = std::min({from + step, end, std::ssize(all)});
-      const Extremes found =
-          from < to ? extremes(all.subspan(static_cast<std::size_t>(from),
-                                           static_cast<std::size_t>(to - from)))
-                    : Extremes();
+      const Extremes found = from < to ? extremes(all.subspan(static_cast<std::size_t>(from),
+                                                              static_cast<std::size_t>(to - from)))
+                                       : Extremes();
       low.push_back(step == 1 ? finite(found.low) : short_number(found.low));
       if (step > 1) high.push_back(short_number(found.high));
     }
@@ -128,8 +127,8 @@ Report record_window(const MeasuredFile& file, const RecordWindow& window) {
     if (step > 1) one["high"] = high;
     channels.push_back(std::move(one));
   }
-  return {{"begin", begin}, {"end", end}, {"step", step}, {"exact", step == 1},
-          {"channels", channels}};
+  return {
+      {"begin", begin}, {"end", end}, {"step", step}, {"exact", step == 1}, {"channels", channels}};
 }
 
 Report record_spectrum(const MeasuredFile& file, const RecordWindow& window) {

@@ -30,8 +30,8 @@ class OpenRecords {
   std::list<Opened> opened_;  // last used first
 };
 
-/// {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit, rms, faults, peaks_hz},
-/// …]}, …]}.
+/// {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit, rms, faults,
+/// peaks_hz}, …]}, …]}.
 [[nodiscard]] Report record_contents(const MeasuredFile& file);
 
 /// A window of a table.

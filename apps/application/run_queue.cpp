@@ -23,9 +23,9 @@ constexpr const char* kCheckpointSeconds = "5";
 }  // namespace
 
 RunQueue::RunQueue(int at_once, int threads)
-    : at_once_(at_once), threads_(threads), thread_([this](const std::stop_token& done) {
-        watch(done);
-      }) {}
+    : at_once_(at_once),
+      threads_(threads),
+      thread_([this](const std::stop_token& done) { watch(done); }) {}
 
 RunQueue::~RunQueue() {
   thread_.request_stop();
@@ -62,7 +62,8 @@ std::optional<int> RunQueue::add(RunRequest request) {
   const auto waiting = std::ranges::count(runs_, "queued", &Run::state);
   if (static_cast<std::size_t>(waiting) >= kMostWaiting || busy(request.output)) return {};
   while (runs_.size() >= kMostKept) {
-    const auto old = std::ranges::find_if(runs_, [](const Run& run) { return run.ended.has_value(); });
+    const auto old =
+        std::ranges::find_if(runs_, [](const Run& run) { return run.ended.has_value(); });
     if (old == runs_.end()) break;
     runs_.erase(old);
   }
@@ -99,7 +100,8 @@ void RunQueue::step() {
     read(run, run.program->take_output());
     if (!run.exit) continue;
     run.ended = Clock::now();
-    const bool stopped = run.state == "stopping" || *run.exit == static_cast<int>(Exit::interrupted);
+    const bool stopped =
+        run.state == "stopping" || *run.exit == static_cast<int>(Exit::interrupted);
     run.state = *run.exit != 0 && !stopped ? "failed" : stopped ? "stopped" : "done";
     run.program.reset();
   }
@@ -111,9 +113,9 @@ void RunQueue::step() {
 
 void RunQueue::start(Run& run) const {
   const RunRequest& asked = run.request;
-  std::vector<std::string> words = {asked.command,       asked.case_path.string(),
-                                    "-o",                asked.output.string(),
-                                    "--threads",         std::to_string(threads_)};
+  std::vector<std::string> words = {asked.command, asked.case_path.string(),
+                                    "-o",          asked.output.string(),
+                                    "--threads",   std::to_string(threads_)};
   if (asked.seed) words.insert(words.end(), {"--seed", std::to_string(*asked.seed)});
   if (asked.samples) words.insert(words.end(), {"--checkpoint", kCheckpointSeconds});
   if (asked.quick) words.emplace_back("--quick");
@@ -158,10 +160,14 @@ Report RunQueue::list() const {
   const std::lock_guard lock(mutex_);
   Report out = Report::array();
   for (const Run& run : runs_) {
-    Report one = {{"number", run.number},         {"command", run.request.command},
-                  {"case", run.request.case_name}, {"output", run.request.output_name},
-                  {"state", run.state},           {"stage", run.stage},
-                  {"fraction", run.fraction},     {"detail", run.detail},
+    Report one = {{"number", run.number},
+                  {"command", run.request.command},
+                  {"case", run.request.case_name},
+                  {"output", run.request.output_name},
+                  {"state", run.state},
+                  {"stage", run.stage},
+                  {"fraction", run.fraction},
+                  {"detail", run.detail},
                   {"message", run.message}};
     if (run.seconds_left) one["seconds_left"] = *run.seconds_left;
     if (run.exit) one["exit"] = *run.exit;

@@ -4,6 +4,7 @@
 #include <cmath>
 #include <utility>
 
+#include "apps/cases/modal_poles.hpp"
 #include "apps/cases/records/modal_units.hpp"
 #include "apps/cases/records/record_reading.hpp"
 #include "apps/cases/sid_record.hpp"
@@ -423,20 +424,6 @@ void collect_sensors(ModalCaseFile& out) {
     out.file.refuse(Pointer("/records"),
                     "have no sensor in common (by node and direction, or references by column): "
                     "their shapes cannot be merged");
-}
-
-/// Poles of the diagram that the case chooses as its modes.
-void take_poles(const ModalCaseFile& out, SetUp& s) {
-  const Json& json = out.file.json;
-  if (!json.contains("poles")) return;
-  if (json.value("method", "ssi-cov") != "ssi-cov")
-    out.file.refuse(Pointer("/poles"), "is allowed with the method \"ssi-cov\" only");
-  if (out.set_ups.size() > 1 && json.value("merge", "") != "preger")
-    out.file.refuse(Pointer("/poles"),
-                    "needs one stabilisation diagram: give one record, or \"merge\": \"preger\"");
-  for (const Json& one : json.at("poles"))
-    s.options.poles.push_back({.order = one.at("order").get<int>(),
-                               .frequency_hz = one.at("frequency").get<double>()});
 }
 
 void take_bands(const CaseFile& file, SetUp& s) {

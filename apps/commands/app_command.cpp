@@ -54,8 +54,9 @@ std::optional<CasePlace> fault_of(const fs::path& path, const std::string& text,
       std::error_code error;
       const fs::path named = file.place_of(name);
       if (!name.empty() && fs::is_regular_file(named, error) && !allowed(named))
-        file.refuse(where, "is a file outside the folder of the application: copy it there, or "
-                           "start wheeltap app with a folder that holds both");
+        file.refuse(where,
+                    "is a file outside the folder of the application: copy it there, or "
+                    "start wheeltap app with a folder that holds both");
     });
     parse_as_command(std::move(file));
     return {};
@@ -81,17 +82,16 @@ void run_app(const CommonOptions& common, const AppFlags& flags) {
   const AppProgram parts = program();
   const StopOnInterrupt stop;
   serve_application(
-      parts,
-      {.folder = flags.folder,
-       .port = flags.port,
-       .at_once = flags.at_once,
-       .threads = std::max(1, base::thread_count(common.threads) / flags.at_once),
-       .ready =
-           [&](const std::string& address) {
-             std::cout << "Open this address in a browser (Ctrl-C ends the application):\n  "
-                       << address << std::endl;
-           },
-       .stop = was_interrupted});
+      parts, {.folder = flags.folder,
+              .port = flags.port,
+              .at_once = flags.at_once,
+              .threads = std::max(1, base::thread_count(common.threads) / flags.at_once),
+              .ready =
+                  [&](const std::string& address) {
+                    std::cout << "Open this address in a browser (Ctrl-C ends the application):\n  "
+                              << address << std::endl;
+                  },
+              .stop = was_interrupted});
 }
 
 }  // namespace
@@ -103,8 +103,9 @@ Command app_command() {
           .add_options =
               [flags](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("FOLDER", flags->folder,
-                               "folder of cases, records and results (default: the current folder)");
+                app.add_option(
+                    "FOLDER", flags->folder,
+                    "folder of cases, records and results (default: the current folder)");
                 app.add_option("--port", flags->port,
                                "port of the application (default: any free port)")
                     ->transform(whole(0, 65535));

@@ -238,7 +238,8 @@ Command modal_command() {
               [](CommandOptions& options) {
                 options.add_case();
                 options.add_output(
-                    "FOLDER", "folder of the results: modes.json, poles.json, summary.json and report.html");
+                    "FOLDER",
+                    "folder of the results: modes.json, poles.json, summary.json and report.html");
                 options.add_json(kSummary);
                 options.add_threads();
                 options.add_dry_run();

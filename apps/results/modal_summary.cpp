@@ -161,7 +161,8 @@ Report poles_with_shapes(const ModalCaseFile& modal, const IdentifiedModes& foun
   for (std::size_t s = 0; s < found.set_ups.size(); ++s) {
     const signals::Stabilisation& diagram = found.set_ups[s].diagram;
     Report sensors = Report::array(), shapes = Report::array();
-    for (const MeasuredSensor& sensor : modal.pre_merged ? modal.sensors : modal.set_ups[s].sensors) {
+    for (const MeasuredSensor& sensor :
+         modal.pre_merged ? modal.sensors : modal.set_ups[s].sensors) {
       const auto axis = direction_of(sensor);
       sensors.push_back({{"name", sensor.name},
                          {"node", sensor.node},

@@ -273,7 +273,8 @@ void ProgressBar::show(const std::string& stage, double fraction, const std::str
   if (!terminal_ && json_) {
     nlohmann::json line = {{"stage", stage}, {"fraction", fraction}, {"detail", detail}};
     if (left) line["seconds_left"] = *left;
-    std::fprintf(stderr, "%s\n", line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::fprintf(stderr, "%s\n",
+                 line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     std::fflush(stderr);
     return;
   }

@@ -90,8 +90,8 @@ struct ModalResult {
 
 /// Identifies modes from `records`, one channel per row. It decimates the records to the band and
 /// identifies twice: first with the lags of one period of the band's lowest frequency, then with
-/// those of one period of the lowest mode, since more lags add scatter. Poles chosen by hand replace
-/// the modes of the last diagram; they do not change the diagram. Throws ChannelError
+/// those of one period of the lowest mode, since more lags add scatter. Poles chosen by hand
+/// replace the modes of the last diagram; they do not change the diagram. Throws ChannelError
 /// (signals/refuse.hpp) for channels that are constant, alike or not finite, ChosenPoleError, and
 /// std::invalid_argument for an invalid band and for records too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,

@@ -259,9 +259,9 @@ void choose_poles(Stabilisation& of, std::span<const ChosenPole> chosen) {
   for (long i = 0; i < std::ssize(chosen); ++i) {
     const int p = find_pole(of, chosen[static_cast<std::size_t>(i)], i);
     if (const auto twice = std::ranges::find(taken, p); twice != taken.end())
-      throw ChosenPoleError(
-          i, "is the same pole as number " + std::to_string(twice - taken.begin() + 1) +
-                 " of the list: leave one out");
+      throw ChosenPoleError(i, "is the same pole as number " +
+                                   std::to_string(twice - taken.begin() + 1) +
+                                   " of the list: leave one out");
     taken.push_back(p);
     const auto own = std::ranges::find_if(free, [p](const ModeCluster& c) {
       return std::ranges::find(c.members, p) != c.members.end();

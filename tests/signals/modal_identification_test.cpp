@@ -92,9 +92,9 @@ TEST(ModalIdentification, RejectsPolesThatTheDiagramDoesNotHave) {
   };
   const double f = pole.frequency_hz;
   EXPECT_EQ(rejected({{pole.order, f}}), -1);
-  EXPECT_EQ(rejected({{pole.order, f}, {pole.order + 1, f}}), 1);   // odd
-  EXPECT_EQ(rejected({{pole.order + 1000, f}}), 0);                 // beyond the largest
-  EXPECT_EQ(rejected({{pole.order, 1.007 * f}}), 0);                // too far
+  EXPECT_EQ(rejected({{pole.order, f}, {pole.order + 1, f}}), 1);      // odd
+  EXPECT_EQ(rejected({{pole.order + 1000, f}}), 0);                    // beyond the largest
+  EXPECT_EQ(rejected({{pole.order, 1.007 * f}}), 0);                   // too far
   EXPECT_EQ(rejected({{pole.order, f}, {pole.order, 1.001 * f}}), 1);  // twice
 }
 
