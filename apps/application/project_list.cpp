@@ -21,7 +21,7 @@ namespace fs = std::filesystem;
 
 constexpr std::uintmax_t kLargestListed = std::uintmax_t{4} << 20U;    // bytes of a case
 constexpr std::uintmax_t kLargestSummary = std::uintmax_t{64} << 20U;  // bytes of a summary
-struct Found {
+struct FoundFiles {
   std::vector<fs::path> json = {}, records = {}, results = {};
   bool truncated = false;
 };
@@ -44,8 +44,8 @@ bool is_record(const fs::path& path) {
   });
 }
 
-Found visit(const fs::path& root) {
-  Found out;
+FoundFiles visit(const fs::path& root) {
+  FoundFiles out;
   std::error_code error;
   int entries = 0;
   fs::recursive_directory_iterator at(root, fs::directory_options::skip_permission_denied, error);
@@ -141,7 +141,7 @@ fs::path results_of(const fs::path& case_path) {
 
 Report list_projects(const AppFolder& folder, const std::vector<std::string>& kinds,
                      const RunQueue& runs) {
-  const Found found = visit(folder.root());
+  const FoundFiles found = visit(folder.root());
   std::vector<Result> results;
   for (const fs::path& path : found.results)
     if (auto result = read_result(folder, path)) results.push_back(std::move(*result));

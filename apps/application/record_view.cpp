@@ -16,9 +16,9 @@ namespace fs = std::filesystem;
 
 constexpr std::size_t kOpen = 2;  // files in memory
 constexpr std::size_t kPeaks = 8;
-constexpr long kMostPoints = 20'000;
+constexpr long kMostWindowPoints = 20'000;
 
-const MeasuredTable& table_of(const MeasuredFile& file, const RecordWindow& window) {
+const MeasuredTable& table_in(const MeasuredFile& file, const RecordWindow& window) {
   if (window.table >= file.tables.size()) throw std::invalid_argument("the file has no such table");
   return file.tables[window.table];
 }
@@ -107,9 +107,9 @@ Report record_contents(const MeasuredFile& file) {
 }
 
 Report record_window(const MeasuredFile& file, const RecordWindow& window) {
-  const MeasuredTable& table = table_of(file, window);
+  const MeasuredTable& table = table_in(file, window);
   const auto [begin, end] = rows_of_window(table, window);
-  const long points = std::clamp(window.points, 1L, kMostPoints);
+  const long points = std::clamp(window.points, 1L, kMostWindowPoints);
   const long step = (end - begin + points - 1) / points;
   Report channels = Report::array();
   for (const std::size_t c : window.channels) {
@@ -132,7 +132,7 @@ Report record_window(const MeasuredFile& file, const RecordWindow& window) {
 }
 
 Report record_spectrum(const MeasuredFile& file, const RecordWindow& window) {
-  const MeasuredTable& table = table_of(file, window);
+  const MeasuredTable& table = table_in(file, window);
   if (window.channels.size() != 1) throw std::invalid_argument("name one channel");
   const std::vector<double>& all = channel_of(table, window.channels[0]).values;
   Report frequencies = Report::array(), density = Report::array();

@@ -13,10 +13,8 @@
 namespace wheeltap::apps {
 namespace {
 
-using Json = nlohmann::json;
-
 constexpr std::size_t kMostWaiting = 100, kMostKept = 200, kLongestLine = 4096;
-constexpr auto kPoll = std::chrono::milliseconds(100);
+constexpr auto kWatchInterval = std::chrono::milliseconds(100);
 constexpr auto kPatience = std::chrono::seconds(10);  // for runs to end after a signal
 constexpr const char* kCheckpointSeconds = "5";
 
@@ -37,7 +35,7 @@ RunQueue::~RunQueue() {
   while (running() > 0 && Clock::now() < last) {
     for (Run& run : runs_)
       if (run.program && run.program->ended()) run.program.reset();
-    std::this_thread::sleep_for(kPoll);
+    std::this_thread::sleep_for(kWatchInterval);
   }
 }
 
@@ -88,7 +86,7 @@ bool RunQueue::stop(int number) {
 void RunQueue::watch(const std::stop_token& done) {
   while (!done.stop_requested()) {
     step();
-    std::this_thread::sleep_for(kPoll);
+    std::this_thread::sleep_for(kWatchInterval);
   }
 }
 
@@ -137,7 +135,7 @@ void RunQueue::read(Run& run, const std::string& output) {
   for (std::size_t end = 0; (end = run.unread.find('\n')) != std::string::npos;) {
     const std::string line = run.unread.substr(0, std::min(end, kLongestLine));
     run.unread.erase(0, end + 1);
-    const Json progress = line.starts_with('{') ? parse_answer(line) : Json();
+    const nlohmann::json progress = line.starts_with('{') ? parse_answer(line) : nlohmann::json();
     if (!progress.is_object() || !progress.contains("stage")) {
       if (!line.empty()) run.message = io::printable(line);
       continue;
@@ -149,7 +147,7 @@ void RunQueue::read(Run& run, const std::string& output) {
       run.seconds_left.reset();
       if (progress.contains("seconds_left"))
         run.seconds_left = progress.at("seconds_left").get<double>();
-    } catch (const Json::exception&) {  // a line of another form
+    } catch (const nlohmann::json::exception&) {  // a line of another form
       run.message = io::printable(line);
     }
   }

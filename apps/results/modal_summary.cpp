@@ -150,7 +150,7 @@ Report set_up_json(const SetUp& set_up, const ModalResult& result) {
 }
 
 /// Four digits suffice to draw a shape and to compare it with others.
-double rounded(double x) {
+double four_decimals(double x) {
   return 1e-4 * std::round(1e4 * x);
 }
 
@@ -171,8 +171,8 @@ Report poles_with_shapes(const ModalCaseFile& modal, const IdentifiedModes& foun
     for (const signals::Pole& p : diagram.poles) {
       Report real = Report::array(), imaginary = Report::array();
       for (const std::complex<double>& x : p.shape) {
-        real.push_back(rounded(x.real()));
-        imaginary.push_back(rounded(x.imag()));
+        real.push_back(four_decimals(x.real()));
+        imaginary.push_back(four_decimals(x.imag()));
       }
       shapes.push_back({{"real", real}, {"imaginary", imaginary}});
     }
