@@ -157,7 +157,8 @@ class Application {
           !(origin.starts_with("http://") && is_own_host(origin.substr(7))))
         throw Refused{403, "the request comes from another origin"};
       const std::string site = request.get_header_value("Sec-Fetch-Site");
-      if (!site.empty() && site != "same-origin" && site != "none")
+      // A report that is loaded again has no origin.
+      if (!site.empty() && site != "same-origin" && site != "none" && !is_report(request.path))
         throw Refused{403, "the request comes from another site"};
       if (!is_known(request.path))
         throw Refused{403,
@@ -166,14 +167,20 @@ class Application {
         throw Refused{415, "the content must be application/json"};
     } catch (const Refused& refused) {
       refuse(response, refused);
+      BoundedServer::close_after_answer();
       return false;
     }
     return true;
   }
 
+  [[nodiscard]] static bool begins_with(const std::string& path, const std::string& token) {
+    return same_token(std::string_view(path).substr(0, path.find('/', 1)), "/" + token);
+  }
+  [[nodiscard]] bool is_report(const std::string& path) const {
+    return begins_with(path, report_token_);
+  }
   [[nodiscard]] bool is_known(const std::string& path) const {
-    const std::string_view first = std::string_view(path).substr(0, path.find('/', 1));
-    return same_token(first, "/" + token_) || same_token(first, "/" + report_token_);
+    return begins_with(path, token_) || is_report(path);
   }
 
   /// Runs `work` with a bound on requests at work; its exceptions become answers.
@@ -215,8 +222,7 @@ class Application {
       const auto slash = request.path.find('/', 1);
       if (slash == std::string::npos) throw Refused{404, "the address must end with /"};
       const std::string rest = request.path.substr(slash + 1);
-      if (same_token(request.path.substr(1, slash - 1), report_token_))
-        return get_report(rest, response);
+      if (is_report(request.path)) return get_report(rest, response);
       if (rest.starts_with("api/")) return get_data(rest.substr(4), request, response);
       if (!send_page_file(rest, response)) throw Refused{404, "there is no such page"};
     });

@@ -36,6 +36,9 @@ class BoundedServer : public httplib::Server {
   /// incomplete.
   [[nodiscard]] std::optional<std::string> body_of(const httplib::ContentReader& reader);
 
+  /// Closes the connection of this thread after its answer, for a request whose body is not read.
+  static void close_after_answer() { close_ = true; }
+
  private:
   class Connection;
   class Threads;
