@@ -260,7 +260,7 @@ test('a frame of 200 members is edited above 30 frames a second', skip, async ()
   large.damage = [{ kind: 'crack', count: { min: 0, max: 1, prior: 'uniform' }, depth: { uniform: [0.01, 0.6] } }];
   fs.writeFileSync(path.join(folder, 'frame/damage.json'), JSON.stringify(large));
   const { page, close } = await open('#/case/frame%2Fdamage.json');
-  await page.locator('svg.structure .member').first().waitFor();
+  await page.locator('svg.structure .member').first().waitFor({ state: 'attached' });
   assert.equal(await page.locator('svg.structure .member').count(), 200);
   const session = await page.context().newCDPSession(page);
   await session.send('Performance.enable', { timeDomain: 'threadTicks' });

@@ -64,7 +64,7 @@ export const editorView = async (place, name) => {
 
   // After an edit of `doc` by the form or the drawing.
   const edited = ({ from, structural = false }) => {
-    remember();
+    remember(from === 'form' && !structural);
     text = `${written(doc)}\n`;
     area.value = text;
     if (from === 'form') {
@@ -77,11 +77,11 @@ export const editorView = async (place, name) => {
   };
 
   let lastRemembered = 0;
-  const remember = () => {
+  const remember = (typed) => {
     const now = Date.now();
     // Keys typed in quick succession are one step.
-    if (undone.at(-1) !== text && (now - lastRemembered > 800 || !undone.length)) undone.push(text);
-    lastRemembered = now;
+    if (undone.at(-1) !== text && !(typed && now - lastRemembered < 800 && undone.length)) undone.push(text);
+    lastRemembered = typed ? now : 0;
     if (undone.length > 300) undone.shift();
     redone.length = 0;
   };
@@ -109,7 +109,7 @@ export const editorView = async (place, name) => {
   };
 
   area.addEventListener('input', () => {
-    remember();
+    remember(true);
     take(area.value, 'json');
   });
 

@@ -102,7 +102,7 @@ export const resultView = async (place, name) => {
   const [summary, projects] = await Promise.all([get('result', { name }), get('projects')]);
   const kept = projects.results.find((one) => one.name === name);
   const own = projects.cases.find((one) => one.result === name);
-  const answer = Array.isArray(summary.answer) ? summary.answer : [summary.answer?.headline, summary.answer?.detail].filter(Boolean);
+  const answer = Array.isArray(summary.answer) ? summary.answer : [summary.answer?.headline, summary.answer?.detail, summary.answer?.caution].filter(Boolean);
   const csv = (rows) => `data:text/csv;charset=utf-8,${encodeURIComponent(rows.map((row) => row.map((x) => (typeof x === 'string' ? `"${x.replaceAll('"', '""')}"` : x ?? '')).join(',')).join('\n'))}`;
   const tables = [];
   const add = (caption, heads, rows, raw) => tables.push(table(caption, heads, rows), element('p', {}, element('a', { href: csv([heads, ...raw]), download: `${caption.toLowerCase().replaceAll(' ', '-')}.csv` }, 'Save as CSV')));
@@ -122,7 +122,7 @@ export const resultView = async (place, name) => {
       summary.monitor.alarms.map((a) => [a.time, a.onset?.['q2.5'], a.onset?.['q97.5']]));
   place.replaceChildren(
     element('h1', {}, summary.title ?? own?.title ?? name), element('p', {}, badge(kept?.state ?? 'done'), ` ${name}`),
-    answer.length && element('section', { class: 'answer' }, answer.map((text, i) => element('p', { class: i ? '' : 'headline' }, text))),
+    answer.length ? element('section', { class: 'answer' }, answer.map((text, i) => element('p', { class: i ? '' : 'headline' }, text))) : '',
     element('p', { class: 'actions' },
       kept?.report && element('a', { class: 'main', href: projects.reports + name.split('/').map(encodeURIComponent).join('/') + '/report.html', target: '_blank', rel: 'noopener noreferrer' }, 'Open the report'),
       own && link('case', own.name, 'Edit the case'),
