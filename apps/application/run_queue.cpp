@@ -94,7 +94,12 @@ void RunQueue::step() {
   const std::lock_guard lock(mutex_);
   for (Run& run : runs_) {
     if (!run.program) continue;
-    run.exit = run.program->ended();
+    try {
+      run.exit = run.program->ended();
+    } catch (const std::exception& error) {
+      run.message = error.what();
+      run.exit = static_cast<int>(Exit::internal);
+    }
     read(run, run.program->take_output());
     if (!run.exit) continue;
     run.ended = Clock::now();
