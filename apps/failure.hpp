@@ -1,8 +1,10 @@
 // Exit codes and failures of commands.
 #pragma once
 
+#include <optional>
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace wheeltap::apps {
 
@@ -18,15 +20,25 @@ enum class Exit : int {
   interrupted = 130,   ///< Ctrl-C before the run had results
 };
 
+/// The key of a case that a failure is about.
+struct CasePlace {
+  std::string pointer;  ///< JSON pointer, e.g. /beam/material/poisson; "/" for the whole case
+  std::string reason;   ///< the line without file and pointer
+};
+
 /// A failure of a command: an exit code and one line with the location, the value and the allowed
 /// values.
 class Failure : public std::runtime_error {
  public:
-  Failure(Exit exit, const std::string& line) : std::runtime_error(line), exit_(exit) {}
+  Failure(Exit exit, const std::string& line, std::optional<CasePlace> place = {})
+      : std::runtime_error(line), exit_(exit), place_(std::move(place)) {}
   [[nodiscard]] Exit exit() const { return exit_; }
+  /// None if the failure is not about a key of a case.
+  [[nodiscard]] const std::optional<CasePlace>& place() const { return place_; }
 
  private:
   Exit exit_;
+  std::optional<CasePlace> place_;
 };
 
 }  // namespace wheeltap::apps

@@ -19,6 +19,10 @@ using inference::RunCost;
 /// Name of the environment variable that replaces --threads.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
+/// Environment variable: with the value "json", progress on standard error is lines of JSON,
+/// {"stage", "fraction", "detail", "seconds_left"}.
+inline constexpr const char* kProgressVariable = "WHEELTAP_PROGRESS";
+
 /// Options of every command that reads a case.
 struct CommonOptions {
   std::filesystem::path case_path;

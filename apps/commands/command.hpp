@@ -37,6 +37,8 @@ struct Command {
   std::string case_kind = {};  ///< kind of case that the command runs; empty: none
   /// Creates a run of a case of this kind; empty if the kind is not sampled
   MakeCaseRun make_run = {};
+  /// Checks a case whose kind is not sampled: reads its data, runs nothing. Throws Failure.
+  std::function<void(CaseFile)> check = {};
   /// Adds arguments and options to the command. The options set members of the Invocation, or a
   /// value shared with `run`.
   std::function<void(CommandOptions&)> add_options = {};

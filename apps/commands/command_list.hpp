@@ -20,6 +20,7 @@ namespace wheeltap::apps {
 [[nodiscard]] Command monitor_command();
 [[nodiscard]] Command track_command();
 [[nodiscard]] Command serve_command();
+[[nodiscard]] Command app_command();
 [[nodiscard]] Command simulate_command();
 [[nodiscard]] Command report_command();
 [[nodiscard]] Command compare_command();

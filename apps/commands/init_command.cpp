@@ -194,7 +194,17 @@ std::string describe_keys(const std::string& kind) {
          "\n`wheeltap schema " + kind + "` prints these keys as a JSON Schema.\n";
 }
 
-void run_init(const std::string& kind, const std::string& structure, const fs::path& folder) {
+std::vector<std::pair<std::string, std::string>> starter_cases() {
+  std::vector<std::pair<std::string, std::string>> out;
+  for (const std::string& kind : starter_kinds()) {
+    out.emplace_back(kind, "beam");
+    for (const std::string& structure : starter_structures(kind)) out.emplace_back(kind, structure);
+  }
+  return out;
+}
+
+std::vector<fs::path> write_starter(const std::string& kind, const std::string& structure,
+                                    const fs::path& folder) {
   const auto kinds = starter_kinds();
   if (std::ranges::find(kinds, kind) == kinds.end()) {
     std::string list;
@@ -268,13 +278,18 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
     for (const fs::path& path : named) fs::remove(path, ignored);
     throw;
   }
+  return named;
+}
+
+void run_init(const std::string& kind, const std::string& structure, const fs::path& folder) {
+  const std::vector<fs::path> files = write_starter(kind, structure, folder);
   std::cout << "Written:\n";
   const auto shown = [](const std::filesystem::path& path) { return io::printable(path.string()); };
-  for (const File& file : files) std::cout << "  " << shown(file.path) << '\n';
+  for (const fs::path& file : files) std::cout << "  " << shown(file) << '\n';
   std::cout << "Run the case:\n  wheeltap ";
-  std::cout << kind << ' ' << shown(files[0].path) << " -o "
+  std::cout << kind << ' ' << shown(files[0]) << " -o "
             << shown((folder / "results").lexically_normal());
-  std::cout << "\nThen adapt it: " << shown(files[1].path) << " explains every key.\n";
+  std::cout << "\nThen adapt it: " << shown(files[1]) << " explains every key.\n";
 }
 
 Command init_command() {

@@ -3,6 +3,8 @@
 
 #include <filesystem>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace wheeltap::apps {
 
@@ -10,6 +12,15 @@ namespace wheeltap::apps {
 /// table with path, requirement and allowed values of each key. "[]" in a path stands for each
 /// element of a list. Throws Failure (64) for a kind without a schema.
 [[nodiscard]] std::string describe_keys(const std::string& kind);
+
+/// Writes KIND.json, KIND.md and their data into `folder` and returns their paths, KIND.json first.
+/// Throws as run_init does.
+std::vector<std::filesystem::path> write_starter(const std::string& kind,
+                                                 const std::string& structure,
+                                                 const std::filesystem::path& folder);
+
+/// Kind and structure of every starter case.
+[[nodiscard]] std::vector<std::pair<std::string, std::string>> starter_cases();
 
 /// Writes a starter case KIND.json, its description KIND.md and data files into `folder`, and
 /// prints the next steps. `structure` is "beam", or another structure for which the kind has a

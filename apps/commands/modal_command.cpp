@@ -39,6 +39,8 @@ ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::ui
                 error.original
                     ? "is the same as " + name(*error.original) + " but for scale: leave one out"
                     : error.reason);
+  } catch (const signals::ChosenPoleError& error) {
+    file.refuse(Pointer("/poles") / static_cast<std::size_t>(error.pole), error.what());
   } catch (const std::invalid_argument& error) {
     file.refuse(set_up.where, error.what());
   }
@@ -56,6 +58,8 @@ ModalResult identify_together(const ModalCaseFile& modal) {
     return signals::identify_set_ups(records, sensors, modal.references,
                                      static_cast<int>(modal.sensors.size()),
                                      modal.set_ups.front().options);
+  } catch (const signals::ChosenPoleError& error) {
+    modal.file.refuse(Pointer("/poles") / static_cast<std::size_t>(error.pole), error.what());
   } catch (const std::invalid_argument& error) {
     modal.file.refuse(Pointer("/records"), error.what());
   }
@@ -172,12 +176,13 @@ void ModalRun::keep(const std::filesystem::path& folder, const CommonOptions& co
   const std::string text = modes_json(modes).dump(1) + "\n";
   const std::string page = modal_page(kept, modes);
   kept["files"]["modes.json"] = seal(text);
-  io::AtomicFile identified(folder / "modes.json"), report(folder / "report.html"),
-      whole(folder / "summary.json");
+  io::AtomicFile identified(folder / "modes.json"), poles(folder / "poles.json"),
+      report(folder / "report.html"), whole(folder / "summary.json");
   identified.write(text);
+  poles.write(poles_with_shapes(modal, found).dump() + "\n");
   report.write(page);
   whole.write(kept.dump(1) + "\n");
-  io::AtomicFile* const files[] = {&identified, &report, &whole};
+  io::AtomicFile* const files[] = {&identified, &poles, &report, &whole};
   io::commit_together(files);
 }
 
@@ -228,11 +233,13 @@ Command modal_command() {
   return {.name = "modal",
           .summary = "identify modes with their uncertainty from vibration records",
           .case_kind = "modal",
+          .check = [](CaseFile file) { static_cast<void>(parse_modal_case(std::move(file))); },
           .add_options =
               [](CommandOptions& options) {
                 options.add_case();
                 options.add_output(
-                    "FOLDER", "folder of the results: modes.json, summary.json and report.html");
+                    "FOLDER",
+                    "folder of the results: modes.json, poles.json, summary.json and report.html");
                 options.add_json(kSummary);
                 options.add_threads();
                 options.add_dry_run();

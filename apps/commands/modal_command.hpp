@@ -19,7 +19,7 @@ struct ModalRun {
 
   /// The content of summary.json.
   [[nodiscard]] Report summary(const CommonOptions& common) const;
-  /// Writes modes.json, summary.json and report.html. Throws io::FileError.
+  /// Writes modes.json, poles.json, summary.json and report.html. Throws io::FileError.
   void keep(const std::filesystem::path& folder, const CommonOptions& common) const;
   void print(std::ostream& out, bool colour) const;
 };

@@ -138,6 +138,7 @@ Command monitor_command() {
   return {.name = "monitor",
           .summary = "a series of features under weather: onset of change, and alarms",
           .case_kind = "monitor",
+          .check = [](CaseFile file) { static_cast<void>(parse_monitor_case(std::move(file))); },
           .add_options =
               [flags](CommandOptions& options) {
                 options.add_case();

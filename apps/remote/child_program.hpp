@@ -6,6 +6,7 @@
 #include <filesystem>
 #include <optional>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace wheeltap::apps {
@@ -33,6 +34,8 @@ class ChildProgram {
   [[nodiscard]] std::optional<int> ended();
   /// The last line of the child's standard error, without "wheeltap: ".
   [[nodiscard]] std::string last_line() const;
+  /// Its standard error since the last call, as read by `ended`.
+  [[nodiscard]] std::string take_output() { return std::exchange(said_, {}); }
 
  private:
   pid_t pid_ = -1;

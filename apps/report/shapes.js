@@ -31,7 +31,8 @@ const shapeView = (() => {
     const box = [-(wide + 1.3 * reach), -(tall + 1.3 * reach), 2 * (wide + 1.3 * reach), 2 * (tall + 1.3 * reach)];
     const unit = Math.max(box[2], box[3]) / 500;
     const rest = svg('path', { class: 'rest' }), moving = svg('path', { class: 'moving' });
-    const picture = svg('svg', { viewBox: box.join(' '), role: 'img', class: 'shape' + (solid ? ' turns' : ''), ...(solid ? { tabindex: 0 } : {}), style: `--unit: ${unit}px` });
+    const picture = svg('svg', { viewBox: box.join(' '), role: 'img', class: 'shape' + (solid ? ' turns' : ''), ...(solid ? { tabindex: 0 } : {}) });
+    picture.style.setProperty('--unit', `${unit}px`);
     picture.append(rest, moving);
     const show = () => {
       const { motions, quadrature } = modes[mode], amplitude = reach * Math.sin(phase), ahead = reach * Math.cos(phase);

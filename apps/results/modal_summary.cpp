@@ -136,6 +136,7 @@ Report set_up_json(const SetUp& set_up, const ModalResult& result) {
                       {"set_ups", result.set_ups},
                       {"block_seconds", result.block_seconds},
                       {"references", result.references}});
+    if (result.chosen_by_hand) procedure["chosen_by_hand"] = true;
   }
   procedure["in_words"] = procedure_in_words(result);
   for (const std::string& text : record_in_words(set_up)) procedure["in_words"].push_back(text);
@@ -148,7 +149,40 @@ Report set_up_json(const SetUp& set_up, const ModalResult& result) {
           {"rejected_poles", rejected_poles_in_words(result)}};
 }
 
+/// Four digits suffice to draw a shape and to compare it with others.
+double four_decimals(double x) {
+  return 1e-4 * std::round(1e4 * x);
+}
+
 }  // namespace
+
+Report poles_with_shapes(const ModalCaseFile& modal, const IdentifiedModes& found) {
+  Report out = Report::array();
+  for (std::size_t s = 0; s < found.set_ups.size(); ++s) {
+    const signals::Stabilisation& diagram = found.set_ups[s].diagram;
+    Report sensors = Report::array(), shapes = Report::array();
+    for (const MeasuredSensor& sensor :
+         modal.pre_merged ? modal.sensors : modal.set_ups[s].sensors) {
+      const auto axis = direction_of(sensor);
+      sensors.push_back({{"name", sensor.name},
+                         {"node", sensor.node},
+                         {"direction", axis ? Report(*axis) : Report()}});
+    }
+    for (const signals::Pole& p : diagram.poles) {
+      Report real = Report::array(), imaginary = Report::array();
+      for (const std::complex<double>& x : p.shape) {
+        real.push_back(four_decimals(x.real()));
+        imaginary.push_back(four_decimals(x.imag()));
+      }
+      shapes.push_back({{"real", real}, {"imaginary", imaginary}});
+    }
+    Report one = {{"file", modal.set_ups[s].name}, {"sensors", sensors}};
+    one.update(poles_json(diagram));
+    one["shapes"] = shapes;
+    out.push_back(std::move(one));
+  }
+  return {{"set_ups", out}};
+}
 
 Report modal_summary(const ModalCaseFile& modal, const IdentifiedModes& found) {
   Report out = Report::object();

@@ -8,9 +8,12 @@
 #include <cstdio>
 #include <cstdlib>
 #include <functional>
+#include <nlohmann/json.hpp>
 #include <numeric>
 #include <ostream>
+#include <string_view>
 
+#include "apps/run_options.hpp"
 #include "apps/text/verdict_words.hpp"
 #include "apps/words.hpp"
 
@@ -253,7 +256,10 @@ std::optional<std::string> ProgressLines::next(const std::string& stage, double 
   return detail.empty() ? line : line + ", " + detail;
 }
 
-ProgressBar::ProgressBar(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {}
+ProgressBar::ProgressBar(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FILENO) != 0) {
+  const char* form = std::getenv(kProgressVariable);
+  json_ = form != nullptr && std::string_view(form) == "json";
+}
 
 void ProgressBar::show(const std::string& stage, double fraction, const std::string& detail,
                        std::optional<double> left) {
@@ -264,6 +270,14 @@ void ProgressBar::show(const std::string& stage, double fraction, const std::str
   last_ = now;
   const double seconds = std::chrono::duration<double>(now - began_).count();
   if (!left && fraction > 0.005 && seconds > 1.0) left = seconds * (1.0 - fraction) / fraction;
+  if (!terminal_ && json_) {
+    nlohmann::json line = {{"stage", stage}, {"fraction", fraction}, {"detail", detail}};
+    if (left) line["seconds_left"] = *left;
+    std::fprintf(stderr, "%s\n",
+                 line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
+    std::fflush(stderr);
+    return;
+  }
   if (!terminal_) {
     const double so_far = std::chrono::duration<double>(now - created_).count();
     if (const auto line = lines_.next(stage, fraction, so_far, left.value_or(-1.0), detail)) {

@@ -101,6 +101,7 @@ class ProgressBar {
 
  private:
   bool quiet_, terminal_;
+  bool json_ = false;  // kProgressVariable
   bool drawn_ = false;
   std::string stage_;
   ProgressLines lines_;

@@ -118,6 +118,8 @@ std::string rejection_in_words(signals::Rejection why) {
       return "part of a mode that another cluster estimates better (large orders split the mode)";
     case signals::Rejection::noise:
       return "the other modes explain the decays equally well";
+    case signals::Rejection::not_chosen:
+      return "not in the case's list of poles";
   }
   return {};
 }
@@ -198,6 +200,8 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                 std::to_string(result.blocks) + " blocks of " +
                 significant(result.block_seconds, 3) + " s; orders up to " +
                 std::to_string(result.largest_order) + ".");
+  if (result.chosen_by_hand)
+    out.emplace_back("The modes are the poles that the case lists, chosen by hand.");
   return out;
 }
 

@@ -24,7 +24,7 @@ import links
 HERE = os.path.dirname(os.path.abspath(__file__))
 # The manual's order. Every page of docs/ must be in it.
 CHAPTERS = {
-    "Getting started": ["Overview <readme>", "guide", "system-identification", "priors", "results", "report", "long-runs",
+    "Getting started": ["Overview <readme>", "guide", "system-identification", "application", "priors", "results", "report", "long-runs",
                         "many-cases", "tutorials/index", "gallery", "which-tool"],
     "Structures and damage": ["structures", "sections", "emulators", "updating", "states"],
     "Measured data": ["measured-data", "file-formats", "modal", "monitoring", "laws"],

@@ -6,6 +6,7 @@
 #include <map>
 #include <numbers>
 #include <numeric>
+#include <optional>
 #include <stdexcept>
 #include <string>
 
@@ -257,6 +258,7 @@ void identify_by_lags(ModalResult& out, const ModalOptions& options, const Count
   long samples = records.front().cols();
   for (const MatrixXd& y : records) samples = std::min<long>(samples, y.cols());
   double slowest = std::max(out.lowest_hz, 0.01 * out.sample_rate_hz);
+  std::optional<StochasticSubspace> last;
   for (int round = 0; round < 2; ++round) {
     const Shape shape = shape_of(counted.requested, out.sample_rate_hz / slowest, counted.rows,
                                  counted.references, samples, options.lags);
@@ -266,7 +268,7 @@ void identify_by_lags(ModalResult& out, const ModalOptions& options, const Count
     out.largest_order = shape.order;
     out.remarks.order_cut = shape.order < counted.requested ? counted.order : 0;
     out.blocks = blocks_of(options.blocks, samples, out.lags);
-    const StochasticSubspace subspace = subspace_of(shape);
+    const StochasticSubspace& subspace = last.emplace(subspace_of(shape));
     out.remarks.short_blocks = out.blocks < kFewBlocks ||
                                out.block_seconds * out.sample_rate_hz < kLagsPerBlock * out.lags;
     out.singular_values = subspace.singular_values();
@@ -276,6 +278,11 @@ void identify_by_lags(ModalResult& out, const ModalOptions& options, const Count
     describe(out, subspace, records, sensors);
     if (out.modes.empty() || options.lags > 0) break;
     slowest = out.modes.front().pole.frequency_hz;
+  }
+  if (!options.poles.empty()) {
+    choose_poles(out.diagram, options.poles);
+    describe(out, *last, records, sensors);
+    out.chosen_by_hand = true;
   }
   doubt_modes(out);
 }

@@ -19,6 +19,8 @@ struct ModalOptions {
                    ///< lowest mode
   int blocks = 0;  ///< number of data blocks n_b; 0: 50, or fewer if the blocks would be too short
   std::vector<int> references = {};  ///< reference channels; empty: all channels
+  /// The modes: these poles of the diagram; chosen automatically if empty.
+  std::vector<ChosenPole> poles = {};
   int threads = 0;
 };
 
@@ -83,6 +85,7 @@ struct ModalResult {
   std::vector<Mode> modes = {};     ///< by frequency
   Eigen::MatrixXd covariance = {};  ///< covariance of all frequencies [Hz], then all damping ratios
   Stabilisation diagram = {};
+  bool chosen_by_hand = false;  ///< the modes are poles that the options list
   Eigen::VectorXd singular_values = {};
   double sample_rate_hz = 0.0;  ///< after decimation
   double lowest_hz = 0.0, highest_hz = 0.0;
@@ -102,8 +105,9 @@ struct ModalResult {
 /// Identifies modes from `records`, with one channel per row. This function decimates the records
 /// to the band and identifies the modes twice. In the first identification, the lags cover one
 /// period of the lowest frequency of the band. In the second identification, the lags cover one
-/// period of the lowest mode, because more lags increase the scatter of the estimates. Throws
-/// ChannelError (signals/refuse.hpp) for channels that are constant, proportional to another one or
+/// period of the lowest mode, because more lags increase the scatter of the estimates. Poles
+/// chosen by hand replace the modes of the last diagram; they do not change the diagram. Throws
+/// ChosenPoleError, ChannelError (signals/refuse.hpp) for channels that are constant, proportional to another one or
 /// not finite, and std::invalid_argument for an invalid band and for records too short for any
 /// order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,

@@ -4,6 +4,8 @@
 #include <cmath>
 #include <limits>
 #include <numeric>
+#include <string>
+#include <utility>
 
 #include "base/parallel.hpp"
 #include "signals/modal/average_linkage.hpp"
@@ -223,7 +225,70 @@ void cut_to_band(Stabilisation& of, double lowest_hz, double highest_hz) {
   of = std::move(out);
 }
 
+/// The index of the pole that `chosen` names.
+int find_pole(const Stabilisation& of, const ChosenPole& chosen, long place) {
+  const int largest = 2 * of.orders;
+  if (chosen.order < 2 || chosen.order > largest || chosen.order % 2 != 0)
+    throw ChosenPoleError(place, "the diagram has no order " + std::to_string(chosen.order) +
+                                     ": orders are even numbers from 2 to " +
+                                     std::to_string(largest));
+  int best = -1;
+  const auto apart = [&](int i) {
+    return std::abs(of.poles[static_cast<std::size_t>(i)].frequency_hz - chosen.frequency_hz);
+  };
+  for (int i = 0; i < static_cast<int>(of.poles.size()); ++i)
+    if (of.poles[static_cast<std::size_t>(i)].order == chosen.order &&
+        (best < 0 || apart(i) < apart(best)))
+      best = i;
+  const std::string order = "order " + std::to_string(chosen.order);
+  if (best < 0) throw ChosenPoleError(place, order + " has no pole within the band");
+  if (!(apart(best) <= kChosenWithin * chosen.frequency_hz))
+    throw ChosenPoleError(
+        place, order + " has no pole within 0.5 % of " + std::to_string(chosen.frequency_hz) +
+                   " Hz: the nearest one is at " +
+                   std::to_string(of.poles[static_cast<std::size_t>(best)].frequency_hz) + " Hz");
+  return best;
+}
+
 }  // namespace
+
+void choose_poles(Stabilisation& of, std::span<const ChosenPole> chosen) {
+  std::vector<ModeCluster> free = of.modes, found;
+  for (const RejectedCluster& r : of.rejected) free.push_back(r.cluster);
+  std::vector<int> taken;
+  for (long i = 0; i < std::ssize(chosen); ++i) {
+    const int p = find_pole(of, chosen[static_cast<std::size_t>(i)], i);
+    if (const auto twice = std::ranges::find(taken, p); twice != taken.end())
+      throw ChosenPoleError(i, "is the same pole as number " +
+                                   std::to_string(twice - taken.begin() + 1) +
+                                   " of the list: leave one out");
+    taken.push_back(p);
+    const auto own = std::ranges::find_if(free, [p](const ModeCluster& c) {
+      return std::ranges::find(c.members, p) != c.members.end();
+    });
+    if (own == free.end()) {
+      const int order = of.poles[static_cast<std::size_t>(p)].order;
+      found.push_back({.members = {p}, .orders = (2 * of.orders - order) / 2 + 1, .chosen = p});
+      continue;
+    }
+    found.push_back(std::move(*own));
+    found.back().chosen = p;
+    free.erase(own);
+  }
+  const auto is_free = [&](const ModeCluster& c) {
+    return std::ranges::any_of(free, [&](const ModeCluster& f) { return f.members == c.members; });
+  };
+  std::erase_if(of.rejected, [&](const RejectedCluster& r) { return !is_free(r.cluster); });
+  for (ModeCluster& c : of.modes)
+    if (is_free(c)) of.rejected.push_back({.cluster = std::move(c), .why = Rejection::not_chosen});
+  of.modes = std::move(found);
+  const auto frequency = [&](const ModeCluster& c) {
+    return of.poles[static_cast<std::size_t>(c.chosen)].frequency_hz;
+  };
+  std::ranges::sort(of.modes, {}, frequency);
+  std::ranges::sort(of.rejected, {},
+                    [&](const RejectedCluster& r) { return frequency(r.cluster); });
+}
 
 double pole_distance(const Pole& a, const Pole& b) {
   return std::abs(a.frequency_hz - b.frequency_hz) / std::max(a.frequency_hz, b.frequency_hz) +

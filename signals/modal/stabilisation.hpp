@@ -9,6 +9,9 @@
 // poles (Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
 #pragma once
 
+#include <span>
+#include <stdexcept>
+#include <string>
 #include <vector>
 
 #include "signals/modal/stochastic_subspace.hpp"
@@ -42,7 +45,8 @@ struct ModeCluster {
 enum class Rejection {
   few_orders,  ///< in less than least_share of the orders from the first order with the cluster
   splinter,    ///< part of a mode whose other cluster has a smaller uncertainty
-  noise        ///< a model without this cluster fits the free decays equally well
+  noise,       ///< a model without this cluster fits the free decays equally well
+  not_chosen   ///< not in the list of poles chosen by hand
 };
 struct RejectedCluster {
   ModeCluster cluster = {};
@@ -92,6 +96,29 @@ struct Stabilisation {
 /// options for frequency and damping ratio.
 [[nodiscard]] Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
                                       const StabilisationOptions& options);
+
+/// A pole chosen by hand: that of this order nearest to the frequency.
+struct ChosenPole {
+  int order = 0;
+  double frequency_hz = 0.0;
+};
+
+/// A chosen pole that the diagram does not have.
+struct ChosenPoleError : std::invalid_argument {
+  ChosenPoleError(long which, const std::string& reason)
+      : std::invalid_argument(reason), pole(which) {}
+  long pole;  ///< index in the list
+};
+
+/// Largest distance of a chosen pole from its stated frequency, relative to this frequency. Numbers
+/// are written with fewer digits than they have, and processors round differently.
+inline constexpr double kChosenWithin = 0.005;
+
+/// Replaces the modes by the chosen poles. A mode keeps the cluster of its pole, which becomes the
+/// representative; a pole of no cluster is a mode by itself. Clusters without a chosen pole are
+/// rejected. Throws ChosenPoleError for an order or a frequency that the diagram does not have, and
+/// for a pole chosen twice.
+void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 
 /// Computes the distance d of two poles.
 [[nodiscard]] double pole_distance(const Pole& a, const Pole& b);

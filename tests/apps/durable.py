@@ -255,7 +255,7 @@ def check_modes_are_kept_as_a_whole(bench):
         vibration(bench.folder / 'record.csv', frequencies)
         bench.run('modal', case, '-o', out, '--quiet')
         runs.append(timeless(files(out)))
-    expect(sorted(runs[0]) == ['modes.json', 'report.html', 'summary.json'], sorted(runs[0]))
+    expect(sorted(runs[0]) == ['modes.json', 'poles.json', 'report.html', 'summary.json'], sorted(runs[0]))
     expect(runs[0]['modes.json'] != runs[1]['modes.json'], 'two runs')
     seen = set()
     for n in range(1, 20):

@@ -40,7 +40,7 @@ FOLDERS = {
                        'structural/problem', 'structural/updating', 'structural/damage', 'structural/damage/findings', 'sid/residuals', 'sid', 'sid/findings', 'modal',
                        'monitoring', 'monitoring/charts'],
     'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'text', 'remote', 'results', 'results/monitoring', 'report',
-             'runs', 'runs/sid', 'runs/batch', 'commands', 'cli'],
+             'runs', 'runs/sid', 'runs/batch', 'application', 'commands', 'cli'],
 }
 MOST_FILES = 30
 CROWDED = {

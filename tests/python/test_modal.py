@@ -64,7 +64,7 @@ class Modal(unittest.TestCase):
             of_file = wt.modal(case, folder=folder)
             np.testing.assert_array_equal(of_file.frequencies_hz, self.modal.frequencies_hz)
             of_file.save(f"{folder}/out")
-            self.assertEqual(sorted(os.listdir(f"{folder}/out")), ["modes.json", "report.html", "summary.json"])
+            self.assertEqual(sorted(os.listdir(f"{folder}/out")), ["modes.json", "poles.json", "report.html", "summary.json"])
             self.assertEqual(of_file.modes["frequencies_hz"], list(of_file.frequencies_hz))
 
     def test_what_goes_wrong(self):

@@ -3,6 +3,7 @@
 #include <gmock/gmock.h>
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <numbers>
 #include <utility>
@@ -46,6 +47,55 @@ TEST(ModalIdentification, FindsAChainWithItsCovariance) {
     mode.pole.shape.cwiseAbs().maxCoeff(&top);
     EXPECT_NEAR(mode.shape_covariance(top, top), 0.0, 1e-20);
   }
+}
+
+// The automatic choice, given as a list, gives the same modes to the last bit.
+TEST(ModalIdentification, PolesChosenByHandAreTheModes) {
+  const Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(18000, 0.05, 1);
+  const ModalResult automatic = identify_modes(y, kChain);
+  ModalOptions options = kChain;
+  for (const Mode& m : automatic.modes)
+    options.poles.push_back({m.pole.order, 1.001 * m.pole.frequency_hz});
+  std::ranges::reverse(options.poles);
+  const ModalResult same = identify_modes(y, options);
+  EXPECT_TRUE(same.chosen_by_hand);
+  EXPECT_EQ(frequencies(same), frequencies(automatic));
+  EXPECT_EQ(same.covariance, automatic.covariance);
+  EXPECT_EQ(same.modes[1].present, automatic.modes[1].present);
+
+  // Another order of the second mode alone: the clusters of the others are rejected.
+  const ModeCluster& cluster = automatic.diagram.modes[1];
+  const Pole& other = automatic.diagram.poles[static_cast<std::size_t>(cluster.members.back())];
+  options.poles = {{other.order, other.frequency_hz}};
+  const ModalResult one = identify_modes(y, options);
+  ASSERT_EQ(one.modes.size(), 1U);
+  EXPECT_EQ(one.modes[0].pole.order, other.order);
+  EXPECT_NEAR(one.modes[0].pole.frequency_hz, other.frequency_hz, 1e-12 * other.frequency_hz);
+  EXPECT_GT(one.modes[0].pole.frequency_sd, 0.0);
+  EXPECT_EQ(one.modes[0].present, static_cast<int>(cluster.members.size()));
+  EXPECT_EQ(std::ranges::count(one.diagram.rejected, Rejection::not_chosen, &RejectedCluster::why),
+            2);
+}
+
+TEST(ModalIdentification, RejectsPolesThatTheDiagramDoesNotHave) {
+  const Eigen::MatrixXd y = chain(3, 1.0, 200.0).accelerations(18000, 0.05, 1);
+  const Pole pole = identify_modes(y, kChain).modes[0].pole;
+  const auto rejected = [&](std::vector<ChosenPole> poles) -> long {
+    ModalOptions options = kChain;
+    options.poles = std::move(poles);
+    try {
+      (void)identify_modes(y, options);
+    } catch (const ChosenPoleError& error) {
+      return error.pole;
+    }
+    return -1;
+  };
+  const double f = pole.frequency_hz;
+  EXPECT_EQ(rejected({{pole.order, f}}), -1);
+  EXPECT_EQ(rejected({{pole.order, f}, {pole.order + 1, f}}), 1);      // odd
+  EXPECT_EQ(rejected({{pole.order + 1000, f}}), 0);                    // beyond the largest
+  EXPECT_EQ(rejected({{pole.order, 1.007 * f}}), 0);                   // too far
+  EXPECT_EQ(rejected({{pole.order, f}, {pole.order, 1.001 * f}}), 1);  // twice
 }
 
 // The same record at five times its rate gives the same modes.

@@ -146,9 +146,12 @@ void make_whole(const Json& root, const Json& reference, Json& value) {
 }  // namespace
 
 void CaseFile::refuse(const Pointer& where, const std::string& message) const {
-  std::string line = path.string() + ": " + place(where, record_place) + ": ";
-  if (json.contains(where) && !json.at(where).is_object()) line += shortened(json.at(where)) + ": ";
-  throw Failure(Exit::bad_input, io::printable(line + message));
+  const std::string pointer = place(where, record_place);
+  std::string reason = message;
+  if (json.contains(where) && !json.at(where).is_object())
+    reason = shortened(json.at(where)) + ": " + message;
+  throw Failure(Exit::bad_input, io::printable(path.string() + ": " + pointer + ": " + reason),
+                CasePlace{.pointer = pointer, .reason = io::printable(reason)});
 }
 
 std::filesystem::path CaseFile::place_of(const std::string& name) const {
@@ -275,8 +278,9 @@ void validate_against_schema(CaseFile& file, std::string_view schema_name) {
   for (const std::string& part : error.context) {
     if (part.size() > 2 && part.front() == '[') where += "/" + part.substr(1, part.size() - 2);
   }
-  throw Failure(Exit::bad_input, file.path.string() + ": " + (where.empty() ? "/" : where) + ": " +
-                                     error.description);
+  if (where.empty()) where = "/";
+  throw Failure(Exit::bad_input, file.path.string() + ": " + where + ": " + error.description,
+                CasePlace{.pointer = where, .reason = error.description});
 }
 
 inference::Prior parse_prior(const CaseFile& file, const Pointer& where) {

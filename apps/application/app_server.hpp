@@ -1,0 +1,52 @@
+// The server of the interactive application: HTTP on the loopback address of this machine.
+#pragma once
+
+#include <filesystem>
+#include <functional>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/failure.hpp"
+
+namespace wheeltap::apps {
+
+/// A starter case.
+struct StarterCase {
+  std::string kind, structure;
+};
+
+/// The parts of the program that the server calls.
+struct AppProgram {
+  std::vector<std::string> kinds = {};  ///< of cases
+  std::vector<StarterCase> starters = {};
+  /// The commands with checkpoints, --quick and --resume.
+  std::vector<std::string> sampled = {};
+  /// Checks the text of a case at a path as its command does before a run. `allowed` is true for
+  /// input files that the case may name. Returns the first fault.
+  std::function<std::optional<CasePlace>(
+      const std::filesystem::path& path, const std::string& text,
+      const std::function<bool(const std::filesystem::path&)>& allowed)>
+      check = {};
+  /// Writes a starter case into a folder and returns the path of the case. Throws Failure.
+  std::function<std::filesystem::path(const StarterCase& starter,
+                                      const std::filesystem::path& folder)>
+      start = {};
+};
+
+struct AppOptions {
+  std::filesystem::path folder = ".";
+  int port = 0;                                                ///< 0: any free port
+  int at_once = 1;                                             ///< runs at a time
+  int threads = 1;                                             ///< threads per run
+  std::function<void(const std::string& address)> ready = {};  ///< called when it listens
+  std::function<bool()> stop = {};                             ///< called a few times per second
+};
+
+/// Serves the application until stop() returns true. The address contains a random token of 128
+/// bits. The server rejects requests without it, from other origins, under other host names, and
+/// with methods other than GET and POST. Reports have a separate token, which gives no other
+/// access. Throws Failure if the folder is missing or the port is not available.
+void serve_application(const AppProgram& program, const AppOptions& options);
+
+}  // namespace wheeltap::apps

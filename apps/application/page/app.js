@@ -1,0 +1,37 @@
+// The pages of the application, chosen by the part of the address after #.
+import { attempt, element } from './dom.js';
+import { editorView } from './editor.js';
+import { polesView } from './poles.js';
+import { projectsView, resultView } from './projects.js';
+import { recordView } from './record.js';
+
+const views = { case: editorView, result: resultView, record: recordView, poles: polesView };
+const words = { case: 'Case', result: 'Results', record: 'Record', poles: 'Poles' };
+const content = document.getElementById('content');
+let close, shown = location.hash, turn = 0;
+
+const route = async () => {
+  if (close?.unsaved?.() && location.hash !== shown && !confirm('Leave without saving the case?')) {
+    history.replaceState(null, '', shown);
+    return;
+  }
+  close?.();
+  close = undefined;
+  shown = location.hash;
+  turn += 1;
+  const mine = turn;
+  const [, kind = '', name = ''] = /^#\/([a-z]*)\/?(.*)$/.exec(shown) ?? [];
+  const file = decodeURIComponent(name);
+  document.getElementById('place').replaceChildren(element('a', { href: '#/', 'aria-current': views[kind] ? undefined : 'page' }, 'Cases'),
+    ...(views[kind] ? [element('span', { 'aria-current': 'page' }, `${words[kind]}: ${file}`)] : []));
+  document.title = views[kind] ? `${file} · Wheeltap` : 'Wheeltap';
+  content.replaceChildren(element('p', { class: 'quiet' }, 'Reading …'));
+  const end = await attempt(() => (views[kind] ? views[kind](content, file) : projectsView(content)));
+  if (mine !== turn) end?.();
+  else close = end;
+  if (end === undefined && content.textContent === 'Reading …') content.replaceChildren(element('p', {}, element('a', { href: '#/' }, 'Back to the cases')));
+  document.documentElement.dataset.ready = shown || '#/';
+};
+
+addEventListener('hashchange', () => { delete document.documentElement.dataset.ready; route(); });
+route();

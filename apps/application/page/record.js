@@ -1,0 +1,165 @@
+// The data viewer: channels of a measured file, zoomed in on the server, with spectra; and a new modal case from them.
+import { ask, attempt, button, element, number, svg } from './dom.js';
+import { plot } from './plot.js';
+import { written } from './schema.js';
+import { get, post } from './server.js';
+
+const width = 900, points = 900;
+
+export const recordView = async (place, name) => {
+  const contents = await get('record', { name });
+  let table = 0, begin = 0, end = 0, band = null, turn = 0;
+  const back = [];
+  const plots = element('div', { class: 'strips' }), spectra = element('div'), info = element('p', { class: 'status', role: 'status' }), channels = element('div');
+  const current = () => contents.tables[table];
+  const shown = new Set([0]);
+  const uses = new Map();
+
+  const seconds = (row) => (current().sample_rate_hz ? row / current().sample_rate_hz : row);
+  const draw = () => attempt(async () => {
+    turn += 1;
+    const mine = turn, list = [...shown].sort((a, b) => a - b);
+    if (!list.length) { plots.replaceChildren(); spectra.replaceChildren(); return; }
+    const window = await get('window', { name, table, begin, end, channels: list.join(','), points });
+    if (mine !== turn) return;
+    info.textContent = `Samples ${window.begin} to ${window.end} of ${current().rows}${window.exact ? ', each drawn' : `, extremes of ${window.step} samples each`}. Drag across a plot to zoom in.`;
+    plots.replaceChildren(...list.map((c, k) => strip(current().channels[c], window, window.channels[k])));
+    const spectrum = await get('spectrum', { name, table, begin, end, channels: list[0] });
+    if (mine === turn) spectra.replaceChildren(spectrumPlot(current().channels[list[0]], spectrum));
+  });
+
+  const zoom = (from, to) => {
+    const rows = current().rows;
+    back.push([begin, end]);
+    [begin, end] = [Math.max(0, Math.round(from)), Math.min(rows, Math.round(to))];
+    if (end - begin < 8) end = Math.min(rows, begin + 8);
+    draw();
+  };
+
+  // Selects an interval of the horizontal axis by dragging.
+  const dragged = (drawn, use) => {
+    let from = null, frame;
+    drawn.picture.addEventListener('pointerdown', (event) => { from = drawn.inside(event); drawn.picture.setPointerCapture(event.pointerId); });
+    drawn.picture.addEventListener('pointermove', (event) => {
+      if (!from) return;
+      const now = drawn.inside(event);
+      if (!frame) drawn.picture.append(frame = svg('rect', { class: 'box', y: drawn.top, height: drawn.bottom - drawn.top }));
+      frame.setAttribute('x', Math.min(from.px, now.px));
+      frame.setAttribute('width', Math.abs(now.px - from.px));
+    });
+    drawn.picture.addEventListener('pointerup', (event) => {
+      const to = drawn.inside(event), wide = from && Math.abs(to.px - from.px) > 5;
+      frame?.remove();
+      frame = undefined;
+      if (wide) use(Math.min(from.x, to.x), Math.max(from.x, to.x));
+      from = null;
+    });
+  };
+
+  const strip = (channel, window, { low, high }) => {
+    const tops = (high ?? low).filter((v) => v !== null), bottoms = low.filter((v) => v !== null);
+    const ys = tops.length ? [Math.min(...bottoms), Math.max(...tops)] : [0, 1];
+    if (ys[0] === ys[1]) ys[1] = ys[0] + (Math.abs(ys[0]) || 1);
+    const xs = [seconds(window.begin), seconds(window.end)];
+    const drawn = plot({ width, height: 190, xs, ys, xLabel: current().sample_rate_hz ? 'time [s]' : 'sample', yLabel: channel.unit || 'value', label: `${channel.name} over time` });
+    const at = (i) => drawn.x(seconds(window.begin + (i + (high ? 0.5 : 0)) * window.step)).toFixed(1);
+    let d = '', pen = 'M';
+    low.forEach((v, i) => {
+      if (v === null) { pen = 'M'; return; }
+      d += `${pen}${at(i)} ${drawn.y(v).toFixed(1)}`;
+      if (high) d += `L${at(i)} ${drawn.y(high[i]).toFixed(1)}`;
+      pen = 'L';
+    });
+    drawn.picture.append(svg('path', { class: 'trace', d }));
+    dragged(drawn, (from, to) => zoom(from * (current().sample_rate_hz ?? 1), to * (current().sample_rate_hz ?? 1)));
+    return element('figure', {}, element('figcaption', {}, channel.name), drawn.picture);
+  };
+
+  const spectrumPlot = (channel, { frequencies_hz: f, density }) => {
+    const good = f.map((v, i) => [v, density[i]]).filter(([v, s]) => v > 0 && s > 0);
+    if (good.length < 2) return element('p', { class: 'quiet' }, 'No spectrum: the sampling rate is not known, or values are missing in this window.');
+    const db = good.map(([v, s]) => [v, 10 * Math.log10(s)]);
+    const drawn = plot({ width, height: 240, xs: [0, f.at(-1)], ys: [Math.min(...db.map((p) => p[1])), Math.max(...db.map((p) => p[1]))], xLabel: 'frequency [Hz]', yLabel: 'density [dB]', label: `Spectrum of ${channel.name}` });
+    if (band) drawn.picture.append(svg('rect', { class: 'band', x: drawn.x(band[0]), width: drawn.x(band[1]) - drawn.x(band[0]), y: drawn.top, height: drawn.bottom - drawn.top }));
+    drawn.picture.append(svg('path', { class: 'trace', d: db.map(([v, l], i) => `${i ? 'L' : 'M'}${drawn.x(v).toFixed(1)} ${drawn.y(l).toFixed(1)}`).join('') }));
+    dragged(drawn, (from, to) => {
+      band = [Number(Math.max(0, from).toPrecision(3)), Number(to.toPrecision(3))];
+      [lowest.value, highest.value] = band.map(String);
+      draw();
+    });
+    return element('figure', {}, element('figcaption', {}, `Spectrum of ${channel.name} in this window. Drag across it to choose the band of the modes.`), drawn.picture);
+  };
+
+  const lowest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Lowest frequency of the band in Hz' });
+  const highest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Highest frequency of the band in Hz' });
+  const rate = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Sampling rate in Hz' });
+  for (const input of [lowest, highest]) input.addEventListener('change', () => {
+    const pair = [lowest, highest].map((one) => Number(one.value.replace(',', '.')));
+    band = pair[0] >= 0 && pair[1] > pair[0] ? pair : null;
+    draw();
+  });
+
+  const listChannels = () => {
+    channels.replaceChildren(element('div', { class: 'scroll' }, element('table', {}, element('caption', {}, 'Channels'),
+      element('thead', {}, element('tr', {}, ['show', 'channel', 'unit', 'rms', 'role', 'node', 'direction', 'reference', 'faults'].map((head) => element('th', { scope: 'col' }, head)))),
+      element('tbody', {}, current().channels.map((channel, c) => {
+        if (!uses.has(`${table}/${c}`)) uses.set(`${table}/${c}`, { role: 'response', node: '', direction: '', reference: false });
+        const use = uses.get(`${table}/${c}`);
+        const text = (key) => element('input', { class: 'short', value: use[key], 'aria-label': `${key} of ${channel.name}`, oninput: (event) => { use[key] = event.target.value.trim(); } });
+        const role = element('select', { 'aria-label': `Role of ${channel.name}`, onchange: () => { use.role = role.value; } }, ['response', 'force', 'ignore'].map((one) => element('option', { selected: use.role === one }, one)));
+        return element('tr', { class: channel.faults.length ? 'faulty' : '' },
+          element('td', {}, element('input', { type: 'checkbox', 'aria-label': `Show ${channel.name}`, checked: shown.has(c), onchange: (event) => { if (event.target.checked) shown.add(c); else shown.delete(c); draw(); } })),
+          element('th', { scope: 'row' }, channel.name), element('td', {}, channel.unit), element('td', {}, number(channel.rms, 3)), element('td', {}, role),
+          element('td', {}, text('node')), element('td', {}, text('direction')),
+          element('td', {}, element('input', { type: 'checkbox', 'aria-label': `${channel.name} is a reference`, checked: use.reference, onchange: (event) => { use.reference = event.target.checked; } })),
+          element('td', { class: 'long' }, channel.faults.join('; ')));
+      })))));
+  };
+
+  const makeCase = () => attempt(async () => {
+    const stem = name.replace(/\.[^./]*$/, '');
+    const control = element('input', { value: `${stem}-modal.json`, required: true, spellcheck: 'false' });
+    const given = await ask('New modal case', [{ label: 'Name of the case, in the folder of the record', control }], 'Create');
+    if (!given) return;
+    const record = { file: name.slice(name.lastIndexOf('/') + 1) };
+    if (begin > 0 || (end > 0 && end < current().rows)) record.samples = [begin, end || current().rows];
+    const stated = Number(rate.value.replace(',', '.'));
+    if (rate.value.trim() && stated > 0) record.sample_rate = stated;
+    record.channels = current().channels.map((channel, c) => {
+      const { role, node, direction, reference } = uses.get(`${table}/${c}`);
+      return { column: channel.name, role, ...(node && role !== 'ignore' ? { node } : {}), ...(direction && role !== 'ignore' ? { direction } : {}), ...(reference && role === 'response' ? { reference: true } : {}) };
+    });
+    const made = { kind: 'modal', title: `Modes of ${record.file}`, record, ...(band ? { band } : {}) };
+    await post('save', { name: given[0].trim(), text: `${written(made)}\n`, before: null });
+    location.hash = `#/case/${encodeURIComponent(given[0].trim())}`;
+  });
+
+  const tables = contents.tables.length > 1 ? element('label', { class: 'inline' }, 'Table ', element('select', { onchange: (event) => {
+    table = event.target.selectedIndex;
+    [begin, end] = [0, 0];
+    shown.clear();
+    shown.add(0);
+    listChannels();
+    draw();
+  } }, contents.tables.map((one, i) => element('option', {}, `${i + 1}: ${one.rows} rows`)))) : null;
+  if (!contents.tables.length) {
+    place.replaceChildren(element('h1', {}, name), element('p', {}, `This file (${contents.format}) holds no table of numbers. ${contents.others.join(' ')}`));
+    return undefined;
+  }
+  const first = current();
+  place.replaceChildren(element('h1', {}, name),
+    element('p', { class: 'quiet' }, [`${contents.format}, ${first.rows} samples`, first.sample_rate_hz ? `${number(first.sample_rate_hz, 6)} Hz` : 'sampling rate not known', ...first.reading, first.fault].filter(Boolean).join('. ')),
+    element('div', { class: 'buttons' }, button('Whole record', () => { back.push([begin, end]); [begin, end] = [0, 0]; draw(); }),
+      button('Zoom out', () => { const wide = (end || current().rows) - begin; zoom(begin - wide / 2, (end || current().rows) + wide / 2); }),
+      button('Earlier', () => { const wide = (end || current().rows) - begin; zoom(Math.max(0, begin - wide / 2), Math.max(0, begin - wide / 2) + wide); }),
+      button('Later', () => { const wide = (end || current().rows) - begin, from = Math.min(current().rows - wide, begin + wide / 2); zoom(from, from + wide); }),
+      button('Back', () => { if (back.length) { [begin, end] = back.pop(); draw(); } }), tables),
+    info, plots, spectra,
+    element('h2', {}, 'Channels and a modal case'), channels,
+    element('p', {}, element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz'), ' ',
+      first.sample_rate_hz ? null : element('label', { class: 'inline' }, 'Sampling rate ', rate, ' Hz')),
+    element('p', {}, button('New modal case from this record …', makeCase, { class: 'main' })));
+  listChannels();
+  await draw();
+  return undefined;
+};

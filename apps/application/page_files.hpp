@@ -1,0 +1,17 @@
+// The files of the application's page, from apps/application/page, compiled into the program.
+#pragma once
+
+#include <span>
+#include <string_view>
+
+namespace wheeltap::apps {
+
+struct PageFile {
+  std::string_view name;  ///< as in the address; empty: the page itself
+  std::string_view type;  ///< its media type
+  std::string_view text;
+};
+
+[[nodiscard]] std::span<const PageFile> page_files();
+
+}  // namespace wheeltap::apps

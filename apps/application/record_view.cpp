@@ -1,0 +1,157 @@
+#include "apps/application/record_view.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <span>
+#include <stdexcept>
+#include <utility>
+
+#include "signals/spectra.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+namespace fs = std::filesystem;
+
+constexpr std::size_t kOpen = 2;  // files in memory
+constexpr std::size_t kPeaks = 8;
+constexpr long kMostWindowPoints = 20'000;
+
+const MeasuredTable& table_in(const MeasuredFile& file, const RecordWindow& window) {
+  if (window.table >= file.tables.size()) throw std::invalid_argument("the file has no such table");
+  return file.tables[window.table];
+}
+
+const MeasuredChannel& channel_of(const MeasuredTable& table, std::size_t channel) {
+  if (channel >= table.channels.size()) throw std::invalid_argument("there is no such channel");
+  return table.channels[channel];
+}
+
+struct Extremes {
+  double low = std::numeric_limits<double>::infinity();
+  double high = -std::numeric_limits<double>::infinity();
+};
+
+/// The extremes of the finite values.
+Extremes extremes(std::span<const double> values) {
+  Extremes out;
+  for (const double x : values) {
+    if (!std::isfinite(x)) continue;
+    out.low = std::min(out.low, x);
+    out.high = std::max(out.high, x);
+  }
+  return out;
+}
+
+Report short_number(double x) {
+  return std::isfinite(x) ? Report(compact(x)) : Report();
+}
+
+/// Rows of a window of the table.
+std::pair<long, long> rows_of_window(const MeasuredTable& table, const RecordWindow& window) {
+  const long begin = std::max(0L, window.begin);
+  const long end = std::min(window.end > 0 ? window.end : table.rows(), table.rows());
+  if (begin >= end) throw std::invalid_argument("the window has no rows");
+  return {begin, end};
+}
+
+}  // namespace
+
+std::shared_ptr<const MeasuredFile> OpenRecords::open(const fs::path& path) {
+  std::error_code error;
+  Opened now{.path = path, .bytes = fs::file_size(path, error)};
+  now.changed = fs::last_write_time(path, error);
+  const std::lock_guard lock(mutex_);
+  const auto found = std::ranges::find_if(opened_, [&](const Opened& one) {
+    return one.path == now.path && one.bytes == now.bytes && one.changed == now.changed;
+  });
+  if (found != opened_.end()) {
+    opened_.splice(opened_.begin(), opened_, found);
+    return opened_.front().file;
+  }
+  std::erase_if(opened_, [&](const Opened& one) { return one.path == path; });
+  while (opened_.size() >= kOpen) opened_.pop_back();  // before the memory of another is needed
+  now.file = std::make_shared<const MeasuredFile>(look_at(path));
+  opened_.push_front(std::move(now));
+  return opened_.front().file;
+}
+
+Report record_contents(const MeasuredFile& file) {
+  Report tables = Report::array();
+  for (const MeasuredTable& table : file.tables) {
+    Report channels = Report::array();
+    for (const MeasuredChannel& channel : table.channels) {
+      Report peaks = Report::array();
+      for (const signals::SpectrumPeak& peak : channel.peaks)
+        if (peaks.size() < kPeaks) peaks.push_back(finite(peak.frequency_hz));
+      double sum = 0.0, count = 0.0;
+      for (const double x : channel.values)
+        if (std::isfinite(x)) sum += x * x, count += 1.0;
+      channels.push_back({{"name", channel.name},
+                          {"unit", channel.unit},
+                          {"rms", finite(std::sqrt(sum / count))},
+                          {"faults", oddities(table, channel)},
+                          {"peaks_hz", peaks}});
+    }
+    Report one = {{"rows", table.rows()},
+                  {"is_time", table.is_time},
+                  {"time_column", table.is_time ? table.abscissa : std::string()},
+                  {"reading", reading_in_words(table)},
+                  {"fault", table.sampling_fault},
+                  {"channels", channels}};
+    if (table.sample_rate_hz) one["sample_rate_hz"] = *table.sample_rate_hz;
+    tables.push_back(std::move(one));
+  }
+  return {{"format", file.format}, {"tables", tables}, {"others", file.others}};
+}
+
+Report record_window(const MeasuredFile& file, const RecordWindow& window) {
+  const MeasuredTable& table = table_in(file, window);
+  const auto [begin, end] = rows_of_window(table, window);
+  const long points = std::clamp(window.points, 1L, kMostWindowPoints);
+  const long step = (end - begin + points - 1) / points;
+  Report channels = Report::array();
+  for (const std::size_t c : window.channels) {
+    const std::span<const double> all(channel_of(table, c).values);
+    Report low = Report::array(), high = Report::array();
+    for (long from = begin; from < end; from += step) {
+      const long to = std::min({from + step, end, std::ssize(all)});
+      const Extremes found = from < to ? extremes(all.subspan(static_cast<std::size_t>(from),
+                                                              static_cast<std::size_t>(to - from)))
+                                       : Extremes();
+      low.push_back(step == 1 ? finite(found.low) : short_number(found.low));
+      if (step > 1) high.push_back(short_number(found.high));
+    }
+    Report one = {{"low", low}};
+    if (step > 1) one["high"] = high;
+    channels.push_back(std::move(one));
+  }
+  return {
+      {"begin", begin}, {"end", end}, {"step", step}, {"exact", step == 1}, {"channels", channels}};
+}
+
+Report record_spectrum(const MeasuredFile& file, const RecordWindow& window) {
+  const MeasuredTable& table = table_in(file, window);
+  if (window.channels.size() != 1) throw std::invalid_argument("name one channel");
+  const std::vector<double>& all = channel_of(table, window.channels[0]).values;
+  Report frequencies = Report::array(), density = Report::array();
+  const auto [begin, end] = rows_of_window(table, window);
+  std::vector<double> x(all.begin() + begin, all.begin() + std::min(end, std::ssize(all)));
+  const bool usable = table.sample_rate_hz && x.size() >= 16 &&
+                      std::ranges::all_of(x, [](double v) { return std::isfinite(v); });
+  if (usable) {
+    signals::detrend(x, 0);
+    int segment = 16;
+    while (static_cast<std::size_t>(segment) * 8 < x.size() && segment < 8192) segment *= 2;
+    const signals::Spectrum spectrum =
+        signals::welch(x, *table.sample_rate_hz, {.segment = segment});
+    for (std::size_t i = 0; i < spectrum.density.size(); ++i) {
+      frequencies.push_back(compact(spectrum.frequencies_hz[i]));
+      density.push_back(short_number(spectrum.density[i]));
+    }
+  }
+  return {{"frequencies_hz", frequencies}, {"density", density}};
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,56 @@
+// Measured files for the data viewer: windows of their channels with a bounded number of points.
+#pragma once
+
+#include <filesystem>
+#include <list>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <vector>
+
+#include "apps/cases/records/measured_file.hpp"
+#include "apps/report_json.hpp"
+
+namespace wheeltap::apps {
+
+/// The last files that were opened, by path, size and time of their last change.
+class OpenRecords {
+ public:
+  /// Reads the file unless it is still in memory. Throws io::FileError, Failure.
+  [[nodiscard]] std::shared_ptr<const MeasuredFile> open(const std::filesystem::path& path);
+
+ private:
+  struct Opened {
+    std::filesystem::path path;
+    std::uintmax_t bytes = 0;
+    std::filesystem::file_time_type changed = {};
+    std::shared_ptr<const MeasuredFile> file = {};
+  };
+  std::mutex mutex_;
+  std::list<Opened> opened_;  // last used first
+};
+
+/// {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit, rms, faults,
+/// peaks_hz}, …]}, …]}.
+[[nodiscard]] Report record_contents(const MeasuredFile& file);
+
+/// A window of a table.
+struct RecordWindow {
+  std::size_t table = 0;
+  std::vector<std::size_t> channels = {};
+  long begin = 0, end = 0;  ///< rows [begin, end), cut to the table
+  long points = 1000;       ///< largest number of points, or of intervals
+};
+
+/// {begin, end, exact, step, channels: [{low: […], high: […]}, …]}. The window is divided into
+/// intervals of `step` rows; `low` and `high` are the extremes of each, null where no value is
+/// finite. With `exact`, an interval is one row, and `high` is left out. Throws
+/// std::invalid_argument for a table, a channel or a window that does not exist.
+[[nodiscard]] Report record_window(const MeasuredFile& file, const RecordWindow& window);
+
+/// {frequencies_hz, density: […]} of one channel: at most `points` lines, the highest of each
+/// neighbourhood. Lists are empty if the sampling rate is not known. Throws std::invalid_argument
+/// as record_window does.
+[[nodiscard]] Report record_spectrum(const MeasuredFile& file, const RecordWindow& window);
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,81 @@
+// Runs that the application starts: a queue of child processes of this program.
+#pragma once
+
+#include <chrono>
+#include <cstdint>
+#include <deque>
+#include <filesystem>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+#include <thread>
+#include <vector>
+
+#include "apps/remote/child_program.hpp"
+#include "apps/report_json.hpp"
+
+namespace wheeltap::apps {
+
+/// A run of a case.
+struct RunRequest {
+  std::string command;  ///< damage, sid, …
+  std::string case_name, output_name;
+  std::filesystem::path case_path, output;
+  std::optional<std::uint64_t> seed = {};
+  bool samples = false;  ///< the command has checkpoints, --quick and --resume
+  bool quick = false;
+  bool resume = false;
+};
+
+class RunQueue {
+ public:
+  /// At most `at_once` runs at a time, each with `threads` threads.
+  RunQueue(int at_once, int threads);
+  RunQueue(const RunQueue&) = delete;
+  RunQueue& operator=(const RunQueue&) = delete;
+  /// Stops all runs: they keep their results so far. Kills those that do not end within 10 s.
+  ~RunQueue();
+
+  /// Returns the number of the run; none if the queue is full or a run with the same output folder
+  /// waits or runs.
+  [[nodiscard]] std::optional<int> add(RunRequest request);
+  /// Removes a run that waits; a run that is running ends early and keeps its results so far. False
+  /// if there is no such run.
+  bool stop(int number);
+  /// [{number, command, case, output, state, stage, fraction, seconds_left, detail, message, exit,
+  /// seconds}, …]: state is queued, running, stopping, done, stopped or failed.
+  [[nodiscard]] Report list() const;
+  /// True if a run with this output folder waits or runs.
+  [[nodiscard]] bool is_busy(const std::filesystem::path& output) const;
+
+ private:
+  using Clock = std::chrono::steady_clock;
+  struct Run {
+    int number = 0;
+    RunRequest request = {};
+    std::string state = "queued";
+    std::string stage = {}, detail = {}, message = {};
+    double fraction = 0.0;
+    std::optional<double> seconds_left = {};
+    std::optional<int> exit = {};
+    std::optional<Clock::time_point> begun = {}, ended = {};
+    std::unique_ptr<ChildProgram> program = {};
+    std::string unread = {};  ///< the begin of a line
+  };
+
+  void watch(const std::stop_token& done);
+  void step();
+  void start(Run& run) const;
+  static void read(Run& run, const std::string& output);
+  [[nodiscard]] int running() const;
+  [[nodiscard]] bool busy(const std::filesystem::path& output) const;
+
+  int at_once_, threads_;
+  int next_ = 1;
+  mutable std::mutex mutex_;
+  std::deque<Run> runs_;
+  std::jthread thread_;
+};
+
+}  // namespace wheeltap::apps
