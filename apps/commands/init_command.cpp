@@ -194,6 +194,15 @@ std::string describe_keys(const std::string& kind) {
          "\n`wheeltap schema " + kind + "` prints these keys as a JSON Schema.\n";
 }
 
+namespace {
+
+/// The schema of a starter case: a plan is a damage case, here of a structure.
+std::string schema_of(const std::string& kind, bool beam) {
+  return kind == "plan" || !beam ? "structure" : kind;
+}
+
+}  // namespace
+
 void run_init(const std::string& kind, const std::string& structure, const fs::path& folder) {
   const auto kinds = starter_kinds();
   if (std::ranges::find(kinds, kind) == kinds.end()) {
@@ -220,7 +229,7 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
   std::vector<File> files = {
       {(folder / (kind + ".json")).lexically_normal(), text},
       {(folder / (kind + ".md")).lexically_normal(),
-       starter(stem + ".md") + "\n" + describe_keys(beam ? kind : "structure")}};
+       starter(stem + ".md") + "\n" + describe_keys(schema_of(kind, beam))}};
   // Files in a folder that the case names: KIND.STRUCTURE.FOLDER.NAME.
   for (const auto& [name, content] : kStarterTexts)
     if (!beam && name.starts_with(stem + ".") && name != stem + ".json" && name != stem + ".md") {
@@ -289,7 +298,7 @@ Command init_command() {
               [starter](CommandOptions& options) {
                 CLI::App& app = options.app();
                 app.add_option("KIND", starter->kind,
-                               "kind of case: damage, sid, update, modal or monitor")
+                               "kind of case: damage, sid, update, modal, monitor or plan")
                     ->required();
                 app.add_option(
                     "--structure", starter->structure,
