@@ -226,10 +226,9 @@ void run_init(const std::string& kind, const std::string& structure, const fs::p
   };
   const std::string stem = beam ? kind : kind + "." + structure;
   const std::string text = starter(stem + ".json");
-  std::vector<File> files = {
-      {(folder / (kind + ".json")).lexically_normal(), text},
-      {(folder / (kind + ".md")).lexically_normal(),
-       starter(stem + ".md") + "\n" + describe_keys(schema_of(kind, beam))}};
+  std::vector<File> files = {{(folder / (kind + ".json")).lexically_normal(), text},
+                             {(folder / (kind + ".md")).lexically_normal(),
+                              starter(stem + ".md") + "\n" + describe_keys(schema_of(kind, beam))}};
   // Files in a folder that the case names: KIND.STRUCTURE.FOLDER.NAME.
   for (const auto& [name, content] : kStarterTexts)
     if (!beam && name.starts_with(stem + ".") && name != stem + ".json" && name != stem + ".md") {

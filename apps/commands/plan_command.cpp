@@ -35,8 +35,7 @@ void plan(const CommonOptions& common, PlanRunOptions options) {
   std::cout << "\nResults: " << io::printable((common.output / "summary.json").string())
             << "\nDamage case of the design: "
             << io::printable((common.output / "damage.json").string())
-            << "\nReport: " << io::printable((common.output / "report.html").string())
-            << std::endl;
+            << "\nReport: " << io::printable((common.output / "report.html").string()) << std::endl;
 }
 
 }  // namespace
@@ -48,8 +47,8 @@ Command plan_command() {
           .add_options =
               [how](CommandOptions& options) {
                 options.add_case();
-                options.add_output("FOLDER",
-                                   "folder of the results: summary.json, damage.json and report.html");
+                options.add_output(
+                    "FOLDER", "folder of the results: summary.json, damage.json and report.html");
                 options.add_json(kSummary);
                 options.add_seed("of the simulated tests");
                 options.add_threads();
@@ -58,8 +57,9 @@ Command plan_command() {
                 app.add_option("--scenarios", how->scenarios,
                                "simulated tests of each of the best designs (default: 100000)")
                     ->check(whole(1000, 10'000'000));
-                app.add_option("--check", how->checks,
-                               "simulated tests that the full engine identifies (default: 10)")
+                app.add_option(
+                       "--check", how->checks,
+                       "simulated tests that quick runs of the full engine identify (default: 10)")
                     ->check(whole(0, 10'000));
               },
           .run = [how](const Invocation& asked) { plan(asked.common, *how); }};

@@ -85,7 +85,8 @@ std::string drawing(const Report& plan) {
     double share = 0.0;
     std::string words = row.at("place").get<std::string>() + ": not found with probability 0.9";
     if (!least.at(key).is_null()) {
-      const double most = row.at("severities").back().is_null() ? 1.0 : row.at("severities").back().get<double>();
+      const double most =
+          row.at("severities").back().is_null() ? 1.0 : row.at("severities").back().get<double>();
       share = 1.0 - least.at(key).get<double>() / std::max(most, 1e-300);
       words = row.at("place").get<std::string>() + ": " + key + " " +
               significant(least.at(key).get<double>(), 2) + " found with probability 0.9";
@@ -99,7 +100,8 @@ std::string drawing(const Report& plan) {
   for (std::size_t c = 0; c < plan.at("candidate_places").size(); ++c) {
     const Report& place = plan.at("candidate_places")[c];
     if (place.is_null()) continue;
-    const bool chosen = std::ranges::find(best.at("sensors"), Report(c)) != best.at("sensors").end();
+    const bool chosen =
+        std::ranges::find(best.at("sensors"), Report(c)) != best.at("sensors").end();
     const auto at = view.at(place.at("at"));
     const auto along = view.along(place.at("direction"));
     if (!chosen) {
@@ -160,7 +162,8 @@ std::string curve_along(const Report& plan) {
   inside += polyline(plot, run, "line");
   return plot.framed("smallest " + key + " found with probability 0.9", "place [m]", key, inside) +
          "<p>Line: smallest " + escaped(key) +
-         " found with probability 0.9; grey: 95 % intervals. Circles at the upper edge: not found.</p>\n";
+         " found with probability 0.9; grey: 95 % intervals. Circles at the upper edge: not "
+         "found.</p>\n";
 }
 
 /// P(detected) over severity at the easiest, a typical and the hardest place.
@@ -178,7 +181,8 @@ std::string detection_curves(const Report& plan) {
   std::ranges::sort(order);
   const std::string key = severity_of(plan, 0);
   const Report& severities = map[order[0].second].at("severities");
-  const Plot plot(severities.front().get<double>(), severities.back().get<double>(), 0.0, 1.0, 240.0);
+  const Plot plot(severities.front().get<double>(), severities.back().get<double>(), 0.0, 1.0,
+                  240.0);
   std::string inside, words;
   const std::array<std::size_t, 3> chosen = {0, order.size() / 2, order.size() - 1};
   const std::array<const char*, 3> names = {"easiest place", "typical place", "hardest place"};
@@ -186,14 +190,16 @@ std::string detection_curves(const Report& plan) {
     const Report& row = map[order[chosen[k]].second];
     std::vector<std::pair<double, double>> points;
     for (std::size_t i = 0; i < row.at("severities").size(); ++i)
-      points.emplace_back(row.at("severities")[i].get<double>(), row.at("detection")[i].get<double>());
+      points.emplace_back(row.at("severities")[i].get<double>(),
+                          row.at("detection")[i].get<double>());
     inside += polyline(plot, points, "line");
     const auto& [x, y] = points[points.size() / 2];
     inside += svg_text(plot.x(x) + 4.0, plot.y(y) - 4.0, std::to_string(k + 1));
     words += (k > 0 ? "; " : "") + std::to_string(k + 1) + ": " + names[k] + ", " +
              escaped(row.at("place").get<std::string>());
   }
-  return plot.framed("probability of detection", key, "P(detected)", inside) + "<p>" + words + ".</p>\n";
+  return plot.framed("probability of detection", key, "P(detected)", inside) + "<p>" + words +
+         ".</p>\n";
 }
 
 std::string table_of(const Report& plan, const std::vector<const Report*>& rows, bool sensors) {
@@ -205,7 +211,9 @@ std::string table_of(const Report& plan, const std::vector<const Report*>& rows,
       return percent(d->at(key).get<double>(), d->at("mcse").at(key).get<double>());
     };
     out += "<tr><td>" + escaped(d->at("name").get<std::string>()) + "</td>" +
-           (sensors ? "<td class=\"odd\" style=\"color:inherit\">" + escaped(sensors_in_words(plan, *d)) + "</td>" : "") +
+           (sensors ? "<td class=\"odd\" style=\"color:inherit\">" +
+                          escaped(sensors_in_words(plan, *d)) + "</td>"
+                    : "") +
            "<td>" + significant(d->at("information").get<double>(), 4) + " ± " +
            significant(d->at("mcse").at("information").get<double>(), 1) + "</td><td>" +
            cell("detection") + "</td><td>" + cell("right_place") + "</td></tr>\n";
@@ -225,7 +233,8 @@ std::string further_sensors(const Report& plan) {
   double most = 0.0;
   std::vector<std::pair<double, double>> points;
   for (const Report& d : path) {
-    points.emplace_back(static_cast<double>(d.at("sensors").size()), d.at("information").get<double>());
+    points.emplace_back(static_cast<double>(d.at("sensors").size()),
+                        d.at("information").get<double>());
     most = std::max(most, points.back().second);
   }
   const Plot plot(0.0, points.back().first, 0.0, 1.05 * most, 220.0);
@@ -239,8 +248,9 @@ std::string value_section(const Report& plan) {
   if (!plan.contains("value")) return {};
   std::string out = "<h2>Value of the test</h2>\n";
   for (const std::string& text : value_sentences(plan)) out += "<p>" + escaped(text) + "</p>\n";
-  out += "<div class=\"scroll\"><table><tr><th>test</th><th>cost of the test</th><th>saving</th>"
-         "<th>best false-alarm probability</th><th>detected</th></tr>\n";
+  out +=
+      "<div class=\"scroll\"><table><tr><th>test</th><th>cost of the test</th><th>saving</th>"
+      "<th>best false-alarm probability</th><th>detected</th></tr>\n";
   for (const Report& o : plan.at("value").at("options"))
     out += "<tr><td>" + escaped(o.at("name").get<std::string>()) + "</td><td>" +
            significant(o.at("test_cost").get<double>(), 4) + "</td><td>" +
@@ -255,24 +265,27 @@ std::string value_section(const Report& plan) {
 
 std::string plan_page(const Report& summary) {
   const Report& plan = summary.at("plan");
-  std::string out = page_head(summary.at("title").get<std::string>(), plan_headline(plan),
-                              plan_details(plan));
+  std::string out =
+      page_head(summary.at("title").get<std::string>(), plan_headline(plan), plan_details(plan));
   out += "<h2>Recommended design</h2>\n" + drawing(plan) + curve_along(plan) +
          "<p>damage.json in this folder is the damage case of this design.</p>\n";
   out += "<h2>Probability of detection</h2>\n" + detection_curves(plan);
   std::vector<const Report*> designs = pointers(plan.at("designs"));
   for (const Report& d : plan.at("others")) designs.push_back(&d);
   designs.push_back(&plan.at("frequencies_alone"));
-  out += "<h2>Ranking of designs</h2>\n" + table_of(plan, designs, true) +
-         "<p>Information: expected information about count and place. Detected: P(at least one damage) "
-         "exceeds the threshold that intact tests exceed with the false-alarm probability. ± is one "
-         "Monte Carlo standard error.</p>\n";
+  out +=
+      "<h2>Ranking of designs</h2>\n" + table_of(plan, designs, true) +
+      "<p>Information: expected information about count and place. Detected: P(at least one "
+      "damage) "
+      "exceeds the threshold that intact tests exceed with the false-alarm probability. ± is one "
+      "Monte Carlo standard error.</p>\n";
   out += "<h2>Value of more sensors, longer records, more modes</h2>\n" + further_sensors(plan);
-  for (const auto& [key, title] : {std::pair{"by_length", "Length of the record"},
-                                   std::pair{"by_modes", "Number of modes"},
-                                   std::pair{"by_mass", "Added masses"}})
+  for (const auto& [key, title] :
+       {std::pair{"by_length", "Length of the record"}, std::pair{"by_modes", "Number of modes"},
+        std::pair{"by_mass", "Added masses"}})
     if (!plan.at(key).empty())
-      out += "<h3>" + std::string(title) + "</h3>\n" + table_of(plan, pointers(plan.at(key)), false);
+      out +=
+          "<h3>" + std::string(title) + "</h3>\n" + table_of(plan, pointers(plan.at(key)), false);
   out += value_section(plan);
   if (const std::string words = check_sentence(plan); !words.empty())
     out += "<h2>Check by the full engine</h2>\n<p>" + escaped(words) + "</p>\n";

@@ -39,9 +39,10 @@ PlanRun run_plan(const PlanCaseFile& parsed, const CommonOptions& common,
     EngineCheck check;
     if (how.checks > 0)
       check = check_by_engine(parsed.plan, model, findings.designs.front(), how.checks,
-                              {.seed = options.seed, .threads = options.threads},
+                              {.seed = options.seed, .threads = options.threads, .quick = true},
                               [&](double fraction) {
-                                if (how.progress) how.progress("check by the full engine", fraction);
+                                if (how.progress)
+                                  how.progress("check by the full engine", fraction);
                               });
     out.summary = plan_summary(parsed, findings, check,
                                {.seed = options.seed, .command_line = common.command_line});

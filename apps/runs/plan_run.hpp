@@ -20,7 +20,7 @@ struct PlanRun {
 
 struct PlanRunOptions {
   int scenarios = 100'000;  ///< simulated tests of the best designs
-  int checks = 10;          ///< simulated tests that the full engine identifies
+  int checks = 10;          ///< simulated tests that quick runs of the full engine identify
   /// Receives the stage and its done fraction.
   std::function<void(const char*, double)> progress = {};
 };

@@ -42,9 +42,9 @@ AnyStructure with_mass_on_beam(const fem::Structure& beam, double x, double mass
     const double cut = frame.length * before / first.elements;
     const fem::Vector3 from = out.nodes[index(first.nodes[0])].at;
     const int added = static_cast<int>(out.nodes.size());
-    out.nodes.push_back({.name = "mass", .at = {from[0] + cut * frame.axes[0][0],
-                                                from[1] + cut * frame.axes[0][1],
-                                                from[2] + cut * frame.axes[0][2]}});
+    out.nodes.push_back({.name = "mass",
+                         .at = {from[0] + cut * frame.axes[0][0], from[1] + cut * frame.axes[0][1],
+                                from[2] + cut * frame.axes[0][2]}});
     fem::Member second = first;
     second.name += " after the mass";
     second.nodes[0] = added;

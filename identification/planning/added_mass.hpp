@@ -5,8 +5,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// With `mass` [kg] at a node (members), or on a mass (chain), from 0. Throws std::invalid_argument for
-/// a structure of matrices, or a number that is not in the structure.
+/// With `mass` [kg] at a node (members), or on a mass (chain), from 0. Throws std::invalid_argument
+/// for a structure of matrices, or a number that is not in the structure.
 [[nodiscard]] AnyStructure with_mass_at_node(const AnyStructure& structure, int node, double mass);
 
 /// The structure of a beam (fem::as_structure) with `mass` [kg] at the boundary of elements closest

@@ -174,10 +174,10 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
   std::vector<std::vector<double>> distance(index(n), std::vector<double>(index(n), 0.0));
   for (int a = 0; a < n; ++a)
     for (int b = a + 1; b < n; ++b) {
-      const double d = visible[index(a)] && visible[index(b)]
-                           ? distance_between(test.places()[index(a)].nodes,
-                                              test.places()[index(b)].nodes)
-                           : kInfinity;
+      const double d =
+          visible[index(a)] && visible[index(b)]
+              ? distance_between(test.places()[index(a)].nodes, test.places()[index(b)].nodes)
+              : kInfinity;
       distance[index(a)][index(b)] = distance[index(b)][index(a)] = d;
     }
   const auto same_line = [&](int a, int b) {
@@ -190,7 +190,8 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
   for (int a = 0; a < n; ++a) {
     int low = a, high = a;
     if (visible[index(a)]) {
-      while (low > 0 && same_line(a, low - 1) && distance[index(a)][index(low - 1)] < kDistance) --low;
+      while (low > 0 && same_line(a, low - 1) && distance[index(a)][index(low - 1)] < kDistance)
+        --low;
       while (high + 1 < n && same_line(a, high + 1) &&
              distance[index(a)][index(high + 1)] < kDistance)
         ++high;
@@ -239,7 +240,8 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
                                 .end = high.end,
                                 .name = s.name};
       if (s.size > 0.0)
-        r.name += ", " + base::significant(r.start, 3) + " to " + base::significant(r.end, 3) + " m";
+        r.name +=
+            ", " + base::significant(r.start, 3) + " to " + base::significant(r.end, 3) + " m";
       return r;
     };
     out.regions.push_back({.first = region(f.first),

@@ -15,8 +15,8 @@ struct PlaceDetection {
   std::vector<double> severities;       ///< ascending
   std::vector<TestEstimate> detection;  ///< P(detected) at each
   std::vector<TestEstimate> right;      ///< P(detected, count and place right)
-  /// Severity at which P(detected) reaches 0.9, by isotonic regression and linear interpolation; none
-  /// if the largest severity of the prior does not reach it.
+  /// Severity at which P(detected) reaches 0.9, by isotonic regression and linear interpolation;
+  /// none if the largest severity of the prior does not reach it.
   std::optional<double> smallest;
   /// The same for the upper and lower ends of the 95 % intervals (Wilson) of P(detected).
   std::optional<double> smallest_low, smallest_high;
@@ -64,22 +64,22 @@ struct Confusion {
 
 /// Two places are confused if the largest defect of the prior at one of them is closer than
 /// `kDistance` standard errors to some defect at the other. With equal priors, a test then takes at
-/// least Φ(-1) = 16 % of such defects for the other. Confused places within `tolerance`, or connected
-/// by confused places of one member, count as resolution, the others as regions.
+/// least Φ(-1) = 16 % of such defects for the other. Confused places within `tolerance`, or
+/// connected by confused places of one member, count as resolution, the others as regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;
 
 /// A change of the design that separates confused places.
 struct Separation {
-  std::vector<int> sensors;  ///< additional ones
-  int mass = -1;             ///< or this added mass
+  std::vector<int> sensors;   ///< additional ones
+  int mass = -1;              ///< or this added mass
   int separated = 0, of = 0;  ///< pairs
 };
 /// The cheapest separation by sensors, and the best single mass: of the changes that separate the
 /// most pairs (within 5 %), the cheapest, then the one with the largest distances. Fewer than two
-/// sensors carry no shape, so a design with n < 2 sensors gets 2 - n, otherwise 1. `costs`: per candidate;
-/// empty: equal. Empty if no change separates a pair.
+/// sensors carry no shape, so a design with n < 2 sensors gets 2 - n, otherwise 1. `costs`: per
+/// candidate; empty: equal. Empty if no change separates a pair.
 struct Separations {
   std::optional<Separation> by_sensors, by_mass;
 };

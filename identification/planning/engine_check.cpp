@@ -145,8 +145,9 @@ EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source, const
   return out;
 }
 
-EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model, const ScoredDesign& design,
-                            int count, const inference::Options& options,
+EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
+                            const ScoredDesign& design, int count,
+                            const inference::Options& options,
                             const std::function<void(double)>& progress) {
   const ScenarioSource& source = model.source();
   const PreparedDesign prepared =
@@ -162,10 +163,10 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model, const 
     const std::vector<Scenario> scenario = {source.draw(number, solver)};
     inference::Options own = options;
     own.seed = options.seed + number;
-    CheckedTest test{.number = number,
-                     .approximate = simulate_tests(source, prepared, scenario, number,
-                                                   plan.tolerance)[0],
-                     .engine = identify(plan, source, design.design, number, own)};
+    CheckedTest test{
+        .number = number,
+        .approximate = simulate_tests(source, prepared, scenario, number, plan.tolerance)[0],
+        .engine = identify(plan, source, design.design, number, own)};
     const double p = 1.0 / (1.0 + std::exp(-test.approximate.log_odds));
     squares += (p - test.engine.probability_damaged) * (p - test.engine.probability_damaged);
     if (!scenario[0].truth.defects.empty()) {

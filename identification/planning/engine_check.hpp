@@ -17,8 +17,8 @@ namespace wheeltap::identification::planning {
 /// The result of the full engine for one simulated test.
 struct EngineOutcome {
   double probability_damaged = 0.0;
-  int model = 0;        ///< most probable one
-  bool right = false;   ///< count and every place, as TestScorer judges them
+  int model = 0;       ///< most probable one
+  bool right = false;  ///< count and every place, as TestScorer judges them
 };
 [[nodiscard]] EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source,
                                      const TestDesign& design, std::uint64_t number,
@@ -32,9 +32,9 @@ struct CheckedTest {
 };
 
 /// Differences engine minus approximation of the same tests: P(detected) and P(right place), both
-/// given at least one defect, and the root mean square difference of P(at least one defect | y) over
-/// all tests. Their standard errors count one test that differs more than were seen, since few tests
-/// may all agree.
+/// given at least one defect, and the root mean square difference of P(at least one defect | y)
+/// over all tests. Their standard errors count one test that differs more than were seen, since few
+/// tests may all agree.
 struct EngineCheck {
   std::vector<CheckedTest> tests;
   int damaged = 0;  ///< tests with at least one defect

@@ -35,14 +35,12 @@ double log_sum(const std::vector<double>& terms) {
 }
 
 /// Nodes and weights of Gauss and Legendre on [-1, 1], the positive half of 16.
-constexpr std::array<double, 8> kNodes = {0.0950125098376374, 0.2816035507792589,
-                                          0.4580167776572274, 0.6178762444026438,
-                                          0.7554044083550030, 0.8656312023878318,
-                                          0.9445750230732326, 0.9894009349916499};
-constexpr std::array<double, 8> kWeights = {0.1894506104550685, 0.1826034150449236,
-                                            0.1691565193950025, 0.1495959888165767,
-                                            0.1246289712555339, 0.0951585116824928,
-                                            0.0622535239386479, 0.0271524594117541};
+constexpr std::array<double, 8> kNodes = {
+    0.0950125098376374, 0.2816035507792589, 0.4580167776572274, 0.6178762444026438,
+    0.7554044083550030, 0.8656312023878318, 0.9445750230732326, 0.9894009349916499};
+constexpr std::array<double, 8> kWeights = {
+    0.1894506104550685, 0.1826034150449236, 0.1691565193950025, 0.1495959888165767,
+    0.1246289712555339, 0.0951585116824928, 0.0622535239386479, 0.0271524594117541};
 
 /// b x + c y - (hxx x² + 2 hxy x y + hyy y²) / 2 + constant over a rectangle.
 struct Quadratic {
@@ -70,9 +68,9 @@ struct Quadratic {
       if (x >= x0 && x <= x1 && y >= y0 && y <= y1) return {x, y};
     }
     std::array<double, 2> found = {x0, best_y(x0, y0, y1)};
-    for (const auto& [x, y] : {std::array{x1, best_y(x1, y0, y1)},
-                               std::array{best_x(y0, x0, x1), y0},
-                               std::array{best_x(y1, x0, x1), y1}})
+    for (const auto& [x, y] :
+         {std::array{x1, best_y(x1, y0, y1)}, std::array{best_x(y0, x0, x1), y0},
+          std::array{best_x(y1, x0, x1), y1}})
       if (at(x, y) > at(found[0], found[1])) found = {x, y};
     return found;
   }
@@ -107,10 +105,10 @@ double log_normal_integral(double b, double h, double low, double high) {
   if (h * width * width < 1e-9) {
     const double rise = 0.5 * (slope + end_slope) * width;
     const double from = b * low - 0.5 * h * low * low;
-    return from + std::log(width) + (std::abs(rise) < 1e-6 ? 0.5 * rise
-                                     : rise > 0.0
-                                         ? rise + std::log(-std::expm1(-rise) / rise)
-                                         : std::log(std::expm1(rise) / rise));
+    return from + std::log(width) +
+           (std::abs(rise) < 1e-6 ? 0.5 * rise
+            : rise > 0.0          ? rise + std::log(-std::expm1(-rise) / rise)
+                                  : std::log(std::expm1(rise) / rise));
   }
   const double root = std::sqrt(0.5 * h), scale = 0.5 * std::log(0.5 * kPi / h);
   if (slope > 0.0 && end_slope < 0.0)
@@ -200,8 +198,7 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
         sum += prior;
       }
     }
-    if (list->a.empty())
-      throw std::invalid_argument("two defects need two places; there is one");
+    if (list->a.empty()) throw std::invalid_argument("two defects need two places; there is one");
     for (double& p : list->log_prior) p -= std::log(sum);
     pairs_.back() = std::move(list);
   }
@@ -216,8 +213,7 @@ double NormalTest::log_place(const double* products, int a) const {
   const auto first = index(first_[index(a)]), end = index(first_[index(a) + 1]);
   if (end - first == 1) return products[first] - 0.5 * squares_[first];
   double most = -kInfinity;
-  for (std::size_t i = first; i < end; ++i)
-    most = std::max(most, products[i] - 0.5 * squares_[i]);
+  for (std::size_t i = first; i < end; ++i) most = std::max(most, products[i] - 0.5 * squares_[i]);
   std::array<double, 64> terms;
   std::size_t count = 0;
   for (std::size_t i = first; i + 1 < end; ++i) {
@@ -255,9 +251,8 @@ double NormalTest::log_pair(const double* products, int a, int b) const {
   };
   const double norms = typical_norm_[index(a)] * typical_norm_[index(b)];
   const double rho =
-      norms > 0.0
-          ? nodes_.col(typical_[index(a)]).dot(nodes_.col(typical_[index(b)])) / norms
-          : 0.0;
+      norms > 0.0 ? nodes_.col(typical_[index(a)]).dot(nodes_.col(typical_[index(b)])) / norms
+                  : 0.0;
   const double ga = amplitude(a), gb = amplitude(b), room = std::max(1.0 - rho * rho, 1e-4);
   double ca = (ga - rho * gb) / room, cb = (gb - rho * ga) / room;
   if (ca < 0.0) {
@@ -289,8 +284,8 @@ double NormalTest::log_pair(const double* products, int a, int b) const {
                     : std::max(0.0, squares_[index(t)] + squares_[index(n)] -
                                         2.0 * next_products_[index(n)]);
     };
-    q = {.constant = products[na] + products[nb] -
-                     0.5 * (squares_[index(na)] + squares_[index(nb)]) - m00,
+    q = {.constant =
+             products[na] + products[nb] - 0.5 * (squares_[index(na)] + squares_[index(nb)]) - m00,
          .bx = along(na, ta) - (m10 - m00),
          .by = along(nb, tb) - (m01 - m00),
          .hxx = square(na, ta),

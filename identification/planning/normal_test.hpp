@@ -80,12 +80,12 @@ class NormalTest {
   std::vector<NormalModel> models_;
   int intact_ = -1;
   std::size_t most_pairs_;
-  Eigen::MatrixXd nodes_;                 // data × all nodes
-  std::vector<Eigen::Index> first_;       // first node of each place, and the end
-  std::vector<double> squares_;           // |node|²
-  std::vector<double> next_products_;     // node · next node of the place
-  std::vector<Eigen::Index> typical_;     // a node of each place that represents its direction
-  std::vector<double> typical_norm_;      // its norm, 0 for a place without effect
+  Eigen::MatrixXd nodes_;                   // data × all nodes
+  std::vector<Eigen::Index> first_;         // first node of each place, and the end
+  std::vector<double> squares_;             // |node|²
+  std::vector<double> next_products_;       // node · next node of the place
+  std::vector<Eigen::Index> typical_;       // a node of each place that represents its direction
+  std::vector<double> typical_norm_;        // its norm, 0 for a place without effect
   std::vector<std::vector<double>> along_;  // nodes of each place along that direction
   std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
 };

@@ -34,9 +34,9 @@ const DamageCase& checked(const DamageCase& damage_case) {
   if (most < 1)
     throw InvalidInput(InvalidInput::Part::models, "a plan needs \"max\" of at least 1");
   if (most > 2)
-    throw InvalidInput(InvalidInput::Part::models,
-                       std::to_string(most) +
-                           " defects at once: a plan considers at most 2; lower \"max\"");
+    throw InvalidInput(
+        InvalidInput::Part::models,
+        std::to_string(most) + " defects at once: a plan considers at most 2; lower \"max\"");
   return damage_case;
 }
 
@@ -163,7 +163,8 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
   }
   std::vector<double> lengths = plan.record_lengths;
   if (lengths.empty() && !(plan.noise.cov > 0.0))
-    for (const double factor : {0.25, 0.5, 2.0, 4.0}) lengths.push_back(factor * plan.noise.seconds);
+    for (const double factor : {0.25, 0.5, 2.0, 4.0})
+      lengths.push_back(factor * plan.noise.seconds);
   lengths.push_back(plan.noise.seconds);
   std::ranges::sort(lengths);
   lengths.erase(std::unique(lengths.begin(), lengths.end()), lengths.end());
@@ -176,11 +177,11 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
     out.by_length.push_back(list.front());
     for (const ScoredDesign& d : list)
       if (plan.costs && (list.size() == 1 || &d != &list.front()))
-        out.options.push_back({.name = sensors_name(d.design.sensors.size()) + ", " +
-                                       seconds_name(seconds),
-                               .sensors = d.design.sensors,
-                               .seconds = seconds,
-                               .scores = d.scores});
+        out.options.push_back(
+            {.name = sensors_name(d.design.sensors.size()) + ", " + seconds_name(seconds),
+             .sensors = d.design.sensors,
+             .seconds = seconds,
+             .scores = d.scores});
   }
   const int modes = model.structure().modes();
   for (const int n : {modes - 2, modes - 1, modes, modes + 1, modes + 2})
@@ -206,12 +207,9 @@ SensorChoice search(const PlanCase& plan, const PlanOptions& options) {
   PlanCase coarse = plan;
   coarse.structure.most_places = kCoarsePlaces;
   const PlannedStructure structure(coarse.damage_case, coarse.structure);
-  const PlacePredictions predictions =
-      predict_places(structure, kCoarseSegments, options.threads);
+  const PlacePredictions predictions = predict_places(structure, kCoarseSegments, options.threads);
   const ScenarioSource source(structure, options.seed + 1);
-  ChoiceOptions how{.choose = plan.choose,
-                    .threads = options.threads,
-                    .tolerance = plan.tolerance};
+  ChoiceOptions how{.choose = plan.choose, .threads = options.threads, .tolerance = plan.tolerance};
   how.most_scenarios = std::clamp(options.scenarios / 24, 256, 4096);
   if (options.progress)
     how.progress = [&](double fraction) { options.progress("choice of sensors", fraction); };
@@ -229,7 +227,8 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
   const PlannedStructure& structure = model.structure();
   PlanFindings out;
   out.frequencies_hz = structure.frequencies_hz();
-  for (const double f : out.frequencies_hz) out.frequency_cov.push_back(plan.noise.frequency_cov(f));
+  for (const double f : out.frequencies_hz)
+    out.frequency_cov.push_back(plan.noise.frequency_cov(f));
   out.shape_sd = plan.noise.shape_sd_now();
   for (int i = 0; i < structure.modes(); ++i)
     if (!structure.has_shape(i)) out.without_shapes.push_back(i);
@@ -270,8 +269,7 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
     if (options.progress) options.progress(stage, fraction);
   };
   report("map of detection", 0.0);
-  const PreparedDesign prepared =
-      prepare(structure, model.predictions(), plan.noise, best.design);
+  const PreparedDesign prepared = prepare(structure, model.predictions(), plan.noise, best.design);
   const PreparedDesign alone = prepare(structure, model.predictions(), plan.noise, {});
   out.places = detect_everywhere(model.source(), model.predictions(), prepared,
                                  {.tests = options.tests_per_place,
@@ -289,8 +287,7 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
   std::tie(out.additivity_median, out.additivity_high) = additivity(model, prepared);
   report("variations", 0.0);
   vary(plan, model, options, out);
-  if (plan.costs)
-    out.value = find_values(out.options, *plan.costs, out.probability_damaged);
+  if (plan.costs) out.value = find_values(out.options, *plan.costs, out.probability_damaged);
   return out;
 }
 

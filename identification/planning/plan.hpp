@@ -1,7 +1,8 @@
 // A plan of a modal test: what designs would detect, which sensors to use, and what more is worth.
 //
 // Data flow: case -> modes of the structure with one defect at every place (exact reanalysis) ->
-// normal data of a design -> evidences of simulated tests -> scores -> choice of sensors -> findings.
+// normal data of a design -> evidences of simulated tests -> scores -> choice of sensors ->
+// findings.
 #pragma once
 
 #include <functional>
@@ -21,8 +22,8 @@ struct PlanCase {
   TestNoise noise = {};
   int choose = 0;  ///< sensors; fewer than 2: frequencies alone
   double false_alarm = 0.05;
-  double tolerance = 0.05;                   ///< [m]
-  std::vector<double> record_lengths = {};   ///< further ones [s]
+  double tolerance = 0.05;                  ///< [m]
+  std::vector<double> record_lengths = {};  ///< further ones [s]
   std::optional<TestCosts> costs = {};
   std::vector<std::vector<int>> layouts = {};  ///< from the user, to compare
 };
@@ -48,17 +49,17 @@ struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< measured modes of the intact structure
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;
-  std::vector<int> without_shapes;     ///< modes (from 0) so close that only frequencies are used
-  double probability_damaged = 0.0;    ///< prior
-  std::vector<ScoredDesign> designs;   ///< chosen by expected information, best first
-  std::vector<ScoredDesign> others;    ///< other criteria and layouts of the user
+  std::vector<int> without_shapes;    ///< modes (from 0) so close that only frequencies are used
+  double probability_damaged = 0.0;   ///< prior
+  std::vector<ScoredDesign> designs;  ///< chosen by expected information, best first
+  std::vector<ScoredDesign> others;   ///< other criteria and layouts of the user
   ScoredDesign frequencies_alone;
   SensorChoice search;
   int scenarios = 0, variation_scenarios = 0;
-  std::vector<ScoredDesign> by_sensors;  ///< first n sensors of the greedy path
+  std::vector<ScoredDesign> by_sensors;                    ///< first n sensors of the greedy path
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
-  std::vector<PlaceDetection> places;    ///< for the best design
-  Confusion confusion, confusion_alone;  ///< best design, and frequencies alone
+  std::vector<PlaceDetection> places;                      ///< for the best design
+  Confusion confusion, confusion_alone;                    ///< best design, and frequencies alone
   Separations separations, separations_alone;
   /// Largest root mean square difference, in standard errors per datum, between two defects and the
   /// sum of their effects, over simulated pairs: median and 90 % quantile.

@@ -88,7 +88,8 @@ PlannedStructure::PlannedStructure(DamageCase damage_case, PlannedStructureOptio
 
 void PlannedStructure::choose_modes() try {
   const AnyStructure structure = damage_case_.solved_structure();
-  const int rigid = damage_case_.rigid_body_modes, available = elastic_modes(damage_case_, structure);
+  const int rigid = damage_case_.rigid_body_modes,
+            available = elastic_modes(damage_case_, structure);
   std::vector<fem::SparseRow> motions;
   for (const Sensor& sensor : options_.candidates) motions.push_back(sensor.motion);
   // A model with sensors computes modes; one without, frequencies.
@@ -109,16 +110,16 @@ void PlannedStructure::choose_modes() try {
           chosen_.size() < static_cast<std::size_t>(options_.modes))
         chosen_.push_back(static_cast<int>(i));
     }
-    const bool beyond =
-        wanted == available || std::sqrt(eigenvalues[eigenvalues.size() - 1]) / kTwoPi > options_.high_hz;
+    const bool beyond = wanted == available ||
+                        std::sqrt(eigenvalues[eigenvalues.size() - 1]) / kTwoPi > options_.high_hz;
     if (chosen_.size() == static_cast<std::size_t>(options_.modes) || beyond) break;
     wanted = std::min(available, 2 * wanted);
   }
   if (chosen_.empty())
     throw InvalidInput(InvalidInput::Part::data, "the structure has no mode in the band");
   for (const AddedMass& mass : options_.masses)
-    with_mass_.push_back(std::make_shared<const AssembledModel>(
-        mass.structure, damage_case_.kinds, rigid + chosen_.back() + 1, rigid));
+    with_mass_.push_back(std::make_shared<const AssembledModel>(mass.structure, damage_case_.kinds,
+                                                                rigid + chosen_.back() + 1, rigid));
   close_.assign(chosen_.size(), -1);
   turns_.resize(chosen_.size());
   for (std::size_t i = 0; i + 1 < chosen_.size(); ++i) {
@@ -168,7 +169,8 @@ void PlannedStructure::find_places() {
           probability_below(kind.location, place.to) - probability_below(kind.location, place.from);
       place.name = place_name(kind, place);
       if (place.prior > 1e-12) {
-        for (int cell = c; cell < end; ++cell) of_cell[index(cell)] = static_cast<int>(places_.size());
+        for (int cell = c; cell < end; ++cell)
+          of_cell[index(cell)] = static_cast<int>(places_.size());
         sum += place.prior;
         places_.push_back(std::move(place));
       }
@@ -213,12 +215,14 @@ void PlannedStructure::label(const fem::ParametricModes::Modes& modes, TestModes
     in_order = close_[index(i)] >= 0 || mac(i, chosen_[index(i)]) > 0.9;
   if (!in_order) {
     const Index first = std::max(0, chosen_.front() - kFurther);
-    const Index count = std::min<Index>(modes.eigenvalues.size(), chosen_.back() + 1 + kFurther) - first;
+    const Index count =
+        std::min<Index>(modes.eigenvalues.size(), chosen_.back() + 1 + kFurther) - first;
     MatrixXd costs(n, count);
     for (Index i = 0; i < n; ++i)
       for (Index j = 0; j < count; ++j)
-        costs(i, j) = 1.0 - mac(i, first + j) +
-                      0.5 * std::abs(log_frequency(modes.eigenvalues[first + j]) - intact_.in_order[i]);
+        costs(i, j) =
+            1.0 - mac(i, first + j) +
+            0.5 * std::abs(log_frequency(modes.eigenvalues[first + j]) - intact_.in_order[i]);
     const std::vector<int> to = least_cost_assignment(costs);
     for (Index i = 0; i < n; ++i) {
       const Index j = first + to[index(i)];

@@ -30,16 +30,16 @@ struct TestModes {
 /// A possible place of a defect: a cell of its kind's line, or several adjacent ones.
 struct TestPlace {
   int kind = 0;
-  double location = 0.0;  ///< on the kind's line, where the prediction is made
-  double from = 0.0, to = 0.0;  ///< on the line
-  int stretch = 0;              ///< index in the line
+  double location = 0.0;          ///< on the kind's line, where the prediction is made
+  double from = 0.0, to = 0.0;    ///< on the line
+  int stretch = 0;                ///< index in the line
   double start = 0.0, end = 0.0;  ///< [m] from the start of the site; 0 for points
   double prior = 0.0;             ///< P(place | one defect of the kind)
   std::string name = {};          ///< "beam at 0.25 m"
 };
 
 struct PlannedStructureOptions {
-  int modes = 10;                  ///< most modes: the lowest elastic ones in the band
+  int modes = 10;                        ///< most modes: the lowest elastic ones in the band
   double low_hz = 0.0, high_hz = 1e300;  ///< band
   std::vector<Sensor> candidates = {};
   std::vector<AddedMass> masses = {};
@@ -84,7 +84,9 @@ class PlannedStructure {
   [[nodiscard]] const std::vector<int>& chosen() const { return chosen_; }
   [[nodiscard]] std::vector<double> frequencies_hz() const;
   /// A mode whose shape is used; see above.
-  [[nodiscard]] bool has_shape(int mode) const { return close_[static_cast<std::size_t>(mode)] < 0; }
+  [[nodiscard]] bool has_shape(int mode) const {
+    return close_[static_cast<std::size_t>(mode)] < 0;
+  }
   /// Rotation by model errors: the other measured mode (-1: none), and the sd of the angle.
   struct Turn {
     int mode = -1;

@@ -49,10 +49,9 @@ Scenario ScenarioSource::draw(std::uint64_t number, PlannedStructure::Solver& so
   }
   out.truth.defects.clear();
   for (const PlacedDefect& d : out.defects)
-    out.truth.defects.push_back(
-        {.place = std::max(0, structure_.place_of(d.kind, d.location)),
-         .at = structure_.kinds()[index(d.kind)].line.spot(d.location).s,
-         .severity = d.severity});
+    out.truth.defects.push_back({.place = std::max(0, structure_.place_of(d.kind, d.location)),
+                                 .at = structure_.kinds()[index(d.kind)].line.spot(d.location).s,
+                                 .severity = d.severity});
   return out;
 }
 
@@ -87,8 +86,8 @@ PreparedDesign prepare(const PlannedStructure& structure, const PlacePredictions
 }
 
 std::vector<TestOutcome> simulate_tests(const ScenarioSource& source, const PreparedDesign& design,
-                                        const std::vector<Scenario>& scenarios,
-                                        std::uint64_t first, double tolerance) {
+                                        const std::vector<Scenario>& scenarios, std::uint64_t first,
+                                        double tolerance) {
   const TestScorer scorer(design.test, source.spans(), tolerance);
   Eigen::MatrixXd measured(design.data.size(), static_cast<Index>(scenarios.size()));
   for (std::size_t i = 0; i < scenarios.size(); ++i)

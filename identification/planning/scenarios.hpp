@@ -63,11 +63,8 @@ struct ScoringOptions {
 };
 
 /// Scores designs by the same scenarios, from number `first`.
-[[nodiscard]] std::vector<TestScores> score_designs(const ScenarioSource& source,
-                                                    const PlacePredictions& predictions,
-                                                    const TestNoise& noise,
-                                                    const std::vector<TestDesign>& designs,
-                                                    const ScoringOptions& options,
-                                                    std::uint64_t first = 0);
+[[nodiscard]] std::vector<TestScores> score_designs(
+    const ScenarioSource& source, const PlacePredictions& predictions, const TestNoise& noise,
+    const std::vector<TestDesign>& designs, const ScoringOptions& options, std::uint64_t first = 0);
 
 }  // namespace wheeltap::identification::planning

@@ -47,9 +47,7 @@ class Race {
       const auto places = static_cast<std::size_t>(keep);
       if (field.size() > places) {
         const Runner& last = field[places - 1];
-        std::erase_if(field, [&](const Runner& r) {
-          return &r > &last && is_worse(r, last);
-        });
+        std::erase_if(field, [&](const Runner& r) { return &r > &last && is_worse(r, last); });
       }
       if (field.size() <= places || to >= options_.most_scenarios) break;
     }
@@ -68,8 +66,8 @@ class Race {
 
   void extend(std::vector<Runner>& field, int from, int to) {
     if (static_cast<int>(truths_.size()) < to) {
-      std::vector<Scenario> more = source_.draw(truths_.size(), to - static_cast<int>(truths_.size()),
-                                                options_.threads);
+      std::vector<Scenario> more =
+          source_.draw(truths_.size(), to - static_cast<int>(truths_.size()), options_.threads);
       std::ranges::move(more, std::back_inserter(truths_));
     }
     const std::vector<Scenario> part(truths_.begin() + from, truths_.begin() + to);
@@ -77,8 +75,8 @@ class Race {
       Runner& runner = field[index(i)];
       const PreparedDesign design =
           prepare(source_.structure(), predictions_, noise_, runner.design);
-      for (const TestOutcome& o : simulate_tests(source_, design, part,
-                                                 static_cast<std::uint64_t>(from), options_.tolerance))
+      for (const TestOutcome& o : simulate_tests(
+               source_, design, part, static_cast<std::uint64_t>(from), options_.tolerance))
         runner.information.push_back(o.information);
     });
   }
@@ -106,8 +104,8 @@ class Race {
         squares += values[i] * values[i];
         n += 1.0;
       }
-      variance += models[m].prior * models[m].prior *
-                  std::max(0.0, squares / n - sum * sum / (n * n)) / n;
+      variance +=
+          models[m].prior * models[m].prior * std::max(0.0, squares / n - sum * sum / (n * n)) / n;
     }
     return std::sqrt(variance);
   }

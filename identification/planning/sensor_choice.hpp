@@ -13,10 +13,10 @@ struct ChoiceOptions {
   int choose = 8;
   int threads = 1;
   double tolerance = 0.05;
-  int first_scenarios = 256;   ///< with which a comparison begins
-  int most_scenarios = 4096;   ///< at which it ends
-  int keep = 10;               ///< designs in the result
-  int exhaustive = 1000;       ///< all designs are compared if there are at most so many
+  int first_scenarios = 256;  ///< with which a comparison begins
+  int most_scenarios = 4096;  ///< at which it ends
+  int keep = 10;              ///< designs in the result
+  int exhaustive = 1000;      ///< all designs are compared if there are at most so many
   std::function<void(double fraction)> progress = {};
 };
 
@@ -40,8 +40,9 @@ struct SensorChoice {
 /// errors of the difference leave, and the number of scenarios doubles for the others, up to
 /// `most_scenarios`. The best of all pairs of sensors (shapes need two), or of 120 of them, comes
 /// first; then sensors are added one at a time. If there are at most `exhaustive` designs, all are
-/// compared; otherwise the best of this design and the layouts by effective independence and kinetic
-/// energy is improved by exchanges of one sensor until none improves it. Throws std::invalid_argument for more sensors than candidates.
+/// compared; otherwise the best of this design and the layouts by effective independence and
+/// kinetic energy is improved by exchanges of one sensor until none improves it. Throws
+/// std::invalid_argument for more sensors than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,
                                           const TestNoise& noise, const ChoiceOptions& options);

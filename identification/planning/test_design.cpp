@@ -4,10 +4,10 @@
 #include <cmath>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
-#include "base/eigen_solvers.hpp"
 #include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::identification::planning {
@@ -71,8 +71,7 @@ TestData::TestData(const PlannedStructure& structure, const TestNoise& noise, Te
   }
 }
 
-void TestData::place(const Shape& shape, const VectorXd& measured,
-                     Eigen::Ref<VectorXd> out) const {
+void TestData::place(const Shape& shape, const VectorXd& measured, Eigen::Ref<VectorXd> out) const {
   const double along = measured.dot(shape.unit), norm = measured.norm();
   auto to = out.segment(shape.first, measured.size());
   if (!(norm > 0.0)) {
@@ -90,8 +89,8 @@ void TestData::mean(const TestModes& modes, Eigen::Ref<VectorXd> out) const {
   const VectorXd& f0 = with_shapes() ? intact.log_frequencies : intact.in_order;
   out.head(n) = (f - f0).cwiseQuotient(cov_);
   if (design_.mass >= 0)
-    out.segment(n, n) =
-        (modes.with_mass.col(design_.mass) - intact.with_mass.col(design_.mass)).cwiseQuotient(cov_);
+    out.segment(n, n) = (modes.with_mass.col(design_.mass) - intact.with_mass.col(design_.mass))
+                            .cwiseQuotient(cov_);
   for (const Shape& shape : shapes_)
     place(shape, modes.shapes.col(shape.mode)(design_.sensors), out);
 }
@@ -128,10 +127,10 @@ PlacePredictions predict_places(const PlannedStructure& structure, int segments,
         if (prior != nullptr) {
           // An unbounded prior ends at its quantiles of 1/1000.
           const double p = std::clamp(static_cast<double>(i) / segments, 1e-3, 1.0 - 1e-3);
-          severity = i == 0 && std::isfinite(prior->lower())          ? prior->lower()
-                     : i == segments && std::isfinite(prior->upper()) ? prior->upper()
-                                                                      : prior->from_standard_normal(
-                                                                            inference::normal_quantile(p));
+          severity = i == 0 && std::isfinite(prior->lower()) ? prior->lower()
+                     : i == segments && std::isfinite(prior->upper())
+                         ? prior->upper()
+                         : prior->from_standard_normal(inference::normal_quantile(p));
         }
         TestModes modes;
         const bool possible = solver.predict({{place.kind, place.location, severity}}, modes);

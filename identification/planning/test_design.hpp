@@ -48,8 +48,8 @@ struct TestNumbers {
 /// Maps modes to whitened data relative to the intact structure. Frequencies: (ln f - ln f₀) / cov.
 /// Shapes: the unit vector û = φ_S / |φ_S| at the sensors S with the sign of û₀, as κ (û - û₀), κ =
 /// |φ₀| / (sd max |φ₀|): for small angles, |κ (û - û')|² is the χ² of ShapeDensity. Along a close
-/// mode, whose rotation by τ model errors allow, the data are divided by √(1 + (κ τ |w|)²), with w the
-/// close mode's shape relative to φ₀, normal to û₀.
+/// mode, whose rotation by τ model errors allow, the data are divided by √(1 + (κ τ |w|)²), with w
+/// the close mode's shape relative to φ₀, normal to û₀.
 class TestData {
  public:
   TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design);
@@ -69,11 +69,11 @@ class TestData {
  private:
   struct Shape {
     int mode = 0;
-    Eigen::Index first = 0;     // index of its first datum
+    Eigen::Index first = 0;  // index of its first datum
     double kappa = 0.0;
-    Eigen::VectorXd unit;       // û₀
-    Eigen::VectorXd turned;     // unit vector along w; empty: no close mode
-    double shrink = 1.0;        // factor on the data along it
+    Eigen::VectorXd unit;    // û₀
+    Eigen::VectorXd turned;  // unit vector along w; empty: no close mode
+    double shrink = 1.0;     // factor on the data along it
   };
   void place(const Shape& shape, const Eigen::VectorXd& measured,
              Eigen::Ref<Eigen::VectorXd> out) const;
@@ -88,8 +88,8 @@ class TestData {
 
 /// Predicted modes at every place, at the quantiles i/S of the severity's prior.
 struct PlacePredictions {
-  std::vector<std::vector<TestModes>> modes;      ///< per place and quantile
-  std::vector<std::vector<double>> severities;    ///< the same
+  std::vector<std::vector<TestModes>> modes;    ///< per place and quantile
+  std::vector<std::vector<double>> severities;  ///< the same
 };
 
 /// `segments`: S, for unknown severities. In parallel. Of an impossible structure the prediction at

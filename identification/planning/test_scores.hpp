@@ -18,7 +18,7 @@ struct PlaceSpan {
 struct TestTruth {
   struct Defect {
     int place = 0;
-    double at = 0.0;        ///< [m] from the start of the site
+    double at = 0.0;  ///< [m] from the start of the site
     double severity = 0.0;
   };
   int model = 0;
@@ -27,12 +27,12 @@ struct TestTruth {
 
 /// The outcome of one simulated test.
 struct TestOutcome {
-  int model = 0;            ///< true one
-  double log_odds = 0.0;    ///< ln P(at least one defect | y) / P(none | y)
-  /// ln p(count, place | y) / p(count, place) of the truth. Its mean is the expected information; with
-  /// approximate evidences it is a lower bound of it (Barber & Agakov 2003, NIPS 16).
+  int model = 0;          ///< true one
+  double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
+  /// ln p(count, place | y) / p(count, place) of the truth. Its mean is the expected information;
+  /// with approximate evidences it is a lower bound of it (Barber & Agakov 2003, NIPS 16).
   double information = 0.0;
-  bool right = false;       ///< most probable count and every place are right
+  bool right = false;  ///< most probable count and every place are right
 };
 
 /// Scores answers of a NormalTest. The count is right if the most probable model is the true one. A
@@ -50,7 +50,8 @@ class TestScorer {
   [[nodiscard]] double log_truth(const TestTruth& truth, const double* products,
                                  const NormalTest::Answer& answer) const;
   [[nodiscard]] bool is_right(const TestTruth& truth, const NormalTest::Answer& answer) const;
-  [[nodiscard]] bool near(const std::vector<double>& weights, const TestTruth::Defect& defect) const;
+  [[nodiscard]] bool near(const std::vector<double>& weights,
+                          const TestTruth::Defect& defect) const;
 
   const NormalTest& test_;
   std::vector<PlaceSpan> spans_;

@@ -16,8 +16,7 @@ double cost_without(const TestCosts& c, double damaged) {
 
 int best_of(const std::vector<TestValue>& values) {
   const auto best = std::ranges::max_element(values, {}, &TestValue::saving);
-  return best == values.end() || best->saving <= 0.0 ? -1
-                                                     : static_cast<int>(best - values.begin());
+  return best == values.end() || best->saving <= 0.0 ? -1 : static_cast<int>(best - values.begin());
 }
 
 std::vector<TestValue> values_of(const std::vector<TestOption>& options, const TestCosts& costs,
@@ -37,9 +36,8 @@ TestValue value_of(const TestOption& option, const TestCosts& c, double damaged)
   // Without any alarm the test decides nothing.
   double least = damaged * c.missed;
   for (const auto& [alpha, detection] : option.scores.operating) {
-    const double cost =
-        damaged * (detection * c.inspection + (1.0 - detection) * c.missed) +
-        (1.0 - damaged) * alpha * (c.inspection + c.false_alarm);
+    const double cost = damaged * (detection * c.inspection + (1.0 - detection) * c.missed) +
+                        (1.0 - damaged) * alpha * (c.inspection + c.false_alarm);
     if (cost >= least) continue;
     least = cost;
     out.false_alarm = alpha;
@@ -54,8 +52,8 @@ ValueFindings find_values(const std::vector<TestOption>& options, const TestCost
                           double damaged) {
   ValueFindings out;
   out.without_test = cost_without(costs, damaged);
-  out.inspects_without = costs.inspection + (1.0 - damaged) * costs.false_alarm <
-                         damaged * costs.missed;
+  out.inspects_without =
+      costs.inspection + (1.0 - damaged) * costs.false_alarm < damaged * costs.missed;
   out.values = values_of(options, costs, damaged);
   out.best = best_of(out.values);
   const std::array<std::pair<const char*, double TestCosts::*>, 5> parts = {

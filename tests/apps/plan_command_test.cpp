@@ -71,7 +71,8 @@ TEST_F(PlanCommand, RecommendsSensorsAndWritesTheirDamageCase) {
   // The recommended case runs, and its data are those of the design.
   const json damage = json::parse(read_all(where / "out/damage.json"));
   EXPECT_EQ(damage.at("data").at("sensors").size(), 2u);
-  const Outcome modes = wheeltap(where, "modes " + (where / "out/damage.json").string() + " --truth");
+  const Outcome modes =
+      wheeltap(where, "modes " + (where / "out/damage.json").string() + " --truth");
   EXPECT_EQ(modes.exit_code, 0) << modes.err;
   const Outcome again = wheeltap(where, "damage " + (where / "out/damage.json").string() + " -o " +
                                             (where / "again").string() + " --dry-run");
@@ -129,7 +130,8 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
   expect_refused(with("/plan/choose", 1), "/plan/choose: 1: one sensor measures no shape");
   expect_refused(with("/plan/choose", 12), "/plan/choose: 12: must be at most");
   expect_refused(with("/plan/band", json::array({5, 2})), "/plan/band");
-  expect_refused(with("/plan/band", json::array({1, 2})), "/plan/band: [1,2]: the structure has no mode");
+  expect_refused(with("/plan/band", json::array({1, 2})),
+                 "/plan/band: [1,2]: the structure has no mode");
   expect_refused(with("/plan/cov", 0.001), "/plan/cov");
   expect_refused(with("/plan/shape_sd", -1), "/plan/shape_sd: -1");
   expect_refused(with("/plan/sensors/0", {{"at", 1.5}}), "/plan/sensors/0/at: 1.5");
@@ -142,9 +144,11 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
                  "/plan/costs/missed_damage: 1: must exceed");
   expect_refused(with("/plan/costs", {{"inspection", -5}, {"missed_damage", 1}}),
                  "/plan/costs/inspection: -5");
-  expect_refused(with("/beam/material/young", "E").patch(json::parse(
-                     R"([{"op": "add", "path": "/parameters", "value": {"E": {"log_normal": [25, 0.05]}}}])")),
-                 "/parameters");
+  expect_refused(
+      with("/beam/material/young", "E")
+          .patch(json::parse(
+              R"([{"op": "add", "path": "/parameters", "value": {"E": {"log_normal": [25, 0.05]}}}])")),
+      "/parameters");
   json none = a_case();
   none.erase("plan");
   expect_refused(none, "/plan: is missing");

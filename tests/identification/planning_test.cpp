@@ -148,8 +148,9 @@ TEST(PlannedTest, PairEvidenceIsTheIntegralOverBothSeverities) {
       a(d, 1) = size * normal(rng);
       b(d, 1) = 0.6 * a(d, 1) + size * normal(rng);
     }
-    const NormalTest test({{.kind = 0, .prior = 0.5, .nodes = a}, {.kind = 0, .prior = 0.5, .nodes = b}},
-                          {{{0}, 0.4}, {{1}, 0.3}, {{2}, 0.3}});
+    const NormalTest test(
+        {{.kind = 0, .prior = 0.5, .nodes = a}, {.kind = 0, .prior = 0.5, .nodes = b}},
+        {{{0}, 0.4}, {{1}, 0.3}, {{2}, 0.3}});
     for (int repeat = 0; repeat < 20; ++repeat) {
       VectorXd y = 0.4 * (repeat % 3) * a.col(1) + 0.3 * (repeat % 2) * b.col(1);
       for (double& v : y) v += normal(rng);

@@ -40,14 +40,17 @@ double member_length(const CaseFile& file, const AnyStructure& structure, const 
   if (!file.json.at(at).contains("member"))
     file.refuse(at / "member", "is missing: \"every\" needs the name of a member");
   file.refuse(at / "member",
-              "no member has this name" + did_you_mean(file.json.at(at / "member").get<std::string>(), names));
+              "no member has this name" +
+                  did_you_mean(file.json.at(at / "member").get<std::string>(), names));
 }
 
 /// The sensors that an entry stands for: a grid along a member, several nodes, or itself.
 std::vector<Json> expand(const CaseFile& file, const AnyStructure& structure, const Pointer& at) {
   Json entry = file.json.at(at);
   for (const char* key : {"cost"}) entry.erase(key);
-  if (entry.contains("every") + entry.contains("at") + entry.contains("nodes") + entry.contains("node") > 1)
+  if (entry.contains("every") + entry.contains("at") + entry.contains("nodes") +
+          entry.contains("node") >
+      1)
     file.refuse(at, "needs one of \"at\", \"every\", \"node\" and \"nodes\"");
   std::vector<Json> out;
   if (entry.contains("every")) {
@@ -82,7 +85,8 @@ std::optional<PlanCaseFile::Drawn> drawn_at(const AnyStructure& structure, const
   if (const auto* chain = std::get_if<fem::LumpedChain>(&structure)) {
     if (!sensor.contains("mass")) return {};
     const Json& mass = sensor["mass"];
-    const double number = mass.is_string() ? std::atof(mass.get<std::string>().c_str()) : mass.get<double>();
+    const double number =
+        mass.is_string() ? std::atof(mass.get<std::string>().c_str()) : mass.get<double>();
     static_cast<void>(chain);
     return PlanCaseFile::Drawn{.at = {0.0, number, 0.0}, .direction = {1.0, 0.0, 0.0}};
   }
@@ -165,14 +169,14 @@ void take_masses(const CaseFile& file, const AnyStructure& structure, PlanCaseFi
     const auto add = [&](std::string where, const auto& make) {
       try {
         out.plan.structure.masses.push_back(
-            {.name = base::significant(mass, 4) + " kg at " + std::move(where), .structure = make()});
+            {.name = base::significant(mass, 4) + " kg at " + std::move(where),
+             .structure = make()});
       } catch (const std::invalid_argument& error) {
         file.refuse(at, error.what());
       }
     };
     if (beam) {
-      if (!list[i].contains("at"))
-        file.refuse(at / "at", "is missing: metres from the left end");
+      if (!list[i].contains("at")) file.refuse(at / "at", "is missing: metres from the left end");
       const double x = list[i]["at"].get<double>();
       add(base::significant(x, 4) + " m",
           [&] { return with_mass_on_beam(std::get<fem::Structure>(structure), x, mass); });
@@ -215,7 +219,8 @@ void take_noise(const CaseFile& file, PlanCase& plan) {
                 "is missing: the standard deviation of entries of shapes (largest entry 1)");
   if (p.contains("record_lengths")) {
     if (p.contains("cov"))
-      file.refuse(plan_key("record_lengths"), "need \"seconds\" and \"damping\" in place of \"cov\"");
+      file.refuse(plan_key("record_lengths"),
+                  "need \"seconds\" and \"damping\" in place of \"cov\"");
     plan.record_lengths = p["record_lengths"].get<std::vector<double>>();
   }
 }
@@ -253,9 +258,8 @@ void take_layouts(const CaseFile& file, PlanCase& plan) {
     for (std::size_t j = 0; j < p["layouts"][i].size(); ++j) {
       const int sensor = p["layouts"][i][j].get<int>();
       if (sensor < 0 || sensor >= candidates || std::ranges::find(layout, sensor) != layout.end())
-        file.refuse(plan_key("layouts") / i / j,
-                    "must be the number of a candidate sensor, 0 to " +
-                        std::to_string(candidates - 1) + ", once");
+        file.refuse(plan_key("layouts") / i / j, "must be the number of a candidate sensor, 0 to " +
+                                                     std::to_string(candidates - 1) + ", once");
       layout.push_back(sensor);
     }
     std::ranges::sort(layout);
@@ -269,8 +273,8 @@ void check_tolerance(const CaseFile& file, const PlanCase& plan) {
     file.refuse(plan_key("band"), "must be [lowest, highest] frequency in Hz");
   const auto candidates = static_cast<int>(plan.structure.candidates.size());
   if (plan.choose > candidates)
-    file.refuse(plan_key("choose"), "must be at most the number of candidate sensors, " +
-                                        std::to_string(candidates));
+    file.refuse(plan_key("choose"),
+                "must be at most the number of candidate sensors, " + std::to_string(candidates));
   if (plan.choose == 1)
     file.refuse(plan_key("choose"),
                 "one sensor measures no shape, since shapes have no scale: choose 0 (frequencies "
@@ -290,15 +294,17 @@ void PlanCaseFile::refuse(const InvalidInput& error) const {
 
 PlanCaseFile parse_plan_case(CaseFile file) {
   if (!file.json.is_object() || !file.json.contains("plan"))
-    file.refuse(Pointer("/plan"), "is missing: an object with sensors, choose, modes, seconds, damping");
+    file.refuse(Pointer("/plan"),
+                "is missing: an object with sensors, choose, modes, seconds, damping");
   for (const char* key : {"data", "baseline"}) file.json.erase(key);
   PlanCaseFile out{.parsed = parse_damage_case(std::move(file), Needs::structure), .plan = {}};
   const CaseFile& f = out.parsed.file;
   if (!f.json.contains("damage")) f.refuse(Pointer("/damage"), "is missing: must be an object");
   if (f.json.contains("parameters") && !f.json["parameters"].empty())
-    f.refuse(Pointer("/parameters"),
-             "a plan needs known coefficients: replace each name by a number, and state the remaining "
-             "uncertainty of frequencies as \"discrepancy\" of the plan");
+    f.refuse(
+        Pointer("/parameters"),
+        "a plan needs known coefficients: replace each name by a number, and state the remaining "
+        "uncertainty of frequencies as \"discrepancy\" of the plan");
   if (f.json.contains("predictor") && f.json["predictor"] != "fe")
     f.refuse(Pointer("/predictor"), "must be \"fe\" in a plan");
   const Json& p = f.json.at("plan");

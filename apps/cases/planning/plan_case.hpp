@@ -15,7 +15,8 @@ struct PlanCaseFile {
   identification::planning::PlanCase plan;
   /// The candidate sensors as in data.sensors of a damage case.
   std::vector<Json> sensors = {};
-  /// Places on the drawing [m], and directions, of the candidates; none for a structure of matrices.
+  /// Places on the drawing [m], and directions, of the candidates; none for a structure of
+  /// matrices.
   struct Drawn {
     fem::Vector3 at = {}, direction = {};
   };

@@ -110,7 +110,8 @@ Report drawn_place(const AnyStructure& structure, const DefectKind& kind, const 
     at = members->nodes[index(stretch.site)].at;
   } else {
     const fem::MemberFrame frame = fem::member_frame(*members, stretch.site);
-    const fem::Vector3& from = members->nodes[index(members->members[index(stretch.site)].nodes[0])].at;
+    const fem::Vector3& from =
+        members->nodes[index(members->members[index(stretch.site)].nodes[0])].at;
     for (std::size_t d = 0; d < 3; ++d)
       at[d] = from[d] + 0.5 * (place.start + place.end) * frame.axes[0][d];
   }
@@ -206,11 +207,12 @@ Report check_report(const ScoredDesign& best, const EngineCheck& check) {
   };
   Report tests = Report::array();
   for (const CheckedTest& t : check.tests)
-    tests.push_back({{"model", t.approximate.model},
-                     {"probability_damaged", compact(1.0 / (1.0 + std::exp(-t.approximate.log_odds)))},
-                     {"engine_probability_damaged", compact(t.engine.probability_damaged)},
-                     {"right", t.approximate.right},
-                     {"engine_right", t.engine.right}});
+    tests.push_back(
+        {{"model", t.approximate.model},
+         {"probability_damaged", compact(1.0 / (1.0 + std::exp(-t.approximate.log_odds)))},
+         {"engine_probability_damaged", compact(t.engine.probability_damaged)},
+         {"right", t.approximate.right},
+         {"engine_right", t.engine.right}});
   return {{"tests", check.tests.size()},
           {"damaged", check.damaged},
           {"detection", corrected(best.scores.detection, check.detection)},
@@ -223,10 +225,11 @@ std::vector<std::string> cautions(const PlanFindings& f) {
   std::vector<std::string> out;
   constexpr double kLargeInteraction = 0.5;
   if (f.additivity_high > kLargeInteraction)
-    out.push_back("The effects of two damages do not add: for one pair in ten, the difference "
-                  "exceeds " +
-                  significant(f.additivity_high, 2) +
-                  " standard errors per measured value. Probabilities for two damages are too low.");
+    out.push_back(
+        "The effects of two damages do not add: for one pair in ten, the difference "
+        "exceeds " +
+        significant(f.additivity_high, 2) +
+        " standard errors per measured value. Probabilities for two damages are too low.");
   if (!f.without_shapes.empty()) {
     std::vector<int> modes;
     for (const int i : f.without_shapes) modes.push_back(i + 1);

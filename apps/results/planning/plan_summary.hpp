@@ -17,8 +17,8 @@ namespace wheeltap::apps {
                                   const identification::planning::EngineCheck& check,
                                   const RunInfo& info);
 
-/// The damage case of the recommended design. Its truth simulates the test of a damage that the test
-/// finds with probability 0.9 (or of the largest one), at the place where this is hardest but
+/// The damage case of the recommended design. Its truth simulates the test of a damage that the
+/// test finds with probability 0.9 (or of the largest one), at the place where this is hardest but
 /// possible; measured modes replace it.
 [[nodiscard]] Report recommended_case(const PlanCaseFile& parsed,
                                       const identification::planning::PlanFindings& findings);

@@ -34,7 +34,8 @@ std::string regions_in_words(const Report& regions, const std::string& by) {
   for (const Report& r : regions) {
     exact = exact && r.at("exact").get<bool>();
     if (pairs.size() < 3)
-      pairs.push_back(r.at("first").get<std::string>() + " and " + r.at("second").get<std::string>());
+      pairs.push_back(r.at("first").get<std::string>() + " and " +
+                      r.at("second").get<std::string>());
   }
   std::string out = by + " cannot tell these places apart: ";
   for (std::size_t i = 0; i < pairs.size(); ++i) out += (i > 0 ? "; " : "") + pairs[i];
@@ -81,9 +82,10 @@ std::string smallest_in_words(const Report& plan) {
   std::size_t found = 0, all = 0;
   const Report *least = nullptr, *most = nullptr;
   std::string key;
-  const std::string first_kind = plan.at("smallest_detectable").empty()
-                                     ? std::string()
-                                     : plan.at("smallest_detectable")[0].at("kind").get<std::string>();
+  const std::string first_kind =
+      plan.at("smallest_detectable").empty()
+          ? std::string()
+          : plan.at("smallest_detectable")[0].at("kind").get<std::string>();
   for (std::size_t i = 0; i < plan.at("smallest_detectable").size(); ++i) {
     const Report& row = plan.at("smallest_detectable")[i];
     if (row.at("kind") != first_kind) continue;
@@ -96,7 +98,8 @@ std::string smallest_in_words(const Report& plan) {
   }
   if (all == 0) return {};
   if (found == 0)
-    return "At no place does the test find the largest " + key + " of the prior with probability 0.9.";
+    return "At no place does the test find the largest " + key +
+           " of the prior with probability 0.9.";
   std::string out = "The smallest " + key + " found with probability 0.9 is " +
                     significant(least->at(key).get<double>(), 2) + " at " +
                     least->at("place").get<std::string>();
@@ -123,7 +126,8 @@ std::string plan_headline(const Report& plan) {
   const std::size_t n = best.at("sensors").size();
   return "A test of " + significant(plan.at("seconds").get<double>(), 6) + " s with " +
          (n < 2 ? "frequencies alone" : "shapes at " + std::to_string(n) + " sensors") +
-         " detects " + chance(best, "detection") + " of the damages of the prior, at a false-alarm probability of " +
+         " detects " + chance(best, "detection") +
+         " of the damages of the prior, at a false-alarm probability of " +
          percent(plan.at("false_alarm").get<double>()) + ". It finds count and place in " +
          chance(best, "right_place") + " of the cases.";
 }
@@ -148,9 +152,8 @@ std::vector<std::string> plan_details(const Report& plan) {
     out.push_back(separation_in_words(plan.at("separation"), false));
   }
   for (const Report& r : plan.at("resolution"))
-    out.push_back("In " + r.at("member").get<std::string>() +
-                  ", places within about " + significant(r.at("metres").get<double>(), 2) +
-                  " m cannot be told apart.");
+    out.push_back("In " + r.at("member").get<std::string>() + ", places within about " +
+                  significant(r.at("metres").get<double>(), 2) + " m cannot be told apart.");
   if (const std::string words = stopping_in_words(plan.at("by_sensors")); !words.empty())
     out.push_back(words);
   return out;
@@ -179,24 +182,26 @@ std::vector<std::string> value_sentences(const Report& plan) {
   if (!plan.contains("value")) return {};
   const Report& value = plan.at("value");
   std::vector<std::string> out;
-  const std::string without = "Without a test, the expected cost is " +
-                              significant(value.at("without_test").get<double>(), 4) +
-                              (value.at("inspects_without_test").get<bool>()
-                                   ? ", by an inspection."
-                                   : ", without an inspection.");
+  const std::string without =
+      "Without a test, the expected cost is " +
+      significant(value.at("without_test").get<double>(), 4) +
+      (value.at("inspects_without_test").get<bool>() ? ", by an inspection."
+                                                     : ", without an inspection.");
   if (value.at("best").is_null()) {
     out.push_back("No compared test pays at these costs. " + without);
   } else {
     const Report& best = value.at("options")[value.at("best").get<std::size_t>()];
-    out.push_back("The best test is " + best.at("name").get<std::string>() +
-                  ". It saves " + significant(best.at("saving").get<double>(), 3) + " ± " +
-                  significant(best.at("mcse").get<double>(), 1) + " on average, with alarms at a false-alarm probability of " +
+    out.push_back("The best test is " + best.at("name").get<std::string>() + ". It saves " +
+                  significant(best.at("saving").get<double>(), 3) + " ± " +
+                  significant(best.at("mcse").get<double>(), 1) +
+                  " on average, with alarms at a false-alarm probability of " +
                   percent(best.at("false_alarm").get<double>()) + ". " + without);
   }
   std::vector<std::string> changes;
   for (const Report& s : value.at("sensitivity"))
     if (s.at("best") != value.at("best_name"))
-      changes.push_back(s.at("cost").get<std::string>() + (s.at("factor").get<double>() > 1.0 ? " doubled: " : " halved: ") +
+      changes.push_back(s.at("cost").get<std::string>() +
+                        (s.at("factor").get<double>() > 1.0 ? " doubled: " : " halved: ") +
                         (s.at("best").is_null() ? "no test" : s.at("best").get<std::string>()));
   if (changes.empty()) {
     out.push_back("The best test stays the same if any one cost is halved or doubled.");

@@ -1,9 +1,11 @@
 // Studies of wheeltap plan: predictions against tests that the full engine identifies, and chosen
 // layouts against effective independence.
 //
-//   planning_study agreement beam|frame|space TESTS   one line of JSON a test, then the comparison
+//   planning_study agreement beam|frame|space TESTS [quick]   one line of JSON a test, then the
+//                                                             comparison; quick runs of the engine
 //   planning_study layouts STRUCTURES [FIRST]         one line of JSON a random plane frame
-//   planning_study time                               search and scores of a frame with 60 candidates
+//   planning_study time                               search and scores of a frame with 60
+//   candidates
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -33,7 +35,8 @@ void add_member(fem::Structure& s, int a, int b, const fem::MemberSection& secti
 }
 
 /// A plane frame with `bays` and `storeys`.
-fem::Structure plane_frame(const std::vector<double>& x, const std::vector<double>& y, int elements) {
+fem::Structure plane_frame(const std::vector<double>& x, const std::vector<double>& y,
+                           int elements) {
   const fem::MemberSection column{
       .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
   const fem::MemberSection beam{
@@ -140,7 +143,7 @@ PlanCase named(const std::string& name) {
       .supports = fem::named_supports("simply-supported", 1.0),
       .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
       .section = {.area = 1.5e-4, .second_moment = 4.5e-10, .shear_coefficient = 0.85}};
-  allow_reductions(plan.damage_case, {}, 2);
+  allow_reductions(plan.damage_case, SiteLine::of_beam(plan.damage_case.beam), 2);
   const fem::Structure s = fem::as_structure(plan.damage_case.beam);
   const fem::Mesh mesh(s);
   for (int i = 1; i < 20; ++i)
@@ -153,7 +156,7 @@ PlanCase named(const std::string& name) {
   return plan;
 }
 
-int agreement(const std::string& name, int tests) {
+int agreement(const std::string& name, int tests, bool quick) {
   const PlanCase plan = named(name);
   const PlanOptions options{.scenarios = 20'000, .threads = base::thread_count(0)};
   const PlanModel model(plan, options);
@@ -168,16 +171,18 @@ int agreement(const std::string& name, int tests) {
                                  .false_alarm = plan.false_alarm,
                                  .tolerance = plan.tolerance,
                                  .threads = options.threads})[0];
+  std::fprintf(stderr, "design scored\n");
   const EngineCheck check = check_by_engine(
-      plan, model, design, tests, {.seed = 1, .threads = options.threads},
+      plan, model, design, tests, {.seed = 1, .threads = options.threads, .quick = quick},
       [&](double f) { std::fprintf(stderr, "\r%3.0f %%", 100.0 * f); });
   const double threshold = 1.0 / (1.0 + std::exp(-design.scores.threshold));
   int detected = 0, right = 0, by_plan = 0, right_by_plan = 0;
   for (const CheckedTest& t : check.tests) {
-    std::printf("{\"case\": \"%s\", \"model\": %d, \"plan\": %.5f, \"engine\": %.5f, \"plan right\": %d, "
-                "\"engine right\": %d}\n",
-                name.c_str(), t.approximate.model, 1.0 / (1.0 + std::exp(-t.approximate.log_odds)),
-                t.engine.probability_damaged, t.approximate.right, t.engine.right);
+    std::printf(
+        "{\"case\": \"%s\", \"model\": %d, \"plan\": %.5f, \"engine\": %.5f, \"plan right\": %d, "
+        "\"engine right\": %d}\n",
+        name.c_str(), t.approximate.model, 1.0 / (1.0 + std::exp(-t.approximate.log_odds)),
+        t.engine.probability_damaged, t.approximate.right, t.engine.right);
     if (t.approximate.model == 0) continue;
     detected += t.engine.probability_damaged > threshold;
     right += t.engine.probability_damaged > threshold && t.engine.right;
@@ -185,13 +190,13 @@ int agreement(const std::string& name, int tests) {
     right_by_plan += t.approximate.log_odds > design.scores.threshold && t.approximate.right;
   }
   const double n = std::max(check.damaged, 1);
-  std::printf("%s: %d tests, %d damaged; threshold P %.4f. Detected: predicted %.4f +- %.4f, same tests "
-              "%.4f, engine %.4f; right place: predicted %.4f +- %.4f, same tests %.4f, engine %.4f; "
-              "rms of P %.4f\n",
-              name.c_str(), tests, check.damaged, threshold, design.scores.detection.value,
-              design.scores.detection.mcse, by_plan / n, detected / n,
-              design.scores.right_place.value, design.scores.right_place.mcse, right_by_plan / n,
-              right / n, check.rms_probability);
+  std::printf(
+      "%s: %d tests, %d damaged; threshold P %.4f. Detected: predicted %.4f +- %.4f, same tests "
+      "%.4f, engine %.4f; right place: predicted %.4f +- %.4f, same tests %.4f, engine %.4f; "
+      "rms of P %.4f\n",
+      name.c_str(), tests, check.damaged, threshold, design.scores.detection.value,
+      design.scores.detection.mcse, by_plan / n, detected / n, design.scores.right_place.value,
+      design.scores.right_place.mcse, right_by_plan / n, right / n, check.rms_probability);
   return 0;
 }
 
@@ -216,8 +221,8 @@ int layouts(int structures, int first) {
     const PlanCase plan = random_plan(number);
     const PlanOptions options{.scenarios = 20'000, .seed = 5, .threads = base::thread_count(0)};
     const PlanModel model(plan, options);
-    const TestDesign classical{.sensors = effective_independence(model.structure().intact().shapes,
-                                                                 plan.choose)};
+    const TestDesign classical{
+        .sensors = effective_independence(model.structure().intact().shapes, plan.choose)};
     const ScoringOptions how{.scenarios = 20'000,
                              .false_alarm = plan.false_alarm,
                              .tolerance = plan.tolerance,
@@ -232,9 +237,11 @@ int layouts(int structures, int first) {
                              .right_place.value;
     if (!(quick > 0.2 && quick < 0.8)) continue;
     const PlanModel search(plan, {.seed = 6, .threads = options.threads});
-    const SensorChoice choice = choose_sensors(
-        search.source(), search.predictions(), plan.noise,
-        {.choose = plan.choose, .threads = options.threads, .tolerance = plan.tolerance, .most_scenarios = 2048});
+    const SensorChoice choice = choose_sensors(search.source(), search.predictions(), plan.noise,
+                                               {.choose = plan.choose,
+                                                .threads = options.threads,
+                                                .tolerance = plan.tolerance,
+                                                .most_scenarios = 2048});
     const auto scores = score_designs(model.source(), model.predictions(), plan.noise,
                                       {choice.best.front().design, classical}, how);
     const double difference = scores[0].right_place.value - scores[1].right_place.value;
@@ -242,17 +249,18 @@ int layouts(int structures, int first) {
     better += difference > 2.0 * error ? 1.0 : difference > -2.0 * error ? 0.5 : 0.0;
     mean += difference;
     ++used;
-    std::printf("{\"structure\": %d, \"candidates\": %zu, \"choose\": %d, \"modes\": %d, \"most\": %d, "
-                "\"chosen\": %.4f, \"effective independence\": %.4f, \"difference\": %.4f, \"se\": %.4f, "
-                "\"detected\": %.4f, \"detected by effective independence\": %.4f}\n",
-                number, plan.structure.candidates.size(), plan.choose, model.structure().modes(),
-                plan.damage_case.kinds[0].max_count, scores[0].right_place.value,
-                scores[1].right_place.value, difference, error, scores[0].detection.value,
-                scores[1].detection.value);
+    std::printf(
+        "{\"structure\": %d, \"candidates\": %zu, \"choose\": %d, \"modes\": %d, \"most\": %d, "
+        "\"chosen\": %.4f, \"effective independence\": %.4f, \"difference\": %.4f, \"se\": %.4f, "
+        "\"detected\": %.4f, \"detected by effective independence\": %.4f}\n",
+        number, plan.structure.candidates.size(), plan.choose, model.structure().modes(),
+        plan.damage_case.kinds[0].max_count, scores[0].right_place.value,
+        scores[1].right_place.value, difference, error, scores[0].detection.value,
+        scores[1].detection.value);
     std::fflush(stdout);
   }
-  std::printf("%d structures: better in %.1f %%, mean difference %.4f\n", used, 100.0 * better / used,
-              mean / used);
+  std::printf("%d structures: better in %.1f %%, mean difference %.4f\n", used,
+              100.0 * better / used, mean / used);
   return 0;
 }
 
@@ -263,12 +271,13 @@ int time_it() {
   const auto now = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   };
-  const PlanOptions options{.threads = base::thread_count(0), .progress = [&](const char* stage, double f) {
+  const PlanOptions options{.threads = base::thread_count(0),
+                            .progress = [&](const char* stage, double f) {
                               std::fprintf(stderr, "%6.1f s %s %.0f %%\n", now(), stage, 100.0 * f);
                             }};
   const PlanModel model(plan, options);
-  std::printf("%zu candidates, %zu places, model ready after %.1f s\n", plan.structure.candidates.size(),
-              model.structure().places().size(), now());
+  std::printf("%zu candidates, %zu places, model ready after %.1f s\n",
+              plan.structure.candidates.size(), model.structure().places().size(), now());
   const PlanFindings findings = make_plan(plan, model, options);
   std::printf("all after %.1f s; compared %ld designs with up to %d scenarios\n", now(),
               findings.search.compared, findings.search.scenarios);
@@ -287,11 +296,12 @@ int time_it() {
 
 int main(int argc, char** argv) {
   const std::string what = argc > 1 ? argv[1] : "";
-  if (what == "agreement" && argc > 3) return agreement(argv[2], std::atoi(argv[3]));
+  if (what == "agreement" && argc > 3) return agreement(argv[2], std::atoi(argv[3]), argc > 4);
   if (what == "layouts" && argc > 2)
     return layouts(std::atoi(argv[2]), argc > 3 ? std::atoi(argv[3]) : 0);
   if (what == "time") return time_it();
-  std::cerr << "usage: planning_study agreement beam|frame|space TESTS | layouts STRUCTURES [FIRST] | "
+  std::cerr << "usage: planning_study agreement beam|frame|space TESTS [quick] | layouts "
+               "STRUCTURES [FIRST] | "
                "time\n";
   return 64;
 }
