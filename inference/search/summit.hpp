@@ -10,8 +10,8 @@ namespace wheeltap::inference {
 
 /// Finds a point near a mode where ln π exceeds the mode's maximum by more than `kAboveSummit`. A
 /// local search ends about a tenth of a standard deviation from the maximum, so that it may miss a
-/// spike near the maximum that is narrower than this. From the mode, Newton's method with differences over 3e-5 standard
-/// deviations finds the maximum of
+/// spike near the maximum that is narrower than this. From the mode, Newton's method with
+/// differences over 3e-5 standard deviations finds the maximum of
 ///
 ///   ln π(z),   and   ln π(z) + |z|²/2  (the likelihood's, if it has one near the mode),
 ///

@@ -107,9 +107,9 @@ struct ModalResult {
 /// period of the lowest frequency of the band. In the second identification, the lags cover one
 /// period of the lowest mode, because more lags increase the scatter of the estimates. Poles
 /// chosen by hand replace the modes of the last diagram; they do not change the diagram. Throws
-/// ChosenPoleError, ChannelError (signals/refuse.hpp) for channels that are constant, proportional to another one or
-/// not finite, and std::invalid_argument for an invalid band and for records too short for any
-/// order.
+/// ChosenPoleError, ChannelError (signals/refuse.hpp) for channels that are constant, proportional
+/// to another one or not finite, and std::invalid_argument for an invalid band and for records too
+/// short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 

@@ -44,7 +44,7 @@ struct MonitorCaseFile {
   Eigen::MatrixXd features = {};                   ///< n x p: as in the table
   int learning_rows = 0;
   identification::monitoring::MonitorOptions options = {};
-  std::optional<TrackedTests> tests = {};  ///< where the series is of modes or records
+  std::optional<TrackedTests> tests = {};            ///< where the series is of modes or records
   std::optional<MonitoredStructure> structure = {};  ///< to explain changes
   std::vector<std::string> warnings = {};
 };

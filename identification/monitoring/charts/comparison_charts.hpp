@@ -59,8 +59,9 @@ struct ChartFinding {
 [[nodiscard]] std::vector<ChartFinding> run_charts(const Series& series, int learning_rows,
                                                    double rows_between_false_alarms, int threads);
 
-/// The threshold that healthy values exceed once in `rows_between` rows. The maxima over blocks follow
-/// a Gumbel distribution, P(maximum <= A) = exp(-exp(-(A - m)/s)), by its L-moments (Hosking 1990).
+/// The threshold that healthy values exceed once in `rows_between` rows. The maxima over blocks
+/// follow a Gumbel distribution, P(maximum <= A) = exp(-exp(-(A - m)/s)), by its L-moments (Hosking
+/// 1990).
 [[nodiscard]] double chart_threshold(const std::vector<double>& healthy, double rows_between);
 
 /// Rows in which an alarm begins.

@@ -20,7 +20,7 @@ using Modes = fem::ParametricModes::Modes;
 
 namespace {
 
-constexpr int kTraining = 200;      // structures on which a reduced basis is tested
+constexpr int kTraining = 200;            // structures on which a reduced basis is tested
 constexpr double kSameEigenvalue = 1e-7;  // relative, by reanalysis and by a full solution
 constexpr int kTriedForPieces = 8;  // prior draws that must have the same strains as the medians
 constexpr int kOfPieces = 8;  // additional modes for the sensitivity of shapes to stiffness errors
@@ -540,16 +540,15 @@ bool StatesLikelihood::solve_assembled(const Group& group, const std::vector<dou
     out.pieces = pieces_.energies(d, found.shapes);
     // With a rigid support fewer degrees of freedom remain, and the rows no longer match.
     const bool same = d.size() == intact.discretisation.size();
-    std::ranges::move(pieces_.losses(intact.discretisation,
-                                     same ? change : fem::StructureChange{}, found.shapes),
-                      std::back_inserter(out.pieces));
+    std::ranges::move(
+        pieces_.losses(intact.discretisation, same ? change : fem::StructureChange{}, found.shapes),
+        std::back_inserter(out.pieces));
   }
   out.eigenvalues = std::move(found.eigenvalues);
   out.shapes.resize(static_cast<Index>(group.motions.size()), found.shapes.cols());
   for (Index row = 0; row < out.shapes.rows(); ++row)
     for (Index m = 0; m < out.shapes.cols(); ++m)
-      out.shapes(row, m) =
-          group.motions[static_cast<std::size_t>(row)].of(found.shapes.col(m));
+      out.shapes(row, m) = group.motions[static_cast<std::size_t>(row)].of(found.shapes.col(m));
   return true;
 }
 
@@ -564,8 +563,7 @@ bool StatesLikelihood::solve(const Group& group, std::span<const double> x,
   Modes& out = own.found;
   try {
     if (group.reduced) {
-      group.reduced->solve(scales(x, damaged ? defects : kNoDefects, state),
-                           *own.reduced, out);
+      group.reduced->solve(scales(x, damaged ? defects : kNoDefects, state), *own.reduced, out);
       if (!out.eigenvalues.allFinite() || !(out.eigenvalues.minCoeff() > 0.0)) return false;
     } else {
       using Outcome = ReanalysedModes::Outcome;

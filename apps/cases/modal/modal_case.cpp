@@ -1,10 +1,10 @@
-#include "apps/cases/modal_case.hpp"
+#include "apps/cases/modal/modal_case.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "apps/cases/modal_poles.hpp"
+#include "apps/cases/modal/modal_poles.hpp"
 #include "apps/cases/records/modal_units.hpp"
 #include "apps/cases/records/record_reading.hpp"
 #include "apps/cases/sid_record.hpp"

@@ -1,4 +1,4 @@
-#include "apps/cases/modal_poles.hpp"
+#include "apps/cases/modal/modal_poles.hpp"
 
 namespace wheeltap::apps {
 

@@ -1,7 +1,7 @@
 // The key `poles` of a modal case: poles of the stabilisation diagram, chosen by hand.
 #pragma once
 
-#include "apps/cases/modal_case.hpp"
+#include "apps/cases/modal/modal_case.hpp"
 
 namespace wheeltap::apps {
 
