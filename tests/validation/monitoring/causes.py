@@ -97,6 +97,20 @@ def share(n, of):
     return f"{n} of {of} ({100 * n / max(1, of):.0f} %, 95 % interval {100 * low:.0f} to {100 * high:.0f} %)"
 
 
+failed = []
+
+
+def require(ok, text):
+    if not ok:
+        failed.append(text)
+
+
+def consistent(n, of, low, high):
+    """Whether the 95 % interval of a share reaches [low, high]."""
+    a, b = binomial_interval(n, of)
+    return a <= high and b >= low
+
+
 tasks = [f"{s}|{c}|{y}" for y in range(options.years) for s in options.structures for c in CAUSES]
 results = run_all(options, tasks, work)
 for structure in options.structures:
@@ -109,14 +123,20 @@ for structure in options.structures:
     for cause in ("damage", "mass"):
         for what in ("place", "severity"):
             held = sum(holds(r["found"][f"{cause} {what}"], r["truth"][what]) for r in alarmed[cause])
+            require(consistent(held, len(alarmed[cause]), 0.85, 0.95), f"{structure}: {what} of {cause}")
             print(f"90 % interval of the {what} of {cause} holds the truth: {share(held, len(alarmed[cause]))}")
     pairs = [(r["found"]["probability_damage"], cause == "damage") for cause in CAUSES for r in alarmed[cause]]
     print("| P(damage) | changes | mean P(damage) | damage |\n|---|---|---|---|")
     for low in range(5):
         members = [(p, d) for p, d in pairs if low / 5 <= p < (low + 1) / 5 or (low == 4 and p == 1.0)]
         mean = sum(p for p, _ in members) / max(1, len(members))
+        if members:
+            error = math.sqrt(sum(p * (1 - p) for p, _ in members)) / len(members)
+            require(abs(sum(d for _, d in members) / len(members) - mean) < 3 * error + 0.02, f"{structure}: bin {low + 1}")
         print(f"| {low / 5:.1f} to {(low + 1) / 5:.1f} | {len(members)} | {mean:.3f} | {share(sum(d for _, d in members), len(members))} |")
     far = [r["found"]["probability_damage"] for cause in ("mass", "sensor") for r in alarmed[cause]
            if (r["found"]["sds_from_damage"] or 0.0) > 5.0]
     print(f"more than five standard deviations from every damage: P(damage) < 0.05 in {share(sum(p < 0.05 for p in far), len(far))}")
-sys.exit(0)
+    require(consistent(sum(p < 0.05 for p in far), len(far), 0.95, 1.0), f"{structure}: shifts far from every damage")
+print("\nnot as required: " + (", ".join(failed) or "none"))
+sys.exit(bool(failed))
