@@ -1,9 +1,10 @@
-// Ranks by MPI (C interface; MPI 3.1): the only file that calls MPI. Built as a module that the
-// program loads when mpirun has started it, so that the program also runs without MPI.
+// Implementation of Ranks with MPI (C interface; MPI 3.1). Only this file calls MPI. It is built as
+// a module. The program loads the module only if mpirun has started the program, so that the
+// program also runs without MPI.
 //
-// During shared work, the thread that joined communicates and other threads compute. A rank
-// requests a unit from rank 0 whenever one of its threads is free; at the end, each sends its
-// outcomes to all.
+// During shared work, the thread that joined the ranks communicates, and other threads compute. A
+// rank requests a unit of work from rank 0 whenever one of its threads is free. At the end, each
+// rank sends its outcomes to all ranks.
 #include <mpi.h>
 
 #include <chrono>
@@ -31,12 +32,12 @@ enum class Says : std::int64_t { want, give, none, done, stop, pause };
 /// Message between ranks during shared work.
 struct Message {
   std::int64_t says = 0;
-  std::int64_t section = 0;  ///< number of the shared section that it belongs to
+  std::int64_t section = 0;  ///< number of the shared section to which the message belongs
   std::int64_t unit = 0;
 };
 
-/// Sleeps increasingly long while there is nothing to do. If ranks share processors, a waiting rank
-/// must not occupy one.
+/// Sleeps increasingly long while a rank has no work and no messages. If ranks share processors, a
+/// waiting rank must not occupy a processor.
 class Backoff {
  public:
   void reset() { wait_ = kFirst; }
@@ -65,8 +66,8 @@ std::int64_t take(std::string_view& from) {
   return number;
 }
 
-/// The threads of one rank, which compute its units, and their outcomes. If the system grants no
-/// thread, they end without outcomes.
+/// The threads of one rank, which compute the units of the rank, and their outcomes. If the system
+/// starts no thread, the list of outcomes is empty.
 class Workers {
  public:
   struct Outcome {
@@ -77,7 +78,7 @@ class Workers {
 
   Workers(int threads, const std::function<void(int)>& job, const Carriage& carriage)
       : job_(job), carriage_(carriage) {
-    const std::scoped_lock lock(mutex_);  // threads wait until their number is known
+    const std::scoped_lock lock(mutex_);  // threads wait until the number of threads is known
     enlist(pool_, threads, [this] { work(); });
     working_ = static_cast<int>(pool_.size());
   }
@@ -107,7 +108,7 @@ class Workers {
     const std::scoped_lock lock(mutex_);
     return working_ == 0;
   }
-  /// To be called after all threads have ended.
+  /// Returns the outcomes; the caller must call this function after all threads have ended.
   [[nodiscard]] std::vector<Outcome>& outcomes() { return outcomes_; }
 
  private:
@@ -213,7 +214,8 @@ class MpiRanks final : public Ranks {
   }
 
  private:
-  // Work of rank 0: gives the next unit to each rank that requests one, including itself.
+  // The communication of rank 0: gives the next unit to each rank that requests a unit, including
+  // rank 0.
   void hand_out(int n, Workers& workers, const Carriage& carriage) {
     std::int64_t next = 0;
     int at_work = size_ - 1;
@@ -252,9 +254,9 @@ class MpiRanks final : public Ranks {
     }
   }
 
-  // Work of the other ranks.
+  // The communication of the other ranks.
   void ask_for(Workers& workers) {
-    int asked = 0;  // and not answered
+    int asked = 0;  // number of requests without an answer
     bool wished = false;
     Backoff backoff;
     while (!workers.ended() || asked > 0) {
@@ -308,8 +310,8 @@ class MpiRanks final : public Ranks {
     append(head, told_to_stop_ || wishes_to_stop() ? 1 : 0);
     append(head, static_cast<std::int64_t>(bytes.size()));
     const std::string heads = gathered(head);
-    std::int64_t failed = n;  // the lowest-numbered
-    std::int64_t done = 0;    // number of completed units: they are given out in order
+    std::int64_t failed = n;  // lowest number of a failed unit
+    std::int64_t done = 0;    // number of completed units; units are given out in order
     std::string_view next = heads;
     for (int r = 0; r < size_; ++r) {
       if (take(next) != section_ || take(next) != n)
@@ -340,7 +342,7 @@ class MpiRanks final : public Ranks {
     throw std::runtime_error("unit " + std::to_string(failed) + " failed on another rank");
   }
 
-  // The bytes of all ranks, of equal length on each.
+  // Returns the bytes of all ranks; every rank passes the same number of bytes.
   [[nodiscard]] std::string gathered(std::string bytes) {
     std::string all(bytes.size() * static_cast<std::size_t>(size_), '\0');
     MPI_Request request = MPI_REQUEST_NULL;
@@ -350,10 +352,10 @@ class MpiRanks final : public Ranks {
     return all;
   }
 
-  // All ranks are here already, and the transfer progresses only while a rank polls, so do not
-  // sleep.
+  // All ranks have already called this function, and the transfer progresses only while a rank
+  // polls. The ranks therefore do not sleep.
   void broadcast(void* bytes, std::size_t n, int from) {
-    constexpr std::size_t kMost = std::size_t{1} << 30;  // MPI counts in int
+    constexpr std::size_t kMost = std::size_t{1} << 30;  // MPI counts bytes as int
     for (std::size_t at = 0; at < n; at += kMost) {
       MPI_Request request = MPI_REQUEST_NULL;
       MPI_Ibcast(static_cast<char*>(bytes) + at, static_cast<int>(std::min(kMost, n - at)),
@@ -378,7 +380,7 @@ class MpiRanks final : public Ranks {
   void send_all(Says says) const {
     for (int r = 1; r < size_; ++r) send(says, 0, r);
   }
-  // Receives the next message of this section, if there is one, and discards those of earlier
+  // Receives the next message of this section, if one has arrived, and discards messages of earlier
   // sections.
   bool receive(Message& message, int& from) const {
     while (true) {

@@ -24,12 +24,15 @@ std::vector<char*> pointers(std::vector<std::string>& texts) {
 }  // namespace
 
 pid_t start_program(ProgramStart start) {
-  // All memory is taken before the fork: between it and exec there are only system calls.
+  // All memory is allocated before the fork, because only system calls are allowed between fork and
+  // exec.
   const std::vector<char*> argv = pointers(start.words), own = pointers(start.environment);
   const pid_t parent = getpid();
   const pid_t child = fork();
   if (child != 0) {
-    if (child > 0) setpgid(child, child);  // whichever of the two comes first
+    if (child > 0)
+      setpgid(child, child);  // parent and child both call setpgid, because either may
+                              // run first
     return child;
   }
   setpgid(0, 0);

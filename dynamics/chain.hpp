@@ -72,9 +72,9 @@ struct Rates {
 [[nodiscard]] bool is_paced(const Chain& chain);
 
 /// Computes the growth of rates with the speed of each link, one number per link [1/m]. At the
-/// speeds ė, the largest rate of the paced laws is at most Σ pace[link] |ė_link| [1/s], with pace =
-/// Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). A rate is a damping rate (an eigenvalue of
-/// M⁻¹ C) or the rate of the internal state of a law.
+/// speeds ė, the largest rate of the paced force laws is at most Σ pace[link] |ė_link| [1/s], with
+/// pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). A rate is a damping rate (an
+/// eigenvalue of M⁻¹ C) or the rate of the internal state of a law.
 void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace);
 
 }  // namespace wheeltap::dynamics

@@ -12,7 +12,7 @@ namespace wheeltap::dynamics::kernel {
 struct LawTerm {
   int kind = 0;
   int slot = 0;    ///< slot of the first coefficient; the side (±1) follows the last coefficient
-  int memory = 0;  ///< index of the internal state, for a law with memory
+  int memory = 0;  ///< index of the internal state, for a force law with memory
   int dry = -1;    ///< for exact friction: index of the pair of masses
 };
 
@@ -22,7 +22,7 @@ struct LinkTerm {
   int pace_slot = 0;  ///< slot of the rate of the laws per unit of the link's speed [1/m], see
                       ///< `paces`
   int law_begin = 0, law_end = 0;
-  bool turning = false;  ///< true for a law with memory, whose rate has a corner at ė = 0
+  bool turning = false;  ///< true for a force law with memory, whose rate has a corner at ė = 0
 };
 
 struct DriveTerm {
@@ -52,14 +52,14 @@ struct Task {
   const DriveTerm* drive = nullptr;
   const SensorTerm* sensor = nullptr;
   bool serial = false;  ///< link i joins masses i and i + 1, and the chain has no other links
-  int only_law = -1;    ///< the kind of all laws, if all laws have the same kind
+  int only_law = -1;    ///< the kind of all force laws, if all force laws have the same kind
   double step = 0.0;    ///< time between two samples of the excitation [s]
   std::int64_t samples = 0;
   int stride = 1;
   std::int64_t lead_in = 0;  ///< number of samples of the response before scoring begins
   int substeps = 1;
   bool turning = false;  ///< LinkTerm::turning of any link
-  bool paced = false;    ///< some law has a rate that grows with the speed of the link
+  bool paced = false;    ///< some force law has a rate that grows with the speed of the link
   double pace = 0.0;     ///< largest product of a paced rate and a step
   int most_steps = 1;    ///< largest number of steps per lane and sample
   int degree = 0;        ///< degree of the Taylor series, 2 … kMaxDegree

@@ -93,8 +93,8 @@ struct LawInfo {
   }
 };
 
-/// Bounds for the choice of the time step: the largest slopes of a law for |e| <= e_max, and for a
-/// paced law the growth of the slopes with |ė|.
+/// Bounds for the choice of the time step: the largest slopes of a force law for |e| <= e_max, and
+/// for a paced force law the growth of the slopes with |ė|.
 struct Slopes {
   double stiffness = 0.0;          ///< |∂T/∂e| [N/m]
   double damping = 0.0;            ///< |∂T/∂ė| at ė = 0, or a bound of |∂T/∂ė| [N s/m]
@@ -102,12 +102,13 @@ struct Slopes {
   double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's internal state [1/m]
 };
 
-/// A list of laws as types.
+/// A list of force laws as types.
 template <class... Laws>
 struct TypeList {
   static constexpr int kSize = static_cast<int>(sizeof...(Laws));
 
-  /// Calls visit(Law{}) for the law with the index `kind`. Returns false if no law has this index.
+  /// Calls visit(Law{}) for the law with the index `kind`. Returns false if no force law has this
+  /// index.
   template <class Visitor>
   [[gnu::always_inline]] static constexpr bool visit(int kind, Visitor&& visitor) {
     int i = 0;

@@ -11,8 +11,8 @@ namespace wheeltap::dynamics {
 struct Cycle {
   double amplitude = 0.01;  ///< A [m]
   double period = 1.0;      ///< T [s]
-  int before = 2;           ///< number of preceding cycles, in which a law with memory becomes
-                            ///< steady
+  int before = 2;           ///< number of preceding cycles, in which a force law with memory
+                            ///< becomes steady
   int points = 240;         ///< number of points of the returned cycle, both ends included
 };
 
@@ -23,7 +23,8 @@ struct CyclePoint {
 };
 
 /// Computes the tension along the last cycle, for a force law with constant coefficients. The state
-/// of a law with memory is integrated by the classical Runge-Kutta scheme with 20 steps per point.
+/// of a force law with memory is integrated by the classical Runge-Kutta scheme with 20 steps per
+/// point.
 [[nodiscard]] std::vector<CyclePoint> law_cycle(const Law& law, const Cycle& cycle);
 
 }  // namespace wheeltap::dynamics

@@ -17,20 +17,20 @@ inline constexpr bool kPiecewiseLinear = Law::kInfo.one_sided&& requires(const d
   Law::threshold(c);
 };
 
-/// True if the tension of a law is a power of the extension.
+/// True if the tension of a force law is a power of the extension.
 template <class Law>
 inline constexpr bool kPolynomial = requires {
   Law::kPower;
 };
 
-/// True if a law is a dry friction law. Such a law is exact or regularised.
+/// True if a force law is a dry friction law. Such a force law is exact or regularised.
 template <class Law>
 inline constexpr bool kFriction = requires(const double* c) {
   Law::friction(c);
   Law::kCreep;
 };
 
-/// True if a law is exact dry friction, that is if its creep speed is the constant 0.
+/// True if a force law is exact dry friction, that is if its creep speed is the constant 0.
 [[nodiscard]] bool is_dry(const Law& law);
 /// True if a creep speed that is given by a parameter is 0 at these coefficients. These
 /// coefficients are infeasible. The integrators do not locate the stick-slip events of friction
@@ -51,7 +51,7 @@ template <class L>
 /// True if the coefficients are feasible for the law with the index `kind`.
 [[nodiscard]] bool is_feasible(int kind, const double* c);
 
-/// Returns the descriptions of all laws, in the order of Law::kind.
+/// Returns the descriptions of all force laws, in the order of Law::kind.
 [[nodiscard]] std::span<const LawInfo> law_infos();
 
 /// Creates the law called `name`, with coefficients in the order of its LawInfo. Missing
@@ -60,7 +60,7 @@ template <class L>
 [[nodiscard]] Law make_law(std::string_view name, std::span<const Coefficient> coefficients,
                            Side side = Side::opening);
 
-/// Creates a law from its type: make_law<laws::Contact>({kl, gap}, Side::closing).
+/// Creates a force law from its type: make_law<laws::Contact>({kl, gap}, Side::closing).
 template <class L>
 [[nodiscard]] Law make_law(std::initializer_list<Coefficient> coefficients,
                            Side side = Side::opening) {

@@ -61,7 +61,7 @@ struct InitialState {
 };
 
 enum class Integrator {
-  /// Selects `exact` or `piecewise` if applicable. Selects `series` if a law switches, a link
+  /// Selects `exact` or `piecewise` if applicable. Selects `series` if a force law switches, a link
   /// sticks and slips, or prefer_series is set. Otherwise, or if the number of substeps is fixed,
   /// selects `runge_kutta`.
   automatic,
@@ -69,8 +69,8 @@ enum class Integrator {
   /// exact friction comes to rest or breaks away.
   runge_kutta,
   exact,  ///< exact discrete solution of linear chains
-  /// For chains with at most four nonlinear laws, all bilinear or contact: the exact solution for
-  /// samples without a switch, and series for samples with a switch.
+  /// For chains with at most four nonlinear force laws, all bilinear or contact: the exact solution
+  /// for samples without a switch, and series for samples with a switch.
   piecewise,
   /// Taylor series in time of degree 7 to 12 between switching times; Newton's method finds the
   /// switching times. For bilinear, contact, quadratic and cubic laws and exact friction.
@@ -106,8 +106,8 @@ struct SimulatorOptions {
   /// Factor set by Simulator::refined. The number of steps is at least `refinement` times the
   /// number for a step limit that is `refinement` times as large.
   int refinement = 1;
-  /// Largest extension [m] of each link for which stiffest_rates considers nonlinear laws; empty:
-  /// 0.
+  /// Largest extension [m] of each link for which stiffest_rates considers nonlinear force laws;
+  /// empty: 0.
   std::vector<double> extension = {};
   /// Every `stride`-th sample of the excitation is a sample of the response. Set this option for an
   /// excitation that was upsampled by the factor `stride`.

@@ -1,5 +1,5 @@
-// ANOVA emulator: computes responses for many components from tables for one and two components.
-// The number of table runs does not depend on the number of components.
+// ANOVA emulator: prediction of responses for many components from tables for one and two
+// components. The number of model runs for the tables does not depend on the number of components.
 #pragma once
 
 #include <vector>
@@ -8,49 +8,51 @@
 
 namespace wheeltap::emulator {
 
-/// The quantity in which the effects of several components are added, as a function of a response
-/// f.
+/// The additive quantity: a function of a response f for which the effects of several components
+/// are added.
 enum class Additive {
   response,   ///< f itself
   logarithm,  ///< ln f, f > 0
-  square,     ///< f², f > 0: a frequency's eigenvalue
-  /// -1/f², f > 0: by first-order perturbation of the flexibility, it is additive in the
+  square,     ///< f², f > 0: proportional to the eigenvalue of a natural frequency
+  /// -1/f², f > 0: by first-order perturbation of the flexibility, this quantity is additive in the
   /// compliances of several damages.
   inverse_square
 };
 
 [[nodiscard]] std::string_view name(Additive additive);
-/// Inverse of `name`. Throws std::invalid_argument for an unknown text.
+/// Returns the additive quantity with this name. Throws std::invalid_argument for an unknown name.
 [[nodiscard]] Additive additive_named(std::string_view text);
 
-/// A cut high-dimensional model representation about the structure without components (Rabitz &
-/// Alış 1999, General foundations of high-dimensional model representations, section 3), to second
-/// order. For components c_1 … c_k with m factors each and g the additive quantity of a response,
+/// A cut high-dimensional model representation (cut-HDMR) with the structure without components as
+/// reference (Rabitz & Alış 1999, General foundations of high-dimensional model representations,
+/// section 3), to second order. For components c_1 … c_k with m factors each and g the additive
+/// quantity of a response,
 ///   g(c_1…c_k) ≈ g_0 + Σ_i g_i + Σ_{i<j} g_ij,
 ///   g_i = G_1(c_i) - g_0,  g_ij = G_2(c_i, c_j) - G_1(c_i) - G_1(c_j) + g_0,
-/// which, with G_1 and G_2 the values for one and for two components, is
+/// where G_1 and G_2 are the values for one and for two components. The sum is
 ///   g ≈ Σ_{i<j} G_2(c_i, c_j) - (k - 2) Σ_i G_1(c_i) + ½ (k - 1)(k - 2) g_0.
-/// For up to two components, the result is as accurate as G_1 and G_2. For three and more, the
-/// terms of third and higher order are neglected; `validate` measures the error.
+/// For up to two components, the prediction is as accurate as G_1 and G_2. For three and more
+/// components, the terms of third and higher order are neglected; `validate` measures the error.
 class AnovaEmulator {
  public:
-  /// `baseline`: the responses without components. `single` predicts for the m factors of one
-  /// component, `pair` for the 2 m factors of two, in any order. Both must be thread-safe if this
-  /// object is shared between threads. Throws std::invalid_argument for an empty baseline, m < 1,
-  /// or a `baseline` without an additive quantity.
+  /// `baseline` holds the responses without components. `single` predicts the responses for the m
+  /// factors of one component, and `pair` for the 2 m factors of two components in any order. Both
+  /// predictors must be thread-safe if threads share this object. Throws std::invalid_argument for
+  /// an empty baseline, m < 1, or a baseline response for which the additive quantity is undefined.
   AnovaEmulator(std::vector<double> baseline, std::size_t factors_per_component, Predictor single,
                 Predictor pair, Additive additive = Additive::response);
 
-  /// `x`: k m values, component after component, k >= 0. A response is NaN if the sum has no
-  /// inverse (e.g. a negative square). Throws std::invalid_argument if the size is not a multiple
-  /// of m, and the exceptions of `single` and `pair`.
+  /// Predicts the responses for k >= 0 components. `x` holds k m values, component after component.
+  /// A predicted response is NaN if the sum has no inverse (for example a negative square). Throws
+  /// std::invalid_argument if the size is not a multiple of m, and the exceptions of `single` and
+  /// `pair`.
   void evaluate(std::span<const double> x, std::span<double> out) const;
 
   [[nodiscard]] std::size_t responses() const { return baseline_.size(); }
   [[nodiscard]] std::size_t factors_per_component() const { return factors_; }
 
  private:
-  std::vector<double> baseline_;  // additive quantity
+  std::vector<double> baseline_;  // additive quantity of the baseline responses
   std::size_t factors_;
   Predictor single_, pair_;
   Additive additive_;

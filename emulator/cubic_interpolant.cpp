@@ -10,12 +10,12 @@
 namespace wheeltap::emulator {
 namespace {
 
-/// Responses processed together: one cache line of doubles.
+/// Number of responses that are processed together: one cache line of doubles.
 constexpr std::size_t kBlock = 8;
 
-/// One factor's part of an evaluation: the levels used and their weights. Slopes are linear in the
-/// secants of the cell and of its two neighbours; a neighbour outside the range repeats the cell's
-/// secant with weight 0.
+/// The contribution of one factor to an evaluation: the levels used and their weights. Slopes are
+/// linear in the secants of the cell and of its two neighbours; a neighbour outside the range
+/// repeats the cell's secant with weight 0.
 struct Stencil {
   std::ptrdiff_t first;  // offset of the first node used
   std::ptrdiff_t stride;
@@ -70,7 +70,7 @@ Stencil stencil(const GridAxis& axis, AxisRule rule, double at) {
   return a;
 }
 
-/// The slope d, limited so that neither neighbouring piece can overshoot.
+/// Limits the slope d so that the interpolant is monotone on both sides of the level.
 inline double limit(double d, double left, double right) {
   const double bound = 3.0 * std::min(std::abs(left), std::abs(right));
   const double limited = std::copysign(std::min(std::abs(d), bound), left);
@@ -134,7 +134,7 @@ void CubicInterpolant::evaluate(std::span<const double> x, std::span<double> out
   std::size_t count = 1, active = 0;
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     const Stencil a = stencil(axes_[j], rules_[j], to_scale(axes_[j].scale, x[j]));
-    // Backwards, so that a node is overwritten after its last use.
+    // The loop runs backwards, so that a node is overwritten after its last use.
     for (std::size_t c = count; c-- > 0;)
       for (std::size_t n = a.nodes; n-- > 0;)
         nodes[c * a.nodes + n] = nodes[c] + a.first + static_cast<std::ptrdiff_t>(n) * a.stride;

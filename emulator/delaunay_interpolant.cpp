@@ -22,7 +22,8 @@ using Simplex = CGAL::Triangulation_full_cell<Geometry, std::int32_t>;
 using Triangulation = CGAL::Delaunay_triangulation<
     Geometry, CGAL::Triangulation_data_structure<CGAL::Dynamic_dimension_tag, Vertex, Simplex>>;
 
-/// A point this far outside a simplex, in barycentric coordinates, is on its face to rounding.
+/// Tolerance in barycentric coordinates. A point outside a simplex within this tolerance is on the
+/// face of the simplex, apart from rounding.
 constexpr double kOnFace = 1e-9;
 
 std::string describe(const std::vector<Factor>& factors, std::span<const double> x) {
@@ -150,8 +151,8 @@ void DelaunayInterpolant::to_unit(std::span<const double> x, Coordinates& u) con
     u[j] = (to_scale(factors_[j].scale, x[j]) - low_[j]) / range_[j];
 }
 
-/// Barycentric coordinates, refined once with the vertices, so that thin simplices keep their
-/// accuracy: x = Σ λ_i v_i holds to rounding.
+/// Computes barycentric coordinates. One refinement step with the vertices keeps the accuracy for
+/// thin simplices: x = Σ λ_i v_i is satisfied to rounding.
 void DelaunayInterpolant::weights(std::size_t simplex, const Coordinates& u,
                                   Weights& lambda) const {
   const std::size_t d = dimension();
@@ -177,13 +178,14 @@ void DelaunayInterpolant::weights(std::size_t simplex, const Coordinates& u,
   for (std::size_t i = 1; i <= d; ++i) lambda[0] -= lambda[i];
 }
 
-/// Walks from `simplex` through the face that x is farthest beyond. Returns false if that leads out
-/// of the hull; `simplex` is then the last one inside.
+/// Steps from `simplex` to adjacent simplices, each time through the face beyond which x is
+/// farthest. Returns false if x is outside the convex hull; `simplex` is then the last simplex
+/// inside.
 bool DelaunayInterpolant::locate(const Coordinates& u, std::size_t& simplex,
                                  Weights& lambda) const {
   const std::size_t d = dimension();
-  // In exact arithmetic the walk ends (Delaunay triangulations are acyclic). If rounding makes it
-  // cycle, every simplex is tried.
+  // In exact arithmetic the search ends, because Delaunay triangulations are acyclic. If rounding
+  // causes a cycle, every simplex is tested.
   const std::size_t patience = 100 + 20 * cells_a_side_ * (d + 1);
   for (std::size_t step = 0; step < patience; ++step) {
     weights(simplex, u, lambda);

@@ -1,6 +1,7 @@
-// Linear interpolation between scattered runs. Built if CGAL is available (CMake option
-// WHEELTAP_WITH_CGAL). CGAL's triangulations in any dimension have the licence GPL-3 or later, so a
-// program that links wheeltap::emulator_delaunay must be distributed under those terms.
+// Linear interpolation between scattered runs. This code is built if CGAL is available (CMake
+// option WHEELTAP_WITH_CGAL). CGAL's triangulations in any dimension have the licence GPL-3 or
+// later, so a program that links wheeltap::emulator_delaunay must be distributed under this
+// licence.
 #pragma once
 
 #include <cstdint>
@@ -10,29 +11,31 @@
 
 namespace wheeltap::emulator {
 
-/// Continuous and linear on every simplex of the Delaunay triangulation of the runs (in the
-/// factors' scale coordinates, each range mapped to [0, 1]). In the simplex with vertices v_0 … v_d
-/// that contains x, f(x) = Σ λ_i f(v_i), Σ λ_i v_i = x, Σ λ_i = 1, λ_i >= 0. Exact at the runs;
-/// reproduces functions linear in the scale coordinates; the error is of second order in the
-/// distance between runs. CGAL triangulates with exact predicates. The simplex that contains x is
-/// found by stepping through adjacent simplices from a nearby one (Devillers, Pion & Teillaud 2002,
-/// Walking in a triangulation), in floating-point arithmetic and without allocation. Several
-/// threads may evaluate it at once.
+/// An interpolant that is continuous, and linear on every simplex of the Delaunay triangulation of
+/// the runs. The triangulation uses the factors' scale coordinates, with each range mapped to [0,
+/// 1]. In the simplex with vertices v_0 … v_d that contains x, f(x) = Σ λ_i f(v_i), Σ λ_i v_i = x,
+/// Σ λ_i = 1, λ_i >= 0. The interpolant is exact at the runs, and reproduces functions that are
+/// linear in the scale coordinates. The error is of second order in the distance between runs. CGAL
+/// triangulates with exact predicates. The search for the simplex that contains x starts from a
+/// nearby simplex and steps through adjacent simplices (Devillers, Pion & Teillaud 2002, Walking in
+/// a triangulation). The search uses floating-point arithmetic and does not allocate memory.
+/// Several threads may call `evaluate` at once.
 class DelaunayInterpolant final : public Interpolant {
  public:
-  /// The number of simplices grows steeply with the dimension.
+  /// Largest number of factors. The number of simplices grows steeply with the number of factors.
   static constexpr std::size_t kMostFactors = 5;
 
-  /// `points`: runs × factors, `values`: runs × responses. Throws std::invalid_argument for invalid
-  /// factors or more than kMostFactors, shapes that disagree, points outside the factors' ranges,
-  /// duplicate points, values that are not finite, and points that all lie in a hyperplane (or are
-  /// fewer than d + 1). Also throws it for full-factorial grids of two or more factors, because the
-  /// corners of a cell lie on a sphere and their triangulation is arbitrary; use
+  /// `points` has the size runs × factors, and `values` runs × responses. Throws
+  /// std::invalid_argument for invalid factors or more than kMostFactors, sizes that disagree,
+  /// points outside the factors' ranges, duplicate points and values that are not finite. Also
+  /// throws std::invalid_argument for fewer than d + 1 points, and for points that all lie in a
+  /// hyperplane. Also throws std::invalid_argument for full-factorial grids of two or more factors,
+  /// because the corners of a cell lie on a sphere and their triangulation is arbitrary; use
   /// MultilinearInterpolant for grids.
   DelaunayInterpolant(std::vector<Factor> factors, const RowMatrix& points, RowMatrix values);
 
-  /// All responses at x. Throws std::out_of_range, naming the point, if it lies outside the convex
-  /// hull of the runs or is NaN; std::invalid_argument for wrong sizes.
+  /// Writes all responses at x to `out`. Throws std::out_of_range, naming x, if x lies outside the
+  /// convex hull of the runs or is NaN. Throws std::invalid_argument for wrong sizes.
   void evaluate(std::span<const double> x, std::span<double> out) const override;
 
   /// True if x is inside the convex hull of the runs.
@@ -55,19 +58,21 @@ class DelaunayInterpolant final : public Interpolant {
   std::vector<double> low_, range_;  // range of each scale coordinate
   RowMatrix unit_points_;
   RowMatrix values_;
-  std::vector<std::int32_t> simplices_;   // d + 1 runs each
-  std::vector<std::int32_t> neighbours_;  // the simplex opposite each vertex; -1 outside the hull
-  std::vector<double> inverses_;          // d × d each: [v_1 - v_0, …, v_d - v_0]⁻¹
+  std::vector<std::int32_t> simplices_;   // d + 1 runs per simplex
+  std::vector<std::int32_t> neighbours_;  // the adjacent simplex opposite each vertex; -1 outside
+                                          // the hull
+  std::vector<double> inverses_;          // d × d per simplex: [v_1 - v_0, …, v_d - v_0]⁻¹
   std::size_t cells_a_side_ = 1;
-  std::vector<std::int32_t> hints_;  // a simplex near each cell's centre
+  std::vector<std::int32_t> hints_;  // a simplex near the centre of each cell
 };
 
-/// Defined in wheeltap::emulator_delaunay.
+/// Trains a DelaunayInterpolant on a table. This function is defined in
+/// wheeltap::emulator_delaunay.
 [[nodiscard]] std::unique_ptr<const Interpolant> train_delaunay(Table& table,
                                                                 const TrainingOptions& options);
 
-/// Description with training by `train`: `train_delaunay`, or a function that reports the missing
-/// build option.
+/// Returns the description of the interpolant type. `train` is `train_delaunay`, or a function that
+/// reports the missing build option.
 [[nodiscard]] constexpr InterpolantType delaunay_type(InterpolantType::Train train) {
   return {.name = "delaunay",
           .words = "Delaunay interpolation",

@@ -13,8 +13,8 @@
 namespace wheeltap::emulator {
 namespace {
 
-/// Uniform on [0, 1) from the top 53 bits: the same on every platform, unlike the standard
-/// library's distributions.
+/// Draws a number with the uniform distribution on [0, 1) from the top 53 bits. The number is the
+/// same on every platform; numbers of the standard library's distributions are not.
 double unit_uniform(std::mt19937_64& generator) {
   return static_cast<double>(generator() >> 11) * 0x1p-53;
 }
@@ -180,7 +180,7 @@ Design latin_hypercube(std::vector<Factor> factors, Eigen::Index n, std::uint64_
     for (Eigen::Index i = n - 1; i > 0; --i)
       std::swap(unit(i, j), unit(uniform_below(generator, i + 1), j));
   }
-  // Distances are relative to the mean spacing, so that d^-p stays in range.
+  // Distances are relative to the mean spacing, so that d^-p does not overflow.
   const double spacing = std::pow(static_cast<double>(n), -1.0 / static_cast<double>(d));
   const auto crowding = [&](Eigen::Index i, Eigen::Index skip) {
     double sum = 0.0;

@@ -31,7 +31,8 @@ std::string describe(const Design& design, Eigen::Index run) {
   return text.str();
 }
 
-/// Names and points, byte for byte: equal texts mean equal designs.
+/// Converts the names and points of a design to text, byte for byte. Equal texts mean equal
+/// designs.
 std::string text_of(const Design& design) {
   std::string text;
   for (const Factor& factor : design.factors) text += factor.name + '\n';
@@ -87,7 +88,7 @@ class Experiment {
     return {result_.row(run).data(), static_cast<std::size_t>(result_.cols())};
   }
 
-  // Takes the runs of the journal (of rank 0, if there are several).
+  // Takes the runs of the journal (in a run with several ranks, the journal of rank 0).
   void remember() {
     base::Packer packer;
     if (base::is_first_rank()) {
@@ -114,8 +115,8 @@ class Experiment {
     }
   }
 
-  // Blocks are started in order, and those before a failed one are completed: the error refers to
-  // the first failing run of the design, independent of timing.
+  // Blocks are started in order, and all blocks before a failed block are completed. The error
+  // therefore names the first failed run of the design, independent of timing.
   void make(int block) {
     if (block > failed_block_) return;
     try {

@@ -11,46 +11,48 @@
 
 namespace wheeltap::emulator {
 
-/// Computes all responses at one point.
+/// A model: a function that computes all responses at one point.
 using Model = std::function<void(std::span<const double> point, std::span<double> response)>;
-/// Creates the model of one thread, so that each thread has its own workspace. Called at most once
-/// per thread.
+/// A function that creates the model of one thread, so that each thread has its own workspace.
+/// run_experiment calls it at most once per thread.
 using ModelFactory = std::function<Model()>;
 
 struct ExperimentOptions {
   int threads = 1;  ///< >= 1
-  /// File of finished runs (empty: none). If the file exists, its runs are reused. The file remains
-  /// after the last run; the caller removes it after it has stored the result.
+  /// Journal: a file of finished runs (empty: no journal). If the file exists, its runs are reused.
+  /// The file remains after the last run; the caller removes the file after storing the result.
   std::filesystem::path journal = {};
-  /// Identity of the journal in addition to the design, e.g. the case as text.
+  /// Identity of the journal in addition to the design, for example the case as text.
   std::string identity = {};
-  /// Called after each run with the numbers of finished runs and of all runs, by one thread at a
-  /// time. Runs of other ranks are counted after each twentieth of the design.
+  /// Callback after each run with the number of finished runs and the number of all runs. Only one
+  /// thread calls it at a time. Runs of other ranks are counted after each twentieth of the design.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
 
-/// A failed run: the model threw an exception, or returned a number that is not finite.
+/// The error for a failed run: the model threw an exception, or returned a number that is not
+/// finite.
 class RunError : public std::runtime_error {
  public:
   RunError(Eigen::Index run, const std::string& what) : std::runtime_error(what), run_(run) {}
-  [[nodiscard]] Eigen::Index run() const { return run_; }  ///< 0-based row of the design
+  [[nodiscard]] Eigen::Index run() const { return run_; }  ///< row of the design, from 0
 
  private:
   Eigen::Index run_;
 };
 
-/// Responses at every point of the design: runs × responses. The result does not depend on the
-/// number of threads or ranks. Every rank must call this with the same arguments; rank 0 keeps the
-/// journal. Throws std::invalid_argument for an empty design, no responses or threads < 1;
-/// RunError, naming the first failed run in the order of the design and its point, with the model's
-/// exception nested in it.
+/// Computes the responses at every point of the design: runs × responses. The result does not
+/// depend on the number of threads or ranks. Every rank must call this function with the same
+/// arguments; rank 0 writes the journal. Throws std::invalid_argument for an empty design, zero
+/// responses or threads < 1. Throws RunError if a run fails; the error names the first failed run
+/// of the design and its point, and the exception of the model is nested in the error.
 [[nodiscard]] RowMatrix run_experiment(const Design& design, Eigen::Index responses,
                                        const ModelFactory& factory,
                                        const ExperimentOptions& options = {});
 
-/// A part of a design, to divide the work between machines: the runs part, part + parts, part + 2
-/// parts, … of part number `part` (from 0) out of `parts`. Throws std::invalid_argument unless 0 <=
-/// part < parts and the part has a run.
+/// Returns a part of a design, to divide the work between machines. The part contains the runs
+/// part, part + parts, part + 2 parts, …, where `part` (from 0) is the number of the part and
+/// `parts` the number of all parts. Throws std::invalid_argument unless 0 <= part < parts and the
+/// part has a run.
 [[nodiscard]] Design shard(const Design& design, Eigen::Index part, Eigen::Index parts);
 
 }  // namespace wheeltap::emulator

@@ -21,17 +21,17 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The squared exponential's eigenvalues decrease so fast that a smaller nugget leads to cancelling
-/// weights.
+/// Returns the smallest nugget of a kernel. The eigenvalues of the squared exponential kernel
+/// decrease fast; with a smaller nugget, large weights of opposite sign would cancel.
 double least_nugget(Kernel kernel) {
   return kernel == Kernel::squared_exponential ? 1e-8 : 1e-12;
 }
 constexpr double kLargestNugget = 1e3;
 constexpr double kLadder[] = {0.02, 0.05, 0.1, 0.2, 0.5, 1.0, 2.0, 5.0};  // initial lengths tried
-constexpr double kShortest = 0.005, kLongest = 50.0;  // lengths, in units of the factor's range
+constexpr double kShortest = 0.005, kLongest = 50.0;  // limits of ℓ, in units of a factor's range
 const double kSqrt5 = std::sqrt(5.0);
 
-/// k(r) from r².
+/// Computes the correlation k(r) from r².
 template <class Array>
 void correlate(Kernel kernel, Array&& squared) {
   if (kernel == Kernel::squared_exponential) {
@@ -42,19 +42,19 @@ void correlate(Kernel kernel, Array&& squared) {
   }
 }
 
-/// ∂k/∂ ln ℓ_j from r², less the factor ((u_j - u'_j)/ℓ_j)².
+/// Computes ∂k/∂ ln ℓ_j from r², without the factor ((u_j - u'_j)/ℓ_j)².
 ArrayXd slope(Kernel kernel, const ArrayXd& squared) {
   if (kernel == Kernel::squared_exponential) return (-0.5 * squared).exp();
   const ArrayXd r = kSqrt5 * squared.sqrt();
   return (5.0 / 3.0) * (1.0 + r) * (-r).exp();
 }
 
-/// Points divided by the lengths, one factor per column.
+/// Divides points by the correlation lengths, one factor per column.
 MatrixXd scaled(const RowMatrix& unit_points, const VectorXd& lengths) {
   return unit_points * lengths.cwiseInverse().asDiagonal();
 }
 
-/// r² between point i and the points from row `from` on.
+/// Computes r² between point i and the points from row `from` on.
 ArrayXd squared_distances(const MatrixXd& z, Index i, Index from) {
   ArrayXd squared = ArrayXd::Zero(z.rows() - from);
   for (Index j = 0; j < z.cols(); ++j)
@@ -62,7 +62,7 @@ ArrayXd squared_distances(const MatrixXd& z, Index i, Index from) {
   return squared;
 }
 
-/// Lower triangle of R = k(X, X) + η I; the upper one is not written.
+/// Computes the lower triangle of R = k(X, X) + η I; the upper triangle is not written.
 MatrixXd correlation_matrix(const RowMatrix& unit_points, const Correlation& c) {
   const MatrixXd z = scaled(unit_points, c.lengths);
   MatrixXd r(z.rows(), z.rows());
@@ -77,7 +77,7 @@ MatrixXd correlation_matrix(const RowMatrix& unit_points, const Correlation& c) 
 
 using Cholesky = Eigen::LLT<MatrixXd, Eigen::Lower>;
 
-/// β, α and σ² of every column of y under R.
+/// Mean β, weights α and variance σ² of every column of y for the correlation matrix R.
 struct Trend {
   VectorXd w;   // R⁻¹ 1
   double ones;  // 1ᵀ R⁻¹ 1
@@ -98,7 +98,8 @@ Trend trend(const Cholesky& factor, const RowMatrix& y) {
   return t;
 }
 
-/// The gradient, which is most of the work, stays 0 without `with_gradient`.
+/// Computes the log-likelihood. If `with_gradient` is false, the gradient is 0; the gradient takes
+/// most of the run time.
 LogLikelihood log_likelihood(const RowMatrix& unit_points, const RowMatrix& values,
                              const Correlation& c, bool with_gradient) {
   const Index n = unit_points.rows(), d = unit_points.cols(), m = values.cols();
@@ -139,7 +140,7 @@ LogLikelihood log_marginal_likelihood(const RowMatrix& unit_points, const RowMat
 }
 
 struct GaussianProcess::Impl {
-  /// Responses that share lengths.
+  /// A group of responses with the same correlation lengths.
   struct Group {
     Index first, count;
     Correlation correlation;

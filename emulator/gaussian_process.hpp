@@ -1,4 +1,4 @@
-// Kriging: interpolation of scattered runs with its uncertainty.
+// Kriging: interpolation of scattered runs, with the uncertainty of the prediction.
 #pragma once
 
 #include <memory>
@@ -7,30 +7,32 @@
 
 namespace wheeltap::emulator {
 
-/// Correlation of two points at distance r² = Σ_j ((u_j - u'_j) / ℓ_j)², with one length ℓ_j per
-/// factor; u are the factors' scale coordinates, mapped to [0, 1].
+/// Correlation as a function of the distance r of two points, r² = Σ_j ((u_j - u'_j) / ℓ_j)², with
+/// one correlation length ℓ_j per factor. u are the factors' scale coordinates, mapped to [0, 1].
 enum class Kernel {
   matern52,            ///< (1 + √5 r + 5 r²/3) exp(-√5 r): twice differentiable
   squared_exponential  ///< exp(-r²/2): infinitely smooth
 };
 
-/// Correlation function of a Gaussian process: its covariance divided by its variance.
+/// Correlation function of a Gaussian process: the covariance divided by the variance of the
+/// process.
 struct Correlation {
   Kernel kernel = Kernel::matern52;
   Eigen::VectorXd lengths;  ///< ℓ, one per factor, > 0, in units of the factor's range
   double nugget = 0.0;      ///< η >= 0: variance of independent noise / variance of the process
 };
 
-/// ln L and its derivatives with respect to ln ℓ_1 … ln ℓ_d, ln η.
+/// Log marginal likelihood ln L, and its derivatives with respect to ln ℓ_1 … ln ℓ_d, ln η.
 struct LogLikelihood {
   double value;  ///< -∞ if R is not numerically positive definite
   Eigen::VectorXd gradient;
 };
 
-/// Log marginal likelihood of m independent columns y of `values` (n × m) at `unit_points` (n × d,
-/// in the unit cube), under R = k(X, X) + η I. Each column's constant mean β = 1ᵀR⁻¹y / 1ᵀR⁻¹1 and
-/// variance σ² = (y-β)ᵀR⁻¹(y-β)/n have their maximum-likelihood values (Rasmussen & Williams 2006,
-/// Gaussian Processes for Machine Learning, sections 2.7 and 5.4):
+/// Computes the log marginal likelihood of m independent columns y of `values` (n × m) at
+/// `unit_points` (n × d, in the unit cube), with the correlation matrix R = k(X, X) + η I. Each
+/// column's constant mean β = 1ᵀR⁻¹y / 1ᵀR⁻¹1 and variance σ² = (y-β)ᵀR⁻¹(y-β)/n have their
+/// maximum-likelihood values (Rasmussen & Williams 2006, Gaussian Processes for Machine Learning,
+/// sections 2.7 and 5.4):
 ///   ln L = -½ Σ_columns [n ln(2π σ²) + ln|R| + n],
 ///   ∂ ln L / ∂p = ½ Σ_columns [αᵀ ∂R α / σ² - tr(R⁻¹ ∂R)],  α = R⁻¹(y - β).
 [[nodiscard]] LogLikelihood log_marginal_likelihood(const RowMatrix& unit_points,
@@ -39,33 +41,34 @@ struct LogLikelihood {
 
 struct GaussianProcessOptions {
   Kernel kernel = Kernel::matern52;
-  /// Use one set of correlation lengths for all responses; an evaluation then takes as long as for
-  /// one response. Otherwise each response has its own lengths, which is more accurate if responses
-  /// oscillate with different wavelengths.
+  /// If true, all responses have the same correlation lengths; an evaluation then takes as long as
+  /// for one response. If false, each response has its own correlation lengths. Predictions are
+  /// then more accurate if responses oscillate with different wavelengths.
   bool shared_lengths = false;
-  /// Also fit the nugget, for runs with noise. Otherwise the nugget is the smallest that is
-  /// numerically stable, and the process interpolates.
+  /// If true, the nugget is fitted too, for runs with noise. If false, the nugget is the smallest
+  /// value that is numerically stable, and the process interpolates the runs.
   bool infer_nugget = false;
-  /// Largest number of runs in the fit of the lengths (drawn by `seed`), whose cost grows with
-  /// their cube. The process itself uses all runs.
+  /// Largest number of runs in the fit of the correlation lengths (drawn with `seed`). The run time
+  /// of the fit grows with the cube of this number. The process itself uses all runs.
   Eigen::Index most_fitted_runs = 400;
   int most_iterations = 60;  ///< limit of the quasi-Newton search
   int threads = 1;
   std::uint64_t seed = 1;
 };
 
-/// Ordinary Kriging with constant mean β, for each response
+/// Ordinary Kriging with a constant mean β. For each response,
 ///   f(x) | y ~ N(β + rᵀR⁻¹(y - β),  σ² [1 - rᵀR⁻¹r + (1 - 1ᵀR⁻¹r)² / 1ᵀR⁻¹1]),  r = k(X, x)
 /// (the last term is the uncertainty of β; Rasmussen & Williams 2006, section 2.7). A nugget of at
-/// least 1e-12 (Matérn) or 1e-8 (squared exponential) keeps R positive definite. It is multiplied
-/// by ten until the factorisation succeeds. Several threads may evaluate it at once.
+/// least 1e-12 (Matérn) or 1e-8 (squared exponential) keeps R positive definite. The nugget is
+/// multiplied by ten until the factorisation of R succeeds. Several threads may call `evaluate` at
+/// once.
 class GaussianProcess final : public Interpolant {
  public:
-  /// Fits the lengths (and the nugget) to the runs by maximum marginal likelihood. A quasi-Newton
-  /// search with the analytic gradient starts from the best of several lengths that are equal for
-  /// all factors. `points` (runs × factors) must lie in the factors' ranges. Throws
-  /// std::invalid_argument for fewer than two runs, shapes that disagree, points outside the ranges
-  /// or values that are not finite.
+  /// Fits the correlation lengths (and the nugget) to the runs by maximum marginal likelihood. A
+  /// quasi-Newton search with the analytic gradient starts from the best of several initial values,
+  /// each with the same length for all factors. `points` (runs × factors) must lie in the factors'
+  /// ranges. Throws std::invalid_argument for fewer than two runs, shapes that disagree, points
+  /// outside the ranges or values that are not finite.
   GaussianProcess(std::vector<Factor> factors, const RowMatrix& points, const RowMatrix& values,
                   const GaussianProcessOptions& options = {});
 
@@ -78,20 +81,22 @@ class GaussianProcess final : public Interpolant {
   GaussianProcess(GaussianProcess&&) noexcept;
   GaussianProcess& operator=(GaussianProcess&&) noexcept;
 
-  /// Writes the means of all responses at x. Throws std::out_of_range outside the box of the
-  /// factors, since interpolants do not extrapolate.
+  /// Writes the means of all responses at x. Throws std::out_of_range for x outside the box of the
+  /// factors, because interpolants do not extrapolate.
   void evaluate(std::span<const double> x, std::span<double> mean) const override;
-  /// Writes means and variances of the model's responses at x; the variances exclude the noise of
-  /// the runs.
+  /// Writes means and variances of the model's responses at x; the variances do not include the
+  /// noise of the runs.
   void evaluate(std::span<const double> x, std::span<double> mean,
                 std::span<double> variance) const override;
 
-  /// Uses the fitted lengths, nugget and variance, and estimates β again without each run (Dubrule
-  /// 1983, Cross validation of Kriging in a unique neighborhood): with Q = R⁻¹ - R⁻¹1 1ᵀR⁻¹ /
-  /// 1ᵀR⁻¹1, the residual of run i is [Q y]_i / Q_ii, its variance σ² / Q_ii.
+  /// Computes leave-one-out predictions with the fitted correlation lengths, nugget and variance.
+  /// For each omitted run, β is estimated again without this run (Dubrule 1983, Cross validation of
+  /// Kriging in a unique neighborhood). With Q = R⁻¹ - R⁻¹1 1ᵀR⁻¹ / 1ᵀR⁻¹1, the residual of run i
+  /// is [Q y]_i / Q_ii, with the variance σ² / Q_ii.
   [[nodiscard]] LeaveOneOut leave_one_out() const override;
 
-  /// One row per set of lengths (1, or one per response): ℓ_1 … ℓ_d, η.
+  /// Returns the fitted parameters ℓ_1 … ℓ_d, η: one row for all responses, or one row per
+  /// response.
   [[nodiscard]] RowMatrix parameters() const;
   [[nodiscard]] Kernel kernel() const;
   [[nodiscard]] const std::vector<Factor>& factors() const;
@@ -105,8 +110,8 @@ class GaussianProcess final : public Interpolant {
   std::unique_ptr<const Impl> impl_;
 };
 
-/// Kriging with a Matérn kernel and separate lengths for each response; a table stores
-/// `parameters()` as "gaussian_process".
+/// Interpolant type for Kriging with a Matérn kernel and separate correlation lengths for each
+/// response; a table stores `parameters()` as "gaussian_process".
 extern const InterpolantType kGaussianProcess;
 
 }  // namespace wheeltap::emulator

@@ -1,4 +1,4 @@
-// Memory layout of a table's values on a full-factorial grid.
+// Memory layout of the values of a table on a full-factorial grid.
 #pragma once
 
 #include <algorithm>
@@ -9,24 +9,23 @@
 
 namespace wheeltap::emulator {
 
-/// One factor of a table. Values are stored as runs × responses, with the last factor varying
-/// fastest.
+/// One factor of a table. Values are stored as runs × responses; the last factor varies fastest.
 struct GridAxis {
   Scale scale;
   std::vector<double> coordinates;  ///< s(level), increasing
-  std::ptrdiff_t stride;            ///< doubles from one level to the next
+  std::ptrdiff_t stride;            ///< number of doubles from one level to the next
 
-  /// The cell that contains s, for s within the range: 0-based index of its lower level, at most
-  /// size - 2.
+  /// Returns the cell that contains s, for s within the range. The result is the index (from 0) of
+  /// the lower level of the cell, at most size - 2.
   [[nodiscard]] std::ptrdiff_t cell(double s) const {
     return std::upper_bound(coordinates.begin() + 1, coordinates.end() - 1, s) -
            coordinates.begin() - 1;
   }
 };
 
-/// The axes of a table. Throws std::invalid_argument for invalid factors (at least two levels
-/// each), a row count that is not the product of the level counts, no responses, or values that are
-/// not finite.
+/// Returns the axes of a table. Throws std::invalid_argument for invalid factors (at least two
+/// levels each), a number of rows that is not the product of the numbers of levels, zero responses,
+/// or values that are not finite.
 [[nodiscard]] std::vector<GridAxis> grid_axes(const std::vector<Factor>& factors,
                                               const RowMatrix& values);
 

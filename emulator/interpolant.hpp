@@ -1,5 +1,5 @@
-// Interpolants of a table's runs, and the description of each type: name in a case, accepted runs,
-// training.
+// Interpolants of the runs of a table, and the description of each interpolant type: name in a
+// case, accepted runs, training.
 #pragma once
 
 #include <cstddef>
@@ -19,22 +19,24 @@ struct LeaveOneOut {
   RowMatrix variance;  ///< variance of the omitted run, including its noise
 };
 
-/// A function of a table's factors, R^d → R^responses, that approximates its runs. Several threads
-/// may evaluate it at once; after a thread's first evaluation, it does not allocate.
+/// A function of the factors of a table, R^d → R^responses, that approximates the runs of the
+/// table. Several threads may call `evaluate` at once. Only the first evaluation of a thread
+/// allocates memory.
 class Interpolant {
  public:
   virtual ~Interpolant() = default;
 
   /// Writes all responses at x (one value per factor) to `out` (one value per response). Throws
-  /// std::out_of_range for x outside `contains`: there is no extrapolation.
+  /// std::out_of_range if `contains(x)` is false, because interpolants do not extrapolate.
   virtual void evaluate(std::span<const double> x, std::span<double> out) const = 0;
-  /// Writes all responses at x and the variances of the interpolation error. Throws
-  /// std::logic_error if this type of interpolant gives no variances.
+  /// Writes all responses at x, and the variances of the interpolation errors. Throws
+  /// std::logic_error if this interpolant type does not compute variances.
   virtual void evaluate(std::span<const double> x, std::span<double> out,
                         std::span<double> variance) const;
   /// True if x is in the domain of the interpolant.
   [[nodiscard]] virtual bool contains(std::span<const double> x) const = 0;
-  /// Leave-one-out predictions; empty if this type of interpolant does not compute them.
+  /// Returns leave-one-out predictions; the result is empty if this interpolant type does not
+  /// compute such predictions.
   [[nodiscard]] virtual LeaveOneOut leave_one_out() const { return {}; }
 
  protected:
@@ -47,29 +49,29 @@ class Interpolant {
 
 struct TrainingOptions {
   int threads = 1;
-  /// One entry per factor: true if responses oscillate along it, as mode frequencies do with the
-  /// location of a damage. Along the other factors they are monotone. Empty: monotone along all
-  /// factors.
+  /// One entry per factor: true if responses oscillate along this factor, for example natural
+  /// frequencies with the location of a damage. Along the other factors, responses are monotone. If
+  /// the list is empty, responses are monotone along all factors.
   std::vector<bool> waves = {};
 };
 
-/// Description of an interpolant type, defined beside its class.
+/// Description of an interpolant type. It is defined in the same file as the class.
 struct InterpolantType {
   enum class Runs { grid, scattered };
-  /// Trains on a complete table. Fitted values are added to the table's parameters; existing ones
-  /// are reused. Throws std::invalid_argument for an unsuitable table.
+  /// Trains an interpolant on a complete table. Fitted values are added to the parameters of the
+  /// table; existing parameters are reused. Throws std::invalid_argument for an unsuitable table.
   using Train = std::unique_ptr<const Interpolant> (*)(Table& table,
                                                        const TrainingOptions& options);
 
   std::string_view name;   ///< "interpolation" in a case and in a table file
   std::string_view words;  ///< display name, e.g. "Gaussian process"
-  Runs runs = Runs::grid;  ///< scattered runs may be a grid; a grid may not be scattered
+  Runs runs = Runs::grid;  ///< accepted runs; types for scattered runs also accept a grid
   std::size_t most_factors = std::numeric_limits<std::size_t>::max();
-  /// True if the domain is the convex hull of the runs instead of the whole box of the factors. The
-  /// corners of the box are then added to designs.
+  /// True if the domain is the convex hull of the runs instead of the whole box of the factors. For
+  /// these types, the corners of the box are added to designs.
   bool within_hull = false;
-  bool slow = false;          ///< hundreds of microseconds per evaluation instead of a few
-  bool has_variance = false;  ///< gives the variance of its error
+  bool slow = false;          ///< an evaluation takes hundreds of microseconds instead of a few
+  bool has_variance = false;  ///< the interpolant computes the variance of its error
   Train train = nullptr;
 };
 

@@ -13,9 +13,10 @@
 
 namespace wheeltap::emulator {
 
-/// One line of text that identifies the experiment, then one record per finished run: number,
-/// responses and checksum. If a process is killed while writing, the incomplete record at the end
-/// fails its checksum, and opening the journal removes it. Not thread-safe.
+/// A journal file. It contains one line of text that identifies the experiment, then one record per
+/// finished run: run number, responses and checksum. If a process is killed while writing, the last
+/// record is incomplete and its checksum is wrong; the next process that opens the journal removes
+/// this record. The class is not thread-safe.
 class Journal {
  public:
   struct Entry {
@@ -23,24 +24,27 @@ class Journal {
     std::vector<double> response;
   };
 
-  /// Use by one process or by several at a time; records of several processes do not interleave.
+  /// `alone`: only one process may open the journal. `shared`: several processes may append records
+  /// at the same time; their records do not interleave.
   enum class Use { alone, shared };
 
   /// Opens or creates the journal of an experiment with this identity and number of responses.
   /// Throws FileError: foreign if the file is not a journal, mismatch if it belongs to another
-  /// experiment, unwritable if it cannot be written or another process has exclusive use.
+  /// experiment, unwritable if the file cannot be written or another process uses the journal
+  /// exclusively.
   Journal(std::filesystem::path path, std::string_view identity, std::size_t responses,
           Use use = Use::alone);
 
-  /// Removes a journal, of whatever experiment, if it exists. Throws FileError (unwritable) without
-  /// removing the file if it is not a journal or another process writes to it.
+  /// Removes a journal of any experiment, if the file exists. Throws FileError (unwritable),
+  /// without removing the file, if the file is not a journal or another process writes to the
+  /// journal.
   static void remove(const std::filesystem::path& path);
 
-  /// The runs in the file when it was opened.
+  /// The runs that the file contained when the journal was opened.
   [[nodiscard]] const std::vector<Entry>& entries() const { return entries_; }
 
-  /// Appends a run and passes it to the operating system. Throws FileError (unwritable) on a full
-  /// disk.
+  /// Appends the record of a run and passes the record to the operating system. Throws FileError
+  /// (unwritable) if the disk is full.
   void append(std::int64_t run, std::span<const double> response);
 
  private:

@@ -1,4 +1,5 @@
-// Designs and model runs as CSV text, so that any FE program can compute a table.
+// Designs and model runs as CSV text, so that any finite-element program can compute the runs of a
+// table.
 #pragma once
 
 #include <filesystem>
@@ -11,15 +12,17 @@
 
 namespace wheeltap::emulator {
 
-/// Reads runs of a model from delimited text (io/tables/delimited_text.hpp). The first line has the
-/// columns' names, each with its unit in brackets or without ("location [m],reduction,f1 [Hz],f2
-/// [Hz]"); every further line is a run. Empty lines are ignored. `factors` names the input columns,
-/// in this order. All other columns are the responses, in the file's order, and must have the same
-/// unit. A factor without levels gets the range of its column; otherwise every value must lie in
-/// its range. If a factor and its column both have a unit, they must agree. Returns scattered runs
-/// called `response_name`; `name` is the file's name in messages. Throws FileError (corrupt), with
-/// line and column, for a cell that is not a finite number, a row that is too short, a duplicate
-/// name, an unknown factor, a value outside its factor's range, a duplicate point, or no runs.
+/// Reads runs of a model from delimited text (io/tables/delimited_text.hpp). The first line
+/// contains the names of the columns, with or without units in brackets ("location [m],reduction,f1
+/// [Hz],f2 [Hz]"); every further line is a run. Empty lines are ignored. `factors` names the input
+/// columns; the table has its factors in this order. All other columns are responses, in the order
+/// of the file, and must have the same unit. A factor without levels gets the range of its column.
+/// For a factor with levels, every value must lie in the range of the levels. If a factor and its
+/// column both have a unit, the units must agree. The result is a table of scattered runs with the
+/// response name `response_name`. `name` is the file's name in messages. Throws FileError
+/// (corrupt), with line and column, for a cell that is not a finite number, a row with too few
+/// cells, a duplicate name and an unknown factor. Also throws FileError (corrupt) for a value
+/// outside the range of its factor, a duplicate point, or a file without runs.
 [[nodiscard]] Table parse_runs_csv(std::string bytes, const std::filesystem::path& name,
                                    std::vector<Factor> factors, const std::string& response_name);
 
@@ -27,8 +30,8 @@ namespace wheeltap::emulator {
 [[nodiscard]] Table read_runs_csv(const std::filesystem::path& path, std::vector<Factor> factors,
                                   const std::string& response_name);
 
-/// Converts scattered runs to a grid if their points are all combinations of the values, each once;
-/// otherwise returns std::nullopt.
+/// Converts scattered runs to a grid if their points are all combinations of the factors' values,
+/// and each combination occurs once. Otherwise returns std::nullopt.
 [[nodiscard]] std::optional<Table> as_grid(const Table& scattered);
 
 }  // namespace wheeltap::emulator

@@ -36,8 +36,9 @@ fs::path folder_of(const fs::path& path) {
   return folder.empty() ? "." : folder;
 }
 
-/// Flushes the names in a folder to the disk. Failure is ignored: a writable folder need not be
-/// readable, and some file systems do not support it. The files are complete either way.
+/// Flushes the names in a folder to the disk. A failure is ignored, because a writable folder need
+/// not be readable, and some file systems do not support this operation. The files are complete
+/// even if the operation fails.
 void sync_folder(const fs::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;
@@ -45,7 +46,8 @@ void sync_folder(const fs::path& folder) {
   ::close(descriptor);
 }
 
-/// A name that no other process can have created or guess, because the folder may be shared.
+/// Returns a random file name. Other users may have access to the folder, but cannot guess this
+/// name.
 fs::path temporary_name(const fs::path& path) {
   std::random_device random;
   char digits[kDigits + 1];
@@ -60,12 +62,13 @@ bool is_temporary_of(const std::string& name, const std::string& final_name) {
          name.find_first_not_of("0123456789abcdef", before.size()) == std::string::npos;
 }
 
-/// True if this process holds the lock; false if another does or locks are unsupported.
+/// Locks a file. Returns false if another process holds the lock, or if the file system does not
+/// support locks.
 bool lock(int descriptor) {
   return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
 }
 
-/// Opens and locks an own regular file; -1 for anything else.
+/// Opens and locks a regular file of this user. Returns -1 for any other file.
 int open_own(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return -1;
@@ -78,7 +81,7 @@ int open_own(const fs::path& path) {
   return -1;
 }
 
-/// Removes the temporary files of `path` that no process holds.
+/// Removes the temporary files of `path` that no process has locked.
 void sweep(const fs::path& path) {
   std::error_code error;
   std::vector<fs::path> stale;
@@ -112,7 +115,7 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
         ::open(temporary_.c_str(), O_CREAT | O_EXCL | O_NOFOLLOW | O_WRONLY | O_CLOEXEC, 0666);
     error = descriptor_ < 0 ? errno : 0;
     if (error != 0) continue;
-    // Another process may have removed it before it was locked.
+    // Another process may have removed the file before this process locked it.
     struct stat found {};
     lock(descriptor_);
     if (::fstat(descriptor_, &found) != 0 || found.st_nlink == 0) {
@@ -124,7 +127,8 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
     fail(path_, "cannot be created: check that its directory exists and may be written to");
   if (error != 0) fail(path_, error);
   if (reserve == 0) return;
-  // Other errors (no support by the file system, a limit on file sizes) appear when writing.
+  // Other errors (no support by the file system, a limit of file sizes) are reported when the file
+  // is written.
   error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(reserve));
   if (error == ENOSPC || error == EDQUOT) {
     ::unlink(temporary_.c_str());
@@ -145,7 +149,7 @@ void AtomicFile::close() {
 }
 
 void AtomicFile::write(std::string_view bytes) {
-  // Overwrites the reserved space, and releases the rest.
+  // Overwrites the reserved space, and releases the remaining space.
   if (::lseek(descriptor_, 0, SEEK_SET) != 0) fail(path_, errno);
   put(bytes);
   if (::ftruncate(descriptor_, static_cast<off_t>(bytes.size())) != 0) fail(path_, errno);
@@ -177,7 +181,7 @@ void AtomicFile::lend(const std::function<void(const fs::path& temporary)>& use)
 }
 
 void AtomicFile::flush() {
-  // Without this, a renamed file may be empty after a power failure.
+  // Without fsync, a renamed file may be empty after a power failure.
   if (::fsync(descriptor_) != 0) fail(path_, errno);
 }
 
@@ -202,7 +206,7 @@ void commit_together(std::span<AtomicFile* const> files) {
     note << file->temporary().filename().string() << '\n'
          << file->path().filename().string() << '\n';
   }
-  // Locked during the commit, so that no other process finishes it.
+  // The note is locked during the commit, so that no other process finishes this commit.
   AtomicFile noted(folder / kCommitNote);
   noted.write(note.str());
   noted.commit();

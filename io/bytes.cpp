@@ -22,7 +22,7 @@ const char* kind_of(mode_t mode) {
   return "is not a file";
 }
 
-/// An open regular file, closed at the end of its scope.
+/// An open regular file. The destructor closes the file.
 class OpenFile {
  public:
   /// Throws FileError (missing).
@@ -44,7 +44,8 @@ class OpenFile {
   OpenFile& operator=(const OpenFile&) = delete;
   ~OpenFile() { ::close(id_); }
   [[nodiscard]] std::size_t size() const { return size_; }
-  /// Reads at most `most` bytes; none at the end.
+  /// Reads at most `most` bytes. Returns the number of bytes read, which is 0 at the end of the
+  /// file.
   std::size_t read(char* to, std::size_t most) const {
     while (true) {
       const ssize_t n = ::read(id_, to, most);

@@ -48,8 +48,8 @@ void write_all(int to, const std::string& bytes) {
   }
 }
 
-/// Limits this process to `bytes` beyond its present memory; false if the limit cannot be set or is
-/// lower anyway.
+/// Limits the memory of this process to its present memory plus `bytes`. Returns false if the limit
+/// cannot be set, or if the existing limit is lower.
 bool bound_memory(double bytes) {
   double pages = 0.0;
   rlimit now{};
@@ -61,18 +61,19 @@ bool bound_memory(double bytes) {
   return setrlimit(RLIMIT_AS, &now) == 0;
 }
 
-/// Resource limits of a child.
+/// Resource limits of a child process.
 struct Bounds {
   double seconds, bytes;
 };
 
-/// The body of the child; runs no destructor and flushes no buffer of the parent.
+/// Runs in the child process. This function calls no destructor and flushes no buffer of the
+/// parent.
 [[noreturn]] void in_child(int to, const std::optional<Bounds>& bounds,
                            const std::function<std::string()>& work) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  // Ignores signals that stop the parent: the child ends with it.
+  // The child ignores signals that stop the parent, because the child ends with the parent.
   for (const int signal : base::kStopSignals) std::signal(signal, SIG_IGN);
   for (const int signal : {SIGPIPE, SIGXCPU}) std::signal(signal, SIG_DFL);
   const rlimit no_core{0, 0};
@@ -118,15 +119,15 @@ std::string read_all(int from) {
   }
 }
 
-/// The result of a child.
+/// The result of a child process.
 struct Ended {
-  int signal = 0;      ///< that terminated it
-  bool whole = false;  ///< true if it completed
+  int signal = 0;      ///< signal that terminated the child
+  bool whole = false;  ///< true if the child completed
   Outcome outcome = Outcome::failed;
   std::string bytes;
 };
 
-/// None if no child can be started.
+/// Runs a function in a child process. Returns std::nullopt if the system cannot start a child.
 std::optional<Ended> apart(const std::optional<Bounds>& bounds,
                            const std::function<std::string()>& work) {
   int ends[2];
@@ -146,7 +147,9 @@ std::optional<Ended> apart(const std::optional<Bounds>& bounds,
   close(ends[0]);
   const int status = base::wait_for(child);
   ended.signal = WIFSIGNALED(status) ? WTERMSIG(status) : 0;
-  if (ended.signal == SIGKILL) throw std::bad_alloc();  // by the system, which is out of memory
+  if (ended.signal == SIGKILL)
+    throw std::bad_alloc();  // the system killed the child because
+                             // memory was exhausted
   ended.whole = ended.signal == 0 && WEXITSTATUS(status) == 0 && !ended.bytes.empty();
   if (!ended.whole) return ended;
   ended.outcome = static_cast<Outcome>(ended.bytes[0]);
@@ -177,7 +180,7 @@ double most_bytes(std::uintmax_t bytes) {
 std::string read_apart(const std::filesystem::path& path, const std::function<std::string()>& read,
                        double seconds) {
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
-  return read();  // a fuzzer can only observe its own process
+  return read();  // fuzzing build: a fuzzer can observe only its own process
 #endif
   std::error_code no_size;
   const std::uintmax_t size = std::filesystem::file_size(path, no_size);

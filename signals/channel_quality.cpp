@@ -35,7 +35,8 @@ std::vector<Stretch> equal_runs(std::span<const double> x) {
   return out;
 }
 
-// Estimates p without the longest runs, which may be the dropouts.
+// Estimates p, the share of equal neighbouring samples, without the longest runs. These runs may be
+// dropouts.
 long shortest_dropout(const std::vector<Stretch>& runs, long samples) {
   constexpr long kLong = 10;
   long equal = 0, counted = samples - 1;
@@ -80,8 +81,8 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
         difference(at(i - 2), at(i - 1), at(i), at(i + 1), at(i + 2));
     sizes.push_back(std::abs(off[static_cast<std::size_t>(i)]));
   }
-  // After replacing x_i, the differences of its neighbours must be ordinary; a pulse of two or more
-  // samples is not a spike.
+  // After replacement of x_i, the differences of the neighbouring samples must be below the limit.
+  // A pulse of two or more samples is not a spike.
   const auto is_single = [&](long i, double jump) {
     constexpr double kWeights[] = {-1.0 / 6.0, 4.0 / 6.0};
     for (const long k : {-2L, -1L, 1L, 2L}) {
@@ -92,8 +93,8 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
     }
     return true;
   };
-  // The scale is that of the loudest of three blocks around a sample, so that a burst is not a
-  // spike. If most differences of a coarse record are 0, only nonzero ones count.
+  // The scale is the largest of the scales of three blocks around a sample, so that a burst is not
+  // a spike. If most differences of a coarse record are 0, only nonzero differences count.
   const auto scale_of = [&](std::size_t from, std::size_t to) {
     std::vector<double> part(sizes.begin() + static_cast<std::ptrdiff_t>(from),
                              sizes.begin() + static_cast<std::ptrdiff_t>(to));
@@ -209,7 +210,7 @@ std::vector<FoundFault> channel_faults(const ChannelQuality& q, bool is_record) 
     out.push_back({drift, q.drift, 1.0});
   else
     judge(wander, q.wander, 0.3);
-  // Without division, since the standard deviation may be 0.
+  // The comparison avoids a division, because the standard deviation may be 0.
   if (std::abs(q.mean) > 3.0 * q.sd) out.push_back({offset, std::abs(q.mean) / q.sd, 3.0});
   if (q.step > 0.05 * q.sd) out.push_back({coarse, q.step / q.sd, 0.05});
   return out;

@@ -30,7 +30,7 @@ void require_band(double low, double high, double rate) {
                                 std::to_string(0.5 * rate) + "]");
 }
 
-/// Σ Re(lines[k] e^{2πi k n / N}): one period.
+/// Computes one period of the signal Σ Re(lines[k] e^{2πi k n / N}).
 std::vector<double> synthesise(std::vector<Complex> lines) {
   Eigen::FFT<double> fft;
   fft.SetFlag(Eigen::FFT<double>::Unscaled);

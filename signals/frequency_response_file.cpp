@@ -27,14 +27,15 @@ std::size_t place_of(const io::UniversalDof& dof, std::vector<io::UniversalDof>&
   return place;
 }
 
-/// Conversion of a function's numerator, by its unit or its quantity.
+/// Returns the conversion of the numerator of a function, by the unit or the quantity of the
+/// numerator.
 Conversion numerator_conversion(const io::UniversalFunction& f) {
   std::optional<Dimension> wanted;
   if (f.numerator.quantity == 8) wanted = Dimension::length;
   if (f.numerator.quantity == 11) wanted = Dimension::velocity;
   if (f.numerator.quantity == 12) wanted = Dimension::acceleration;
   Conversion out = conversion_of(f.numerator.unit, {});
-  // "g" or "(m/s^2)/N": the numerator's unit where it stands alone.
+  // The unit may be that of the numerator alone ("g") or a quotient ("(m/s^2)/N").
   if (out.basis == Conversion::Basis::foreign) out = {.unit = out.unit};
   if (!out.dimension) out.dimension = wanted;
   return out;
@@ -97,7 +98,7 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
                                                    static_cast<Index>(which.second)) =
           conversion.factor * f->y[static_cast<std::size_t>(k)];
     if (which.second != 0 || out.transposed) continue;
-    // In the order of the outputs, as the map is.
+    // The map is in the order of the outputs, so the conversions are, too.
     out.conversions.push_back(conversion);
     if (dimensions) out.orders.push_back(derivative_order(*conversion.dimension));
   }

@@ -13,7 +13,7 @@ namespace wheeltap::signals {
 namespace {
 
 constexpr int kPeaks = 8;
-constexpr long kRecord = 1000;  // least rows of a record without a rate
+constexpr long kRecord = 1000;  // smallest number of rows of a record without a rate
 
 MeasuredChannel channel_of(const std::string& name, const std::string& unit,
                            std::vector<double> values) {
@@ -22,7 +22,8 @@ MeasuredChannel channel_of(const std::string& name, const std::string& unit,
   return out;
 }
 
-// Segments of an eighth of the record: lines narrow enough for peaks, and some to average.
+// The segment length is an eighth of the record. The spectral lines are then narrow enough for
+// peaks, and several segments are averaged.
 void add_spectrum(MeasuredChannel& channel, double rate) {
   const ChannelQuality& q = channel.quality;
   if (q.missing > 0 || q.constant || q.samples < 64) return;
@@ -96,7 +97,7 @@ MeasuredTable table_of(io::Columns columns, std::optional<double> stated, bool r
   return out;
 }
 
-// Functions of one abscissa make one table.
+// Functions with the same abscissa form one table.
 std::vector<MeasuredTable> tables_of(const io::UniversalFile& file,
                                      const std::filesystem::path& path) {
   constexpr int kTime = 17;

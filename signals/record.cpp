@@ -14,13 +14,13 @@ namespace {
 using io::Column;
 using io::FileError;
 
-constexpr double kLongestGap = 5.0;  // median steps that are interpolated
+constexpr double kLongestGap = 5.0;  // largest interpolated time step, in median steps
 
 [[noreturn]] void fail(const Record& record, io::Place place, const std::string& reason) {
   throw FileError(FileError::Kind::corrupt, record.file, std::move(place), reason);
 }
 
-/// A column's values; throws if they were not read.
+/// Returns the values of a column. Throws an exception if the values were not read.
 const Column& values_of(const Record& record, int column) {
   const Column& source = record.columns.at(static_cast<std::size_t>(column));
   if (std::ssize(source.values) != record.samples())
@@ -29,7 +29,7 @@ const Column& values_of(const Record& record, int column) {
   return source;
 }
 
-/// Largest difference between a printed value and the exact one.
+/// Returns the largest rounding error of a printed value.
 double resolution(const Column& column, double value) {
   if (column.digits < 0) return 0.0;
   const double by_point = std::pow(10.0, -column.decimals);
@@ -45,7 +45,8 @@ std::string show(double value) {
   return out.str();
 }
 
-/// Names of time columns that do not begin with "time": of other languages, loggers and phones.
+/// True for a name of a time column. Names that do not begin with "time" are from other languages,
+/// loggers and phones.
 bool is_time(const Column& column) {
   std::string name = column.name;
   for (char& c : name)
@@ -101,7 +102,7 @@ bool is_one_of(const std::vector<std::string>& names, const Column& column, std:
   });
 }
 
-/// The names by which a case may refer to a column: see Columns::find.
+/// Selects the columns that a case names; see Columns::find.
 io::Wanted named(RecordReading reading) {
   if (reading.columns.empty() && reading.ignored.empty()) return {};
   return [reading = std::move(reading)](const io::Columns& table, std::size_t i) {
@@ -114,7 +115,7 @@ io::Wanted named(RecordReading reading) {
   };
 }
 
-/// The length of one unit of a time column [s], and its basis.
+/// Returns the duration of one unit of a time column [s], and stores the basis of this unit.
 double seconds_in_one(const Record& record, int time_column, double median, Sampling& out) {
   const Column& column = record.columns[static_cast<std::size_t>(time_column)];
   if (column.cells == io::CellKind::stamp) {
@@ -125,11 +126,12 @@ double seconds_in_one(const Record& record, int time_column, double median, Samp
   const double first = std::abs(column.values.front());
   if (out.unit.empty()) {
     out.basis = Sampling::Basis::epoch;
-    // As seconds these would be dates after the year 5000.
+    // If these counts were seconds, the dates would be after the year 5000.
     if (first >= 1e11 && first < 1e14) return out.unit = "ms", 1e-3;
     if (first >= 1e14 && first < 1e17) return out.unit = "us", 1e-6;
     if (first >= 1e17 && first < 1e20) return out.unit = "ns", 1e-9;
-    // As seconds these would be sampled at 70 kHz or more, days after the start of the clock.
+    // If these values were seconds, the sampling rate would be 70 kHz or more, and the record would
+    // begin days after the start of the clock.
     const bool spreadsheet = first >= 2e4 && first < 8e4, year_zero = first >= 7e5 && first < 8e5;
     if ((spreadsheet || year_zero) && median > 0.0 && median < 1.2 / 86400.0) {
       out.basis = Sampling::Basis::days;
@@ -157,7 +159,7 @@ double seconds_in_one(const Record& record, int time_column, double median, Samp
 int Record::find_time() const {
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (is_time(columns[i]) && columns[i].cells != io::CellKind::text) return static_cast<int>(i);
-  // With a date and a time of day, uses the time of day.
+  // If the table has a date column and a time-of-day column, the time column is the latter.
   int stamps = -1;
   for (std::size_t i = 0; i < columns.size(); ++i) {
     if (columns[i].cells != io::CellKind::stamp || columns[i].values.empty()) continue;
@@ -167,8 +169,8 @@ int Record::find_time() const {
   if (stamps >= 0) return stamps;
   for (std::size_t i = 0; i < columns.size(); ++i)
     if (is_serial_date(columns[i])) return static_cast<int>(i);
-  // In a text without names, a first column that increases evenly, except by whole numbers: those
-  // could count rows.
+  // In a text without names, the time column is a first column that increases evenly. A column that
+  // increases by whole numbers is excluded, because it could count rows.
   const bool unnamed = layout && layout->used.header.value_or(1) == 0;
   return unnamed && columns.size() > 1 && increases_by_fractions(columns.front()) ? 0 : -1;
 }
@@ -214,14 +216,15 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
   bool uneven = !(mean > 0.0);
   for (std::size_t n = 1; n < t.size() && !uneven; ++n) {
     const double off = std::abs(t[n] - t[n - 1] - mean);
-    // Checks the printed digits only where needed; their powers of ten take most of the time.
+    // Checks the printed digits only if necessary, because the powers of ten take most of the run
+    // time.
     if (off <= kEven * mean) continue;
     const double printed = 1.01 * resolution(column, t[n]);
     uneven = off > kMostJitter * mean + printed;
     if (off > kEven * mean + printed) out.jitter = std::max(out.jitter, (off - printed) / mean);
   }
-  // If a step is as small as the printed digits, rounding could explain a missing row, but not in
-  // only one step of hundreds.
+  // If a time step is as small as the printed resolution, rounding could explain the difference of
+  // a missing row. Rounding cannot explain a difference in only one of hundreds of steps.
   const auto odd = std::count_if(sorted.begin(), sorted.end(), [&](double step) {
     return std::abs(step - median) > 0.5 * median;
   });
@@ -240,7 +243,8 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
         out.basis = Sampling::Basis::stated;
         return out;
       }
-      // Counts rows between changes; the first and the last stamp may cover fewer samples.
+      // Counts rows between changes of the stamp. The first and the last stamp may cover fewer
+      // samples.
       std::size_t from = 1, to = t.size() - 1;
       while (t[from] == t[from - 1]) ++from;
       while (t[to] == t[to - 1]) --to;
@@ -253,7 +257,8 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
                        : ": state \"sample_rate\" (about " + show(rate) + ")") +
                (rises ? "" : "; it also goes backwards"));
     }
-    // A gap shifts the mean, not the median. The message names the step farthest from the median.
+    // A gap changes the mean step, but not the median step. The message names the step farthest
+    // from the median.
     std::size_t worst = 1;
     for (std::size_t n = 1; n < t.size(); ++n)
       if (std::abs(t[n] - t[n - 1] - median) > std::abs(t[worst] - t[worst - 1] - median))
@@ -289,8 +294,8 @@ double sample_rate_hz(const Record& record, int time_column, std::optional<doubl
 
 namespace {
 
-/// Second derivatives of the natural cubic spline through (x, y): a tridiagonal system, diagonally
-/// dominant, by elimination.
+/// Computes the second derivatives of the natural cubic spline through (x, y). The system of
+/// equations is tridiagonal and diagonally dominant; it is solved by elimination.
 std::vector<double> curvatures(const std::vector<double>& x, const std::vector<double>& y) {
   const std::size_t n = x.size();
   std::vector<double> m(n, 0.0), above(n, 0.0);

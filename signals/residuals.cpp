@@ -14,7 +14,8 @@ namespace wheeltap::signals {
 
 namespace {
 
-/// One step of Durbin-Levinson: φ of order m from φ of order m - 1, in place.
+/// Makes one step of the Durbin-Levinson recursion: computes φ of order m from φ of order m - 1, in
+/// place.
 void extend(std::vector<double>& phi, double partial) {
   const std::size_t m = phi.size();
   for (std::size_t j = 0; j < m / 2; ++j) {
@@ -94,7 +95,8 @@ void ar_innovations(std::span<const double> residuals,
     for (std::size_t j = 0; j < phi.size(); ++j) predicted += phi[j] * residuals[t - 1 - j];
     return residuals[t] - predicted;
   };
-  // From the last to the first, because earlier entries are still residuals.
+  // The loop runs from the last to the first entry, because each innovation needs earlier
+  // residuals.
   const std::vector<double> phi = ar_coefficients(partial_autocorrelations);
   double variance = 1.0;
   for (const double partial : partial_autocorrelations) variance *= 1.0 - partial * partial;

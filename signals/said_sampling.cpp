@@ -9,7 +9,7 @@
 namespace wheeltap::signals {
 namespace {
 
-// In lower case; longer keys precede those that are their beginnings.
+// Keys in lower case. A key precedes any shorter key with which it begins.
 constexpr std::string_view kRates[] = {"sampling rate",
                                        "sampling_rate",
                                        "samplingrate",
@@ -113,7 +113,7 @@ std::optional<PrintedRate> rate_after(std::string_view rest, char decimal) {
   if (at == 0) return std::nullopt;  // "fs1"
   std::string_view number = rest.substr(at);
   std::size_t end = std::min(number.find_first_not_of("0123456789.,eE+-"), number.size());
-  // Excludes the unit's first letter and a separating comma.
+  // Excludes the first letter of the unit and a separating comma.
   while (end > 0 && (number[end - 1] < '0' || number[end - 1] > '9')) --end;
   const std::string_view digits = number.substr(0, end);
   std::optional<double> value = io::parse_number(digits);

@@ -89,7 +89,8 @@ CrossSpectra cross_spectra(std::span<const double> x, std::span<const double> y,
     ++s.segments;
   }
   for (std::size_t i = 0; i < lines; ++i) {
-    const bool alone = i == 0 || (length % 2 == 0 && i + 1 == lines);  // has no mirror image
+    const bool alone = i == 0 || (length % 2 == 0 && i + 1 == lines);  // line without a counterpart
+                                                                       // at negative frequency
     const double scale = (alone ? 1.0 : 2.0) / (rate * power * s.segments);
     s.xx[i] *= scale;
     s.yy[i] *= scale;
@@ -99,13 +100,13 @@ CrossSpectra cross_spectra(std::span<const double> x, std::span<const double> y,
   return s;
 }
 
-/// Kaiser's window at t in [-1, 1].
+/// Computes Kaiser's window at t in [-1, 1].
 double kaiser(double t, double beta) {
   return boost::math::cyl_bessel_i(0, beta * std::sqrt(std::max(0.0, 1.0 - t * t))) /
          boost::math::cyl_bessel_i(0, beta);
 }
 
-/// Sample n of a record, continued by odd reflection at its ends.
+/// Returns sample n of a record that is continued by odd reflection at its ends.
 double reflected(std::span<const double> x, std::ptrdiff_t n) {
   const auto last = static_cast<std::ptrdiff_t>(x.size()) - 1;
   double sign = 1.0, shift = 0.0;
@@ -164,8 +165,8 @@ SpectrumComparison compare_window(std::span<const double> record, int begin, int
   const double power = variance(record);
   result.power_ratio = variance(part) / power;
 
-  // The strongest lines that together hold 99.9 % of the power; the first holds the remainder of
-  // the means.
+  // Selects the strongest spectral lines that together contain 99.9 % of the power. The first line
+  // is excluded, because it contains the remainder of the means.
   std::vector<std::size_t> lines(result.full.density.size() - 1);
   std::iota(lines.begin(), lines.end(), 1);
   std::sort(lines.begin(), lines.end(), [&](std::size_t i, std::size_t j) {

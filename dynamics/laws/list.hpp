@@ -1,7 +1,7 @@
 // The list of force laws. To add a force law, write one file in laws/ and add two lines here: the
 // include and the name in `LawList`. Add a test of the force law to tests/dynamics/laws_test.cpp.
 //
-// A law T(e, ė) is a struct with
+// A force law T(e, ė) is a struct with
 //   kInfo                    name in a case file; coefficients with units, roles and bounds
 //   tension(c, e, ė)         tension [N] for coefficients c[i], over any vector type V
 //   slopes(c, e_max)         steepest slopes, for the choice of the step
@@ -13,9 +13,9 @@
 //   kCreep                   dry friction: the coefficient which, as the constant 0, makes the law
 //                            exact instead of regularised
 //
-// A law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and memory_rate(c,
-// e, ė, ζ) = ζ̇. A law whose rates grow with |ė|, for example any law with memory, sets
-// `kInfo.paced`.
+// A force law with an internal state ζ sets `kInfo.memory` and has tension(c, e, ė, ζ) and
+// memory_rate(c, e, ė, ζ) = ζ̇. A force law whose rates grow with |ė|, for example any force law
+// with memory, sets `kInfo.paced`.
 #pragma once
 
 #include <type_traits>

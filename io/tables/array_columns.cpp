@@ -8,13 +8,14 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr std::size_t kMostChannels = 10'000;  // channels in one array
+constexpr std::size_t kMostChannels = 10'000;  // largest number of channels of one array
 
 bool is_vector(const ArrayShape& array) {
   return std::ranges::count_if(array.shape, [](std::size_t d) { return d != 1; }) <= 1;
 }
 
-/// The dimension along which a channel of this length runs; none if there is no such channel.
+/// Returns the dimension of the array along which a channel of this length lies, or std::nullopt if
+/// the array has no channel of this length.
 std::optional<std::size_t> along(const ArrayShape& array, const ArrayLayout& layout,
                                  std::size_t length) {
   if (array.size() <= 1) return {};
@@ -49,7 +50,7 @@ std::vector<std::size_t> lengths_of(std::span<const ArrayShape> arrays, const Ar
   return out;
 }
 
-/// "X(:,2), real" of "X, real".
+/// Inserts an index into the name of a column: "X, real" becomes "X(:,2), real".
 std::string indexed(const std::string& name, const std::string& index) {
   const std::size_t part = std::min(name.find(", "), name.size());
   return name.substr(0, part) + index + name.substr(part);
@@ -105,7 +106,8 @@ void add_columns(std::span<const ArrayShape> arrays, const ArrayLayout& layout, 
       add_channels(arrays[i], i, *dimension, table, sources);
 }
 
-/// Why an array is not a channel of the table, and the name that selects it in a case.
+/// Returns the reason why an array is not a channel of the table, and the name that selects the
+/// array in a case.
 std::string other_length(const ArrayShape& array, const ArrayLayout& layout) {
   const std::string shown = array.name + " (" + array.shape_in_words();
   const std::size_t length = length_of(array, layout);

@@ -83,7 +83,7 @@ std::string without_utf16(std::string text) {
   return out;
 }
 
-/// "sep=;", by which a text states its separator for spreadsheets.
+/// Returns the separator that a line "sep=;" states for spreadsheets.
 std::optional<char> stated_separator(std::string_view line) {
   line = trimmed(line);
   if (line.size() > 2 && line.front() == '"' && line.back() == '"')
@@ -93,7 +93,7 @@ std::optional<char> stated_separator(std::string_view line) {
   return parse_separator(line.substr(4));
 }
 
-/// The time stamps of a column as seconds since the first.
+/// The time stamps of a column as seconds since the first time stamp.
 class Stamps {
  public:
   explicit Stamps(const TimeFormat& format) : format_(format) {}
@@ -186,7 +186,7 @@ std::vector<std::string> DelimitedText::split(std::string_view line, int number)
 DelimitedText::DelimitedText(std::string bytes, std::filesystem::path name, FirstRow first_row,
                              TextLayout stated)
     : text_(without_utf16(std::move(bytes))), name_(std::move(name)), stated_(std::move(stated)) {
-  // End-of-text mark of old DOS programs.
+  // Removes the end-of-text mark of old DOS programs.
   while (text_.ends_with('\x1a')) text_.pop_back();
   if (const std::size_t nul = text_.find('\0'); nul != std::string::npos)
     fail({.line = 1 + std::count(text_.begin(), text_.begin() + static_cast<std::ptrdiff_t>(nul),
@@ -243,7 +243,7 @@ void DelimitedText::scan() {
 
 void DelimitedText::find_layout(FirstRow first_row) {
   std::vector<TextLine> head, body;
-  std::vector<int> row_of;  // per line of the head; for comments, the next row
+  std::vector<int> row_of;  // row of each line of the head; for comments, the next row
   const int head_rows = std::min(rows(), kHeadRows);
   auto comment = comments_.begin();
   for (int row = 0; row < head_rows; ++row) {
@@ -292,7 +292,8 @@ void DelimitedText::find_layout(FirstRow first_row) {
   if (first_row == FirstRow::detected) drop_tail();
 }
 
-/// One series with several samples per line is not a table with that many channels.
+/// Rejects one series that is written with several samples per line, because the columns of this
+/// text are not channels.
 void DelimitedText::refuse_wrapped_series() const {
   const auto any = [&](auto&& is) { return std::ranges::any_of(layout_.above, is); };
   const auto begins = [&](std::string_view key) {
@@ -367,7 +368,7 @@ void DelimitedText::take_names(const TextLine& names, const TextLine* units) {
   }
 }
 
-/// Drops the first `count` rows.
+/// Removes the first `count` rows.
 void DelimitedText::drop_rows(int count) {
   const int number = line(count);
   starts_.erase(starts_.begin(), starts_.begin() + count);
@@ -425,8 +426,8 @@ double DelimitedText::plain_number(const std::string& text, Place place, Column&
   return *found;
 }
 
-/// The order of day and month in a column of ambiguous stamps; unknown if no stamp shows it or none
-/// needs it.
+/// Returns the order of day and month in a column of time stamps. The result is unknown if no stamp
+/// is ambiguous, or if no stamp shows the order.
 DayOrder DelimitedText::day_order(int column) const {
   bool unclear = false;
   for (int row = 0; row < rows(); ++row) {
@@ -447,7 +448,7 @@ DayOrder DelimitedText::day_order(int column) const {
                                    "\"month-first\"");
 }
 
-/// Why a text has no rows, and what to do.
+/// Returns the reason why a text has no rows, and a remedy.
 std::string DelimitedText::no_data() const {
   if (text_.find_first_not_of(" \t\r\n") == std::string::npos) return "no data";
   std::string out = "no data: no line has numbers or times without units that are separated by ";

@@ -10,7 +10,7 @@ struct Character {
   std::size_t bytes = 0;  // 0: the bytes are not UTF-8
 };
 
-// The character that starts at `at`.
+// Decodes the character that starts at `at`.
 Character character(std::string_view text, std::size_t at) {
   const auto byte = [&](std::size_t i) -> unsigned {
     return at + i < text.size() ? static_cast<unsigned char>(text[at + i]) : 0U;

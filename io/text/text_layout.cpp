@@ -76,7 +76,7 @@ class Finder {
       throw UnclearLayout(0, "a comma cannot both separate columns and be the decimal mark");
     reading_.decimal = out_.decimal;
     if (best > 0 || stated_.separator) return;
-    // There are no numbers: use the names.
+    // The text contains no numbers: use the line of names.
     std::size_t most = 0;
     for (const TextLine& line : head_) {
       if (line.is_comment) continue;
@@ -92,7 +92,7 @@ class Finder {
   void count_columns() {
     rows_.clear();
     std::map<std::size_t, std::size_t> counts;
-    // Rows with texts count only if there are no others.
+    // Rows with texts count only if the text has no other rows.
     for (const bool mixed : {false, true}) {
       bool is_header = header_first_;
       for (const std::vector<TextLine>* lines : {&head_, &body_}) {
@@ -134,7 +134,7 @@ class Finder {
     }
   }
 
-  /// The number of cells in the last line before the first row.
+  /// Returns the number of cells in the last line before the first row.
   std::optional<std::size_t> cells_above_rows() {
     std::optional<std::size_t> found;
     for (const TextLine& line : head_) {
@@ -148,8 +148,8 @@ class Finder {
     return found;
   }
 
-  /// True for a row, also one with a text: it begins with a number or a stamp, and most of its
-  /// cells are such.
+  /// True for a row, which may contain texts: the first cell is a number or a time stamp, and so
+  /// are most other cells.
   [[nodiscard]] bool is_data(const Split& s) const {
     if (s.is_row()) return true;
     const auto first =
@@ -305,7 +305,8 @@ class Finder {
     }
   }
 
-  /// The cells of a line as column names; empty if their number differs.
+  /// Returns the cells of a line as column names, or an empty list if their number differs from the
+  /// number of columns.
   [[nodiscard]] std::vector<std::string> as_names(const TextLine& line) const {
     const std::string_view bare = without_comment_mark(line.text);
     std::vector<std::string> names = names_in(line.text, out_.separator, out_.columns);
@@ -325,7 +326,7 @@ class Finder {
     };
     const bool names_stated = stated_.header.has_value();
     if (names_stated && *stated_.header > 0) {
-      // The rows begin below it, whatever it contains.
+      // The rows begin below the line of names, whatever this line contains.
       for (std::size_t i = 0; i < head_.size(); ++i)
         if (head_[i].number == *stated_.header) {
           out_.names = i;
@@ -381,18 +382,18 @@ class Finder {
     if (!out_.units && stated_.units_row.value_or(-1) != 0)
       for (std::size_t b = 0; b < block.size() && !units; ++b)
         if (is_units_line(cells[b])) units = b;
-    // Or directly above the only line of names.
+    // The line of units may also be directly above the only line of names.
     if (units == 1U && block.size() == 2 && can_name(cells[0])) {
       out_.units = block[1];
       out_.names = block[0];
       return;
     }
-    // A line of units is below a line of names. If it is alone, or below values, it holds the
-    // names.
+    // A line of units is below a line of names. If no line is above it, or a line of values, it is
+    // the line of names.
     if (units && (*units + 1 == block.size() || !can_name(cells[*units + 1]))) units.reset();
     if (units) out_.units = block[*units];
     std::size_t names = units ? *units + 1 : 0;
-    // A mostly empty line does not hold names if a fuller one is above it.
+    // A mostly empty line is not the line of names if the line above it has fewer empty cells.
     while (!units && names + 1 < block.size() && filled(cells[names]) < out_.columns &&
            filled(cells[names + 1]) > filled(cells[names]))
       ++names;
@@ -411,7 +412,9 @@ class Finder {
             std::all_of(cells.begin() + 1, cells.end(), all_digits));
   }
 
-  /// A line above the rows that looks like names but differs in their number.
+  /// Selects as line of names a line above the rows whose number of cells differs from the number
+  /// of columns. For two known patterns, the missing names are recorded. For any other line, the
+  /// check of the number of names fails later.
   void wrong_header() {
     if (out_.first == 0 || out_.first >= head_.size()) return;
     std::size_t above = out_.first - 1;

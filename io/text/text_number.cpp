@@ -20,8 +20,8 @@ constexpr double kPowers[] = {1e0,  1e1,  1e2,  1e3,  1e4,  1e5,  1e6,  1e7,
                               1e8,  1e9,  1e10, 1e11, 1e12, 1e13, 1e14, 1e15,
                               1e16, 1e17, 1e18, 1e19, 1e20, 1e21, 1e22};
 
-/// Converts the text for std::from_chars: with a point and 'e'. False if it cannot be a number: a
-/// comma must be followed by digits, so "1," is invalid.
+/// Converts the text for std::from_chars, with a decimal point and the exponent mark 'e'. Returns
+/// false if the text cannot be a number. Digits must follow a comma, so "1," is invalid.
 bool in_c_notation(std::string_view text, char decimal, std::string& out) {
   out.assign(text);
   for (std::size_t i = 0; i < out.size(); ++i) {
@@ -130,9 +130,9 @@ bool is_missing_word(std::string_view text) {
   return false;
 }
 
-// Digits without point (below 2⁵³) and powers of ten up to 10²² are exact doubles. Their product or
-// quotient is then rounded once, to the nearest double (Clinger 1990, "How to read floating point
-// numbers accurately", section 3). All others go to std::from_chars.
+// Digits without point (below 2⁵³) and powers of ten up to 10²² are exact doubles. The product or
+// quotient of both is then rounded once, to the nearest double (Clinger 1990, "How to read floating
+// point numbers accurately", section 3). std::from_chars converts all other numbers.
 const char* read_number(const char* p, const char* end, double& value, PrintedDigits& printed,
                         char decimal) {
   const bool negative = p < end && *p == '-';
@@ -145,7 +145,7 @@ const char* read_number(const char* p, const char* end, double& value, PrintedDi
     if (is_digit(*p)) {
       ++digits;
       if (significant > 0 || *p != '0') {
-        // Nineteen digits fit; longer numbers go to from_chars.
+        // Nineteen digits fit into 64 bits; std::from_chars converts longer numbers.
         if (++significant <= 19) mantissa = 10 * mantissa + static_cast<std::uint64_t>(*p - '0');
       }
       if (point) ++after_point;

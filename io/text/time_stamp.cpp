@@ -38,7 +38,7 @@ class Cursor {
     rest.remove_prefix(1);
     return true;
   }
-  /// A word, case-insensitive.
+  /// Reads this word, ignoring case.
   bool take_word(std::string_view word) {
     if (rest.size() < word.size()) return false;
     for (std::size_t i = 0; i < word.size(); ++i)
@@ -50,7 +50,8 @@ class Cursor {
   void skip_blanks() {
     while (!rest.empty() && (rest.front() == ' ' || rest.front() == '\t')) rest.remove_prefix(1);
   }
-  /// A whole number of `least` to `most` digits; -1 if there is none.
+  /// Reads a whole number of `least` to `most` digits. Returns -1 if the text does not continue
+  /// with such a number.
   int number(int least, int most) {
     int value = 0, count = 0;
     while (count < most && static_cast<std::size_t>(count) < rest.size() &&
@@ -92,7 +93,7 @@ class Cursor {
     }
     rest = before;
   }
-  /// A word with this beginning.
+  /// Reads a word with this beginning.
   bool take_letters(std::string_view beginning) {
     if (rest.size() < beginning.size()) return false;
     for (std::size_t i = 0; i < beginning.size(); ++i)
@@ -234,7 +235,8 @@ bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
   return set_time_of_day(out, hours, minutes, seconds);
 }
 
-/// Reads a stamp whose form follows from its first digits; empty if there is none.
+/// Reads a time stamp whose form follows from its first digits. The result is empty if the text is
+/// not a time stamp.
 class StampReader {
  public:
   StampReader(std::string_view text, DayOrder order) : at_(text), order_(order) {}
@@ -284,7 +286,7 @@ class StampReader {
     return finished(true);
   }
 
-  /// 20210301 and any time.
+  /// Reads a date like 20210301, with or without a time of day.
   StampReading after_date_of_digits() {
     read_date_of_digits();
     if (!at_.take_any("T_ ")) return {};  // otherwise a number
@@ -300,7 +302,7 @@ class StampReader {
     return finished(true);
   }
 
-  /// 2021-060T, up to the time after it; 0 for anything else.
+  /// Reads a day of the year like 2021-060T, up to the time of day. Returns 0 for any other text.
   int day_of_year() {
     parts_.year = at_.number(4, 4);
     at_.take('-');
@@ -314,7 +316,7 @@ class StampReader {
     return finished(true);
   }
 
-  /// The three parts of a date, separated by the same mark.
+  /// Reads a date of three parts, separated by the same mark.
   StampReading of_three_parts() {
     for (std::size_t i = 0; i < 3; ++i) {
       if (!read_part(i)) return {};
@@ -337,7 +339,7 @@ class StampReader {
     }
     return value_[i] >= 0;
   }
-  /// After part i.
+  /// Reads the mark after part i of a date.
   bool read_mark(std::size_t i) {
     char here = 0;
     if (!at_.take_any(named_ >= 0 ? "-/. ," : (i == 0 ? "-/. " : "-/."), &here)) return false;
@@ -346,7 +348,8 @@ class StampReader {
     if (mark_ == '.' || mark_ == ',' || named_ >= 0) at_.skip_blanks();
     return true;
   }
-  /// "Mar 1 10:00:00 2021", as printed by C, after the day.
+  /// Reads the text after the day of a stamp like "Mar 1 10:00:00 2021", the format of the C
+  /// library.
   StampReading with_year_last() {
     at_.skip_blanks();
     if (!read_time_of_day(at_, parts_, false)) return {};
@@ -379,7 +382,7 @@ class StampReader {
     parts_.month = value_[month];
     parts_.day = value_[day];
   }
-  /// It may be absent.
+  /// Reads the time of day after a date; the time of day may be absent.
   bool read_time_after_date() {
     const std::string_view before = at_.rest;
     if (at_.take_any("T_,;") || at_.rest.starts_with(' ') || at_.rest.starts_with('-')) {
