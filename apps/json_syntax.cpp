@@ -53,7 +53,7 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
     return {};
   }
   if (word.starts_with("//") || word.starts_with("/*") || word.starts_with('#'))
-    return "; JSON has no comments: remove it, or write \"notes\": \"...\" in the case";
+    return "; JSON has no comments: remove the comment, or write \"notes\": \"...\" in the case";
   if ((here == ']' || here == '}') && last_before(text, at) != std::string_view::npos &&
       text[last_before(text, at)] == ',')
     return std::string("; remove the comma before the ") + here;

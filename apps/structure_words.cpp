@@ -65,7 +65,7 @@ std::string sentence(const remark::CrossingMembers& r) {
   const int more = r.count - static_cast<int>(r.pairs.size());
   if (more > 0) text += "; and " + std::to_string(more) + " more";
   return "Members meet without a common node, so the model does not join them: " + text +
-         ". If they are joined there, let both end at a common node.";
+         ". If the real members are joined, let both end at a common node.";
 }
 
 std::string sentence(const remark::SensorsAtOnePlace& r) {
@@ -73,8 +73,9 @@ std::string sentence(const remark::SensorsAtOnePlace& r) {
   for (const auto& pair : r.pairs)
     list.push_back(std::to_string(pair.first) + " and " + std::to_string(pair.second) + " (" +
                    pair.name + ")");
-  return "Sensors measure at the same place in the same direction: " + in_words(list) +
-         ". Is a node or a direction wrong? Two sensors there count one motion twice.";
+  return "Sensors measure at the same location in the same direction: " + in_words(list) +
+         ". Is a node or a direction wrong? Two sensors at the same location in the same direction "
+         "count one motion twice.";
 }
 
 void warn_of(const std::vector<Remark>& remarks) {

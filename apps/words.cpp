@@ -125,7 +125,7 @@ std::string told_by_evidence(const ModelFinding& model) {
   std::string text = s.visited != 0
                          ? "drawn by " + std::to_string(s.visited) + " of the chains only; "
                          : entered_in_words(s.entered, s.proposed) + "; ";
-  if (!known) return text + "nothing is known of its evidence";
+  if (!known) return text + "its evidence is not known";
   if (model.prior == 0.0) return "has no prior probability";
   if (!(s.probability > 1e-300)) return text + "its evidence puts it at P < 1e-300";
   text += "its evidence puts it at P ≈ " + significant(s.probability, 3);
@@ -155,14 +155,14 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
     text += "; " +
             (verdict.passed_over == 1 ? "1 model was"
                                       : std::to_string(verdict.passed_over) + " models were") +
-            " not evaluated, since the models with one term less or more are improbable";
+            " not evaluated, because the models with one term less or more are improbable";
   }
   return text;
 }
 
 std::string symmetry_statement(bool emulated) {
   const std::string start =
-      "The intact beam is symmetric, so its frequencies cannot distinguish a place x from its "
+      "The intact beam is symmetric, so its frequencies cannot distinguish a location x from its "
       "mirror image L - x";
   return emulated
              ? start +
@@ -203,14 +203,15 @@ std::string images_statement(const std::vector<std::vector<std::string>>& alike,
                     " from L - s");
   std::string text = "The intact structure is symmetric, so its frequencies cannot distinguish ";
   for (std::size_t i = 0; i < parts.size(); ++i) text += (i == 0 ? "" : ", ") + parts[i];
-  return text + ": a damage at one place represents all its images.";
+  return text + ": a damage at one location represents all its images.";
 }
 
 std::string emulator_warning(int damages, const std::vector<int>& blind) {
   if (blind.empty()) return {};
   return "With " + std::to_string(damages) + (damages == 1 ? " damage" : " damages") +
          " the emulator cannot predict " + name_modes(blind) +
-         ": its error there is as large as the effect of the damage (Q2 < 0.9). Use more sites "
+         ": the emulator error for these modes is as large as the effect of the damage (Q2 < 0.9). "
+         "Use more sites "
          "(\"sites\": \"every-element\"), \"coordinate\": \"compliance\", or "
          "\"predictor\": \"fe\".";
 }
@@ -223,7 +224,8 @@ std::string in_words(inference::Choice choice) {
       return "The record is long, so the chains started near modes that were found in its first "
              "samples and tracked as more samples were added.";
     case inference::Choice::drawn_by_searches:
-      return "The run was stopped before its chains had draws; these are draws around the modes "
+      return "The run was stopped before its chains had draws; the reported draws are draws around "
+             "the modes "
              "that its searches found.";
   }
   return {};

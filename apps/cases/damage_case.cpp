@@ -366,7 +366,8 @@ void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
   if (!f.json["predictor"].contains("emulator")) return;
   const Pointer front("/predictor/emulator");
   if (f.json.at(front).contains("table"))
-    f.refuse(front / "table", "a table holds runs of Wheeltap's beam model, not of this model");
+    f.refuse(front / "table",
+             "a table contains runs of Wheeltap's beam model, not of this external model");
   out.emulator = parse_emulator(f, front, out);
   if (f.json.at(front).value("symmetrise", false))
     f.refuse(front / "symmetrise",
@@ -444,8 +445,8 @@ void finish_data(const CaseFile& f, DamageCase& out) {
   if (f.json.contains("baseline")) {
     if (out.data.simulated)
       f.refuse(damage_key("/baseline"),
-               "is allowed with measured data only: these are simulated by the model itself, so "
-               "the model has no error to correct");
+               "is allowed with measured data only: the model itself simulates the data of this "
+               "case, so there is no model error to correct");
     take_baseline(f, out);
   }
   if (f.json.contains("data"))

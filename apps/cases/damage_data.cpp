@@ -71,7 +71,7 @@ FrequencyData parse_data(const CaseFile& file, const Pointer& where) {
     if (f < previous) {
       file.refuse(d.contains("frequencies") ? where / "frequencies" / i : where / "file",
                   "frequencies must increase; mode " + std::to_string(i + 1) + " at " +
-                      data_number(f) + " Hz is below the previous one" +
+                      data_number(f) + " Hz is below the previous frequency" +
                       increasing(data.frequencies_hz));
     }
     previous = f;

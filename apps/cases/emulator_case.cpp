@@ -87,7 +87,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
          {"sites", "multipliers", "interpolation", "coordinate", "expansion", "additive", "design",
           "runs_csv", "symmetrise", "holdout", "accuracy"}) {
       if (p.contains(key))
-        file.refuse(where / key, "is defined by the table: remove it, or remove \"table\"");
+        file.refuse(where / key, "is defined by the table: remove this key, or remove \"table\"");
     }
     spec.table = file.resolve(p["table"].get<std::string>());
     return spec;

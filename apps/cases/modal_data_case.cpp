@@ -64,7 +64,7 @@ class ModalDataParser {
       out_.mixing = scatter("mixing");
       out_.stiffness_discrepancy = scatter("stiffness");
       if (!out_.mixing.none() && out_.discrepancy.none())
-        file_.refuse(where_ / "discrepancy" / "mixing", "needs \"cov\", to which it is relative");
+        file_.refuse(where_ / "discrepancy" / "mixing", "is relative to \"cov\", which is missing");
       if (!out_.mixing.none() && !out_.stiffness_discrepancy.none())
         file_.refuse(where_ / "discrepancy" / "mixing",
                      "is not allowed with \"stiffness\", which mixes modes itself");
@@ -477,10 +477,9 @@ class ModalDataParser {
         largest = std::max(largest, std::abs(values[s]));
       }
       if (measured == 1)
-        file_.refuse(
-            at,
-            simulated_value(values) +
-                "has one number only: a shape needs at least two, because its scale is unknown");
+        file_.refuse(at, simulated_value(values) +
+                             "has one number only: a mode shape needs at least two numbers, "
+                             "because the scale of a mode shape is unknown");
       if (measured > 0 && largest == 0.0) file_.refuse(at, "has only zeros");
       if (measured == 0 && std::isnan(out_.frequencies_hz[i]))
         file_.refuse(at, "mode " + std::to_string(i + 1) + " has neither frequency nor shape");
@@ -563,7 +562,8 @@ class ModalDataParser {
 
 void require_shapes_to_doubt(const CaseFile& file, const Pointer& where, bool shapes) {
   if (file.json.at(where).contains("doubt") && !shapes)
-    file.refuse(where / "doubt", "needs shapes: without them the i-th frequency is the i-th mode");
+    file.refuse(where / "doubt",
+                "needs mode shapes: without shapes, the i-th frequency belongs to the i-th mode");
 }
 
 ModalData parse_modal_data(const CaseFile& file, const Pointer& where,

@@ -313,7 +313,7 @@ class Parser {
         return (ends[0] == link.a && ends[1] == link.b) || (ends[0] == link.b && ends[1] == link.a);
       });
       if (found == chain.links.end()) {
-        file_.refuse(where / i, "the model has no link between these two");
+        file_.refuse(where / i, "the model has no link between these two masses");
       }
       const int at = static_cast<int>(found - chain.links.begin());
       if (std::ranges::count(out, at) > 0) file_.refuse(where / i, "this link is listed twice");
@@ -587,8 +587,8 @@ SidCaseFile parse_sid_case(CaseFile file, SidNeeds needs) {
       if (used[other]) names.push_back(out.sid.parameters[other].name);
     const std::string& name = out.sid.parameters[p].name;
     out.file.refuse(Pointer("/parameters") / name,
-                    "this parameter is not used: write its name in place of a number, or remove it "
-                    "(used are: " +
+                    "this parameter is not used: write the name of the parameter in place of a "
+                    "number, or remove the parameter (used are: " +
                         listed(names) + ")");
   }
   if (needs == SidNeeds::record) check_windows(out);

@@ -94,7 +94,7 @@ class MassParser {
     const Json& m = file_.json.at(at);
     if (file_.json.contains("beam")) return on_beam(at);
     if (!m.contains("node"))
-      file_.refuse(at / "node", "is missing: must be the place of the added mass");
+      file_.refuse(at / "node", "is missing: must be the location of the added mass");
     const std::string name = text_or_number(m.at("node"));
     if (mesh_) {
       const auto& nodes = mesh_->structure().nodes;
@@ -194,7 +194,7 @@ void parse_temperature(const CaseFile& file, const std::vector<Pointer>& where,
   const double reference = file.json.at(kTemperature).value("reference", sum / count);
   for (std::size_t s = 0; s < where.size(); ++s) {
     if (!file.json.at(where[s]).contains("temperature"))
-      file.refuse(where[s] / "temperature", "is missing: other states have one");
+      file.refuse(where[s] / "temperature", "is missing: other states have a temperature");
     out.list[s].temperature = file.json.at(where[s]).at("temperature").get<double>() - reference;
   }
 }
@@ -312,7 +312,8 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
     if (json.contains("masses")) state.masses = masses.parse(where[s] / "masses");
     for (const std::string& name : known) {
       if (!json.value("known", Json::object()).contains(name))
-        given.refuse(where[s] / "known" / name, "is missing: every state must give it a value");
+        given.refuse(where[s] / "known" / name,
+                     "is missing: every state must give this coefficient a value");
       state.known.push_back(json["known"][name].get<double>());
     }
     out.list.push_back(std::move(state));

@@ -296,7 +296,7 @@ class KindParser {
       const double s = along ? number("location") : 0.0;
       const double x = kind.line.x_of(site, s);
       if (std::isnan(x))
-        file_.refuse(at / places.what, "is not a possible place of this kind of defect");
+        file_.refuse(at / places.what, "is not a possible location of this kind of defect");
       if (along && !(s >= 0.0 && s <= mesh_->member_length(site)))
         file_.refuse(at / "location", "is outside the member, which is " +
                                           Json(mesh_->member_length(site)).dump() + " m long");

@@ -196,8 +196,9 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   const bool outside = has_outside_model(f);
   const bool alone = outside && !json.contains("structure");
   if (!outside && !json.contains("structure"))
-    f.refuse(Pointer("/structure"),
-             "is missing: must be an object, unless an external \"predictor\" replaces it");
+    f.refuse(
+        Pointer("/structure"),
+        "is missing: must be an object, unless an external \"predictor\" replaces the structure");
   if (alone && needs == UpdateNeeds::structure)
     f.refuse(Pointer("/structure"),
              "is missing: this command needs a structure, not only a predictor");

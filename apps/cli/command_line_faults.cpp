@@ -56,7 +56,7 @@ std::string unexpected_words(const CLI::App& app, const CLI::App& command) {
     return text + "; write --set " + word;
   if (has(names, "--output") && command.count("--output") == 0) return text + "; write -o " + word;
   if (std::filesystem::path(word).extension() == ".json")
-    return text + ": one case at a time; wheeltap batch runs a list of them";
+    return text + ": a command runs one case at a time; wheeltap batch runs a list of cases";
   return text;
 }
 

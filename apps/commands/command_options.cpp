@@ -62,7 +62,7 @@ Command sampled_command(Command command, bool may_reach_out, const char* resumed
     options.add_limits();
     options.add_dry_run();
     options.add_resume("continue an interrupted " + std::string(resumed) +
-                       " from its checkpoint; print a finished one again");
+                       " from its checkpoint; print the results of a finished run again");
   };
   if (!command.run)
     command.run = [make = command.make_run](const Invocation& asked) {
@@ -149,11 +149,11 @@ void CommandOptions::add_seed(const char* what) {
 
 void CommandOptions::add_threads() {
   app_.add_option("--simd", invocation_.simd,
-                  "vector instructions: baseline, avx2 or avx512 (default: the best that the "
-                  "processor has)")
+                  "vector instructions: baseline, avx2 or avx512 (default: the best set that the "
+                  "processor supports)")
       ->check(CLI::IsMember({"baseline", "avx2", "avx512"}));
   app_.add_option("--threads", invocation_.common.threads,
-                  "number of threads (default: all); results do not depend on it")
+                  "number of threads (default: all); results do not depend on this number")
       ->envname(kThreadsVariable)
       ->transform(whole(1, 4096));
 }
@@ -177,7 +177,7 @@ void CommandOptions::add_sampling() {
       ->check(seconds());
   CLI::Option* prior_only =
       app_.add_flag("--prior-only", invocation_.sampling.prior_only,
-                    "sample without the data, as a check: the result must be the prior");
+                    "sample without the data, as a check: the posterior must equal the prior");
   app_.add_flag(
           "--quick", invocation_.sampling.quick,
           "quick run with a fixed, small amount of work: modes and short chains, not a posterior; "

@@ -76,9 +76,9 @@ class Measured {
   [[nodiscard]] Report content_of(const Report& name) const {
     const auto found = name.is_string() ? inputs_.find(name.get<std::string>()) : inputs_.end();
     if (found == inputs_.end())
-      refuse(run_,
-             "has no checksum of its data file " + name.dump() +
-                 ", so Wheeltap cannot compare its data with those of other runs: run it again");
+      refuse(run_, "has no checksum of its data file " + name.dump() +
+                       ", so Wheeltap cannot compare the data of this run with the data of other "
+                       "runs: repeat the run");
     return *found;
   }
 
@@ -93,9 +93,9 @@ Report measured_of(const std::string& name, const Report& summary) {
        summary["data"].value("simulated", false)) ||
       (given.contains("truth") && given.contains("record") && !given["record"].contains("file"));
   if (own_data)
-    refuse(
-        name,
-        "its data were simulated by its own model: write them to a file first (wheeltap simulate)");
+    refuse(name,
+           "the data of this run were simulated by its own model: write the data to a file first "
+           "(wheeltap simulate)");
   const Measured measured(name, summary["wheeltap"]);
   Report out = Report::object();
   for (const char* key : {"data", "record"})
@@ -120,7 +120,7 @@ Compared compared(const std::string& name, const Report& s) {
                log_z = number_at(*best, "log_evidence");
   if (!std::isfinite(log_z) || !(p > 0.0) || !(prior > 0.0))
     refuse(out.name,
-           "the evidence of its most probable model is not known; run it again with "
+           "the evidence of the most probable model of this run is not known; repeat the run with "
            "--evidence=bridge");
   out.model = models.size() > 1 ? best->value("name", "") : "";
   out.log_evidence = log_z + std::log(prior) - std::log(p);

@@ -91,9 +91,10 @@ void print(const MeasuredFile& file) {
 
 const MeasuredTable& only_table(const MeasuredFile& file) {
   if (file.tables.size() == 1) return file.tables.front();
-  throw Failure(Exit::bad_input,
-                file.path.string() + ": holds " + std::to_string(file.tables.size()) +
-                    " tables with different abscissae; a file of the requested format holds one");
+  throw Failure(
+      Exit::bad_input,
+      file.path.string() + ": contains " + std::to_string(file.tables.size()) +
+          " tables with different abscissae; a file of the requested format contains one table");
 }
 
 signals::Record record_of(const MeasuredTable& table) {
@@ -178,7 +179,7 @@ void convert_file(const MeasuredFile& file, const std::string& to) {
     text = universal(file);
     if (text.empty())
       throw Failure(Exit::bad_input,
-                    file.path.string() + ": holds no dataset that can be written as " + to);
+                    file.path.string() + ": contains no dataset that can be written as " + to);
   } else {
     throw Failure(Exit::usage,
                   "--to " + to + ": must be csv, nc or uff, or a file name with such an extension");

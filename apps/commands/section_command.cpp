@@ -275,11 +275,12 @@ void run_section(const CommonOptions& common, const SectionOptions& options) {
       warn_of({*odd});
     const MeshedSection section = analyse(found.file, Pointer("/section"), material);
     if (const fem::SectionAnalysis& a = section.analysis; !a.converged)
-      found.file.refuse(Pointer("/section"),
-                        "its properties did not converge: the last mesh refinement changed " +
-                            least_settled(a.errors) +
-                            ". Leave out unimportant details of the outline, such as very short "
-                            "edges and very thin parts");
+      found.file.refuse(
+          Pointer("/section"),
+          "the properties of the section did not converge: the last mesh refinement changed " +
+              least_settled(a.errors) +
+              ". Leave out unimportant details of the outline, such as very short "
+              "edges and very thin parts");
     if (!common.output.empty())
       write_text(common.output, common.output.extension() == ".html"
                                     ? section_page(section, found.title)

@@ -150,9 +150,10 @@ std::vector<std::string> CommandModel::words_in(const fs::path& directory) const
 
 std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) const {
   std::error_code missing;
-  if (!fs::exists(file, missing)) return "it ended with exit code 0 but wrote no predictions";
+  if (!fs::exists(file, missing))
+    return "the program ended with exit code 0 but wrote no predictions";
   if (const auto bytes = fs::file_size(file, missing); !missing && bytes > kLargestAnswer)
-    return "it wrote " + std::to_string(bytes) + " bytes, more than the " +
+    return "the program wrote " + std::to_string(bytes) + " bytes, more than the " +
            std::to_string(kLargestAnswer) + " allowed";
   const std::string text = io::read_bytes(file);
   std::vector<double> found;
@@ -163,7 +164,8 @@ std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) c
       const char* begin = word.data() + (word[0] == '+' ? 1 : 0);
       const auto [end, error] = std::from_chars(begin, word.data() + word.size(), value);
       if (error != std::errc() || end != word.data() + word.size())
-        return "it wrote \"" + word.substr(0, kLongestAnswer) + "\", which is not a number";
+        return "the program wrote \"" + word.substr(0, kLongestAnswer) +
+               "\", which is not a number";
       found.push_back(value);
     }
   } else {
@@ -171,18 +173,20 @@ std::string CommandModel::answer_in(const fs::path& file, std::span<double> y) c
     if (said.is_object() && said.contains("predictions")) said = Json(said["predictions"]);
     if (said.is_discarded()) {
       if (text.find("NaN") == std::string::npos && text.find("Infinity") == std::string::npos)
-        return "it wrote invalid JSON";
-      return "it wrote numbers that are not finite: " + text.substr(0, kLongestAnswer);
+        return "the program wrote invalid JSON";
+      return "the program wrote numbers that are not finite: " + text.substr(0, kLongestAnswer);
     }
-    if (!said.is_array()) return "it wrote neither a list nor an object with \"predictions\"";
+    if (!said.is_array())
+      return "the program wrote neither a list nor an object with \"predictions\"";
     for (const Json& value : said) {
       if (!value.is_number())
-        return "it wrote " + value.dump().substr(0, kLongestAnswer) + ", which is not a number";
+        return "the program wrote " + value.dump().substr(0, kLongestAnswer) +
+               ", which is not a number";
       found.push_back(value.get<double>());
     }
   }
   if (found.size() != y.size())
-    return "it wrote " + std::to_string(found.size()) + " predictions, must be " +
+    return "the program wrote " + std::to_string(found.size()) + " predictions, must be " +
            std::to_string(y.size());
   for (std::size_t i = 0; i < y.size(); ++i) {
     if (!std::isfinite(found[i]))

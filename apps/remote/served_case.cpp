@@ -33,7 +33,7 @@ class StructureForward final : public OutsideModel {
   void evaluate(std::span<const double> theta, std::span<double> y) override {
     std::ranges::copy(theta, x_.begin());
     if (!predictor_.predict(0, x_, ForwardModel::Quantity::modes, predicted_))
-      throw std::invalid_argument("these values give no valid structure");
+      throw std::invalid_argument("the structure is not valid for these parameter values");
     if (problem_->states() != nullptr) {
       const auto score = problem_->modes().score(predicted_, problem_->modal_noise(x_));
       for (std::size_t i = 0; i < y.size(); ++i) y[i] = score.matches[i].frequency_hz;
@@ -204,7 +204,7 @@ class DamageForward final : public OutsideModel {
     x.insert(x.end(), present.begin(), present.end());
     predictor_.solve(model, x, y);
     if (!std::ranges::all_of(y, [](double f) { return std::isfinite(f); }))
-      throw std::invalid_argument("these values give no valid structure");
+      throw std::invalid_argument("the structure is not valid for these parameter values");
   }
 
  private:

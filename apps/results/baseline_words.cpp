@@ -65,11 +65,11 @@ std::vector<std::string> baseline_sentences(const DamageFindings& findings) {
     if (c.bound != Contraction::Bound::none)
       out.push_back("The posterior of " + c.name + " of the intact structure piles up at the " +
                     (c.bound == Contraction::Bound::upper ? "upper" : "lower") +
-                    " bound of its prior: widen the prior unless that bound is certain.");
+                    " bound of its prior: widen the prior unless this bound is certain.");
   for (const Entangled& e : b.entangled)
     out.push_back(e.a + " and " + e.b +
                   " of the intact structure are not identifiable separately (correlation " +
-                  fixed(e.correlation, 2) + "): the data determine a combination of them.");
+                  fixed(e.correlation, 2) + "): the data determine only a combination of both.");
   for (const HiddenDamage& h : b.hidden)
     out.push_back("With " + h.model + ", " + h.severity + " and " + h.parameter +
                   " of the intact structure are not identifiable separately (correlation " +

@@ -123,7 +123,8 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
   print_emulator(page.out, e, false, false);
   if (e.exact) {
     page.wrapped(
-        "It only screened proposals: the posterior is that of the FE solution. The run called the "
+        "The emulator only screened proposals: the posterior is the posterior of the FE solution. "
+        "The run called the "
         "FE solution " +
             rounded_count(static_cast<double>(e.likelihood_calls)) + " times and the emulator " +
             rounded_count(static_cast<double>(findings.sampling.likelihood_evaluations)) +
@@ -132,8 +133,8 @@ void print_predictor(const Page& page, const DamageCase& damage_case,
     return;
   }
   const double discrepancy = damage_case.data.discrepancy_cv;
-  page.wrapped(std::string("Its error is ") + (e.error_in_likelihood ? "part of" : "NOT part of") +
-                   " the likelihood" +
+  page.wrapped(std::string("The emulator error is ") +
+                   (e.error_in_likelihood ? "part of" : "NOT part of") + " the likelihood" +
                    (discrepancy > 0.0 ? ", and so is a discrepancy of " +
                                             significant(100.0 * discrepancy, 3) + " %"
                                       : std::string()) +

@@ -80,8 +80,9 @@ void require_room(const RunCost& cost, const CommonOptions& common) {
       left += static_cast<double>(entry.file_size(unknown));
   if (cost.disk <= left) return;
   throw io::FileError(io::FileError::Kind::unwritable, folder,
-                      "the draws would take about " + gigabytes(cost.disk) + " GB there; " +
-                          gigabytes(left) + " GB are free (--max-disk overrides this check)");
+                      "the draws would take about " + gigabytes(cost.disk) +
+                          " GB in this folder; " + gigabytes(left) +
+                          " GB are free (--max-disk overrides this check)");
 }
 
 double draws_in_memory(const CommonOptions& common) {

@@ -152,7 +152,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   } catch (const inference::DrawsLost& lost) {
     bar.clear();
     throw io::FileError(io::FileError::Kind::unwritable, options.draws_folder,
-                        std::string("the draws stored there are lost: ") + lost.what() +
+                        std::string("the draws stored in this folder are lost: ") + lost.what() +
                             (checkpoint.kept() ? kHowToResume : ""));
   } catch (const inference::LikelihoodError& error) {
     bar.clear();
@@ -237,8 +237,8 @@ void claim_output_folder(const std::filesystem::path& directory) {
   std::optional<io::FileLock> lock = io::FileLock::take(whole, kToEnd);
   if (!lock)
     throw io::FileError(io::FileError::Kind::unwritable, directory,
-                        "another run is writing into it: wait for its end, or choose another "
-                        "folder");
+                        "another run is writing into this folder: wait for the end of that run, or "
+                        "choose another folder");
   claimed.emplace(whole, std::move(*lock));
 }
 

@@ -159,7 +159,7 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
     return places.empty() || !findings.symmetry
                ? places
                : places +
-                     " Frequencies alone cannot distinguish a place from its images in this "
+                     " Frequencies alone cannot distinguish a location from its images in this "
                      "symmetric structure.";
   }
   const bool mirrored = findings.symmetry.has_value();
@@ -189,7 +189,7 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
     text += (i == 0 ? "" : "; ") + one;
   }
   text += ".";
-  if (mirrored) text += " Frequencies alone cannot distinguish a place from its mirror image.";
+  if (mirrored) text += " Frequencies alone cannot distinguish a location from its mirror image.";
   return text;
 }
 
@@ -293,10 +293,10 @@ Answer answer(const DamageCase& damage_case, const DamageFindings& findings) {
       out.detail = "If " + said(best) + ": " + out.detail;
     }
   } else if (findings.models.size() > 1) {
-    out.detail =
-        "Probability of at least one: " + percent(1.0 - best.probability()) + "." +
-        (best.probability() >= kDecided ? " The places below are conditional on at least one."
-                                        : "");
+    out.detail = "Probability of at least one: " + percent(1.0 - best.probability()) + "." +
+                 (best.probability() >= kDecided
+                      ? " The locations below are conditional on at least one defect."
+                      : "");
   }
   return out;
 }
@@ -348,7 +348,7 @@ Answer answer(const std::string& path, const std::vector<SweepRow>& rows) {
   }
   if (failed > 0) {
     out.caution = std::to_string(failed) + " of " + std::to_string(rows.size()) +
-                  " runs have not converged: do not trust their numbers yet.";
+                  " runs have not converged: do not trust their results yet.";
   }
   std::vector<std::string> stretches;
   for (std::size_t i = 0, j = 0; i < best.size(); i = j) {

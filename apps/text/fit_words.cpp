@@ -45,9 +45,10 @@ struct Sentence {
     for (const auto& r : all)
       parts.push_back(quoted_channel(r.channel) + " (R² " + fixed(r.r2, 2) + ")");
     return "The model does not explain most of " + in_words(parts) +
-           ", and the residual is not noise. Do not use parameters and intervals of this fit. "
-           "Check channels, signs, units, the initial state and the sides of one-sided laws "
-           "against the record; then the models.";
+           ", and the residual is not noise. Do not use parameters and credible intervals of this "
+           "fit. "
+           "Check channels, signs, units, the initial state and the sides of one-sided force laws "
+           "against the record. Then check the models.";
   }
   std::string operator()(const All<misfit::NotNoise>& all) const {
     std::vector<std::string> parts;
@@ -67,8 +68,8 @@ struct Sentence {
       parts.push_back(text + (more.empty() ? "" : ")"));
     }
     return in_words(parts) +
-           ", and not noise. The intervals do not cover a model error of this size: add a model "
-           "that explains more.";
+           ", and not noise. The credible intervals do not include a model error of this size: add "
+           "a model that explains more of the response.";
   }
   std::string operator()(const All<misfit::WorseBeyond>& all) const {
     std::vector<std::string> parts;
@@ -90,8 +91,9 @@ struct Sentence {
     const misfit::WithinNoise& r = all.front();
     return "The frequencies agree with the model far more closely than the stated noise" +
            stated(r.cv) + " allows (predictive " + p_is(r.p) +
-           "): the stated noise is too large, perhaps in per cent, and hides information in the "
-           "data. Correct it, or infer it: \"cov\": {\"log_uniform\": [1e-4, 1e-1]}.";
+           "): the stated noise is too large (perhaps a number in per cent) and hides information "
+           "in the data. Correct the noise, or infer the noise: \"cov\": {\"log_uniform\": [1e-4, "
+           "1e-1]}.";
   }
 };
 

@@ -148,9 +148,9 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
   if (result.method == signals::ModalMethod::bayesian) {
     out.emplace_back(
         "The posterior of each band's modes, modal forces and noise, sampled given the lines of "
-        "the Fourier transform within the band; means and standard deviations of the draws. It "
-        "assumes that the forces are white within a band and that modes of other bands are absent "
-        "from it.");
+        "the Fourier transform within the band; means and standard deviations of the draws. The "
+        "method assumes that the modal forces are white within a band, and that modes of other "
+        "bands do not contribute to this band.");
     return out;
   }
   if (result.method == signals::ModalMethod::polyreference) {
@@ -194,7 +194,8 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
     out.push_back("The covariances of " + std::to_string(result.set_ups) +
                   " set-ups were merged through the " + std::to_string(result.references.size()) +
                   (result.references.size() == 1 ? " sensor" : " sensors") +
-                  " that all have, and identified together; the spectrum is of the first set-up.");
+                  " common to all set-ups, and the modes of all set-ups were identified together. "
+                  "The spectrum shows the first set-up.");
   out.push_back("Covariances over " + std::to_string(result.lags) + " lags (" +
                 significant(result.lags / result.sample_rate_hz, 3) + " s), their scatter from " +
                 std::to_string(result.blocks) + " blocks of " +
@@ -219,7 +220,7 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
   if (const int n = result.remarks.moved; n > 0)
     out.push_back("The final fit of all modes moved " + std::to_string(n) +
                   (n == 1 ? " mode" : " modes") + " away from " + (n == 1 ? "its" : "their") +
-                  " place in the stabilisation diagram: another mode may be missing nearby.");
+                  " position in the stabilisation diagram: another mode may be missing nearby.");
   for (const std::string& why : result.remarks.unsettled)
     out.push_back("Not converged, do not trust these numbers yet: " + why);
   if (result.remarks.short_blocks)
@@ -246,7 +247,8 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
                   "single standard deviations are valid.");
   if (result.references.size() == 1 && result.modes.size() > 1)
     out.emplace_back(
-        "There is only one reference sensor: modes with little motion there are missing, and two "
+        "There is only one reference sensor: modes with little motion at this sensor are missing, "
+        "and two "
         "modes of one frequency appear as one.");
   return out;
 }
@@ -292,7 +294,7 @@ std::string merging_in_words(const signals::MergedModes& merged, std::size_t set
          " set-ups were identified separately and their modes merged: frequencies and damping as "
          "weighted means, shapes by the " +
          (references == 1 ? std::string("one sensor") : std::to_string(references) + " sensors") +
-         " that all have.";
+         " common to all set-ups.";
 }
 
 }  // namespace wheeltap::apps

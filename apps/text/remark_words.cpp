@@ -63,7 +63,7 @@ class Speaker {
     return method_name(r.method) + ": model '" + r.model + "': sampled probability " +
            probability_with_error(r.sampled, r.sampled_error) + ", but the evidences imply " +
            probability_with_error(r.implied, r.implied_error) +
-           "; sample for longer before trusting either";
+           "; use more draws before you trust either probability";
   }
 
   std::string operator()(const remark::NearlyPrior& r) const {
@@ -116,7 +116,7 @@ class Speaker {
            "frequency by " +
            significant(r.effect, 2) +
            " of its noise. Frequencies are commonly known to 0.01 to 1 % (\"cov\": 0.0001 to "
-           "0.01); is the number in per cent?";
+           "0.01); is the stated number in per cent?";
   }
   std::string operator()(const remark::MirrorImages& r) const {
     return symmetry_statement(r.emulated) +
@@ -141,10 +141,10 @@ class Speaker {
     }
     if (r.places.size() > kNamed)
       list.push_back("at one of " + std::to_string(r.places.size() - kNamed) + " more");
-    return "The data do not distinguish between these places: " + in_words(list, "or") +
+    return "The data do not distinguish between these locations: " + in_words(list, "or") +
            ". One of them is damaged (" + probability_is(std::min(sum, 1.0)) +
            "), and very rarely two. To distinguish them, measure mode shapes or more modes, or "
-           "inspect these places.";
+           "inspect these locations.";
   }
   std::string operator()(const remark::FittedNotTested& r) const {
     return "The " + unknowns_of(r.unknowns) + " of " + r.model + " are fitted to " +
@@ -197,7 +197,7 @@ class Speaker {
     const DefectKind& kind = kind_of(r.kind);
     return "The posterior of the " + kind.severity_name() +
            " piles up at the upper bound of its prior, " + kind.severity_prior()->describe() +
-           ": larger values would fit equally well. Widen the prior if they are possible.";
+           ": larger values would fit equally well. Widen the prior if larger values are possible.";
   }
   std::string operator()(const remark::EmulatorBlind& r) const {
     return emulator_warning(r.damages, r.modes);
@@ -206,8 +206,9 @@ class Speaker {
     const DamageFindings& found = *context_.damage;
     const EmulatorCheck& check = *found.emulator->check;
     const auto& worst = check.error_to_noise[static_cast<std::size_t>(check.worst_mode - 1)];
-    const std::string ending = "At these draws its largest error is " + significant(worst.rms, 2) +
-                               " times the noise, in mode " + std::to_string(check.worst_mode) +
+    const std::string ending = "At these draws, the largest emulator error is " +
+                               significant(worst.rms, 2) + " times the noise, in mode " +
+                               std::to_string(check.worst_mode) +
                                ". Use \"predictor\": \"fe\", add \"exact\": true, or choose a "
                                "better emulator (docs/emulators.md).";
     if (!check.conclusive) {
@@ -259,7 +260,7 @@ class Speaker {
                      ", response " + significant(channel.response, 3) + " RMS)");
     }
     return "The stated noise is larger than the response itself: " + in_words(list) +
-           ". Does it have other units than the response?";
+           ". Is the noise in other units than the response?";
   }
   std::string operator()(const remark::PeculiarWindow& r) const {
     const auto decibel = [](double x) { return fixed(x, 0) + " dB"; };
@@ -269,7 +270,7 @@ class Speaker {
                      " (scatter alone gives " + decibel(channel.scatter_db) + ")");
     }
     return "The window differs from the rest of the record in the spectra of " + in_words(list) +
-           ". The results are valid for the window only; try another or a longer one.";
+           ". The results are valid for the window only; try another window or a longer window.";
   }
   std::string operator()(const remark::LinearExcitation& r) const {
     return "Wheeltap interpolates the excitation \"" + r.channel +
@@ -299,8 +300,8 @@ class Speaker {
     for (const auto& reason : r.why) why += (why.empty() ? "" : "; ") + in_brief(reason);
     return "\"" + r.model + "\", the most probable model, does not explain the record (" + why +
            "); \"" + r.other +
-           "\", which the window leaves possible, does. Use a window in which their predictions "
-           "differ.";
+           "\", which the window leaves possible, does. Use a window in which the predictions of "
+           "both models differ.";
   }
   std::string operator()(const remark::MostlyNoise& r) const {
     return "Under \"" + r.model + "\" most of \"" + r.channel + "\" is noise (R² " +
@@ -310,7 +311,8 @@ class Speaker {
   std::string operator()(const remark::InitialStateInferred& r) const {
     return "The window does not start at rest (the responses begin at " + percent(r.share) +
            " of their root mean square). Wheeltap infers the initial state, with normal priors of "
-           "the responses' size; \"initial\": \"rest\" in the record fixes it at rest.";
+           "the responses' size. To fix the initial state at rest, write \"initial\": \"rest\" in "
+           "the record.";
   }
   std::string operator()(const remark::StepsTooLong& r) const {
     return "Under \"" + r.model +
@@ -333,8 +335,7 @@ class Speaker {
     }
     return "Under \"" + r.model +
            "\" the means of the parameters do not fit the record: the response for the means "
-           "differs "
-           "from the record by more than that of the best draw (" +
+           "differs from the record by more than the response of the best draw (" +
            errors + "). Use draws, or \"best_draw\" in summary.json, not the means.";
   }
   std::string operator()(const remark::NoiseMisstated& r) const {
@@ -372,7 +373,7 @@ class Speaker {
   std::string operator()(const remark::ParameterAtBound& r) const {
     return "Under \"" + r.model + "\" the posterior of " + r.parameter + " piles up at the " +
            (r.upper ? "upper" : "lower") + " bound of its prior, " + r.prior +
-           ": widen the prior unless that bound is certain.";
+           ": widen the prior unless this bound is certain.";
   }
   std::string operator()(const remark::StopNotReached& r) const {
     const auto end = [](int mass) {
@@ -389,17 +390,19 @@ class Speaker {
   std::string operator()(const remark::ChangesTakenForExact& r) const {
     return "The model's frequencies are off by about " + percent(r.discrepancy) +
            " in every state, but the likelihood assumes that it predicts their changes exactly: "
-           "the intervals of place and size of the damage are too narrow. To include this error, "
+           "the credible intervals of location and severity of the damage are too narrow. To "
+           "include this error, "
            "set \"stiffness\": {\"log_uniform\": [0.01, 0.5]} in \"discrepancy\" (for matrices "
            "\"mixing\": 0.7).";
   }
   std::string operator()(const remark::SpuriousMode& r) const {
     const std::string mode = "Mode " + std::to_string(r.mode) +
                              (std::isnan(r.hz) ? "" : " (" + significant(r.hz, 4) + " Hz)");
-    return r.probability > 0.5 ? mode + " is probably spurious (P " + percent(r.probability) +
-                                     ") and has almost no influence. Check it, or leave it out."
-                               : mode + " may be spurious (P " + percent(r.probability) +
-                                     ") and has less influence.";
+    return r.probability > 0.5
+               ? mode + " is probably spurious (P " + percent(r.probability) +
+                     ") and has almost no influence. Check this mode, or leave it out of the data."
+               : mode + " may be spurious (P " + percent(r.probability) +
+                     ") and has less influence.";
   }
 
  private:

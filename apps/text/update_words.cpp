@@ -157,7 +157,7 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
                     (p.state.empty() ? "" : " of " + p.state) + " was measured at " +
                     significant(*p.measured_hz, 5) + " Hz, outside the predicted band, " +
                     significant(p.low_hz, 4) + " to " + significant(p.high_hz, 4) +
-                    " Hz: the model is wrong there, even if it fits the other modes.");
+                    " Hz: the model is inaccurate in this range, even if it fits the other modes.");
   return out;
 }
 
@@ -177,7 +177,7 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
     }
     const Entangled& e = findings.entangled[i];
     out.push_back(e.a + " and " + e.b + " are not identifiable separately (correlation " +
-                  fixed(e.correlation, 2) + "): the data determine a combination of them.");
+                  fixed(e.correlation, 2) + "): the data determine only a combination of both.");
   }
   // Directions that are not a single parameter already named.
   std::vector<std::string> directions;

@@ -12,11 +12,12 @@ using namespace inference;
 constexpr std::size_t kNamed = 4;  // models named if a reason holds for many
 
 const char* const kRunLonger = " Run longer (--warmup, --draws).";
-const char* const kSearchMore = " Search more (--search), or run longer (--warmup, --draws).";
+const char* const kSearchMore =
+    " Use more mode searches (--search) or longer chains (--warmup, --draws).";
 
 // The options that help.
 const char* advice(const Reason& reason) {
-  if (std::holds_alternative<StoppedEarly>(reason)) return " Let it run to the end.";
+  if (std::holds_alternative<StoppedEarly>(reason)) return " Let the run continue to its end.";
   if (std::holds_alternative<QuickLook>(reason)) return " Run without --quick.";
   const bool search = std::holds_alternative<ModelNotEntered>(reason) ||
                       std::holds_alternative<AnnealingFindsMore>(reason);

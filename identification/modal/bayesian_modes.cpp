@@ -108,7 +108,7 @@ BandProblem::BandProblem(BandLines lines, ModalBand band)
     if (band_.peaks_hz[i] < band_.lowest_hz || band_.peaks_hz[i] > band_.highest_hz)
       refuse("peak", band_.peaks_hz[i], "must lie within the band");
     if (i > 0 && !(band_.peaks_hz[i] > band_.peaks_hz[i - 1]))
-      refuse("peak", band_.peaks_hz[i], "must be above the peak before it");
+      refuse("peak", band_.peaks_hz[i], "must be above the previous peak");
   }
   if (lines_.frequencies_hz.size() < kFewestLines * static_cast<Index>(m))
     refuse("lines", static_cast<double>(lines_.frequencies_hz.size()),
@@ -267,7 +267,7 @@ signals::ModalResult identify_bands(const Eigen::Ref<const MatrixXd>& records,
   std::ranges::sort(sorted, {}, &ModalBand::lowest_hz);
   for (std::size_t b = 0; b + 1 < sorted.size(); ++b)
     if (sorted[b].highest_hz > sorted[b + 1].lowest_hz)
-      refuse("band", sorted[b + 1].lowest_hz, "must not overlap the band before it");
+      refuse("band", sorted[b + 1].lowest_hz, "must not overlap the previous band");
   std::vector<BayesianBand> found;
   Index count = 0;
   for (const ModalBand& band : sorted) {

@@ -19,11 +19,12 @@ bool is_absolute_motion(const SidChannel& channel) {
 std::vector<double> in_si(const SidCase& sid_case, const SidChannel& channel) {
   const auto& [samples, scale, offset] = channel.signal;
   if (!scale.is_constant() || !offset.is_constant()) {
-    throw InvalidInput(InvalidInput::Part::channel,
-                       "its scale and offset must be numbers, because the base displacement is "
-                       "integrated from this channel; otherwise add a channel with the role "
-                       "\"base-displacement\"",
-                       static_cast<int>(&channel - sid_case.channels.data()));
+    throw InvalidInput(
+        InvalidInput::Part::channel,
+        "the scale and offset of this channel must be numbers, because the base displacement is "
+        "integrated from the channel; otherwise add a channel with the role "
+        "\"base-displacement\"",
+        static_cast<int>(&channel - sid_case.channels.data()));
   }
   std::vector<double> out;
   for (const double x : samples) out.push_back(scale.value * x + offset.value);

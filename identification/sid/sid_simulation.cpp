@@ -128,7 +128,8 @@ dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excita
     case dynamics::Outcome::steps_too_long:
       refuse(
           "the true model's response cannot be integrated to 0.1 %: the shortest permitted steps "
-          "are too long (a law is too stiff or the motion too fast for the sample rate, or the "
+          "are too long (a force law is too stiff or the motion too fast for the sample rate, or "
+          "the "
           "motion is chaotic). Raise \"sample_rate\", shorten the record, or fix the "
           "steps yourself by \"integration\": {\"substeps\": …}");
       break;

@@ -88,7 +88,7 @@ TEST(CaseFile, TextsThatMayNotBePrintedAreRefused) {
   EXPECT_THAT(reading(R"({"title": "a\u001b[31mb"})"), HasSubstr("/title: "));
   EXPECT_THAT(reading(R"({"notes": "two\nlines"})"), testing::IsEmpty());
   EXPECT_THAT(reading(R"({"notes": "a\u0007"})"), HasSubstr("control character"));
-  EXPECT_THAT(reading(R"({"a\nwheeltap: done": 1})"), HasSubstr("a key holds a control"));
+  EXPECT_THAT(reading(R"({"a\nwheeltap: done": 1})"), HasSubstr("a key contains a control"));
   EXPECT_THAT(reading("{}", {"title=a\xff"}), HasSubstr("/title: "));
   EXPECT_THAT(reading("{}", {"title=" + std::string(5000, 'x')}), HasSubstr("at most 4096"));
 }

@@ -159,7 +159,7 @@ def check_many_draws_are_not_held(bench):
     fail = {'FAIL_CALL': 'fsync', 'FAIL_AT': 5, 'FAIL_UNDER': bench.folder}
     _, _, err = bench.run(*many, '--checkpoint', '0', fail=fail, code=73)
     one_line(err)
-    expect('the draws stored there are lost: No space left' in err, err)
+    expect('the draws stored in this folder are lost: No space left' in err, err)
     same(whole, files(out))
     shutil.rmtree(out)
     limit = max(len(whole['report.html']), len(whole['summary.json'])) + 50000

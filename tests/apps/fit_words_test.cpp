@@ -24,8 +24,8 @@ TEST(FitWords, ResponsesOfOneKindShareASentence) {
       ElementsAre(
           "The residual of \"a\" is 12 % of the response (correlation 0.99 at lag 1) and of \"b\" "
           "11 % (correlation -0.50 at lag 4; with a chain of free cubic springs 3 %), and not "
-          "noise. The intervals do not cover a model error of this size: add a model that explains "
-          "more.",
+          "noise. The credible intervals do not include a model error of this size: add a model "
+          "that explains more of the response.",
           "In the 100 samples after the window, the response of every draw differs from \"a\" by "
           "28 % "
           "of the response, against 12 % within the window and \"b\" by 25 % against 11 % within "

@@ -333,8 +333,8 @@ TEST_F(HardInput, AFolderIsWrittenByOneRunAtATime) {
   std::filesystem::create_directory(where / "out");
   const auto other = io::FileLock::take(where / "out");
   ASSERT_TRUE(other);
-  expect_refusal(damage(small_case()), 73, "another run is writing into it");
-  expect_refusal(sid(small_sid_case()), 73, "another run is writing into it");
+  expect_refusal(damage(small_case()), 73, "another run is writing into this folder");
+  expect_refusal(sid(small_sid_case()), 73, "another run is writing into this folder");
   EXPECT_TRUE(std::filesystem::is_empty(where / "out"));
 }
 

@@ -263,7 +263,7 @@ TEST_F(ModalCommand, SetUpsAreMerged) {
   const Outcome ran = run(two_set_ups(a_case()));
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
   EXPECT_THAT(ran.out, HasSubstr("2 of 2"));
-  EXPECT_THAT(ran.out, HasSubstr("by the one sensor that all have"));
+  EXPECT_THAT(ran.out, HasSubstr("by the one sensor common to all"));
   const json modes = json::parse(read_all(where / "out/modes.json"));
   ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
   ASSERT_EQ(modes["sensors"].size(), 3U);

@@ -249,7 +249,7 @@ TEST(StructureSection, AxesThatAreNotPrincipalAreRefusedInSpaceOnly) {
       {"outline", {{0, 0}, {0.1, 0}, {0.1, 0.02}, {0.02, 0.02}, {0.02, 0.2}, {0, 0.2}}}};
   json arm = cantilever_in_space();
   arm["structure"]["sections"]["bar"] = l;
-  expect_refused(arm, "/structure/sections/bar: its axes y and z are not principal");
+  expect_refused(arm, "/structure/sections/bar: the axes y and z of the section are not principal");
   EXPECT_NO_THROW((void)parsed(changed("/structure/sections/post", l)));
 }
 

@@ -159,7 +159,7 @@ TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {
   const Posterior posterior = made_up(0.0, 1000);
   const Report table = model_table(found_in(posterior));
   EXPECT_TRUE(table[1]["mcse"].is_null());
-  EXPECT_EQ(table[1].value("told", ""), "never proposed; nothing is known of its evidence");
+  EXPECT_EQ(table[1].value("told", ""), "never proposed; its evidence is not known");
   const Report d = judged(posterior);
   EXPECT_FALSE(d["converged"]);
   EXPECT_EQ(d["resolution_words"], "");

@@ -25,13 +25,14 @@ std::string sentence(const Reason& reason) {
 
 // The sentence of each reason, with the remedy.
 TEST(VerdictWords, OfEachReason) {
-  EXPECT_EQ(sentence(ModelNotEntered{
-                .model = 1, .proposed = 2469134, .by_evidence = {.value = 0.25, .mcse = 0.019}}),
-            "Model 'two' has no draws after 2 469 134 proposals; its evidence puts it at "
-            "P ≈ 0.25 ± 0.02. Search more (--search), or run longer (--warmup, --draws).");
+  EXPECT_EQ(
+      sentence(ModelNotEntered{
+          .model = 1, .proposed = 2469134, .by_evidence = {.value = 0.25, .mcse = 0.019}}),
+      "Model 'two' has no draws after 2 469 134 proposals; its evidence puts it at "
+      "P ≈ 0.25 ± 0.02. Use more mode searches (--search) or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotEntered{.model = 1, .proposed = 0, .by_evidence = {.value = 0.25}}),
-            "Model 'two' has no draws; its evidence puts it at P ≈ 0.25. Search more "
-            "(--search), or run longer (--warmup, --draws).");
+            "Model 'two' has no draws; its evidence puts it at P ≈ 0.25. Use more mode searches "
+            "(--search) or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelNotInEveryChain{.model = 0, .visited = 3, .chains = 4}),
             "Only 3 of 4 chains have draws of model 'one'. Run longer (--warmup, --draws).");
   EXPECT_EQ(
@@ -40,7 +41,7 @@ TEST(VerdictWords, OfEachReason) {
       "Only 3 of 4 chains have draws of model 'one'; its evidence puts it at P ≈ 0.1 ± 0.01. "
       "Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModelUnknown{.model = 1, .proposed = 12}),
-            "Model 'two' has no draws after 12 proposals; nothing is known of its evidence. Run "
+            "Model 'two' has no draws after 12 proposals; its evidence is not known. Run "
             "longer (--warmup, --draws).");
   EXPECT_EQ(sentence(ModeNotInEveryChain{.model = 0, .share = 0.3, .visited = 3, .chains = 4}),
             "Only 3 of 4 chains have draws of a mode of model 'one' that the searches found, with "
@@ -56,8 +57,8 @@ TEST(VerdictWords, OfEachReason) {
                                         .annealed = {.value = -47.5, .mcse = 0.1},
                                         .drawn = {.value = -50.51, .mcse = 0.01}}),
             "SMC finds more evidence for model 'one' (ln Z = -47.50 ± 0.10) than its draws "
-            "(-50.51 ± 0.01): the draws may lack a posterior mode. Search more (--search), or run "
-            "longer (--warmup, --draws).");
+            "(-50.51 ± 0.01): the draws may lack a posterior mode. Use more mode searches "
+            "(--search) or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(EvidenceDisagrees{.model = 1,
                                        .by_draws = {.value = 0.3, .mcse = 0.004},
                                        .by_evidence = {.value = 0.42, .mcse = 0.003}}),
@@ -84,7 +85,7 @@ TEST(VerdictWords, OfEachReason) {
   EXPECT_EQ(sentence(TooFewRoundTrips{.completed = 3, .limit = 10}),
             "The tempered replicas completed only 3 round trips between prior and posterior (10 "
             "are needed). Run longer (--warmup, --draws).");
-  EXPECT_EQ(sentence(StoppedEarly{}), "The run stopped early. Let it run to the end.");
+  EXPECT_EQ(sentence(StoppedEarly{}), "The run stopped early. Let the run continue to its end.");
   EXPECT_EQ(sentence(QuickLook{}),
             "This is a quick run: posterior modes, their Laplace evidence and short chains, not a "
             "posterior. Run without --quick.");

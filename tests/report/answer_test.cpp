@@ -113,7 +113,7 @@ TEST(Answer, MirrorImagesAreBothNamed) {
   MadeUp run = damage_run({0.0, 0.75, 0.25});
   run.findings.symmetry = SymmetryFinding{.center = 0.5, .emulated = false, .chains = {}};
   EXPECT_THAT(answer(run).detail, HasSubstr("or its mirror image 0.905 m"));
-  EXPECT_THAT(answer(run).detail, HasSubstr("cannot distinguish a place from its mirror image"));
+  EXPECT_THAT(answer(run).detail, HasSubstr("cannot distinguish a location from its mirror image"));
 }
 
 TEST(Answer, MidspanIsItsOwnMirrorImage) {

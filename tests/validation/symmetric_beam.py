@@ -17,6 +17,6 @@ for i, chain in enumerate(symmetry["per_chain"]):
                abs(difference) <= 4.5 * chain["mcse_of_difference"],
                f"chain {i}: left {chain['left']:.4f}, right {chain['right']:.4f}, "
                f"difference {difference:+.4f} ± {chain['mcse_of_difference']:.4f}")
-check.that(any("cannot distinguish a place x from its mirror image" in w for w in s["diagnostics"]["warnings"]),
+check.that(any("cannot distinguish a location x from its mirror image" in w for w in s["diagnostics"]["warnings"]),
            "the summary says that the two places cannot be told apart")
 check.end()

@@ -88,9 +88,10 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
                     " in a known unit, so that shapes cannot compare them. Give \"scale\" and "
                     "\"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
-    out.oddities.push_back("No unit is given for " + io::printable(columns_listed(none)) +
-                           ", unlike other channels. Its numbers are used unchanged: shapes are "
-                           "wrong unless they are in SI units. State \"unit\" in the channel.");
+    out.oddities.push_back(
+        "No unit is given for " + io::printable(columns_listed(none)) +
+        ", unlike other channels. The numbers of this channel are used unchanged: mode shapes are "
+        "wrong unless the numbers are in SI units. State \"unit\" in the channel.");
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
     if (out.channels[i].conversion.basis != Basis::none || channels.units[i].unit) continue;
     const std::string& column = out.channels[i].column;
@@ -239,8 +240,8 @@ void read_responses(const CaseFile& file, SetUp& out) {
           {.column = out.sensors[i].name, .conversion = measured.conversions[i]});
     if (measured.transposed)
       out.oddities.push_back(
-          "There are more references than responses: by reciprocity Wheeltap exchanges the two, "
-          "and the shapes are at the references.");
+          "There are more references than responses: by reciprocity, Wheeltap exchanges references "
+          "and responses, and the mode shapes are at the references.");
     out.responses = std::move(measured.responses);
     out.orders = std::move(measured.orders);
     out.places.assign(out.sensors.size(), out.where / "file");
@@ -373,11 +374,12 @@ void remark_on_duplicate_sensors(SetUp& s) {
     for (std::size_t j = 0; j < i; ++j) {
       if (s.responses || s.sensors[i].node.empty() || !same_sensor(s.sensors[i], s.sensors[j]))
         continue;
-      s.oddities.push_back("The channels " + io::printable(s.sensors[j].name) + " and " +
-                           io::printable(s.sensors[i].name) + " measure at the same node (" +
-                           io::printable(s.sensors[i].node) +
-                           ") in the same direction. Is a node or a direction wrong? Two sensors "
-                           "there count one motion twice in the shapes.");
+      s.oddities.push_back(
+          "The channels " + io::printable(s.sensors[j].name) + " and " +
+          io::printable(s.sensors[i].name) + " measure at the same node (" +
+          io::printable(s.sensors[i].node) +
+          ") in the same direction. Is a node or a direction wrong? Two sensors at the same node "
+          "and in the same direction count one motion twice in the shapes.");
       break;
     }
 }
@@ -561,7 +563,7 @@ void take_geometry(ModalCaseFile& out) {
         out.file.refuse(s.places[c] / "node", "is not a node of the geometry");
       if (!direction_of(s.sensors[c]))
         out.file.refuse(s.places[c] / "direction",
-                        "must be x, y or z, or one of them with a sign, to be drawn on the "
+                        "must be x, y or z, with or without a sign, to be drawn on the "
                         "geometry; or give azimuth and elevation");
     }
 }

@@ -26,7 +26,10 @@ std::vector<std::string> left_out_in_words(const MeasuredTable& table) {
     out.push_back(
         "Column " + std::to_string(c.number) + " (" + c.header + ") holds " +
         (c.is_time_stamp ? "further time stamps" : "no numbers") + " and is not used" +
-        (c.maybe_time ? "; if it holds times, give their format with --time-format" : "") + ".");
+        (c.maybe_time
+             ? "; if the column contains times, give the format of the times with --time-format"
+             : "") +
+        ".");
   return out;
 }
 
@@ -94,7 +97,8 @@ std::vector<std::string> oddities(const MeasuredTable& table, const MeasuredChan
                (q.spikes.size() == 1 ? " spike" : " spikes") + " of a single sample, at " +
                first_of(q.spikes, [](long s) { return s; });
       case counter:
-        return "increases by constant steps: it is an index or a time rather than a channel";
+        return "increases by constant steps: the column is an index or a time rather than a "
+               "channel";
       case drift:
         return "drifts: over the record its mean " +
                std::string(found.value > 0.0 ? "rises" : "falls") + " by " + in_sd(found.value) +

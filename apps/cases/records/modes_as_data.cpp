@@ -93,7 +93,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   for (const char* key : {"frequencies", "file", "columns", "row", "cov", "sd", "covariance",
                           "shapes", "shape_sd", "shape_covariance", "seed"})
     if (data.contains(key))
-      file.refuse(where / key, "is not allowed with \"from\", which gives it");
+      file.refuse(where / key, "is not allowed with \"from\": the modes.json gives this value");
   TakenModes out{.name = data.at("from").get<std::string>()};
   io::finish_commit(file.place_of(out.name).parent_path());
   out.path = file.resolve(out.name);
@@ -101,10 +101,10 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   const auto all = static_cast<int>(out.file.frequencies_hz.size());
   if (all == 0) refuse_file(out, Pointer("/frequencies_hz"), "has no modes");
   if (out.file.covariance.size() == 0)
-    refuse_file(
-        out, Pointer("/covariance"),
-        "is null: the identification method gave no uncertainty, but data need one: identify the "
-        "modes with \"ssi-cov\", or give frequencies and their uncertainty in the case");
+    refuse_file(out, Pointer("/covariance"),
+                "is null: the identification method gave no uncertainty, but the data of a case "
+                "need an uncertainty: identify the modes with \"ssi-cov\", or give frequencies and "
+                "their uncertainty in the case");
   for (Index i = 0; i < all; ++i)
     if (!(out.file.frequencies_hz[i] > 0.0))
       refuse_file(out, Pointer("/frequencies_hz") / static_cast<std::size_t>(i),
@@ -115,8 +115,9 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
     for (int i = 0; i < all; ++i)
       (out.file.doubtful[static_cast<std::size_t>(i)] ? out.doubtful : out.modes).push_back(i);
     if (out.modes.empty())
-      file.refuse(where / "from",
-                  "all of its modes are doubtful: list the modes to use, \"modes\": [1, ...]");
+      file.refuse(
+          where / "from",
+          "all modes of this file are doubtful: list the modes to use, \"modes\": [1, ...]");
   }
   out.numbers = data.contains("model_modes")
                     ? model_modes(file, where / "model_modes", out.modes.size())

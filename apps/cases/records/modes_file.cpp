@@ -105,7 +105,7 @@ std::vector<int> read_numbers(const CaseFile& file, const Pointer& where, Index 
     constexpr std::uint64_t kMost = 100'000;
     if (!list[i].is_number_unsigned() || list[i].get<std::uint64_t>() < 1 ||
         list[i].get<std::uint64_t>() > kMost || (i > 0 && list[i].get<int>() <= out.back()))
-      file.refuse(where / i, "must be a whole number, 1 or more, larger than the one before it");
+      file.refuse(where / i, "must be a whole number, 1 or more, larger than the previous number");
     out.push_back(list[i].get<int>());
   }
   return out;

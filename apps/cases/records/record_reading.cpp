@@ -49,7 +49,7 @@ io::TextLayout parse_layout(const CaseFile& file, const Pointer& where) {
                   "must be \",\", \";\", \"\\t\", \"|\" or \" \" (any run of blanks)");
   }
   if (out.decimal == ',' && out.separator == ',')
-    file.refuse(where / "separator", "cannot be the decimal mark as well");
+    file.refuse(where / "separator", "cannot be both the separator and the decimal mark");
   if (r.contains("skip")) out.skip = r["skip"].get<int>();
   if (r.contains("header")) out.header = r["header"].get<int>();
   if (r.contains("units_row")) out.units_row = r["units_row"].get<int>();
@@ -134,9 +134,10 @@ std::string sampling_in_words(const signals::Sampling& sampling) {
     case TimeBasis::days:
       return "Times are dates of a spreadsheet, in days.";
     case TimeBasis::assumed:
-      return std::string("Times are assumed to be in s, since their column has no unit.") +
+      return std::string("Times are assumed to be in s, because the time column has no unit.") +
              (sampling.doubtful_unit
-                  ? " They are whole numbers: if they are milliseconds, name the column \"time "
+                  ? " The times are whole numbers: if they are in milliseconds, name the column "
+                    "\"time "
                     "[ms]\" or give its channel \"role\": \"time\" and \"scale\": 0.001."
                   : "");
     case TimeBasis::header:
@@ -149,7 +150,7 @@ std::string sampling_in_words(const signals::Sampling& sampling) {
 
 std::string jitter_in_words(const signals::Sampling& sampling) {
   if (!(sampling.jitter > 0.0)) return {};
-  return "Time steps differ from the mean one by up to " +
+  return "Time steps differ from the mean time step by up to " +
          base::significant(100.0 * sampling.jitter, 2) +
          " % and are treated as uniform; time stamps then deviate by up to " +
          base::significant(sampling.off_grid, 2) +

@@ -204,7 +204,8 @@ MeshedSection analyse(const CaseFile& file, const Pointer& where, const SectionM
   if (!result.analysis.finite())
     file.refuse(
         where,
-        "its properties are not finite numbers, since the outline has details too small for its "
+        "the properties of the section are not finite numbers, because the outline has details too "
+        "small for its "
         "size. Remove coincident corners and parts thinner than a millionth of the section");
   return result;
 #else
@@ -225,7 +226,8 @@ BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,
     const fem::SectionProperties& p = meshed.analysis.properties;
     if (!(meshed.analysis.errors.shear_flexibility <= 1e-3))
       file.refuse(where,
-                  "its shear coefficient did not converge: remove unimportant details of the "
+                  "the shear coefficient of the section did not converge: remove unimportant "
+                  "details of the "
                   "outline (see wheeltap section)");
     // The shear stiffness κ G A uses G of the reference material and the weighted A.
     beam.section = {.area = p.area,

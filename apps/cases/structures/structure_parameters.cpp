@@ -77,9 +77,10 @@ std::vector<double> StructureParameters::nominal() const {
 identification::StructureModel StructureParameters::model(AnyStructure nominal) && {
   for (std::size_t p = 0; p < parameters_.size(); ++p)
     if (!used_[p])
-      file_.refuse(Pointer("/parameters") / parameters_[p].name,
-                   "no coefficient of the structure has this name, so the data do not depend on "
-                   "it: write its name in place of a number, or remove it");
+      file_.refuse(
+          Pointer("/parameters") / parameters_[p].name,
+          "no coefficient of the structure has this name, so the data do not depend on "
+          "it: write the name of the parameter in place of a number, or remove the parameter");
   identification::StructureModel model{.nominal = std::move(nominal),
                                        .parameters = std::move(parameters_)};
   for (auto& places : setters_)

@@ -206,14 +206,16 @@ class SectionParser {
     must_be_known(material_.young, "young", composite_young);
     must_be_known(material_.density, "density", composite_density);
     if (composite_density && !(material_.density.nominal > 0.0))
-      file_.refuse(where_, "has parts with a density: its material also needs one");
+      file_.refuse(where_,
+                   "has parts with a density: the material of the section also needs a density");
     MeshedSection meshed = analyse(bare, where_,
                                    {.poisson = material_.poisson.nominal,
                                     .young = material_.young.nominal,
                                     .density = reference_density()});
     if (!meshed.analysis.converged)
       file_.refuse(where_,
-                   "its properties did not converge: remove unimportant details of the outline "
+                   "the properties of the section did not converge: remove unimportant details of "
+                   "the outline "
                    "(see wheeltap section)");
     return meshed;
   }
@@ -230,10 +232,11 @@ class SectionParser {
     PieceSection out;
     if (space_ && std::abs(i.yz) > kPrincipal * std::max(i.yy, i.zz)) {
       const double angle = fem::principal_axes(i).angle;
-      file_.refuse(where_, "its axes y and z are not principal axes: they are rotated by " +
-                               plain_number(angle) +
-                               " rad. Draw the outline about its principal axes, and rotate "
-                               "\"up\" of the members by the same angle");
+      file_.refuse(where_,
+                   "the axes y and z of the section are not principal axes: they are rotated by " +
+                       plain_number(angle) +
+                       " rad. Draw the outline about its principal axes, and rotate "
+                       "\"up\" of the members by the same angle");
     }
     const double gyration = std::sqrt((i.yy + i.zz) / p.area);
     if (space_ && p.shear_centre.norm() > kCentred * gyration)

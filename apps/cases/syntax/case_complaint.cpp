@@ -404,7 +404,7 @@ class Examination {
       if (kind == kind_) continue;
       const std::vector<KeyPlace> there = found_in({kind});
       if (!there.empty() && there[0].path.size() == 1)
-        return "it belongs to cases of the kind \"" + kind + "\"";
+        return "this key belongs to cases of the kind \"" + kind + "\"";
     }
     return {};
   }

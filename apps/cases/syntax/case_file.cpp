@@ -98,7 +98,7 @@ void check_texts(const CaseFile& file, const Json& value, const Pointer& where) 
   } else if (value.is_object()) {
     for (const auto& [key, item] : value.items()) {
       if (io::first_unprintable(key)) {
-        file.refuse(where / key, "a key holds a control character, or bytes that are not UTF-8");
+        file.refuse(where / key, "a key contains a control character, or bytes that are not UTF-8");
       }
       check_texts(file, item, where / key);
     }
