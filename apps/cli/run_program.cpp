@@ -101,6 +101,8 @@ const Command& chosen_command(const std::vector<Command>& commands, const CLI::A
 std::string parse_fault(const CLI::App& app, const CLI::ParseError& error, int argc, char** argv) {
   const auto chosen = app.get_subcommands();
   std::string what = error.what();
+  if (argc == 1)
+    what = "a command is missing; to begin, write a starter case: wheeltap init damage -o my-beam";
   if (chosen.empty() && argc > 1 && argv[1][0] != '-') what = unknown_command(app, argv[1]);
   if (!chosen.empty()) {
     const CLI::App& command = *chosen.front();

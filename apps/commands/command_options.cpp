@@ -170,22 +170,23 @@ void CommandOptions::add_sampling() {
       ->transform(whole(100, kMany));
   app_.add_option(
           "--search", invocation_.sampling.searches,
-          "searches for posterior modes per model, from draws of the prior (default: automatic)")
+          "local searches for maxima of the posterior in each model, each from a draw of the prior "
+          "(default: automatic)")
       ->transform(whole(0, kMany));
   app_.add_option("--checkpoint", invocation_.common.checkpoint_seconds,
                   "seconds between checkpoints for --resume (default 60; 0: none)")
       ->check(seconds());
-  CLI::Option* prior_only =
-      app_.add_flag("--prior-only", invocation_.sampling.prior_only,
-                    "sample without the data, as a check: the posterior must equal the prior");
-  app_.add_flag(
-          "--quick", invocation_.sampling.quick,
-          "quick run with a fixed, small amount of work: modes and short chains, not a posterior; "
-          "--dry-run estimates its time")
+  CLI::Option* prior_only = app_.add_flag(
+      "--prior-only", invocation_.sampling.prior_only,
+      "ignore the data, as a check of the sampler: the posterior must equal the prior");
+  app_.add_flag("--quick", invocation_.sampling.quick,
+                "first look with a fixed, small amount of work: searches and short chains, so that "
+                "probabilities are approximate; "
+                "--dry-run estimates its time")
       ->excludes(prior_only);
   app_.add_flag("--evidence{tmcmc+bridge}", invocation_.sampling.evidence,
-                "also compute the evidence of each model separately: --evidence, or "
-                "--evidence=METHODS: tmcmc, bridge, laplace, joined by +")
+                "check the probabilities: also compute the evidence of each model by other methods "
+                "(--evidence=METHODS: tmcmc, bridge, laplace, joined by +; default tmcmc+bridge)")
       ->excludes(prior_only);
 }
 

@@ -267,7 +267,7 @@
     const warnings = d.warnings || [];
     const several = summary.models.length > 1; // one needs no comparison
     const p = summary.data?.posterior_predictive_p;
-    section('warnings', 'Warnings', null,
+    section('warnings', 'Convergence and warnings', null,
       element('p', {}, d.converged ? 'The chains have converged: ' : 'The chains have not converged: ',
         `largest R-hat ${number(d.rhat_max, 5)} (must be below 1.01), effective sample size of the model ${number(d.ess_model, 4)}` +
         (typeof d.ess_log_posterior === 'number' ? `, of the log posterior ${number(d.ess_log_posterior, 4)} (must exceed 400)` : '') +

@@ -166,13 +166,16 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
   const auto& shown = findings.shown(model);
   const bool several = damage_case.kinds.size() > 1;
   std::vector<std::string> places;
+  bool length_known = true;
   for (std::size_t p = 0; p < shown.size(); ++p) {
     const Unknown& u = shown[p].unknown;
     if (u.kind < 0 || u.parameter != 0) continue;
     const DefectKind& kind = damage_case.kinds[static_cast<std::size_t>(u.kind)];
     const Marginal* severity = kind.severity_prior() ? &shown[p + 1].estimate : nullptr;
-    const Marginal* extent =
-        kind.extent_prior ? &shown[p + (kind.severity_prior() ? 2 : 1)].estimate : nullptr;
+    const std::size_t at = p + (kind.severity_prior() ? 2 : 1);
+    const Marginal* extent = kind.extent_prior ? &shown[at].estimate : nullptr;
+    if (extent != nullptr && findings.models[model].parameters[at].is_nearly_prior())
+      length_known = false;
     places.push_back((several ? kind.name + " " : "") +
                      place_in_words(shown[p].estimate, severity, extent, kind,
                                     damage_case.beam.length, mirrored));
@@ -189,6 +192,12 @@ std::string where_and_how_bad(const DamageCase& damage_case, const DamageFinding
     text += (i == 0 ? "" : "; ") + one;
   }
   text += ".";
+  if (!length_known)
+    text += places.size() > 1
+                ? " The data do not determine every length: these stiffness reductions depend on "
+                  "the prior of the length."
+                : " The data do not determine the length: this stiffness reduction depends on the "
+                  "prior of the length.";
   if (mirrored) text += " Frequencies alone cannot distinguish a location from its mirror image.";
   return text;
 }

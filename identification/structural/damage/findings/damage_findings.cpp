@@ -111,9 +111,9 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
 
 // ---- limits of the data --------------------------------------------------------------------
 
-// Neighbours of a component on both sides, for these mean locations.
+// Neighbours of a component on both sides, for these median locations.
 std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& draws,
-                                                         const std::vector<double>& means,
+                                                         const std::vector<double>& medians,
                                                          std::size_t component,
                                                          const std::string& name) {
   using remark::Landmark;
@@ -123,13 +123,13 @@ std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& dr
   for (const fem::Support& s : beam.supports) {
     landmarks.push_back({s.deflection && s.rotation ? Kind::clamp : Kind::support, s.at, {}});
   }
-  for (std::size_t i = 0; i < means.size(); ++i) {
-    if (i != component) landmarks.push_back({Kind::defect, means[i], name});
+  for (std::size_t i = 0; i < medians.size(); ++i) {
+    if (i != component) landmarks.push_back({Kind::defect, medians[i], name});
   }
   Landmark below = landmarks[0], above = landmarks[1];
   for (const Landmark& l : landmarks) {
-    if (l.at <= means[component] && l.at >= below.at) below = l;
-    if (l.at > means[component] && l.at <= above.at) above = l;
+    if (l.at <= medians[component] && l.at >= below.at) below = l;
+    if (l.at > medians[component] && l.at <= above.at) above = l;
   }
   return {below, above};
 }
@@ -170,20 +170,20 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
       const auto location = [&](const ModelFinding& of, int n) -> const Marginal& {
         return *of.find(static_cast<int>(k), n, 0);
       };
-      std::vector<double> means;
+      std::vector<double> medians;
       int hidden = 0;
       double farthest = -1.0;
       for (int n = 0; n < model.counts[k]; ++n) {
-        const double mean = location(model, n).mean;
+        const double median = location(model, n).q50;
         double nearest = std::numeric_limits<double>::infinity();
         for (int o = 0; o < other.counts[k]; ++o) {
-          nearest = std::min(nearest, std::abs(mean - location(other, o).mean));
+          nearest = std::min(nearest, std::abs(median - location(other, o).q50));
         }
-        means.push_back(mean);
+        medians.push_back(median);
         if (nearest > farthest) farthest = nearest, hidden = n;
       }
       const auto [below, above] =
-          neighbours(draws, means, static_cast<std::size_t>(hidden), kind.name);
+          neighbours(draws, medians, static_cast<std::size_t>(hidden), kind.name);
       cannot.hidden.push_back({.kind = kind.name,
                                .below = below,
                                .above = above,
