@@ -82,8 +82,7 @@ TEST(ModalLikelihood, TheDensityOfFrequenciesEqualsTheScore) {
   std::vector<double> frequencies;
   data.cov_prior = {};
   data.covariance(0, 2) = data.covariance(2, 0) = 1e-5;
-  EXPECT_FALSE(
-      ModalLikelihood(data).add_density_of_frequencies(modes, {}, ignored, frequencies));
+  EXPECT_FALSE(ModalLikelihood(data).add_density_of_frequencies(modes, {}, ignored, frequencies));
 }
 
 // A gap keeps the numbers of the following modes; with shapes it is not matched.

@@ -401,7 +401,8 @@ TEST(StatesLikelihood, MaterialOfABeamAgreesWithFullSolutions) {
   states->list.push_back({.name = "healthy", .data = frequencies_of_states(f, 0.01)});
   states->list.push_back(
       {.name = "damaged", .data = frequencies_of_states(f, 0.01), .damaged = true});
-  for (const fem::Beam* beam : {damage_case.intact_beam(), static_cast<const fem::Beam*>(nullptr)}) {
+  for (const fem::Beam* beam :
+       {damage_case.intact_beam(), static_cast<const fem::Beam*>(nullptr)}) {
     const StatesLikelihood likelihood(states, damage_case.kinds, beam);
     EXPECT_TRUE(likelihood.by_reanalysis());
     const auto check = likelihood.check(40);

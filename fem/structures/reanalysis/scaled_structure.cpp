@@ -44,7 +44,8 @@ struct Motion {
   double mass;
 };
 
-/// slope - ratio · mass = Σ mass_i row_i row_iᵀ; empty if that concerns too many degrees of freedom.
+/// slope - ratio · mass = Σ mass_i row_i row_iᵀ; empty if that concerns too many degrees of
+/// freedom.
 std::optional<std::vector<Motion>> low_rank(const Sparse& slope, double ratio, const Sparse& mass) {
   const Sparse rest = slope - ratio * mass;
   const auto counts = [&](Index row, Index column, double value) {
@@ -90,8 +91,7 @@ std::optional<ScaledStructure> ScaledStructure::of(StructureFamily family,
   ScaledStructure out;
   out.origin_ = family.nominal;
   const ParametricStructure structure(family, samples);
-  if (!out.take_stiffness(structure) || !out.take_mass(structure) ||
-      out.columns() > kMostColumns)
+  if (!out.take_stiffness(structure) || !out.take_mass(structure) || out.columns() > kMostColumns)
     return {};
   out.base_ = std::make_shared<const Discretisation>(structure.nominal());
   if (out.masses_.empty()) return out;
@@ -171,8 +171,8 @@ ScaledStructure::Outcome ScaledStructure::transform(std::span<const double> thet
     if (!(remaining > 0.0)) return Outcome::impossible;
     for (std::size_t i = 0; i < change.softenings.size(); ++i) {
       const StructureChange::Softening& softening = change.softenings[i];
-      const auto own = std::ranges::find(softening.direction, strain.strain,
-                                         &std::pair<int, double>::first);
+      const auto own =
+          std::ranges::find(softening.direction, strain.strain, &std::pair<int, double>::first);
       if (own == softening.direction.end() || own->second == 0.0) continue;
       if (std::abs(std::abs(own->second) - 1.0) > kEqual) return Outcome::unsupported;
       remaining *= softening.remaining;

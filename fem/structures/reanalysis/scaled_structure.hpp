@@ -35,9 +35,7 @@ class ScaledStructure {
   /// θ of the base structure. Its point masses are the smallest among the samples.
   [[nodiscard]] const std::vector<double>& base_parameters() const { return origin_; }
   /// Number of strains and motions; 0: only the scales depend on θ.
-  [[nodiscard]] int columns() const {
-    return static_cast<int>(strains_.size() + masses_.size());
-  }
+  [[nodiscard]] int columns() const { return static_cast<int>(strains_.size() + masses_.size()); }
 
   struct Scales {
     double stiffness = 1.0, mass = 1.0;  ///< s, m

@@ -114,9 +114,8 @@ std::shared_ptr<const BeamModel> observe(DamageProblem& problem) {
   }
   try {
     if (damage_case.states()) {
-      const auto states =
-          std::make_shared<const StatesLikelihood>(damage_case.states(), damage_case.kinds,
-                                                   damage_case.intact_beam());
+      const auto states = std::make_shared<const StatesLikelihood>(
+          damage_case.states(), damage_case.kinds, damage_case.intact_beam());
       problem.observed = observe_states(states, scatters_of(damage_case));
       problem.model = std::make_shared<const StatesModel>(states);
     } else {

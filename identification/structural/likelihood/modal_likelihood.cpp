@@ -336,8 +336,7 @@ bool ModalLikelihood::add_density_of_frequencies(const Modes& modes, const Modal
     const auto at = static_cast<Index>(i);
     double variance = relative * f * f + (data_.cov_prior ? 0.0 : data_.covariance(at, at));
     if (!noise.emulator_variance.empty()) variance += noise.emulator_variance[i];
-    log_density -=
-        0.5 * ((f - computed) * (f - computed) / variance + std::log(kTwoPi * variance));
+    log_density -= 0.5 * ((f - computed) * (f - computed) / variance + std::log(kTwoPi * variance));
   }
   return true;
 }

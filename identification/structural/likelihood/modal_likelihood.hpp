@@ -96,9 +96,8 @@ class ModalLikelihood {
                             const ModalNoise& noise) const;
   /// Adds ln p of uncorrelated numbered frequencies to `log_density`, and the computed frequencies
   /// [Hz] of all modes. Faster than `score`; returns false for other data.
-  bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes,
-                                  const ModalNoise& noise, double& log_density,
-                                  std::vector<double>& frequencies_hz) const;
+  bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes, const ModalNoise& noise,
+                                  double& log_density, std::vector<double>& frequencies_hz) const;
   /// Comparison of a measured shape as input to stiffness errors: without them, the residual in
   /// units of the noise, and its sensitivity to each piece's error, m × pieces. Close modes are
   /// mixed by the sd of their rotation.

@@ -88,8 +88,7 @@ ReanalysedModes::Outcome ReanalysedModes::solve(std::span<const double> values,
   workspace.frequencies.resize(static_cast<std::size_t>(wanted.modes + rigid_));
   const Outcome outcome = solve_base(values, defects, *scales, wanted, workspace);
   if (outcome != Outcome::possible) return outcome;
-  const std::size_t first =
-      first_elastic(workspace.frequencies, static_cast<std::size_t>(rigid_));
+  const std::size_t first = first_elastic(workspace.frequencies, static_cast<std::size_t>(rigid_));
   const auto modes = static_cast<Index>(wanted.modes);
   const auto sensors = static_cast<Index>(wanted.motions.size());
   out.eigenvalues.resize(modes);
@@ -101,8 +100,8 @@ ReanalysedModes::Outcome ReanalysedModes::solve(std::span<const double> values,
     out.eigenvalues[i] = by * omega * omega;
     for (Index s = 0; s < sensors; ++s)
       out.shapes(s, i) =
-          normal * workspace.shapes[mode * static_cast<std::size_t>(sensors) +
-                                    static_cast<std::size_t>(s)];
+          normal *
+          workspace.shapes[mode * static_cast<std::size_t>(sensors) + static_cast<std::size_t>(s)];
   }
   return Outcome::possible;
 }

@@ -42,15 +42,14 @@ class ReanalysedModes {
   [[nodiscard]] Workspace make_workspace() const;
 
   struct Wanted {
-    int modes = 1;                                              ///< number of elastic modes
-    std::span<const fem::SparseRow> motions = {};               ///< of the sensors
+    int modes = 1;                                            ///< number of elastic modes
+    std::span<const fem::SparseRow> motions = {};             ///< motions of the sensors
     std::span<const fem::StructureChange::Mass> masses = {};  ///< added ones
   };
   using Outcome = fem::ScaledStructure::Outcome;
   /// Computes eigenvalues and shapes at these values of the model's parameters.
   Outcome solve(std::span<const double> values, const std::vector<PlacedDefect>& defects,
-                const Wanted& wanted, Workspace& workspace,
-                fem::ParametricModes::Modes& out) const;
+                const Wanted& wanted, Workspace& workspace, fem::ParametricModes::Modes& out) const;
 
  private:
   using Scales = fem::ScaledStructure::Scales;
@@ -63,7 +62,7 @@ class ReanalysedModes {
 
   fem::ScaledStructure scaled_;
   std::vector<DefectKind> kinds_;
-  std::shared_ptr<const fem::Mesh> mesh_;  ///< of the base structure, if it has members
+  std::shared_ptr<const fem::Mesh> mesh_;  ///< mesh of the base structure, if it has members
   std::optional<fem::Reanalysis> beam_;
   std::optional<fem::StructureReanalysis> structure_;
   int rigid_ = 0;

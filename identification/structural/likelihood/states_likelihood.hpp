@@ -45,9 +45,9 @@ namespace wheeltap::identification {
 /// If the parameters allow it, ReanalysedModes solves each state's structure: at most a few
 /// springs, point masses and scales of the whole structure are unknown. The constructor compares
 /// `kReanalysed` such solutions with full ones. Otherwise each structure is assembled at θ, changed
-/// by its damages and masses, and solved by SubspaceModes. States that differ only in temperature share a solution. Matrices of another
-/// program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change only the q_j, for
-/// any rank of K_j.
+/// by its damages and masses, and solved by SubspaceModes. States that differ only in temperature
+/// share a solution. Matrices of another program, K = Σ q_j K_j, are solved by ParametricModes: θ
+/// and damages change only the q_j, for any rank of K_j.
 class StatesLikelihood {
  public:
   /// Number of solutions by reanalysis that are compared with full solutions.
@@ -172,10 +172,10 @@ class StatesLikelihood {
                   const ModalLikelihood::Score& score, const std::vector<int>& with,
                   Eigen::MatrixXd& covariance) const;
   struct Group {
-    std::vector<int> states;  // states that differ only in temperature
-    int modes = 1;            // number of elastic modes
-    std::vector<fem::SparseRow> motions = {};  // of all sensors
-    std::size_t intact = 0;   // index in Workspace
+    std::vector<int> states;                   // states that differ only in temperature
+    int modes = 1;                             // number of elastic modes
+    std::vector<fem::SparseRow> motions = {};  // motions of all sensors
+    std::size_t intact = 0;                    // index in Workspace
     std::shared_ptr<const fem::SubspaceModes> solver = {};
     std::shared_ptr<const fem::ParametricModes> reduced = {};  // for matrices, instead of `solver`
   };

@@ -37,7 +37,7 @@ const std::vector<std::array<double, 2>> kBox = {
 
 // Frequencies and shapes at any parameters and with any defects equal those of full solutions.
 // Cracks and loose joints change the mass by a share of the density, which a change of the base
-// structure cannot tell from other added masses; so the density is known there.
+// structure cannot distinguish from other added masses. The density is known there.
 TEST(ScaledStructure, ReanalysisOfTheBaseSolvesAnyParameters) {
   const auto samples = parametric::draws(kBox, 30, 1);
   const auto scaled = ScaledStructure::of(frames(), samples);
@@ -54,8 +54,7 @@ TEST(ScaledStructure, ReanalysisOfTheBaseSolvesAnyParameters) {
   int compared = 0;
   for (std::vector<double>& theta : parametric::draws(kBox, 60, 2)) {
     StructureDefects defects = random_defects(mesh, random);
-    if (!defects.cracks.empty() || !defects.joints.empty())
-      theta[2] = scaled->base_parameters()[2];
+    if (!defects.cracks.empty() || !defects.joints.empty()) theta[2] = scaled->base_parameters()[2];
     defects.masses.clear();  // removed mass is impossible for some of them
     const Mesh here(frame(theta));
     std::vector<SparseRow> there = motions;
@@ -77,8 +76,7 @@ TEST(ScaledStructure, ReanalysisOfTheBaseSolvesAnyParameters) {
       worst = std::max(worst, std::abs(own / exact - 1.0));
       Eigen::Vector2d a, b;
       for (std::size_t m = 0; m < motions.size(); ++m) {
-        a[static_cast<Eigen::Index>(m)] =
-            shapes[i * motions.size() + m] / std::sqrt(scales->mass);
+        a[static_cast<Eigen::Index>(m)] = shapes[i * motions.size() + m] / std::sqrt(scales->mass);
         b[static_cast<Eigen::Index>(m)] =
             there[m].of(full.shapes.col(static_cast<Eigen::Index>(i)));
       }
