@@ -24,8 +24,8 @@ struct ModalNoise {
   std::vector<double> emulator_variance = {};
 };
 
-/// The eigenvalue λ [rad²/s²] for which √λ / 2π in floating point equals f [Hz]; if there is none,
-/// one for which it is adjacent to f.
+/// The eigenvalue [rad²/s²] for which √λ / 2π in floating point equals f [Hz] exactly (or is
+/// adjacent to it, if none does).
 [[nodiscard]] double eigenvalue_of(double frequency_hz);
 
 /// Sd of the mixing of mode k into mode j by the model error δK. δK changes a frequency by
@@ -35,8 +35,8 @@ struct ModalNoise {
 ///
 ///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
 ///
-/// limited to 1, above which the first-order expansion is invalid (Fox & Kapoor 1968, AIAA J.
-/// 6:2426). For entries of a random symmetric matrix κ = 1/√2.
+/// limited to 1, the end of first-order validity (expansion: Fox & Kapoor 1968, AIAA J. 6:2426).
+/// For entries of a random symmetric matrix κ = 1/√2.
 [[nodiscard]] double mixing_sd(const ModalNoise& noise, double first, double second);
 
 /// The likelihood of measured modes. With A the matching of measured to computed modes,
@@ -45,19 +45,18 @@ struct ModalNoise {
 ///   C = C_noise + δ² diag(f_obs²) + diag(σ²_emulator),
 ///   C_noise = C of the data, or cov² diag(f_obs²),
 ///
-/// with the shape densities of shape_density.hpp. δ is the discrepancy: the model error changes
-/// each frequency by N(0, (δ f)²). This change is integrated out, so δ can be inferred from the
+/// with the shape densities of shape_density.hpp. The discrepancy δ: the model error changes each
+/// frequency by N(0, (δ f)²), which is integrated out, so that δ can be inferred from the
 /// residuals.
 ///
 /// Matching: without shapes, the i-th frequency is the i-th elastic mode. With shapes, A is the
 /// assignment of least cost among the `candidates` lowest modes, for frequencies and shapes
-/// together, so that data may omit or reorder modes. Correlations of frequencies are used only
-/// after the matching. Only the best matching is used; if another one is nearly as good, the modes
-/// are close and similar.
+/// together, so that data may omit or reorder modes. Correlations of frequencies enter after the
+/// matching. Only the best matching counts: if another is nearly as good, the modes are close and
+/// similar.
 ///
 /// Mixing (κ > 0): Σ of a shape includes the mixing of φ_A(i) with every other computed mode by
-/// `mixing_sd`. This replaces the rotation of close modes; τ of the rotation is added to that of
-/// the closest mode.
+/// `mixing_sd`. This replaces the rotation, whose τ is added to that of the closest mode.
 ///
 /// Spurious modes: if each measured mode may be spurious with probability ε (`ModalData::doubt`),
 /// frequencies count as uncorrelated and
@@ -69,8 +68,7 @@ struct ModalNoise {
 ///
 /// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
 /// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with the relative gap: the effect of a
-/// change of K by a thousandth. If more than two modes are close, each mode is rotated with its
-/// closest neighbour.
+/// change of K by a thousandth. With more than two such modes, each is rotated with the closest.
 class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;
@@ -100,9 +98,9 @@ class ModalLikelihood {
   /// [Hz] of all modes. Faster than `score`; returns false for other data.
   bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes, const ModalNoise& noise,
                                   double& log_density, std::vector<double>& frequencies_hz) const;
-  /// Comparison of a measured shape for the integration over stiffness errors: the residual without
-  /// these errors, in units of the noise, and its sensitivity to the error of each piece, m ×
-  /// pieces. Close modes are mixed by the sd of their rotation.
+  /// Comparison of a measured shape as input to stiffness errors: without them, the residual in
+  /// units of the noise, and its sensitivity to each piece's error, m × pieces. Close modes are
+  /// mixed by the sd of their rotation.
   struct ShapeErrors {
     ShapeDensity::Comparison without;
     Eigen::VectorXd residual;

@@ -43,7 +43,7 @@ class ReanalysedModes {
 
   struct Wanted {
     int modes = 1;                                            ///< number of elastic modes
-    std::span<const fem::SparseRow> motions = {};             ///< motions at the sensors
+    std::span<const fem::SparseRow> motions = {};             ///< motions of the sensors
     std::span<const fem::StructureChange::Mass> masses = {};  ///< added ones
   };
   using Outcome = fem::ScaledStructure::Outcome;

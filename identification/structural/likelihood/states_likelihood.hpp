@@ -1,5 +1,5 @@
-// The joint likelihood of the modes of all states, given the damages and the parameters of the
-// intact structure.
+// The joint likelihood of the modes of all states, given the parameters of the intact structure and
+// the damages.
 #pragma once
 
 #include <memory>
@@ -25,16 +25,16 @@ namespace wheeltap::identification {
 ///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
 ///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + Σ_{j<k} τ_jk² ℓ_jk ℓ_jkᵀ,
 ///
-/// where f_m holds the frequencies of mode m in all states with the same `known`, and 0 elsewhere.
-/// A model error that multiplies the frequency of a mode by a factor (discrepancy δ) is common to
-/// these states, so that it is not mistaken for damage. For one state this equals ModalLikelihood.
+/// with f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere. A model
+/// error that is a factor per mode (discrepancy δ) is common to these states, so that it is not
+/// mistaken for damage. For one state this equals ModalLikelihood.
 ///
-/// The effect of damage on a frequency depends on the mode shapes. A model error whose effect on
-/// the frequencies is of second order still has a first-order effect on the shapes. If the model
-/// error mixes c φ_k into φ_j and -c φ_j into φ_k, c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d
-/// changes λ_j by an additional 2c φ_jᵀ δK_d φ_k, and λ_k by its negative. For a loss along one
-/// strain (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k; otherwise it is less. With Δλ from the first healthy state
-/// with the same `known` to a damaged one,
+/// The effect of damage on a frequency depends on the shapes, whose errors are of first order when
+/// those of the frequencies are of second order. If the model error mixes c φ_k into φ_j and -c φ_j
+/// into φ_k, c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d changes λ_j by an additional 2c φ_jᵀ
+/// δK_d φ_k, and λ_k by its negative. For a loss along one strain (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k;
+/// otherwise it is less. With Δλ from the first healthy state with the same `known` to a damaged
+/// one,
 ///
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
 ///   negative at mode k.
@@ -72,7 +72,7 @@ class StatesLikelihood {
   }
   /// Number of measured values, without the scales of shapes.
   [[nodiscard]] int measured() const;
-  /// The covariance C without the errors that are common to several states, modes × modes.
+  /// C without common errors of states, modes × modes.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
 
   /// The score of all states, with concatenated matches. `modes`: per state.
@@ -91,7 +91,7 @@ class StatesLikelihood {
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
 
-  /// Whether reanalysis solves the structures (ReanalysedModes).
+  /// True if reanalysis solves the structures (ReanalysedModes).
   [[nodiscard]] bool by_reanalysis() const { return reanalysed_ != nullptr; }
   /// True if stiffness errors are included.
   [[nodiscard]] bool with_errors(const ModalNoise& noise) const {
@@ -127,7 +127,7 @@ class StatesLikelihood {
   bool solve(std::span<const double> x, const std::vector<PlacedDefect>& defects,
              Workspace& workspace, std::vector<fem::ParametricModes::Modes>& out) const;
 
-  /// All frequencies [Hz] at a generic prior draw, at which only true symmetries give equal
+  /// All frequencies [Hz] at a generic prior draw, where only true symmetries give equal
   /// frequencies. Empty if the structure is impossible.
   [[nodiscard]] std::vector<double> frequencies_anywhere(
       const std::vector<PlacedDefect>& defects) const;
@@ -142,8 +142,7 @@ class StatesLikelihood {
   [[nodiscard]] Check check(int points) const;
 
  private:
-  /// Number of unknown stiffness errors: two per piece, one of its stiffness and one of the
-  /// stiffness lost by damage.
+  /// Number of unknown errors: one per piece, and one for the damage's effect on it.
   [[nodiscard]] int errors() const { return 2 * pieces_.count(); }
   /// Ingredients of the joint density with stiffness errors: frequencies with covariance and
   /// sensitivities, and shapes, one per mode of the concatenation.
@@ -175,7 +174,7 @@ class StatesLikelihood {
   struct Group {
     std::vector<int> states;                   // states that differ only in temperature
     int modes = 1;                             // number of elastic modes
-    std::vector<fem::SparseRow> motions = {};  // motions at all sensors
+    std::vector<fem::SparseRow> motions = {};  // motions of all sensors
     std::size_t intact = 0;                    // index in Workspace
     std::shared_ptr<const fem::SubspaceModes> solver = {};
     std::shared_ptr<const fem::ParametricModes> reduced = {};  // for matrices, instead of `solver`
@@ -201,8 +200,7 @@ class StatesLikelihood {
   bool solve_assembled(const Group& group, const std::vector<double>& values,
                        const std::vector<PlacedDefect>& defects, Workspace& workspace,
                        fem::ParametricModes::Modes& out) const;
-  /// Solves for the modes of a group's structure, with shapes at the sensors of its states,
-  /// concatenated.
+  /// Solves the structure of a group; shapes at the sensors of its states, concatenated.
   bool solve(const Group& group, std::span<const double> x,
              const std::vector<PlacedDefect>& defects, Workspace& workspace,
              Workspace::Group& own) const;

@@ -37,7 +37,7 @@ const std::vector<std::array<double, 2>> kBox = {
 
 // Frequencies and shapes at any parameters and with any defects equal those of full solutions.
 // Cracks and loose joints change the mass by a share of the density, which a change of the base
-// structure cannot distinguish from other added masses; so the density is known there.
+// structure cannot distinguish from other added masses. The density is known there.
 TEST(ScaledStructure, ReanalysisOfTheBaseSolvesAnyParameters) {
   const auto samples = parametric::draws(kBox, 30, 1);
   const auto scaled = ScaledStructure::of(frames(), samples);
