@@ -48,10 +48,11 @@ struct Motion {
 /// freedom.
 std::optional<std::vector<Motion>> low_rank(const Sparse& slope, double ratio, const Sparse& mass) {
   const Sparse rest = slope - ratio * mass;
+  // Rounding leaves entries far below those of the diagonal.
+  const Eigen::VectorXd size = (std::abs(ratio) * mass.diagonal().array()).sqrt().matrix();
   const auto counts = [&](Index row, Index column, double value) {
-    const double size =
-        std::abs(slope.coeff(row, column)) + std::abs(ratio * mass.coeff(row, column));
-    return std::abs(value) > kEqual * size;
+    return std::abs(value) >
+           kEqual * (std::abs(slope.coeff(row, column)) + size[row] * size[column]);
   };
   std::vector<int> dofs;
   for (Index c = 0; c < rest.outerSize(); ++c)
@@ -97,11 +98,9 @@ std::optional<ScaledStructure> ScaledStructure::of(StructureFamily family,
   if (out.masses_.empty()) return out;
   // Added masses need fewer checks than removed ones.
   for (const ChangedMass& mass : out.masses_)
-    for (const std::vector<double>& sample : samples) {
-      double& least = family.nominal[index(mass.parameter)];
-      const double other = sample[index(mass.parameter)];
-      least = mass.slope > 0.0 ? std::min(least, other) : std::max(least, other);
-    }
+    for (std::size_t j = 0; j < mass.slopes.size(); ++j)
+      for (const std::vector<double>& sample : samples)
+        if (mass.slopes[j] > 0.0) family.nominal[j] = std::min(family.nominal[j], sample[j]);
   ScaledStructure moved;
   moved.origin_ = family.nominal;
   const ParametricStructure base(std::move(family), samples);
@@ -141,10 +140,27 @@ bool ScaledStructure::take_mass(const ParametricStructure& structure) {
     auto motions = low_rank(slope, ratio, structure.nominal().mass);
     if (!motions) return false;
     mass_[index(j)] = ratio;
-    for (Motion& motion : *motions)
-      masses_.push_back({.motion = std::move(motion.row), .parameter = j, .slope = motion.mass});
+    for (Motion& motion : *motions) add_mass(std::move(motion.row), index(j), motion.mass);
   }
   return true;
+}
+
+// A point mass and the density change the same motions: the point mass does not scale with the
+// density.
+void ScaledStructure::add_mass(SparseRow motion, std::size_t parameter, double slope) {
+  const auto same = std::ranges::find_if(masses_, [&](const ChangedMass& other) {
+    if (other.motion.dofs != motion.dofs) return false;
+    double product = 0.0;
+    for (std::size_t i = 0; i < motion.dofs.size(); ++i)
+      product += other.motion.coefficients[i] * motion.coefficients[i];
+    return std::abs(std::abs(product) - 1.0) <= kEqual;
+  });
+  if (same != masses_.end()) {
+    same->slopes[parameter] += slope;
+    return;
+  }
+  masses_.push_back({.motion = std::move(motion), .slopes = Slopes(mass_.size(), 0.0)});
+  masses_.back().slopes[parameter] = slope;
 }
 
 double ScaledStructure::change(const Slopes& slopes, std::span<const double> theta) const {
@@ -186,8 +202,7 @@ ScaledStructure::Outcome ScaledStructure::transform(std::span<const double> thet
           {.motion = base_->strains[index(strain.strain)].row, .stiffness = remaining - 1.0});
   }
   for (const ChangedMass& mass : masses_) {
-    const auto j = index(mass.parameter);
-    const double added = mass.slope * (theta[j] - origin_[j]) / scales.mass;
+    const double added = this->change(mass.slopes, theta) / scales.mass;
     if (added != 0.0) change.masses.push_back({.motion = mass.motion, .mass = added});
   }
   return Outcome::possible;

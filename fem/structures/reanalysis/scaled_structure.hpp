@@ -61,12 +61,12 @@ class ScaledStructure {
   };
   struct ChangedMass {
     SparseRow motion = {};
-    int parameter = 0;
-    double slope = 0.0;
+    Slopes slopes = {};
   };
 
   [[nodiscard]] bool take_stiffness(const ParametricStructure& structure);
   [[nodiscard]] bool take_mass(const ParametricStructure& structure);
+  void add_mass(SparseRow motion, std::size_t parameter, double slope);
   [[nodiscard]] double change(const Slopes& slopes, std::span<const double> theta) const;
 
   std::vector<double> origin_;
