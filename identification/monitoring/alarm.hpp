@@ -14,9 +14,12 @@
 
 namespace wheeltap::identification::monitoring {
 
+inline constexpr int kFewestReplayRows = 240, kMostReplayRows = 1440;
+
 struct ReplayOptions {
   int series = 48;  ///< replayed, each from the start
-  int rows = 1440;  ///< of one
+  /// Rows of one; 0 in a Monitor: as many as it learns from, kFewestReplayRows to kMostReplayRows.
+  int rows = 0;
   int block = 72;   ///< rows drawn together
   std::uint64_t seed = 1;
   int threads = 1;

@@ -21,6 +21,9 @@ Series rows_from(const Series& series, int from) {
 /// Residuals of the last third of the learning rows, by a baseline of the first two thirds; of all
 /// rows where those are too few to learn from.
 Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptions& options) {
+  ReplayOptions replayed = options.replay;
+  if (replayed.rows == 0)
+    replayed.rows = std::clamp(learning.rows(), kFewestReplayRows, kMostReplayRows);
   const int trained = 2 * learning.rows() / 3;
   const Series first = learning.first(trained);
   for (const SeriesFault& fault : find_faults(first, trained))
@@ -31,7 +34,7 @@ Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptio
                                          .draws = all.draws,
                                          .last_hours = learning.hours.front()},
                                         learning),
-                    options.change, options.replay);
+                    options.change, replayed);
   LearningOptions shorter = options.learning;
   // One draw is enough here, so that shorter chains are.
   shorter.draws = 1;
@@ -40,7 +43,7 @@ Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptio
   shorter.progress = nullptr;
   const Baseline part = learn_baseline(first, shorter);
   return replay(part, healthy_innovations(part, rows_from(learning, trained)), options.change,
-                options.replay);
+                replayed);
 }
 
 std::vector<RowFinding> learning_findings(const Series& learning, const Baseline& baseline) {

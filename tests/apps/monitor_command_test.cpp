@@ -34,7 +34,7 @@ class MonitorCommand : public testing::Test {
     return json::parse(R"({"kind": "monitor", "title": "Bridge",
       "series": {"file": "series.csv", "time": "hour",
                  "features": ["f1 [Hz]", "f2 [Hz]"], "covariates": ["air [degC]"]},
-      "learning": {"until": 800, "hinges": 1},
+      "learning": {"until": 300, "hinges": 1},
       "alarm": {"false_alarms_per_year": 1}})");
   }
   [[nodiscard]] Outcome run(const json& c, const std::string& folder,
@@ -55,21 +55,21 @@ class MonitorCommand : public testing::Test {
 };
 
 TEST_F(MonitorCommand, ContinuesToTheBitsOfARunInOneCall) {
-  write_rows(600);
+  write_rows(230);
   ASSERT_EQ(run(a_case(), "whole").exit_code, 0);
-  write_rows(500);
+  write_rows(200);
   ASSERT_EQ(run(a_case(), "parts").exit_code, 0);
-  write_rows(600);
+  write_rows(230);
   const Outcome resumed = run(a_case(), "parts", "--resume");
   ASSERT_EQ(resumed.exit_code, 0) << resumed.err;
   EXPECT_EQ(read_all(where / "whole/series.csv"), read_all(where / "parts/series.csv"));
   EXPECT_EQ(summary("whole")["monitor"], summary("parts")["monitor"]);
-  EXPECT_EQ(summary("whole")["monitor"]["rows"], 600);
+  EXPECT_EQ(summary("whole")["monitor"]["rows"], 230);
   EXPECT_THAT(read_all(where / "whole/report.html"), HasSubstr("Alarm statistic"));
   // Rows that were processed must not change.
   lines_[11] = lines_[12].substr(0, lines_[12].find(',')) + lines_[11].substr(lines_[11].find(','));
   lines_[12] = "22.5" + lines_[12].substr(lines_[12].find(','));
-  write_rows(600);
+  write_rows(230);
   const Outcome changed = run(a_case(), "parts", "--resume");
   EXPECT_EQ(changed.exit_code, 65);
   EXPECT_THAT(changed.err, HasSubstr("have changed"));
