@@ -66,6 +66,7 @@ const read = (name) => JSON.parse(fs.readFileSync(path.join(folder, name), 'utf8
 const shot = async (page, name) => {
   if (!shots) return;
   fs.mkdirSync(shots, { recursive: true });
+  await page.evaluate(() => scrollTo(0, 0));
   await page.screenshot({ path: path.join(shots, `application-${name}.png`) });
 };
 const run = (...words) => {

@@ -29,7 +29,7 @@ const route = async () => {
   const end = await attempt(() => (views[kind] ? views[kind](content, file) : projectsView(content)));
   if (mine !== turn) end?.();
   else close = end;
-  if (end === undefined && content.textContent === 'Reading …') content.replaceChildren(element('p', {}, element('a', { href: '#/' }, 'Back to the cases')));
+  if (end === undefined && content.textContent === 'Reading …') content.replaceChildren(element('h1', {}, file || 'Cases'), element('p', {}, element('a', { href: '#/' }, 'Back to the cases')));
   document.documentElement.dataset.ready = shown || '#/';
 };
 

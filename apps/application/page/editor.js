@@ -64,7 +64,7 @@ export const editorView = async (place, name) => {
 
   // After an edit of `doc` by the form or the drawing.
   const edited = ({ from, structural = false }) => {
-    remember(from === 'form' && !structural);
+    remember(from === 'form' && !structural ? form.edited : null);
     text = `${written(doc)}\n`;
     area.value = text;
     if (from === 'form') {
@@ -76,12 +76,12 @@ export const editorView = async (place, name) => {
     refresh();
   };
 
-  let lastRemembered = 0;
-  const remember = (typed) => {
-    const now = Date.now();
-    // Keys typed in quick succession are one step.
-    if (undone.at(-1) !== text && !(typed && now - lastRemembered < 800 && undone.length)) undone.push(text);
-    lastRemembered = typed ? now : 0;
+  // Keys typed in one place in quick succession are one step; the place is null for other edits.
+  let lastPlace = null, lastTime = 0;
+  const remember = (typedAt) => {
+    const now = Date.now(), same = typedAt !== null && typedAt === lastPlace && now - lastTime < 1000;
+    if (undone.at(-1) !== text && !(same && undone.length)) undone.push(text);
+    [lastPlace, lastTime] = [typedAt, now];
     if (undone.length > 300) undone.shift();
     redone.length = 0;
   };
@@ -104,12 +104,12 @@ export const editorView = async (place, name) => {
   const step = (from, to) => {
     if (!from.length) return;
     to.push(text);
-    lastRemembered = 0;
+    lastPlace = null;
     take(from.pop());
   };
 
   area.addEventListener('input', () => {
-    remember(true);
+    remember('JSON');
     take(area.value, 'json');
   });
 

@@ -67,6 +67,7 @@ export class Form {
   set(path, value, structural = false) {
     const parent = at(this.doc, path.slice(0, -1));
     parent[path.at(-1)] = value;
+    this.edited = pointerOf(path);
     this.done(structural);
   }
 
@@ -265,6 +266,7 @@ export class Form {
         const x = Number(event.target.value.trim().replace(',', '.'));
         numbers[i] = event.target.value.trim() !== '' && Number.isFinite(x) ? x : event.target.value;
         write(numbers);
+        this.edited = `${pointerOf(path)}/${i}`;
         this.done(false);
       } })));
     return element('div', { class: 'prior' }, picker, inputs);

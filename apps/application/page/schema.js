@@ -103,7 +103,7 @@ export class Rules {
     const parts = [];
     if (minimum !== undefined) parts.push(`≥ ${inline(minimum)}`);
     if (exclusiveMinimum !== undefined) parts.push(`> ${inline(exclusiveMinimum)}`);
-    if (maximum !== undefined) parts.push(`≤ ${inline(maximum)}`);
+    if (maximum !== undefined && Math.abs(maximum) < 2147483647) parts.push(`≤ ${inline(maximum)}`);
     if (exclusiveMaximum !== undefined) parts.push(`< ${inline(exclusiveMaximum)}`);
     return parts.join(', ');
   }
