@@ -171,7 +171,8 @@ TEST(CaseFile, NamesPlaceValueAndBound) {
   EXPECT_THAT(complaint(input), HasSubstr("/beam/material/young: is missing"));
   input = small_case();
   input["data"]["frequencies"][1] = "NaN";
-  EXPECT_THAT(complaint(input), HasSubstr("/data/frequencies/1: \"NaN\": must be Hz, or null"));
+  EXPECT_THAT(complaint(input),
+              HasSubstr("/data/frequencies/1: \"NaN\": must be a frequency in Hz, or null"));
   input = small_case();
   input["beam"]["supports"] = "simply supported";
   EXPECT_THAT(complaint(input), HasSubstr("/beam/supports"));
