@@ -20,7 +20,7 @@ struct ReplayOptions {
   int series = 48;  ///< replayed, each from the start
   /// Rows of one; 0 in a Monitor: as many as it learns from, kFewestReplayRows to kMostReplayRows.
   int rows = 0;
-  int block = 72;   ///< rows drawn together
+  int block = 72;  ///< rows drawn together
   std::uint64_t seed = 1;
   int threads = 1;
 };
