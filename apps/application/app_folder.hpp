@@ -15,9 +15,9 @@ class AppFolder {
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
 
   /// The path of a name relative to the folder, with "/" between its parts. The file need not
-  /// exist. None for an empty or absolute name, for one of more than 1024 bytes, with control
-  /// characters or with a backslash, for a part that begins with "." (so for ".." and hidden
-  /// files), and for a name that leads out of the folder through a symbolic link.
+  /// exist. None for an empty or absolute name, and for one of more than 1024 bytes, with control
+  /// characters or with a backslash. None for a part that begins with ".", such as ".." and hidden
+  /// files, and for a name that leads out of the folder through a symbolic link.
   [[nodiscard]] std::optional<std::filesystem::path> place(const std::string& name) const;
 
   /// The name of a path below the folder.
