@@ -8,8 +8,9 @@
 
 namespace wheeltap::apps {
 
-/// The poles at /poles; empty if the case has none. `several` is true for a case of several records.
-/// Throws Failure (65) for a method without a diagram of this kind, and for several diagrams.
+/// The poles at /poles; empty if the case has none. `several` is true for a case of several
+/// records. Throws Failure (65) for a method without a diagram of this kind, and for several
+/// diagrams.
 [[nodiscard]] std::vector<signals::ChosenPole> chosen_poles(const CaseFile& file, bool several);
 
 }  // namespace wheeltap::apps
