@@ -4,7 +4,7 @@
 #include <iostream>
 #include <stdexcept>
 
-#include "apps/cases/modal/modal_case.hpp"
+#include "apps/cases/modal_case.hpp"
 #include "apps/commands/command_list.hpp"
 #include "apps/commands/command_options.hpp"
 #include "apps/report/modal_page.hpp"

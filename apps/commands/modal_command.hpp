@@ -3,7 +3,7 @@
 
 #include <string>
 
-#include "apps/cases/modal/modal_case.hpp"
+#include "apps/cases/modal_case.hpp"
 #include "apps/results/summary.hpp"
 #include "apps/run_options.hpp"
 #include "signals/modal/modal_identification.hpp"

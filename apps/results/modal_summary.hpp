@@ -1,7 +1,7 @@
 // summary.json of a modal case.
 #pragma once
 
-#include "apps/cases/modal/modal_case.hpp"
+#include "apps/cases/modal_case.hpp"
 #include "apps/report_json.hpp"
 
 namespace wheeltap::apps {

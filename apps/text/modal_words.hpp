@@ -4,7 +4,7 @@
 #include <string>
 #include <vector>
 
-#include "apps/cases/modal/modal_case.hpp"
+#include "apps/cases/modal_case.hpp"
 
 namespace wheeltap::apps {
 

@@ -1,6 +1,6 @@
 // Any bytes are a case of some kind, or a Failure with a code for bad input.
 #include "apps/cases/damage_case.hpp"
-#include "apps/cases/modal/modal_case.hpp"
+#include "apps/cases/modal_case.hpp"
 #include "apps/cases/sid_case.hpp"
 #include "apps/cases/update_case.hpp"
 #include "fuzz.hpp"

@@ -1,10 +1,10 @@
-#include "apps/cases/modal/modal_case.hpp"
+#include "apps/cases/modal_case.hpp"
 
 #include <algorithm>
 #include <cmath>
 #include <utility>
 
-#include "apps/cases/modal/modal_poles.hpp"
+#include "apps/cases/records/modal_poles.hpp"
 #include "apps/cases/records/modal_units.hpp"
 #include "apps/cases/records/record_reading.hpp"
 #include "apps/cases/sid_record.hpp"
@@ -454,7 +454,7 @@ void take_bands(const CaseFile& file, SetUp& s) {
 
 void take_band(const ModalCaseFile& out, SetUp& s) {
   const Json& json = out.file.json;
-  take_poles(out, s);
+  s.options.poles = chosen_poles(out.file, out.set_ups.size() > 1);
   if (json.value("method", "ssi-cov") == "bayoma") return take_bands(out.file, s);
   if (json.contains("bands"))
     out.file.refuse(Pointer("/bands"), "is allowed with the method \"bayoma\" only");

@@ -8,7 +8,7 @@
 #include <optional>
 #include <sstream>
 
-#include "apps/cases/modal/modal_case.hpp"
+#include "apps/cases/modal_case.hpp"
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "identification/modal/modal_record.hpp"

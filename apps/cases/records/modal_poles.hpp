@@ -1,0 +1,16 @@
+// The key `poles` of a modal case: poles of the stabilisation diagram, chosen by hand.
+#pragma once
+
+#include <vector>
+
+#include "apps/cases/syntax/case_file.hpp"
+#include "signals/modal/stabilisation.hpp"
+
+namespace wheeltap::apps {
+
+/// The poles at /poles; empty if the case has none. `several` is true for a case of several
+/// records. Throws Failure (65) for a method without a diagram of this kind, and for several
+/// diagrams.
+[[nodiscard]] std::vector<signals::ChosenPole> chosen_poles(const CaseFile& file, bool several);
+
+}  // namespace wheeltap::apps
