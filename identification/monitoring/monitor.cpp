@@ -18,23 +18,26 @@ Series rows_from(const Series& series, int from) {
   return out;
 }
 
-/// Residuals of the last third of the learning rows, by a baseline of the first two thirds; of all
-/// rows where those are too few to learn from.
+/// Residuals of the last third of the learning rows, by a baseline of the first two thirds. Where
+/// the last third is shorter than a block of replay, or the first two cannot be learned from: of
+/// all rows, in shorter blocks.
 Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptions& options) {
   ReplayOptions replayed = options.replay;
   if (replayed.rows == 0)
     replayed.rows = std::clamp(learning.rows(), kFewestReplayRows, kMostReplayRows);
   const int trained = 2 * learning.rows() / 3;
   const Series first = learning.first(trained);
+  bool is_short = learning.rows() - trained < replayed.block;
   for (const SeriesFault& fault : find_faults(first, trained))
-    if (fault.kind != SeriesFault::Kind::covariate_constant)
-      return replay(all,
-                    healthy_innovations({.scaling = all.scaling,
-                                         .usual_sds = all.usual_sds,
-                                         .draws = all.draws,
-                                         .last_hours = learning.hours.front()},
-                                        learning),
-                    options.change, replayed);
+    is_short = is_short || fault.kind != SeriesFault::Kind::covariate_constant;
+  if (is_short) {
+    replayed.block = std::clamp(learning.rows() / 8, 1, replayed.block);
+    Baseline start{.scaling = all.scaling,
+                   .usual_sds = all.usual_sds,
+                   .draws = all.draws,
+                   .last_hours = learning.hours.front()};
+    return replay(all, healthy_innovations(start, learning), options.change, replayed);
+  }
   LearningOptions shorter = options.learning;
   // One draw is enough here, so that shorter chains are.
   shorter.draws = 1;
