@@ -63,43 +63,6 @@ double add_scores(CandidateOnset& c, const std::vector<MatrixXd>& log_density, d
 // Weight that moves between the two filters without a change each row.
 constexpr double kFilterShare = 0.05;
 
-/// Sum of log innovation densities: one logarithm for a row.
-class DensitySum {
- public:
-  explicit DensitySum(double degrees)
-      : degrees_(degrees),
-        constant_(degrees == kGaussian
-                      ? -0.5 * std::log(kTwoPi)
-                      : base::log_gamma(0.5 * (degrees + 1.0)) - base::log_gamma(0.5 * degrees) -
-                            0.5 * std::log(degrees * kPi)) {}
-  struct Terms {
-    double scales = 1.0, tails = 1.0, squares = 0.0;
-    int n = 0;
-  };
-  void add(Terms& terms, double v, double s) const {
-    terms.scales *= s;
-    if (degrees_ == kGaussian)
-      terms.squares += v * v / s;
-    else
-      terms.tails *= 1.0 + v * v / (degrees_ * s);
-    if (++terms.n % 8 == 0) flush(terms);
-  }
-  [[nodiscard]] double value(const Terms& terms) const {
-    const double tails =
-        degrees_ == kGaussian ? 0.0 : 0.5 * (degrees_ + 1.0) * std::log(terms.tails);
-    return terms.n * constant_ - 0.5 * std::log(terms.scales) - 0.5 * terms.squares - tails;
-  }
-
- private:
-  /// Keeps the products far from underflow.
-  void flush(Terms& terms) const {
-    terms.squares += std::log(terms.scales);
-    if (degrees_ != kGaussian) terms.squares += (degrees_ + 1.0) * std::log(terms.tails);
-    terms.scales = terms.tails = 1.0;
-  }
-  double degrees_, constant_;
-};
-
 /// One draw's candidates in one row. The gain k_i of entry i is common to all candidates, so that
 /// the innovation of entry j changes with δ by
 ///
