@@ -7,7 +7,6 @@
 
 #include "base/constants.hpp"
 #include "base/index.hpp"
-#include "base/log_gamma.hpp"
 
 namespace wheeltap::identification::monitoring {
 namespace {
