@@ -70,7 +70,7 @@ struct Mass {
   double from, to, mass;
 };
 
-double quantile(const std::vector<Mass>& masses, double total, double share) {
+double quantile_of(const std::vector<Mass>& masses, double total, double share) {
   double below = 0.0;
   for (const Mass& m : masses) {
     if (below + m.mass >= share * total && m.mass > 0.0)
@@ -85,8 +85,8 @@ CentralInterval interval_of(std::vector<Mass> masses) {
   std::ranges::stable_sort(masses, {}, &Mass::from);
   double total = 0.0;
   for (const Mass& m : masses) total += m.mass;
-  return {quantile(masses, total, 0.05), quantile(masses, total, 0.5),
-          quantile(masses, total, 0.95)};
+  return {quantile_of(masses, total, 0.05), quantile_of(masses, total, 0.5),
+          quantile_of(masses, total, 0.95)};
 }
 
 class Explainer {

@@ -276,7 +276,7 @@ std::vector<Mistake> mistakes() {
        "/parameters/k3",
        {{"uniform", {0, 1}}},
        "/parameters/k3",
-       "remove it"},
+       "remove the parameter"},
       // Command lines.
       {"--quik", "damage CASE -o out --quik", beam, bare, {}, "--quik", "did you mean --quick", 64},
       {"a folder without -o", "damage CASE results", beam, bare, {}, "results", "-o results", 64},

@@ -62,7 +62,7 @@ struct Truth {
   VectorXd shift = VectorXd::Zero(kFeatures);
 };
 
-Truth random_truth(double hazard, int rows, base::Random& random) {
+Truth random_onset_truth(double hazard, int rows, base::Random& random) {
   Truth out{.draw = random.index(kDraws)};
   for (int t = 0; t < rows && out.onset < 0; ++t)
     if (random.uniform() < -std::expm1(-hazard)) out.onset = t;
@@ -151,7 +151,7 @@ Places places_of(const ChangePoint& change, const Truth& truth, base::Random& ra
 Places simulated_places(int number, int rows, double hazard, double assumed) {
   base::Random random(19, index(number), 0, base::Purpose::test);
   const Baseline baseline = random_baseline(random);
-  const Truth truth = random_truth(hazard, rows, random);
+  const Truth truth = random_onset_truth(hazard, rows, random);
   ChangePoint change(baseline, {.hazard_per_hour = assumed,
                                 .transients_per_hour = 0.0,
                                 .ramp_share = 0.0,

@@ -16,7 +16,7 @@ using identification::monitoring::ChangeExplanation;
 using identification::monitoring::ExplainedDefect;
 using identification::monitoring::Monitor;
 
-Report interval_json(const CentralInterval& interval) {
+Report central_json(const CentralInterval& interval) {
   return {
       {"q5", finite(interval.q5)}, {"q50", finite(interval.q50)}, {"q95", finite(interval.q95)}};
 }
@@ -26,20 +26,20 @@ Report defect_json(const DefectKind& kind, bool is_mass, const ExplainedDefect& 
   for (const auto& place : found.places) {
     const auto& stretch = kind.line.stretches()[index(place.stretch)];
     Report one = {{"name", stretch.name}, {"probability", place.probability}};
-    if (stretch.size > 0.0) one["at"] = interval_json(place.at);
+    if (stretch.size > 0.0) one["at"] = central_json(place.at);
     places.push_back(std::move(one));
   }
   Report out = {{"name", kind.name},
                 {"is_damage", !is_mass},
                 {"probability", found.probability},
                 {"site", kind.line.is_beam() ? std::string("beam") : kind.site_name()},
-                {"location", interval_json(found.location)},
+                {"location", central_json(found.location)},
                 {"places", places},
                 {"by_element", found.by_cell}};
   if (kind.severity_prior() != nullptr) {
     out["severity_name"] = kind.severity_name();
     out["severity_unit"] = kind.severity_unit();
-    out["severity"] = interval_json(found.severity);
+    out["severity"] = central_json(found.severity);
   }
   return out;
 }
@@ -64,12 +64,12 @@ Report explanation_json(const MonitorCaseFile& parsed, const ChangeExplanation& 
           {"sensor_faults", sensors}};
 }
 
-std::string number(double x) {
+std::string rounded_text(double x) {
   return significant(x, 3);
 }
 
 std::string between(const Report& interval, const std::string& unit) {
-  const auto at = [&](const char* key) { return number(interval.at(key).get<double>()); };
+  const auto at = [&](const char* key) { return rounded_text(interval.at(key).get<double>()); };
   return at("q50") + (unit.empty() ? "" : " " + unit) + " (90 % interval " + at("q5") + " to " +
          at("q95") + (unit.empty() ? ")" : " " + unit + ")");
 }
@@ -144,7 +144,8 @@ std::vector<std::string> explanation_in_words(const Report& alarm) {
       "Cause: damage " + share("probability_damage") + ", an added mass " +
       share("probability_added_mass") + ", a sensor fault " + share("probability_sensor_fault") +
       ", none of these " + share("probability_other") + ". The shift lies " +
-      number(e.at("sds_from_damage").is_null() ? NAN : e.at("sds_from_damage").get<double>()) +
+      rounded_text(e.at("sds_from_damage").is_null() ? NAN
+                                                     : e.at("sds_from_damage").get<double>()) +
       " standard deviations from the nearest damage."};
   for (const Report& defect : e.at("defects"))
     if (defect.at("probability").get<double>() >= 0.05)
