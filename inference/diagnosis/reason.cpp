@@ -49,8 +49,7 @@ struct VerdictSentence {
            (std::isnan(r.by_evidence.value) ? std::string() : implied(r.by_evidence)) + ".";
   }
   std::string operator()(const ModelUnknown& r) const {
-    return "Model " + quoted(r.model) + " " + jumps(r.proposed) +
-           "; nothing is known of its evidence.";
+    return "Model " + quoted(r.model) + " " + jumps(r.proposed) + "; its evidence is not known.";
   }
   std::string operator()(const ModeNotInEveryChain& r) const {
     return (r.visited == 0 ? std::string("No chain has")

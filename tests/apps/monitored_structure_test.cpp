@@ -69,7 +69,7 @@ TEST_F(MonitoredStructure, SimulatesTheTableOfItsCase) {
   EXPECT_EQ(table.substr(table.rfind('\n', static_cast<std::size_t>(changed)) + 1, 5), "1100,");
   c["truth"]["start"] = "2026-01-01T00:00Z";
   ASSERT_EQ(simulate(c).exit_code, 0);
-  EXPECT_THAT(read_all(where / "series.csv"), HasSubstr("\n2026-01-01T04:00"));
+  EXPECT_THAT(read_all(where / "series.csv"), HasSubstr("\n2026-01-01 04:00:00"));
 }
 
 TEST_F(MonitoredStructure, ExplainsAChangeByDamageAtItsPlace) {

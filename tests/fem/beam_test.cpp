@@ -87,7 +87,7 @@ TEST(Beam, RejectsInvalidDefinitions) {
   refuses([](Beam& b) { b.section.shear_coefficient = 0.0; }, {"shear_coefficient"});
   refuses([](Beam& b) { b.supports[1].at = 1.2; }, {"beam.supports[1].at", "1.2", "[0, 1]"});
   refuses([](Beam& b) { b.supports[0].stiffness = -5.0; }, {"beam.supports[0].stiffness", "-5"});
-  refuses([](Beam& b) { b.supports[0].deflection = false; }, {"beam.supports[0]", "hold"});
+  refuses([](Beam& b) { b.supports[0].deflection = false; }, {"beam.supports[0]", "must restrain"});
 }
 
 // Regression: no modes converged, and the program reported an internal error.

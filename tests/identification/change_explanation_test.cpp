@@ -153,7 +153,7 @@ TEST(ChangeExplanation, CallsNoShiftDamageThatIsFarFromEveryDamage) {
     ++far;
     called += found.damage > 0.05 ? 1 : 0;
   }
-  EXPECT_GT(far, 40);
+  EXPECT_GT(far, 30);
   EXPECT_LE(called, far / 20);
 }
 

@@ -4,8 +4,7 @@ import tempfile
 import unittest
 
 import numpy as np
-
-import wheeltap as wt
+from cases import wt
 
 
 def series(rows=260, onset=200):

@@ -120,7 +120,7 @@ TEST_F(RecordFile, TimeMustBeUniform) {
   EXPECT_THROW((void)rate("3\n2\n1\n"), io::FileError);
   EXPECT_THROW((void)rate("3\n"), io::FileError);
   what = message([&] { (void)rate("0.000\n0.500\n1.000\n1.500\n", 2.1); });
-  EXPECT_TRUE(contains(what, "says 2 Hz, which contradicts the stated sampling rate of 2.1 Hz"))
+  EXPECT_TRUE(contains(what, "states 2 Hz, which contradicts the stated sampling rate of 2.1 Hz"))
       << what;
 }
 
@@ -149,7 +149,7 @@ TEST_F(RecordFile, TimeInMillisecondsIsNotReadAsSeconds) {
   EXPECT_DOUBLE_EQ(rate("time [ms]", 200.0), 200.0);
   EXPECT_DOUBLE_EQ(rate("time [ms]", std::nullopt, 1e-6), 200e3) << "a stated scale wins";
   EXPECT_DOUBLE_EQ(rate("time [ticks]", std::nullopt, 1e-3), 200.0);
-  EXPECT_TRUE(contains(message([&] { (void)rate("time [ms]", 0.2); }), "says 200 Hz"));
+  EXPECT_TRUE(contains(message([&] { (void)rate("time [ms]", 0.2); }), "states 200 Hz"));
   for (const char* unit : {"ticks", "V", "mm", "1"}) {
     const std::string what = message([&] { (void)rate("time [" + std::string(unit) + "]"); });
     EXPECT_TRUE(contains(what, "column 1 ('time [" + std::string(unit) + "]'): time is in '" +

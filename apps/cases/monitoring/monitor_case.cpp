@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <regex>
 
 #include "apps/cases/records/record_reading.hpp"
 #include "apps/nearest.hpp"
@@ -114,13 +113,6 @@ signals::Record read_table(const CaseFile& file, const SeriesColumns& columns, c
                                   .what()));
 }
 
-/// Whether a date ends with Z, UTC, GMT or a distance from UTC.
-bool has_zone(const std::string& date) {
-  static const std::regex zone(R"(\d\s*(Z|UTC|GMT|[+-]\d\d(:?\d\d)?)\s*$)");
-  // The day of a date without a time looks like a distance: 2026-03-01.
-  return date.find(':') != std::string::npos && std::regex_search(date, zone);
-}
-
 TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int column) {
   const io::Column& time = table.columns[index(column)];
   const Json& series = file.json.at("series");
@@ -135,10 +127,8 @@ TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int colum
     if (!start)
       refuse_row(table, 0, column,
                  "the first date cannot be read: use ISO 8601, 2026-03-01T10:00Z");
-    return {.hours_per_unit = 1.0 / 3600.0,
-            .unit = "date",
-            .start_nanoseconds = start->nanoseconds,
-            .zoned = has_zone(table.layout->start)};
+    return {
+        .hours_per_unit = 1.0 / 3600.0, .unit = "date", .start_nanoseconds = start->nanoseconds};
   }
   const std::string unit = series.value("time_unit", std::string("h"));
   const double hours = unit == "s"     ? 1.0 / 3600.0
@@ -235,14 +225,6 @@ void read_learning(MonitorCaseFile& out) {
     const auto stamp = io::read_stamp(until.get<std::string>()).stamp;
     if (!stamp || !stamp->has_date)
       out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
-    // A day without a time begins at midnight of the series' clock.
-    if (const bool timed = until.get<std::string>().find(':') != std::string::npos;
-        timed && has_zone(until.get<std::string>()) != out.time.zoned)
-      out.file.refuse(where, out.time.zoned
-                                 ? "has no time zone, but the times of the series have: add it, "
-                                   "for example \"2026-03-01T00:00Z\""
-                                 : "has a time zone, but the times of the series have none: "
-                                   "leave it out");
     hours = static_cast<double>(stamp->nanoseconds - *out.time.start_nanoseconds) / 3.6e12;
   } else {
     if (!until.is_number())
@@ -530,7 +512,7 @@ std::string TimeAxis::text(double hours) const {
   if (!start_nanoseconds) return base::significant(hours / hours_per_unit, 12);
   io::TimeStamp stamp{.nanoseconds =
                           *start_nanoseconds + std::llround(hours * 3600.0) * 1'000'000'000};
-  return io::text_of(stamp) + (zoned ? "Z" : "");
+  return io::text_of(stamp);
 }
 
 MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading) {
