@@ -6,7 +6,7 @@ outliers, 30 % of the entries missing. Three further kinds of year contradict th
 of a kink; skewless noise of three degrees of freedom with 5 % outliers; and a covariate that nobody measures. The table
 states, for each kind and rate, the number of alarms, the number expected at the stated rate, P(at least as many), and the
 mean rate that replay of healthy rows predicts at the threshold of the model. The threshold used is the higher one of
-both; --stated-only runs at the threshold of the model alone where the program offers it.
+both.
 """
 import sys
 
