@@ -76,7 +76,7 @@ TEST(UpdateCase, ModesMayBeDoubtedWhereTheyHaveShapes) {
   EXPECT_EQ(parsed_update(with("/data/doubt", 0.05)).update.data.doubt, 0.05);
   json alone = with("/data/doubt", 0.05);
   for (const char* key : {"shapes", "shape_sd", "sensors"}) alone["data"].erase(key);
-  expect_refused(alone, "/data/doubt", "needs shapes");
+  expect_refused(alone, "/data/doubt", "needs mode shapes");
 }
 
 TEST(UpdateCase, ATruthStandsInForData) {
