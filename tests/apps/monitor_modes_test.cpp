@@ -84,7 +84,7 @@ TEST_F(MonitoredModes, RaiseAnAlarmWithinSixTestsAndRunAProgram) {
   for (const json& mode : monitor["tracked_modes"]) EXPECT_EQ(mode["missing"], 0) << mode;
   const json& alarm = monitor["alarms"][0];
   EXPECT_GT(alarm["time"].get<int>(), kHealthy);
-  EXPECT_LE(alarm["time"].get<int>(), kHealthy + 6);
+  EXPECT_LE(alarm["time"].get<int>(), kHealthy + 3);
   EXPECT_EQ(alarm["file"], "modes/" + std::to_string(1000 + alarm["time"].get<int>()) + ".json");
   const json said = json::parse(read_all(where / "said.json"));
   EXPECT_EQ(said["alarms"].size(), monitor["alarms"].size());
