@@ -225,13 +225,9 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   const SeriesTable t = table_of(series);
   if (t.time.empty()) throw std::invalid_argument("series.csv has no rows");
   const Report& monitor = summary.at("monitor");
-  const Report& rates = monitor.at("false_alarms_per_year");
   std::string out =
       page_head(summary.at("title").get<std::string>(), monitor_headline(monitor),
-                {"False alarms a year at the threshold of the model: " +
-                 significant(rates.at("stated").get<double>(), 3) + " stated, " +
-                 significant(rates.at("replayed").get<double>(), 3) +
-                 " in replayed healthy rows. Wheeltap uses the more careful threshold."});
+                {false_alarms_in_words(monitor) + " Wheeltap uses the more careful threshold."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
   const std::string unit = dates ? "days since the first row"
                                  : "time [" + monitor.value("time_unit", std::string("h")) + "]";

@@ -206,6 +206,15 @@ std::string shifts_in_words(const Report& alarm) {
   return words.empty() ? std::string("no feature with a probability above 50 %") : in_words(words);
 }
 
+std::string false_alarms_in_words(const Report& monitor) {
+  const bool rows = monitor.contains("rows_between_false_alarms");
+  const Report& rates = monitor.at(rows ? "rows_between_false_alarms" : "false_alarms_per_year");
+  return (rows ? "Rows between two false alarms at the threshold of the model: "
+               : "False alarms a year at the threshold of the model: ") +
+         significant(rates.at("stated").get<double>(), 3) + " stated, " +
+         significant(rates.at("replayed").get<double>(), 3) + " in replayed healthy rows.";
+}
+
 void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Report& summary,
                    bool colour) {
   const Page page{out, colour};
@@ -217,21 +226,7 @@ void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Repor
     for (const std::string& text : explanation_in_words(alarm))
       page.wrapped(io::printable(text), "  ", "  ");
   }
-  const Report& rates = monitor.at("false_alarms_per_year");
-  if (monitor.contains("rows_between_false_alarms")) {
-    const Report& rows = monitor.at("rows_between_false_alarms");
-    page.wrapped(
-        "Rows between two false alarms: " + significant(rows.at("stated").get<double>(), 3) +
-            " stated, " + significant(rows.at("replayed").get<double>(), 3) +
-            " in replayed healthy rows.",
-        "", "");
-  } else {
-    page.wrapped("False alarms a year at the threshold of the model: " +
-                     significant(rates.at("stated").get<double>(), 3) + " stated, " +
-                     significant(rates.at("replayed").get<double>(), 3) +
-                     " in replayed healthy rows.",
-                 "", "");
-  }
+  page.wrapped(false_alarms_in_words(monitor), "", "");
   for (const Report& text : summary.at("diagnostics").at("warnings"))
     page.wrapped(io::printable(text.get<std::string>()), "! ", "  ");
 }

@@ -28,6 +28,9 @@ void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Repor
 
 /// One sentence: whether there was an alarm, since when, and how sure.
 [[nodiscard]] std::string monitor_headline(const Report& monitor);
+/// One sentence: the stated rate of false alarms, and the rate in replayed healthy rows. A series
+/// without a clock states rows between two false alarms.
+[[nodiscard]] std::string false_alarms_in_words(const Report& monitor);
 
 /// "f2 [Hz] by -1.9 % ± 0.2 %", the features that shifted most clearly first.
 [[nodiscard]] std::string shifts_in_words(const Report& alarm);
