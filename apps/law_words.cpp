@@ -39,7 +39,7 @@ std::string law_in_words(const dynamics::LawInfo& info) {
 
 std::string in_words(const dynamics::LawCoefficient& c) {
   return std::string(c.words) + " [" + std::string(c.unit) + "]: a number or a parameter's name" +
-         (c.required() ? "" : "; " + plain_number(c.otherwise) + " unless given");
+         (c.required() ? "" : "; default " + plain_number(c.otherwise));
 }
 
 std::string bounds_in_words(const dynamics::LawCoefficient& c) {

@@ -23,7 +23,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string law_in_words(const dynamics::LawInfo& info);
 
 /// Description of a coefficient: "the force at which it slips [N]: a number or a parameter's name;
-/// 0 unless given".
+/// default 0".
 [[nodiscard]] std::string in_words(const dynamics::LawCoefficient& coefficient);
 
 /// Bounds of a coefficient: "positive", "at least 0", "at least 1"; empty without bounds.
