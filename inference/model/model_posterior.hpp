@@ -64,6 +64,7 @@ class ModelPosterior {
   /// ∂ ln π/∂z at z, whose components may be in any order; false if it is not available
   /// (Target::gradient). Evaluates z.
   bool gradient(std::span<const double> z, std::span<double> out);
+  [[nodiscard]] bool has_exact_derivatives() const { return target_.has_exact_derivatives(); }
 
   /// Target::gauss_newton at z.
   bool gauss_newton(std::span<const double> z, std::span<const double> dz,

@@ -22,7 +22,7 @@ class Surface {
   /// -∞.
   Eigen::VectorXd values(const Eigen::MatrixXd& zs,
                          double level = -std::numeric_limits<double>::infinity());
-  /// ∇ ln π(z); false if the likelihood has none.
+  /// ∇ ln π(z); false if the likelihood has none, or none at z.
   bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
   /// ∇ ln π(z) and a positive definite approximation of -∇² ln π(z), by differences over dz; false
   /// if the likelihood has none (Likelihood::gauss_newton), or none at z.
@@ -33,11 +33,15 @@ class Surface {
   [[nodiscard]] std::vector<double> ordered(const Eigen::VectorXd& z);
   [[nodiscard]] Eigen::Index dimension() const { return posterior_.dimension(); }
   [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
+  /// Likelihood::has_exact_derivatives.
+  [[nodiscard]] bool has_exact_derivatives() const { return posterior_.has_exact_derivatives(); }
+  /// Number of calls that exact derivatives have saved in comparison with central differences.
+  [[nodiscard]] long saved() const { return saved_; }
   /// All state between two calls, for another rank's surface of the same problem.
   template <class Parcel>
   void carry(Parcel& parcel) {
     posterior_.carry(parcel);
-    parcel(offers_gradient_);
+    parcel(gradients_, refusals_, saved_);
   }
   /// Sets a callback that is called before each likelihood; returning true ends the current climb.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
@@ -48,7 +52,8 @@ class Surface {
   std::vector<double> ordered_, batch_;
   std::vector<Eigen::Index> places_;  ///< place of each batch entry among the columns
   std::vector<ModelPosterior::Value> values_;
-  bool offers_gradient_ = true;  ///< false after the first failure
+  long gradients_ = 0, refusals_ = 0;  ///< numbers of gradients, and of failures to get one
+  long saved_ = 0;
   std::function<bool()> stop_;
 };
 
@@ -82,7 +87,8 @@ struct ClimbEnd {
                              const std::vector<KnownMode>& known, bool fine = false);
 
 /// The Hessian by differences with steps that lower ln π by about a twentieth of a nat, made
-/// positive definite: no direction is much wider than the prior.
+/// positive definite: no direction is much wider than the prior. Exact derivatives, if the
+/// likelihood has them, replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
 /// Squared distance from a mode in units of its standard deviations.

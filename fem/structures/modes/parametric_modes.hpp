@@ -76,8 +76,9 @@ class ParametricModes {
   /// Throws like `family.at` and `structure_modes` if there is no structure at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Solves with derivatives: of eigenvalues by ∂λ = φᵀ(∂K - λ ∂M)φ, of shapes by Nelson (1976) in
-  /// the basis. Returns false without derivatives if the matrices are not affine in θ, the full
-  /// structure had to be solved, or modes are closer than 1e-6.
+  /// the basis. Shapes of modes closer than 1e-6 change without the rotation among them, which is
+  /// not determined. Where the full structure has to be solved, the derivatives are those of the
+  /// basis. Returns false without derivatives if the matrices are not affine in θ.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 
