@@ -112,13 +112,13 @@ class TemperedChain {
 /// A draw from the prior with a finite likelihood. Throws LikelihoodError after 100 000 tries.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
-/// Checks that every model with prior weight has a finite likelihood at one draw from its prior at
-/// least. Throws LikelihoodError, naming the model, after 100 000 draws without one, or after 5000
-/// if the problem can be shortened. All but the first 200 of these are tested on its first 50
-/// samples first. The function `goes_on`, if any, is called before every try with the completed
-/// share of the largest possible number of tries; if it returns false, the remaining models are not
-/// checked.
-void check_models(Target& target, std::uint64_t seed,
-                  const std::function<bool(double tried)>& goes_on = {});
+/// Returns the models with prior weight that have a likelihood of zero at every draw from their
+/// prior: 100 000 draws, or 5000 if the problem can be shortened. All but the first 200 of these
+/// are tested on its first 50 samples first. Throws LikelihoodError, naming the first model, if
+/// that holds for all models. The function `goes_on`, if any, is called before every try with the
+/// completed share of the largest possible number of tries; if it returns false, the remaining
+/// models are not checked.
+std::vector<int> check_models(Target& target, std::uint64_t seed,
+                              const std::function<bool(double tried)>& goes_on = {});
 
 }  // namespace wheeltap::inference

@@ -13,6 +13,8 @@ struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit
   double ess = 400.0;        ///< lower limit, all chains together
   double ess_within = 20.0;  ///< the same for the parameters of the least probable model judged
+  /// The same for the tails of parameters, as a share of the limit for their bulk.
+  double ess_tail_share = 0.5;
   /// Above it, chains are in different places or modes have different shares.
   double rhat_apart = 1.05;
   double known = 0.001;          ///< error of a probability that is negligible

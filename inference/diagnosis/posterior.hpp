@@ -14,6 +14,7 @@
 
 #include "inference/chains/chain.hpp"
 #include "inference/diagnosis/reason.hpp"
+#include "inference/evidence/importance_sampling.hpp"
 #include "inference/model/model_posterior.hpp"
 #include "inference/model/model_space.hpp"
 #include "inference/statistics/diagnostics.hpp"
@@ -45,6 +46,13 @@ struct ModelFindings {
   /// One of very many nested models, not evaluated: all evaluated models one step from it are
   /// outside Occam's window (exploration/occams_window.hpp).
   bool passed_over = false;
+  /// No draw of its prior had a finite likelihood: its probability is 0.
+  bool impossible = false;
+  /// Modes that exceeded the limit of a search, and their share of the model's probability by
+  /// Laplace's method.
+  long left_out = 0;
+  double left_out_share = 0.0;
+  ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
   /// Separate modes above the threshold, the largest probability mass first.
   std::vector<FoundMode> modes;
   Evidence annealed = kNoEvidence;  ///< by SMC or the ladder, starting from the prior; NaN: not run
@@ -101,6 +109,9 @@ struct RunRecord {
   long ladder_round_trips = 0;  ///< from β = 0 to β = 1 and back while drawing, over all chains
   double barrier = 0.0;  ///< Λ of the ladder (Syed et al. 2022), the largest of any chain; 0: none
   long impossible = 0;   ///< likelihood values of NaN or +∞, counted as -∞
+  /// Models with a likelihood of zero at every point drawn from their prior: their probability is
+  /// 0.
+  std::vector<int> impossible_models;
   std::vector<Choice> choices;
 };
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/eigen.hpp"
+#include "inference/evidence/importance_sampling.hpp"
 #include "inference/model/model_posterior.hpp"
 #include "inference/search/mode_search.hpp"
 
@@ -49,6 +50,9 @@ struct ModelExploration {
   std::vector<double> shares;  ///< probability of each mode
   long climbs = 0;
   double spacing = 0.0;  ///< ModeSearch::spacing of these climbs
+  long left_out = 0;     ///< ModeSearch::left_out
+  double left_out_share = 0.0;
+  ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
   /// ExplorationOptions::climbs_only: searched by climbs, no importance sampling.
   bool glanced = false;
   bool passed_over = false;    ///< one of very many, outside Occam's window: not evaluated
