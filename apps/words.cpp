@@ -231,6 +231,12 @@ std::string in_words(inference::Choice choice) {
   return {};
 }
 
+std::string impossible_in_words(const std::string& model) {
+  return "The likelihood of model '" + model +
+         "' is zero at every point drawn from its prior, so its probability is 0. If this model "
+         "should be possible, check its priors.";
+}
+
 std::string in_words(const Look& look) {
   return "The quick run used only the first " + std::to_string(look.samples) + " of " +
          std::to_string(look.of) + " samples.";

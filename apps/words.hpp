@@ -67,6 +67,8 @@ struct Context {
 
 /// A sentence on a choice of the sampler.
 [[nodiscard]] std::string in_words(inference::Choice choice);
+/// A model without a possible point in its prior.
+[[nodiscard]] std::string impossible_in_words(const std::string& model);
 /// A sentence on the part of a record that a quick run used.
 [[nodiscard]] std::string in_words(const identification::Look& look);
 

@@ -122,6 +122,8 @@ Report diagnostics(const Findings& findings, const std::vector<std::string>& war
   }
   Report notes = Report::array();
   for (const inference::Choice choice : sampling.choices) notes.push_back(in_words(choice));
+  for (const int model : sampling.impossible_models)
+    notes.push_back(impossible_in_words(findings.models[static_cast<std::size_t>(model)].name));
   const inference::ModelProbabilities& stationary = sampling.stationary;
   Report transitions = Report::array();
   const bool few = findings.models.size() <= kFewModelsTold;

@@ -20,7 +20,8 @@ const char* advice(const Reason& reason) {
   if (std::holds_alternative<StoppedEarly>(reason)) return " Let the run continue to its end.";
   if (std::holds_alternative<QuickLook>(reason)) return " Run without --quick.";
   const bool search = std::holds_alternative<ModelNotEntered>(reason) ||
-                      std::holds_alternative<AnnealingFindsMore>(reason);
+                      std::holds_alternative<AnnealingFindsMore>(reason) ||
+                      std::holds_alternative<EvidenceUnreliable>(reason);
   return search ? kSearchMore : kRunLonger;
 }
 
@@ -37,7 +38,8 @@ Topic topic_of(const Reason& reason) {
         if constexpr (std::is_same_v<R, AnnealingFindsMore> ||
                       std::is_same_v<R, EvidenceDisagrees> ||
                       std::is_same_v<R, DrawsBeyondMixture> ||
-                      std::is_same_v<R, AnnealingDrawsBeyond>)
+                      std::is_same_v<R, AnnealingDrawsBeyond> ||
+                      std::is_same_v<R, EvidenceUnreliable>)
           return Topic::evidence;
         if constexpr (std::is_same_v<R, ChainsDisagree> || std::is_same_v<R, TooFewEffectiveDraws>)
           return Topic::chains;

@@ -42,8 +42,10 @@ State start_from_prior(Target& target, base::Random& random) {
                         " points drawn from the prior");
 }
 
-void check_models(Target& target, std::uint64_t seed,
-                  const std::function<bool(double tried)>& goes_on) {
+std::vector<int> check_models(Target& target, std::uint64_t seed,
+                              const std::function<bool(double tried)>& goes_on) {
+  std::vector<int> impossible;
+  int possible = 0, most_tries = 0;
   std::shared_ptr<const Problem> part;
   std::unique_ptr<Target> shortened;
   if (target.problem().shortened && target.problem().samples > kFirstSamples) {
@@ -59,7 +61,8 @@ void check_models(Target& target, std::uint64_t seed,
     State state;
     bool finite = false;
     for (int i = 0; i < tries && !finite; ++i) {
-      if (goes_on && !goes_on((m + static_cast<double>(i) / tries) / target.space().size())) return;
+      if (goes_on && !goes_on((m + static_cast<double>(i) / tries) / target.space().size()))
+        return impossible;
       base::Random random(seed, static_cast<std::uint64_t>(m),
                           static_cast<std::uint64_t>(kFirstOfCheck + i), base::Purpose::start);
       target.draw_prior(m, random, state);
@@ -72,17 +75,22 @@ void check_models(Target& target, std::uint64_t seed,
       finite = std::isfinite(state.log_likelihood);
       if (state.z.empty()) break;
     }
-    if (!finite) {
-      std::string parameters;
-      for (int i = 0; i < target.space()[m].dimension; ++i) {
-        parameters += (i == 0 ? ": " : ", ") + target.space().parameter_name(m, i) + " ~ " +
-                      target.space().prior(m, i).describe();
-      }
-      throw LikelihoodError("the likelihood of model '" + target.space()[m].name +
-                            "' is zero at every point drawn from its prior (" +
-                            std::to_string(tries) + " tried)" + parameters);
-    }
+    most_tries = std::max(most_tries, tries);
+    if (finite)
+      ++possible;
+    else
+      impossible.push_back(m);
   }
+  if (possible > 0 || impossible.empty()) return impossible;
+  const int m = impossible.front();
+  std::string parameters;
+  for (int i = 0; i < target.space()[m].dimension; ++i) {
+    parameters += (i == 0 ? ": " : ", ") + target.space().parameter_name(m, i) + " ~ " +
+                  target.space().prior(m, i).describe();
+  }
+  throw LikelihoodError("the likelihood of model '" + target.space()[m].name +
+                        "' is zero at every point drawn from its prior (" +
+                        std::to_string(most_tries) + " tried)" + parameters);
 }
 
 Ladder::Ladder(std::vector<double> inverse_temperatures, int models)

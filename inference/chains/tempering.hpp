@@ -117,13 +117,13 @@ class TemperedChain {
 /// without a finite likelihood.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
-/// Checks that every model with a positive prior probability has a finite likelihood at one or more
-/// draws from its prior. Throws LikelihoodError, with the name of the model, after 100 000 draws
-/// without a finite likelihood, or after 5000 if the problem can be shortened. After 200 draws,
-/// each draw is first tested on the first 50 samples of the record. The function `goes_on`, if any,
-/// is called before every try with the completed share of the largest possible number of tries; if
-/// it returns false, the remaining models are not checked.
-void check_models(Target& target, std::uint64_t seed,
-                  const std::function<bool(double tried)>& goes_on = {});
+/// Returns the models with a positive prior probability whose likelihood is zero at every draw from
+/// their prior: 100 000 draws, or 5000 if the problem can be shortened. After 200 draws, each draw
+/// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
+/// the first model, if all models are impossible in this sense. The function `goes_on`, if any, is
+/// called before every try with the completed share of the largest possible number of tries; if it
+/// returns false, the remaining models are not checked.
+std::vector<int> check_models(Target& target, std::uint64_t seed,
+                              const std::function<bool(double tried)>& goes_on = {});
 
 }  // namespace wheeltap::inference

@@ -14,6 +14,8 @@ struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit of R-hat
   double ess = 400.0;        ///< lower limit of the effective sample size of all chains together
   double ess_within = 20.0;  ///< lower limit for the parameters of the least probable judged model
+  /// Lower limit for the tails of parameters, as a share of the limit for their bulk.
+  double ess_tail_share = 0.5;
   /// Limit of R-hat. Above this limit, the chains are in different regions or disagree on the
   /// shares of posterior modes.
   double rhat_apart = 1.05;

@@ -14,6 +14,7 @@
 
 #include "inference/chains/chain.hpp"
 #include "inference/diagnosis/reason.hpp"
+#include "inference/evidence/importance_sampling.hpp"
 #include "inference/model/model_posterior.hpp"
 #include "inference/model/model_space.hpp"
 #include "inference/statistics/diagnostics.hpp"
@@ -48,6 +49,13 @@ struct ModelFindings {
   /// True if this model of a long nested list was not evaluated. All evaluated models one step from
   /// it are then outside Occam's window (exploration/occams_window.hpp).
   bool passed_over = false;
+  /// True if no draw from its prior had a finite likelihood; its probability is then 0.
+  bool impossible = false;
+  /// Number of modes beyond the limit of a search, and their share of the probability of the model
+  /// by Laplace's method.
+  long left_out = 0;
+  double left_out_share = 0.0;
+  ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
   /// Separate posterior modes above the threshold, the mode with the largest probability mass
   /// first.
   std::vector<FoundMode> modes;
@@ -114,6 +122,8 @@ struct RunRecord {
   /// Communication barrier Λ (Syed et al. 2022), the largest of any chain; 0: no ladder
   double barrier = 0.0;
   long impossible = 0;  ///< likelihood values of NaN or +∞, counted as -∞
+  /// Models with a likelihood of zero at every draw from their prior; their probability is 0.
+  std::vector<int> impossible_models;
   std::vector<Choice> choices;
 };
 

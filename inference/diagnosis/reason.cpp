@@ -84,6 +84,18 @@ struct VerdictSentence {
            " of the chain draws, and chains that start there do not leave it: the draws lack a "
            "part of the posterior.";
   }
+  std::string operator()(const EvidenceUnreliable& r) const {
+    return "The evidence of model " + quoted(r.model) +
+           " is not known: its largest importance weights decay too slowly (Pareto k " +
+           base::readable(r.pareto, 2) + ", must be at most " + base::readable(r.limit, 2) +
+           "), so that it may be too small by a factor of " + base::readable(r.factor, 2) +
+           implied(r.by_evidence) + ".";
+  }
+  std::string operator()(const ModesLeftOut& r) const {
+    return "The search for the modes of model " + quoted(r.model) + " found " +
+           std::to_string(r.modes) + (r.modes == 1 ? " mode" : " modes") +
+           " more than it can keep, with about " + share_of(r.share) + " of that model.";
+  }
   std::string operator()(const ChainsDisagree& r) const {
     return "R-hat of " + r.quantity + " is " + base::readable(r.rhat, 4) + " (must be below " +
            base::readable(r.limit, 4) + ")";
@@ -97,8 +109,9 @@ struct VerdictSentence {
            base::readable(r.rhat, 4) + ").";
   }
   std::string operator()(const ParameterMovesSlowly& r) const {
-    return within(r.model) + "effective sample size of " + r.parameter + " is " +
-           base::readable(r.ess, 3) + " (must exceed " + base::readable(r.limit, 3) + ").";
+    return within(r.model) + "effective sample size of " + (r.tail ? "the tails of " : "") +
+           r.parameter + " is " + base::readable(r.ess, 3) + " (must exceed " +
+           base::readable(r.limit, 3) + ").";
   }
   std::string operator()(const TooFewRoundTrips& r) const {
     return "The tempered replicas completed only " + std::to_string(r.completed) +

@@ -64,6 +64,20 @@ struct AnnealingDrawsBeyond {
   /// Share of the draws outside the mixture, by SMC and by the chains.
   double annealed = 0.0, drawn = 0.0;
 };
+/// The largest importance weights of a model's evidence decay so slowly that a longer sample may
+/// find far more evidence, and its draws do not confirm the evidence.
+struct EvidenceUnreliable {
+  int model = 0;
+  double pareto = 0.0, limit = 0.0;  ///< shape k̂ of the weights; must not exceed `limit`
+  Estimate by_evidence{};            ///< probability by evidence
+  double factor = 1.0;               ///< by which the evidence may be too small
+};
+/// A search found more separate modes than it can keep.
+struct ModesLeftOut {
+  int model = 0;
+  long modes = 0;      ///< number left out
+  double share = 0.0;  ///< their share of the model's probability by Laplace's method
+};
 /// R-hat of a quantity with the same meaning in every model is too large.
 struct ChainsDisagree {
   std::string quantity;  ///< "log posterior", "number of damages", "P(line)", or a watched quantity
@@ -87,6 +101,7 @@ struct ParameterMovesSlowly {
   int model = 0;
   std::string parameter;
   double ess = 0.0, limit = 0.0;
+  bool tail = false;  ///< of its 5 % and 95 % quantiles, by which intervals are reported
 };
 /// Too few round trips of replicas on the ladder used for the draws.
 struct TooFewRoundTrips {
@@ -99,8 +114,9 @@ struct QuickLook {};
 using Reason =
     std::variant<ModelNotEntered, ModelNotInEveryChain, ModelUnknown, ModeNotInEveryChain,
                  ModeSharesDisagree, AnnealingFindsMore, EvidenceDisagrees, DrawsBeyondMixture,
-                 AnnealingDrawsBeyond, ChainsDisagree, TooFewEffectiveDraws, ParameterDisagrees,
-                 ParameterMovesSlowly, TooFewRoundTrips, StoppedEarly, QuickLook>;
+                 AnnealingDrawsBeyond, EvidenceUnreliable, ModesLeftOut, ChainsDisagree,
+                 TooFewEffectiveDraws, ParameterDisagrees, ParameterMovesSlowly, TooFewRoundTrips,
+                 StoppedEarly, QuickLook>;
 
 /// A sentence that states the values of the reason. For ChainsDisagree and TooFewEffectiveDraws,
 /// the result is a clause without a full stop. The caller adds the advice

@@ -82,7 +82,9 @@ class Weigher {
         of_draws = true;
       } else if (m < posterior_.found.size()) {
         const ModelFindings& found = posterior_.found[m];
-        if (std::isfinite(found.bridged.log_evidence)) {
+        if (found.impossible) {
+          best = found.sampled;
+        } else if (std::isfinite(found.bridged.log_evidence)) {
           best = found.bridged;
           of_draws = true;
         } else if (std::isfinite(found.sampled.log_evidence) &&
@@ -105,6 +107,14 @@ class Weigher {
   // draws relative to the known models.
   void imply() {
     evidences_ = out_.evidence;
+    // With a heavy tail, the scatter of the weights is not the error: a longer sample would add
+    // more.
+    for (std::size_t m = 0; m < std::min(models_, posterior_.found.size()); ++m) {
+      const ModelFindings& found = posterior_.found[m];
+      if (!std::isfinite(found.bridged.log_evidence) && found.pareto.shape > kHeavyTail)
+        evidences_[m].standard_error =
+            std::hypot(evidences_[m].standard_error, found.pareto.log_excess);
+    }
     double known_share = 0.0, known_mass = 0.0, top = -kInfinity;
     for (std::size_t m = 0; m < models_; ++m) {
       if (shares_.visits[m] > 0.0 && std::isfinite(evidences_[m].log_evidence)) {
@@ -172,7 +182,8 @@ class Weigher {
       const bool known = comparable_ && std::isfinite(s.log_evidence);
       const bool speaks = s.visited > 0 && !(known && out_.missed[m]);
       s.basis = speaks || !known ? Basis::draws : Basis::evidence;
-      if (prior(m) == 0.0 && s.visited == 0) s.basis = Basis::evidence;
+      const bool impossible = m < posterior_.found.size() && posterior_.found[m].impossible;
+      if ((prior(m) == 0.0 || impossible) && s.visited == 0) s.basis = Basis::evidence;
       if (s.basis == Basis::evidence) by_evidence += out_.implied.mean[m];
     }
     for (std::size_t n = 0; n < models_; ++n) {

@@ -107,6 +107,11 @@ class Judge {
 
   void judge_modes() {
     for (std::size_t m = 0; m < std::min(models_, posterior_.found.size()); ++m) {
+      const ModelFindings& found = posterior_.found[m];
+      if (found.left_out_share > kLimits.judged_mode &&
+          standing(m).probability > kLimits.judged_model)
+        add(ModesLeftOut{
+            .model = static_cast<int>(m), .modes = found.left_out, .share = found.left_out_share});
       const auto& modes = posterior_.found[m].modes;
       if (modes.size() < 2 || standing(m).visited == 0) continue;
       // Effective draws of this model in each chain, at most its draws.
@@ -176,6 +181,21 @@ class Judge {
           .model = static_cast<int>(m),
           .annealed = {.value = annealed.log_evidence, .mcse = annealed.standard_error},
           .drawn = {.value = drawn.log_evidence, .mcse = drawn.standard_error}});
+    }
+    for (std::size_t m = 0; m < std::min(models_, posterior_.found.size()); ++m) {
+      const ModelFindings& found = posterior_.found[m];
+      // Enough draws of a probable model show what lies outside its mixture (judge_mixtures).
+      const bool drawn = std::isfinite(found.bridged.log_evidence) &&
+                         standing(m).probability > kLimits.judged_model;
+      const double factor = std::exp(found.pareto.log_excess);
+      if (!(found.pareto.shape > kHeavyTail) || drawn || models_ == 1 ||
+          !(implied(m).value * (factor - 1.0) > kLimits.slack_probability))
+        continue;
+      add(EvidenceUnreliable{.model = static_cast<int>(m),
+                             .pareto = found.pareto.shape,
+                             .limit = kHeavyTail,
+                             .by_evidence = implied(m),
+                             .factor = factor});
     }
     for (std::size_t m = 0; m < models_; ++m) {
       const ModelStanding& s = standing(m);
@@ -288,12 +308,13 @@ class Judge {
     const ChainsOf draws = within(m, value);
     if (draws.empty()) return;
     const int model = static_cast<int>(m);
-    const double r = rhat(draws);
+    const Convergence found = convergence(draws);
+    const double r = found.rhat;
     out_.rhats.emplace_back(space_[model].name + "/" + what, r);
     if (named) return;
     const double needed =
         std::clamp(2.0 * kLimits.ess * standing(m).probability, kLimits.ess_within, kLimits.ess);
-    const double ess = ess_bulk(draws);
+    const double ess = found.ess_bulk;
     if (!(r < kLimits.rhat)) {
       double effective = 0.0;  // effective draws of a half chain, to compare single chains
       for (const auto& chain : draws) effective += ess_bulk({chain});
@@ -312,6 +333,13 @@ class Judge {
                         draws[0].size() >= kLimits.fewest_for_ess;
     if (enough && !(ess > needed)) {
       add(ParameterMovesSlowly{.model = model, .parameter = what, .ess = ess, .limit = needed});
+      named = true;
+    } else if (enough && !(found.ess_tail > kLimits.ess_tail_share * needed)) {
+      add(ParameterMovesSlowly{.model = model,
+                               .parameter = what,
+                               .ess = found.ess_tail,
+                               .limit = kLimits.ess_tail_share * needed,
+                               .tail = true});
       named = true;
     }
   }

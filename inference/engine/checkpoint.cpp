@@ -105,16 +105,21 @@ struct CheckpointFields {
       e.likelihood_evaluations, "warnings", e.warnings);
   }
   template <class A>
+  static void of(A& a, In<A, ParetoTail>& t) {
+    a("shape", t.shape, "log_excess", t.log_excess);
+  }
+  template <class A>
   static void of(A& a, In<A, ExplorationCalls>& c) {
     a("search", c.search, "anneal", c.anneal, "weigh", c.weigh);
   }
   template <class A>
   static void of(A& a, In<A, ModelExploration>& m) {
-    a("modes", m.modes, "shares", m.shares, "climbs", m.climbs, "spacing", m.spacing, "glanced",
-      m.glanced, "passed_over", m.passed_over, "population", m.population, "annealed_draws",
-      m.annealed_draws, "annealed_log_posterior", m.annealed_log_posterior, "annealed", m.annealed,
-      "sampled", m.sampled, "effective_draws", m.effective_draws, "efficiency", m.efficiency,
-      "calls", m.calls);
+    a("modes", m.modes, "shares", m.shares, "climbs", m.climbs, "spacing", m.spacing, "left_out",
+      m.left_out, "left_out_share", m.left_out_share, "pareto", m.pareto, "glanced", m.glanced,
+      "passed_over", m.passed_over, "population", m.population, "annealed_draws", m.annealed_draws,
+      "annealed_log_posterior", m.annealed_log_posterior, "annealed", m.annealed, "sampled",
+      m.sampled, "effective_draws", m.effective_draws, "efficiency", m.efficiency, "calls",
+      m.calls);
   }
   template <class A>
   static void of(A& a, In<A, NormalMixture::Component>& c) {
@@ -145,7 +150,7 @@ struct CheckpointFields {
     a("chains", p.chains, "log_weight", p.log_weight, "draws", p.draws, "warmup", p.warmup, "thin",
       p.thin, "dimension", p.dimension, "warmup_evaluations", p.warmup_evaluations, "calls",
       p.calls, "wall_seconds", p.wall_seconds, "quick", p.quick, "tempered_draws", p.tempered_draws,
-      "barrier", p.barrier, "choices", p.choices);
+      "barrier", p.barrier, "impossible_models", p.impossible_models, "choices", p.choices);
   }
   template <class A>
   static void of(A& a, In<A, Position>& p) {

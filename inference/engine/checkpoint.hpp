@@ -21,7 +21,7 @@ namespace wheeltap::inference {
 /// columns therefore does not depend on the number of chains, models or draws.
 struct Checkpoint {
   /// Version number of the format, increased whenever a member of the run state changes.
-  static constexpr int kFormat = 7;
+  static constexpr int kFormat = 8;
 
   using Column =
       std::variant<std::vector<double>, std::vector<float>, std::vector<std::int64_t>,

@@ -140,7 +140,7 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
     return true;
   };
   const auto survey = [&](int m) {
-    if (!std::isfinite(problem.space[m].log_prior)) return;
+    if (!std::isfinite(problem.space[m].log_prior) || is_impossible(state, m)) return;
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)] =
         survey_model(problem, m, options(m));
     count(run, state, found, {});
@@ -148,7 +148,9 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   };
   const auto anneal_one = [&](int m) {
     ModelExploration& found = state.explorations[static_cast<std::size_t>(m)];
-    if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0) return;
+    if (!std::isfinite(problem.space[m].log_prior) || problem.space[m].dimension == 0 ||
+        is_impossible(state, m))
+      return;
     const bool negligible = problem.shortened && log_mass(m) < at.best - kNegligibleModel;
     if (negligible && found.settled()) {
       run.monitor.advance(1.0);
@@ -290,7 +292,7 @@ void explore_many(RunContext& run, RunState& state) {
       for (; at.model < static_cast<int>(at.models.size()); ++at.model) {
         run.safe_points.pass(state);
         const int m = at.models[static_cast<std::size_t>(at.model)];
-        if (!std::isfinite(problem.space[m].log_prior)) continue;
+        if (!std::isfinite(problem.space[m].log_prior) || is_impossible(state, m)) continue;
         climb_only(run, state, m, nullptr);
         if (!run.monitor.advance(1.0)) return;
       }

@@ -39,7 +39,7 @@ RunState begin(RunContext& run) {
       run.monitor.evaluated(1);
       return run.monitor.advance(tried - std::exchange(before, tried));
     };
-    check_models(target, run.options.seed, goes_on);
+    state.posterior.impossible_models = check_models(target, run.options.seed, goes_on);
     state.shared_evaluations += target.evaluations();
   }
   run.atlases = make_atlases(run.problem, run.options, state.shared_evaluations);
@@ -86,6 +86,11 @@ void resume(RunContext& run, const RunState& state) {
     check(chain.state);
     if (chain.ladder && !chain.ladder->states.empty()) check(chain.ladder->states.back());
   }
+}
+
+bool is_impossible(const RunState& state, int model) {
+  return std::ranges::find(state.posterior.impossible_models, model) !=
+         state.posterior.impossible_models.end();
 }
 
 long likelihood_evaluations(const RunState& state) {

@@ -128,9 +128,12 @@ struct RunContext {
 [[nodiscard]] double planned_draws(const RunContext& run);
 [[nodiscard]] double planned_evidence(const RunContext& run);
 
-/// The state of a run before its first stage. Throws LikelihoodError if a model is impossible
+/// The state of a run before its first stage. Throws LikelihoodError if all models are impossible
 /// (check_models).
 [[nodiscard]] RunState begin(RunContext& run);
+
+/// Whether no point drawn from the model's prior had a finite likelihood (check_models).
+[[nodiscard]] bool is_impossible(const RunState& state, int model);
 
 /// Prepares a new context to continue a run from `state`. Throws CheckpointError if the likelihood
 /// at the chains' states differs in any bit: the data or the processor has changed.

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "base/constants.hpp"
 #include "inference/diagnosis/convergence.hpp"
@@ -111,6 +112,14 @@ void weigh(RunContext& run, RunState& state) {
     found.spacing = explored.spacing;
     found.glanced = explored.glanced;
     found.passed_over = explored.passed_over;
+    found.pareto = explored.pareto;
+    found.left_out = explored.left_out;
+    found.left_out_share = explored.left_out_share;
+    if (is_impossible(state, m)) {
+      found.impossible = true;
+      found.sampled = {.log_evidence = -kInfinity, .standard_error = 0.0};
+      continue;
+    }
     describe_modes(run, state, m, found);
     if (run.space()[m].dimension == 0) {
       found.sampled = explored.sampled;
@@ -142,10 +151,16 @@ void weigh(RunContext& run, RunState& state) {
       }
     }
     // The exploration's sample may be better.
+    const ParetoTail tail = pareto_tail(at_mixture);
     const Evidence sampled = by_importance(at_mixture);
+    const auto rank = [](const ParetoTail& of, const Evidence& evidence) {
+      return std::pair(of.shape > kHeavyTail, evidence.standard_error);
+    };
     if (!std::isfinite(explored.sampled.standard_error) ||
-        sampled.standard_error < explored.sampled.standard_error)
+        rank(tail, sampled) < rank(explored.pareto, explored.sampled)) {
       found.sampled = sampled;
+      found.pareto = tail;
+    }
     find_by_bridge(state, m, at_mixture, found);
   }
 }

@@ -46,18 +46,21 @@ std::vector<double> log_importance_ratios(const Problem& problem, int model,
 }
 
 double pareto_shape(std::span<const double> log_weights) {
+  return pareto_tail(log_weights).shape;
+}
+
+ParetoTail pareto_tail(std::span<const double> log_weights) {
+  constexpr ParetoTail kNone{.shape = -std::numeric_limits<double>::infinity(), .log_excess = 0.0};
   std::vector<double> sorted(log_weights.begin(), log_weights.end());
   std::ranges::sort(sorted, std::greater<>());
   const auto n = static_cast<double>(sorted.size());
   const auto tail = static_cast<std::size_t>(std::min(0.2 * n, 3.0 * std::sqrt(n)));
-  if (tail < 5 || sorted[tail] == -std::numeric_limits<double>::infinity())
-    return -std::numeric_limits<double>::infinity();
+  if (tail < 5 || sorted[tail] == -std::numeric_limits<double>::infinity()) return kNone;
   // Exceedances over the threshold, ascending, in units of the largest weight.
   std::vector<double> x;
   for (std::size_t i = tail; i-- > 0;)
     x.push_back(std::exp(sorted[i] - sorted[0]) - std::exp(sorted[tail] - sorted[0]));
-  if (!(x.back() > 0.0) || !(x[x.size() / 4] > 0.0))
-    return -std::numeric_limits<double>::infinity();
+  if (!(x.back() > 0.0) || !(x[x.size() / 4] > 0.0)) return kNone;
   // Profile likelihood over θ = -k/σ on a grid set by the quartile, averaged by its weight.
   const auto m = static_cast<double>(x.size());
   const double quartile = x[static_cast<std::size_t>(m / 4.0 + 0.5) - 1];
@@ -81,8 +84,20 @@ double pareto_shape(std::span<const double> log_weights) {
     mean += w * theta[j];
     sum += w;
   }
-  const double k = shape(mean / sum);
-  return (m * k + 10.0 * 0.5) / (m + 10.0);  // shrunk towards ½, as in their appendix
+  const double fitted = shape(mean / sum), scale = -fitted * sum / mean;
+  const double k = (m * fitted + 10.0 * 0.5) / (m + 10.0);  // towards ½, as in their appendix
+  // With w(p) = u + σ/k ((p/q)^-k - 1), exceeded with probability p, q that of u: the part of the
+  // mean between p = 1/100n and 1/n, which n draws typically lack.
+  const double q = m / n, threshold = std::exp(sorted[tail] - sorted[0]);
+  const double high = 1.0 / n, low = 0.01 / n;
+  const double power = std::abs(k - 1.0) > 1e-9
+                           ? (std::pow(high, 1.0 - k) - std::pow(low, 1.0 - k)) / (1.0 - k)
+                           : std::log(high / low);
+  const double lacking =
+      k > 0.0 ? (threshold - scale / k) * (high - low) + scale / k * std::pow(q, k) * power : 0.0;
+  double total = 0.0;
+  for (const double w : sorted) total += std::exp(w - sorted[0]);
+  return {.shape = k, .log_excess = std::log1p(std::max(0.0, n * lacking / total))};
 }
 
 ImportanceSampling importance_sampling(const Problem& problem, int model,

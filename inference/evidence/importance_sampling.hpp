@@ -44,4 +44,17 @@ struct ImportanceSampling {
 /// finite moments. The result is -∞ if the fit has fewer than 5 weights.
 [[nodiscard]] double pareto_shape(std::span<const double> log_weights);
 
+/// Above this shape the sample variance of the weights does not give the error of their mean
+/// (Vehtari et al. 2024).
+inline constexpr double kHeavyTail = 0.7;
+
+/// The fitted distribution of the largest weights.
+struct ParetoTail {
+  double shape = 0.0;  ///< as `pareto_shape`
+  /// ln of the factor by which 100 times as many draws would typically raise the mean weight, by
+  /// extrapolation of the tail; 0 without a fit.
+  double log_excess = 0.0;
+};
+[[nodiscard]] ParetoTail pareto_tail(std::span<const double> log_weights);
+
 }  // namespace wheeltap::inference

@@ -279,6 +279,9 @@ bool weigh_model(const Problem& problem, int model, const ExplorationOptions& op
   }
   found.calls.weigh += sampler.evaluations() + others.evaluations();
   found.sampled = sampler.evidence();
+  std::vector<double> log_weights;
+  for (const double w : sampler.weights()) log_weights.push_back(std::log(w));
+  found.pareto = pareto_tail(log_weights);
   found.effective_draws = sampler.effective_draws();
   found.efficiency = sampler.efficiency();
   const bool trusted = found.effective_draws >= std::max(500.0, 50.0 * static_cast<double>(d));
@@ -385,6 +388,8 @@ void search_from_prior(const Problem& problem, int model, const ExplorationOptio
   out.modes = std::move(found.modes);
   out.climbs = found.climbs;
   out.spacing = found.spacing;
+  out.left_out = found.left_out;
+  out.left_out_share = found.left_out_share;
   out.calls.search += found.likelihood_evaluations;
 }
 

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "base/eigen.hpp"
+#include "inference/evidence/importance_sampling.hpp"
 #include "inference/model/model_posterior.hpp"
 #include "inference/search/mode_search.hpp"
 
@@ -54,6 +55,9 @@ struct ModelExploration {
   std::vector<double> shares;  ///< probability of each mode
   long climbs = 0;
   double spacing = 0.0;  ///< ModeSearch::spacing of the local optimisations
+  long left_out = 0;     ///< ModeSearch::left_out
+  double left_out_share = 0.0;
+  ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
   /// True if the model was searched by local optimisations alone, without importance sampling
   /// (ExplorationOptions::climbs_only).
   bool glanced = false;

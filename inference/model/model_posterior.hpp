@@ -66,6 +66,7 @@ class ModelPosterior {
   /// ∂ ln π/∂z at z, whose components may be in any order; false if the gradient is not available
   /// (Target::gradient). The function also evaluates the log posterior at z.
   bool gradient(std::span<const double> z, std::span<double> out);
+  [[nodiscard]] bool has_exact_derivatives() const { return target_.has_exact_derivatives(); }
 
   /// Target::gauss_newton at z.
   bool gauss_newton(std::span<const double> z, std::span<const double> dz,

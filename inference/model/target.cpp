@@ -196,7 +196,7 @@ bool Target::gauss_newton(State& state, std::span<const double> dz, std::span<do
         state.x[i];
   }
   if (!likelihood_->gauss_newton(state.model, state.x, steps, gradient, information)) return false;
-  memory_.evaluations += static_cast<long>(d) + 1;
+  memory_.evaluations += has_exact_derivatives() ? 2 : static_cast<long>(d) + 1;
   for (std::size_t i = 0; i < d; ++i) {
     gradient[i] = gradient[i] / dz[i] - state.z[i];
     if (!std::isfinite(gradient[i])) return false;

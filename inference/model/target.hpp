@@ -101,12 +101,15 @@ class Likelihood {
   ///
   /// where I is a positive semidefinite approximation of -∇² ln p. Derivatives may be computed as
   /// differences from x_i to x_i + s_i. Returns false, with undefined output, if there is no such
-  /// approximation. Only searches use this approximation. One call counts as d + 1 evaluations.
+  /// approximation. Only searches use this approximation. One call counts as d + 1 evaluations,
+  /// or as two with exact derivatives.
   virtual bool gauss_newton(int /*model*/, std::span<const double> /*x*/,
                             std::span<const double> /*steps*/, std::span<double> /*gradient*/,
                             std::span<double> /*information*/) {
     return false;
   }
+  /// Whether `gradient` and `gauss_newton` are exact derivatives that cost about two evaluations.
+  [[nodiscard]] virtual bool has_exact_derivatives() const { return false; }
 };
 
 /// Creates one likelihood per thread; never null.
@@ -240,6 +243,10 @@ class Target {
   /// Computes the remaining members of a screened state.
   void complete(State& state);
   [[nodiscard]] bool has_screen() const { return screen_ != nullptr; }
+  /// Likelihood::has_exact_derivatives.
+  [[nodiscard]] bool has_exact_derivatives() const {
+    return likelihood_ && likelihood_->has_exact_derivatives();
+  }
 
   /// Log density of the prior with respect to dz, including the prior factor. The state must be
   /// evaluated.

@@ -13,6 +13,7 @@ namespace {
 constexpr double kBound = 8.3;        // |z|
 constexpr double kDifference = 0.05;  // step of derivatives, in widths
 constexpr double kArrived = 0.01;     // ln: expected gain of a further step at convergence
+constexpr long kRefusals = 4;  // failures after which a likelihood counts as without gradient
 constexpr int kMostSteps = 100;
 constexpr int kMostDampedSteps = 40;
 constexpr double kLeastDamping = 1e-6;
@@ -183,9 +184,15 @@ class Climber {
     Vector gradient, curvature;  // minus the second derivatives
   };
 
-  // Central differences with steps of a few per cent of the current widths.
+  // Exact derivatives, or central differences with steps of a few per cent of the current widths.
   Slopes slopes(const Vector& z, double value, const Vector& width) {
     Slopes s{Vector(d_), Vector(d_)};
+    Matrix information(d_, d_);
+    if (f_.has_exact_derivatives() &&
+        f_.gauss_newton(z, kDifference * width, s.gradient, information)) {
+      s.curvature = information.diagonal();
+      return s;
+    }
     Matrix to = z.replicate(1, 2 * d_);
     to.leftCols(d_).diagonal() += kDifference * width;
     to.rightCols(d_).diagonal() -= kDifference * width;
@@ -321,16 +328,20 @@ Vector Surface::values(const Matrix& zs, double level) {
 }
 
 bool Surface::gradient(const Vector& z, Vector& g) {
-  if (!offers_gradient_) return false;
-  offers_gradient_ = posterior_.gradient({z.data(), static_cast<std::size_t>(z.size())},
-                                         {g.data(), static_cast<std::size_t>(g.size())});
-  return offers_gradient_;
+  // A likelihood may have no gradient at a few points only.
+  if (gradients_ == 0 && refusals_ >= kRefusals) return false;
+  const auto n = static_cast<std::size_t>(z.size());
+  const bool found = posterior_.gradient({z.data(), n}, {g.data(), n});
+  ++(found ? gradients_ : refusals_);
+  return found;
 }
 
 bool Surface::gauss_newton(const Vector& z, const Vector& dz, Vector& g, Matrix& information) {
   const auto n = static_cast<std::size_t>(z.size());
-  return posterior_.gauss_newton({z.data(), n}, {dz.data(), n}, {g.data(), n},
-                                 {information.data(), n * n});
+  const bool found = posterior_.gauss_newton({z.data(), n}, {dz.data(), n}, {g.data(), n},
+                                             {information.data(), n * n});
+  if (found && has_exact_derivatives()) saved_ += 2 * z.size() - 2;
+  return found;
 }
 
 void Surface::draw_prior(base::Random& random, Vector& z) {
@@ -354,6 +365,40 @@ ClimbEnd climb(Surface& f, const Vector& start, const std::vector<KnownMode>& kn
   return Climber(f, fine).climb(start, known);
 }
 
+namespace {
+
+// No direction is much wider than the prior.
+void take_hessian(const Matrix& hessian, KnownMode& mode) {
+  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian);
+  const Vector curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(0.25);
+  mode.precision = eigen.eigenvectors() * curvature.asDiagonal() * eigen.eigenvectors().transpose();
+  mode.covariance = eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() *
+                    eigen.eigenvectors().transpose();
+}
+
+// By central differences of exact gradients; false if there is no gradient at one of the points.
+bool measure_by_gradients(Surface& f, const ClimbEnd& end, KnownMode& mode) {
+  const Eigen::Index d = end.z.size();
+  if (!f.has_exact_derivatives() || end.inverse_hessian.rows() != d) return false;
+  Matrix hessian(d, d);
+  Vector z = end.z, up(d), down(d);
+  for (Eigen::Index i = 0; i < d; ++i) {
+    const double variance = end.inverse_hessian(i, i);
+    const double h = 0.3 * (variance > 0.0 ? std::min(1.0, std::sqrt(variance)) : 1.0);
+    if (!(std::abs(end.z[i]) + h <= kBound)) return false;
+    z[i] = end.z[i] + h;
+    if (!f.gradient(z, up)) return false;
+    z[i] = end.z[i] - h;
+    if (!f.gradient(z, down)) return false;
+    z[i] = end.z[i];
+    hessian.col(i) = (down - up) / (2.0 * h);
+  }
+  take_hessian(0.5 * (hessian + hessian.transpose()), mode);
+  return true;
+}
+
+}  // namespace
+
 KnownMode measure(Surface& f, const ClimbEnd& end) {
   const Eigen::Index d = end.z.size();
   KnownMode mode{.z = end.z, .value = end.value, .covariance = {}, .precision = {}};
@@ -372,6 +417,7 @@ KnownMode measure(Surface& f, const ClimbEnd& end) {
     mode.precision = Eigen::LLT<Matrix>(mode.covariance).solve(Matrix::Identity(d, d));
     return mode;
   }
+  if (measure_by_gradients(f, end, mode)) return mode;
   for (int iteration = 0; iteration < 30 && !open.empty(); ++iteration) {
     const auto n = static_cast<Eigen::Index>(open.size());
     Matrix to = mode.z.replicate(1, 2 * n);
@@ -426,12 +472,7 @@ KnownMode measure(Surface& f, const ClimbEnd& end) {
       hessian(i, j) = hessian(j, i) = std::isfinite(slope) ? -slope : 0.0;
     }
   }
-  const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian);
-  // No direction is much wider than the prior.
-  const Vector curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(0.25);
-  mode.precision = eigen.eigenvectors() * curvature.asDiagonal() * eigen.eigenvectors().transpose();
-  mode.covariance = eigen.eigenvectors() * curvature.cwiseInverse().asDiagonal() *
-                    eigen.eigenvectors().transpose();
+  take_hessian(hessian, mode);
   return mode;
 }
 

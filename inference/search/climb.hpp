@@ -21,7 +21,7 @@ class Surface {
   /// ln π of each column; evaluating several together is faster. Values below `level` may be -∞.
   Eigen::VectorXd values(const Eigen::MatrixXd& zs,
                          double level = -std::numeric_limits<double>::infinity());
-  /// Computes ∇ ln π(z); returns false if the likelihood has no gradient.
+  /// Computes ∇ ln π(z); returns false if the likelihood has no gradient at z.
   bool gradient(const Eigen::VectorXd& z, Eigen::VectorXd& g);
   /// ∇ ln π(z) and a positive definite approximation of -∇² ln π(z), by differences over dz.
   /// Returns false if the likelihood does not provide them (Likelihood::gauss_newton), or not at z.
@@ -32,11 +32,15 @@ class Surface {
   [[nodiscard]] std::vector<double> ordered(const Eigen::VectorXd& z);
   [[nodiscard]] Eigen::Index dimension() const { return posterior_.dimension(); }
   [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
+  /// Returns Likelihood::has_exact_derivatives.
+  [[nodiscard]] bool has_exact_derivatives() const { return posterior_.has_exact_derivatives(); }
+  /// Number of calls that exact derivatives have saved in comparison with central differences.
+  [[nodiscard]] long saved() const { return saved_; }
   /// Transfers the state between two calls to the Surface of another rank.
   template <class Parcel>
   void carry(Parcel& parcel) {
     posterior_.carry(parcel);
-    parcel(offers_gradient_);
+    parcel(gradients_, refusals_, saved_);
   }
   /// Sets a callback that is called before each likelihood; returning true ends the current climb.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
@@ -47,7 +51,8 @@ class Surface {
   std::vector<double> ordered_, batch_;
   std::vector<Eigen::Index> places_;  ///< place of each batch entry among the columns
   std::vector<ModelPosterior::Value> values_;
-  bool offers_gradient_ = true;  ///< false after the first failure
+  long gradients_ = 0, refusals_ = 0;  ///< numbers of gradients, and of failures to get one
+  long saved_ = 0;
   std::function<bool()> stop_;
 };
 
@@ -82,6 +87,7 @@ struct ClimbEnd {
 
 /// Computes the Hessian at a mode by differences with steps that lower ln π by about a twentieth of
 /// a nat. The Hessian is made positive definite, so that no direction is much wider than the prior.
+/// Exact derivatives, if the likelihood has them, replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
 /// Squared distance from a mode in units of its standard deviations.

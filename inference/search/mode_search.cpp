@@ -24,7 +24,7 @@ constexpr long kScreened = 256;       // draws of the prior on a whole record
 constexpr int kScreenedClimbs = 4;    // from the most probable of these
 constexpr double kValley = 2.0;       // ln: depth between two modes
 constexpr double kNegligible = 25.0;  // ln: below the mode with the largest mass
-constexpr std::size_t kMostModes = 60;
+constexpr std::size_t kMostModes = 60, kMostLeftOut = 300;
 constexpr long kSearchSamples = 50;  // first length of a growing record
 constexpr double kDrawsAMode = 4.0;  // starts per mode as a record grows
 constexpr double kFollowed = 30.0;   // modes followed as a record grows
@@ -79,7 +79,8 @@ class Search {
         surface.draw_prior(random, z);
       }));
       begun += n;
-      const double spent = static_cast<double>(evaluations()) /
+      // As many climbs as without exact derivatives, at less cost.
+      const double spent = static_cast<double>(evaluations() + saved()) /
                            (options_.effort * static_cast<double>(std::max(options_.budget, 1L)));
       const double share = options_.climbs > 0
                                ? static_cast<double>(begun) / static_cast<double>(most)
@@ -186,6 +187,12 @@ class Search {
     return sum;
   }
 
+  [[nodiscard]] long saved() const {
+    long sum = 0;
+    for (const auto& surface : surfaces_) sum += surface->saved();
+    return sum;
+  }
+
   ModeSearch result() {
     ModeSearch out{.modes = {},
                    .climbs = climbs_,
@@ -203,6 +210,14 @@ class Search {
     std::erase_if(out.modes, [&](const Mode& m) {
       return !(m.log_mass > out.modes.front().log_mass - kNegligible);
     });
+    if (!out.modes.empty() && !left_out_.empty()) {
+      const double top = out.modes.front().log_mass;
+      double kept = 0.0, rest = 0.0;
+      for (const Mode& mode : out.modes) kept += std::exp(mode.log_mass - top);
+      for (const KnownMode& mode : left_out_) rest += std::exp(laplace_mass(mode) - top);
+      out.left_out = static_cast<long>(left_out_.size());
+      out.left_out_share = rest / (kept + rest);
+    }
     out.likelihood_evaluations = evaluations();
     return out;
   }
@@ -263,9 +278,17 @@ class Search {
     // Deletes the lowest if there are too many. Not earlier, since ends refer to modes by index.
     while (known_.size() > kMostModes) {
       const auto least = std::ranges::min_element(known_, {}, &KnownMode::value) - known_.begin();
+      leave_out(known_[static_cast<std::size_t>(least)]);
       known_.erase(known_.begin() + least);
       hits_.erase(hits_.begin() + least);
     }
+  }
+
+  // Counts a mode once, however often it is found again.
+  void leave_out(const KnownMode& mode) {
+    for (const KnownMode& other : left_out_)
+      if (square_distance(other, mode.z) < 1.0) return;
+    if (left_out_.size() < kMostLeftOut) left_out_.push_back(mode);
   }
 
   static ClimbEnd ordered(Surface& f, ClimbEnd end) {
@@ -298,6 +321,7 @@ class Search {
   std::vector<std::unique_ptr<Surface>> surfaces_;
   std::vector<KnownMode> known_;
   std::vector<long> hits_;
+  std::vector<KnownMode> left_out_;
   long climbs_ = 0, points_ = 0;
   double way_ = 0.0;
 };
@@ -412,6 +436,10 @@ void extend_search(const Problem& problem, int model, const ModeSearchOptions& o
   search.take(found.modes);
   search.run(options.starts);
   ModeSearch more = search.result();
+  if (more.left_out > 0) {
+    found.left_out += more.left_out;
+    found.left_out_share = std::max(found.left_out_share, more.left_out_share);
+  }
   found.modes = std::move(more.modes);
   found.likelihood_evaluations += more.likelihood_evaluations;
 }

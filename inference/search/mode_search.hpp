@@ -21,8 +21,10 @@ struct Mode {
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
-  long climbs = 0;       ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
-  long budget = 100000;  ///< likelihood calls; climbs in progress are finished
+  long climbs = 0;  ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
+  /// Likelihood calls, including those that exact derivatives save; climbs in progress are
+  /// finished.
+  long budget = 100000;
   /// Factor in (0, 1] on the work for a growing record: the number of climbs from the prior, of
   /// followed modes, and of draws near each mode.
   double effort = 1.0;
@@ -43,6 +45,10 @@ struct ModeSearch {
   /// Mean distance between the points at which these climbs evaluated ln π, in standard deviations
   /// of the prior; 0: not known. A narrower mode may lie between two points.
   double spacing = 0.0;
+  /// Number of further modes, which exceeded the limit and were left out, and their share of the
+  /// probability mass by Laplace's method.
+  long left_out = 0;
+  double left_out_share = 0.0;
   long likelihood_evaluations = 0;
 };
 

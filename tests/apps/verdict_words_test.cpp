@@ -53,6 +53,18 @@ TEST(VerdictWords, OfEachReason) {
                 .model = 0, .lowest = 0.1, .highest = 0.7, .rhat = 1.3456, .limit = 1.05}),
             "The chains disagree about a mode of model 'one': its share of their draws of that "
             "model is 10 % to 70 % (R-hat 1.35). Run longer (--warmup, --draws).");
+  EXPECT_EQ(sentence(EvidenceUnreliable{.model = 1,
+                                        .pareto = 0.93,
+                                        .limit = 0.7,
+                                        .by_evidence = {.value = 0.001, .mcse = 0.0001},
+                                        .factor = 21.2}),
+            "The evidence of model 'two' is not known: its largest importance weights decay too "
+            "slowly (Pareto k 0.93, must be at most 0.7), so that it may be too small by a factor "
+            "of 21; its evidence puts it at P ≈ 0.001 ± 0.0001. Search more (--search), or run "
+            "longer (--warmup, --draws).");
+  EXPECT_EQ(sentence(ModesLeftOut{.model = 0, .modes = 12, .share = 0.05}),
+            "The search for the modes of model 'one' found 12 modes more than it can keep, with "
+            "about 5 % of that model. Run longer (--warmup, --draws).");
   EXPECT_EQ(sentence(AnnealingFindsMore{.model = 0,
                                         .annealed = {.value = -47.5, .mcse = 0.1},
                                         .drawn = {.value = -50.51, .mcse = 0.01}}),

@@ -308,6 +308,63 @@ TEST(ModalLikelihood, GradientsOfPossiblySpuriousModesAgreeWithDifferences) {
   }
 }
 
+/// A tuned mass damper: two modes closer than 2 %, which the model error may rotate.
+UpdateCase close_modes() {
+  UpdateCase out{.title = "damper",
+                 .structure = modal::chain({1e4, 1.0}, {inference::Uniform{5e6, 15e6},
+                                                        inference::Uniform{500.0, 1500.0}})};
+  out.data.sensors = modal::at_masses({1, 2});
+  out.simulation = ModalSimulation{
+      .parameters = {1e7, 1005.0}, .modes = 2, .cov = 0.01, .shape_sd = 0.1, .seed = 4};
+  simulate(out, 4);
+  return out;
+}
+
+TEST(ModalLikelihood, GradientsOfModesThatMayRotateOrMixAgreeWithDifferences) {
+  UpdateCase update_case = close_modes();
+  expect_gradient_of_differences(update_case, {1.001e7, 1003.0});
+  update_case.data.discrepancy.value = 0.01;
+  update_case.data.mixing.value = 0.7;
+  expect_gradient_of_differences(update_case, {1.001e7, 1003.0});
+}
+
+// Without residuals, the information is minus the expected Hessian: compared with differences of
+// gradients at the parameters that give the data.
+TEST(ModalLikelihood, TheInformationIsTheHessianAtAPerfectFit) {
+  UpdateCase update_case = modal::two_storeys(0.01, 0.05);
+  const std::vector<double> x = {1400.0, 900.0};
+  {
+    const auto problem = make_update_problem(update_case);
+    StructuralPredictor predictor(*problem);
+    ModeObservation::Scored scored;
+    ASSERT_TRUE(predictor.score(0, x, scored));
+    for (Eigen::Index i = 0; i < 2; ++i) {
+      update_case.data.frequencies_hz[static_cast<std::size_t>(i)] =
+          std::sqrt(scored.modes[0].eigenvalues[i]) / kTwoPi;
+      update_case.data.shapes.row(i) = scored.modes[0].shapes.col(i).transpose();
+    }
+  }
+  const auto problem = make_update_problem(update_case);
+  const auto likelihood = problem->problem.likelihood();
+  EXPECT_TRUE(likelihood->has_exact_derivatives());
+  const std::vector<double> steps = {3.0, -2.0};
+  std::vector<double> gradient(2), information(4);
+  ASSERT_TRUE(likelihood->gauss_newton(0, x, steps, gradient, information));
+  for (std::size_t j = 0; j < 2; ++j) {
+    EXPECT_NEAR(gradient[j], 0.0, 1e-6);
+    auto up = x, down = x;
+    up[j] += 1.0, down[j] -= 1.0;
+    std::vector<double> above(2), below(2);
+    ASSERT_TRUE(likelihood->gradient(0, up, above));
+    ASSERT_TRUE(likelihood->gradient(0, down, below));
+    for (std::size_t i = 0; i < 2; ++i) {
+      const double hessian = (above[i] - below[i]) / 2.0;
+      EXPECT_NEAR(information[2 * i + j] / (steps[i] * steps[j]), -hessian,
+                  2e-3 * std::abs(hessian) + 1e-12);
+    }
+  }
+}
+
 TEST(ModalLikelihood, DoubtNeedsShapes) {
   ModalData data = data_of({1.0, 3.0}, 0.01, {}, 0.0);
   data.doubt = 0.1;

@@ -109,6 +109,83 @@ TEST(ModeSearch, SortsComponents) {
     EXPECT_NEAR(posterior(mode.z).log_posterior(), mode.log_posterior, 1e-9);
 }
 
+// More separate modes than a search keeps: it counts the others, and their share.
+TEST(ModeSearch, CountsTheModesThatItLeavesOut) {
+  const Problem problem = problem_of(2, [](std::span<const double> x) {
+    double sum = -std::numeric_limits<double>::infinity();
+    for (int i = 0; i < 10; ++i)
+      for (int j = 0; j < 10; ++j)
+        sum = log_sum_exp(sum, -0.5 * (std::pow((x[0] - 0.3 * (i - 4.5)) / 0.03, 2.0) +
+                                       std::pow((x[1] - 0.3 * (j - 4.5)) / 0.03, 2.0)));
+    return sum;
+  });
+  const ModeSearch found = search_modes(problem, 0, {.climbs = 1500});
+  EXPECT_EQ(found.modes.size(), 60U);
+  EXPECT_GT(found.left_out, 20);
+  EXPECT_LE(found.left_out, 40);
+  EXPECT_GT(found.left_out_share, 0.05);
+  const ModeSearch few = search_modes(problem_of(2, two_peaks(0.5, 0.1)), 0, {.climbs = 50});
+  EXPECT_EQ(few.left_out, 0);
+  EXPECT_EQ(few.left_out_share, 0.0);
+}
+
+// With exact derivatives, climbs need no differences, and neither do the modes' curvatures. A
+// gradient that fails at some points is asked again elsewhere.
+TEST(ModeSearch, UsesExactDerivatives) {
+  class Exact : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double> x) override {
+      double sum = 0.0;
+      for (std::size_t i = 0; i < x.size(); ++i) sum -= 0.5 * std::pow(residual(x, i), 2.0);
+      return sum;
+    }
+    bool gradient(int, std::span<const double> x, std::span<double> out) override {
+      std::ranges::fill(out, 0.0);
+      for (std::size_t i = 0; i < x.size(); ++i)
+        for (std::size_t j = 0; j < x.size(); ++j) out[j] -= residual(x, i) * slope(x, i, j);
+      return true;
+    }
+    bool gauss_newton(int, std::span<const double> x, std::span<const double> steps,
+                      std::span<double> gradient, std::span<double> information) override {
+      if (x[0] > 1.5) return false;
+      const std::size_t d = x.size();
+      static_cast<void>(this->gradient(0, x, gradient));
+      std::ranges::fill(information, 0.0);
+      for (std::size_t j = 0; j < d; ++j) {
+        gradient[j] *= steps[j];
+        for (std::size_t k = 0; k < d; ++k)
+          for (std::size_t i = 0; i < d; ++i)
+            information[j * d + k] += steps[j] * steps[k] * slope(x, i, j) * slope(x, i, k);
+      }
+      return true;
+    }
+    [[nodiscard]] bool has_exact_derivatives() const override { return exact; }
+    bool exact = true;
+
+   private:
+    static double residual(std::span<const double> x, std::size_t i) {
+      return (x[i] + 0.3 * x[(i + 1) % x.size()] * x[(i + 1) % x.size()] - 0.5) / 0.02;
+    }
+    static double slope(std::span<const double> x, std::size_t i, std::size_t j) {
+      if (j == i) return 1.0 / 0.02;
+      return j == (i + 1) % x.size() ? 0.6 * x[j] / 0.02 : 0.0;
+    }
+  };
+  Problem problem =
+      problem_of(15, [](std::span<const double> x) { return Exact().log_likelihood(0, x); });
+  const ModeSearch without = search_modes(problem, 0, {.climbs = 200});
+  problem.likelihood = [] { return std::make_unique<Exact>(); };
+  const ModeSearch with = search_modes(problem, 0, {.climbs = 200});
+  ASSERT_FALSE(with.modes.empty());
+  EXPECT_EQ(with.modes.size(), without.modes.size());
+  EXPECT_NEAR(with.modes[0].log_mass, without.modes[0].log_mass, 0.02);
+  EXPECT_LT(5 * with.likelihood_evaluations, without.likelihood_evaluations);
+  // A budget allows as many climbs as without exact derivatives.
+  const ModeSearch budgeted = search_modes(problem, 0, {.budget = 20'000});
+  EXPECT_LT(budgeted.likelihood_evaluations, 10'000);
+  EXPECT_GE(budgeted.climbs, kFewestClimbs);
+}
+
 // If the likelihood has a gradient, climbs to the same mode need fewer calls.
 TEST(ModeSearch, UsesTheGradientOfTheLikelihood) {
   class Sloped : public Likelihood {

@@ -24,6 +24,9 @@ TEST(Reason, IsDescribedInASentence) {
       ModeSharesDisagree{.model = 1, .rhat = 1.2, .limit = 1.05},
       AnnealingFindsMore{.model = 1, .annealed = {.value = -3.0}, .drawn = {.value = -5.0}},
       EvidenceDisagrees{.model = 1, .by_draws = {.value = 0.1}, .by_evidence = {.value = 0.2}},
+      EvidenceUnreliable{.model = 1, .pareto = 0.9, .limit = 0.7, .factor = 3.0},
+      ModesLeftOut{.model = 1, .modes = 12, .share = 0.1},
+      ParameterMovesSlowly{.model = 1, .parameter = "a", .ess = 12.0, .limit = 200.0, .tail = true},
       ParameterDisagrees{.model = 1, .parameter = "a", .rhat = 1.2, .limit = 1.01},
       ParameterMovesSlowly{.model = 1, .parameter = "a", .ess = 12.0, .limit = 400.0}};
   std::set<std::string> phrases;

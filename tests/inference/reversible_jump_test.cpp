@@ -268,8 +268,8 @@ TEST(ReversibleJump, ReportsALikelihoodThatIsNeverFinite) {
   EXPECT_THROW((void)reversible_jump(problem, small()), LikelihoodError);
 }
 
-// One of two models, so that the other must not hide it.
-TEST(ReversibleJump, NamesAnImpossibleModelAndItsPriors) {
+// A number of components that does not fit into its space, for example.
+TEST(ReversibleJump, AnImpossibleModelHasProbabilityZero) {
   class Half : public Likelihood {
    public:
     double log_likelihood(int model, std::span<const double>) override {
@@ -278,6 +278,55 @@ TEST(ReversibleJump, NamesAnImpossibleModelAndItsPriors) {
   };
   Problem problem = nested_means(1.0);
   problem.likelihood = [] { return std::make_unique<Half>(); };
+  const Posterior posterior = reversible_jump(problem, small());
+  EXPECT_EQ(posterior.impossible_models, std::vector<int>{1});
+  const Verdict verdict = judge(posterior);
+  EXPECT_EQ(verdict.models[1].probability, 0.0);
+  EXPECT_EQ(verdict.models[1].mcse, 0.0);
+  EXPECT_EQ(verdict.models[1].basis, Basis::evidence);
+  EXPECT_EQ(verdict.models[0].probability, 1.0);
+  for (const Reason& reason : verdict.not_established)
+    EXPECT_FALSE(std::holds_alternative<ModelUnknown>(reason));
+}
+
+// Rods of length 0.4 on a line of places in [0, 1]: n of them fit with probability (1 - 0.4 (n -
+// 1))ⁿ, and four never do.
+TEST(ReversibleJump, AnImpossibleCountHasProbabilityZero) {
+  class Rods : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double> x) override {
+      for (std::size_t i = 1; i < x.size(); ++i)
+        if (x[i] - x[i - 1] < 0.4) return -std::numeric_limits<double>::infinity();
+      return 0.0;
+    }
+  };
+  std::vector<ModelSpace::Counts> counts;
+  for (int n = 0; n <= 4; ++n) counts.push_back({{n}, 1.0});
+  const Problem problem{.space = ModelSpace::of_components(
+                            {}, {{"rod", "rods", {{"location", Uniform{0.0, 1.0}}}}}, counts),
+                        .likelihood = [] { return std::make_unique<Rods>(); }};
+  const Posterior posterior = reversible_jump(problem, small());
+  EXPECT_EQ(posterior.impossible_models, std::vector<int>{4});
+  const Verdict verdict = judge(posterior);
+  EXPECT_EQ(verdict.models[4].probability, 0.0);
+  EXPECT_EQ(verdict.models[4].mcse, 0.0);
+  const double evidence[] = {1.0, 1.0, 0.36, 0.008};
+  for (std::size_t n = 0; n < 4; ++n)
+    EXPECT_NEAR(verdict.models[n].probability, evidence[n] / 2.368,
+                5.0 * verdict.models[n].mcse + 0.005)
+        << n;
+}
+
+TEST(ReversibleJump, NamesAnImpossibleModelAndItsPriors) {
+  Problem problem = nested_means(1.0);
+  problem.space = ModelSpace::of_models({{"mu", Normal{0.0, 1.0}}}, {{"free", 1, {"mu"}}});
+  class Never : public Likelihood {
+   public:
+    double log_likelihood(int, std::span<const double>) override {
+      return -std::numeric_limits<double>::infinity();
+    }
+  };
+  problem.likelihood = [] { return std::make_unique<Never>(); };
   try {
     (void)reversible_jump(problem, small());
     FAIL() << "no error";

@@ -103,6 +103,59 @@ TEST(Verdict, PrefersBridgeSamplingThenImportanceSamplingThenSmc) {
   EXPECT_EQ(judge(posterior).models[2].log_evidence, -61.0);
 }
 
+// A model that seems improbable may hide a posterior, if its importance weights have a heavy tail.
+TEST(Verdict, NamesAnEvidenceWithHeavyWeights) {
+  Posterior posterior = made_up::run({{0.7, 0.299, 0.001}});
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  ModelFindings& found = posterior.found[2];
+  found.pareto = {.shape = 1.2, .log_excess = 3.0};
+  const auto said = complaints(posterior);
+  ASSERT_THAT(said, ElementsAre(of_model<EvidenceUnreliable>(2)));
+  EXPECT_NEAR(std::get<EvidenceUnreliable>(said[0]).factor, std::exp(3.0), 1e-9);
+  found.pareto.log_excess = 0.5;  // then still improbable
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  found.pareto = {.shape = 0.6, .log_excess = 3.0};  // not heavy
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  // Draws of a probable model confirm its evidence.
+  posterior.found[1].pareto = {.shape = 1.2, .log_excess = 3.0};
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  posterior.found[1].bridged = kUnknown;
+  posterior.found[1].sampled = {.log_evidence = -50.0 + std::log(0.299), .standard_error = 0.1};
+  EXPECT_THAT(complaints(posterior), ElementsAre(of_model<EvidenceUnreliable>(1)));
+}
+
+TEST(Verdict, NamesModesBeyondTheLimitOfASearch) {
+  Posterior posterior = made_up::run({{0.7, 0.295, 0.005}});
+  for (ModelFindings& found : posterior.found) found.left_out = 12;
+  posterior.found[0].left_out_share = 0.005;  // negligible
+  posterior.found[2].left_out_share = 0.5;    // the model is improbable
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  posterior.found[1].left_out_share = 0.05;
+  EXPECT_THAT(complaints(posterior), ElementsAre(of_model<ModesLeftOut>(1)));
+}
+
+// Chains that visit a tail rarely and long have enough effective draws of the bulk only.
+TEST(Verdict, NamesAParameterWhoseTailsMoveSlowly) {
+  Posterior posterior = made_up::run({{0.7, 0.3, 0.0}});
+  posterior.found[2].bridged = {.log_evidence = -500.0, .standard_error = 0.1};
+  EXPECT_THAT(complaints(posterior), IsEmpty());
+  for (Chain& chain : posterior.chains) {
+    // Long visits to the upper tail, which hold 5.2 % of the draws: two in each chain.
+    base::Random random(6, 0, 0, base::Purpose::test);
+    const std::size_t length = chain.size() * 26 / 1000;
+    for (const std::size_t first : {chain.size() / 5, chain.size() * 3 / 5})
+      for (std::size_t i = first; i < first + length; ++i)
+        if (chain.model[i] == 0) chain.theta[i] = 3.0 + 0.1 * random.normal();
+  }
+  const auto said = complaints(posterior);
+  ASSERT_THAT(said, Contains(of_model<ParameterMovesSlowly>(0)));
+  for (const Reason& reason : said)
+    if (const auto* slow = std::get_if<ParameterMovesSlowly>(&reason)) {
+      EXPECT_TRUE(slow->tail);
+      EXPECT_EQ(slow->limit, 200.0);
+    }
+}
+
 TEST(Verdict, NamesAModelThatSomeChainsDidNotVisit) {
   const auto said = complaints(made_up::run({{0.7, 0.3, 0.0}, {0.6, 0.3, 0.1}}));
   EXPECT_THAT(said,

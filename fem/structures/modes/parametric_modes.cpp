@@ -28,7 +28,11 @@ constexpr Index kBeyond = 3;
 constexpr Index kDenseCondensed = 40;
 /// Relative residual of the iteration in the basis, well below the tolerances.
 constexpr double kConverged = 1e-7;
-constexpr int kMostSteps = 60;
+constexpr int kMostCycles = 12;
+/// Blocks of a Krylov subspace.
+constexpr Index kBlocks = 3;
+/// Relative distance of 1/(λ + σ) below which shapes are differentiated as a subspace.
+constexpr double kTwin = 1e-6;
 /// The basis is trained to bounds this factor below the tolerance.
 constexpr double kSubspaceMargin = 0.25;
 
@@ -49,6 +53,7 @@ struct ReducedModes {
 struct ParametricModes::Workspace::Impl {
   MatrixXd stiffness, mass, shifted;  // in the basis
   ReducedModes reduced;
+  bool in_basis = false;  // `reduced` holds mass-normalised modes of the last θ
   long solved = 0, in_full = 0;
 };
 
@@ -135,8 +140,9 @@ struct ParametricModes::Impl {
     if (sigma > 0.0) ws.shifted += sigma * ws.mass;
   }
 
-  /// L Lᵀ = K + σM, L⁻¹ M L⁻ᵀ z = μ z, y = L⁻ᵀ z. Solved densely, or by block power iteration from
-  /// the modes at θ₀ with Rayleigh-Ritz steps to kConverged; densely if that is slow.
+  /// L Lᵀ = K + σM, A = L⁻¹ M L⁻ᵀ, A z = μ z, y = L⁻ᵀ z. Solved densely, or by Rayleigh-Ritz steps
+  /// in block Krylov subspaces span{q, A q, A² q} to kConverged, at first from the modes q at θ₀
+  /// and then from the Ritz vectors (Saad 2011, section 6.6); densely if that is slow.
   void solve_reduced(Workspace::Impl& ws) const {
     ReducedModes& out = ws.reduced;
     out.ok = false;
@@ -145,16 +151,18 @@ struct ParametricModes::Impl {
     if (llt.info() != Eigen::Success) return;
     const auto lower = llt.matrixL();
     if (m > kDenseCondensed) {
+      const auto times = [&](const MatrixXd& z) -> MatrixXd {
+        const MatrixXd y = lower.transpose().solve(z);
+        return lower.solve(MatrixXd(ws.mass.selfadjointView<Eigen::Lower>() * y));
+      };
       MatrixXd q = orthonormalised(lower.transpose() * start.leftCols(p));
-      for (int step = 0; step < kMostSteps; ++step) {
-        MatrixXd w = lower.transpose().solve(q);
-        w = lower.solve(MatrixXd(ws.mass * w));
+      MatrixXd w = times(q);
+      for (int cycle = 0; cycle < kMostCycles; ++cycle) {
         const MatrixXd h = q.transpose() * w;
         const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (h + h.transpose()));
-        const MatrixXd turn = ritz.eigenvectors().rowwise().reverse();
-        const VectorXd mu = ritz.eigenvalues().reverse();
-        const MatrixXd next = w * turn;
-        const MatrixXd at = q * turn;
+        const MatrixXd turn = ritz.eigenvectors().rightCols(p).rowwise().reverse();
+        const VectorXd mu = ritz.eigenvalues().tail(p).reverse();
+        const MatrixXd at = q * turn, next = w * turn;
         double worst = 0.0;
         for (Index i = 0; i < k; ++i)
           worst = std::max(worst, (next.col(i) - mu[i] * at.col(i)).norm() / mu[i]);
@@ -165,7 +173,21 @@ struct ParametricModes::Impl {
           if (out.ok) return;
           break;
         }
-        q = orthonormalised(next);
+        // The next subspace, with A times each block but the last from the block after it.
+        q = at;
+        w = next;
+        for (Index block = 1; block < kBlocks && q.cols() + p <= m; ++block) {
+          MatrixXd more = w.rightCols(p);
+          for (int pass = 0; pass < 2; ++pass) more -= q * (q.transpose() * more);
+          more = orthonormalised(more);
+          more -= q * (q.transpose() * more);  // columns without a new component
+          more = orthonormalised(more);
+          const MatrixXd moved = times(more);
+          q.conservativeResize(m, q.cols() + p);
+          w.conservativeResize(m, w.cols() + p);
+          q.rightCols(p) = more;
+          w.rightCols(p) = moved;
+        }
       }
     }
     MatrixXd c = lower.solve(ws.mass);
@@ -248,6 +270,7 @@ struct ParametricModes::Impl {
 
   /// False if the basis gives no result.
   bool in_basis(const ParametricStructure::Point& point, Workspace::Impl& ws, Modes& out) const {
+    ws.in_basis = false;
     if (point.scales.size() > 0 && !(point.scales.minCoeff() > 0.0)) return false;
     reduce(point, ws);
     solve_reduced(ws);
@@ -256,6 +279,7 @@ struct ParametricModes::Impl {
     out.eigenvalues = (mu.cwiseInverse().array() - sigma).matrix();
     // Mass-normalised: yᵀ M y = μ.
     for (Index i = 0; i < wanted; ++i) ws.reduced.y.col(rigid + i) /= std::sqrt(mu[i]);
+    ws.in_basis = true;
     out.shapes = motions * ws.reduced.y.middleCols(rigid, wanted);
     out.in_full = false;
     return true;
@@ -416,25 +440,29 @@ void ParametricModes::solve(std::span<const double> theta, Workspace& workspace,
 
 bool ParametricModes::differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                                     Slopes& slopes) const {
-  solve(theta, workspace, out);
   const Impl& s = *impl_;
-  if (out.in_full || s.structure->form() != ParametricStructure::Form::affine) return false;
+  if (s.structure->form() != ParametricStructure::Form::affine) return false;
+  solve(theta, workspace, out);
   const Workspace::Impl& ws = *workspace.impl_;
-  const VectorXd& mu = ws.reduced.mu;
-  for (Index i = s.rigid; i < s.rigid + s.wanted && i + 1 < mu.size(); ++i)
-    if (mu[i] - mu[i + 1] < 1e-6 * mu[i]) return false;
+  // After a full solution, the derivatives are those of the reduced basis.
+  if (!ws.in_basis) return false;
+  const VectorXd mu = ws.reduced.mu.segment(s.rigid, s.wanted);
   const Index m = s.basis.cols(), d = s.structure->parameters();
   const MatrixXd& a = s.structure->scale_slopes();
   slopes.eigenvalues.resize(s.wanted, d);
   slopes.shapes.assign(static_cast<std::size_t>(d), MatrixXd(s.motions.rows(), s.wanted));
   for (Index i = 0; i < s.wanted; ++i) {
     const VectorXd y = ws.reduced.y.col(s.rigid + i);
-    const double lambda = out.eigenvalues[i];
-    const VectorXd momentum = ws.mass * y;
-    // (K - λM) ∂y = -(∂K - λ ∂M - ∂λ M) y,  yᵀM ∂y = -½ yᵀ ∂M y.
-    MatrixXd bordered(m + 1, m + 1);
-    bordered << ws.stiffness - lambda * ws.mass, momentum, momentum.transpose(), 0.0;
-    MatrixXd right(m + 1, d);
+    const double lambda = 1.0 / mu[i] - s.sigma;
+    const bool shapes = s.motions.rows() > 0;
+    // Momenta M y of the mode and its twins.
+    Index first = i, last = i;
+    while (first > 0 && mu[first - 1] - mu[i] < kTwin * mu[i]) --first;
+    while (last + 1 < s.wanted && mu[i] - mu[last + 1] < kTwin * mu[i]) ++last;
+    const Index twins = last - first + 1;
+    const MatrixXd momenta = ws.mass * ws.reduced.y.middleCols(s.rigid + first, twins);
+    const VectorXd momentum = momenta.col(i - first);
+    MatrixXd right = MatrixXd::Zero(m + twins, d);
     MatrixXd of_terms(m, static_cast<Index>(s.terms.size()));
     for (std::size_t t = 0; t < s.terms.size(); ++t)
       of_terms.col(static_cast<Index>(t)) = s.terms[t] * y;
@@ -448,9 +476,15 @@ bool ParametricModes::differentiate(std::span<const double> theta, Workspace& wo
       }
       const double slope = y.dot(force);
       slopes.eigenvalues(i, j) = slope;
-      right.col(j) << slope * momentum - force, norm;
+      // (K - λM) ∂y = -(∂K - λ ∂M - ∂λ M) y,  yᵀM ∂y = -½ yᵀ ∂M y; without rotation among twins.
+      right.col(j).head(m) =
+          momenta * (ws.reduced.y.middleCols(s.rigid + first, twins).transpose() * force) - force;
+      right(m + i - first, j) = norm;
     }
-    if (s.motions.rows() == 0) continue;
+    if (!shapes) continue;
+    MatrixXd bordered(m + twins, m + twins);
+    bordered << ws.stiffness - lambda * ws.mass, momenta, momenta.transpose(),
+        MatrixXd::Zero(twins, twins);
     const MatrixXd change = bordered.partialPivLu().solve(right).topRows(m);
     const MatrixXd moved = s.motions * change;
     for (Index j = 0; j < d; ++j) slopes.shapes[static_cast<std::size_t>(j)].col(i) = moved.col(j);

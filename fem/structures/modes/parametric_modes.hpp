@@ -87,9 +87,10 @@ class ParametricModes {
   /// valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
-  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976) in the basis. Returns false without
-  /// derivatives if the matrices are not affine in θ, if the full problem was solved, or if modes
-  /// are closer than 1e-6.
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976) in the basis. For modes closer than
+  /// 1e-6, the derivatives of the shapes exclude the rotation among these modes, which is not
+  /// determined. If the full structure was solved, the derivatives are those of the basis. Returns
+  /// false without derivatives if the matrices are not affine in θ.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 

@@ -47,15 +47,26 @@ class ForwardModel {
     /// the structure is impossible or the model does not provide the quantity.
     virtual bool predict(std::span<const double> theta, const std::vector<PlacedDefect>& defects,
                          Quantity quantity, Prediction& out) = 0;
+    /// Optional: for a structure without defects, writes the modes into `out` and their derivatives
+    /// by θ into `slopes`. Returns false, with both undefined, if there are none.
+    virtual bool differentiate_modes(std::span<const double> /*theta*/, Prediction& /*out*/,
+                                     fem::ParametricModes::Slopes& /*slopes*/) {
+      return false;
+    }
     /// Optional: for a structure without defects, writes ∂ ln p/∂θ_i of `likelihood` into slope[i]
     /// and the modes into `out`. Returns false, with both undefined, if there is no gradient.
-    virtual bool gradient(std::span<const double> /*theta*/, const ModalLikelihood& /*likelihood*/,
-                          const ModalNoise& /*noise*/, Prediction& /*out*/,
-                          std::span<double> /*slope*/) {
-      return false;
+    virtual bool gradient(std::span<const double> theta, const ModalLikelihood& likelihood,
+                          const ModalNoise& noise, Prediction& out, std::span<double> slope) {
+      fem::ParametricModes::Slopes slopes;
+      if (!differentiate_modes(theta, out, slopes)) return false;
+      likelihood.slope(out.modes[0], slopes, noise, slope);
+      return true;
     }
   };
   [[nodiscard]] virtual std::unique_ptr<Solver> make_solver() const = 0;
+
+  /// Whether `differentiate_modes` succeeds wherever the structure is possible, or nearly so.
+  [[nodiscard]] virtual bool differentiates_modes() const { return false; }
 
   /// Computes all frequencies [Hz] of a structure with these defects, to test its symmetries, at
   /// generic parameters of the intact structure; empty if the structure is impossible. Refers to

@@ -25,21 +25,19 @@ class BasisSolver final : public ForwardModel::Solver {
     return modes.eigenvalues.allFinite() && modes.eigenvalues.minCoeff() > 0.0;
   }
 
-  bool gradient(std::span<const double> theta, const ModalLikelihood& likelihood,
-                const ModalNoise& noise, Prediction& out, std::span<double> slope) override {
+  bool differentiate_modes(std::span<const double> theta, Prediction& out,
+                           fem::ParametricModes::Slopes& slopes) override {
     out.modes.resize(1);
     try {
-      if (!basis_.differentiate(theta, workspace_, out.modes[0], slopes_)) return false;
+      return basis_.differentiate(theta, workspace_, out.modes[0], slopes);
     } catch (const std::exception&) {
       return false;
     }
-    return likelihood.slope(out.modes[0], slopes_, noise, slope);
   }
 
  private:
   const fem::ParametricModes& basis_;
   fem::ParametricModes::Workspace workspace_;
-  fem::ParametricModes::Slopes slopes_;
 };
 
 class OutsideModesSolver final : public ForwardModel::Solver {

@@ -16,6 +16,9 @@ class BasisModel final : public ForwardModel {
       : basis_(std::move(basis)) {}
 
   [[nodiscard]] std::unique_ptr<Solver> make_solver() const override;
+  [[nodiscard]] bool differentiates_modes() const override {
+    return basis_->structure().form() == fem::ParametricStructure::Form::affine;
+  }
   [[nodiscard]] const fem::ParametricModes& basis() const { return *basis_; }
 
  private:

@@ -140,34 +140,43 @@ ShapeDensity::Comparison ModalLikelihood::compare(const Modes& modes, int mode, 
   const double more = noise.shape_discrepancy * noise.shape_discrepancy;
   const VectorXd shape = entries(modes.shapes, mode, computed);
   const Turn turn = closest(modes, computed);
-  if (noise.mixing > 0.0 && noise.discrepancy > 0.0) {
-    const Index others = modes.eigenvalues.size() - 1;
-    ShapeDensity::Mixing mixing{.others = MatrixXd(shape.size(), others), .tau = VectorXd(others)};
-    for (Index k = 0, at = 0; k <= others; ++k) {
-      if (k == computed) continue;
-      mixing.others.col(at) = entries(modes.shapes, mode, k);
-      const double tau = mixing_sd(noise, modes.eigenvalues[computed], modes.eigenvalues[k]);
-      mixing.tau[at++] = std::min(1.0, k == turn.mode ? std::hypot(tau, turn.tau) : tau);
-    }
-    return density.against(shape, mixing, scale, more);
-  }
+  if (noise.mixing > 0.0 && noise.discrepancy > 0.0)
+    return density.against(shape, mixing_of(modes, mode, computed, noise), scale, more);
   if (turn.tau == 0.0) return density.against(shape, scale, more);
   return density.against(shape, entries(modes.shapes, mode, turn.mode), turn.tau, scale, more);
+}
+
+ShapeDensity::Mixing ModalLikelihood::mixing_of(const Modes& modes, int mode, Index computed,
+                                                const ModalNoise& noise) const {
+  const Turn turn = closest(modes, computed);
+  const auto size = static_cast<Index>(entries_[static_cast<std::size_t>(mode)].size());
+  ShapeDensity::Mixing out{.others = MatrixXd(size, 0), .tau = VectorXd(0)};
+  if (noise.mixing > 0.0 && noise.discrepancy > 0.0) {
+    const Index others = modes.eigenvalues.size() - 1;
+    out.others.resize(size, others);
+    out.tau.resize(others);
+    for (Index k = 0, at = 0; k <= others; ++k) {
+      if (k == computed) continue;
+      out.others.col(at) = entries(modes.shapes, mode, k);
+      const double tau = mixing_sd(noise, modes.eigenvalues[computed], modes.eigenvalues[k]);
+      out.tau[at++] = std::min(1.0, k == turn.mode ? std::hypot(tau, turn.tau) : tau);
+    }
+  } else if (turn.tau > 0.0) {
+    out.others = entries(modes.shapes, mode, turn.mode);
+    out.tau = VectorXd::Constant(1, std::min(1.0, turn.tau));
+  }
+  return out;
 }
 
 ModalLikelihood::ShapeErrors ModalLikelihood::shape_errors(const Modes& modes, int mode,
                                                            Index computed,
                                                            const ModalNoise& noise) const {
   const VectorXd& lambda = modes.eigenvalues;
-  const Turn turn = closest(modes, computed);
-  ShapeDensity::Mixing mixing{.others = MatrixXd(0, 0), .tau = VectorXd(0)};
   const VectorXd shape = entries(modes.shapes, mode, computed);
-  if (turn.tau > 0.0) {
-    mixing.others = entries(modes.shapes, mode, turn.mode);
-    mixing.tau = VectorXd::Constant(1, std::min(1.0, turn.tau));
-  } else {
-    mixing.others.resize(shape.size(), 0);
-  }
+  // Mixing by errors of stiffness is `moved`, below.
+  ModalNoise unmixed = noise;
+  unmixed.mixing = 0.0;
+  const ShapeDensity::Mixing mixing = mixing_of(modes, mode, computed, unmixed);
   // ∂φ_j/∂a_p = Σ_k φ_k φ_kᵀ K_p φ_j / (λ_j - λ_k) over the computed modes.
   MatrixXd moved = MatrixXd::Zero(shape.size(), static_cast<Index>(modes.pieces.size()));
   for (Index k = 0; k < lambda.size(); ++k) {
@@ -366,43 +375,100 @@ std::vector<double> ModalLikelihood::pulls(const Modes& modes, const ModalNoise&
   return out;
 }
 
-bool ModalLikelihood::slope(const Modes& modes, const fem::ParametricModes::Slopes& slopes,
+VectorXd ModalLikelihood::real(const Modes& modes, const ModalNoise& noise) const {
+  VectorXd out = VectorXd::Ones(data_.modes());
+  if (data_.doubt == 0.0) return out;
+  const Score found = score_with_doubt(modes, noise);
+  for (Index i = 0; i < out.size(); ++i)
+    out[i] -= found.matches[static_cast<std::size_t>(i)].spurious;
+  return out;
+}
+
+void ModalLikelihood::slope(const Modes& modes, const fem::ParametricModes::Slopes& slopes,
                             const ModalNoise& noise, std::span<double> out) const {
-  if (noise.mixing > 0.0) return false;
   const MatrixXd c = covariance(noise);
   const std::vector<int> matched = match(modes, c, noise);
   std::ranges::fill(out, 0.0);
-  const auto n = static_cast<Index>(with_frequency_.size());
   const auto computed = [&](int i) {
     return static_cast<Index>(matched[static_cast<std::size_t>(i)]);
   };
-  // Probability that a mode is not spurious.
-  VectorXd real = VectorXd::Ones(data_.modes());
-  if (data_.doubt > 0.0) {
-    const Score found = score_with_doubt(modes, noise);
-    for (Index i = 0; i < real.size(); ++i)
-      real[i] -= found.matches[static_cast<std::size_t>(i)].spurious;
-  }
+  const VectorXd real = this->real(modes, noise);
   VectorXd pull = pulls(modes, matched, c);
-  for (Index k = 0; k < n; ++k) {
-    pull[k] *= real[with_frequency_[static_cast<std::size_t>(k)]];
-    const Index j = computed(with_frequency_[static_cast<std::size_t>(k)]);
+  for (Index k = 0; k < pull.size(); ++k) {
+    const int i = with_frequency_[static_cast<std::size_t>(k)];
     // f = √λ / 2π:  ∂f = ∂λ / (8π² f).
-    const double rate = 1.0 / (2.0 * kTwoPi * kTwoPi * frequency_of(modes, j));
+    const double rate =
+        pull[k] * real[i] / (2.0 * kTwoPi * kTwoPi * frequency_of(modes, computed(i)));
     for (std::size_t p = 0; p < out.size(); ++p)
-      out[p] += pull[k] * rate * slopes.eigenvalues(j, static_cast<Index>(p));
+      out[p] += rate * slopes.eigenvalues(computed(i), static_cast<Index>(p));
   }
   const double scale = noise.shape_sd * noise.shape_sd;
   const double more = noise.shape_discrepancy * noise.shape_discrepancy;
+  std::vector<int> turned;
   for (int i = 0; i < data_.modes(); ++i) {
     const auto& density = shapes_[static_cast<std::size_t>(i)];
     if (!density) continue;
     const Index j = computed(i);
-    if (closest(modes, j).tau > 0.0) return false;
+    if (closest(modes, j).tau > 0.0 || (noise.mixing > 0.0 && noise.discrepancy > 0.0)) {
+      turned.push_back(i);
+      continue;
+    }
     const VectorXd s = real[i] * density->slope(entries(modes.shapes, i, j), scale, more);
     for (std::size_t p = 0; p < out.size(); ++p) out[p] += s.dot(entries(slopes.shapes[p], i, j));
   }
-  return true;
+  if (turned.empty()) return;
+  constexpr double kStep = 1e-5;  // relative change of the modes
+  Modes moved;
+  for (std::size_t p = 0; p < out.size(); ++p) {
+    const VectorXd by = slopes.eigenvalues.col(static_cast<Index>(p));
+    const double fastest =
+        std::max((by.array() / modes.eigenvalues.array()).abs().maxCoeff(),
+                 slopes.shapes[p].norm() / std::max(modes.shapes.norm(), 1e-300));
+    if (!(fastest > 0.0)) continue;
+    const double step = kStep / fastest;
+    for (const double way : {step, -step}) {
+      moved.eigenvalues = modes.eigenvalues + way * by;
+      moved.shapes = modes.shapes + way * slopes.shapes[p];
+      for (const int i : turned)
+        out[p] += real[i] * compare(moved, i, computed(i), noise).log_density / (2.0 * way);
+    }
+  }
+}
+
+MatrixXd ModalLikelihood::information(const Modes& modes,
+                                      const fem::ParametricModes::Slopes& slopes,
+                                      const ModalNoise& noise) const {
+  const MatrixXd c = covariance(noise);
+  const std::vector<int> matched = match(modes, c, noise);
+  const Index d = slopes.eigenvalues.cols();
+  const auto n = static_cast<Index>(with_frequency_.size());
+  const VectorXd real = this->real(modes, noise);
+  MatrixXd out = MatrixXd::Zero(d, d);
+  MatrixXd frequencies(n, d);
+  for (Index k = 0; k < n; ++k) {
+    const int i = with_frequency_[static_cast<std::size_t>(k)];
+    const Index j = matched[static_cast<std::size_t>(i)];
+    frequencies.row(k) = std::sqrt(real[i]) / (2.0 * kTwoPi * kTwoPi * frequency_of(modes, j)) *
+                         slopes.eigenvalues.row(j);
+  }
+  if (n > 0)
+    out += frequencies.transpose() *
+           MatrixXd(c(with_frequency_, with_frequency_)).llt().solve(frequencies);
+  for (int i = 0; i < data_.modes(); ++i) {
+    const auto& density = shapes_[static_cast<std::size_t>(i)];
+    if (!density) continue;
+    const Index j = matched[static_cast<std::size_t>(i)];
+    const VectorXd shape = entries(modes.shapes, i, j);
+    MatrixXd moved(shape.size(), d), moves;
+    for (Index p = 0; p < d; ++p)
+      moved.col(p) = entries(slopes.shapes[static_cast<std::size_t>(p)], i, j);
+    VectorXd residual;
+    static_cast<void>(density->against(
+        shape, mixing_of(modes, i, j, noise), noise.shape_sd * noise.shape_sd,
+        noise.shape_discrepancy * noise.shape_discrepancy, moved, residual, moves));
+    out += real[i] * moves.transpose() * moves;
+  }
+  return out;
 }
 
 }  // namespace wheeltap::identification

@@ -108,10 +108,15 @@ class ModalLikelihood {
   };
   [[nodiscard]] ShapeErrors shape_errors(const fem::ParametricModes::Modes& modes, int mode,
                                          Eigen::Index computed, const ModalNoise& noise) const;
-  /// Computes ∂ ln p/∂θ_j for the current matching. Returns false if modes may be rotated or mixed.
-  [[nodiscard]] bool slope(const fem::ParametricModes::Modes& modes,
-                           const fem::ParametricModes::Slopes& slopes, const ModalNoise& noise,
-                           std::span<double> out) const;
+  /// Computes ∂ ln p/∂θ_j for the current matching, from the slopes of the modes. Where shapes may
+  /// be rotated or mixed, by differences of the density along these slopes.
+  void slope(const fem::ParametricModes::Modes& modes, const fem::ParametricModes::Slopes& slopes,
+             const ModalNoise& noise, std::span<double> out) const;
+  /// The Gauss-Newton approximation of -∂² ln p/∂θ², from the first derivatives of frequencies and
+  /// shapes, for the current matching. Close modes are mixed by the sd of their rotation.
+  [[nodiscard]] Eigen::MatrixXd information(const fem::ParametricModes::Modes& modes,
+                                            const fem::ParametricModes::Slopes& slopes,
+                                            const ModalNoise& noise) const;
   /// ∂ ln p/∂f of each computed mode for the current matching, without measured shapes.
   [[nodiscard]] std::vector<double> pulls(const fem::ParametricModes::Modes& modes,
                                           const ModalNoise& noise) const;
@@ -137,6 +142,13 @@ class ModalLikelihood {
   [[nodiscard]] ShapeDensity::Comparison compare(const fem::ParametricModes::Modes& modes, int mode,
                                                  Eigen::Index computed,
                                                  const ModalNoise& noise) const;
+  /// Modes that may be mixed into a computed mode, at the entries of a measured one.
+  [[nodiscard]] ShapeDensity::Mixing mixing_of(const fem::ParametricModes::Modes& modes, int mode,
+                                               Eigen::Index computed,
+                                               const ModalNoise& noise) const;
+  /// Probability that each measured mode is not spurious, given θ.
+  [[nodiscard]] Eigen::VectorXd real(const fem::ParametricModes::Modes& modes,
+                                     const ModalNoise& noise) const;
   [[nodiscard]] std::vector<int> match(const fem::ParametricModes::Modes& modes,
                                        const Eigen::MatrixXd& covariance,
                                        const ModalNoise& noise) const;

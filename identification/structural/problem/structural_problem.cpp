@@ -11,7 +11,10 @@ namespace {
 class StructuralLikelihood final : public inference::Likelihood {
  public:
   StructuralLikelihood(const StructuralProblem& problem, const ForwardModel& model)
-      : problem_(problem), predictor_(problem, model) {}
+      : problem_(problem),
+        differentiates_(model.differentiates_modes() && problem.by_modes() &&
+                        problem.kinds.empty() && problem.observations.size() == 1),
+        predictor_(problem, model) {}
 
   double log_likelihood(int model, std::span<const double> x) override {
     evaluate(-kInfinity, model, x, own_);
@@ -46,8 +49,15 @@ class StructuralLikelihood final : public inference::Likelihood {
     return problem_.observations.size() == 1 && predictor_.gradient(model, x, out);
   }
 
+  [[nodiscard]] bool has_exact_derivatives() const override { return differentiates_; }
+  bool gauss_newton(int /*model*/, std::span<const double> x, std::span<const double> steps,
+                    std::span<double> gradient, std::span<double> information) override {
+    return differentiates_ && predictor_.gauss_newton(x, steps, gradient, information);
+  }
+
  private:
   const StructuralProblem& problem_;
+  bool differentiates_;
   StructuralPredictor predictor_;
   Prediction predicted_;
   inference::Evaluation own_;
@@ -184,20 +194,50 @@ bool StructuralPredictor::gradient_of_modes(std::span<const double> x, std::span
                          scratch_,
                          out.subspan(first, static_cast<std::size_t>(problem_.structural))))
     return false;
-  // Scatters do not change the modes, so differences are cheap.
+  const auto& scatters = problem_.observations.front();
+  for (std::size_t p = scatters.first; p < scatters.first + scatters.count; ++p)
+    out[p] = by_scatter(x, p).slope;
+  return true;
+}
+
+// Scatters do not change the modes, so differences are cheap.
+StructuralPredictor::Bend StructuralPredictor::by_scatter(std::span<const double> x,
+                                                          std::size_t p) const {
   std::vector<double> moved(x.begin(), x.end());
-  const auto value = [&] {
+  const auto value = [&](double at) {
+    moved[p] = at;
     return problem_.modes().score(scratch_, problem_.modal_noise(moved)).log_likelihood;
   };
+  const double size = std::max(std::abs(x[p]), 1e-8), step = 1e-5 * size, wide = 1e-3 * size;
+  return {
+      .slope = (value(x[p] + step) - value(x[p] - step)) / (2.0 * step),
+      .curvature = (2.0 * value(x[p]) - value(x[p] + wide) - value(x[p] - wide)) / (wide * wide)};
+}
+
+bool StructuralPredictor::gauss_newton(std::span<const double> x, std::span<const double> steps,
+                                       std::span<double> gradient, std::span<double> information) {
+  scratch_.error_variance.clear();
+  if (!solver_->differentiate_modes(problem_.theta(x), scratch_, slopes_)) return false;
+  const auto first = static_cast<std::size_t>(problem_.first_theta);
+  const auto structural = static_cast<std::size_t>(problem_.structural), d = x.size();
+  const ModalLikelihood& likelihood = problem_.modes().of(0);
+  const ModalNoise noise = problem_.modal_noise(x);
+  std::ranges::fill(gradient, 0.0);
+  std::ranges::fill(information, 0.0);
+  likelihood.slope(scratch_.modes[0], slopes_, noise, gradient.subspan(first, structural));
+  const Eigen::MatrixXd of_theta = likelihood.information(scratch_.modes[0], slopes_, noise);
+  for (std::size_t i = 0; i < structural; ++i)
+    for (std::size_t j = 0; j < structural; ++j)
+      information[(first + i) * d + first + j] =
+          steps[first + i] * steps[first + j] *
+          of_theta(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
   const auto& scatters = problem_.observations.front();
   for (std::size_t p = scatters.first; p < scatters.first + scatters.count; ++p) {
-    const double step = 1e-5 * std::max(std::abs(x[p]), 1e-8);
-    moved[p] = x[p] + step;
-    const double above = value();
-    moved[p] = x[p] - step;
-    out[p] = (above - value()) / (2.0 * step);
-    moved[p] = x[p];
+    const Bend bend = by_scatter(x, p);
+    gradient[p] = bend.slope;
+    information[p * d + p] = steps[p] * steps[p] * std::max(0.0, bend.curvature);
   }
+  for (std::size_t i = 0; i < d; ++i) gradient[i] *= steps[i];
   return true;
 }
 

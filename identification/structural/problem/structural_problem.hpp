@@ -111,15 +111,25 @@ class StructuralPredictor {
   void solve(int model, std::span<const double> x, std::span<double> out);
   /// ∂ ln p(first observation | x)/∂x. Returns false if it is not available.
   bool gradient(int model, std::span<const double> x, std::span<double> out);
+  /// As inference::Likelihood::gauss_newton, for the first observation, from exact derivatives of
+  /// the modes.
+  bool gauss_newton(std::span<const double> x, std::span<const double> steps,
+                    std::span<double> gradient, std::span<double> information);
 
  private:
   bool gradient_of_frequencies(int model, std::span<const double> x, std::span<double> out);
   bool gradient_of_modes(std::span<const double> x, std::span<double> out);
+  /// ∂ ln p/∂x_p and -∂² ln p/∂x_p² of one scatter, at the modes in `scratch_`.
+  struct Bend {
+    double slope = 0.0, curvature = 0.0;
+  };
+  [[nodiscard]] Bend by_scatter(std::span<const double> x, std::size_t p) const;
 
   const StructuralProblem& problem_;
   std::unique_ptr<ForwardModel::Solver> solver_;
   std::vector<PlacedDefect> defects_;
   ModeObservation::Scored scratch_;
+  fem::ParametricModes::Slopes slopes_;
 };
 
 /// The likelihood of all observations, predicted by `model`. Refers to both.

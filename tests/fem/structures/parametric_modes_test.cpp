@@ -211,6 +211,29 @@ TEST(ParametricModes, DerivativesEqualFiniteDifferences) {
   }
 }
 
+// Twin modes have no unique shapes, but derivatives of eigenvalues and of their common plane.
+TEST(ParametricModes, DerivativesOfTwinModesAreFinite) {
+  StructureFamily family{.at =
+                             [](std::span<const double> x) {
+                               LumpedChain chain{.masses = {1.0, 1.0}, .links = {}};
+                               chain.links.push_back({"1", {0, 1}, x[0]});
+                               chain.links.push_back({"2", {0, 2}, x[1]});
+                               return discretise(chain);
+                             },
+                         .nominal = {100.0, 100.0}};
+  const SparseRow first{.dofs = {0}, .coefficients = {1.0}},
+      second{.dofs = {1}, .coefficients = {1.0}};
+  const Reduced reduced =
+      reduce(family, {{50.0, 150.0}, {50.0, 150.0}}, {.modes = 2, .motions = {first, second}});
+  auto workspace = reduced.modes.make_workspace();
+  ParametricModes::Modes at;
+  ParametricModes::Slopes slopes;
+  ASSERT_TRUE(reduced.modes.differentiate(std::vector{100.0, 100.0}, workspace, at, slopes));
+  EXPECT_NEAR(slopes.eigenvalues.col(0).sum(), 1.0, 1e-9);
+  EXPECT_NEAR(slopes.eigenvalues.col(1).sum(), 1.0, 1e-9);
+  for (const Eigen::MatrixXd& shapes : slopes.shapes) EXPECT_LT(shapes.norm(), 1e-6);
+}
+
 TEST(ParametricModes, RejectsMoreModesThanThereAre) {
   EXPECT_THROW(reduce(parametric::shear_chain(3), {{500.0, 1500.0}, {500.0, 1500.0}}, {.modes = 4}),
                std::invalid_argument);

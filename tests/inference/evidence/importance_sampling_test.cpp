@@ -74,6 +74,25 @@ TEST(ParetoShape, RecoversTheTailIndex) {
   }
 }
 
+// The mean of n weights u^-1 grows as ln n; of u^-0.2 it has converged.
+TEST(ParetoTail, PredictsTheEvidenceOfALongerSample) {
+  constexpr int n = 20000;
+  for (const double k : {0.2, 1.0}) {
+    double sum = 0.0;
+    for (std::uint64_t seed = 1; seed <= 10; ++seed) {
+      base::Random random(seed, 0, 0, base::Purpose::test);
+      std::vector<double> log_weights;
+      for (int i = 0; i < n; ++i) log_weights.push_back(-k * std::log(random.uniform()));
+      sum += pareto_tail(log_weights).log_excess / 10.0;
+    }
+    if (k < 0.5)
+      EXPECT_LT(sum, 0.01);
+    else
+      EXPECT_NEAR(sum, std::log(std::log(100.0 * n) / std::log(1.0 * n)), 0.15);
+  }
+  EXPECT_EQ(pareto_tail(std::vector<double>(100, 0.0)).log_excess, 0.0);
+}
+
 TEST(ImportanceSampling, RejectsInvalidOptions) {
   const Known known = linear_gaussian(2);
   EXPECT_THROW((void)importance_sampling(known.problem, 0, NormalMixture::standard(3), {}),
