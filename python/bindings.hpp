@@ -8,6 +8,7 @@ namespace wheeltap::python {
 void bind_cases(pybind11::module_& module);   ///< modes, simulate, data, schemas
 void bind_engine(pybind11::module_& module);  ///< user-defined likelihoods
 void bind_modal(pybind11::module_& module);
+void bind_plan(pybind11::module_& module);
 void bind_monitor(pybind11::module_& module);
 void bind_rig(pybind11::module_& module);   ///< chains with user-defined laws
 void bind_run(pybind11::module_& module);   ///< a finished run and its draws

@@ -13,6 +13,7 @@ PYBIND11_MODULE(_core, m) {
   wheeltap::python::bind_runs(m);
   wheeltap::python::bind_cases(m);
   wheeltap::python::bind_modal(m);
+  wheeltap::python::bind_plan(m);
   wheeltap::python::bind_monitor(m);
   wheeltap::python::bind_engine(m);
   wheeltap::python::bind_rig(m);

@@ -4,12 +4,12 @@ namespace wheeltap::apps {
 
 const std::vector<Command>& commands() {
   static const std::vector<Command> all = {
-      modes_command(),      section_command(),  data_command(),   table_command(),
-      damage_command(),     sid_command(),      modal_command(),  batch_command(),
-      update_command(),     monitor_command(),  track_command(),  serve_command(),
-      app_command(),        simulate_command(), report_command(), compare_command(),
-      init_command(),       laws_command(),     schema_command(), explain_command(),
-      completion_command(), man_command(),
+      modes_command(),   section_command(),    data_command(),     table_command(),
+      damage_command(),  sid_command(),        modal_command(),    batch_command(),
+      update_command(),  monitor_command(),    track_command(),    plan_command(),
+      serve_command(),   app_command(),        simulate_command(), report_command(),
+      compare_command(), init_command(),       laws_command(),     schema_command(),
+      explain_command(), completion_command(), man_command(),
   };
   return all;
 }

@@ -18,6 +18,7 @@ namespace wheeltap::apps {
 [[nodiscard]] Command batch_command();
 [[nodiscard]] Command update_command();
 [[nodiscard]] Command monitor_command();
+[[nodiscard]] Command plan_command();
 [[nodiscard]] Command track_command();
 [[nodiscard]] Command serve_command();
 [[nodiscard]] Command app_command();

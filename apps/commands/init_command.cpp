@@ -194,6 +194,15 @@ std::string describe_keys(const std::string& kind) {
          "\n`wheeltap schema " + kind + "` prints these keys as a JSON Schema.\n";
 }
 
+namespace {
+
+/// The schema of a starter case: a plan is a damage case, here of a structure.
+std::string schema_of(const std::string& kind, bool beam) {
+  return kind == "plan" || !beam ? "structure" : kind;
+}
+
+}  // namespace
+
 std::vector<std::pair<std::string, std::string>> starter_cases() {
   std::vector<std::pair<std::string, std::string>> out;
   for (const std::string& kind : starter_kinds()) {
@@ -227,10 +236,9 @@ std::vector<fs::path> write_starter(const std::string& kind, const std::string& 
   };
   const std::string stem = beam ? kind : kind + "." + structure;
   const std::string text = starter(stem + ".json");
-  std::vector<File> files = {
-      {(folder / (kind + ".json")).lexically_normal(), text},
-      {(folder / (kind + ".md")).lexically_normal(),
-       starter(stem + ".md") + "\n" + describe_keys(beam ? kind : "structure")}};
+  std::vector<File> files = {{(folder / (kind + ".json")).lexically_normal(), text},
+                             {(folder / (kind + ".md")).lexically_normal(),
+                              starter(stem + ".md") + "\n" + describe_keys(schema_of(kind, beam))}};
   // Files in a folder that the case names: KIND.STRUCTURE.FOLDER.NAME.
   for (const auto& [name, content] : kStarterTexts)
     if (!beam && name.starts_with(stem + ".") && name != stem + ".json" && name != stem + ".md") {
@@ -304,7 +312,7 @@ Command init_command() {
               [starter](CommandOptions& options) {
                 CLI::App& app = options.app();
                 app.add_option("KIND", starter->kind,
-                               "kind of case: damage, sid, update, modal or monitor")
+                               "kind of case: damage, sid, update, modal, monitor or plan")
                     ->required();
                 app.add_option(
                     "--structure", starter->structure,

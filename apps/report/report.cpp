@@ -17,6 +17,7 @@
 #include "apps/report/digest.hpp"
 #include "apps/report/modal_page.hpp"
 #include "apps/report/monitor_page.hpp"
+#include "apps/report/plan_page.hpp"
 #include "apps/results/stored_run.hpp"
 #include "apps/text/answer.hpp"
 #include "base/start_program.hpp"
@@ -74,6 +75,26 @@ std::string series_page(const fs::path& directory, const Report& summary) {
   }
 }
 
+bool is_plan(const Report& summary) {
+  return summary.at("wheeltap").is_object() &&
+         summary.at("wheeltap").value("command", Report()) == "plan";
+}
+
+/// The page of a plan, of its summary.
+std::string design_page(const fs::path& directory, const Report& summary) {
+  try {
+    return plan_page(summary);
+  } catch (const std::logic_error& error) {
+    throw FileError(FileError::Kind::foreign, directory / "summary.json",
+                    std::string("does not hold what a run writes: ") + error.what());
+  }
+}
+
+/// Whether the page is drawn without scripts.
+bool is_plain(const Report& summary) {
+  return is_modal(summary) || is_monitor(summary) || is_plan(summary);
+}
+
 Report read_summary(const fs::path& directory) {
   const fs::path path = directory / "summary.json";
   const std::string text = io::read_bytes(path);
@@ -98,7 +119,7 @@ Report read_summary(const fs::path& directory) {
   using enum Report::value_t;
   need("wheeltap", object);
   if (!summary.at("wheeltap").contains("case")) lacks("\"wheeltap\".\"case\"");
-  if (is_modal(summary) || is_monitor(summary)) {
+  if (is_plain(summary)) {
     need("diagnostics", object);
     return summary;
   }
@@ -320,6 +341,7 @@ void write_report(const fs::path& directory) {
   const std::string page = trusting(directory, [&] {
     if (is_modal(summary)) return modes_page(directory, summary);
     if (is_monitor(summary)) return series_page(directory, summary);
+    if (is_plan(summary)) return design_page(directory, summary);
     return page_of(summary, stored_draws(directory, summary).get());
   });
   io::AtomicFile file(directory / "report.html");
@@ -373,7 +395,7 @@ void put_file(const fs::path& from, const fs::path& to) {
 int write_figures(const fs::path& directory) {
   const Report data = trusting(directory, [&] {
     const Report summary = read_summary(directory);
-    if (is_modal(summary) || is_monitor(summary))
+    if (is_plain(summary))
       throw Failure(Exit::usage,
                     "--figures: the figures of this report are SVG in report.html itself");
     return content(summary, {}, stored_draws(directory, summary).get());

@@ -26,7 +26,7 @@ HERE = os.path.dirname(os.path.abspath(__file__))
 CHAPTERS = {
     "Getting started": ["Overview <readme>", "guide", "system-identification", "application", "priors", "results", "report", "long-runs",
                         "many-cases", "tutorials/index", "gallery", "which-tool"],
-    "Structures and damage": ["structures", "sections", "emulators", "updating", "states"],
+    "Structures and damage": ["structures", "sections", "emulators", "updating", "states", "planning"],
     "Measured data": ["measured-data", "file-formats", "modal", "monitoring", "laws"],
     "Integration": ["python", "libraries", "models-of-others", "scale"],
     "Theory and validation": ["theory", "validation", "speed", "comparison", "measured"],

@@ -16,17 +16,18 @@ from ._core import CaseError, Chain, FileError, Progress, __version__
 from ._engine import Model, Quantiles, from_quantiles, sample
 from ._modal import Modal, modal
 from ._modes import Modes, modes
+from ._plan import Plan, plan
 from ._monitor import Monitored, monitor
 from ._records import Record, data, read_record, simulate
 from ._rig import Link, Response, Rig
 from ._runs import Draws, Result, damage, load, sid, update
 
 __all__ = [
-    "CaseError", "Chain", "Draws", "FileError", "Link", "Modal", "Model", "Modes", "Monitored", "Progress", "Quantiles",
-    "Record", "Response", "Result", "Rig", "__version__", "beam", "beta", "damage", "data", "from_quantiles", "gamma",
-    "half_normal", "inverse_gamma", "load", "log_normal", "log_uniform", "modal", "modes", "monitor", "normal", "plot",
-    "read_record", "rectangle", "sample", "schema", "sid", "simulate", "student_t", "table", "truncated_normal",
-    "uniform", "update",
+    "CaseError", "Chain", "Draws", "FileError", "Link", "Modal", "Model", "Modes", "Monitored", "Plan", "Progress",
+    "Quantiles", "Record", "Response", "Result", "Rig", "__version__", "beam", "beta", "damage", "data",
+    "from_quantiles", "gamma", "half_normal", "inverse_gamma", "load", "log_normal", "log_uniform", "modal", "modes",
+    "monitor", "normal", "plan", "plot", "read_record", "rectangle", "sample", "schema", "sid", "simulate", "student_t",
+    "table", "truncated_normal", "uniform", "update",
 ]
 
 

@@ -38,8 +38,8 @@ FOLDERS = {
                   'chains', 'diagnosis', 'exploration', 'engine'],
     'identification': ['', 'findings', 'emulation', 'structural', 'structural/defects', 'structural/likelihood', 'structural/forward',
                        'structural/problem', 'structural/updating', 'structural/damage', 'structural/damage/findings', 'sid/residuals', 'sid', 'sid/findings', 'modal',
-                       'monitoring', 'monitoring/charts'],
-    'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'text', 'remote', 'results', 'results/monitoring', 'report',
+                       'monitoring', 'monitoring/charts', 'planning'],
+    'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'cases/planning', 'text', 'remote', 'results', 'results/monitoring', 'results/planning', 'report',
              'runs', 'runs/sid', 'runs/batch', 'application', 'commands', 'cli'],
 }
 MOST_FILES = 30

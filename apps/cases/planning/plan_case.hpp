@@ -1,0 +1,32 @@
+// A plan: a damage case without data, and the test to plan.
+#pragma once
+
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "apps/cases/damage_case.hpp"
+#include "identification/planning/plan.hpp"
+
+namespace wheeltap::apps {
+
+struct PlanCaseFile {
+  DamageCaseFile parsed;
+  identification::planning::PlanCase plan;
+  /// The candidate sensors as in data.sensors of a damage case.
+  std::vector<Json> sensors = {};
+  /// Places on the drawing [m], and directions, of the candidates; none for a structure of
+  /// matrices.
+  struct Drawn {
+    fem::Vector3 at = {}, direction = {};
+  };
+  std::vector<std::optional<Drawn>> drawn = {};
+
+  /// Throws Failure: the library's error, located in the case.
+  [[noreturn]] void refuse(const identification::InvalidInput& error) const;
+};
+
+/// Parses a damage case with "plan"; "data" and "baseline" are not used. Throws Failure.
+[[nodiscard]] PlanCaseFile parse_plan_case(CaseFile file);
+
+}  // namespace wheeltap::apps

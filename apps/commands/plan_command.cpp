@@ -1,0 +1,68 @@
+#include <iostream>
+#include <memory>
+
+#include "apps/commands/command_list.hpp"
+#include "apps/commands/command_options.hpp"
+#include "apps/results/planning/plan_summary.hpp"
+#include "apps/results/terminal.hpp"
+#include "apps/runs/plan_run.hpp"
+#include "apps/runs/run_cost.hpp"
+#include "apps/runs/running.hpp"
+#include "io/text/text.hpp"
+
+namespace wheeltap::apps {
+namespace {
+
+/// A rough estimate: seconds of a core for the search and for the simulated tests of some designs.
+RunCost cost_of_plan(const PlanCaseFile& parsed, int scenarios) {
+  constexpr double kTest = 3e-4, kDesigns = 30.0, kSearch = 256.0;
+  const auto candidates = static_cast<double>(parsed.sensors.size());
+  const double compared = 120.0 + 3.0 * parsed.plan.choose * candidates;
+  return {.seconds = kTest * (kDesigns * scenarios + kSearch * compared)};
+}
+
+void plan(const CommonOptions& common, PlanRunOptions options) {
+  const PlanCaseFile parsed = parse_plan_case(read_case(common.case_path, common.overrides));
+  if (common.dry_run) return common.dry_run("plan", cost_of_plan(parsed, options.scenarios));
+  claim_output_folder(common.output);
+  ProgressBar bar(common.quiet);
+  options.progress = [&](const char* stage, double fraction) { bar.show(stage, fraction, ""); };
+  const PlanRun run = run_plan(parsed, common, options);
+  bar.clear();
+  run.keep(common.output);
+  if (common.as_json) return common.as_json(run.summary.dump(1));
+  print_plan(std::cout, run.summary, colour_wanted());
+  std::cout << "\nResults: " << io::printable((common.output / "summary.json").string())
+            << "\nDamage case of the design: "
+            << io::printable((common.output / "damage.json").string())
+            << "\nReport: " << io::printable((common.output / "report.html").string()) << std::endl;
+}
+
+}  // namespace
+
+Command plan_command() {
+  const auto how = std::make_shared<PlanRunOptions>();
+  return {.name = "plan",
+          .summary = "what a test could detect, and which sensors to use",
+          .add_options =
+              [how](CommandOptions& options) {
+                options.add_case();
+                options.add_output(
+                    "FOLDER", "folder of the results: summary.json, damage.json and report.html");
+                options.add_json(kSummary);
+                options.add_seed("of the simulated tests");
+                options.add_threads();
+                options.add_dry_run();
+                CLI::App& app = options.app();
+                app.add_option("--scenarios", how->scenarios,
+                               "simulated tests of each of the best designs (default: 100000)")
+                    ->check(whole(1000, 10'000'000));
+                app.add_option(
+                       "--check", how->checks,
+                       "simulated tests that quick runs of the full engine identify (default: 10)")
+                    ->check(whole(0, 10'000));
+              },
+          .run = [how](const Invocation& asked) { plan(asked.common, *how); }};
+}
+
+}  // namespace wheeltap::apps

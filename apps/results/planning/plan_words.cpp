@@ -1,0 +1,276 @@
+// Sentences and terminal output of a plan.
+#include <algorithm>
+#include <ostream>
+
+#include "apps/results/planning/plan_summary.hpp"
+#include "apps/results/terminal.hpp"
+#include "base/number.hpp"
+#include "io/text/text.hpp"
+
+namespace wheeltap::apps {
+
+namespace {
+
+std::string chance(const Report& design, const char* key) {
+  return percent(design.at(key).get<double>(), design.at("mcse").at(key).get<double>());
+}
+
+std::string share_error(const Report& design, const char* key) {
+  return significant(design.at(key).get<double>(), 3) + " ± " +
+         significant(design.at("mcse").at(key).get<double>(), 1);
+}
+
+std::vector<std::string> names_of(const Report& list) {
+  std::vector<std::string> out;
+  for (const Report& name : list) out.push_back(name.get<std::string>());
+  return out;
+}
+
+/// "frame, 0 to 0.4 m cannot be told apart from …".
+std::string regions_in_words(const Report& regions, const std::string& by) {
+  if (regions.empty()) return {};
+  std::vector<std::string> pairs;
+  bool exact = true;
+  for (const Report& r : regions) {
+    exact = exact && r.at("exact").get<bool>();
+    if (pairs.size() < 3)
+      pairs.push_back(r.at("first").get<std::string>() + " and " +
+                      r.at("second").get<std::string>());
+  }
+  std::string out = by + " cannot tell these places apart: ";
+  for (std::size_t i = 0; i < pairs.size(); ++i) out += (i > 0 ? "; " : "") + pairs[i];
+  if (regions.size() > pairs.size())
+    out += "; and " + std::to_string(regions.size() - pairs.size()) + " more pairs of regions";
+  return out + (exact ? ". They are mirror images." : ".");
+}
+
+std::string separation_in_words(const Report& separation, bool none_yet) {
+  std::string out;
+  const auto share = [](const Report& s) {
+    return s.at("separated") == s.at("of")
+               ? std::string("all compared pairs")
+               : std::to_string(s.at("separated").get<int>()) + " of " +
+                     std::to_string(s.at("of").get<int>()) + " compared pairs";
+  };
+  if (const Report& s = separation.at("sensors"); !s.is_null())
+    out = std::string(none_yet ? "The cheapest sensors that separate them are "
+                               : "The cheapest further sensor that separates them is ") +
+          in_words(names_of(s.at("sensor_names"))) + " (" + share(s) + ")" +
+          (none_yet ? "; two are needed, since shapes have no scale." : ".");
+  if (const Report& m = separation.at("mass"); !m.is_null())
+    out += (out.empty() ? "" : " ") + std::string("The added mass of ") +
+           m.at("mass").get<std::string>() + ", in a second state of the test, separates " +
+           share(m) + " by frequencies.";
+  return out.empty() ? "No candidate sensor or added mass separates them." : out;
+}
+
+/// Where a further sensor adds less than `kWorth` of the information.
+std::string stopping_in_words(const Report& path) {
+  constexpr double kWorth = 0.02;
+  if (path.size() < 3) return {};
+  const auto information = [&](std::size_t i) { return path[i].at("information").get<double>(); };
+  const double all = information(path.size() - 1);
+  for (std::size_t i = 2; i + 1 < path.size(); ++i)
+    if (all - information(i) < kWorth * all)
+      return std::to_string(path[i].at("sensors").size()) + " sensors give " +
+             percent(information(i) / all) + " of the information of " +
+             std::to_string(path[path.size() - 1].at("sensors").size()) + ".";
+  return {};
+}
+
+std::string smallest_in_words(const Report& plan) {
+  std::size_t found = 0, all = 0;
+  const Report *least = nullptr, *most = nullptr;
+  std::string key;
+  const std::string first_kind =
+      plan.at("smallest_detectable").empty()
+          ? std::string()
+          : plan.at("smallest_detectable")[0].at("kind").get<std::string>();
+  for (std::size_t i = 0; i < plan.at("smallest_detectable").size(); ++i) {
+    const Report& row = plan.at("smallest_detectable")[i];
+    if (row.at("kind") != first_kind) continue;
+    ++all;
+    key = plan.at("detection_map")[i].at("severity").get<std::string>();
+    if (row.at(key).is_null()) continue;
+    ++found;
+    if (least == nullptr || row.at(key).get<double>() < least->at(key).get<double>()) least = &row;
+    if (most == nullptr || row.at(key).get<double>() > most->at(key).get<double>()) most = &row;
+  }
+  if (all == 0) return {};
+  if (found == 0)
+    return "At no place does the test find the largest " + key +
+           " of the prior with probability 0.9.";
+  std::string out = "The smallest " + key + " found with probability 0.9 is " +
+                    significant(least->at(key).get<double>(), 2) + " at " +
+                    least->at("place").get<std::string>();
+  if (most != least)
+    out += " and " + significant(most->at(key).get<double>(), 2) + " at " +
+           most->at("place").get<std::string>();
+  out += ".";
+  if (found < all)
+    out += " At " + std::to_string(all - found) + " of " + std::to_string(all) +
+           " places, the largest " + key + " of the prior is not found with probability 0.9.";
+  return out;
+}
+
+}  // namespace
+
+std::string sensors_in_words(const Report& plan, const Report& design) {
+  static_cast<void>(plan);
+  if (design.at("sensors").empty()) return "no sensors for shapes";
+  return in_words(names_of(design.at("sensor_names")));
+}
+
+std::string plan_headline(const Report& plan) {
+  const Report& best = plan.at("designs")[0];
+  const std::size_t n = best.at("sensors").size();
+  return "A test of " + significant(plan.at("seconds").get<double>(), 6) + " s with " +
+         (n < 2 ? "frequencies alone" : "shapes at " + std::to_string(n) + " sensors") +
+         " detects " + chance(best, "detection") +
+         " of the damages of the prior, at a false-alarm probability of " +
+         percent(plan.at("false_alarm").get<double>()) + ". It finds count and place in " +
+         chance(best, "right_place") + " of the cases.";
+}
+
+std::vector<std::string> plan_details(const Report& plan) {
+  std::vector<std::string> out;
+  const Report& best = plan.at("designs")[0];
+  if (!best.at("sensors").empty()) out.push_back("Sensors: " + sensors_in_words(plan, best) + ".");
+  if (const std::string words = smallest_in_words(plan); !words.empty()) out.push_back(words);
+  if (!best.at("sensors").empty()) {
+    const Report& alone = plan.at("frequencies_alone");
+    out.push_back("Frequencies alone detect " + chance(alone, "detection") +
+                  " and find count and place in " + chance(alone, "right_place") + ".");
+  }
+  const Report& alone = plan.at("alone");
+  if (!alone.at("indistinguishable").empty()) {
+    out.push_back(regions_in_words(alone.at("indistinguishable"), "Frequencies alone"));
+    out.push_back(separation_in_words(alone.at("separation"), true));
+  }
+  if (!best.at("sensors").empty() && !plan.at("indistinguishable").empty()) {
+    out.push_back(regions_in_words(plan.at("indistinguishable"), "The recommended sensors"));
+    out.push_back(separation_in_words(plan.at("separation"), false));
+  }
+  for (const Report& r : plan.at("resolution"))
+    out.push_back("In " + r.at("member").get<std::string>() + ", places within about " +
+                  significant(r.at("metres").get<double>(), 2) + " m cannot be told apart.");
+  if (const std::string words = stopping_in_words(plan.at("by_sensors")); !words.empty())
+    out.push_back(words);
+  return out;
+}
+
+std::string check_sentence(const Report& plan) {
+  if (!plan.contains("check")) return {};
+  const Report& check = plan.at("check");
+  std::string out = "The full engine identified " + std::to_string(check.at("tests").get<int>()) +
+                    " of the simulated tests, " + std::to_string(check.at("damaged").get<int>()) +
+                    " of them with damage. Its P(at least one damage) differs by " +
+                    significant(check.at("rms_probability_damaged").get<double>(), 2) +
+                    " (root mean square) from the approximation.";
+  const auto corrected = [&](const char* key, const char* words) {
+    const Report& c = check.at(key);
+    if (c.at("corrected").is_null()) return;
+    out += std::string(" With the difference of these tests, ") + words + " is " +
+           percent(c.at("corrected").get<double>(), c.at("se").get<double>()) + ".";
+  };
+  corrected("detection", "the probability of detection");
+  corrected("right_place", "that of the right count and place");
+  return out;
+}
+
+std::vector<std::string> value_sentences(const Report& plan) {
+  if (!plan.contains("value")) return {};
+  const Report& value = plan.at("value");
+  std::vector<std::string> out;
+  const std::string without =
+      "Without a test, the expected cost is " +
+      significant(value.at("without_test").get<double>(), 4) +
+      (value.at("inspects_without_test").get<bool>() ? ", by an inspection."
+                                                     : ", without an inspection.");
+  if (value.at("best").is_null()) {
+    out.push_back("No compared test pays at these costs. " + without);
+  } else {
+    const Report& best = value.at("options")[value.at("best").get<std::size_t>()];
+    out.push_back("The best test is " + best.at("name").get<std::string>() + ". It saves " +
+                  significant(best.at("saving").get<double>(), 3) + " ± " +
+                  significant(best.at("mcse").get<double>(), 1) +
+                  " on average, with alarms at a false-alarm probability of " +
+                  percent(best.at("false_alarm").get<double>()) + ". " + without);
+  }
+  std::vector<std::string> changes;
+  for (const Report& s : value.at("sensitivity"))
+    if (s.at("best") != value.at("best_name"))
+      changes.push_back(s.at("cost").get<std::string>() +
+                        (s.at("factor").get<double>() > 1.0 ? " doubled: " : " halved: ") +
+                        (s.at("best").is_null() ? "no test" : s.at("best").get<std::string>()));
+  if (changes.empty()) {
+    out.push_back("The best test stays the same if any one cost is halved or doubled.");
+  } else {
+    std::string list;
+    for (const std::string& change : changes) list += (list.empty() ? "" : "; ") + change;
+    out.push_back("The best test changes with the costs. " + list + ".");
+  }
+  return out;
+}
+
+namespace {
+
+void print_designs(const Page& page, const Report& plan) {
+  std::vector<std::vector<std::string>> rows = {
+      {"design", "information [nat]", "detected", "right place"}};
+  const auto add = [&](const std::string& name, const Report& d) {
+    rows.push_back({io::printable(name), share_error(d, "information"), chance(d, "detection"),
+                    chance(d, "right_place")});
+  };
+  int rank = 0;
+  for (const Report& d : plan.at("designs")) {
+    std::string sensors;
+    for (const Report& s : d.at("sensors"))
+      sensors += (sensors.empty() ? "" : ",") + std::to_string(s.get<int>());
+    add(std::to_string(++rank) + ": " + (sensors.empty() ? "frequencies" : sensors), d);
+    if (rank == 5) break;
+  }
+  for (const Report& d : plan.at("others")) add(d.at("name").get<std::string>(), d);
+  if (!plan.at("designs")[0].at("sensors").empty())
+    add("frequencies alone", plan.at("frequencies_alone"));
+  page.table(rows);
+}
+
+void print_variations(const Page& page, const Report& plan) {
+  std::vector<std::vector<std::string>> rows = {
+      {"variation", "information [nat]", "detected", "right place"}};
+  for (const char* key : {"by_sensors", "by_length", "by_modes", "by_mass"})
+    for (const Report& d : plan.at(key))
+      rows.push_back({io::printable(d.at("name").get<std::string>()), share_error(d, "information"),
+                      chance(d, "detection"), chance(d, "right_place")});
+  if (rows.size() > 1) page.table(rows);
+}
+
+}  // namespace
+
+void print_plan(std::ostream& out, const Report& summary, bool colour) {
+  const Page page{out, colour};
+  const Report& plan = summary.at("plan");
+  out << page.bold(io::printable(summary.at("title").get<std::string>())) << "\n\n";
+  page.wrapped(plan_headline(plan), "", "");
+  for (const std::string& text : plan_details(plan)) page.wrapped(io::printable(text), "", "");
+  for (const std::string& text : value_sentences(plan)) page.wrapped(io::printable(text), "", "");
+  out << "\n";
+  print_designs(page, plan);
+  out << "\n";
+  print_variations(page, plan);
+  const Report& search = plan.at("search");
+  page.wrapped(std::string(search.at("exhaustive").get<bool>() ? "All layouts were compared: "
+                                                               : "The search compared ") +
+                   base::grouped(search.at("compared").get<long>()) + " designs with up to " +
+                   base::grouped(search.at("scenarios").get<long>()) +
+                   " simulated tests each. The table of designs uses " +
+                   base::grouped(plan.at("scenarios").get<long>()) + ", that of variations " +
+                   base::grouped(plan.at("variation_scenarios").get<long>()) + ".",
+               "", "");
+  if (const std::string words = check_sentence(plan); !words.empty()) page.wrapped(words, "", "");
+  for (const Report& text : summary.at("diagnostics").at("warnings"))
+    page.wrapped(io::printable(text.get<std::string>()), "! ", "  ");
+}
+
+}  // namespace wheeltap::apps

@@ -1,0 +1,58 @@
+#include "apps/runs/plan_run.hpp"
+
+#include <chrono>
+
+#include "apps/report/plan_page.hpp"
+#include "apps/results/planning/plan_summary.hpp"
+#include "apps/results/stored_run.hpp"
+#include "base/parallel.hpp"
+#include "io/atomic_file.hpp"
+
+namespace wheeltap::apps {
+
+void PlanRun::keep(const std::filesystem::path& folder) const {
+  io::finish_commit(folder);
+  const std::string text = damage_case.dump(2) + "\n";
+  Report kept = summary;
+  kept["files"]["damage.json"] = seal(text);
+  io::AtomicFile recommended(folder / "damage.json"), report(folder / "report.html"),
+      whole(folder / "summary.json");
+  recommended.write(text);
+  report.write(plan_page(kept));
+  whole.write(kept.dump(1) + "\n");
+  io::AtomicFile* const files[] = {&recommended, &report, &whole};
+  io::commit_together(files);
+}
+
+PlanRun run_plan(const PlanCaseFile& parsed, const CommonOptions& common,
+                 const PlanRunOptions& how) {
+  using namespace identification::planning;
+  const auto begun = std::chrono::steady_clock::now();
+  const PlanOptions options{.scenarios = how.scenarios,
+                            .seed = common.seed.value_or(1),
+                            .threads = base::thread_count(common.threads),
+                            .progress = how.progress};
+  PlanRun out;
+  explained(parsed, [&] {
+    const PlanModel model(parsed.plan, options);
+    const PlanFindings findings = make_plan(parsed.plan, model, options);
+    EngineCheck check;
+    if (how.checks > 0)
+      check = check_by_engine(parsed.plan, model, findings.designs.front(), how.checks,
+                              {.seed = options.seed, .threads = options.threads, .quick = true},
+                              [&](double fraction) {
+                                if (how.progress)
+                                  how.progress("check by the full engine", fraction);
+                              });
+    out.summary = plan_summary(parsed, findings, check,
+                               {.seed = options.seed, .command_line = common.command_line});
+    out.damage_case = recommended_case(parsed, findings);
+    return true;
+  });
+  out.summary["cost"] = {
+      {"wall_seconds",
+       std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count()}};
+  return out;
+}
+
+}  // namespace wheeltap::apps

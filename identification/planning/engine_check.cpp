@@ -1,0 +1,189 @@
+#include "identification/planning/engine_check.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+
+#include "base/constants.hpp"
+#include "base/index.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "inference/engine/reversible_jump.hpp"
+
+namespace wheeltap::identification::planning {
+namespace {
+
+using Eigen::Index;
+
+/// Numbers of the checked tests, beyond those of scores and searches.
+constexpr std::uint64_t kFirst = std::uint64_t{1} << 40;
+
+/// A stretch of a line and the place on it [m].
+struct Spot {
+  int stretch = 0;
+  double at = 0.0;
+};
+
+/// Whether the most probable stretch, and the median place on it, agree with the truth.
+bool agrees(const std::vector<Spot>& draws, const Spot& truth, double tolerance) {
+  std::map<int, int> counts;
+  for (const Spot& s : draws) ++counts[s.stretch];
+  if (counts.empty()) return false;
+  const auto best = std::ranges::max_element(counts, {}, [](const auto& c) { return c.second; });
+  if (best->first != truth.stretch) return false;
+  std::vector<double> there;
+  for (const Spot& s : draws)
+    if (s.stretch == best->first) there.push_back(s.at);
+  std::ranges::nth_element(there, there.begin() + static_cast<std::ptrdiff_t>(there.size() / 2));
+  return std::abs(there[there.size() / 2] - truth.at) <= tolerance;
+}
+
+bool right_places(const DamageProblem& problem, const inference::Posterior& posterior, int model,
+                  const std::vector<PlacedDefect>& truth, double tolerance) {
+  std::vector<std::vector<Spot>> draws(truth.size());
+  const auto spot_of = [&](const PlacedDefect& d) {
+    const SiteLine::Spot s = problem.kinds[index(d.kind)].line.spot(d.location);
+    return Spot{s.stretch, s.s};
+  };
+  std::vector<PlacedDefect> defects;
+  for (const auto& chain : posterior.chains)
+    for (std::size_t i = 0; i < chain.model.size(); ++i) {
+      if (chain.model[i] != model) continue;
+      const auto draw = chain.draw(i, *posterior.space);
+      problem.components(model, draw.theta, defects);
+      std::ranges::sort(defects, [](const auto& a, const auto& b) {
+        return std::pair(a.kind, a.location) < std::pair(b.kind, b.location);
+      });
+      if (defects.size() != truth.size()) continue;
+      for (std::size_t k = 0; k < truth.size(); ++k) draws[k].push_back(spot_of(defects[k]));
+    }
+  for (std::size_t k = 0; k < truth.size(); ++k)
+    if (!agrees(draws[k], spot_of(truth[k]), tolerance)) return false;
+  return true;
+}
+
+TestEstimate difference_of(const std::vector<int>& differences) {
+  const auto n = static_cast<double>(differences.size());
+  if (n == 0.0) return {kNaN, kNaN};
+  double sum = 0.0, squares = 0.0;
+  for (const int d : differences) {
+    sum += d;
+    squares += d * d;
+  }
+  const double mean = sum / n;
+  return {mean, std::sqrt(std::max(0.0, (squares + 1.0) / n - mean * mean) / n)};
+}
+
+}  // namespace
+
+DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
+                          const TestDesign& design, const Scenario& scenario,
+                          std::uint64_t number) {
+  const PlannedStructure& structure = source.structure();
+  const TestNumbers numbers = TestNumbers::draw(structure, source.seed(), number);
+  const TestData data(structure, plan.noise, design);
+  DamageCase out = plan.damage_case;
+  const Index n = structure.modes();
+  const Eigen::VectorXd& logs =
+      data.with_shapes() ? scenario.modes.log_frequencies : scenario.modes.in_order;
+  std::vector<double> hz(index(n)), sd(index(n));
+  for (Index i = 0; i < n; ++i) {
+    const double f = std::exp(logs[i]);
+    const double cov = plan.noise.frequency_cov(std::exp(structure.intact().in_order[i]));
+    hz[index(i)] = f * (1.0 + cov * numbers.frequencies[i]);
+    sd[index(i)] = cov * f;
+  }
+  out.data = {};
+  if (!data.with_shapes()) {
+    // The i-th frequency is the i-th elastic mode.
+    out.data.frequencies_hz.assign(index(structure.chosen().back() + 1), kNaN);
+    out.data.sd_hz.assign(out.data.frequencies_hz.size(), kNaN);
+    for (Index i = 0; i < n; ++i) {
+      out.data.frequencies_hz[index(structure.chosen()[index(i)])] = hz[index(i)];
+      out.data.sd_hz[index(structure.chosen()[index(i)])] = sd[index(i)];
+    }
+    return out;
+  }
+  ModalData modal;
+  modal.frequencies_hz = hz;
+  modal.covariance = Eigen::MatrixXd::Zero(n, n);
+  for (Index i = 0; i < n; ++i) modal.covariance(i, i) = sd[index(i)] * sd[index(i)];
+  const auto m = static_cast<Index>(design.sensors.size());
+  modal.shapes.resize(n, m);
+  for (const int s : design.sensors) modal.sensors.push_back(structure.candidates()[index(s)]);
+  for (Index i = 0; i < n; ++i) {
+    modal.shapes.row(i) =
+        data.measured_shape(scenario.modes, numbers, static_cast<int>(i)).transpose();
+    if (!structure.has_shape(static_cast<int>(i))) modal.shapes.row(i).setConstant(kNaN);
+    const double shape_sd = plan.noise.shape_sd_now();
+    modal.shape_covariances.push_back(shape_sd * shape_sd * Eigen::MatrixXd::Identity(m, m));
+  }
+  out.data.frequencies_hz = hz;
+  out.data.sd_hz = sd;
+  out.measured = MeasuredModes(std::move(modal));
+  return out;
+}
+
+EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source, const TestDesign& design,
+                       std::uint64_t number, const inference::Options& options) {
+  PlannedStructure::Solver solver(source.structure());
+  const Scenario scenario = source.draw(number, solver);
+  const auto problem =
+      make_damage_problem(simulated_case(plan, source, design, scenario, number), {});
+  const inference::Posterior posterior = inference::reversible_jump(problem->problem, options);
+  EngineOutcome out;
+  double most = -1.0;
+  for (int m = 0; m < static_cast<int>(source.models().size()); ++m) {
+    const double p = posterior.probability(m).value;
+    const auto& counts = source.models()[index(m)].counts;
+    if (std::ranges::any_of(counts, [](int c) { return c > 0; })) out.probability_damaged += p;
+    if (p <= most) continue;
+    most = p;
+    out.model = m;
+  }
+  out.right = out.model == scenario.truth.model &&
+              right_places(*problem, posterior, out.model, scenario.defects, plan.tolerance);
+  return out;
+}
+
+EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
+                            const ScoredDesign& design, int count,
+                            const inference::Options& options,
+                            const std::function<void(double)>& progress) {
+  const ScenarioSource& source = model.source();
+  const PreparedDesign prepared =
+      prepare(source.structure(), model.predictions(), plan.noise, design.design);
+  PlannedStructure::Solver solver(source.structure());
+  // Healthy tests are checked too.
+  EngineCheck out;
+  std::vector<int> detection, right;
+  double squares = 0.0;
+  for (int i = 0; i < count; ++i) {
+    if (progress) progress(static_cast<double>(i) / count);
+    const std::uint64_t number = kFirst + static_cast<std::uint64_t>(i);
+    const std::vector<Scenario> scenario = {source.draw(number, solver)};
+    inference::Options own = options;
+    own.seed = options.seed + number;
+    CheckedTest test{
+        .number = number,
+        .approximate = simulate_tests(source, prepared, scenario, number, plan.tolerance)[0],
+        .engine = identify(plan, source, design.design, number, own)};
+    const double p = 1.0 / (1.0 + std::exp(-test.approximate.log_odds));
+    squares += (p - test.engine.probability_damaged) * (p - test.engine.probability_damaged);
+    if (!scenario[0].truth.defects.empty()) {
+      const double threshold = 1.0 / (1.0 + std::exp(-design.scores.threshold));
+      const bool by_engine = test.engine.probability_damaged > threshold;
+      const bool by_plan = test.approximate.log_odds > design.scores.threshold;
+      detection.push_back(static_cast<int>(by_engine) - static_cast<int>(by_plan));
+      right.push_back(static_cast<int>(by_engine && test.engine.right) -
+                      static_cast<int>(by_plan && test.approximate.right));
+    }
+    out.tests.push_back(test);
+  }
+  out.damaged = static_cast<int>(detection.size());
+  out.detection = difference_of(detection);
+  out.right_place = difference_of(right);
+  out.rms_probability = count > 0 ? std::sqrt(squares / count) : kNaN;
+  return out;
+}
+
+}  // namespace wheeltap::identification::planning

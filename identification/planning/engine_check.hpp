@@ -1,0 +1,52 @@
+// Comparison of a plan's approximate evidences with runs of the full engine.
+#pragma once
+
+#include <functional>
+#include <vector>
+
+#include "identification/planning/plan.hpp"
+#include "inference/options.hpp"
+
+namespace wheeltap::identification::planning {
+
+/// The damage case of a simulated test of a design: its measured modes and their uncertainty.
+[[nodiscard]] DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
+                                        const TestDesign& design, const Scenario& scenario,
+                                        std::uint64_t number);
+
+/// The result of the full engine for one simulated test.
+struct EngineOutcome {
+  double probability_damaged = 0.0;
+  int model = 0;       ///< most probable one
+  bool right = false;  ///< count and every place, as TestScorer judges them
+};
+[[nodiscard]] EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source,
+                                     const TestDesign& design, std::uint64_t number,
+                                     const inference::Options& options);
+
+/// One simulated test, judged by both.
+struct CheckedTest {
+  std::uint64_t number = 0;
+  TestOutcome approximate;
+  EngineOutcome engine;
+};
+
+/// Differences engine minus approximation of the same tests: P(detected) and P(right place), both
+/// given at least one defect, and the root mean square difference of P(at least one defect | y)
+/// over all tests. Their standard errors count one test that differs more than were seen, since few
+/// tests may all agree.
+struct EngineCheck {
+  std::vector<CheckedTest> tests;
+  int damaged = 0;  ///< tests with at least one defect
+  TestEstimate detection, right_place;
+  double rms_probability = 0.0;
+};
+
+/// Runs the engine on `count` simulated tests that the scores did not use. The threshold of the
+/// design's scores applies to both.
+[[nodiscard]] EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
+                                          const ScoredDesign& design, int count,
+                                          const inference::Options& options,
+                                          const std::function<void(double)>& progress = {});
+
+}  // namespace wheeltap::identification::planning

@@ -1,0 +1,96 @@
+// Evidences of the number and places of damages in a test with normal data.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/eigen.hpp"
+
+namespace wheeltap::identification::planning {
+
+/// One possible place of a defect, with the change of the whitened data that a defect there causes.
+struct NormalPlace {
+  int kind = 0;
+  double prior = 1.0;  ///< P(place | one defect of the kind)
+  /// Data × (S + 1): mean data minus those of the intact structure, in standard deviations, at the
+  /// quantiles 0, 1/S, …, 1 of the severity's prior. One column: the severity is known.
+  Eigen::MatrixXd nodes;
+};
+
+/// Numbers of defects per kind, at most two in all, with a prior probability.
+struct NormalModel {
+  std::vector<int> counts;
+  double prior = 0.0;
+};
+
+/// A test whose data y - y₀ have mean 0 (intact), Δ_a(s) (one defect) or Δ_a(s) + Δ_b(t) (two
+/// defects at places a ≠ b), and unit covariance. With p the severity's prior probability below s,
+/// p ~ U(0, 1), and Δ_a linear between its nodes,
+///
+///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
+///
+/// each a normal integral in closed form: exact for such Δ_a. For two defects
+///
+///   p(y | a, b) = ∫∫ N(y; Δ_a(p) + Δ_b(q), I) dp dq
+///
+/// uses the slopes at the best (p, q), by quadrature along p and in closed form along q. Effects of
+/// two defects add; two defects at one place are not considered. The sum over pairs (a, b) takes
+/// the `pairs` pairs of largest approximate weight, and of the others a systematic sample
+/// (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
+class NormalTest {
+ public:
+  /// Throws std::invalid_argument for a model with more than two defects, no model without defects,
+  /// places of different sizes, or a kind of a model without a place.
+  NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs = 96);
+
+  struct Pair {
+    int a = 0, b = 0;         ///< places; a < b if they are of one kind
+    double log_weight = 0.0;  ///< ln p(y, a, b | model) / p(y | intact), with the sampling weight
+  };
+  /// The answer to one data vector. Evidences are relative to that of the intact structure.
+  struct Answer {
+    std::vector<double> log_models;        ///< ln p(y | model) / p(y | intact)
+    std::vector<double> log_places;        ///< ln p(y | one defect at the place) / p(y | intact)
+    std::vector<std::vector<Pair>> pairs;  ///< per model; empty for fewer than two defects
+    double log_all = 0.0;                  ///< ln p(y) / p(y | intact)
+    /// ln P(at least one defect | y) / P(none | y)
+    double log_odds = 0.0;
+  };
+
+  /// Products of every node with the columns of `data`, as `answer` needs them.
+  [[nodiscard]] Eigen::MatrixXd products(const Eigen::MatrixXd& data) const;
+  /// `products`: the data's column of the matrix above. Reuses the memory of `out`.
+  void answer(const double* products, Answer& out) const;
+  /// ln p(y | a, b) / p(y | intact) of two defects.
+  [[nodiscard]] double log_pair(const double* products, int a, int b) const;
+
+  [[nodiscard]] const std::vector<NormalPlace>& places() const { return places_; }
+  [[nodiscard]] const std::vector<NormalModel>& models() const { return models_; }
+  [[nodiscard]] Eigen::Index data() const { return nodes_.rows(); }
+  /// Index of the model without defects.
+  [[nodiscard]] int intact() const { return intact_; }
+
+ private:
+  struct PairList;
+
+  [[nodiscard]] double log_place(const double* products, int a) const;
+  void add_pairs(const double* products, const PairList& list, std::vector<Pair>& out) const;
+
+  std::vector<NormalPlace> places_;
+  std::vector<NormalModel> models_;
+  int intact_ = -1;
+  std::size_t most_pairs_;
+  Eigen::MatrixXd nodes_;                   // data × all nodes
+  std::vector<Eigen::Index> first_;         // first node of each place, and the end
+  std::vector<double> squares_;             // |node|²
+  std::vector<double> next_products_;       // node · next node of the place
+  std::vector<Eigen::Index> typical_;       // a node of each place that represents its direction
+  std::vector<double> typical_norm_;        // its norm, 0 for a place without effect
+  std::vector<std::vector<double>> along_;  // nodes of each place along that direction
+  std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
+};
+
+/// ln ∫ exp(b x - h x²/2) dx from `low` to `high`, h >= 0.
+[[nodiscard]] double log_normal_integral(double b, double h, double low, double high);
+
+}  // namespace wheeltap::identification::planning

@@ -1,0 +1,294 @@
+#include "identification/planning/plan.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <tuple>
+
+#include "base/constants.hpp"
+#include "base/index.hpp"
+#include "base/number.hpp"
+#include "identification/invalid_input.hpp"
+
+namespace wheeltap::identification::planning {
+namespace {
+
+/// Segments of the severity's prior in predictions.
+constexpr int kSegments = 8, kCoarseSegments = 4;
+/// Places in the search for sensors.
+constexpr int kCoarsePlaces = 96;
+constexpr int kRandomLayouts = 5;
+
+/// Throws for counts that a plan cannot treat.
+const DamageCase& checked(const DamageCase& damage_case) {
+  int most = 0;
+  bool intact = true;
+  for (const DefectKind& kind : damage_case.kinds) {
+    most += kind.max_count;
+    intact = intact && kind.min_count == 0 && kind.weights.at(0) > 0.0;
+  }
+  if (!intact)
+    throw InvalidInput(InvalidInput::Part::models,
+                       "a plan needs a positive prior probability of the intact structure: count "
+                       "from \"min\": 0");
+  if (most < 1)
+    throw InvalidInput(InvalidInput::Part::models, "a plan needs \"max\" of at least 1");
+  if (most > 2)
+    throw InvalidInput(
+        InvalidInput::Part::models,
+        std::to_string(most) + " defects at once: a plan considers at most 2; lower \"max\"");
+  return damage_case;
+}
+
+double probability_damaged(const std::vector<NormalModel>& models) {
+  double out = 0.0;
+  for (const NormalModel& m : models)
+    if (std::reduce(m.counts.begin(), m.counts.end()) > 0) out += m.prior;
+  return out;
+}
+
+/// Scores variations with fewer scenarios than the best designs.
+class Variations {
+ public:
+  Variations(const PlanCase& plan, const PlanModel& model, const PlanOptions& options)
+      : plan_(plan), model_(model), options_(options) {}
+
+  [[nodiscard]] int scenarios() const { return std::max(1000, options_.scenarios / 10); }
+
+  [[nodiscard]] ScoringOptions scoring() const {
+    return {.scenarios = scenarios(),
+            .false_alarm = plan_.false_alarm,
+            .tolerance = plan_.tolerance,
+            .threads = options_.threads};
+  }
+
+  /// The same record and modes.
+  [[nodiscard]] std::vector<ScoredDesign> score(std::vector<ScoredDesign> designs,
+                                                double seconds) const {
+    TestNoise noise = plan_.noise;
+    noise.seconds = seconds;
+    std::vector<TestDesign> list;
+    for (const ScoredDesign& d : designs) list.push_back(d.design);
+    const auto scores =
+        score_designs(model_.source(), model_.predictions(), noise, list, scoring());
+    for (std::size_t i = 0; i < designs.size(); ++i) {
+      designs[i].scores = scores[i];
+      designs[i].seconds = seconds;
+      designs[i].modes = model_.structure().modes();
+    }
+    return designs;
+  }
+
+  /// With another number of modes; none if the band has no more.
+  [[nodiscard]] std::optional<ScoredDesign> with_modes(const TestDesign& design, int modes) const {
+    PlanCase changed = plan_;
+    changed.structure.modes = modes;
+    const PlanModel model(changed, options_);
+    if (model.structure().modes() != modes) return {};
+    const auto scores =
+        score_designs(model.source(), model.predictions(), plan_.noise, {design}, scoring());
+    return ScoredDesign{.name = std::to_string(modes) + (modes == 1 ? " mode" : " modes"),
+                        .design = design,
+                        .seconds = plan_.noise.seconds,
+                        .modes = modes,
+                        .scores = scores[0]};
+  }
+
+ private:
+  const PlanCase& plan_;
+  const PlanModel& model_;
+  const PlanOptions& options_;
+};
+
+std::string seconds_name(double seconds) {
+  return base::significant(seconds, 6) + " s";
+}
+
+std::string sensors_name(std::size_t n) {
+  return n < 2 ? "frequencies alone" : std::to_string(n) + " sensors";
+}
+
+/// How far two defects are from the sum of their effects, in standard errors per datum.
+std::pair<double, double> additivity(const PlanModel& model, const PreparedDesign& design) {
+  const PlannedStructure& structure = model.structure();
+  PlannedStructure::Solver solver(structure);
+  std::vector<double> found;
+  Eigen::VectorXd both(design.data.size()), one(design.data.size()), other(design.data.size());
+  TestModes modes;
+  for (std::uint64_t n = 0; n < 600 && found.size() < 100; ++n) {
+    const Scenario s = model.source().draw(n, solver);
+    if (s.defects.size() != 2) continue;
+    design.data.mean(s.modes, both);
+    if (!solver.predict({s.defects[0]}, modes)) continue;
+    design.data.mean(modes, one);
+    if (!solver.predict({s.defects[1]}, modes)) continue;
+    design.data.mean(modes, other);
+    found.push_back((both - one - other).norm() / std::sqrt(static_cast<double>(both.size())));
+  }
+  if (found.empty()) return {0.0, 0.0};
+  std::ranges::sort(found);
+  return {found[found.size() / 2], found[found.size() * 9 / 10]};
+}
+
+void compare_criteria(const PlanCase& plan, const PlanModel& model, const PlanOptions& options,
+                      PlanFindings& out) {
+  const auto& shapes = model.structure().intact().shapes;
+  const int candidates = static_cast<int>(shapes.rows());
+  const auto add = [&](std::string name, std::vector<int> sensors) {
+    out.others.push_back({.name = std::move(name), .design = {.sensors = std::move(sensors)}});
+  };
+  if (plan.choose >= 2) {
+    add("effective independence", effective_independence(shapes, plan.choose));
+    add("kinetic energy", kinetic_energy(shapes, plan.choose));
+    int number = 0;
+    for (auto& layout : random_layouts(candidates, plan.choose, kRandomLayouts, options.seed))
+      add("random " + std::to_string(++number), std::move(layout));
+  }
+  int number = 0;
+  for (const auto& layout : plan.layouts) add("layout " + std::to_string(++number), layout);
+}
+
+void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& options,
+          PlanFindings& out) {
+  const Variations variations(plan, model, options);
+  out.variation_scenarios = variations.scenarios();
+  const TestDesign best = out.designs.front().design;
+  std::vector<ScoredDesign> path = {{.name = sensors_name(0), .design = {}}};
+  for (const RankedDesign& step : out.search.path)
+    path.push_back({.name = sensors_name(step.design.sensors.size()), .design = step.design});
+  if (plan.choose >= 2) {
+    // The exchanged design takes the place of the greedy one with as many sensors.
+    path.back() = {.name = sensors_name(best.sensors.size()), .design = best};
+    out.by_sensors = variations.score(path, plan.noise.seconds);
+  }
+  std::vector<double> lengths = plan.record_lengths;
+  if (lengths.empty() && !(plan.noise.cov > 0.0))
+    for (const double factor : {0.25, 0.5, 2.0, 4.0})
+      lengths.push_back(factor * plan.noise.seconds);
+  lengths.push_back(plan.noise.seconds);
+  std::ranges::sort(lengths);
+  lengths.erase(std::unique(lengths.begin(), lengths.end()), lengths.end());
+  for (const double seconds : lengths) {
+    if (plan.noise.cov > 0.0 && seconds != plan.noise.seconds) continue;
+    std::vector<ScoredDesign> list = {{.name = seconds_name(seconds), .design = best}};
+    if (plan.costs && plan.choose >= 2)
+      for (const ScoredDesign& d : path) list.push_back(d);
+    list = variations.score(std::move(list), seconds);
+    out.by_length.push_back(list.front());
+    for (const ScoredDesign& d : list)
+      if (plan.costs && (list.size() == 1 || &d != &list.front()))
+        out.options.push_back(
+            {.name = sensors_name(d.design.sensors.size()) + ", " + seconds_name(seconds),
+             .sensors = d.design.sensors,
+             .seconds = seconds,
+             .scores = d.scores});
+  }
+  const int modes = model.structure().modes();
+  for (const int n : {modes - 2, modes - 1, modes, modes + 1, modes + 2})
+    if (n >= 1)
+      if (auto scored = variations.with_modes(best, n)) out.by_modes.push_back(std::move(*scored));
+  std::vector<ScoredDesign> masses;
+  for (std::size_t m = 0; m < model.structure().masses().size(); ++m)
+    masses.push_back({.name = model.structure().masses()[m].name,
+                      .design = {.sensors = best.sensors, .mass = static_cast<int>(m)}});
+  if (!masses.empty()) out.by_mass = variations.score(std::move(masses), plan.noise.seconds);
+  for (const ScoredDesign& d : out.by_mass)
+    if (plan.costs)
+      out.options.push_back({.name = sensors_name(d.design.sensors.size()) + ", " + d.name + ", " +
+                                     seconds_name(d.seconds),
+                             .sensors = d.design.sensors,
+                             .seconds = d.seconds,
+                             .mass = true,
+                             .scores = d.scores});
+}
+
+/// Sensors by a search with fewer places and severities.
+SensorChoice search(const PlanCase& plan, const PlanOptions& options) {
+  PlanCase coarse = plan;
+  coarse.structure.most_places = kCoarsePlaces;
+  const PlannedStructure structure(coarse.damage_case, coarse.structure);
+  const PlacePredictions predictions = predict_places(structure, kCoarseSegments, options.threads);
+  const ScenarioSource source(structure, options.seed + 1);
+  ChoiceOptions how{.choose = plan.choose, .threads = options.threads, .tolerance = plan.tolerance};
+  how.most_scenarios = std::clamp(options.scenarios / 24, 256, 4096);
+  if (options.progress)
+    how.progress = [&](double fraction) { options.progress("choice of sensors", fraction); };
+  return choose_sensors(source, predictions, plan.noise, how);
+}
+
+}  // namespace
+
+PlanModel::PlanModel(const PlanCase& plan, const PlanOptions& options)
+    : structure_(checked(plan.damage_case), plan.structure),
+      predictions_(predict_places(structure_, kSegments, options.threads)),
+      source_(structure_, options.seed) {}
+
+PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanOptions& options) {
+  const PlannedStructure& structure = model.structure();
+  PlanFindings out;
+  out.frequencies_hz = structure.frequencies_hz();
+  for (const double f : out.frequencies_hz)
+    out.frequency_cov.push_back(plan.noise.frequency_cov(f));
+  out.shape_sd = plan.noise.shape_sd_now();
+  for (int i = 0; i < structure.modes(); ++i)
+    if (!structure.has_shape(i)) out.without_shapes.push_back(i);
+  out.probability_damaged = probability_damaged(model.source().models());
+  out.search = search(plan, options);
+  std::vector<ScoredDesign> all;
+  for (const RankedDesign& ranked : out.search.best)
+    all.push_back({.name = "expected information", .design = ranked.design});
+  const std::size_t chosen = all.size();
+  compare_criteria(plan, model, options, out);
+  all.insert(all.end(), out.others.begin(), out.others.end());
+  all.push_back({.name = "frequencies alone", .design = {}});
+  std::vector<TestDesign> designs;
+  for (const ScoredDesign& d : all) designs.push_back(d.design);
+  ScoringOptions scoring{.scenarios = options.scenarios,
+                         .false_alarm = plan.false_alarm,
+                         .tolerance = plan.tolerance,
+                         .threads = options.threads};
+  if (options.progress)
+    scoring.progress = [&](double fraction) { options.progress("simulated tests", fraction); };
+  const auto scores =
+      score_designs(model.source(), model.predictions(), plan.noise, designs, scoring);
+  out.scenarios = options.scenarios;
+  for (std::size_t i = 0; i < all.size(); ++i) {
+    all[i].scores = scores[i];
+    all[i].seconds = plan.noise.seconds;
+    all[i].modes = structure.modes();
+  }
+  const auto first_other = all.begin() + static_cast<std::ptrdiff_t>(chosen);
+  out.designs.assign(all.begin(), first_other);
+  out.others.assign(first_other, all.end() - 1);
+  out.frequencies_alone = all.back();
+  std::ranges::stable_sort(out.designs, [](const ScoredDesign& a, const ScoredDesign& b) {
+    return a.scores.information.value > b.scores.information.value;
+  });
+  const ScoredDesign& best = out.designs.front();
+  const auto report = [&](const char* stage, double fraction) {
+    if (options.progress) options.progress(stage, fraction);
+  };
+  report("map of detection", 0.0);
+  const PreparedDesign prepared = prepare(structure, model.predictions(), plan.noise, best.design);
+  const PreparedDesign alone = prepare(structure, model.predictions(), plan.noise, {});
+  out.places = detect_everywhere(model.source(), model.predictions(), prepared,
+                                 {.tests = options.tests_per_place,
+                                  .threshold = best.scores.threshold,
+                                  .tolerance = plan.tolerance,
+                                  .threads = options.threads,
+                                  .seed = options.seed});
+  const std::vector<double> costs = plan.costs ? plan.costs->of_sensors : std::vector<double>{};
+  out.confusion = find_confusion(structure, prepared.test, plan.tolerance);
+  out.separations = find_separations(structure, model.predictions(), plan.noise, best.design,
+                                     out.confusion.pairs, costs, options.threads);
+  out.confusion_alone = find_confusion(structure, alone.test, plan.tolerance);
+  out.separations_alone = find_separations(structure, model.predictions(), plan.noise, {},
+                                           out.confusion_alone.pairs, costs, options.threads);
+  std::tie(out.additivity_median, out.additivity_high) = additivity(model, prepared);
+  report("variations", 0.0);
+  vary(plan, model, options, out);
+  if (plan.costs) out.value = find_values(out.options, *plan.costs, out.probability_damaged);
+  return out;
+}
+
+}  // namespace wheeltap::identification::planning

@@ -1,0 +1,264 @@
+#include "identification/planning/planned_structure.hpp"
+
+#include <algorithm>
+#include <cmath>
+
+#include "base/constants.hpp"
+#include "base/index.hpp"
+#include "base/number.hpp"
+#include "fem/structures/modes/structure_modes.hpp"
+#include "identification/invalid_input.hpp"
+#include "identification/structural/forward/assembled_model.hpp"
+#include "identification/structural/likelihood/mode_matching.hpp"
+
+namespace wheeltap::identification::planning {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Computed modes beyond the measured ones, which may match them.
+constexpr int kFurther = 3;
+/// Close modes rotated by more than this [rad] have no shape of their own.
+constexpr double kLargestTurn = 0.3;
+
+double log_frequency(double eigenvalue) {
+  return std::log(std::sqrt(std::max(eigenvalue, 1e-300)) / kTwoPi);
+}
+
+/// P(x < bound) of a prior.
+double probability_below(const inference::Prior& prior, double bound) {
+  const double z = prior.to_standard_normal(bound);
+  return 0.5 * std::erfc(-z / std::numbers::sqrt2);
+}
+
+/// The rotation of a mode with this eigenvalue towards another by model errors; see
+/// ModalLikelihood.
+double turn_between(double one, double other) {
+  const double mean = 0.5 * (one + other);
+  const double gap = std::max(std::abs(one - other) / mean, 1e-2 * ModalLikelihood::kMixing);
+  if (gap >= ModalLikelihood::kClose) return 0.0;
+  return ModalLikelihood::kMixing *
+         std::sqrt(1.0 / (gap * gap) - 1.0 / (ModalLikelihood::kClose * ModalLikelihood::kClose));
+}
+
+int elastic_modes(const DamageCase& damage_case, const AnyStructure& structure) {
+  int elastic =
+      static_cast<int>(fem::mode_count(discretise(structure))) - damage_case.rigid_body_modes;
+  for (const DefectKind& kind : damage_case.kinds)
+    elastic -= kind.type->may_be_known ? kind.max_count : 0;
+  return elastic;
+}
+
+std::string place_name(const DefectKind& kind, const TestPlace& place) {
+  const SiteLine::Stretch& stretch = kind.line.stretches()[index(place.stretch)];
+  const double middle = 0.5 * (place.start + place.end);
+  if (kind.line.is_beam()) return base::significant(middle, 4) + " m";
+  if (stretch.size == 0.0) return stretch.name;
+  return stretch.name + " at " + base::significant(middle, 4) + " m";
+}
+
+void check(const DamageCase& damage_case) {
+  for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
+    const DefectKind& kind = damage_case.kinds[k];
+    if (kind.extent_prior)
+      throw InvalidInput(InvalidInput::Part::severity,
+                         "a plan needs a known extent: give a length or \"element\"",
+                         static_cast<int>(k));
+    if (!kind.type->has_low_rank)
+      throw InvalidInput(InvalidInput::Part::location,
+                         "a plan allows defects of members, joints, links and masses; \"" +
+                             std::string(kind.type->name) + "\" changes whole parts",
+                         static_cast<int>(k));
+  }
+}
+
+}  // namespace
+
+PlannedStructure::PlannedStructure(DamageCase damage_case, PlannedStructureOptions options)
+    : damage_case_(std::move(damage_case)), options_(std::move(options)) {
+  check(damage_case_);
+  choose_modes();
+  find_places();
+  Solver solver(*this);
+  if (!solver.predict({}, intact_))
+    throw InvalidInput(InvalidInput::Part::beam, "the intact structure has no modes");
+}
+
+void PlannedStructure::choose_modes() try {
+  const AnyStructure structure = damage_case_.solved_structure();
+  const int rigid = damage_case_.rigid_body_modes,
+            available = elastic_modes(damage_case_, structure);
+  std::vector<fem::SparseRow> motions;
+  for (const Sensor& sensor : options_.candidates) motions.push_back(sensor.motion);
+  // A model with sensors computes modes; one without, frequencies.
+  fem::SparseRow any{.dofs = {0}, .coefficients = {1.0}};
+  if (motions.empty()) motions.push_back(std::move(any));
+  int wanted = std::min(available, options_.modes + kFurther);
+  VectorXd eigenvalues;
+  for (;;) {
+    model_ = std::make_shared<const AssembledModel>(structure, damage_case_.kinds, rigid + wanted,
+                                                    rigid, motions);
+    Prediction prediction;
+    if (!model_->make_solver()->predict({}, {}, ForwardModel::Quantity::modes, prediction)) break;
+    eigenvalues = prediction.modes.at(0).eigenvalues;
+    chosen_.clear();
+    for (Index i = 0; i < eigenvalues.size(); ++i) {
+      const double f = std::sqrt(std::max(eigenvalues[i], 0.0)) / kTwoPi;
+      if (f >= options_.low_hz && f <= options_.high_hz &&
+          chosen_.size() < static_cast<std::size_t>(options_.modes))
+        chosen_.push_back(static_cast<int>(i));
+    }
+    const bool beyond = wanted == available ||
+                        std::sqrt(eigenvalues[eigenvalues.size() - 1]) / kTwoPi > options_.high_hz;
+    if (chosen_.size() == static_cast<std::size_t>(options_.modes) || beyond) break;
+    wanted = std::min(available, 2 * wanted);
+  }
+  if (chosen_.empty())
+    throw InvalidInput(InvalidInput::Part::data, "the structure has no mode in the band");
+  for (const AddedMass& mass : options_.masses)
+    with_mass_.push_back(std::make_shared<const AssembledModel>(mass.structure, damage_case_.kinds,
+                                                                rigid + chosen_.back() + 1, rigid));
+  close_.assign(chosen_.size(), -1);
+  turns_.resize(chosen_.size());
+  for (std::size_t i = 0; i + 1 < chosen_.size(); ++i) {
+    const double tau = turn_between(eigenvalues[chosen_[i]], eigenvalues[chosen_[i + 1]]);
+    if (chosen_[i + 1] != chosen_[i] + 1 || tau == 0.0) continue;
+    const int a = static_cast<int>(i), b = a + 1;
+    if (tau > kLargestTurn) {
+      if (close_[i] < 0) close_[i] = a;
+      close_[i + 1] = close_[i];
+    }
+    if (tau > turns_[i].tau) turns_[i] = {b, tau};
+    if (tau > turns_[i + 1].tau) turns_[i + 1] = {a, tau};
+  }
+} catch (const fem::InvalidStructure& error) {
+  throw InvalidInput(InvalidInput::Part::beam, error.what());
+}
+
+void PlannedStructure::find_places() {
+  int cells = 0;
+  for (const DefectKind& kind : kinds()) cells += kind.line.cells();
+  const int together = std::max(1, (cells + options_.most_places - 1) / options_.most_places);
+  for (std::size_t k = 0; k < kinds().size(); ++k) {
+    const DefectKind& kind = kinds()[k];
+    std::vector<int>& of_cell =
+        place_of_cell_.emplace_back(static_cast<std::size_t>(kind.line.cells()), -1);
+    double sum = 0.0;
+    for (int c = 0; c < kind.line.cells();) {
+      const int stretch = kind.line.stretch_of_cell(c);
+      int end = c;
+      while (end < kind.line.cells() && end < c + together &&
+             kind.line.stretch_of_cell(end) == stretch)
+        ++end;
+      const SiteLine::Stretch& s = kind.line.stretches()[index(stretch)];
+      TestPlace place{.kind = static_cast<int>(k),
+                      .from = kind.line.cell_start(c),
+                      .to = kind.line.cell_start(end),
+                      .stretch = stretch};
+      const auto metres = [&](double x) { return (x - s.start) / (s.end - s.start) * s.size; };
+      place.start = metres(place.from);
+      place.end = metres(place.to);
+      // The middle of the middle cell, within the prior.
+      const int middle = (c + end - 1) / 2;
+      const double low = std::max(kind.line.cell_start(middle), kind.location.lower());
+      const double high = std::min(kind.line.cell_start(middle + 1), kind.location.upper());
+      place.location = low < high ? 0.5 * (low + high) : 0.5 * (place.from + place.to);
+      place.prior =
+          probability_below(kind.location, place.to) - probability_below(kind.location, place.from);
+      place.name = place_name(kind, place);
+      if (place.prior > 1e-12) {
+        for (int cell = c; cell < end; ++cell)
+          of_cell[index(cell)] = static_cast<int>(places_.size());
+        sum += place.prior;
+        places_.push_back(std::move(place));
+      }
+      c = end;
+    }
+    for (TestPlace& place : places_)
+      if (place.kind == static_cast<int>(k)) place.prior /= sum;
+  }
+}
+
+int PlannedStructure::place_of(int kind, double location) const {
+  return place_of_cell_[index(kind)][index(kinds()[index(kind)].line.cell_at(location))];
+}
+
+std::vector<double> PlannedStructure::frequencies_hz() const {
+  std::vector<double> out;
+  for (const double f : intact_.in_order) out.push_back(std::exp(f));
+  return out;
+}
+
+void PlannedStructure::label(const fem::ParametricModes::Modes& modes, TestModes& out) const {
+  const auto n = static_cast<Index>(chosen_.size());
+  const auto candidates = static_cast<Index>(options_.candidates.size());
+  out.in_order.resize(n);
+  out.log_frequencies.resize(n);
+  out.shapes.resize(candidates, n);
+  for (Index i = 0; i < n; ++i) {
+    const int j = chosen_[index(i)];
+    out.in_order[i] = log_frequency(modes.eigenvalues[j]);
+    out.log_frequencies[i] = out.in_order[i];
+    if (candidates > 0) out.shapes.col(i) = modes.shapes.col(j);
+  }
+  if (candidates < 2 || intact_.shapes.size() == 0) return;
+  const auto mac = [&](Index i, Index j) {
+    const auto a = intact_.shapes.col(i);
+    const auto b = modes.shapes.col(j);
+    const double ab = a.dot(b), norms = a.squaredNorm() * b.squaredNorm();
+    return norms > 0.0 ? ab * ab / norms : 0.0;
+  };
+  bool in_order = true;
+  for (Index i = 0; i < n && in_order; ++i)
+    in_order = close_[index(i)] >= 0 || mac(i, chosen_[index(i)]) > 0.9;
+  if (!in_order) {
+    const Index first = std::max(0, chosen_.front() - kFurther);
+    const Index count =
+        std::min<Index>(modes.eigenvalues.size(), chosen_.back() + 1 + kFurther) - first;
+    MatrixXd costs(n, count);
+    for (Index i = 0; i < n; ++i)
+      for (Index j = 0; j < count; ++j)
+        costs(i, j) =
+            1.0 - mac(i, first + j) +
+            0.5 * std::abs(log_frequency(modes.eigenvalues[first + j]) - intact_.in_order[i]);
+    const std::vector<int> to = least_cost_assignment(costs);
+    for (Index i = 0; i < n; ++i) {
+      const Index j = first + to[index(i)];
+      out.log_frequencies[i] = log_frequency(modes.eigenvalues[j]);
+      out.shapes.col(i) = modes.shapes.col(j);
+    }
+  }
+  for (Index i = 0; i < n; ++i) {
+    if (intact_.shapes.col(i).dot(out.shapes.col(i)) < 0.0) out.shapes.col(i) *= -1.0;
+    // Close modes in ascending order of their frequencies.
+    if (close_[index(i)] != i) continue;
+    Index end = i;
+    while (end < n && close_[index(end)] == i) ++end;
+    std::sort(out.log_frequencies.data() + i, out.log_frequencies.data() + end);
+  }
+}
+
+PlannedStructure::Solver::Solver(const PlannedStructure& structure)
+    : structure_(structure), solver_(structure.model_->make_solver()) {
+  for (const auto& model : structure.with_mass_) with_mass_.push_back(model->make_solver());
+}
+
+bool PlannedStructure::Solver::predict(const std::vector<PlacedDefect>& defects, TestModes& out) {
+  if (!solver_->predict({}, defects, ForwardModel::Quantity::modes, prediction_)) return false;
+  structure_.label(prediction_.modes[0], out);
+  const auto n = static_cast<Index>(structure_.chosen_.size());
+  out.with_mass.resize(n, static_cast<Index>(with_mass_.size()));
+  frequencies_.frequencies_hz.resize(index(structure_.chosen_.back() + 1));
+  for (std::size_t m = 0; m < with_mass_.size(); ++m) {
+    if (!with_mass_[m]->predict({}, defects, ForwardModel::Quantity::frequencies, frequencies_))
+      return false;
+    for (Index i = 0; i < n; ++i)
+      out.with_mass(i, static_cast<Index>(m)) =
+          std::log(frequencies_.frequencies_hz[index(structure_.chosen_[index(i)])]);
+  }
+  return true;
+}
+
+}  // namespace wheeltap::identification::planning

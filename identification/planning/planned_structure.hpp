@@ -1,0 +1,114 @@
+// Predicted modes of the structure of a planned test, with and without defects.
+#pragma once
+
+#include <functional>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+#include "identification/structural/damage/damage_case.hpp"
+#include "identification/structural/forward/forward_model.hpp"
+#include "identification/structural/modal_data.hpp"
+
+namespace wheeltap::identification::planning {
+
+/// A mass that a second state of the test adds to the structure.
+struct AddedMass {
+  std::string name;        ///< "2 kg at B"
+  AnyStructure structure;  ///< with the mass
+};
+
+/// The modes that a test measures.
+struct TestModes {
+  Eigen::VectorXd log_frequencies;  ///< ln f, each mode identified by its shape
+  Eigen::VectorXd in_order;         ///< ln f of the same number of modes, ascending
+  Eigen::MatrixXd shapes;           ///< candidate sensors × modes, mass-normalised
+  Eigen::MatrixXd with_mass;        ///< modes × added masses: ln f, ascending
+};
+
+/// A possible place of a defect: a cell of its kind's line, or several adjacent ones.
+struct TestPlace {
+  int kind = 0;
+  double location = 0.0;          ///< on the kind's line, where the prediction is made
+  double from = 0.0, to = 0.0;    ///< on the line
+  int stretch = 0;                ///< index in the line
+  double start = 0.0, end = 0.0;  ///< [m] from the start of the site; 0 for points
+  double prior = 0.0;             ///< P(place | one defect of the kind)
+  std::string name = {};          ///< "beam at 0.25 m"
+};
+
+struct PlannedStructureOptions {
+  int modes = 10;                        ///< most modes: the lowest elastic ones in the band
+  double low_hz = 0.0, high_hz = 1e300;  ///< band
+  std::vector<Sensor> candidates = {};
+  std::vector<AddedMass> masses = {};
+  int most_places = 240;  ///< adjacent cells are joined beyond this number
+};
+
+/// Predicts by exact reanalysis (AssembledModel). A mode of a damaged structure is the one whose
+/// shape at the candidate sensors resembles that of the intact structure, by the assignment with
+/// the smallest Σ (1 - MAC + |Δ ln f| / 2). Of close modes, which a small change of stiffness mixes
+/// (ModalLikelihood), only frequencies are used, in ascending order.
+class PlannedStructure {
+ public:
+  /// Throws InvalidInput for a structure without a mode in the band, and kinds of defect with an
+  /// unknown extent or that change the stiffness of whole substructures.
+  PlannedStructure(DamageCase damage_case, PlannedStructureOptions options);
+
+  /// Working memory of one thread.
+  class Solver {
+   public:
+    explicit Solver(const PlannedStructure& structure);
+    /// Returns false if the structure is impossible with these defects.
+    bool predict(const std::vector<PlacedDefect>& defects, TestModes& out);
+
+   private:
+    const PlannedStructure& structure_;
+    std::unique_ptr<ForwardModel::Solver> solver_;
+    std::vector<std::unique_ptr<ForwardModel::Solver>> with_mass_;
+    Prediction prediction_, frequencies_;
+  };
+
+  [[nodiscard]] const DamageCase& damage_case() const { return damage_case_; }
+  [[nodiscard]] const std::vector<DefectKind>& kinds() const { return damage_case_.kinds; }
+  [[nodiscard]] const std::vector<Sensor>& candidates() const { return options_.candidates; }
+  [[nodiscard]] const std::vector<AddedMass>& masses() const { return options_.masses; }
+  [[nodiscard]] const std::vector<TestPlace>& places() const { return places_; }
+  /// The place of a location on a kind's line; -1 if its prior probability is 0.
+  [[nodiscard]] int place_of(int kind, double location) const;
+  [[nodiscard]] const TestModes& intact() const { return intact_; }
+  /// Number of measured modes.
+  [[nodiscard]] int modes() const { return static_cast<int>(chosen_.size()); }
+  /// Elastic modes that are measured, from 0.
+  [[nodiscard]] const std::vector<int>& chosen() const { return chosen_; }
+  [[nodiscard]] std::vector<double> frequencies_hz() const;
+  /// A mode whose shape is used; see above.
+  [[nodiscard]] bool has_shape(int mode) const {
+    return close_[static_cast<std::size_t>(mode)] < 0;
+  }
+  /// Rotation by model errors: the other measured mode (-1: none), and the sd of the angle.
+  struct Turn {
+    int mode = -1;
+    double tau = 0.0;
+  };
+  [[nodiscard]] const Turn& turn(int mode) const { return turns_[static_cast<std::size_t>(mode)]; }
+
+ private:
+  void choose_modes();
+  void find_places();
+  void label(const fem::ParametricModes::Modes& modes, TestModes& out) const;
+
+  DamageCase damage_case_;
+  PlannedStructureOptions options_;
+  std::shared_ptr<const ForwardModel> model_;
+  std::vector<std::shared_ptr<const ForwardModel>> with_mass_;
+  std::vector<int> chosen_;
+  std::vector<int> close_;  // group of modes without shapes; -1: has a shape
+  std::vector<Turn> turns_;
+  std::vector<TestPlace> places_;
+  std::vector<std::vector<int>> place_of_cell_;  // per kind
+  TestModes intact_;
+};
+
+}  // namespace wheeltap::identification::planning

@@ -1,0 +1,70 @@
+// Simulated tests: truths from the prior, their exact modes, and scores of designs.
+#pragma once
+
+#include <cstdint>
+#include <functional>
+#include <vector>
+
+#include "identification/planning/test_design.hpp"
+#include "identification/planning/test_scores.hpp"
+
+namespace wheeltap::identification::planning {
+
+/// One simulated structure.
+struct Scenario {
+  TestTruth truth;
+  std::vector<PlacedDefect> defects;
+  TestModes modes;
+};
+
+/// Draws truths from the priors, keyed by (seed, number): number n has model n mod the number of
+/// models.
+class ScenarioSource {
+ public:
+  ScenarioSource(const PlannedStructure& structure, std::uint64_t seed);
+
+  [[nodiscard]] const PlannedStructure& structure() const { return structure_; }
+  [[nodiscard]] const std::vector<NormalModel>& models() const { return models_; }
+  [[nodiscard]] std::uint64_t seed() const { return seed_; }
+  [[nodiscard]] Scenario draw(std::uint64_t number, PlannedStructure::Solver& solver) const;
+  /// Scenarios first … first + count - 1, in parallel.
+  [[nodiscard]] std::vector<Scenario> draw(std::uint64_t first, int count, int threads) const;
+  /// The spans of the structure's places, for TestScorer.
+  [[nodiscard]] std::vector<PlaceSpan> spans() const;
+
+ private:
+  const PlannedStructure& structure_;
+  std::uint64_t seed_;
+  std::vector<NormalModel> models_;
+};
+
+/// A design with its normal test, ready to answer.
+struct PreparedDesign {
+  TestData data;
+  NormalTest test;
+};
+[[nodiscard]] PreparedDesign prepare(const PlannedStructure& structure,
+                                     const PlacePredictions& predictions, const TestNoise& noise,
+                                     const TestDesign& design);
+
+/// The outcomes of simulated tests of a design, scenario number `first` and following; every design
+/// receives the same truths and the same random numbers.
+[[nodiscard]] std::vector<TestOutcome> simulate_tests(const ScenarioSource& source,
+                                                      const PreparedDesign& design,
+                                                      const std::vector<Scenario>& scenarios,
+                                                      std::uint64_t first, double tolerance);
+
+struct ScoringOptions {
+  int scenarios = 100'000;
+  double false_alarm = 0.05;
+  double tolerance = 0.05;  ///< [m]
+  int threads = 1;
+  std::function<void(double fraction)> progress = {};
+};
+
+/// Scores designs by the same scenarios, from number `first`.
+[[nodiscard]] std::vector<TestScores> score_designs(
+    const ScenarioSource& source, const PlacePredictions& predictions, const TestNoise& noise,
+    const std::vector<TestDesign>& designs, const ScoringOptions& options, std::uint64_t first = 0);
+
+}  // namespace wheeltap::identification::planning

@@ -1,0 +1,302 @@
+#include "identification/planning/sensor_choice.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <numeric>
+#include <set>
+#include <stdexcept>
+
+#include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "base/random.hpp"
+
+namespace wheeltap::identification::planning {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+
+/// Pairs of sensors that begin the search.
+constexpr int kMostPairs = 120;
+/// Rounds of exchanges.
+constexpr int kMostPasses = 10;
+
+/// Compares designs by the same simulated tests.
+class Race {
+ public:
+  Race(const ScenarioSource& source, const PlacePredictions& predictions, const TestNoise& noise,
+       const ChoiceOptions& options)
+      : source_(source), predictions_(predictions), noise_(noise), options_(options) {}
+
+  [[nodiscard]] long compared() const { return compared_; }
+  [[nodiscard]] int scenarios() const { return scenarios_; }
+
+  /// The `keep` best designs, best first.
+  std::vector<RankedDesign> run(const std::vector<TestDesign>& designs, int keep) {
+    compared_ += static_cast<long>(designs.size());
+    std::vector<Runner> field;
+    for (const TestDesign& design : designs) field.push_back({.design = design, .information = {}});
+    int count = 0;
+    for (int to = options_.first_scenarios;; to *= 2) {
+      extend(field, count, to);
+      count = to;
+      sort(field);
+      const auto places = static_cast<std::size_t>(keep);
+      if (field.size() > places) {
+        const Runner& last = field[places - 1];
+        std::erase_if(field, [&](const Runner& r) { return &r > &last && is_worse(r, last); });
+      }
+      if (field.size() <= places || to >= options_.most_scenarios) break;
+    }
+    scenarios_ = std::max(scenarios_, count);
+    std::vector<RankedDesign> out;
+    for (const Runner& r : field)
+      if (out.size() < static_cast<std::size_t>(keep)) out.push_back({r.design, estimate(r)});
+    return out;
+  }
+
+ private:
+  struct Runner {
+    TestDesign design;
+    std::vector<double> information;  // per scenario
+  };
+
+  void extend(std::vector<Runner>& field, int from, int to) {
+    if (static_cast<int>(truths_.size()) < to) {
+      std::vector<Scenario> more =
+          source_.draw(truths_.size(), to - static_cast<int>(truths_.size()), options_.threads);
+      std::ranges::move(more, std::back_inserter(truths_));
+    }
+    const std::vector<Scenario> part(truths_.begin() + from, truths_.begin() + to);
+    base::parallel_for(static_cast<int>(field.size()), options_.threads, [&](int i) {
+      Runner& runner = field[index(i)];
+      const PreparedDesign design =
+          prepare(source_.structure(), predictions_, noise_, runner.design);
+      for (const TestOutcome& o : simulate_tests(
+               source_, design, part, static_cast<std::uint64_t>(from), options_.tolerance))
+        runner.information.push_back(o.information);
+    });
+  }
+
+  /// Under the prior of models: scenario n has model n mod the number of models.
+  [[nodiscard]] double weighted_mean(const std::vector<double>& values) const {
+    const auto& models = source_.models();
+    std::vector<double> sum(models.size(), 0.0), n(models.size(), 0.0);
+    for (std::size_t i = 0; i < values.size(); ++i) {
+      sum[i % models.size()] += values[i];
+      n[i % models.size()] += 1.0;
+    }
+    double out = 0.0;
+    for (std::size_t m = 0; m < models.size(); ++m) out += models[m].prior * sum[m] / n[m];
+    return out;
+  }
+  [[nodiscard]] double standard_error(const std::vector<double>& values) const {
+    const auto& models = source_.models();
+    const std::size_t k = models.size();
+    double variance = 0.0;
+    for (std::size_t m = 0; m < k; ++m) {
+      double sum = 0.0, squares = 0.0, n = 0.0;
+      for (std::size_t i = m; i < values.size(); i += k) {
+        sum += values[i];
+        squares += values[i] * values[i];
+        n += 1.0;
+      }
+      variance +=
+          models[m].prior * models[m].prior * std::max(0.0, squares / n - sum * sum / (n * n)) / n;
+    }
+    return std::sqrt(variance);
+  }
+  [[nodiscard]] TestEstimate estimate(const Runner& r) const {
+    return {weighted_mean(r.information), standard_error(r.information)};
+  }
+  [[nodiscard]] bool is_worse(const Runner& r, const Runner& than) const {
+    std::vector<double> difference(r.information.size());
+    for (std::size_t i = 0; i < difference.size(); ++i)
+      difference[i] = than.information[i] - r.information[i];
+    return weighted_mean(difference) > 3.0 * standard_error(difference);
+  }
+  void sort(std::vector<Runner>& field) const {
+    std::vector<std::pair<double, std::size_t>> order;
+    for (std::size_t i = 0; i < field.size(); ++i)
+      order.emplace_back(-weighted_mean(field[i].information), i);
+    std::ranges::sort(order);
+    std::vector<Runner> sorted;
+    for (const auto& [value, i] : order) sorted.push_back(std::move(field[i]));
+    field = std::move(sorted);
+  }
+
+  const ScenarioSource& source_;
+  const PlacePredictions& predictions_;
+  const TestNoise& noise_;
+  const ChoiceOptions& options_;
+  std::vector<Scenario> truths_;
+  long compared_ = 0;
+  int scenarios_ = 0;
+};
+
+TestDesign with(std::vector<int> sensors) {
+  std::ranges::sort(sensors);
+  return {.sensors = std::move(sensors)};
+}
+
+std::vector<TestDesign> all_layouts(int candidates, int choose) {
+  std::vector<TestDesign> out;
+  std::vector<int> at(index(choose));
+  std::iota(at.begin(), at.end(), 0);
+  for (;;) {
+    out.push_back({.sensors = at});
+    int i = choose - 1;
+    while (i >= 0 && at[index(i)] == candidates - choose + i) --i;
+    if (i < 0) return out;
+    ++at[index(i)];
+    for (int j = i + 1; j < choose; ++j) at[index(j)] = at[index(j - 1)] + 1;
+  }
+}
+
+/// All pairs of sensors; of many, those of the classical criteria and random ones.
+std::vector<TestDesign> pairs_of(const MatrixXd& shapes, std::uint64_t seed) {
+  const int candidates = static_cast<int>(shapes.rows());
+  if (layout_count(candidates, 2) <= kMostPairs) return all_layouts(candidates, 2);
+  std::vector<TestDesign> out = {with(effective_independence(shapes, 2)),
+                                 with(kinetic_energy(shapes, 2))};
+  for (auto& layout : random_layouts(candidates, 2, kMostPairs - 2, seed))
+    out.push_back({.sensors = std::move(layout)});
+  return out;
+}
+
+/// The designs with one more sensor.
+std::vector<TestDesign> longer(const TestDesign& design, int candidates) {
+  std::vector<TestDesign> out;
+  for (int c = 0; c < candidates; ++c) {
+    if (std::ranges::find(design.sensors, c) != design.sensors.end()) continue;
+    std::vector<int> sensors = design.sensors;
+    sensors.push_back(c);
+    out.push_back(with(std::move(sensors)));
+  }
+  return out;
+}
+
+/// The design and those with one sensor exchanged.
+std::vector<TestDesign> exchanged(const TestDesign& design, int candidates) {
+  std::vector<TestDesign> out = {design};
+  for (std::size_t i = 0; i < design.sensors.size(); ++i)
+    for (int c = 0; c < candidates; ++c) {
+      if (std::ranges::find(design.sensors, c) != design.sensors.end()) continue;
+      std::vector<int> sensors = design.sensors;
+      sensors[i] = c;
+      out.push_back(with(std::move(sensors)));
+    }
+  return out;
+}
+
+}  // namespace
+
+double layout_count(int candidates, int choose) {
+  double out = 1.0;
+  for (int i = 0; i < choose; ++i) out = std::min(1e18, out * (candidates - i) / (i + 1.0));
+  return std::round(out);
+}
+
+SensorChoice choose_sensors(const ScenarioSource& source, const PlacePredictions& predictions,
+                            const TestNoise& noise, const ChoiceOptions& options) {
+  const int candidates = static_cast<int>(source.structure().candidates().size());
+  if (options.choose > candidates || options.choose < 0)
+    throw std::invalid_argument("choose must be at most the number of candidate sensors, " +
+                                std::to_string(candidates));
+  const auto report = [&](double fraction) {
+    if (options.progress) options.progress(fraction);
+  };
+  SensorChoice out;
+  Race race(source, predictions, noise, options);
+  if (options.choose < 2) {
+    out.best = race.run({TestDesign{}}, 1);
+    out.exhaustive = true;
+  } else {
+    const auto& shapes = source.structure().intact().shapes;
+    std::vector<RankedDesign> best = race.run(pairs_of(shapes, source.seed()), 1);
+    out.path = best;
+    for (int n = 3; n <= options.choose; ++n) {
+      report(0.5 * (n - 2) / options.choose);
+      best = race.run(longer(best[0].design, candidates), n == options.choose ? options.keep : 1);
+      out.path.push_back(best[0]);
+    }
+    if (layout_count(candidates, options.choose) <= options.exhaustive) {
+      out.exhaustive = true;
+      best = race.run(all_layouts(candidates, options.choose), options.keep);
+    } else {
+      best = race.run({best[0].design, with(effective_independence(shapes, options.choose)),
+                       with(kinetic_energy(shapes, options.choose))},
+                      1);
+      for (int pass = 0; pass < kMostPasses; ++pass) {
+        report(0.5 + 0.5 * pass / kMostPasses);
+        const TestDesign before = best[0].design;
+        best = race.run(exchanged(before, candidates), options.keep);
+        if (best[0].design == before) break;
+      }
+    }
+    out.best = std::move(best);
+  }
+  out.compared = race.compared();
+  out.scenarios = race.scenarios();
+  report(1.0);
+  return out;
+}
+
+std::vector<int> effective_independence(const MatrixXd& shapes, int count) {
+  std::vector<int> left(index(shapes.rows()));
+  std::iota(left.begin(), left.end(), 0);
+  while (static_cast<int>(left.size()) > count) {
+    const MatrixXd phi = shapes(left, Eigen::all);
+    VectorXd worth(phi.rows());
+    if (phi.rows() > phi.cols()) {
+      const MatrixXd information = phi.transpose() * phi;
+      const Eigen::CompleteOrthogonalDecomposition<MatrixXd> inverse(information);
+      worth = (phi * inverse.solve(phi.transpose())).diagonal();
+    } else {
+      // 1 / (G⁻¹)_ii is the factor that sensor i contributes to det G, G = Φ Φᵀ.
+      const MatrixXd gram = phi * phi.transpose();
+      const MatrixXd inverse = gram.completeOrthogonalDecomposition().pseudoInverse();
+      for (Index i = 0; i < worth.size(); ++i)
+        worth[i] = inverse(i, i) > 0.0 ? 1.0 / inverse(i, i) : 0.0;
+    }
+    Index least = 0;
+    worth.minCoeff(&least);
+    left.erase(left.begin() + least);
+  }
+  return left;
+}
+
+std::vector<int> kinetic_energy(const MatrixXd& shapes, int count) {
+  VectorXd energy = VectorXd::Zero(shapes.rows());
+  for (Index j = 0; j < shapes.cols(); ++j)
+    energy += shapes.col(j).cwiseAbs2() / std::max(shapes.col(j).squaredNorm(), 1e-300);
+  std::vector<int> order(index(shapes.rows()));
+  std::iota(order.begin(), order.end(), 0);
+  std::ranges::stable_sort(order, [&](int a, int b) { return energy[a] > energy[b]; });
+  order.resize(index(std::min<Index>(count, shapes.rows())));
+  std::ranges::sort(order);
+  return order;
+}
+
+std::vector<std::vector<int>> random_layouts(int candidates, int count, int layouts,
+                                             std::uint64_t seed) {
+  std::vector<std::vector<int>> out;
+  for (int l = 0; l < layouts; ++l) {
+    base::Random random(seed, 2, static_cast<std::uint64_t>(l), base::Purpose::simulation);
+    std::vector<int> all(index(candidates));
+    std::iota(all.begin(), all.end(), 0);
+    std::vector<int>& layout = out.emplace_back();
+    for (int i = 0; i < std::min(count, candidates); ++i) {
+      const int pick = i + random.index(candidates - i);
+      std::swap(all[index(i)], all[index(pick)]);
+      layout.push_back(all[index(i)]);
+    }
+    std::ranges::sort(layout);
+  }
+  return out;
+}
+
+}  // namespace wheeltap::identification::planning

@@ -1,0 +1,108 @@
+// The data of one design of a test: noise, whitening and simulated measurements.
+#pragma once
+
+#include <vector>
+
+#include "identification/planning/normal_test.hpp"
+#include "identification/planning/planned_structure.hpp"
+
+namespace wheeltap::identification::planning {
+
+/// A design: candidate sensors that measure shapes (none or one: frequencies alone), and the added
+/// mass of a second state whose frequencies are measured too (-1: none).
+struct TestDesign {
+  std::vector<int> sensors = {};
+  int mass = -1;
+
+  bool operator==(const TestDesign&) const = default;
+};
+
+/// The uncertainty of identified modes in a record of length T. The coefficient of variation of a
+/// frequency is that of long records (Au 2017, Operational Modal Analysis, section 16.1),
+///
+///   cov(f)² = ζ / (2π f T) + discrepancy²,
+///
+/// or given. The sd of shape entries, for a largest measured entry of 1, is given for
+/// `reference_seconds` and scales with 1/√T, as the long-record law does.
+struct TestNoise {
+  double seconds = 600.0;
+  double damping = 0.01;
+  double cov = 0.0;  ///< > 0: in place of the law
+  double discrepancy = 0.0;
+  double shape_sd = 0.02;
+  double reference_seconds = 600.0;
+
+  [[nodiscard]] double frequency_cov(double frequency_hz) const;
+  [[nodiscard]] double shape_sd_now() const;
+};
+
+/// Standard normal numbers of one simulated test, the same for every design.
+struct TestNumbers {
+  Eigen::VectorXd frequencies, with_mass;  ///< per mode
+  Eigen::MatrixXd shapes;                  ///< candidates × modes
+
+  [[nodiscard]] static TestNumbers draw(const PlannedStructure& structure, std::uint64_t seed,
+                                        std::uint64_t test);
+};
+
+/// Maps modes to whitened data relative to the intact structure. Frequencies: (ln f - ln f₀) / cov.
+/// Shapes: the unit vector û = φ_S / |φ_S| at the sensors S with the sign of û₀, as κ (û - û₀), κ =
+/// |φ₀| / (sd max |φ₀|): for small angles, |κ (û - û')|² is the χ² of ShapeDensity. Along a close
+/// mode, whose rotation by τ model errors allow, the data are divided by √(1 + (κ τ |w|)²), with w
+/// the close mode's shape relative to φ₀, normal to û₀.
+class TestData {
+ public:
+  TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design);
+
+  [[nodiscard]] Eigen::Index size() const { return size_; }
+  [[nodiscard]] const TestDesign& design() const { return design_; }
+  /// Mean data of these modes.
+  void mean(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
+  /// Data of a test of these modes.
+  void measured(const TestModes& modes, const TestNumbers& numbers,
+                Eigen::Ref<Eigen::VectorXd> out) const;
+  /// The measured shape (sensors) of a mode, with a largest entry of 1 before the noise.
+  [[nodiscard]] Eigen::VectorXd measured_shape(const TestModes& modes, const TestNumbers& numbers,
+                                               int mode) const;
+  [[nodiscard]] bool with_shapes() const { return design_.sensors.size() >= 2; }
+
+ private:
+  struct Shape {
+    int mode = 0;
+    Eigen::Index first = 0;  // index of its first datum
+    double kappa = 0.0;
+    Eigen::VectorXd unit;    // û₀
+    Eigen::VectorXd turned;  // unit vector along w; empty: no close mode
+    double shrink = 1.0;     // factor on the data along it
+  };
+  void place(const Shape& shape, const Eigen::VectorXd& measured,
+             Eigen::Ref<Eigen::VectorXd> out) const;
+
+  const PlannedStructure& structure_;
+  TestDesign design_;
+  double shape_sd_;
+  Eigen::VectorXd cov_;  // per mode
+  std::vector<Shape> shapes_;
+  Eigen::Index size_ = 0;
+};
+
+/// Predicted modes at every place, at the quantiles i/S of the severity's prior.
+struct PlacePredictions {
+  std::vector<std::vector<TestModes>> modes;    ///< per place and quantile
+  std::vector<std::vector<double>> severities;  ///< the same
+};
+
+/// `segments`: S, for unknown severities. In parallel. Of an impossible structure the prediction at
+/// the quantile below counts.
+[[nodiscard]] PlacePredictions predict_places(const PlannedStructure& structure, int segments,
+                                              int threads);
+
+/// The models of the case's counts with at most two defects.
+[[nodiscard]] std::vector<NormalModel> count_models(const std::vector<DefectKind>& kinds);
+
+/// The normal test of a design.
+[[nodiscard]] NormalTest make_normal_test(const PlannedStructure& structure,
+                                          const PlacePredictions& predictions,
+                                          const TestData& data);
+
+}  // namespace wheeltap::identification::planning

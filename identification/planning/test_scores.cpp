@@ -1,0 +1,176 @@
+#include "identification/planning/test_scores.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <stdexcept>
+
+#include "base/constants.hpp"
+#include "base/index.hpp"
+
+namespace wheeltap::identification::planning {
+
+double TestScorer::log_truth(const TestTruth& truth, const double* products,
+                             const NormalTest::Answer& answer) const {
+  if (truth.defects.empty()) return 0.0;
+  const int a = truth.defects.front().place;
+  if (truth.defects.size() == 1) return answer.log_places[index(a)];
+  const int b = truth.defects[1].place;
+  if (a == b) return answer.log_places[index(a)];
+  return test_.log_pair(products, std::min(a, b), std::max(a, b));
+}
+
+bool TestScorer::near(const std::vector<double>& weights, const TestTruth::Defect& defect) const {
+  std::map<int, double> sites;
+  for (std::size_t a = 0; a < weights.size(); ++a)
+    if (weights[a] > 0.0) sites[spans_[a].site] += weights[a];
+  if (sites.empty()) return false;
+  const auto best = std::ranges::max_element(sites, {}, [](const auto& s) { return s.second; });
+  if (best->first != spans_[index(defect.place)].site) return false;
+  double sum = 0.0;
+  for (std::size_t a = 0; a < weights.size(); ++a) {
+    if (!(weights[a] > 0.0) || spans_[a].site != best->first) continue;
+    const double before = sum;
+    sum += weights[a];
+    if (sum < 0.5 * best->second) continue;
+    const double share = (0.5 * best->second - before) / weights[a];
+    const double median = spans_[a].start + share * (spans_[a].end - spans_[a].start);
+    return std::abs(median - defect.at) <= tolerance_;
+  }
+  return false;
+}
+
+bool TestScorer::is_right(const TestTruth& truth, const NormalTest::Answer& answer) const {
+  const auto& models = test_.models();
+  const auto posterior = [&](std::size_t m) {
+    return answer.log_models[m] + std::log(models[m].prior);
+  };
+  for (std::size_t m = 0; m < models.size(); ++m)
+    if (posterior(m) > posterior(index(truth.model))) return false;
+  if (truth.defects.empty()) return true;
+  const auto& places = test_.places();
+  const std::size_t slots = truth.defects.size();
+  std::vector<std::vector<double>> weights(slots, std::vector<double>(places.size(), 0.0));
+  if (slots == 1) {
+    const int kind = places[index(truth.defects[0].place)].kind;
+    double most = -kInfinity;
+    for (std::size_t a = 0; a < places.size(); ++a)
+      if (places[a].kind == kind) most = std::max(most, answer.log_places[a]);
+    for (std::size_t a = 0; a < places.size(); ++a)
+      if (places[a].kind == kind)
+        weights[0][a] = places[a].prior * std::exp(answer.log_places[a] - most);
+  } else {
+    const auto& pairs = answer.pairs[index(truth.model)];
+    double most = -kInfinity;
+    for (const auto& pair : pairs) most = std::max(most, pair.log_weight);
+    for (const auto& pair : pairs) {
+      const double w = std::exp(pair.log_weight - most);
+      weights[0][index(std::min(pair.a, pair.b))] += w;
+      weights[1][index(std::max(pair.a, pair.b))] += w;
+    }
+  }
+  for (std::size_t i = 0; i < slots; ++i)
+    if (!near(weights[i], truth.defects[i])) return false;
+  return true;
+}
+
+TestOutcome TestScorer::score(const TestTruth& truth, const double* products,
+                              const NormalTest::Answer& answer) const {
+  return {.model = truth.model,
+          .log_odds = answer.log_odds,
+          .information = log_truth(truth, products, answer) - answer.log_all,
+          .right = is_right(truth, answer)};
+}
+
+TestScores summarise(const std::vector<TestOutcome>& outcomes,
+                     const std::vector<NormalModel>& models, double false_alarm) {
+  std::size_t intact = 0;
+  for (std::size_t m = 0; m < models.size(); ++m)
+    if (std::ranges::all_of(models[m].counts, [](int c) { return c == 0; })) intact = m;
+  std::vector<double> healthy;
+  for (const TestOutcome& outcome : outcomes)
+    if (index(outcome.model) == intact) healthy.push_back(outcome.log_odds);
+  if (healthy.empty()) throw std::invalid_argument("no simulated test of the intact structure");
+  std::ranges::sort(healthy);
+  const auto intact_tests = static_cast<double>(healthy.size());
+  // The quantile between the order statistics.
+  const auto threshold_at = [&](double alpha) {
+    const double at = std::clamp((1.0 - alpha) * intact_tests - 0.5, 0.0, intact_tests - 1.0);
+    const auto i = static_cast<std::size_t>(at);
+    const std::size_t next = std::min(i + 1, healthy.size() - 1);
+    return std::lerp(healthy[i], healthy[next], at - static_cast<double>(i));
+  };
+  TestScores out;
+  out.threshold = threshold_at(false_alarm);
+  const double alpha_se = std::sqrt(false_alarm * (1.0 - false_alarm) / intact_tests);
+  const double step = std::min(std::max(2.0 * alpha_se, 1.0 / intact_tests), 0.5 * false_alarm);
+  const double lower = threshold_at(false_alarm + step), upper = threshold_at(false_alarm - step);
+  struct Sums {
+    double n = 0, detected = 0, easier = 0, harder = 0, right = 0, right_easier = 0,
+           right_harder = 0, information = 0, squares = 0;
+  };
+  std::vector<Sums> sums(models.size());
+  for (const TestOutcome& o : outcomes) {
+    Sums& s = sums[index(o.model)];
+    s.n += 1.0;
+    s.detected += o.log_odds > out.threshold;
+    s.easier += o.log_odds > lower;
+    s.harder += o.log_odds > upper;
+    s.right += o.right && o.log_odds > out.threshold;
+    s.right_easier += o.right && o.log_odds > lower;
+    s.right_harder += o.right && o.log_odds > upper;
+    s.information += o.information;
+    s.squares += o.information * o.information;
+  }
+  double damaged = 0.0;
+  for (std::size_t m = 0; m < models.size(); ++m)
+    if (m != intact && sums[m].n > 0) damaged += models[m].prior;
+  // The operating curve: from one alarm in all intact tests to an alarm in every test.
+  std::vector<std::vector<double>> odds(models.size());
+  for (const TestOutcome& o : outcomes) odds[index(o.model)].push_back(o.log_odds);
+  for (auto& list : odds) std::ranges::sort(list);
+  constexpr int kPoints = 60;
+  for (int i = 0; i <= kPoints; ++i) {
+    const double alpha = std::pow(intact_tests, static_cast<double>(i) / kPoints - 1.0);
+    double detection = 0.0;
+    for (std::size_t m = 0; m < models.size(); ++m) {
+      if (m == intact || odds[m].empty()) continue;
+      const auto above = std::ranges::upper_bound(odds[m], threshold_at(alpha));
+      detection += models[m].prior / damaged * static_cast<double>(odds[m].end() - above) /
+                   static_cast<double>(odds[m].size());
+    }
+    out.operating.push_back({alpha, i == kPoints ? 1.0 : detection});
+  }
+  double detection_slope = 0.0, right_slope = 0.0, detection_variance = 0.0, right_variance = 0.0,
+         information_variance = 0.0;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    const Sums& s = sums[m];
+    out.detection_by_model.push_back({kNaN, kNaN});
+    if (s.n == 0) continue;
+    const double mean = s.information / s.n, pi = models[m].prior;
+    out.information.value += pi * mean;
+    information_variance += pi * pi * std::max(0.0, s.squares / s.n - mean * mean) / s.n;
+    if (m == intact) continue;
+    const double share = pi / damaged;
+    // Wilson's centre keeps the variance positive where all or no tests detect.
+    const auto variance = [&](double hits) {
+      const double p = (hits + 0.5) / (s.n + 1.0);
+      return p * (1.0 - p) / s.n;
+    };
+    const double slope = (s.easier - s.harder) / s.n / (2.0 * step);
+    out.detection.value += share * s.detected / s.n;
+    out.right_place.value += share * s.right / s.n;
+    detection_variance += share * share * variance(s.detected);
+    right_variance += share * share * variance(s.right);
+    detection_slope += share * slope;
+    right_slope += share * (s.right_easier - s.right_harder) / s.n / (2.0 * step);
+    out.detection_by_model.back() = {s.detected / s.n,
+                                     std::hypot(std::sqrt(variance(s.detected)), slope * alpha_se)};
+  }
+  out.information.mcse = std::sqrt(information_variance);
+  out.detection.mcse = std::hypot(std::sqrt(detection_variance), detection_slope * alpha_se);
+  out.right_place.mcse = std::hypot(std::sqrt(right_variance), right_slope * alpha_se);
+  return out;
+}
+
+}  // namespace wheeltap::identification::planning

@@ -1,0 +1,90 @@
+// Probability of detection, of the right place, and expected information, from simulated tests.
+#pragma once
+
+#include <vector>
+
+#include "identification/planning/normal_test.hpp"
+
+namespace wheeltap::identification::planning {
+
+/// Where a place of a NormalTest is: a stretch of a site, in metres from its start; a point if both
+/// are 0.
+struct PlaceSpan {
+  int site = 0;
+  double start = 0.0, end = 0.0;
+};
+
+/// The truth of a simulated test.
+struct TestTruth {
+  struct Defect {
+    int place = 0;
+    double at = 0.0;  ///< [m] from the start of the site
+    double severity = 0.0;
+  };
+  int model = 0;
+  std::vector<Defect> defects = {};  ///< by kind, then by place along the line
+};
+
+/// The outcome of one simulated test.
+struct TestOutcome {
+  int model = 0;          ///< true one
+  double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
+  /// ln p(count, place | y) / p(count, place) of the truth. Its mean is the expected information;
+  /// with approximate evidences it is a lower bound of it (Barber & Agakov 2003, NIPS 16).
+  double information = 0.0;
+  bool right = false;  ///< most probable count and every place are right
+};
+
+/// Scores answers of a NormalTest. The count is right if the most probable model is the true one. A
+/// place is right if the most probable site of that defect is the true site, and the posterior
+/// median on it is within `tolerance` [m] of the truth.
+class TestScorer {
+ public:
+  TestScorer(const NormalTest& test, std::vector<PlaceSpan> spans, double tolerance)
+      : test_(test), spans_(std::move(spans)), tolerance_(tolerance) {}
+
+  [[nodiscard]] TestOutcome score(const TestTruth& truth, const double* products,
+                                  const NormalTest::Answer& answer) const;
+
+ private:
+  [[nodiscard]] double log_truth(const TestTruth& truth, const double* products,
+                                 const NormalTest::Answer& answer) const;
+  [[nodiscard]] bool is_right(const TestTruth& truth, const NormalTest::Answer& answer) const;
+  [[nodiscard]] bool near(const std::vector<double>& weights,
+                          const TestTruth::Defect& defect) const;
+
+  const NormalTest& test_;
+  std::vector<PlaceSpan> spans_;
+  double tolerance_;
+};
+
+/// A Monte Carlo estimate and its standard error.
+struct TestEstimate {
+  double value = 0.0, mcse = 0.0;
+};
+
+struct TestScores {
+  TestEstimate information;  ///< [nats], under the prior of models
+  TestEstimate detection;    ///< P(detected | at least one defect)
+  TestEstimate right_place;  ///< P(detected, and count and places right | at least one defect)
+  double threshold = 0.0;    ///< for the log odds
+  std::vector<TestEstimate> detection_by_model;  ///< NaN for the intact structure
+  /// P(detected | at least one defect) at ascending false-alarm probabilities.
+  struct Operating {
+    double false_alarm = 0.0, detection = 0.0;
+  };
+  std::vector<Operating> operating;
+};
+
+/// The scores of tests that were simulated from each model with a positive prior. A test detects
+/// damage if its log odds exceed the (1 - `false_alarm`) quantile of those of intact tests. The
+/// standard errors include that of the threshold: with R the detection probability as a function of
+/// the false-alarm probability α,
+///
+///   se² = P (1 - P) / N + R'(α)² α (1 - α) / N_intact.
+///
+/// Throws std::invalid_argument without intact tests.
+[[nodiscard]] TestScores summarise(const std::vector<TestOutcome>& outcomes,
+                                   const std::vector<NormalModel>& models, double false_alarm);
+
+}  // namespace wheeltap::identification::planning

@@ -1,0 +1,81 @@
+#include "identification/planning/test_value.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <utility>
+
+#include "base/index.hpp"
+
+namespace wheeltap::identification::planning {
+namespace {
+
+double cost_without(const TestCosts& c, double damaged) {
+  return std::min(damaged * c.missed, c.inspection + (1.0 - damaged) * c.false_alarm);
+}
+
+int best_of(const std::vector<TestValue>& values) {
+  const auto best = std::ranges::max_element(values, {}, &TestValue::saving);
+  return best == values.end() || best->saving <= 0.0 ? -1 : static_cast<int>(best - values.begin());
+}
+
+std::vector<TestValue> values_of(const std::vector<TestOption>& options, const TestCosts& costs,
+                                 double damaged) {
+  std::vector<TestValue> out;
+  for (const TestOption& option : options) out.push_back(value_of(option, costs, damaged));
+  return out;
+}
+
+}  // namespace
+
+TestValue value_of(const TestOption& option, const TestCosts& c, double damaged) {
+  TestValue out;
+  for (const int s : option.sensors)
+    out.test_cost += c.of_sensors.empty() ? c.sensor : c.of_sensors[index(s)];
+  out.test_cost += c.hour * option.seconds / 3600.0 + (option.mass ? c.added_mass : 0.0);
+  // Without any alarm the test decides nothing.
+  double least = damaged * c.missed;
+  for (const auto& [alpha, detection] : option.scores.operating) {
+    const double cost = damaged * (detection * c.inspection + (1.0 - detection) * c.missed) +
+                        (1.0 - damaged) * alpha * (c.inspection + c.false_alarm);
+    if (cost >= least) continue;
+    least = cost;
+    out.false_alarm = alpha;
+    out.detection = detection;
+  }
+  out.saving = cost_without(c, damaged) - least - out.test_cost;
+  out.mcse = damaged * std::abs(c.missed - c.inspection) * option.scores.detection.mcse;
+  return out;
+}
+
+ValueFindings find_values(const std::vector<TestOption>& options, const TestCosts& costs,
+                          double damaged) {
+  ValueFindings out;
+  out.without_test = cost_without(costs, damaged);
+  out.inspects_without =
+      costs.inspection + (1.0 - damaged) * costs.false_alarm < damaged * costs.missed;
+  out.values = values_of(options, costs, damaged);
+  out.best = best_of(out.values);
+  const std::array<std::pair<const char*, double TestCosts::*>, 5> parts = {
+      {{"sensor", &TestCosts::sensor},
+       {"hour", &TestCosts::hour},
+       {"inspection", &TestCosts::inspection},
+       {"missed_damage", &TestCosts::missed},
+       {"false_alarm", &TestCosts::false_alarm}}};
+  for (const auto& [name, part] : parts)
+    for (const double factor : {0.5, 2.0}) {
+      TestCosts changed = costs;
+      changed.*part *= factor;
+      if (part == &TestCosts::sensor)
+        for (double& cost : changed.of_sensors) cost *= factor;
+      const std::vector<TestValue> values = values_of(options, changed, damaged);
+      const int best = best_of(values);
+      out.sensitivity.push_back({.cost = name,
+                                 .factor = factor,
+                                 .best = best,
+                                 .saving = best < 0 ? 0.0 : values[index(best)].saving});
+    }
+  return out;
+}
+
+}  // namespace wheeltap::identification::planning

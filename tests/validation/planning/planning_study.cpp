@@ -1,0 +1,307 @@
+// Studies of wheeltap plan: predictions against tests that the full engine identifies, and chosen
+// layouts against effective independence.
+//
+//   planning_study agreement beam|frame|space TESTS [quick]   one line of JSON a test, then the
+//                                                             comparison; quick runs of the engine
+//   planning_study layouts STRUCTURES [FIRST]         one line of JSON a random plane frame
+//   planning_study time                               search and scores of a frame with 60
+//   candidates
+#include <chrono>
+#include <cstdio>
+#include <cstdlib>
+#include <iostream>
+
+#include "base/index.hpp"
+#include "base/parallel.hpp"
+#include "base/random.hpp"
+#include "fem/structures/mesh.hpp"
+#include "identification/planning/engine_check.hpp"
+#include "identification/structural/defects/reduction.hpp"
+
+namespace {
+
+using namespace wheeltap;
+using namespace wheeltap::identification;
+using namespace wheeltap::identification::planning;
+
+const fem::Material kSteel{.young = 210e9, .poisson = 0.3, .density = 7850.0};
+
+void add_member(fem::Structure& s, int a, int b, const fem::MemberSection& section, int elements) {
+  const double length = fem::norm(fem::difference(s.nodes[index(b)].at, s.nodes[index(a)].at));
+  s.members.push_back({.name = s.nodes[index(a)].name + "-" + s.nodes[index(b)].name,
+                       .nodes = {a, b},
+                       .elements = elements,
+                       .pieces = {{.to = length, .material = kSteel, .section = section}}});
+}
+
+/// A plane frame with `bays` and `storeys`.
+fem::Structure plane_frame(const std::vector<double>& x, const std::vector<double>& y,
+                           int elements) {
+  const fem::MemberSection column{
+      .area = 5e-3, .second_moment_y = 1.7e-5, .shear_coefficient_z = 0.85, .depth = 0.2};
+  const fem::MemberSection beam{
+      .area = 4e-3, .second_moment_y = 1.2e-5, .shear_coefficient_z = 0.85, .depth = 0.18};
+  fem::Structure s{.dimension = 2, .nodes = {}, .members = {}};
+  const int columns = static_cast<int>(x.size()), levels = static_cast<int>(y.size());
+  for (int l = 0; l < levels; ++l)
+    for (int c = 0; c < columns; ++c)
+      s.nodes.push_back({std::string(1, static_cast<char>('A' + c)) + std::to_string(l),
+                         {x[index(c)], y[index(l)], 0.0}});
+  for (int l = 0; l + 1 < levels; ++l)
+    for (int c = 0; c < columns; ++c)
+      add_member(s, columns * l + c, columns * (l + 1) + c, column, elements);
+  for (int l = 1; l < levels; ++l)
+    for (int c = 0; c + 1 < columns; ++c)
+      add_member(s, columns * l + c, columns * l + c + 1, beam, elements);
+  for (int c = 0; c < columns; ++c)
+    s.supports.push_back({.node = c, .fix = {true, true, true, true, true, true}});
+  return s;
+}
+
+/// A rectangular table of unequal sides on four columns.
+fem::Structure space_frame() {
+  const fem::MemberSection column{.area = 6e-3,
+                                  .second_moment_y = 2.6e-5,
+                                  .second_moment_z = 1.9e-5,
+                                  .torsion_constant = 1e-5,
+                                  .depth = 0.2};
+  const fem::MemberSection beam{.area = 5e-3,
+                                .second_moment_y = 3.1e-5,
+                                .second_moment_z = 1.1e-5,
+                                .torsion_constant = 8e-6,
+                                .depth = 0.2};
+  fem::Structure s{.dimension = 3, .nodes = {}, .members = {}};
+  const double at[4][2] = {{0.0, 0.0}, {5.0, 0.0}, {5.6, 3.7}, {0.3, 4.0}};
+  for (const double z : {0.0, 3.2})
+    for (int c = 0; c < 4; ++c)
+      s.nodes.push_back({std::string(1, static_cast<char>('A' + c)) + (z > 0.0 ? "1" : "0"),
+                         {at[c][0], at[c][1], z}});
+  for (int c = 0; c < 4; ++c) add_member(s, c, 4 + c, column, 6);
+  for (int c = 0; c < 4; ++c) add_member(s, 4 + c, 4 + (c + 1) % 4, beam, 6);
+  for (int c = 0; c < 4; ++c)
+    s.supports.push_back({.node = c, .fix = {true, true, true, true, true, true}});
+  return s;
+}
+
+void allow_reductions(DamageCase& damage_case, SiteLine line, int most) {
+  DefectKind kind{.type = &defects::kReduction,
+                  .name = "damage",
+                  .plural = "damages",
+                  .max_count = most,
+                  .location = inference::Uniform{0.0, line.length()},
+                  .severity = inference::Prior(inference::Uniform{0.0, 0.6})};
+  kind.line = std::move(line);
+  damage_case.kinds = {std::move(kind)};
+  damage_case.data.frequencies_hz = {1.0};
+  damage_case.data.sd_hz = {1.0};
+  complete(damage_case);
+}
+
+/// Sensors at nodes and inside members, in all translations.
+std::vector<Sensor> sensors_of(const fem::Structure& s, bool in_members, int most) {
+  const fem::Mesh mesh(s);
+  std::vector<Sensor> out;
+  const int directions = s.dimension;
+  const auto add = [&](const std::string& name, const fem::SparseRow& motion) {
+    if (!motion.empty() && static_cast<int>(out.size()) < most) out.push_back({name, motion});
+  };
+  for (std::size_t n = 0; n < s.nodes.size(); ++n)
+    for (int d = 0; d < directions; ++d)
+      add(s.nodes[n].name + ", " + std::to_string(d),
+          mesh.motion(static_cast<int>(n), static_cast<fem::Direction>(d)));
+  for (std::size_t m = 0; in_members && m < s.members.size(); ++m)
+    for (int d = 0; d < directions; ++d)
+      add(s.members[m].name + ", " + std::to_string(d),
+          mesh.motion(static_cast<int>(m), 0.5 * mesh.member_length(static_cast<int>(m)),
+                      static_cast<fem::Direction>(d)));
+  return out;
+}
+
+PlanCase of_structure(const fem::Structure& s, int most_damages, int choose, int modes,
+                      bool in_members, int candidates) {
+  const fem::Mesh mesh(s);
+  std::vector<int> members;
+  for (std::size_t m = 0; m < s.members.size(); ++m) members.push_back(static_cast<int>(m));
+  PlanCase plan;
+  plan.damage_case.structure = std::make_shared<const StructureModel>(StructureModel{.nominal = s});
+  allow_reductions(plan.damage_case, SiteLine::of_members(mesh, members), most_damages);
+  plan.structure = {.modes = modes, .candidates = sensors_of(s, in_members, candidates)};
+  plan.noise = {.seconds = 600.0, .damping = 0.005, .shape_sd = 0.02, .reference_seconds = 600.0};
+  plan.choose = choose;
+  plan.tolerance = 0.6;
+  return plan;
+}
+
+PlanCase named(const std::string& name) {
+  if (name == "frame")
+    return of_structure(plane_frame({0.0, 4.0, 9.0}, {0.0, 3.0, 6.5}, 6), 2, 5, 8, true, 100);
+  if (name == "space") return of_structure(space_frame(), 2, 5, 8, true, 100);
+  PlanCase plan;
+  plan.damage_case.beam = {
+      .length = 1.0,
+      .elements = 40,
+      .supports = fem::named_supports("simply-supported", 1.0),
+      .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
+      .section = {.area = 1.5e-4, .second_moment = 4.5e-10, .shear_coefficient = 0.85}};
+  allow_reductions(plan.damage_case, SiteLine::of_beam(plan.damage_case.beam), 2);
+  const fem::Structure s = fem::as_structure(plan.damage_case.beam);
+  const fem::Mesh mesh(s);
+  for (int i = 1; i < 20; ++i)
+    plan.structure.candidates.push_back(
+        {std::to_string(5 * i) + " %", mesh.motion(0, 0.05 * i, fem::Direction::y)});
+  plan.structure.modes = 6;
+  plan.noise = {.seconds = 600.0, .damping = 0.005, .shape_sd = 0.02, .reference_seconds = 600.0};
+  plan.choose = 4;
+  plan.tolerance = 0.05;
+  return plan;
+}
+
+int agreement(const std::string& name, int tests, bool quick) {
+  const PlanCase plan = named(name);
+  const PlanOptions options{.scenarios = 20'000, .threads = base::thread_count(0)};
+  const PlanModel model(plan, options);
+  const SensorChoice choice = choose_sensors(model.source(), model.predictions(), plan.noise,
+                                             {.choose = plan.choose,
+                                              .threads = options.threads,
+                                              .tolerance = plan.tolerance,
+                                              .most_scenarios = 512});
+  ScoredDesign design{.name = name, .design = choice.best.front().design};
+  design.scores = score_designs(model.source(), model.predictions(), plan.noise, {design.design},
+                                {.scenarios = options.scenarios,
+                                 .false_alarm = plan.false_alarm,
+                                 .tolerance = plan.tolerance,
+                                 .threads = options.threads})[0];
+  std::fprintf(stderr, "design scored\n");
+  const EngineCheck check = check_by_engine(
+      plan, model, design, tests, {.seed = 1, .threads = options.threads, .quick = quick},
+      [&](double f) { std::fprintf(stderr, "\r%3.0f %%", 100.0 * f); });
+  const double threshold = 1.0 / (1.0 + std::exp(-design.scores.threshold));
+  int detected = 0, right = 0, by_plan = 0, right_by_plan = 0;
+  for (const CheckedTest& t : check.tests) {
+    std::printf(
+        "{\"case\": \"%s\", \"model\": %d, \"plan\": %.5f, \"engine\": %.5f, \"plan right\": %d, "
+        "\"engine right\": %d}\n",
+        name.c_str(), t.approximate.model, 1.0 / (1.0 + std::exp(-t.approximate.log_odds)),
+        t.engine.probability_damaged, t.approximate.right, t.engine.right);
+    if (t.approximate.model == 0) continue;
+    detected += t.engine.probability_damaged > threshold;
+    right += t.engine.probability_damaged > threshold && t.engine.right;
+    by_plan += t.approximate.log_odds > design.scores.threshold;
+    right_by_plan += t.approximate.log_odds > design.scores.threshold && t.approximate.right;
+  }
+  const double n = std::max(check.damaged, 1);
+  std::printf(
+      "%s: %d tests, %d damaged; threshold P %.4f. Detected: predicted %.4f +- %.4f, same tests "
+      "%.4f, engine %.4f; right place: predicted %.4f +- %.4f, same tests %.4f, engine %.4f; "
+      "rms of P %.4f\n",
+      name.c_str(), tests, check.damaged, threshold, design.scores.detection.value,
+      design.scores.detection.mcse, by_plan / n, detected / n, design.scores.right_place.value,
+      design.scores.right_place.mcse, right_by_plan / n, right / n, check.rms_probability);
+  return 0;
+}
+
+/// A random plane frame with a noise level at which about half the damages are found.
+PlanCase random_plan(int number) {
+  base::Random random(20'26, 0, static_cast<std::uint64_t>(number), base::Purpose::test);
+  std::vector<double> x = {0.0}, y = {0.0};
+  const int bays = 1 + random.index(2), storeys = 1 + random.index(3);
+  for (int b = 0; b < bays; ++b) x.push_back(x.back() + 3.0 + 3.0 * random.uniform());
+  for (int s = 0; s < storeys; ++s) y.push_back(y.back() + 2.8 + 1.5 * random.uniform());
+  PlanCase plan = of_structure(plane_frame(x, y, 4), 1 + random.index(2), 3 + random.index(3),
+                               4 + random.index(4), true, 60);
+  plan.noise.seconds = plan.noise.reference_seconds = std::exp(4.0 + 3.5 * random.uniform());
+  plan.noise.shape_sd = 0.01 + 0.03 * random.uniform();
+  return plan;
+}
+
+int layouts(int structures, int first) {
+  double better = 0.0, mean = 0.0;
+  int used = 0;
+  for (int number = first; used < structures && number < first + 20 * structures; ++number) {
+    const PlanCase plan = random_plan(number);
+    const PlanOptions options{.scenarios = 20'000, .seed = 5, .threads = base::thread_count(0)};
+    const PlanModel model(plan, options);
+    const TestDesign classical{
+        .sensors = effective_independence(model.structure().intact().shapes, plan.choose)};
+    const ScoringOptions how{.scenarios = 20'000,
+                             .false_alarm = plan.false_alarm,
+                             .tolerance = plan.tolerance,
+                             .threads = options.threads};
+    // Structures in which effective independence gives between 20 and 80 %.
+    const double quick = score_designs(model.source(), model.predictions(), plan.noise, {classical},
+                                       {.scenarios = 3000,
+                                        .false_alarm = plan.false_alarm,
+                                        .tolerance = plan.tolerance,
+                                        .threads = options.threads},
+                                       1u << 30)[0]
+                             .right_place.value;
+    if (!(quick > 0.2 && quick < 0.8)) continue;
+    const PlanModel search(plan, {.seed = 6, .threads = options.threads});
+    const SensorChoice choice = choose_sensors(search.source(), search.predictions(), plan.noise,
+                                               {.choose = plan.choose,
+                                                .threads = options.threads,
+                                                .tolerance = plan.tolerance,
+                                                .most_scenarios = 2048});
+    const auto scores = score_designs(model.source(), model.predictions(), plan.noise,
+                                      {choice.best.front().design, classical}, how);
+    const double difference = scores[0].right_place.value - scores[1].right_place.value;
+    const double error = std::hypot(scores[0].right_place.mcse, scores[1].right_place.mcse);
+    better += difference > 2.0 * error ? 1.0 : difference > -2.0 * error ? 0.5 : 0.0;
+    mean += difference;
+    ++used;
+    std::printf(
+        "{\"structure\": %d, \"candidates\": %zu, \"choose\": %d, \"modes\": %d, \"most\": %d, "
+        "\"chosen\": %.4f, \"effective independence\": %.4f, \"difference\": %.4f, \"se\": %.4f, "
+        "\"detected\": %.4f, \"detected by effective independence\": %.4f}\n",
+        number, plan.structure.candidates.size(), plan.choose, model.structure().modes(),
+        plan.damage_case.kinds[0].max_count, scores[0].right_place.value,
+        scores[1].right_place.value, difference, error, scores[0].detection.value,
+        scores[1].detection.value);
+    std::fflush(stdout);
+  }
+  std::printf("%d structures: better in %.1f %%, mean difference %.4f\n", used,
+              100.0 * better / used, mean / used);
+  return 0;
+}
+
+int time_it() {
+  const PlanCase plan =
+      of_structure(plane_frame({0.0, 4.0, 9.0, 13.0}, {0.0, 3.0, 6.5}, 6), 2, 8, 10, true, 60);
+  const auto begun = std::chrono::steady_clock::now();
+  const auto now = [&] {
+    return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
+  };
+  const PlanOptions options{.threads = base::thread_count(0),
+                            .progress = [&](const char* stage, double f) {
+                              std::fprintf(stderr, "%6.1f s %s %.0f %%\n", now(), stage, 100.0 * f);
+                            }};
+  const PlanModel model(plan, options);
+  std::printf("%zu candidates, %zu places, model ready after %.1f s\n",
+              plan.structure.candidates.size(), model.structure().places().size(), now());
+  const PlanFindings findings = make_plan(plan, model, options);
+  std::printf("all after %.1f s; compared %ld designs with up to %d scenarios\n", now(),
+              findings.search.compared, findings.search.scenarios);
+  for (const ScoredDesign& d : findings.designs)
+    std::printf("%s: information %.4f +- %.4f, detection %.4f, right place %.4f\n", d.name.c_str(),
+                d.scores.information.value, d.scores.information.mcse, d.scores.detection.value,
+                d.scores.right_place.value);
+  for (const ScoredDesign& d : findings.others)
+    std::printf("%s: information %.4f, detection %.4f, right place %.4f\n", d.name.c_str(),
+                d.scores.information.value, d.scores.detection.value, d.scores.right_place.value);
+  std::printf("interaction %.3f, %.3f\n", findings.additivity_median, findings.additivity_high);
+  return 0;
+}
+
+}  // namespace
+
+int main(int argc, char** argv) {
+  const std::string what = argc > 1 ? argv[1] : "";
+  if (what == "agreement" && argc > 3) return agreement(argv[2], std::atoi(argv[3]), argc > 4);
+  if (what == "layouts" && argc > 2)
+    return layouts(std::atoi(argv[2]), argc > 3 ? std::atoi(argv[3]) : 0);
+  if (what == "time") return time_it();
+  std::cerr << "usage: planning_study agreement beam|frame|space TESTS [quick] | layouts "
+               "STRUCTURES [FIRST] | "
+               "time\n";
+  return 64;
+}
