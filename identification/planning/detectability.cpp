@@ -25,7 +25,7 @@ constexpr double kWanted = 0.9;
 /// A defect with a smaller effect, in standard errors, is not visible.
 constexpr double kVisible = 3.0;
 /// Largest number of pairs that a search for separations compares.
-constexpr std::size_t kMostPairs = 64;
+constexpr std::size_t kComparedPairs = 64;
 
 /// Ends of Wilson's 95 % interval of a proportion.
 std::pair<double, double> wilson(double hits, double n) {
@@ -132,14 +132,17 @@ std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
     for (const std::size_t i : order) {
       double detected = 0.0, right = 0.0;
       for (int t = 0; t < options.tests && certain < 2; ++t) {
-        const VectorXd column = products.col(static_cast<Index>(i)) + noise_products.col(t);
-        design.test.answer(column.data(), answer);
+        const auto at = static_cast<Index>(i);
+        const VectorXd column = products.col(at) + noise_products.col(t);
+        const VectorXd measured = nodes.col(at) + noise.col(t);
+        const NormalTest::Measured one{measured.data(), column.data()};
+        design.test.answer(one, answer);
         if (!(answer.log_odds > options.threshold)) continue;
         detected += 1.0;
         if (model < 0) continue;
         const TestTruth truth{.model = model,
                               .defects = {{.place = a, .at = 0.5 * (place.start + place.end)}}};
-        right += scorer.score(truth, column.data(), answer).right;
+        right += scorer.score(truth, one, answer).right;
       }
       const double n = options.tests;
       if (certain >= 2) {
@@ -260,7 +263,7 @@ Separations find_separations(const PlannedStructure& structure, const PlacePredi
   Separations out;
   if (pairs.empty()) return out;
   std::vector<std::pair<int, int>> some;
-  const std::size_t step = (pairs.size() + kMostPairs - 1) / kMostPairs;
+  const std::size_t step = (pairs.size() + kComparedPairs - 1) / kComparedPairs;
   for (std::size_t i = 0; i < pairs.size(); i += step) some.push_back(pairs[i]);
   struct Option {
     TestDesign design;

@@ -127,10 +127,14 @@ struct NormalTest::PairList {
   std::vector<std::int32_t> a, b;
   std::vector<float> correlation, inverse;  // ρ of their directions, 1 / (1 - ρ²)
   std::vector<float> log_weight;            // prior, and share of the prior that fits
+  /// Column of the interaction (-1: none), its square and its components along both directions.
+  std::vector<std::int32_t> column;
+  std::vector<float> square, along_a, along_b;
   std::vector<double> log_prior;
 };
 
-NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs)
+NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs,
+                       const std::vector<NormalInteraction>& interactions)
     : places_(std::move(places)),
       models_(std::move(models)),
       most_pairs_(static_cast<std::size_t>(std::max(pairs, 8))) {
@@ -147,8 +151,7 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
   for (std::size_t a = 0; a < places_.size(); ++a) {
     const Eigen::MatrixXd& own = places_[a].nodes;
     nodes_.middleCols(first_[a], own.cols()) = own;
-    Index typical = own.cols() - 1;
-    if (own.cols() > 2) typical = own.cols() / 2;
+    const Index typical = typical_node(own.cols());
     const double norm = own.col(typical).norm();
     typical_.push_back(first_[a] + typical);
     typical_norm_.push_back(norm);
@@ -159,6 +162,11 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
   for (Index i = 0; i < columns; ++i) {
     squares_.push_back(nodes_.col(i).squaredNorm());
     next_products_.push_back(i + 1 < columns ? nodes_.col(i).dot(nodes_.col(i + 1)) : 0.0);
+  }
+  interactions_.resize(rows, static_cast<Index>(interactions.size()));
+  for (std::size_t i = 0; i < interactions.size(); ++i) {
+    interactions_.col(static_cast<Index>(i)) = interactions[i].data;
+    interaction_of_[{interactions[i].a, interactions[i].b}] = static_cast<Index>(i);
   }
   for (std::size_t m = 0; m < models_.size(); ++m) {
     int total = 0;
@@ -195,6 +203,20 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
         list->log_weight.push_back(static_cast<float>(std::log(prior) + share(along_[a].back()) +
                                                       share(along_[b].back() * std::sqrt(room))));
         list->log_prior.push_back(std::log(prior));
+        const auto found = interaction_of_.find({static_cast<int>(a), static_cast<int>(b)});
+        list->column.push_back(-1);
+        list->square.push_back(0.0F);
+        list->along_a.push_back(0.0F);
+        list->along_b.push_back(0.0F);
+        if (found != interaction_of_.end() && norms > 0.0) {
+          const auto both = interactions_.col(found->second);
+          list->column.back() = static_cast<std::int32_t>(found->second);
+          list->square.back() = static_cast<float>(both.squaredNorm());
+          list->along_a.back() =
+              static_cast<float>(both.dot(nodes_.col(typical_[a])) / typical_norm_[a]);
+          list->along_b.back() =
+              static_cast<float>(both.dot(nodes_.col(typical_[b])) / typical_norm_[b]);
+        }
         sum += prior;
       }
     }
@@ -206,7 +228,18 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
 }
 
 Eigen::MatrixXd NormalTest::products(const Eigen::MatrixXd& data) const {
-  return nodes_.transpose() * data;
+  Eigen::MatrixXd out(nodes_.cols() + interactions_.cols(), data.cols());
+  out.topRows(nodes_.cols()).noalias() = nodes_.transpose() * data;
+  if (interactions_.cols() > 0)
+    out.bottomRows(interactions_.cols()).noalias() = interactions_.transpose() * data;
+  return out;
+}
+
+double NormalTest::log_pair_prior(int model, int a, int b) const {
+  const PairList& list = *pairs_[index(model)];
+  for (std::size_t i = 0; i < list.a.size(); ++i)
+    if (list.a[i] == a && list.b[i] == b) return list.log_prior[i];
+  return -kInfinity;
 }
 
 double NormalTest::log_place(const double* products, int a) const {
@@ -230,16 +263,12 @@ double NormalTest::log_place(const double* products, int a) const {
   return most + std::log(sum / static_cast<double>(end - first - 1));
 }
 
-double NormalTest::log_pair(const double* products, int a, int b) const {
+double NormalTest::log_pair(const Measured& measured, int a, int b) const {
+  const Index n = data();
   const auto segments = [&](int place) {
     return static_cast<double>(first_[index(place) + 1] - first_[index(place)] - 1);
   };
   const double sa = segments(a), sb = segments(b);
-  // Begin at the amplitudes along the typical directions.
-  const auto amplitude = [&](int place) {
-    const double norm = typical_norm_[index(place)];
-    return norm > 0.0 ? products[index(typical_[index(place)])] / norm : 0.0;
-  };
   const auto position = [&](int place, double value) {
     const std::vector<double>& along = along_[index(place)];
     for (std::size_t i = 1; i < along.size(); ++i)
@@ -249,80 +278,132 @@ double NormalTest::log_pair(const double* products, int a, int b) const {
                           1.0);
     return static_cast<double>(along.size() - 1);
   };
-  const double norms = typical_norm_[index(a)] * typical_norm_[index(b)];
-  const double rho =
-      norms > 0.0 ? nodes_.col(typical_[index(a)]).dot(nodes_.col(typical_[index(b)])) / norms
-                  : 0.0;
-  const double ga = amplitude(a), gb = amplitude(b), room = std::max(1.0 - rho * rho, 1e-4);
-  double ca = (ga - rho * gb) / room, cb = (gb - rho * ga) / room;
-  if (ca < 0.0) {
-    cb = std::max(gb, 0.0);
-    ca = 0.0;
-  } else if (cb < 0.0) {
-    ca = std::max(ga, 0.0);
-    cb = 0.0;
+  // Begin at the amplitudes along the typical directions, with the interaction.
+  const double na = typical_norm_[index(a)], nb = typical_norm_[index(b)];
+  const auto found = interaction_of_.find({a, b});
+  const bool interacts = found != interaction_of_.end() && na > 0.0 && nb > 0.0;
+  const double* both = interacts ? interactions_.col(found->second).data() : nullptr;
+  const Eigen::Map<const Eigen::VectorXd> y(measured.data, n);
+  double ca = 0.0, cb = 0.0;
+  if (na > 0.0 && nb > 0.0) {
+    const auto va = nodes_.col(typical_[index(a)]), vb = nodes_.col(typical_[index(b)]);
+    const double rho = va.dot(vb) / (na * nb), room = std::max(1.0 - rho * rho, 1e-4);
+    const double ga = measured.products[typical_[index(a)]] / na;
+    const double gb = measured.products[typical_[index(b)]] / nb;
+    double ia = 0.0, ib = 0.0;
+    if (interacts) {
+      const Eigen::Map<const Eigen::VectorXd> mixed(both, n);
+      ia = mixed.dot(va) / na;
+      ib = mixed.dot(vb) / nb;
+    }
+    for (int step = 0; step < (interacts ? 4 : 1); ++step) {
+      const double by = ca / na * cb / nb, fa = ga - by * ia, fb = gb - by * ib;
+      ca = (fa - rho * fb) / room;
+      cb = (fb - rho * fa) / room;
+      if (ca < 0.0) {
+        cb = std::max(fb, 0.0);
+        ca = 0.0;
+      } else if (cb < 0.0) {
+        ca = std::max(fa, 0.0);
+        cb = 0.0;
+      }
+    }
   }
   double pa = position(a, ca), pb = position(b, cb);
+  thread_local Eigen::VectorXd mean, slope_a, slope_b;
+  mean.resize(n);
+  slope_a.resize(n);
+  slope_b.resize(n);
+  const auto at = [&](int place, double p, double most, Eigen::VectorXd& slope, double& u,
+                      double& du) {
+    const double segment = std::clamp(std::floor(p), 0.0, std::max(most - 1.0, 0.0));
+    const Index node = first_[index(place)] + static_cast<Index>(segment);
+    const double t = p - segment, norm = typical_norm_[index(place)];
+    const std::vector<double>& along = along_[index(place)];
+    const auto i = static_cast<std::size_t>(segment);
+    if (most > 0.0)
+      slope = nodes_.col(node + 1) - nodes_.col(node);
+    else
+      slope.setZero();
+    mean += nodes_.col(node) + t * slope;
+    du = most > 0.0 && norm > 0.0 ? (along[i + 1] - along[i]) / norm : 0.0;
+    u = norm > 0.0 ? along[i] / norm + t * du : 0.0;
+  };
   Quadratic q{};
-  double ia = 0.0, ib = 0.0;
-  for (int step = 0; step < 4; ++step) {
-    ia = std::clamp(std::floor(pa), 0.0, std::max(sa - 1.0, 0.0));
-    ib = std::clamp(std::floor(pb), 0.0, std::max(sb - 1.0, 0.0));
-    const Index na = first_[index(a)] + static_cast<Index>(ia);
-    const Index nb = first_[index(b)] + static_cast<Index>(ib);
-    const Index ta = sa > 0.0 ? na + 1 : na, tb = sb > 0.0 ? nb + 1 : nb;
-    const double m00 = nodes_.col(na).dot(nodes_.col(nb));
-    const double m10 = ta == na ? m00 : nodes_.col(ta).dot(nodes_.col(nb));
-    const double m01 = tb == nb ? m00 : nodes_.col(na).dot(nodes_.col(tb));
-    const double m11 = ta == na ? m01 : tb == nb ? m10 : nodes_.col(ta).dot(nodes_.col(tb));
-    const auto along = [&](Index n, Index t) {
-      return t == n ? 0.0
-                    : products[t] - products[n] - (next_products_[index(n)] - squares_[index(n)]);
-    };
-    const auto square = [&](Index n, Index t) {
-      return t == n ? 0.0
-                    : std::max(0.0, squares_[index(t)] + squares_[index(n)] -
-                                        2.0 * next_products_[index(n)]);
-    };
-    q = {.constant =
-             products[na] + products[nb] - 0.5 * (squares_[index(na)] + squares_[index(nb)]) - m00,
-         .bx = along(na, ta) - (m10 - m00),
-         .by = along(nb, tb) - (m01 - m00),
-         .hxx = square(na, ta),
-         .hxy = m11 - m10 - m01 + m00,
-         .hyy = square(nb, tb)};
-    const auto [x, y] = q.best(-ia, sa - ia, -ib, sb - ib);
-    const double to_a = std::clamp(ia + x, 0.0, sa), to_b = std::clamp(ib + y, 0.0, sb);
-    const auto same = [](double to, double segment, double most) {
-      return std::clamp(std::floor(to), 0.0, std::max(most - 1.0, 0.0)) == segment;
-    };
-    const bool done = same(to_a, ia, sa) && same(to_b, ib, sb);
+  for (int step = 0; step < 6; ++step) {
+    double ua = 0.0, ub = 0.0, dua = 0.0, dub = 0.0;
+    mean.setZero();
+    at(a, pa, sa, slope_a, ua, dua);
+    at(b, pb, sb, slope_b, ub, dub);
+    if (interacts) {
+      const Eigen::Map<const Eigen::VectorXd> mixed(both, n);
+      mean += ua * ub * mixed;
+      slope_a += dua * ub * mixed;
+      slope_b += ua * dub * mixed;
+    }
+    q = {.constant = y.dot(mean) - 0.5 * mean.squaredNorm(),
+         .bx = slope_a.dot(y - mean),
+         .by = slope_b.dot(y - mean),
+         .hxx = slope_a.squaredNorm(),
+         .hxy = slope_a.dot(slope_b),
+         .hyy = slope_b.squaredNorm()};
+    const auto [x, z] = q.best(-pa, sa - pa, -pb, sb - pb);
+    // At most one segment a step: slopes change between segments.
+    const double to_a = std::clamp(pa + std::clamp(x, -1.0, 1.0), 0.0, sa);
+    const double to_b = std::clamp(pb + std::clamp(z, -1.0, 1.0), 0.0, sb);
+    const double moved = std::max(std::abs(to_a - pa), std::abs(to_b - pb));
+    if (moved < 0.02 || step == 5) break;
     pa = to_a;
     pb = to_b;
-    if (done) break;
   }
-  return q.log_integral(-ia, sa - ia, -ib, sb - ib, pa - ia) - std::log(std::max(sa, 1.0)) -
+  const auto best = q.best(-pa, sa - pa, -pb, sb - pb);
+  return q.log_integral(-pa, sa - pa, -pb, sb - pb, best[0]) - std::log(std::max(sa, 1.0)) -
          std::log(std::max(sb, 1.0));
 }
 
-void NormalTest::add_pairs(const double* products, const PairList& list,
+void NormalTest::add_pairs(const Measured& measured, const PairList& list,
                            std::vector<Pair>& out) const {
   out.clear();
   const std::size_t n = list.a.size();
-  thread_local std::vector<float> amplitude, weight;
+  thread_local std::vector<float> amplitude, norm, weight;
   amplitude.resize(places_.size());
+  norm.resize(places_.size());
   weight.resize(n);
-  for (std::size_t a = 0; a < places_.size(); ++a)
-    amplitude[a] = static_cast<float>(
-        typical_norm_[a] > 0.0 ? products[index(typical_[a])] / typical_norm_[a] : 0.0);
+  for (std::size_t a = 0; a < places_.size(); ++a) {
+    norm[a] = static_cast<float>(std::max(typical_norm_[a], 1e-30));
+    amplitude[a] =
+        typical_norm_[a] > 0.0
+            ? static_cast<float>(measured.products[index(typical_[a])] / typical_norm_[a])
+            : 0.0F;
+  }
+  const double* with_both = measured.products + nodes_.cols();
   float most = -std::numeric_limits<float>::infinity();
   for (std::size_t i = 0; i < n; ++i) {
-    const float ga = amplitude[static_cast<std::size_t>(list.a[i])];
-    const float gb = amplitude[static_cast<std::size_t>(list.b[i])], rho = list.correlation[i];
-    const float fa = ga - rho * gb, fb = gb - rho * ga;
+    const auto a = static_cast<std::size_t>(list.a[i]), b = static_cast<std::size_t>(list.b[i]);
+    const float ga = amplitude[a], gb = amplitude[b], rho = list.correlation[i];
     const float one = std::max(0.0F, std::max(ga, gb));
-    const float both = (ga * fa + gb * fb) * list.inverse[i];
-    weight[i] = 0.5F * (fa > 0.0F && fb > 0.0F ? both : one * one) + list.log_weight[i];
+    float best = 0.5F * one * one;
+    float ca = (ga - rho * gb) * list.inverse[i], cb = (gb - rho * ga) * list.inverse[i];
+    if (ca > 0.0F && cb > 0.0F) {
+      const auto gain = [&](float by) {
+        const float mixed =
+            list.column[i] < 0 ? 0.0F : static_cast<float>(with_both[list.column[i]]);
+        return ca * ga + cb * gb + by * mixed -
+               0.5F * (ca * ca + cb * cb + by * by * list.square[i]) - rho * ca * cb -
+               by * (ca * list.along_a[i] + cb * list.along_b[i]);
+      };
+      float by = 0.0F;
+      if (list.column[i] >= 0)
+        for (int step = 0; step < 3; ++step) {
+          by = ca / norm[a] * cb / norm[b];
+          const float fa = ga - by * list.along_a[i], fb = gb - by * list.along_b[i];
+          ca = std::max(0.0F, (fa - rho * fb) * list.inverse[i]);
+          cb = std::max(0.0F, (fb - rho * fa) * list.inverse[i]);
+        }
+      by = list.column[i] < 0 ? 0.0F : ca / norm[a] * cb / norm[b];
+      best = std::max(best, gain(by));
+    }
+    weight[i] = best + list.log_weight[i];
     most = std::max(most, weight[i]);
   }
   double sum = 0.0;
@@ -334,7 +415,7 @@ void NormalTest::add_pairs(const double* products, const PairList& list,
   }
   const auto add = [&](std::size_t i, double log_factor) {
     const int a = list.a[i], b = list.b[i];
-    out.push_back({a, b, log_pair(products, a, b) + list.log_prior[i] + log_factor});
+    out.push_back({a, b, log_pair(measured, a, b) + list.log_prior[i] + log_factor});
   };
   if (alive <= most_pairs_) {
     for (std::size_t i = 0; i < n; ++i)
@@ -371,19 +452,19 @@ void NormalTest::add_pairs(const double* products, const PairList& list,
   }
 }
 
-void NormalTest::answer(const double* products, Answer& out) const {
+void NormalTest::answer(const Measured& measured, Answer& out) const {
   out.log_models.assign(models_.size(), 0.0);
   out.log_places.resize(places_.size());
   out.pairs.resize(models_.size());
   for (std::size_t a = 0; a < places_.size(); ++a)
-    out.log_places[a] = log_place(products, static_cast<int>(a));
+    out.log_places[a] = log_place(measured.products, static_cast<int>(a));
   std::vector<double> damaged, terms;
   for (std::size_t m = 0; m < models_.size(); ++m) {
     out.pairs[m].clear();
     if (static_cast<int>(m) == intact_) continue;
     terms.clear();
     if (pairs_[m]) {
-      add_pairs(products, *pairs_[m], out.pairs[m]);
+      add_pairs(measured, *pairs_[m], out.pairs[m]);
       for (const Pair& pair : out.pairs[m]) terms.push_back(pair.log_weight);
     } else {
       for (std::size_t a = 0; a < places_.size(); ++a)

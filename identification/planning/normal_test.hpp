@@ -1,7 +1,9 @@
 // Evidences of the number and places of damages in a test with normal data.
 #pragma once
 
+#include <map>
 #include <memory>
+#include <utility>
 #include <vector>
 
 #include "base/eigen.hpp"
@@ -17,31 +19,45 @@ struct NormalPlace {
   Eigen::MatrixXd nodes;
 };
 
+/// The interaction of two defects: the change of the data by both at the typical nodes of their
+/// places (the middle ones), minus the changes by each.
+struct NormalInteraction {
+  int a = 0, b = 0;  ///< places, a < b
+  Eigen::VectorXd data;
+};
+
+/// The node that stands for the direction of a place: the middle one.
+[[nodiscard]] constexpr Eigen::Index typical_node(Eigen::Index nodes) {
+  return nodes > 2 ? nodes / 2 : nodes - 1;
+}
+
 /// Numbers of defects per kind, at most two in all, with a prior probability.
 struct NormalModel {
   std::vector<int> counts;
   double prior = 0.0;
 };
 
-/// A test whose data y - y₀ have mean 0 (intact), Δ_a(s) (one defect) or Δ_a(s) + Δ_b(t) (two
-/// defects at places a ≠ b), and unit covariance. With p the severity's prior probability below s,
-/// p ~ U(0, 1), and Δ_a linear between its nodes,
+/// A test whose data y - y₀ have mean 0 (intact), Δ_a(s) (one defect) or
+///
+///   Δ_a(s) + Δ_b(t) + u_a(s) u_b(t) I_ab
+///
+/// (two defects at places a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along its
+/// typical node, 1 at that node; I_ab is the interaction. With p the severity's prior probability
+/// below s, p ~ U(0, 1), and Δ_a linear between its nodes,
 ///
 ///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
 ///
-/// each a normal integral in closed form: exact for such Δ_a. For two defects
-///
-///   p(y | a, b) = ∫∫ N(y; Δ_a(p) + Δ_b(q), I) dp dq
-///
-/// uses the slopes at the best (p, q), by quadrature along p and in closed form along q. Effects of
-/// two defects add; two defects at one place are not considered. The sum over pairs (a, b) takes
-/// the `pairs` pairs of largest approximate weight, and of the others a systematic sample
-/// (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
+/// each a normal integral in closed form: exact for such Δ_a. For two defects, the integral over p
+/// and q uses the slopes at the best (p, q), by quadrature along p and in closed form along q. Two
+/// defects at one place are not considered. The sum over pairs (a, b) takes the pairs of largest
+/// approximate weight, and a systematic sample of the others, `pairs` in all (Fearnhead & Clifford
+/// 2003, J. R. Stat. Soc. B 65:887).
 class NormalTest {
  public:
   /// Throws std::invalid_argument for a model with more than two defects, no model without defects,
   /// places of different sizes, or a kind of a model without a place.
-  NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs = 96);
+  NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs = 96,
+             const std::vector<NormalInteraction>& interactions = {});
 
   struct Pair {
     int a = 0, b = 0;         ///< places; a < b if they are of one kind
@@ -57,12 +73,19 @@ class NormalTest {
     double log_odds = 0.0;
   };
 
-  /// Products of every node with the columns of `data`, as `answer` needs them.
+  /// Data of one test and their products, as `answer` needs them. Refers to both.
+  struct Measured {
+    const double* data = nullptr;
+    const double* products = nullptr;
+  };
+  /// Products of the columns of `data` with every node and interaction.
   [[nodiscard]] Eigen::MatrixXd products(const Eigen::MatrixXd& data) const;
-  /// `products`: the data's column of the matrix above. Reuses the memory of `out`.
-  void answer(const double* products, Answer& out) const;
+  /// Reuses the memory of `out`.
+  void answer(const Measured& measured, Answer& out) const;
   /// ln p(y | a, b) / p(y | intact) of two defects.
-  [[nodiscard]] double log_pair(const double* products, int a, int b) const;
+  [[nodiscard]] double log_pair(const Measured& measured, int a, int b) const;
+  /// ln P(a, b | two defects of their kinds).
+  [[nodiscard]] double log_pair_prior(int model, int a, int b) const;
 
   [[nodiscard]] const std::vector<NormalPlace>& places() const { return places_; }
   [[nodiscard]] const std::vector<NormalModel>& models() const { return models_; }
@@ -74,7 +97,7 @@ class NormalTest {
   struct PairList;
 
   [[nodiscard]] double log_place(const double* products, int a) const;
-  void add_pairs(const double* products, const PairList& list, std::vector<Pair>& out) const;
+  void add_pairs(const Measured& measured, const PairList& list, std::vector<Pair>& out) const;
 
   std::vector<NormalPlace> places_;
   std::vector<NormalModel> models_;
@@ -87,7 +110,9 @@ class NormalTest {
   std::vector<Eigen::Index> typical_;       // a node of each place that represents its direction
   std::vector<double> typical_norm_;        // its norm, 0 for a place without effect
   std::vector<std::vector<double>> along_;  // nodes of each place along that direction
-  std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
+  std::vector<std::shared_ptr<const PairList>> pairs_;          // per model, or null
+  Eigen::MatrixXd interactions_;                                // data × pairs with an interaction
+  std::map<std::pair<int, int>, Eigen::Index> interaction_of_;  // column
 };
 
 /// ln ∫ exp(b x - h x²/2) dx from `low` to `high`, h >= 0.

@@ -16,7 +16,7 @@ namespace {
 /// Segments of the severity's prior in predictions.
 constexpr int kSegments = 8, kCoarseSegments = 4;
 /// Places in the search for sensors.
-constexpr int kCoarsePlaces = 96;
+constexpr int kCoarsePlaces = 60;
 constexpr int kRandomLayouts = 5;
 
 /// Throws for counts that a plan cannot treat.
@@ -108,22 +108,47 @@ std::string sensors_name(std::size_t n) {
   return n < 2 ? "frequencies alone" : std::to_string(n) + " sensors";
 }
 
-/// How far two defects are from the sum of their effects, in standard errors per datum.
-std::pair<double, double> additivity(const PlanModel& model, const PreparedDesign& design) {
-  const PlannedStructure& structure = model.structure();
-  PlannedStructure::Solver solver(structure);
+/// The interaction of two defects at places a < b in the data of a design; none if it was not
+/// predicted.
+std::optional<Eigen::VectorXd> interaction_of(const PlacePredictions& predictions,
+                                              const PreparedDesign& design, int a, int b) {
+  const auto found = std::ranges::find_if(
+      predictions.pairs, [&](const auto& pair) { return pair.a == a && pair.b == b; });
+  if (found == predictions.pairs.end()) return {};
+  Eigen::VectorXd out(design.data.size());
+  design.data.mean(found->modes, out);
+  for (const int p : {a, b})
+    out -= design.test.places()[index(p)].nodes.col(
+        typical_node(design.test.places()[index(p)].nodes.cols()));
+  return out;
+}
+
+/// How far two defects are from the sum of their effects and their interaction, in standard errors
+/// per datum: median and 90 % quantile over simulated pairs.
+std::pair<double, double> interaction_error(const PlanModel& model, const PreparedDesign& design) {
+  PlannedStructure::Solver solver(model.structure());
   std::vector<double> found;
   Eigen::VectorXd both(design.data.size()), one(design.data.size()), other(design.data.size());
   TestModes modes;
   for (std::uint64_t n = 0; n < 600 && found.size() < 100; ++n) {
     const Scenario s = model.source().draw(n, solver);
     if (s.defects.size() != 2) continue;
+    const int a = std::min(s.truth.defects[0].place, s.truth.defects[1].place);
+    const int b = std::max(s.truth.defects[0].place, s.truth.defects[1].place);
+    const auto interaction = interaction_of(model.predictions(), design, a, b);
     design.data.mean(s.modes, both);
-    if (!solver.predict({s.defects[0]}, modes)) continue;
+    if (!interaction || !solver.predict({s.defects[0]}, modes)) continue;
     design.data.mean(modes, one);
     if (!solver.predict({s.defects[1]}, modes)) continue;
     design.data.mean(modes, other);
-    found.push_back((both - one - other).norm() / std::sqrt(static_cast<double>(both.size())));
+    double by = 1.0;
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Eigen::MatrixXd& nodes = design.test.places()[index(s.truth.defects[k].place)].nodes;
+      const auto typical = nodes.col(typical_node(nodes.cols()));
+      by *= (k == 0 ? one : other).dot(typical) / std::max(typical.squaredNorm(), 1e-300);
+    }
+    found.push_back((both - one - other - by * *interaction).norm() /
+                    std::sqrt(static_cast<double>(both.size())));
   }
   if (found.empty()) return {0.0, 0.0};
   std::ranges::sort(found);
@@ -284,7 +309,7 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
   out.confusion_alone = find_confusion(structure, alone.test, plan.tolerance);
   out.separations_alone = find_separations(structure, model.predictions(), plan.noise, {},
                                            out.confusion_alone.pairs, costs, options.threads);
-  std::tie(out.additivity_median, out.additivity_high) = additivity(model, prepared);
+  std::tie(out.interaction_median, out.interaction_high) = interaction_error(model, prepared);
   report("variations", 0.0);
   vary(plan, model, options, out);
   if (plan.costs) out.value = find_values(out.options, *plan.costs, out.probability_damaged);

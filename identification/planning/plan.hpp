@@ -61,9 +61,9 @@ struct PlanFindings {
   std::vector<PlaceDetection> places;                      ///< for the best design
   Confusion confusion, confusion_alone;                    ///< best design, and frequencies alone
   Separations separations, separations_alone;
-  /// Largest root mean square difference, in standard errors per datum, between two defects and the
-  /// sum of their effects, over simulated pairs: median and 90 % quantile.
-  double additivity_median = 0.0, additivity_high = 0.0;
+  /// Root mean square difference, in standard errors per datum, between two simulated defects and
+  /// the model of NormalTest: median and 90 % quantile.
+  double interaction_median = 0.0, interaction_high = 0.0;
   std::vector<TestOption> options;  ///< with costs
   std::optional<ValueFindings> value;
 };

@@ -43,7 +43,7 @@ struct PlannedStructureOptions {
   double low_hz = 0.0, high_hz = 1e300;  ///< band
   std::vector<Sensor> candidates = {};
   std::vector<AddedMass> masses = {};
-  int most_places = 240;  ///< adjacent cells are joined beyond this number
+  int most_places = 120;  ///< adjacent cells are joined beyond this number
 };
 
 /// Predicts by exact reanalysis (AssembledModel). A mode of a damaged structure is the one whose

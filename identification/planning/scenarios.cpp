@@ -98,9 +98,10 @@ std::vector<TestOutcome> simulate_tests(const ScenarioSource& source, const Prep
   std::vector<TestOutcome> out;
   NormalTest::Answer answer;
   for (std::size_t i = 0; i < scenarios.size(); ++i) {
-    const double* column = products.col(static_cast<Index>(i)).data();
-    design.test.answer(column, answer);
-    out.push_back(scorer.score(scenarios[i].truth, column, answer));
+    const auto n = static_cast<Index>(i);
+    const NormalTest::Measured test{measured.col(n).data(), products.col(n).data()};
+    design.test.answer(test, answer);
+    out.push_back(scorer.score(scenarios[i].truth, test, answer));
   }
   return out;
 }

@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <numeric>
+#include <utility>
 
 #include "base/constants.hpp"
 #include "base/eigen_solvers.hpp"
@@ -111,6 +113,27 @@ void TestData::measured(const TestModes& modes, const TestNumbers& numbers,
   for (const Shape& shape : shapes_) place(shape, measured_shape(modes, numbers, shape.mode), out);
 }
 
+namespace {
+
+/// Pairs of places that may have a defect each.
+std::vector<std::pair<int, int>> possible_pairs(const PlannedStructure& structure) {
+  std::vector<std::pair<int, int>> out;
+  for (const NormalModel& model : count_models(structure.kinds())) {
+    if (std::reduce(model.counts.begin(), model.counts.end()) != 2) continue;
+    const auto n = static_cast<int>(structure.places().size());
+    for (int a = 0; a < n; ++a)
+      for (int b = a + 1; b < n; ++b) {
+        std::vector<int> counts(model.counts.size(), 0);
+        ++counts[index(structure.places()[index(a)].kind)];
+        ++counts[index(structure.places()[index(b)].kind)];
+        if (counts == model.counts) out.emplace_back(a, b);
+      }
+  }
+  return out;
+}
+
+}  // namespace
+
 PlacePredictions predict_places(const PlannedStructure& structure, int segments, int threads) {
   const auto n = structure.places().size();
   PlacePredictions out{.modes = std::vector<std::vector<TestModes>>(n),
@@ -140,6 +163,27 @@ PlacePredictions predict_places(const PlannedStructure& structure, int segments,
       }
     }
   });
+  const auto pairs = possible_pairs(structure);
+  out.pairs.resize(pairs.size());
+  constexpr int kTogether = 64;
+  const int units = (static_cast<int>(pairs.size()) + kTogether - 1) / kTogether;
+  base::parallel_for(units, threads, [&](int unit) {
+    PlannedStructure::Solver solver(structure);
+    const std::size_t first = index(unit * kTogether);
+    for (std::size_t i = first; i < std::min(pairs.size(), first + kTogether); ++i) {
+      const auto [a, b] = pairs[i];
+      std::vector<PlacedDefect> defects;
+      for (const int p : {a, b}) {
+        const auto& severities = out.severities[index(p)];
+        const TestPlace& place = structure.places()[index(p)];
+        defects.push_back({place.kind, place.location,
+                           severities[index(typical_node(static_cast<Index>(severities.size())))]});
+      }
+      out.pairs[i].a = a;
+      out.pairs[i].b = solver.predict(defects, out.pairs[i].modes) ? b : -1;
+    }
+  });
+  std::erase_if(out.pairs, [](const auto& pair) { return pair.b < 0; });
   return out;
 }
 
@@ -171,7 +215,18 @@ NormalTest make_normal_test(const PlannedStructure& structure, const PlacePredic
       data.mean(modes[i], place.nodes.col(static_cast<Index>(i)));
     places.push_back(std::move(place));
   }
-  return NormalTest(std::move(places), count_models(structure.kinds()));
+  std::vector<NormalInteraction> interactions;
+  for (const PlacePredictions::Pair& pair : predictions.pairs) {
+    NormalInteraction one{.a = pair.a, .b = pair.b, .data = Eigen::VectorXd(data.size())};
+    data.mean(pair.modes, one.data);
+    for (const int p : {pair.a, pair.b}) {
+      const Eigen::MatrixXd& nodes = places[index(p)].nodes;
+      one.data -= nodes.col(typical_node(nodes.cols()));
+    }
+    interactions.push_back(std::move(one));
+  }
+  constexpr int kPairs = 96;
+  return NormalTest(std::move(places), count_models(structure.kinds()), kPairs, interactions);
 }
 
 }  // namespace wheeltap::identification::planning

@@ -90,6 +90,12 @@ class TestData {
 struct PlacePredictions {
   std::vector<std::vector<TestModes>> modes;    ///< per place and quantile
   std::vector<std::vector<double>> severities;  ///< the same
+  /// Two defects at the middle quantiles, for every pair of places that may have both.
+  struct Pair {
+    int a = 0, b = 0;  ///< places, a < b
+    TestModes modes;
+  };
+  std::vector<Pair> pairs = {};
 };
 
 /// `segments`: S, for unknown severities. In parallel. Of an impossible structure the prediction at

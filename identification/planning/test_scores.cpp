@@ -10,14 +10,23 @@
 
 namespace wheeltap::identification::planning {
 
-double TestScorer::log_truth(const TestTruth& truth, const double* products,
-                             const NormalTest::Answer& answer) const {
-  if (truth.defects.empty()) return 0.0;
-  const int a = truth.defects.front().place;
-  if (truth.defects.size() == 1) return answer.log_places[index(a)];
-  const int b = truth.defects[1].place;
-  if (a == b) return answer.log_places[index(a)];
-  return test_.log_pair(products, std::min(a, b), std::max(a, b));
+double TestScorer::information(const TestTruth& truth, const NormalTest::Measured& measured,
+                               const NormalTest::Answer& answer) const {
+  // ln p(y | truth) / p(y | intact), and ln of the truth's prior.
+  double log_truth = 0.0, log_prior = std::log(test_.models()[index(truth.model)].prior);
+  if (!truth.defects.empty()) {
+    const int a = truth.defects.front().place, b = truth.defects.back().place;
+    if (a == b) {
+      log_truth = answer.log_places[index(a)];
+      log_prior += std::log(test_.places()[index(a)].prior);
+    } else {
+      log_truth = test_.log_pair(measured, std::min(a, b), std::max(a, b));
+      log_prior += test_.log_pair_prior(truth.model, std::min(a, b), std::max(a, b));
+    }
+  }
+  // A sampled sum over pairs may be below one of its terms.
+  const double ratio = std::min(log_truth - answer.log_all, -log_prior);
+  return std::log((1.0 - kFloor) * std::exp(ratio) + kFloor);
 }
 
 bool TestScorer::near(const std::vector<double>& weights, const TestTruth::Defect& defect) const {
@@ -74,11 +83,11 @@ bool TestScorer::is_right(const TestTruth& truth, const NormalTest::Answer& answ
   return true;
 }
 
-TestOutcome TestScorer::score(const TestTruth& truth, const double* products,
+TestOutcome TestScorer::score(const TestTruth& truth, const NormalTest::Measured& measured,
                               const NormalTest::Answer& answer) const {
   return {.model = truth.model,
           .log_odds = answer.log_odds,
-          .information = log_truth(truth, products, answer) - answer.log_all,
+          .information = information(truth, measured, answer),
           .right = is_right(truth, answer)};
 }
 

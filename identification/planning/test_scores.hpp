@@ -29,8 +29,10 @@ struct TestTruth {
 struct TestOutcome {
   int model = 0;          ///< true one
   double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
-  /// ln p(count, place | y) / p(count, place) of the truth. Its mean is the expected information;
-  /// with approximate evidences it is a lower bound of it (Barber & Agakov 2003, NIPS 16).
+  /// ln q(count, place | y) / p(count, place) of the truth, with q = (1 - ε) p(… | y) + ε p(…) and
+  /// ε = kFloor. Its mean is a lower bound of the expected information for any q (Barber & Agakov
+  /// 2003, NIPS 16); with exact evidences it is lower by at most -ln(1 - ε). The floor bounds the
+  /// effect of tests whose approximate evidences are wrong.
   double information = 0.0;
   bool right = false;  ///< most probable count and every place are right
 };
@@ -43,12 +45,14 @@ class TestScorer {
   TestScorer(const NormalTest& test, std::vector<PlaceSpan> spans, double tolerance)
       : test_(test), spans_(std::move(spans)), tolerance_(tolerance) {}
 
-  [[nodiscard]] TestOutcome score(const TestTruth& truth, const double* products,
+  static constexpr double kFloor = 1e-4;
+
+  [[nodiscard]] TestOutcome score(const TestTruth& truth, const NormalTest::Measured& measured,
                                   const NormalTest::Answer& answer) const;
 
  private:
-  [[nodiscard]] double log_truth(const TestTruth& truth, const double* products,
-                                 const NormalTest::Answer& answer) const;
+  [[nodiscard]] double information(const TestTruth& truth, const NormalTest::Measured& measured,
+                                   const NormalTest::Answer& answer) const;
   [[nodiscard]] bool is_right(const TestTruth& truth, const NormalTest::Answer& answer) const;
   [[nodiscard]] bool near(const std::vector<double>& weights,
                           const TestTruth::Defect& defect) const;

@@ -8,7 +8,10 @@
 #include "base/constants.hpp"
 #include "base/index.hpp"
 #include "base/random.hpp"
-#include "identification/planning/test_scores.hpp"
+#include "fem/structures/mesh.hpp"
+#include "identification/planning/engine_check.hpp"
+#include "identification/structural/damage/damage_problem.hpp"
+#include "identification/structural/defects/reduction.hpp"
 
 namespace wheeltap::identification::planning {
 namespace {
@@ -80,8 +83,8 @@ TestScores simulated(const NormalTest& test, int count, double false_alarm, std:
       y += random.uniform() * test.places()[index(place)].nodes.col(1);
     }
     const MatrixXd products = test.products(y);
-    test.answer(products.data(), answer);
-    outcomes.push_back(scorer.score(truth, products.data(), answer));
+    test.answer({y.data(), products.data()}, answer);
+    outcomes.push_back(scorer.score(truth, {y.data(), products.data()}, answer));
   }
   return summarise(outcomes, test.models(), false_alarm);
 }
@@ -121,7 +124,7 @@ TEST(PlannedTest, PlaceEvidenceIsTheIntegralOverSeverity) {
       for (double& v : y) v += normal(rng);
       const MatrixXd products = test.products(y);
       NormalTest::Answer answer;
-      test.answer(products.data(), answer);
+      test.answer({y.data(), products.data()}, answer);
       double most = -kInfinity, sum = 0.0;
       constexpr int kSteps = 60'000;
       std::vector<double> terms;
@@ -166,11 +169,11 @@ TEST(PlannedTest, PairEvidenceIsTheIntegralOverBothSeverities) {
           most = std::max(most, terms.back());
         }
       for (const double t : terms) sum += std::exp(t - most) / (kSteps * kSteps);
-      EXPECT_NEAR(test.log_pair(products.data(), 0, 1), most + std::log(sum), 1e-3)
+      EXPECT_NEAR(test.log_pair({y.data(), products.data()}, 0, 1), most + std::log(sum), 1e-3)
           << "size " << size;
       NormalTest::Answer answer;
-      test.answer(products.data(), answer);
-      EXPECT_NEAR(answer.log_models[2], test.log_pair(products.data(), 0, 1), 1e-12);
+      test.answer({y.data(), products.data()}, answer);
+      EXPECT_NEAR(answer.log_models[2], test.log_pair({y.data(), products.data()}, 0, 1), 1e-12);
     }
   }
 }
@@ -196,8 +199,9 @@ TEST(PlannedTest, ASampleOfPairsEstimatesTheirSum) {
     if (repeat % 3 > 1) y += places[17].nodes.col(3);
     for (double& v : y) v += normal(rng);
     NormalTest::Answer one, other;
-    sampled.answer(sampled.products(y).data(), one);
-    all.answer(all.products(y).data(), other);
+    const MatrixXd products = sampled.products(y);
+    sampled.answer({y.data(), products.data()}, one);
+    all.answer({y.data(), products.data()}, other);
     EXPECT_LE(one.pairs[2].size(), 97u);
     const double error = one.log_models[2] - other.log_models[2];
     squares += error * error / kRepeats;
@@ -205,6 +209,110 @@ TEST(PlannedTest, ASampleOfPairsEstimatesTheirSum) {
   }
   EXPECT_LT(std::sqrt(squares), 0.1);
   EXPECT_LT(std::abs(mean), 0.03);
+}
+
+/// A simply supported beam with nine candidate sensors.
+PlanCase beam_plan(int most) {
+  PlanCase plan;
+  plan.damage_case.beam = {
+      .length = 1.0,
+      .elements = 20,
+      .supports = fem::named_supports("simply-supported", 1.0),
+      .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
+      .section = {.area = 1.5e-4, .second_moment = 4.5e-10, .shear_coefficient = 0.85}};
+  DefectKind kind{.type = &defects::kReduction,
+                  .name = "damage",
+                  .plural = "damages",
+                  .max_count = most,
+                  .location = inference::Uniform{0.0, 1.0},
+                  .severity = inference::Prior(inference::Uniform{0.0, 0.6})};
+  kind.line = SiteLine::of_beam(plan.damage_case.beam);
+  plan.damage_case.kinds = {std::move(kind)};
+  plan.damage_case.data.frequencies_hz = {1.0};
+  plan.damage_case.data.sd_hz = {1.0};
+  complete(plan.damage_case);
+  const fem::Structure structure = fem::as_structure(plan.damage_case.beam);
+  const fem::Mesh mesh(structure);
+  for (int i = 1; i < 10; ++i)
+    plan.structure.candidates.push_back(
+        {std::to_string(i), mesh.motion(0, 0.1 * i, fem::Direction::y)});
+  plan.structure.modes = 5;
+  plan.noise = {.seconds = 600.0, .damping = 0.005, .shape_sd = 0.01, .reference_seconds = 600.0};
+  plan.choose = 3;
+  return plan;
+}
+
+TEST(PlannedTest, DataAgreeWithTheLikelihoodOfADamageRun) {
+  const PlanCase plan = beam_plan(1);
+  const PlannedStructure structure(plan.damage_case, plan.structure);
+  const ScenarioSource source(structure, 11);
+  PlannedStructure::Solver solver(structure);
+  for (const TestDesign& design : {TestDesign{.sensors = {1, 3, 6}}, TestDesign{}}) {
+    const TestData data(structure, plan.noise, design);
+    VectorXd mean(data.size()), measured(data.size());
+    for (std::uint64_t number = 1; number < 60; number += 2) {
+      const Scenario scenario = source.draw(number, solver);
+      ASSERT_EQ(scenario.defects.size(), 1u);
+      const auto problem =
+          make_damage_problem(simulated_case(plan, source, design, scenario, number), {});
+      const auto likelihood = problem->problem.likelihood();
+      const std::vector<double> x = {scenario.defects[0].location, scenario.defects[0].severity};
+      const double gain = likelihood->log_likelihood(1, x) - likelihood->log_likelihood(0, {});
+      data.mean(scenario.modes, mean);
+      data.measured(scenario.modes, TestNumbers::draw(structure, 11, number), measured);
+      const double by_plan = 0.5 * measured.squaredNorm() - 0.5 * (measured - mean).squaredNorm();
+      // To first order in the noise and in the relative change of the frequencies.
+      EXPECT_NEAR(by_plan, gain, 0.3 + 0.05 * std::abs(gain)) << "test " << number;
+    }
+  }
+}
+
+TEST(PlannedTest, ImagesOfASymmetricBeamAreSeparatedByTwoSensors) {
+  const PlanCase plan = beam_plan(1);
+  const PlannedStructure structure(plan.damage_case, plan.structure);
+  const PlacePredictions predictions = predict_places(structure, 4, 1);
+  const PreparedDesign alone = prepare(structure, predictions, plan.noise, {});
+  const Confusion confusion = find_confusion(structure, alone.test, 0.05);
+  ASSERT_FALSE(confusion.pairs.empty());
+  int images = 0;
+  for (const auto& [a, b] : confusion.pairs) images += a + b == 19;
+  EXPECT_GE(images, 8);
+  const Separations found =
+      find_separations(structure, predictions, plan.noise, {}, confusion.pairs, {}, 1);
+  ASSERT_TRUE(found.by_sensors);
+  EXPECT_EQ(found.by_sensors->sensors.size(), 2u);
+  // Two sensors at images of each other are no such set.
+  EXPECT_NE(found.by_sensors->sensors[0] + found.by_sensors->sensors[1], 8);
+}
+
+TEST(PlannedTest, ChosenSensorsBeatOthersAndAreAllCompared) {
+  const PlanCase plan = beam_plan(1);
+  const PlannedStructure structure(plan.damage_case, plan.structure);
+  const PlacePredictions predictions = predict_places(structure, 4, 1);
+  const ScenarioSource source(structure, 3);
+  ChoiceOptions how{.choose = 3, .threads = 1, .most_scenarios = 512};
+  const SensorChoice all = choose_sensors(source, predictions, plan.noise, how);
+  EXPECT_TRUE(all.exhaustive);
+  how.exhaustive = 10;
+  const SensorChoice searched = choose_sensors(source, predictions, plan.noise, how);
+  EXPECT_FALSE(searched.exhaustive);
+  EXPECT_LT(searched.compared, 400);
+  // The search finds a layout as good as the best of all, within the noise of the estimates.
+  EXPECT_GT(searched.best[0].information.value, all.best[0].information.value - 0.03);
+  for (const auto& layout : random_layouts(9, 3, 3, 1)) {
+    const auto scores = score_designs(source, predictions, plan.noise,
+                                      {all.best[0].design, TestDesign{.sensors = layout}},
+                                      {.scenarios = 1000, .threads = 1});
+    EXPECT_GT(scores[0].information.value, scores[1].information.value - 0.03);
+  }
+}
+
+TEST(PlannedTest, EffectiveIndependenceKeepsTheDeterminant) {
+  // Three modes of five places: the best three rows by determinant of Φᵀ Φ.
+  MatrixXd shapes(5, 3);
+  shapes << 1.0, 0.0, 0.0, 0.9, 0.1, 0.0, 0.0, 1.0, 0.1, 0.0, 0.1, 1.0, 0.1, 0.1, 0.1;
+  EXPECT_EQ(effective_independence(shapes, 3), (std::vector<int>{0, 2, 3}));
+  EXPECT_EQ(kinetic_energy(shapes, 2), (std::vector<int>{2, 3}));
 }
 
 TEST(PlannedTest, RefusesImpossibleModels) {

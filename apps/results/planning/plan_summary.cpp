@@ -224,12 +224,11 @@ Report check_report(const ScoredDesign& best, const EngineCheck& check) {
 std::vector<std::string> cautions(const PlanFindings& f) {
   std::vector<std::string> out;
   constexpr double kLargeInteraction = 0.5;
-  if (f.additivity_high > kLargeInteraction)
+  if (f.interaction_high > kLargeInteraction)
     out.push_back(
-        "The effects of two damages do not add: for one pair in ten, the difference "
-        "exceeds " +
-        significant(f.additivity_high, 2) +
-        " standard errors per measured value. Probabilities for two damages are too low.");
+        "For one pair of damages in ten, the model of their common effect is wrong by more than " +
+        significant(f.interaction_high, 2) +
+        " standard errors per measured value. Probabilities for two damages may be too low.");
   if (!f.without_shapes.empty()) {
     std::vector<int> modes;
     for (const int i : f.without_shapes) modes.push_back(i + 1);
@@ -284,8 +283,8 @@ Report plan_summary(const PlanCaseFile& parsed, const PlanFindings& findings,
                   {"mass", separation_report(parsed, findings.separations_alone.by_mass)}}}}},
               {"undetectable_places", findings.confusion.undetectable.size()},
               {"interaction",
-               {{"median", compact(findings.additivity_median)},
-                {"q90", compact(findings.additivity_high)}}}};
+               {{"median", compact(findings.interaction_median)},
+                {"q90", compact(findings.interaction_high)}}}};
   add_places(parsed, structure, findings, p);
   if (findings.value) p["value"] = value_report(findings);
   if (!check.tests.empty()) p["check"] = check_report(findings.designs.front(), check);

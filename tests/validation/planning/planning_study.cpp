@@ -288,7 +288,7 @@ int time_it() {
   for (const ScoredDesign& d : findings.others)
     std::printf("%s: information %.4f, detection %.4f, right place %.4f\n", d.name.c_str(),
                 d.scores.information.value, d.scores.detection.value, d.scores.right_place.value);
-  std::printf("interaction %.3f, %.3f\n", findings.additivity_median, findings.additivity_high);
+  std::printf("interaction %.3f, %.3f\n", findings.interaction_median, findings.interaction_high);
   return 0;
 }
 
