@@ -281,8 +281,14 @@ TEST(PlannedTest, ImagesOfASymmetricBeamAreSeparatedByTwoSensors) {
       find_separations(structure, predictions, plan.noise, {}, confusion.pairs, {}, 1);
   ASSERT_TRUE(found.by_sensors);
   EXPECT_EQ(found.by_sensors->sensors.size(), 2u);
-  // Two sensors at images of each other are no such set.
-  EXPECT_NE(found.by_sensors->sensors[0] + found.by_sensors->sensors[1], 8);
+  // With these sensors, no confused pair of places is left, and every single sensor leaves one.
+  const PreparedDesign both =
+      prepare(structure, predictions, plan.noise, {.sensors = found.by_sensors->sensors});
+  EXPECT_TRUE(find_confusion(structure, both.test, 0.05).pairs.empty());
+  for (int sensor = 0; sensor < 9; ++sensor) {
+    const PreparedDesign one = prepare(structure, predictions, plan.noise, {.sensors = {sensor}});
+    EXPECT_FALSE(find_confusion(structure, one.test, 0.05).pairs.empty()) << sensor;
+  }
 }
 
 TEST(PlannedTest, ChosenSensorsBeatOthersAndAreAllCompared) {

@@ -44,8 +44,8 @@ TEST(ScaledStructure, ReanalysisOfTheBaseSolvesAnyParameters) {
   ASSERT_TRUE(scaled);
   EXPECT_EQ(scaled->columns(), 3);  // a strain of the joint, and two directions of the mass
   const Mesh mesh(frame(scaled->base_parameters()));
-  constexpr std::size_t kModes = 6;
-  const StructureReanalysis reanalysis(scaled->base(), kModes);
+  constexpr std::size_t kCompared = 6;
+  const StructureReanalysis reanalysis(scaled->base(), kCompared);
   auto workspace = reanalysis.make_workspace();
   const std::vector<SparseRow> motions = {mesh.motion(1, 1.3, Direction::y),
                                           mesh.motion(0, 2.0, Direction::x)};
@@ -59,18 +59,18 @@ TEST(ScaledStructure, ReanalysisOfTheBaseSolvesAnyParameters) {
     const Mesh here(frame(theta));
     std::vector<SparseRow> there = motions;
     const Discretisation d = changed(here.discretisation(), change_of(here, defects), there);
-    const StructureModes full = structure_modes(d, kModes);
+    const StructureModes full = structure_modes(d, kCompared);
     StructureChange change = change_of(mesh, defects);
     const auto scales = scaled->scales(theta);
     ASSERT_TRUE(scales);
     const auto outcome = scaled->transform(theta, *scales, change);
     if (outcome == ScaledStructure::Outcome::unsupported) continue;
     ASSERT_EQ(outcome, ScaledStructure::Outcome::possible);
-    std::vector<double> f(kModes), shapes(kModes * motions.size());
+    std::vector<double> f(kCompared), shapes(kCompared * motions.size());
     reanalysis.solve(change, workspace,
                      {.frequencies_hz = f, .shapes = shapes, .motions = motions});
     ++compared;
-    for (std::size_t i = 0; i < kModes; ++i) {
+    for (std::size_t i = 0; i < kCompared; ++i) {
       const double own = f[i] * std::sqrt(scales->stiffness / scales->mass);
       const double exact = full.frequencies_hz[static_cast<Eigen::Index>(i)];
       worst = std::max(worst, std::abs(own / exact - 1.0));
