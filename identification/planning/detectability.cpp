@@ -22,6 +22,8 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kWanted = 0.9;
+/// Bisections of the interval between two nodes; they divide it by 16.
+constexpr std::size_t kBisections = 4;
 /// A defect with a smaller effect, in standard errors, is not visible.
 constexpr double kVisible = 3.0;
 /// Largest number of pairs that a search for separations compares.
@@ -81,6 +83,18 @@ double distance_between(const MatrixXd& a, const MatrixXd& b) {
                   distance_to_curve(b.col(b.cols() - 1), a));
 }
 
+struct DetectionPoint {
+  double severity = 0.0;
+  TestEstimate detected, right;
+};
+
+void insert(PlaceDetection& found, std::size_t position, const DetectionPoint& point) {
+  const auto i = static_cast<std::ptrdiff_t>(position);
+  found.severities.insert(found.severities.begin() + i, point.severity);
+  found.detection.insert(found.detection.begin() + i, point.detected);
+  found.right.insert(found.right.begin() + i, point.right);
+}
+
 void finish(PlaceDetection& found, int tests) {
   const auto n = static_cast<double>(tests);
   std::vector<double> mean, low, high;
@@ -125,16 +139,23 @@ std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
     const MatrixXd& nodes = design.test.places()[index(a)].nodes;
     const MatrixXd products = design.test.products(nodes);
     NormalTest::Answer answer;
-    int certain = 0;
-    std::vector<std::size_t> order;
     const std::vector<double>& severities = predictions.severities[index(a)];
-    for (std::size_t i = 0; i < severities.size(); ++i) order.push_back(i);
-    for (const std::size_t i : order) {
-      double detected = 0.0, right = 0.0;
-      for (int t = 0; t < options.tests && certain < 2; ++t) {
+    const auto estimate = [&](double hits) {
+      const double n = options.tests, p = (hits + 0.5) / (n + 1.0);
+      return TestEstimate{hits / n, std::sqrt(p * (1.0 - p) / n)};
+    };
+    // Inserts the results at a severity: node i, or a point between nodes i and i + 1.
+    const auto simulate = [&](std::size_t i, double share, std::size_t position) {
+      const auto mix = [&](const MatrixXd& columns) -> VectorXd {
         const auto at = static_cast<Index>(i);
-        const VectorXd column = products.col(at) + noise_products.col(t);
-        const VectorXd measured = nodes.col(at) + noise.col(t);
+        if (share == 0.0) return columns.col(at);
+        return (1.0 - share) * columns.col(at) + share * columns.col(at + 1);
+      };
+      const VectorXd mean = mix(nodes), product = mix(products);
+      double detected = 0.0, right = 0.0;
+      for (int t = 0; t < options.tests; ++t) {
+        const VectorXd column = product + noise_products.col(t);
+        const VectorXd measured = mean + noise.col(t);
         const NormalTest::Measured one{measured.data(), column.data()};
         design.test.answer(one, answer);
         if (!(answer.log_odds > options.threshold)) continue;
@@ -144,19 +165,33 @@ std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
                               .defects = {{.place = a, .at = 0.5 * (place.start + place.end)}}};
         right += scorer.score(truth, one, answer).right;
       }
-      const double n = options.tests;
-      if (certain >= 2) {
-        detected = n;
-        right = found.right.back().value * n;
+      insert(found, position,
+             {share == 0.0 ? severities[i] : std::lerp(severities[i], severities[i + 1], share),
+              estimate(detected), model < 0 ? TestEstimate{kNaN, kNaN} : estimate(right)});
+      return detected / options.tests;
+    };
+    int certain = 0;
+    for (std::size_t i = 0; i < severities.size(); ++i) {
+      if (certain < 2) {
+        certain = simulate(i, 0.0, i) == 1.0 ? certain + 1 : 0;
+      } else {
+        insert(found, i, {severities[i], estimate(options.tests), found.right.back()});
       }
-      certain = detected == n ? certain + 1 : 0;
-      const auto estimate = [&](double hits) {
-        const double p = (hits + 0.5) / (n + 1.0);
-        return TestEstimate{hits / n, std::sqrt(p * (1.0 - p) / n)};
-      };
-      found.severities.push_back(severities[i]);
-      found.detection.push_back(estimate(detected));
-      found.right.push_back(model < 0 ? TestEstimate{kNaN, kNaN} : estimate(right));
+    }
+    // Bisection of the interval in which P(detected) reaches kWanted.
+    for (std::size_t i = 1; i < severities.size(); ++i) {
+      if (found.detection[i].value < kWanted) continue;
+      double low = 0.0, high = 1.0;
+      for (std::size_t step = 0, position = i; step < kBisections; ++step) {
+        const double middle = 0.5 * (low + high);
+        if (simulate(i - 1, middle, position) < kWanted) {
+          low = middle;
+          ++position;
+        } else {
+          high = middle;
+        }
+      }
+      break;
     }
     finish(found, options.tests);
   });

@@ -30,8 +30,9 @@ struct DetectabilityOptions {
   std::uint64_t seed = 1;
 };
 
-/// Simulates tests at every place and quantile of the severity. Above a severity that all tests
-/// detected twice in a row, all are taken as detected.
+/// Simulates tests at every place and quantile of the severity. Four bisections add severities
+/// where P(detected) reaches 0.9. If all tests at two successive severities are detected, the
+/// function counts all tests at larger severities as detected.
 [[nodiscard]] std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
                                                             const PlacePredictions& predictions,
                                                             const PreparedDesign& design,

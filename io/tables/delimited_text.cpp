@@ -572,6 +572,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
     column.digits = 19;  // number of exact digits
     if (!table.layout->start.empty()) continue;
     table.layout->start = text_of(*stamps[c]->first());
+    table.layout->start_has_zone = stamps[c]->first()->has_zone;
     table.layout->used.time_format = stamps[c]->pattern();
   }
   return table;

@@ -33,8 +33,9 @@ struct HeadLine {
 struct FoundLayout {
   TextLayout used = {};  ///< every member is set; `time_format` only if there are time stamps
   int columns = 0;
-  int first_row = 0;       ///< line of the first row of numbers
-  std::string start = {};  ///< the first time stamp
+  int first_row = 0;            ///< line of the first row of numbers
+  std::string start = {};       ///< the first time stamp
+  bool start_has_zone = false;  ///< TimeStamp::has_zone of the first time stamp
   /// First and last ignored line after the table; 0 if no line was ignored.
   int tail_from = 0, tail_to = 0;
   std::vector<HeadLine> above = {};  ///< lines above the rows, without comment marks

@@ -112,10 +112,11 @@ struct Parts {
   std::int64_t fraction = 0;
   int decimals = 0;
   std::int64_t zone = 0;  ///< seconds east of Greenwich
+  bool has_zone = false;
 };
 
 std::optional<TimeStamp> stamp_of(const Parts& p, bool has_date) {
-  TimeStamp out{.has_date = has_date, .decimals = p.decimals};
+  TimeStamp out{.has_date = has_date, .decimals = p.decimals, .has_zone = p.has_zone};
   std::int64_t days = 0;
   if (has_date) {
     const std::chrono::year_month_day date{std::chrono::year(p.year),
@@ -171,8 +172,10 @@ bool read_half_of_day(Cursor& at, int& hours) {
 bool read_zone(Cursor& at, Parts& out) {
   const std::string_view before = at.rest;
   at.skip_blanks();
-  if (at.take('Z') || at.take('z')) return true;
+  out.has_zone = at.take('Z') || at.take('z');
+  if (out.has_zone) return true;
   const bool named = at.take_word("utc") || at.take_word("gmt");
+  out.has_zone = named;
   char sign = 0;
   if (!at.take_any("+-", &sign)) {
     if (named) return true;
@@ -192,6 +195,7 @@ bool read_zone(Cursor& at, Parts& out) {
   const bool colon = at.take(':');
   if (colon || at.digits() == 2) minutes = at.number(2, 2);
   if (hours < 0 || hours > 15 || minutes < 0 || minutes > 59) return false;
+  out.has_zone = true;
   out.zone = (sign == '-' ? -1 : 1) * (hours * 3600 + minutes * 60);
   return true;
 }

@@ -23,7 +23,8 @@ struct TimeStamp {
   /// a text without a date, time since midnight.
   std::int64_t nanoseconds = 0;
   bool has_date = true;
-  int decimals = 0;  ///< number of decimals of the seconds
+  int decimals = 0;       ///< number of decimals of the seconds
+  bool has_zone = false;  ///< true if the text states the offset from UTC (Z, UTC, GMT or ±hh:mm)
 };
 
 enum class DayOrder { unknown, day_first, month_first };

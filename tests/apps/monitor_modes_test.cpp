@@ -196,6 +196,28 @@ TEST_F(MonitoredModes, TimesWithAZoneAreInUtc) {
   const MonitorCaseFile found = parsed(c);
   EXPECT_NEAR(found.series.hours[31] - found.series.hours[30], 1.0, 1e-9);
   EXPECT_NEAR(found.series.hours[30] - found.series.hours[29], 1.0, 1e-9);
+  c["learning"]["until"] = "2026-10-25T22:00+02:00";
+  EXPECT_EQ(parsed(c).learning_rows, found.learning_rows);
+}
+
+TEST_F(MonitoredModes, AnEndOfLearningWithAZoneNeedsTimesWithAZone) {
+  std::string text = "date,f\n";
+  for (int t = 0; t < 48; ++t)
+    text += "2026-10-" + std::to_string(24 + t / 24) + "T" + (t % 24 < 10 ? "0" : "") +
+            std::to_string(t % 24) + ":00,4." + std::to_string(10 + t % 7) + "\n";
+  where.write("series.csv", text);
+  json c = a_case();
+  c["series"] = {{"file", "series.csv"}, {"time", "date"}, {"features", {"f"}}};
+  c["alarm"] = json::object();
+  c["learning"]["until"] = "2026-10-25T12:00";
+  EXPECT_EQ(parsed(c).learning_rows, 36);
+  c["learning"]["until"] = "2026-10-25T12:00Z";
+  try {
+    static_cast<void>(parsed(c));
+    ADD_FAILURE() << "expected an error";
+  } catch (const Failure& failure) {
+    EXPECT_THAT(failure.what(), HasSubstr("states a time zone"));
+  }
 }
 
 }  // namespace

@@ -127,8 +127,10 @@ TimeAxis time_axis(const CaseFile& file, const signals::Record& table, int colum
     if (!start)
       refuse_row(table, 0, column,
                  "the first date cannot be read: use ISO 8601, 2026-03-01T10:00Z");
-    return {
-        .hours_per_unit = 1.0 / 3600.0, .unit = "date", .start_nanoseconds = start->nanoseconds};
+    return {.hours_per_unit = 1.0 / 3600.0,
+            .unit = "date",
+            .start_nanoseconds = start->nanoseconds,
+            .has_zone = table.layout->start_has_zone};
   }
   const std::string unit = series.value("time_unit", std::string("h"));
   const double hours = unit == "s"     ? 1.0 / 3600.0
@@ -225,6 +227,10 @@ void read_learning(MonitorCaseFile& out) {
     const auto stamp = io::read_stamp(until.get<std::string>()).stamp;
     if (!stamp || !stamp->has_date)
       out.file.refuse(where, "must be an ISO 8601 date, for example \"2026-03-01T00:00Z\"");
+    if (stamp->has_zone && !out.time.has_zone)
+      out.file.refuse(where,
+                      "states a time zone, but the times of the series state none: write it "
+                      "without a zone, in the time of the series");
     hours = static_cast<double>(stamp->nanoseconds - *out.time.start_nanoseconds) / 3.6e12;
   } else {
     if (!until.is_number())

@@ -20,6 +20,7 @@ struct TimeAxis {
   double hours_per_unit = 1.0;
   std::string unit = "h";                              ///< "s", "min", "h", "d", "row"; "date"
   std::optional<std::int64_t> start_nanoseconds = {};  ///< of dates: since 1970
+  bool has_zone = false;  ///< true if dates state their offset from UTC
   /// A time in hours as the case writes it: a number, or a text for dates.
   [[nodiscard]] Report written(double hours) const;
   /// The same as text, for tables and sentences.

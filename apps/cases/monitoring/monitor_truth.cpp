@@ -185,6 +185,7 @@ class TimeWriter {
       if (!stamp || !stamp->has_date)
         file.refuse(where, "must be an ISO 8601 date, for example \"2026-01-01T00:00Z\"");
       start_ = stamp->nanoseconds;
+      zone_ = stamp->has_zone ? "Z" : "";
       return;
     }
     const std::string unit = file.json.at("series").value("time_unit", std::string("h"));
@@ -193,13 +194,15 @@ class TimeWriter {
   }
   [[nodiscard]] std::string text(int row, double hours) const {
     if (start_)
-      return io::text_of(
-          io::TimeStamp{.nanoseconds = *start_ + std::llround(hours * 3600.0) * 1'000'000'000});
+      return io::text_of(io::TimeStamp{.nanoseconds = *start_ + std::llround(hours * 3600.0) *
+                                                                    1'000'000'000}) +
+             zone_;
     return by_row_ ? std::to_string(row) : base::significant(hours * per_hour_, 12);
   }
 
  private:
   std::optional<std::int64_t> start_ = {};
+  std::string zone_ = {};
   double per_hour_ = 1.0;
   bool by_row_ = false;
 };
