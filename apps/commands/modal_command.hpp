@@ -14,7 +14,7 @@ namespace wheeltap::apps {
 struct ModalRun {
   ModalCaseFile modal;
   IdentifiedModes found;
-  MeasuredModes modes;
+  ModesFile modes;
   double seconds = 0.0;
 
   /// The content of summary.json.

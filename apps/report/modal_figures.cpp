@@ -25,11 +25,11 @@ std::string opened(const std::string& label, double width, double height) {
          fixed(width, 0) + " " + fixed(height, 0) + "\">\n";
 }
 
-std::string titled(const MeasuredModes& modes, Index m) {
+std::string titled(const ModesFile& modes, Index m) {
   return "mode " + std::to_string(m + 1) + ", " + significant(modes.frequencies_hz[m], 4) + " Hz";
 }
 
-const char* kind_of(const MeasuredModes& modes, Index m) {
+const char* kind_of(const ModesFile& modes, Index m) {
   return modes.doubtful[static_cast<std::size_t>(m)] ? "doubt" : "line";
 }
 
@@ -49,7 +49,7 @@ double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
 struct Bar {
   double value = 0.0, sd = 0.0;
 };
-Bar spectrum_bar(const MeasuredModes& modes, Index m, Index channel, double angle) {
+Bar spectrum_bar(const ModesFile& modes, Index m, Index channel, double angle) {
   const std::complex<double> entry = modes.shapes(channel, m);
   const double c = std::cos(angle), s = std::sin(angle);
   Bar out{.value = c * entry.real() + s * entry.imag(), .sd = std::nan("")};
@@ -63,7 +63,7 @@ Bar spectrum_bar(const MeasuredModes& modes, Index m, Index channel, double angl
 
 }  // namespace
 
-std::string mac_figure(const MeasuredModes& modes) {
+std::string mac_figure(const ModesFile& modes) {
   constexpr double kLeft = 26.0;
   const Index n = modes.frequencies_hz.size();
   const double cell = std::clamp(320.0 / static_cast<double>(n), 8.0, 40.0);
@@ -89,7 +89,7 @@ std::string mac_figure(const MeasuredModes& modes) {
   return "<div style=\"max-width:" + fixed(size, 0) + "px\">" + out + "</svg></div>\n";
 }
 
-std::string complexity_figures(const MeasuredModes& modes) {
+std::string complexity_figures(const ModesFile& modes) {
   constexpr double kCentre = 0.5 * kSmall, kRadius = 0.5 * kSmall - 22.0;
   std::string out = "<div class=\"small\">\n";
   for (Index m = 0; m < modes.frequencies_hz.size(); ++m) {
@@ -109,7 +109,7 @@ std::string complexity_figures(const MeasuredModes& modes) {
   return out + "</div>\n";
 }
 
-std::string bar_figures(const MeasuredModes& modes) {
+std::string bar_figures(const ModesFile& modes) {
   constexpr double kTop = 18.0, kHeight = 150.0, kLeft = 8.0;
   const Index channels = modes.shapes.rows();
   const double width = std::max(kSmall, 6.0 * static_cast<double>(channels) + 2.0 * kLeft);

@@ -9,14 +9,14 @@ namespace wheeltap::apps {
 
 /// Returns the modal assurance criterion between all modes, over the common sensors of both modes,
 /// as a table of shaded cells.
-[[nodiscard]] std::string mac_figure(const MeasuredModes& modes);
+[[nodiscard]] std::string mac_figure(const ModesFile& modes);
 
 /// Returns the entries of each mode shape in the complex plane, rotated for the smallest imaginary
 /// parts: the entries of a real mode lie along the horizontal axis.
-[[nodiscard]] std::string complexity_figures(const MeasuredModes& modes);
+[[nodiscard]] std::string complexity_figures(const ModesFile& modes);
 
 /// Returns the rotated entries of each mode shape as bars by channel, with 95 % intervals if there
 /// are covariances, and the key of channel numbers.
-[[nodiscard]] std::string bar_figures(const MeasuredModes& modes);
+[[nodiscard]] std::string bar_figures(const ModesFile& modes);
 
 }  // namespace wheeltap::apps

@@ -298,7 +298,7 @@ std::string moving(const Report& drawing) {
          script_safe(drawing) + ", element));\n}\n</script>\n";
 }
 
-std::string shapes(const MeasuredModes& modes) {
+std::string shapes(const ModesFile& modes) {
   if (modes.frequencies_hz.size() == 0) return {};
   std::string out = "<h2>Mode shapes by channel</h2>\n" + bar_figures(modes);
   out +=
@@ -321,7 +321,7 @@ std::string shapes(const MeasuredModes& modes) {
 
 }  // namespace
 
-std::string modal_page(const Report& summary, const MeasuredModes& modes) {
+std::string modal_page(const Report& summary, const ModesFile& modes) {
   const Report& list_of_modes = list_at(summary, "modes");
   const Report& warnings = list_at(summary.at("diagnostics"), "warnings");
   std::string out = page_head(modes.title, headline_of(list_of_modes),

@@ -14,6 +14,6 @@ namespace wheeltap::apps {
 /// and doubtful modes and rejected poles with reasons. With several set-ups, the page begins with
 /// the merged modes and the agreement of the set-ups. Throws nlohmann exceptions, std::out_of_range
 /// and std::invalid_argument for an invalid summary.
-[[nodiscard]] std::string modal_page(const Report& summary, const MeasuredModes& modes);
+[[nodiscard]] std::string modal_page(const Report& summary, const ModesFile& modes);
 
 }  // namespace wheeltap::apps

@@ -43,7 +43,7 @@ bool is_modal(const Report& summary) {
 /// The page of identified modes, which has no posterior.
 std::string modes_page(const fs::path& directory, const Report& summary) {
   static_cast<void>(sealed_file(directory, "modes.json", summary));
-  const MeasuredModes modes = read_modes_file(directory / "modes.json");
+  const ModesFile modes = read_modes_file(directory / "modes.json");
   try {
     return modal_page(summary, modes);
   } catch (const std::logic_error& error) {

@@ -97,12 +97,12 @@ identification::ModalData parsed(const Workspace& where, const json& data) {
   return parse_update_case(read_case(where.write_json("update.json", c))).update.data;
 }
 
-MeasuredModes three() {
-  MeasuredModes out{.sensors = {{.name = "a", .node = "1", .direction = "x"},
-                                {.name = "b", .node = "2", .direction = "-x"},
-                                {.name = "c", .node = "mass 3"}},
-                    .frequencies_hz = Eigen::Vector3d(2.1, 6.0, 8.6),
-                    .damping = Eigen::Vector3d(0.01, 0.01, 0.01)};
+ModesFile three() {
+  ModesFile out{.sensors = {{.name = "a", .node = "1", .direction = "x"},
+                            {.name = "b", .node = "2", .direction = "-x"},
+                            {.name = "c", .node = "mass 3"}},
+                .frequencies_hz = Eigen::Vector3d(2.1, 6.0, 8.6),
+                .damping = Eigen::Vector3d(0.01, 0.01, 0.01)};
   out.covariance = Eigen::MatrixXd::Identity(6, 6) * 1e-4;
   out.covariance(0, 2) = out.covariance(2, 0) = 5e-5;
   out.shapes.resize(3, 3);
@@ -144,7 +144,7 @@ TEST(ModesAsData, TakesFrequenciesShapesAndTheirCovariances) {
 // One of the merged set-ups lacks a mode: its sensors have no entries in that shape.
 TEST(ModesAsData, GapsOfShapesAreNotMeasured) {
   const Workspace where;
-  MeasuredModes modes = three();
+  ModesFile modes = three();
   const double none = std::nan("");
   modes.shapes(1, 0) = {none, none};
   modes.shapes(0, 2) = modes.shapes(1, 2) = {none, none};
@@ -160,10 +160,10 @@ TEST(ModesAsData, GapsOfShapesAreNotMeasured) {
 }
 
 /// Five equal storeys of 1 kg and 16 N/m, measured by one channel; `exact` frequencies.
-MeasuredModes one_channel() {
-  MeasuredModes out{.sensors = {{.name = "L2", .node = "2", .direction = "x"}},
-                    .frequencies_hz = Eigen::VectorXd(5),
-                    .damping = Eigen::VectorXd::Constant(5, 0.01)};
+ModesFile one_channel() {
+  ModesFile out{.sensors = {{.name = "L2", .node = "2", .direction = "x"}},
+                .frequencies_hz = Eigen::VectorXd(5),
+                .damping = Eigen::VectorXd::Constant(5, 0.01)};
   for (int j = 0; j < 5; ++j)
     out.frequencies_hz[j] = 8.0 / (2.0 * M_PI) * std::sin((2 * j + 1) * M_PI / 22.0);
   out.covariance = Eigen::MatrixXd::Identity(10, 10) * 1e-6;
@@ -230,7 +230,7 @@ TEST(ModesAsData, ModesAreTakenByTheirNumbers) {
 
 TEST(ModesAsData, CovariancesOfFewBlocksAreRaised) {
   const Workspace where;
-  MeasuredModes modes = three();
+  ModesFile modes = three();
   modes.blocks = 50;
   where.write("m.json", modes_json(modes).dump());
   const auto raised = parsed(where, {{"from", "m.json"}, {"modes", 3}});
@@ -245,7 +245,7 @@ TEST(ModesAsData, CovariancesOfFewBlocksAreRaised) {
 
 TEST(ModesAsData, DirectionsByAngles) {
   const Workspace where;
-  MeasuredModes modes = three();
+  ModesFile modes = three();
   modes.sensors = {{.node = "B", .azimuth = 60.0},
                    {.node = "C", .direction = "-y"},
                    {.node = "C", .azimuth = 0.0, .elevation = 0.5}};
@@ -299,7 +299,7 @@ TEST(ModesAsData, Refusals) {
   refused({{"frequencies", {2.1}}, {"cov", 0.01}, {"modes", {1}}}, "/data/modes");
   where.write("m.json", "{\"frequencies_hz\": [1, ");
   refused(from, "m.json:1:");
-  MeasuredModes modes = three();
+  ModesFile modes = three();
   modes.sensors[1].node = "7";
   where.write("m.json", modes_json(modes).dump());
   refused(from, "m.json: /sensors/1/node");

@@ -10,12 +10,12 @@ namespace {
 
 using testing::HasSubstr;
 
-MeasuredModes some() {
-  MeasuredModes out{.title = "t",
-                    .sensors = {{.name = "a", .node = "B", .direction = "-x", .reference = true},
-                                {.name = "b", .node = "7", .azimuth = 12.5, .elevation = -3.0}},
-                    .frequencies_hz = Eigen::Vector2d(1.5, 1.0 / 3.0),
-                    .damping = Eigen::Vector2d(0.01, 0.02)};
+ModesFile some() {
+  ModesFile out{.title = "t",
+                .sensors = {{.name = "a", .node = "B", .direction = "-x", .reference = true},
+                            {.name = "b", .node = "7", .azimuth = 12.5, .elevation = -3.0}},
+                .frequencies_hz = Eigen::Vector2d(1.5, 1.0 / 3.0),
+                .damping = Eigen::Vector2d(0.01, 0.02)};
   out.covariance = Eigen::MatrixXd::Identity(4, 4) * 1e-7;
   out.covariance(0, 3) = out.covariance(3, 0) = -3e-8 / 7.0;
   out.shapes.resize(2, 2);
@@ -28,8 +28,8 @@ MeasuredModes some() {
 // A written file is read back exactly.
 TEST(ModesFile, ReadsWhatItWrites) {
   const Workspace where;
-  const MeasuredModes before = some();
-  const MeasuredModes after = read_modes_file(where.write("m.json", modes_json(before).dump()));
+  const ModesFile before = some();
+  const ModesFile after = read_modes_file(where.write("m.json", modes_json(before).dump()));
   EXPECT_EQ(after.frequencies_hz, before.frequencies_hz);
   EXPECT_EQ(after.damping, before.damping);
   EXPECT_EQ(after.covariance, before.covariance);

@@ -94,7 +94,7 @@ std::string fault_of_record(const std::exception& error) {
 }
 
 /// Modes by the modal case `json` with the record's file put in.
-MeasuredModes identify_record(const CaseFile& file, const fs::path& record, std::uint64_t seed) {
+ModesFile identify_record(const CaseFile& file, const fs::path& record, std::uint64_t seed) {
   CaseFile modal{.path = file.path,
                  .json = file.json.at(kRecords / "modal"),
                  .record_place = (kRecords / "modal" / "record").to_string()};
@@ -104,7 +104,7 @@ MeasuredModes identify_record(const CaseFile& file, const fs::path& record, std:
   SetUp& set_up = parsed.set_ups.front();
   set_up.options.threads = 1;
   const signals::ModalResult result = identification::identify(set_up, seed);
-  MeasuredModes out = measured_modes(result, parsed.sensors);
+  ModesFile out = measured_modes(result, parsed.sensors);
   out.title = record.stem().string();
   out.quantity = parsed.quantity;
   return out;
@@ -242,7 +242,7 @@ std::vector<IdentifiedRecord> identified_records(const std::vector<MonitoredTest
   std::vector<IdentifiedRecord> out;
   const MonitoredTest* first = nullptr;
   for (const MonitoredTest& test : tests) {
-    const MeasuredModes& modes = test.modes;
+    const ModesFile& modes = test.modes;
     IdentifiedRecord record;
     if (test.fault.empty()) {
       if (first == nullptr) first = &test;

@@ -17,7 +17,7 @@ namespace wheeltap::apps {
 struct MonitoredTest {
   std::string name = {};       ///< folder and name of its file
   std::uint64_t checksum = 0;  ///< over the file's content
-  MeasuredModes modes = {};
+  ModesFile modes = {};
   std::string fault = {};  ///< why no modes were identified; empty: they were
 };
 

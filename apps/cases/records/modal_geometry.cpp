@@ -159,7 +159,7 @@ double principal_angle(const Eigen::Ref<const Eigen::VectorXcd>& shape) {
   return 0.5 * std::arg(sum);
 }
 
-Report modal_drawing(const Geometry& geometry, const MeasuredModes& modes) {
+Report modal_drawing(const Geometry& geometry, const ModesFile& modes) {
   const std::vector<MovedNode> moved = moved_nodes(geometry, modes.sensors);
   if (moved.empty()) return {};
   // All nodes at rest, then the moving nodes again, so that lines can show both.

@@ -39,7 +39,7 @@ struct Geometry {
 /// scaled to a largest displacement of 1. Nodes without sensors, except fixed nodes, and the lines
 /// to these nodes are drawn at rest only. The result is null if no sensor is at a node of the
 /// geometry.
-[[nodiscard]] Report modal_drawing(const Geometry& geometry, const MeasuredModes& modes);
+[[nodiscard]] Report modal_drawing(const Geometry& geometry, const ModesFile& modes);
 
 /// The phase by which a complex shape is rotated to minimise its imaginary part: arg(Σ φ²)/2 over
 /// the measured entries.

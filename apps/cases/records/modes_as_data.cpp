@@ -29,14 +29,14 @@ std::string in_a_row(const std::vector<int>& numbers) {
 }
 
 /// Mode numbers of these rows of `file`.
-std::vector<int> numbers_of(const MeasuredModes& file, const std::vector<int>& rows) {
+std::vector<int> numbers_of(const ModesFile& file, const std::vector<int>& rows) {
   std::vector<int> out;
   for (const int row : rows) out.push_back(file.numbers[static_cast<std::size_t>(row)]);
   return out;
 }
 
 /// Rows of the modes listed in "modes", ascending.
-std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, const MeasuredModes& modes) {
+std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, const ModesFile& modes) {
   const Json& given = file.json.at(at);
   const std::size_t all = modes.numbers.size();
   std::vector<int> out;
@@ -127,7 +127,7 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
 }
 
 void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData& out) {
-  const MeasuredModes& file = taken.file;
+  const ModesFile& file = taken.file;
   const auto n = static_cast<Index>(taken.modes.size());
   const Index rows = taken.numbers.back() + 1;
   out.frequencies_hz.assign(static_cast<std::size_t>(rows), kNaN);

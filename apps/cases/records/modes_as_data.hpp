@@ -10,7 +10,7 @@ namespace wheeltap::apps {
 struct TakenModes {
   std::filesystem::path path = {};
   std::string name = {};  ///< name of the file, as written in the case
-  MeasuredModes file = {};
+  ModesFile file = {};
   std::vector<int> modes = {};     ///< rows of `file` that are used, ascending
   std::vector<int> numbers = {};   ///< row of the data for each used mode; row 0 is mode 1
   std::vector<int> doubtful = {};  ///< rows of `file` with doubtful modes, which are not used

@@ -88,7 +88,7 @@ MeasuredSensor read_sensor(const CaseFile& file, const Pointer& where) {
 }
 
 /// Whether the modes are numbered 1, 2, ….
-MeasuredModes numbered(MeasuredModes modes) {
+ModesFile numbered(ModesFile modes) {
   modes.numbers.resize(static_cast<std::size_t>(modes.frequencies_hz.size()));
   std::iota(modes.numbers.begin(), modes.numbers.end(), 1);
   return modes;
@@ -113,14 +113,14 @@ std::vector<int> read_numbers(const CaseFile& file, const Pointer& where, Index 
 
 }  // namespace
 
-MeasuredModes measured_modes(const signals::ModalResult& result,
-                             const std::vector<MeasuredSensor>& sensors) {
+ModesFile measured_modes(const signals::ModalResult& result,
+                         const std::vector<MeasuredSensor>& sensors) {
   const auto count = static_cast<Index>(result.modes.size());
-  MeasuredModes out{.sensors = sensors,
-                    .frequencies_hz = Eigen::VectorXd(count),
-                    .damping = Eigen::VectorXd(count),
-                    .covariance = result.covariance,
-                    .shapes = Eigen::MatrixXcd(static_cast<Index>(sensors.size()), count)};
+  ModesFile out{.sensors = sensors,
+                .frequencies_hz = Eigen::VectorXd(count),
+                .damping = Eigen::VectorXd(count),
+                .covariance = result.covariance,
+                .shapes = Eigen::MatrixXcd(static_cast<Index>(sensors.size()), count)};
   for (Index m = 0; m < count; ++m) {
     const signals::Mode& mode = result.modes[static_cast<std::size_t>(m)];
     out.frequencies_hz[m] = mode.pole.frequency_hz;
@@ -133,14 +133,14 @@ MeasuredModes measured_modes(const signals::ModalResult& result,
   return numbered(std::move(out));
 }
 
-MeasuredModes measured_modes(const signals::MergedModes& merged,
-                             const std::vector<MeasuredSensor>& sensors) {
+ModesFile measured_modes(const signals::MergedModes& merged,
+                         const std::vector<MeasuredSensor>& sensors) {
   const auto count = static_cast<Index>(merged.modes.size());
-  MeasuredModes out{.sensors = sensors,
-                    .frequencies_hz = Eigen::VectorXd(count),
-                    .damping = Eigen::VectorXd(count),
-                    .covariance = merged.covariance,
-                    .shapes = Eigen::MatrixXcd(static_cast<Index>(sensors.size()), count)};
+  ModesFile out{.sensors = sensors,
+                .frequencies_hz = Eigen::VectorXd(count),
+                .damping = Eigen::VectorXd(count),
+                .covariance = merged.covariance,
+                .shapes = Eigen::MatrixXcd(static_cast<Index>(sensors.size()), count)};
   for (Index m = 0; m < count; ++m) {
     const signals::MergedMode& mode = merged.modes[static_cast<std::size_t>(m)];
     out.frequencies_hz[m] = mode.frequency_hz;
@@ -152,7 +152,7 @@ MeasuredModes measured_modes(const signals::MergedModes& merged,
   return numbered(std::move(out));
 }
 
-Report modes_json(const MeasuredModes& modes) {
+Report modes_json(const ModesFile& modes) {
   Report sensors = Report::array();
   for (const MeasuredSensor& s : modes.sensors) {
     Report one = {{"name", s.name}};
@@ -184,10 +184,10 @@ Report modes_json(const MeasuredModes& modes) {
           {"blocks", modes.blocks}};
 }
 
-MeasuredModes read_modes_file(const std::filesystem::path& path) {
+ModesFile read_modes_file(const std::filesystem::path& path) {
   const CaseFile file = read_case(path);
   const Reader read(file);
-  MeasuredModes out{.title = file.json.value("title", "")};
+  ModesFile out{.title = file.json.value("title", "")};
   if (file.json.contains("quantity") && file.json["quantity"].is_string())
     out.quantity = file.json["quantity"].get<std::string>();
   out.frequencies_hz = read.vector(Pointer("/frequencies_hz"), -1);

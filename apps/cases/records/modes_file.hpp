@@ -22,7 +22,8 @@ struct MeasuredSensor {
   std::string quantity = {};
 };
 
-struct MeasuredModes {
+/// Contents of a modes.json file: the result of a modal identification.
+struct ModesFile {
   std::string title = {};
   std::vector<MeasuredSensor> sensors = {};
   std::vector<int> numbers = {};  ///< mode numbers, ascending, at least 1; empty: 1, 2, …
@@ -41,15 +42,15 @@ struct MeasuredModes {
   int blocks = 0;  ///< number of record blocks that gave the covariances; 0: unknown
 };
 
-[[nodiscard]] MeasuredModes measured_modes(const signals::ModalResult& result,
-                                           const std::vector<MeasuredSensor>& sensors);
-[[nodiscard]] MeasuredModes measured_modes(const signals::MergedModes& merged,
-                                           const std::vector<MeasuredSensor>& sensors);
+[[nodiscard]] ModesFile measured_modes(const signals::ModalResult& result,
+                                       const std::vector<MeasuredSensor>& sensors);
+[[nodiscard]] ModesFile measured_modes(const signals::MergedModes& merged,
+                                       const std::vector<MeasuredSensor>& sensors);
 
-[[nodiscard]] Report modes_json(const MeasuredModes& modes);
+[[nodiscard]] Report modes_json(const ModesFile& modes);
 
 /// Reads a modes.json. Throws Failure: 66 for an unreadable file; 65, with the location of the
 /// fault, for invalid content.
-[[nodiscard]] MeasuredModes read_modes_file(const std::filesystem::path& path);
+[[nodiscard]] ModesFile read_modes_file(const std::filesystem::path& path);
 
 }  // namespace wheeltap::apps

@@ -15,7 +15,7 @@ namespace {
 
 using identification::monitoring::modal_assurance;
 
-double frequency_sd(const MeasuredModes& modes, Eigen::Index m) {
+double frequency_sd(const ModesFile& modes, Eigen::Index m) {
   return modes.covariance.size() > 0 ? std::sqrt(modes.covariance(m, m)) : kNaN;
 }
 
@@ -52,7 +52,7 @@ std::string tracked_netcdf(const TrackedModesOf& tracked, const std::filesystem:
   std::string files;
   for (std::size_t t = 0; t < n; ++t) {
     const auto& record = tracked.records[t];
-    const MeasuredModes& found = tracked.tests[t].modes;
+    const ModesFile& found = tracked.tests[t].modes;
     files += tracked.tests[t].name + "\n";
     modes.push_back(static_cast<int>(found.frequencies_hz.size()));
     spurious.push_back(static_cast<double>(record.pairs.cols()) - record.pairs.sum());
