@@ -33,7 +33,7 @@ class Failure : public std::runtime_error {
   Failure(Exit exit, const std::string& line, std::optional<CasePlace> place = {})
       : std::runtime_error(line), exit_(exit), place_(std::move(place)) {}
   [[nodiscard]] Exit exit() const { return exit_; }
-  /// None if the failure is not about a key of a case.
+  /// The key of the case; empty if the failure does not refer to a key.
   [[nodiscard]] const std::optional<CasePlace>& place() const { return place_; }
 
  private:

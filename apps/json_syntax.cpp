@@ -75,7 +75,7 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
   }
   if (word.starts_with('\'')) {
     const std::size_t closing = word.find('\'', 1);
-    return "; texts need double quotes: write \"" +
+    return "; strings need double quotes: write \"" +
            std::string(word.substr(1, closing == std::string_view::npos ? closing : closing - 1)) +
            "\"";
   }
@@ -101,7 +101,7 @@ std::string syntax_remedy(std::string_view text, std::size_t at) {
       std::string_view("]}").find(text[last_before(text, at)]) != std::string_view::npos)
     return "; a comma is missing before it";
   if (name && (ahead == ':' || ahead == '[' || ahead == ','))
-    return "; texts need double quotes: write \"" + std::string(word) + "\"";
+    return "; strings need double quotes: write \"" + std::string(word) + "\"";
   return {};
 }
 

@@ -34,7 +34,7 @@ struct CommonOptions {
   bool resume = false;
   double checkpoint_seconds = 60.0;  ///< time between two checkpoints [s]; 0: no checkpoints
   /// Callback of --dry-run. If the callback is set, a command passes it the estimated cost of its
-  /// work ("run", "table") and then ends.
+  /// work ("run", "table") and ends without doing the work.
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
   double max_memory_gb = 4.0;  ///< limit of the estimated memory
   double max_hours = 100.0;
@@ -55,7 +55,7 @@ struct SamplingOptions {
   int draws = 0;     ///< number per chain; 0: chosen by the engine
   int searches = 0;  ///< local optimisations per model for the mode search; 0: chosen by the engine
   bool prior_only = false;
-  bool quick = false;    ///< quick run: modes and short chains, marked in the results
+  bool quick = false;    ///< quick run: posterior modes and short chains, marked in the results
   std::string evidence;  ///< evidence methods joined by +: tmcmc, bridge, laplace; may be empty
 };
 

@@ -31,7 +31,7 @@ std::string sentence(const remark::ImplausibleMaterial& r) {
 
 std::string sentence(const remark::DeepSection& r) {
   return "The section of " + r.of + " is " + significant(r.height, 3) +
-         " m high (as a rectangle of its area and second moment), but " + r.of + " is " +
+         " m deep (as a rectangle of its area and second moment), but " + r.of + " is " +
          significant(r.length, 3) + " m long. Check that all lengths are in m.";
 }
 

@@ -139,17 +139,19 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
                      significant(100.0 * verdict.resolution, 2) +
                      " % of the prior may have been missed";
   if (verdict.resolved_width > 0.0) {
-    text += ". The limit increases in proportion for modes narrower than " +
+    text += ". The limit increases in proportion for posterior modes narrower than " +
             significant(verdict.resolved_width, 1) +
-            " standard deviations of the prior; modes narrower than " +
+            " standard deviations of the prior; posterior modes narrower than " +
             significant(verdict.resolution * verdict.resolved_width, 1) +
             " standard deviations may have been missed anywhere";
   }
   if (verdict.glanced > 0) {
-    text += ". This applies to models that hold " +
-            significant(100.0 * inference::kLimits.searched_model, 1) + " % or more; " +
-            (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
-            " had a short search only, from the modes of models that they contain";
+    text +=
+        ". This applies to models that hold " +
+        significant(100.0 * inference::kLimits.searched_model, 1) +
+        " % of the probability or more; " +
+        (verdict.glanced == 1 ? "1 other" : std::to_string(verdict.glanced) + " others") +
+        " had a short search only, from the posterior modes of models with a subset of their terms";
   }
   if (verdict.passed_over > 0) {
     text += "; " +
@@ -221,11 +223,11 @@ std::string in_words(inference::Choice choice) {
     case inference::Choice::restarted_tempered:
       return "The chains disagreed, so they were restarted with parallel tempering throughout.";
     case inference::Choice::started_on_first_samples:
-      return "The record is long, so the chains started near modes that were found in its first "
-             "samples and tracked as more samples were added.";
+      return "The record is long, so the chains started near posterior modes found in its first "
+             "samples, and Wheeltap tracked these modes as more samples were added.";
     case inference::Choice::drawn_by_searches:
       return "The run was stopped before its chains had draws; the reported draws are draws around "
-             "the modes "
+             "the posterior modes "
              "that its searches found.";
   }
   return {};
@@ -243,9 +245,9 @@ std::string in_words(const Look& look) {
 }
 
 std::string repeat_note(const StepsRefined& refined) {
-  const std::string limit = "a step limit of " + significant(refined.step_limit, 2);
+  const std::string limit = "the step limit " + significant(refined.step_limit, 2);
   const bool shorter = refined.step_limit < dynamics::SimulatorOptions{}.step_limit;
-  return "The integrator's steps were too long for the noise of this record, so the run was "
+  return "The integrator's time steps were too long for the noise of this record, so the run was "
          "repeated with " +
          (refined.by_series ? shorter ? "Taylor series and " + limit : "Taylor series" : limit) +
          ".";

@@ -52,8 +52,8 @@ using base::grouped;
 [[nodiscard]] std::string told_by_evidence(const identification::ModelFinding& model);
 
 /// Text on the resolution of the mode search: "posterior modes reached from less than 0.3 % of the
-/// prior may have been missed", with the widths of modes for which this holds. The text is empty
-/// without a search.
+/// prior may have been missed", with the widths of posterior modes for which this statement holds.
+/// The text is empty without a search.
 [[nodiscard]] std::string resolution_in_words(const inference::Verdict& verdict);
 
 /// Data for the text of a remark, in addition to the numbers in the remark.

@@ -7,7 +7,7 @@
 
 namespace wheeltap::base {
 
-/// Converts x to the shortest text that converts back to x: "1e-70", "0.1", "nan".
+/// Converts x to the shortest string that converts back to x: "1e-70", "0.1", "nan".
 [[nodiscard]] inline std::string number(double x) {
   char text[32];
   const auto end = std::to_chars(text, text + sizeof text, x, std::chars_format::general).ptr;

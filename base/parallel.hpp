@@ -21,7 +21,7 @@ namespace wheeltap::base {
 }
 
 /// Starts up to `n` threads that run `work`. If the system allows fewer threads (container, batch
-/// system), this function starts fewer threads. These threads then do all of the work.
+/// system), this function starts fewer threads. The started threads then do all of the work.
 template <typename Work>
 void enlist(std::vector<std::jthread>& crew, int n, const Work& work) {
   try {

@@ -1,5 +1,5 @@
 // Counter-based random numbers. A random number depends only on seed, chain, iteration, purpose and
-// its position in the stream. It does not depend on threads or on other streams.
+// its position in the stream. A random number does not depend on threads or on other streams.
 #pragma once
 
 #include <Random123/philox.h>

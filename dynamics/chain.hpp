@@ -44,7 +44,7 @@ struct Chain {
 void validate(const Chain& chain);
 
 /// Returns the reason why the chain is infeasible at these parameters ("mass 1 = 0, must be > 0"),
-/// or an empty text for a feasible chain. Simulator::simulate returns Outcome::impossible for an
+/// or an empty string for a feasible chain. Simulator::simulate returns Outcome::impossible for an
 /// infeasible chain, and if natural frequencies overflow.
 [[nodiscard]] std::string impossibility(const Chain& chain, std::span<const double> theta);
 
@@ -54,7 +54,7 @@ struct LinearMatrices {
 };
 [[nodiscard]] LinearMatrices linear_matrices(const Chain& chain, std::span<const double> theta);
 
-/// Rates that limit a time step.
+/// Upper bounds of rates, which limit the time step.
 struct Rates {
   double frequency = 0.0;  ///< upper bound of all natural frequencies ω [rad/s]
   /// Upper bound of the decay rates, that is of the largest eigenvalue of M⁻¹ C [1/s].
@@ -71,10 +71,10 @@ struct Rates {
 /// True if the chain has a force law whose rates grow with the speed of the link (LawInfo::paced).
 [[nodiscard]] bool is_paced(const Chain& chain);
 
-/// Computes the growth of rates with the speed of each link, one number per link [1/m]. At the
-/// speeds ė, the largest rate of the paced force laws is at most Σ pace[link] |ė_link| [1/s], with
-/// pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). A rate is a damping rate (an
-/// eigenvalue of M⁻¹ C) or the rate of the internal state of a law.
+/// Computes the increase of the rates per unit of the speed of each link, one number per link
+/// [1/m]. At the speeds ė, the largest rate of the paced force laws is at most Σ pace[link]
+/// |ė_link| [1/s], with pace = Σ laws (∂²T/∂ė² (1/m_a + 1/m_b) + memory_per_speed). A rate is a
+/// damping rate (an eigenvalue of M⁻¹ C) or the rate of the internal state of a law.
 void paces(const Chain& chain, std::span<const double> theta, std::span<double> pace);
 
 }  // namespace wheeltap::dynamics

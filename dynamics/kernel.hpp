@@ -13,16 +13,16 @@ struct LawTerm {
   int kind = 0;
   int slot = 0;    ///< slot of the first coefficient; the side (±1) follows the last coefficient
   int memory = 0;  ///< index of the internal state, for a force law with memory
-  int dry = -1;    ///< for exact friction: index of the pair of masses
+  int dry = -1;    ///< for exact friction: index of the pair of masses; otherwise -1
 };
 
 struct LinkTerm {
   int a = 0, b = 0;
   int slot = 0;       ///< slot of the stiffness, then damping
-  int pace_slot = 0;  ///< slot of the rate of the laws per unit of the link's speed [1/m], see
-                      ///< `paces`
+  int pace_slot = 0;  ///< slot of the rate of the force laws per unit of the link's speed [1/m],
+                      ///< see `paces`
   int law_begin = 0, law_end = 0;
-  bool turning = false;  ///< true for a force law with memory, whose rate has a corner at ė = 0
+  bool turning = false;  ///< true for a force law with memory, whose rate is not smooth at ė = 0
 };
 
 struct DriveTerm {
@@ -60,10 +60,11 @@ struct Task {
   int substeps = 1;
   bool turning = false;  ///< LinkTerm::turning of any link
   bool paced = false;    ///< some force law has a rate that grows with the speed of the link
-  double pace = 0.0;     ///< largest product of a paced rate and a step
-  int most_steps = 1;    ///< largest number of steps per lane and sample
+  double pace = 0.0;     ///< largest product of a paced rate and a time step
+  int most_steps = 1;    ///< largest number of time steps per lane and sample
   int degree = 0;        ///< degree of the Taylor series, 2 … kMaxDegree
-  int halvings = 0;  ///< number of halvings of the step in the exponential of the exact solution
+  int halvings = 0;      ///< number of halvings of the time step in the exponential of the exact
+                         ///< solution
   double bound = 0.0;
   int initial_slot = 0;  ///< slot of the displacements, then velocities; masses have the slots 0,
                          ///< 1, …
@@ -86,8 +87,8 @@ inline constexpr double kDiverged = 1.0, kStepsTooLong = 2.0;
 inline constexpr int kMaxMasses = 64;
 inline constexpr int kMaxMemories = 64;
 inline constexpr int kMaxThresholds = 4;   ///< each threshold doubles the number of regimes
-inline constexpr int kMaxPolynomials = 8;  ///< largest number of links with polynomial laws for
-                                           ///< series
+inline constexpr int kMaxPolynomials = 8;  ///< largest number of links with polynomial force laws
+                                           ///< for Integrator::series
 inline constexpr int kMaxFrictions = 8;    ///< number of pairs of masses with exact friction
 inline constexpr int kMaxDegree = 12;
 

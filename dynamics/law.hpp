@@ -10,7 +10,7 @@
 
 namespace wheeltap::dynamics {
 
-/// A coefficient of the model. It is a constant, or the entry `parameter` of the parameter vector.
+/// A coefficient of the model: a constant, or the entry `parameter` of the parameter vector.
 struct Coefficient {
   double value = 0.0;
   int parameter = -1;  ///< index into the parameter vector, or -1 for the constant `value`
@@ -34,11 +34,11 @@ enum class Side { opening, closing };
 
 inline constexpr int kMaxLawCoefficients = 5;
 
-/// Role of a coefficient in its force law. The role and the motion of the link give the scale of
-/// the coefficient.
+/// Role of a coefficient in its force law. The role and the motion of the link determine the order
+/// of magnitude of the coefficient.
 struct LawRole {
   enum class Kind {
-    other,      ///< no scale
+    other,      ///< no order of magnitude
     factor,     ///< factor c in a tension c eᵖ ėᵍ
     extension,  ///< an extension of the link
   } kind = Kind::other;
@@ -79,7 +79,7 @@ struct LawCoefficient {
 struct LawInfo {
   std::string_view name;     ///< key of the law in a case file
   std::string_view formula;  ///< plain text; e: extension, ė: rate of extension, T > 0: tension
-  std::string_view description;  ///< meaning of the law, half a sentence
+  std::string_view description;  ///< meaning of the law, a phrase
   std::string_view notes = {};   ///< further advice, whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
   bool one_sided = false;  ///< one-sided: T_open for opening; for closing T(e, ė) = -T_open(-e, -ė)

@@ -1,4 +1,5 @@
-// Tension of a force law under a prescribed motion: the curve or hysteresis loop of the law.
+// Tension of a force law under a prescribed extension: the curve or hysteresis loop of the force
+// law.
 #pragma once
 
 #include <vector>

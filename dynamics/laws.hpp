@@ -32,14 +32,14 @@ inline constexpr bool kFriction = requires(const double* c) {
 
 /// True if a force law is exact dry friction, that is if its creep speed is the constant 0.
 [[nodiscard]] bool is_dry(const Law& law);
-/// True if a creep speed that is given by a parameter is 0 at these coefficients. These
-/// coefficients are infeasible. The integrators do not locate the stick-slip events of friction
-/// with a creep speed, so no time step would be short enough.
+/// True if a creep speed that is given by a parameter is 0 at these coefficients. Coefficients with
+/// a creep speed of 0 are infeasible. The integrators do not locate the stick-slip events of
+/// friction with a creep speed, so no time step would be short enough.
 [[nodiscard]] bool has_zero_creep_speed(const Law& law, const double* c);
 
-/// True if coefficients [N, m, s …] are feasible for a law. Each coefficient must be finite and
-/// within its bounds. The coefficients together must satisfy the function `feasible` of the law, if
-/// the law has this function.
+/// True if coefficients [N, m, s …] are feasible for a force law. Each coefficient must be finite
+/// and within its bounds. The coefficients together must satisfy the function `feasible` of the
+/// force law, if the force law has this function.
 template <class L>
 [[nodiscard]] bool is_feasible(const double* c) {
   for (int i = 0; i < L::kInfo.size(); ++i)
@@ -48,13 +48,13 @@ template <class L>
   return true;
 }
 
-/// True if the coefficients are feasible for the law with the index `kind`.
+/// True if the coefficients are feasible for the force law with the index `kind`.
 [[nodiscard]] bool is_feasible(int kind, const double* c);
 
 /// Returns the descriptions of all force laws, in the order of Law::kind.
 [[nodiscard]] std::span<const LawInfo> law_infos();
 
-/// Creates the law called `name`, with coefficients in the order of its LawInfo. Missing
+/// Creates the force law called `name`, with coefficients in the order of its LawInfo. Missing
 /// coefficients at the end get their default values. Throws std::invalid_argument for an unknown
 /// name, and for too many or too few coefficients.
 [[nodiscard]] Law make_law(std::string_view name, std::span<const Coefficient> coefficients,

@@ -31,7 +31,7 @@ struct Force {
 
 /// Motion of the base (mass 0): acceleration, displacement or both. If the acceleration [m/s²] is
 /// not given, the acceleration is the second derivative of the natural cubic spline through the
-/// displacement. This acceleration is linear between samples like every excitation, and the
+/// displacement. This acceleration, like every excitation, is linear between samples, and the
 /// displacement is its exact double integral. The displacement [m] and the velocity of the spline
 /// also serve to convert relative to absolute motion. The offset of a displacement affects only
 /// absolute displacements.
@@ -81,7 +81,7 @@ enum class Integrator {
 using base::Instructions;
 
 inline constexpr int kMaxSubsteps = 4096;
-/// Largest number of steps per sample if the steps adapt to the motion.
+/// Largest number of time steps per sample if the time steps adapt to the motion.
 inline constexpr int kMaxPacedSubsteps = 4 * kMaxSubsteps;
 
 struct SimulatorOptions {
@@ -89,17 +89,17 @@ struct SimulatorOptions {
   /// For `automatic`: select `series` instead of `runge_kutta`. The error per period is 1e-9
   /// instead of 1e-5, and the run time is two to three times as long.
   bool prefer_series = false;
-  /// Number of Runge-Kutta steps between two samples of the excitation. If the number is 0, it is
-  /// selected for every parameter vector. It is then the smallest of 1, 2, 3, 4, 6, 8, 12, … 4096
-  /// with ω h <= step_limit and γ h <= min(1, 5 step_limit), where ω and γ are the bounds of
-  /// stiffest_rates. For laws whose rate grows with the speed of the link (LawInfo::paced), the
-  /// steps are shorter in fast motion: the product of the rate and a step is at most 1 and at most
-  /// 5 step_limit. The number of these steps per sample is at most kMaxPacedSubsteps. The
-  /// simulation of a parameter vector that needs more steps fails. For `series` and `piecewise`,
-  /// the number is that of series expansions per sample, with ω h and γ h <= 0.7 (and <= 3.5
-  /// step_limit).
+  /// Number of Runge-Kutta steps between two samples of the excitation. If the number is 0, the
+  /// simulator selects the number for every parameter vector. The selected number is the smallest
+  /// of 1, 2, 3, 4, 6, 8, 12, … 4096 with ω h <= step_limit and γ h <= min(1, 5 step_limit), where
+  /// ω and γ are the bounds of stiffest_rates. For force laws whose rate grows with the speed of
+  /// the link (LawInfo::paced), the steps are shorter in fast motion: the product of the rate and a
+  /// step is at most 1 and at most 5 step_limit. The number of these steps per sample is at most
+  /// kMaxPacedSubsteps. The simulation of a parameter vector that needs more steps fails. For
+  /// `series` and `piecewise`, the number is that of series expansions per sample, with ω h and γ h
+  /// <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
-  /// Limit of ω h for a step of length h. A step of this length multiplies a frequency ω by the
+  /// Limit of ω h for a time step h. A time step of this length multiplies a frequency ω by the
   /// factor 1 - (ω h)⁴/120 and adds the damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are
   /// 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
@@ -112,7 +112,7 @@ struct SimulatorOptions {
   /// Every `stride`-th sample of the excitation is a sample of the response. Set this option for an
   /// excitation that was upsampled by the factor `stride`.
   int stride = 1;
-  /// Largest relative displacement [m] of a trajectory that does not count as diverged.
+  /// Largest displacement relative to the base [m] of a trajectory that does not count as diverged.
   double displacement_bound = 1e6;
   Instructions instructions = Instructions::automatic;
 };
@@ -161,8 +161,9 @@ class Simulator {
   /// solution, -1 for infeasible parameters.
   [[nodiscard]] int substeps(std::span<const double> theta) const;
 
-  /// Returns a copy of this simulator with steps that are shorter by `factor`, to estimate the
-  /// truncation error. Throws std::invalid_argument if fixed substeps would exceed kMaxSubsteps.
+  /// Returns a copy of this simulator with time steps that are shorter by the factor `factor`, to
+  /// estimate the truncation error. Throws std::invalid_argument if fixed substeps would exceed
+  /// kMaxSubsteps.
   [[nodiscard]] Simulator refined(int factor) const;
   /// Returns a simulator of the same chain and excitation with other sensors and options.
   [[nodiscard]] Simulator with(std::vector<Sensor> sensors, SimulatorOptions options) const;
@@ -222,7 +223,7 @@ class Misfit {
   [[nodiscard]] bool residuals(std::span<const double> theta, std::span<double> out) const;
   /// Computes the residuals of `sets` parameter vectors, stored one after the other in `thetas` and
   /// in `out`. For a failed trajectory, done[set] is 0, and the residuals of this vector in `out`
-  /// are undefined. Vectors share SIMD lanes as in sums_of_squares.
+  /// are undefined. Like sums_of_squares, this function integrates several vectors in SIMD lanes.
   void residuals(std::span<const double> thetas, int sets, std::span<double> out,
                  std::span<char> done) const;
   /// True if a residual depends on entry `parameter` of the parameter vector.

@@ -31,7 +31,7 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 [[nodiscard]] std::vector<std::pair<int, int>> frictions(const Chain& chain);
 
 /// Step limit at which damping rates γ satisfy γ h <= 1; for a lower step limit, the limit of γ h
-/// is lower in proportion.
+/// is proportionally lower.
 inline constexpr double kUsualStepLimit = 0.2;
 
 /// Step parameters that are equal for all parameter vectors of a group.

@@ -1,4 +1,4 @@
-// Simulation with a step length that is verified by step halving.
+// Simulation with a time step that is verified by halving.
 #pragma once
 
 #include <span>
@@ -7,8 +7,8 @@
 
 namespace wheeltap::dynamics {
 
-/// Criterion of step halving. The change of a response by halving is the largest value over all
-/// sensors of
+/// Criterion of step halving. The change of a response when the time steps are halved is the
+/// largest value over all sensors of
 ///
 ///   ‖r - r'‖ / ‖r'‖,   r' the response with steps half as long.
 struct StepCheck {
@@ -21,8 +21,8 @@ struct CheckedResponse {
   /// The outcome is `diverged` only if the response also diverges with steps a quarter as long;
   /// otherwise it is `steps_too_long`.
   Response response;
-  double change = 0.0;  ///< change by halving; 0 for the exact solution, which has no truncation
-                        ///< error
+  double change = 0.0;  ///< change when the time steps are halved; 0 for the exact solution, which
+                        ///< has no truncation error
   /// Options of the simulation that gave the response, with the extensions of the links and the
   /// sufficient step limit.
   SimulatorOptions options;
@@ -31,7 +31,8 @@ struct CheckedResponse {
 /// Simulates the response of the simulator's chain with a sufficient number of steps. A first
 /// simulation gives the extensions of links with nonlinear laws. Then the steps are halved as
 /// StepCheck specifies, or the integrator `series` is used if the laws allow it. If the options fix
-/// the number of substeps, the steps are not changed, and only the change by halving is computed.
+/// the number of substeps, the steps are not changed, and only the change of the response when they
+/// are halved is computed.
 [[nodiscard]] CheckedResponse checked_response(const Simulator& simulator,
                                                std::span<const double> theta,
                                                const StepCheck& check = {});

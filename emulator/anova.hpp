@@ -15,7 +15,7 @@ enum class Additive {
   logarithm,  ///< ln f, f > 0
   square,     ///< f², f > 0: proportional to the eigenvalue of a natural frequency
   /// -1/f², f > 0: by first-order perturbation of the flexibility, this quantity is additive in the
-  /// compliances of several damages.
+  /// compliances of several damaged elements.
   inverse_square
 };
 
@@ -43,9 +43,9 @@ class AnovaEmulator {
                 Predictor pair, Additive additive = Additive::response);
 
   /// Predicts the responses for k >= 0 components. `x` holds k m values, component after component.
-  /// A predicted response is NaN if the sum has no inverse (for example a negative square). Throws
-  /// std::invalid_argument if the size is not a multiple of m, and the exceptions of `single` and
-  /// `pair`.
+  /// A predicted response is NaN if no response has the predicted additive quantity (for example a
+  /// negative square). Throws std::invalid_argument if the size is not a multiple of m, and the
+  /// exceptions of `single` and `pair`.
   void evaluate(std::span<const double> x, std::span<double> out) const;
 
   [[nodiscard]] std::size_t responses() const { return baseline_.size(); }

@@ -13,17 +13,17 @@ enum class AxisRule {
   monotone_cubic  ///< cubic, with slopes limited so that the interpolant is monotone between levels
 };
 
-/// An interpolant on a grid. It interpolates first along the last factor, on every line of the
-/// local stencil, then along the preceding factor, and so on. In one dimension, between the levels
-/// s_0 and s_1 = s_0 + h, the interpolant is
+/// An interpolant on a grid. The interpolation runs first along the last factor, on every line of
+/// the local stencil, then along the preceding factor, and so on. In one dimension, between the
+/// levels s_0 and s_1 = s_0 + h, the interpolant is
 ///   p(t) = y_0 + t h [d_0 + t (3Δ - 2d_0 - d_1 + t (d_0 + d_1 - 2Δ))],  Δ = (y_1 - y_0)/h,
 /// where d are the slopes of the parabolas through three neighbouring levels (one-sided at the ends
 /// of the range). The rule monotone_cubic sets d to 0 at levels where the secants on both sides
-/// differ in sign. At other levels it limits d to three times the smaller secant. This limit is
-/// sufficient for a monotone interpolant between two levels (Fritsch & Carlson 1980, Monotone
-/// piecewise cubic interpolation, section 3). The interpolant is exact at the nodes of the grid.
-/// The rule cubic reproduces parabolas; monotone_cubic reproduces parabolas if the limit of d is
-/// not active. For smooth data, the error is of third order in the spacing, and of second order
+/// differ in sign. At other levels, this rule limits d to three times the smaller secant. This
+/// limit is sufficient for a monotone interpolant between two levels (Fritsch & Carlson 1980,
+/// Monotone piecewise cubic interpolation, section 3). The interpolant is exact at the nodes of the
+/// grid. The rule cubic reproduces parabolas; monotone_cubic reproduces parabolas if the limit of d
+/// is not active. For smooth data, the error is of third order in the spacing, and of second order
 /// near an extremum that monotone_cubic flattens. Use cubic along a factor with oscillating
 /// responses. A factor whose value is exactly a level needs no interpolation. Evaluations do not
 /// allocate memory. Several threads may call `evaluate` at once.

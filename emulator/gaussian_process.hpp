@@ -81,11 +81,11 @@ class GaussianProcess final : public Interpolant {
   GaussianProcess(GaussianProcess&&) noexcept;
   GaussianProcess& operator=(GaussianProcess&&) noexcept;
 
-  /// Writes the means of all responses at x. Throws std::out_of_range for x outside the box of the
-  /// factors, because interpolants do not extrapolate.
+  /// Writes the predicted mean values of all responses at x. Throws std::out_of_range for x outside
+  /// the box of the factors, because interpolants do not extrapolate.
   void evaluate(std::span<const double> x, std::span<double> mean) const override;
-  /// Writes means and variances of the model's responses at x; the variances do not include the
-  /// noise of the runs.
+  /// Writes the predicted mean values and variances of the model's responses at x; the variances do
+  /// not include the noise of the runs.
   void evaluate(std::span<const double> x, std::span<double> mean,
                 std::span<double> variance) const override;
 

@@ -18,7 +18,7 @@ struct RefinementOptions {
   /// entry admits any value of the factor. An empty list admits any value of every factor.
   std::vector<std::vector<double>> candidates = {};
   Eigen::Index most_runs = 100'000;  ///< largest number of runs of the grid
-  int probes = 24;  ///< number of test points per interval, on levels of the other factors
+  int probes = 24;  ///< number of test points per interval, at random levels of the other factors
   /// Number of random points at which the final grid must satisfy the tolerance.
   Eigen::Index check_runs = 200;
   std::uint64_t seed = 1;  ///< seed for probes and checks

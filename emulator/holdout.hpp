@@ -16,9 +16,9 @@ struct HoldoutError {
   /// Returns rmse / spread: 0 for an exact emulator, 1 for a prediction by the mean.
   [[nodiscard]] double relative_rmse() const { return spread > 0 ? rmse / spread : 0.0; }
   /// True if Q² < 0.9, that is rmse/spread > 0.32. The error is then at least a third of the
-  /// standard deviation of the response. A difference of one standard deviation between the
-  /// responses at two points is then only two to three standard errors. Sensitivity studies also
-  /// require Q² ≥ 0.9 of metamodels.
+  /// standard deviation of the response. If the responses at two points differ by one standard
+  /// deviation, this difference is then only two to three standard errors of the emulator.
+  /// Sensitivity studies also require Q² ≥ 0.9 of metamodels.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }
   [[nodiscard]] bool operator==(const HoldoutError&) const = default;
 };

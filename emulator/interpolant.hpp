@@ -50,12 +50,12 @@ class Interpolant {
 struct TrainingOptions {
   int threads = 1;
   /// One entry per factor: true if responses oscillate along this factor, for example natural
-  /// frequencies with the location of a damage. Along the other factors, responses are monotone. If
-  /// the list is empty, responses are monotone along all factors.
+  /// frequencies along the location of a damaged element. Along the other factors, responses are
+  /// monotone. If the list is empty, responses are monotone along all factors.
   std::vector<bool> waves = {};
 };
 
-/// Description of an interpolant type. It is defined in the same file as the class.
+/// Description of an interpolant type, defined in the same file as the class of the interpolant.
 struct InterpolantType {
   enum class Runs { grid, scattered };
   /// Trains an interpolant on a complete table. Fitted values are added to the parameters of the

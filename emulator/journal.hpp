@@ -13,10 +13,10 @@
 
 namespace wheeltap::emulator {
 
-/// A journal file. It contains one line of text that identifies the experiment, then one record per
-/// finished run: run number, responses and checksum. If a process is killed while writing, the last
-/// record is incomplete and its checksum is wrong; the next process that opens the journal removes
-/// this record. The class is not thread-safe.
+/// A journal file. The file contains one line of text that identifies the experiment, then one
+/// record per finished run: run number, responses and checksum. If a process is killed while
+/// writing, the last record is incomplete and its checksum is wrong; the next process that opens
+/// the journal removes this record. The class is not thread-safe.
 class Journal {
  public:
   struct Entry {

@@ -21,12 +21,12 @@ struct alignas(64) Pack {
 ///
 ///   S(λ) = J - Σ_j κ_j e_j e_jᵀ,   κ_j = s_j / (λ_j - λ) - 1,   e_j = c_j / √s_j,
 ///
-/// m × m. where S has the size m × m. With s_j = λ_j, κ_j = λ / (λ_j - λ) tends to 0 with λ. The
-/// sum then has no cancellation, even if a damage leaves almost no stiffness. For rigid-body modes,
-/// s_j is the lowest elastic eigenvalue. J, the value of S at κ = 0, is diagonal: -1 for supports,
-/// which come first, and 1 for damages. `DefectColumns` scales the columns c accordingly. The modes
-/// far above the requested range, j >= `near`, are represented by a Chebyshev series of κ / λ in λ
-/// over [0, cap], exact to rounding.
+/// where S has the size m × m. With s_j = λ_j, κ_j = λ / (λ_j - λ) tends to 0 with λ. The sum then
+/// has no cancellation, even if a damage leaves almost no stiffness. For rigid-body modes, s_j is
+/// the lowest elastic eigenvalue. J, the value of S at κ = 0, is diagonal: -1 for supports, which
+/// come first, and 1 for damaged elements. `DefectColumns` scales the columns c accordingly. The
+/// modes far above the requested range, j >= `near`, are represented by a Chebyshev series of κ / λ
+/// in λ over [0, cap], exact to rounding.
 struct Secular {
   int columns = 0;   ///< m
   int supports = 0;  ///< number of support columns, which come first

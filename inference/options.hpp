@@ -15,7 +15,8 @@ struct Checkpoint;  // checkpoint.hpp
 struct Options {
   std::uint64_t seed = 1;
   int chains = 4;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number.
+  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
+                    ///< threads.
   /// Warm-up iterations per chain. With 0, the engine chooses the number and also searches for
   /// starting points.
   int warmup = 0;
@@ -23,9 +24,9 @@ struct Options {
   /// until the run has converged.
   int draws = 0;
   int thin = 0;  ///< iterations per draw; 0: chosen by the engine
-  /// Quick run: few local optimisations, importance sampling from the modes found, short chains.
-  /// The amount of work is fixed unless `warmup`, `draws`, `thin` or `searches` is given. The
-  /// result of a quick run never counts as converged.
+  /// Quick run: few local optimisations, importance sampling from the posterior modes found, short
+  /// chains. The amount of work is fixed unless `warmup`, `draws`, `thin` or `searches` is given.
+  /// The result of a quick run never counts as converged.
   bool quick = false;
   /// Run without likelihood; the resulting posterior must equal the prior
   bool prior_only = false;
@@ -37,19 +38,19 @@ struct Options {
     bool random_walk = true;
     bool relocation = true;
     bool reflection = true;
-    bool independence = true;  ///< jumps within and between models by fitted mixtures
+    bool independence = true;  ///< jumps within and between models, proposed from fitted mixtures
     bool tempering = true;     ///< parallel tempering during warm-up
   };
   Moves moves{};
 
-  /// Parallel tempering also for the draws, on the ladder of warm-up. If `draws` is 0, the engine
-  /// enables tempering when the chains disagree without tempering.
+  /// Parallel tempering also for the draws, with the ladder of temperatures from warm-up. If
+  /// `draws` is 0, the engine enables tempering when the chains disagree without tempering.
   bool tempered_draws = false;
 
   /// Number of local optimisations in each model, each from a draw of its prior. With 0, the engine
-  /// chooses the number, for a fixed share of the run's likelihood calls. If the basin of a mode
-  /// holds a share p of the prior, all n local optimisations miss the mode with probability (1 -
-  /// p)^n; see `Verdict::resolution`.
+  /// chooses the number, for a fixed share of the run's likelihood calls. If the basin of a
+  /// posterior mode holds a share p of the prior, all n local optimisations miss the mode with
+  /// probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
 
   /// Sample with model weights that make all models about equally probable, and reweight the draws
@@ -90,7 +91,7 @@ struct Options {
 
     // Saving many draws repeatedly takes time and memory. With the following callbacks, blocks of
     // `part` draws of a chain are saved once, separately, and the checkpoints passed to `save` omit
-    // them. A part must be kept until a checkpoint has been saved whose first part is later
+    // these draws. A part must be kept until a checkpoint has been saved whose first part is later
     // (inference::parts_of).
     /// Saves part `number` of the draws. Returns false if saving failed and the engine should try
     /// again later.

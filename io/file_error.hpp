@@ -9,7 +9,7 @@
 namespace wheeltap::io {
 
 /// A position in a file: lines and columns count from 1, rows from 0. A negative value, 0 or an
-/// empty text means unknown.
+/// empty string means unknown.
 struct Place {
   std::ptrdiff_t line = 0;
   std::ptrdiff_t sample = -1;  ///< row, in a file without lines

@@ -1,4 +1,4 @@
-// Short hashes to distinguish texts.
+// Short hashes to distinguish strings and files.
 #pragma once
 
 #include <cstdint>
@@ -15,7 +15,7 @@ namespace wheeltap::io {
   return hash;
 }
 
-/// The FNV-1a hash of the text as 16 hexadecimal digits.
+/// The FNV-1a hash of the string `text` as 16 hexadecimal digits.
 [[nodiscard]] std::string fingerprint(std::string_view text);
 
 /// The FNV-1a hash of a file's bytes, and the number of bytes.

@@ -15,13 +15,13 @@ namespace wheeltap::io {
 /// causes a library to crash or to loop for ever, only the child process is affected. Text that the
 /// child prints is lost. A FileError of `read` is rethrown here, other exceptions as
 /// std::runtime_error. Throws FileError (corrupt) if the child crashes or exceeds a limit. The
-/// limit of processor time is `seconds`, or `most_seconds` of the file's size if `seconds` is 0.
-/// The limit of memory is that of this process plus `most_bytes`. Throws std::bad_alloc if the
-/// memory limit of this process is lower than this limit, or if the system killed the child. The
-/// child ignores the signals that request a stop.
+/// limit of processor time is `seconds`, or `most_seconds` for the file's size if `seconds` is 0.
+/// The memory limit of the child is the present memory of this process plus `most_bytes`. Throws
+/// std::bad_alloc if the system allows this process less memory than this limit, or killed the
+/// child. The child ignores the signals that request a stop.
 ///
-/// The child has only the calling thread, so the caller must hold any lock that `read` needs. If
-/// the system cannot start a child process, this function calls `read` in this process.
+/// The child contains only the calling thread, so the caller must hold any lock that `read` needs.
+/// If the system cannot start a child process, this function calls `read` in this process.
 [[nodiscard]] std::string read_apart(const std::filesystem::path& path,
                                      const std::function<std::string()>& read,
                                      double seconds = 0.0);

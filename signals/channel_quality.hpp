@@ -23,7 +23,8 @@ struct ChannelQuality {
 
   /// Dropouts: runs of equal samples that are too long to occur by chance. A dropout has at least
   /// five samples. Its length is such that fewer than 0.001 runs of this length are expected in a
-  /// record of this size. The expectation follows from the share p of equal neighbouring samples.
+  /// record of this size. The expectation follows from the share p of neighbouring samples that are
+  /// equal.
   std::vector<Stretch> dropouts = {};
   /// Number of clipped samples at the highest value and at the lowest value of the channel. Only
   /// runs of at least three samples count.
@@ -31,11 +32,12 @@ struct ChannelQuality {
   /// Spikes: single samples that differ from the cubic through two neighbours on either side by
   /// more than 12 local robust standard deviations of that difference. After the sample is replaced
   /// by the value of the cubic, the differences of the neighbouring samples must be below this
-  /// limit. The difference is a linear filter of the record. It is therefore Gaussian for a
+  /// limit. The difference is a linear filter of the record, and is therefore Gaussian for a
   /// Gaussian record of any bandwidth. If more than a thousandth of all samples satisfy the
   /// criterion, these samples belong to the signal and the list is empty.
   std::vector<long> spikes = {};
-  /// Trend: rise of the fitted line over the whole record, in standard deviations of the residual.
+  /// Trend: rise of the fitted line over the whole record, in standard deviations of the samples
+  /// about this line.
   double drift = 0.0;
   /// Drift: the standard deviation of the means of twenty blocks, divided by the standard deviation
   /// of all samples. Both are computed after removal of the trend. The ratio is near 0 for a
@@ -55,9 +57,9 @@ enum class ChannelFault {
   dropouts,  ///< number of samples in all dropouts (0)
   clipped,   ///< number of clipped samples (0)
   spikes,    ///< number of spikes (0)
-  counter,   ///< ChannelQuality::drift is infinite: the samples increase evenly, without scatter
+  counter,   ///< ChannelQuality::drift is infinite: the samples increase by equal steps
   drift,     ///< ChannelQuality::drift (±1)
-  wander,    ///< ChannelQuality::wander (0.3), without drift
+  wander,    ///< ChannelQuality::wander (0.3), only if the drift is within its limit
   offset,    ///< |mean|, in standard deviations (3)
   coarse     ///< resolution, in standard deviations (0.05)
 };
@@ -74,14 +76,16 @@ struct FoundFault {
 
 /// A local maximum of a spectrum.
 struct SpectrumPeak {
-  double frequency_hz;   ///< from a parabola through the logarithm of the density at three lines
+  double frequency_hz;   ///< from a parabola through the logarithm of the density at three spectral
+                         ///< lines
   double density;        ///< [unit² / Hz]
   double prominence_db;  ///< height above the higher of the two minima that separate the peak from
                          ///< higher peaks
 };
 
 /// Finds the `most` most prominent peaks of a spectrum, sorted by frequency. Peaks with a
-/// prominence below `least_db` are omitted as scatter of the estimate.
+/// prominence below `least_db` are omitted, because errors of the estimated spectrum can cause
+/// them.
 [[nodiscard]] std::vector<SpectrumPeak> spectrum_peaks(const Spectrum& spectrum, int most,
                                                        double least_db = 10.0);
 

@@ -28,7 +28,8 @@ class Noise {
 /// Draws Gaussian noise with a flat spectrum on [low_hz, high_hz] and a spectrum of zero outside
 /// this band. `variance` is the expected variance of the noise. The noise is a section of a longer
 /// periodic signal, so that the noise is not periodic itself. Throws std::invalid_argument unless 0
-/// <= low_hz < high_hz <= sample_rate_hz / 2 and the band contains a line of the period.
+/// <= low_hz < high_hz <= sample_rate_hz / 2 and the band contains a spectral line of the periodic
+/// signal.
 [[nodiscard]] std::vector<double> band_limited_noise(int samples, double sample_rate_hz,
                                                      double low_hz, double high_hz, double variance,
                                                      Noise& noise);
@@ -37,8 +38,8 @@ class Noise {
 [[nodiscard]] std::vector<double> sine(int samples, double sample_rate_hz, double amplitude,
                                        double frequency_hz, double phase = 0.0);
 
-/// A multisine: a periodic sum of equal sines with random phases, on the lines k f_s / period of
-/// [low_hz, high_hz].
+/// A multisine: a periodic sum of sines with equal amplitudes and random phases. Their frequencies
+/// are all k f_s / period in [low_hz, high_hz], k = 1, 2, ….
 struct Multisine {
   int period = 1024;  ///< samples
   double low_hz = 0.0;

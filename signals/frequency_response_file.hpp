@@ -1,4 +1,4 @@
-// Reading of frequency responses from universal files (dataset 58, function type 4).
+// Reading of frequency response functions from universal files (dataset 58, function type 4).
 #pragma once
 
 #include <filesystem>
@@ -21,10 +21,11 @@ struct MeasuredResponses {
                             ///< hammer)
 };
 
-/// Reads all frequency responses of a file and converts outputs with known units to SI. If the file
-/// has more reference than response degrees of freedom, outputs and inputs are exchanged
+/// Reads all frequency response functions of a file and converts outputs with known units to SI. If
+/// the file has more reference than response degrees of freedom, outputs and inputs are exchanged
 /// (reciprocity). Throws io::FileError for another kind of file. Also throws io::FileError if
-/// frequency responses have different frequencies, occur twice, or are missing in the matrix.
+/// frequency response functions have different frequencies, occur twice, or are missing in the
+/// matrix.
 [[nodiscard]] MeasuredResponses read_frequency_responses(const std::filesystem::path& path);
 
 }  // namespace wheeltap::signals

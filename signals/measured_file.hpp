@@ -15,8 +15,8 @@ namespace wheeltap::signals {
 
 struct MeasuredChannel {
   std::string name = {}, unit = {};
-  /// A unit that the column's name may denote. This unit is not applied. Empty if the name denotes
-  /// no unit.
+  /// A unit that the column's name may denote. Wheeltap does not convert values with this unit.
+  /// Empty if the name denotes no unit.
   std::string possible_unit = {};
   std::vector<double> values = {};
   ChannelQuality quality = {};
@@ -28,8 +28,8 @@ struct MeasuredChannel {
 struct LeftOutColumn {
   int number = 1;  ///< from 1
   std::string header = {};
-  bool is_time_stamp = false;  ///< true: additional time stamps; false: texts or empty cells
-  bool maybe_time = false;     ///< a column of texts in a table without a time column
+  bool is_time_stamp = false;  ///< true: additional time stamps; false: strings or empty cells
+  bool maybe_time = false;     ///< a column of strings in a table without a time column
 };
 
 /// A table of columns with common sampling times.
@@ -65,7 +65,8 @@ struct MeasuredReading {
   std::optional<double> sample_rate_hz = {};  ///< for a file without a rate
   io::TextLayout layout = {};                 ///< for delimited text and Excel workbooks
   io::ArrayLayout arrays = {};                ///< for MATLAB, NumPy, NetCDF and HDF5 files
-  bool resample = false;                      ///< interpolate uneven records at an even rate
+  bool resample = false;                      ///< interpolate records with uneven time steps at a
+                                              ///< constant rate
 };
 
 /// Reads a file and checks the quality of its channels. Throws io::FileError, and

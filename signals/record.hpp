@@ -17,13 +17,14 @@ struct Record : io::Columns {
   /// Returns the index of the time column, or -1 if the record has no time column. A time column
   /// has one of these names: "time", "t", a name that begins with "time", the word for time in
   /// another language, or the name that a logger uses. If no column has such a name, the time
-  /// column is the first column of time stamps. A column of texts is never the time column.
+  /// column is the first column of time stamps. A column of strings is never the time column.
   [[nodiscard]] int find_time() const;
 };
 
 /// Options for reading a file: columns and layout.
 struct RecordReading {
-  std::vector<std::string> columns = {};  ///< columns as for io::Columns::find; empty: all columns
+  std::vector<std::string> columns = {};  ///< headers, names or numbers of columns
+                                          ///< (io::Columns::find); empty: all
   std::vector<std::string> ignored = {};  ///< columns that are not read, even as time column
   io::TextLayout layout = {};             ///< for delimited text
   io::ArrayLayout arrays = {};            ///< for files of arrays
@@ -75,9 +76,9 @@ struct Sampling {
                                    std::optional<double> stated = std::nullopt,
                                    std::optional<double> scale = std::nullopt);
 
-/// Returns the sampling rate that a line above the rows of a text states: "Fs = 100 Hz", "Sample
-/// interval (s): 0.01". Returns std::nullopt if no line states a rate, or if lines state different
-/// rates.
+/// Returns the sampling rate that a line above the rows of a text file states: "Fs = 100 Hz",
+/// "Sample interval (s): 0.01". Returns std::nullopt if no line states a rate, or if lines state
+/// different rates.
 [[nodiscard]] std::optional<Sampling> sampling_from_header(const Record& record);
 
 /// Resamples all columns that were read to an even rate by natural cubic splines through the

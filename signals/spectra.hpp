@@ -1,4 +1,4 @@
-// Spectra, frequency responses, and changes of the sampling rate.
+// Spectra, frequency response functions, and changes of the sampling rate.
 #pragma once
 
 #include <complex>
@@ -24,13 +24,14 @@ struct Spectrum {
 };
 
 /// Estimates the power spectral density of x by Welch's method. Throws std::invalid_argument for
-/// fewer than 4 samples, a rate <= 0 or an overlap outside [0, 1).
+/// fewer than 4 samples, a sampling rate <= 0 or an overlap outside [0, 1).
 [[nodiscard]] Spectrum welch(std::span<const double> x, double sample_rate_hz,
                              WelchOptions options = {});
 
-/// Frequency response of the output y to the input x. H1 = S_xy / S_xx is the estimate for noise on
-/// the output, and H2 = S_yy / S_yx the estimate for noise on the input. The coherence is γ² =
-/// |S_xy|² / (S_xx S_yy) = H1 / H2. The coherence of a single segment is always 1.
+/// Frequency response function between the input x and the output y. H1 = S_xy / S_xx is the
+/// estimate for noise on the output, and H2 = S_yy / S_yx the estimate for noise on the input. The
+/// coherence is γ² = |S_xy|² / (S_xx S_yy) = H1 / H2. The coherence of a single segment is always
+/// 1.
 struct FrequencyResponse {
   std::vector<double> frequencies_hz;
   std::vector<std::complex<double>> h1, h2;
@@ -49,7 +50,7 @@ struct SpectrumComparison {
   double power_ratio = 1.0;  ///< variance in the window divided by the variance of the record
   /// `difference_db` is the root mean square of 10 log₁₀(window / full) over the frequencies that
   /// contain 99.9 % of the record's power. `expected_db` is the expected value of this difference
-  /// for two independent estimates of the same spectrum.
+  /// between two independent estimates of the same spectrum.
   double difference_db = 0.0;
   double expected_db = 0.0;
 };

@@ -1,4 +1,4 @@
-// The folder of the application: a browser names files below it only.
+// The folder of the application: a browser can access only files below this folder.
 #pragma once
 
 #include <filesystem>
@@ -15,9 +15,10 @@ class AppFolder {
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
 
   /// The path of a name relative to the folder, with "/" between its parts. The file need not
-  /// exist. None for an empty or absolute name, and for a name of more than 1024 bytes, with
-  /// control characters or with a backslash. None if a part begins with "." (".." and hidden
-  /// files), or if the name leads out of the folder through a symbolic link.
+  /// exist. The result is empty for an empty or absolute name, and for a name of more than 1024
+  /// bytes, with control characters or with a backslash. The result is also empty if a part begins
+  /// with "." (".." and hidden files), or if the name leads out of the folder through a symbolic
+  /// link.
   [[nodiscard]] std::optional<std::filesystem::path> place(const std::string& name) const;
 
   /// The name of a path below the folder.

@@ -61,7 +61,8 @@ struct Refused {
 std::string random_token() {
   std::array<unsigned char, 16> bytes{};
   if (getrandom(bytes.data(), bytes.size(), 0) != static_cast<ssize_t>(bytes.size()))
-    throw Failure(Exit::internal, "app: the system gives no random bytes for the token");
+    throw Failure(Exit::internal,
+                  "app: the operating system provides no random bytes for the token");
   std::string out;
   for (const unsigned char b : bytes) {
     constexpr std::string_view kDigits = "0123456789abcdef";
@@ -161,8 +162,9 @@ class Application {
       if (!site.empty() && site != "same-origin" && site != "none" && !is_report(request.path))
         throw Refused{403, "the request comes from another site"};
       if (!is_known(request.path))
-        throw Refused{403,
-                      "the address lacks the token: open the address that wheeltap app printed"};
+        throw Refused{
+            403,
+            "the address does not contain the token: open the address that wheeltap app printed"};
       if (request.method == "POST" && request.get_header_value("Content-Type") != kJson)
         throw Refused{415, "the content must be application/json"};
     } catch (const Refused& refused) {

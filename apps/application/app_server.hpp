@@ -18,9 +18,9 @@ struct StarterCase {
 
 /// The parts of the program that the server calls.
 struct AppProgram {
-  std::vector<std::string> kinds = {};  ///< of cases
+  std::vector<std::string> kinds = {};  ///< kinds of cases
   std::vector<StarterCase> starters = {};
-  /// The commands with checkpoints, --quick and --resume.
+  /// Names of the commands that have checkpoints, --quick and --resume.
   std::vector<std::string> sampled = {};
   /// Checks the text of a case at a path as its command does before a run. `allowed` is true for
   /// input files that the case may name. Returns the first fault.
@@ -36,11 +36,12 @@ struct AppProgram {
 
 struct AppOptions {
   std::filesystem::path folder = ".";
-  int port = 0;                                                ///< 0: any free port
-  int at_once = 1;                                             ///< runs at a time
-  int threads = 1;                                             ///< threads per run
-  std::function<void(const std::string& address)> ready = {};  ///< called when it listens
-  std::function<bool()> stop = {};                             ///< called a few times per second
+  int port = 0;     ///< 0: any free port
+  int at_once = 1;  ///< number of simultaneous runs
+  int threads = 1;  ///< threads per run
+  /// Called when the server accepts connections
+  std::function<void(const std::string& address)> ready = {};
+  std::function<bool()> stop = {};  ///< called a few times per second
 };
 
 /// Serves the application until stop() returns true. The address contains a random token of 128

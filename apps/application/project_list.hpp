@@ -12,7 +12,7 @@
 
 namespace wheeltap::apps {
 
-/// Folders and files that a list visits at most.
+/// Largest number of folders and files that a list visits.
 inline constexpr int kMostEntries = 20'000;
 inline constexpr int kDeepestFolder = 8;
 

@@ -48,9 +48,9 @@ struct RecordWindow {
 /// std::invalid_argument for a table, a channel or a window that does not exist.
 [[nodiscard]] Report record_window(const MeasuredFile& file, const RecordWindow& window);
 
-/// {frequencies_hz, density: […]} of one channel: at most `points` lines, the highest of each
-/// neighbourhood. Lists are empty if the sampling rate is not known. Throws std::invalid_argument
-/// as record_window does.
+/// {frequencies_hz, density: […]} of one channel: at most `points` spectral lines, the highest line
+/// of each neighbourhood. Lists are empty if the sampling rate is not known. Throws
+/// std::invalid_argument as record_window does.
 [[nodiscard]] Report record_spectrum(const MeasuredFile& file, const RecordWindow& window);
 
 }  // namespace wheeltap::apps

@@ -23,7 +23,7 @@ struct RunRequest {
   std::string case_name, output_name;
   std::filesystem::path case_path, output;
   std::optional<std::uint64_t> seed = {};
-  bool samples = false;  ///< the command has checkpoints, --quick and --resume
+  bool samples = false;  ///< true if the command has checkpoints, --quick and --resume
   bool quick = false;
   bool resume = false;
 };
@@ -34,14 +34,14 @@ class RunQueue {
   RunQueue(int at_once, int threads);
   RunQueue(const RunQueue&) = delete;
   RunQueue& operator=(const RunQueue&) = delete;
-  /// Stops all runs: they keep their results so far. Kills those that do not end within 10 s.
+  /// Stops all runs, which write their results so far. Kills runs that do not end within 10 s.
   ~RunQueue();
 
-  /// Returns the number of the run; none if the queue is full or a run with the same output folder
+  /// Returns the number of the run; empty if the queue is full or a run with the same output folder
   /// waits or runs.
   [[nodiscard]] std::optional<int> add(RunRequest request);
-  /// Removes a run that waits; a run that is running ends early and keeps its results so far. False
-  /// if there is no such run.
+  /// Removes a waiting run; a running run ends early and writes its results so far. False if there
+  /// is no such run.
   bool stop(int number);
   /// [{number, command, case, output, state, stage, fraction, seconds_left, detail, message, exit,
   /// seconds}, …]: state is queued, running, stopping, done, stopped or failed.

@@ -9,7 +9,7 @@ namespace wheeltap::apps {
 
 struct ParametricBeam {
   fem::Beam beam = {};  ///< beam with its unknown coefficients at the medians of their priors
-  double depth = 0.0;   ///< height of the section, if the case gives it
+  double depth = 0.0;   ///< depth of the section, if the case gives it
   std::shared_ptr<const identification::StructureModel> model = {};
   bool uniform =
       /// True if no spring is unknown. The symmetry is then the symmetry at the medians of the

@@ -182,7 +182,8 @@ DefectKind parse_kind(const CaseFile& file, const Pointer& where, double length,
     kind.crack_law = parse_crack_law(file, where);
     if (!(out.beam_depth > 0.0)) {
       file.refuse(where / "kind",
-                  "a crack needs the height of the section: give it a \"shape\" with sizes");
+                  "a crack needs the depth of the section: give the section a \"shape\" with "
+                  "dimensions");
     }
   } else if (b.contains("law")) {
     file.refuse(where / "law", "is allowed with \"kind\": \"crack\" only");

@@ -183,9 +183,10 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
   if (found.columns.empty())
     file.refuse(list, "has no channel with the role \"response\": there is nothing to identify");
   if (of_forces(file) && found.forces.empty())
-    file.refuse(list,
-                "has no channel with the role \"force\", which frequency responses need: add it, "
-                "or use the method \"ssi-cov\"");
+    file.refuse(
+        list,
+        "has no channel with the role \"force\", which frequency response functions need: add "
+        "this channel, or use the method \"ssi-cov\"");
   return found;
 }
 
@@ -241,7 +242,7 @@ void read_responses(const CaseFile& file, SetUp& out) {
     if (measured.transposed)
       out.oddities.push_back(
           "There are more references than responses: by reciprocity, Wheeltap exchanges references "
-          "and responses, and the mode shapes are at the references.");
+          "and responses, and the mode shapes are the motions of the references.");
     out.responses = std::move(measured.responses);
     out.orders = std::move(measured.orders);
     out.places.assign(out.sensors.size(), out.where / "file");
@@ -284,9 +285,11 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
       if (file.json.at(where).contains(key))
         file.refuse(
             where / key,
-            "is for records only: without channels Wheeltap uses the file's frequency responses");
+            "is for records only: without channels Wheeltap uses the frequency response functions "
+            "in the file");
     if (file.json.contains("segment"))
-      file.refuse(Pointer("/segment"), "is for records only: these are frequency responses");
+      file.refuse(Pointer("/segment"),
+                  "is for records only: the file contains frequency response functions");
     read_responses(file, out);
     return out;
   }

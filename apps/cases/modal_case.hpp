@@ -28,7 +28,7 @@ struct SetUp : identification::ModalRecord {
   signals::Sampling sampling = {};
   /// Layout of the file, if the record is delimited text
   std::optional<io::FoundLayout> layout = {};
-  std::vector<std::string> inputs = {};  ///< inputs of the frequency responses
+  std::vector<std::string> inputs = {};  ///< inputs of the frequency response functions
 };
 
 struct ModalCaseFile {
@@ -51,7 +51,7 @@ struct IdentifiedModes {
   std::optional<signals::MergedModes> merged = {};
 };
 
-/// Validates and parses a case and reads its records; The file `given`, if any, replaces the file
+/// Validates and parses a case and reads its records. The file `given`, if any, replaces the file
 /// of a single record. Throws Failure.
 [[nodiscard]] ModalCaseFile parse_modal_case(CaseFile file,
                                              std::optional<signals::Record> given = {});

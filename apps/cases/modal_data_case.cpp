@@ -98,7 +98,7 @@ class ModalDataParser {
         file_.refuse(where_ / "sensors", "must have one sensor for each of the " +
                                              count_of(all, "channel") +
                                              " of \"from\" (null "
-                                             "leaves one out), has " +
+                                             "omits a channel), has " +
                                              std::to_string(list.size()));
       for (std::size_t i = 0; i < all; ++i) {
         if (list[i].is_null()) continue;
@@ -112,7 +112,7 @@ class ModalDataParser {
       if (file_.json.contains("beam"))
         file_.refuse(where_ / "sensors",
                      "is missing: state the position on the beam of each of the " +
-                         count_of(all, "channel") + " of \"from\" is, [{\"at\": x}, ...]");
+                         count_of(all, "channel") + " of \"from\", [{\"at\": x}, ...]");
       const CaseFile beside = taken.sensors_as_case();
       const ModalDataParser places(beside, Pointer(), structure_);
       for (std::size_t i = 0; i < all; ++i) {

@@ -7,12 +7,13 @@
 
 namespace wheeltap::apps {
 
-/// Modes that are simulated from the truth of the case instead of measured. The scatter is used if
-/// the case does not give a scatter.
+/// Modes that are simulated from the truth of the case instead of measured. Their standard
+/// deviations are used if the case gives none.
 struct SimulatedModes {
   std::vector<double> frequencies_hz;
-  Eigen::MatrixXd shapes = {};       ///< mode shapes, one row per mode; empty without sensors
-  double cov = 0.0, shape_sd = 0.0;  ///< scatter of frequencies (relative) and of shapes, both > 0
+  Eigen::MatrixXd shapes = {};  ///< mode shapes, one row per mode; empty without sensors
+  /// Standard deviations of frequencies (relative) and of shapes, > 0
+  double cov = 0.0, shape_sd = 0.0;
 };
 
 /// Parses the data at `where`, e.g. /data. If the data have no frequencies and shapes, the

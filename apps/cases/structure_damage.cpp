@@ -269,8 +269,8 @@ class KindParser {
       for (const auto& piece : mesh_->structure().members[static_cast<std::size_t>(s.site)].pieces)
         if (!(piece.section.depth > 0.0))
           file_.refuse(where / "kind", "member \"" + s.name +
-                                           "\": a crack needs the height of the section; give it "
-                                           "a \"depth\", or leave the member out of \"on\"");
+                                           "\": a crack needs the depth of the section; give the "
+                                           "section a \"depth\", or remove the member from \"on\"");
   }
 
   void parse_truth(const Pointer& where, DefectKind& kind, const DamagePlaces& places) {

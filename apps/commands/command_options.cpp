@@ -179,10 +179,11 @@ void CommandOptions::add_sampling() {
   CLI::Option* prior_only = app_.add_flag(
       "--prior-only", invocation_.sampling.prior_only,
       "ignore the data, as a check of the sampler: the posterior must equal the prior");
-  app_.add_flag("--quick", invocation_.sampling.quick,
-                "first look with a fixed, small amount of work: searches and short chains, so that "
-                "probabilities are approximate; "
-                "--dry-run estimates its time")
+  app_.add_flag(
+          "--quick", invocation_.sampling.quick,
+          "quick run with a fixed, small amount of work: mode searches and short chains, so that "
+          "probabilities are approximate; "
+          "--dry-run estimates its time")
       ->excludes(prior_only);
   app_.add_flag("--evidence{tmcmc+bridge}", invocation_.sampling.evidence,
                 "check the probabilities: also compute the evidence of each model by other methods "

@@ -62,7 +62,8 @@ void print(const MeasuredFile& file) {
       std::cout << " over " << channel_with_unit(table.abscissa, table.abscissa_unit) << " from "
                 << significant(table.x.front(), 5) << " to " << significant(table.x.back(), 5);
     else if (table.sampling_fault.empty())
-      std::cout << "; no column is called time: give the rate by --sample-rate for spectra";
+      std::cout
+          << "; no column is called time: give the sampling rate with --sample-rate for spectra";
     std::cout << "\n";
     for (const std::string& text : reading_in_words(table))
       std::cout << io::printable(text) << "\n";

@@ -33,7 +33,7 @@ void plan(const CommonOptions& common, PlanRunOptions options) {
   if (common.as_json) return common.as_json(run.summary.dump(1));
   print_plan(std::cout, run.summary, colour_wanted());
   std::cout << "\nResults: " << io::printable((common.output / "summary.json").string())
-            << "\nDamage case of the design: "
+            << "\nDamage case for the recommended design: "
             << io::printable((common.output / "damage.json").string())
             << "\nReport: " << io::printable((common.output / "report.html").string()) << std::endl;
 }
@@ -43,23 +43,24 @@ void plan(const CommonOptions& common, PlanRunOptions options) {
 Command plan_command() {
   const auto how = std::make_shared<PlanRunOptions>();
   return {.name = "plan",
-          .summary = "what a test could detect, and which sensors to use",
+          .summary = "plan a modal test: which damage it can detect, and which sensors to use",
           .add_options =
               [how](CommandOptions& options) {
                 options.add_case();
                 options.add_output(
                     "FOLDER", "folder of the results: summary.json, damage.json and report.html");
                 options.add_json(kSummary);
-                options.add_seed("of the simulated tests");
+                options.add_seed("seed of the simulated tests");
                 options.add_threads();
                 options.add_dry_run();
                 CLI::App& app = options.app();
-                app.add_option("--scenarios", how->scenarios,
-                               "simulated tests of each of the best designs (default: 100000)")
-                    ->check(whole(1000, 10'000'000));
                 app.add_option(
-                       "--check", how->checks,
-                       "simulated tests that quick runs of the full engine identify (default: 10)")
+                       "--scenarios", how->scenarios,
+                       "number of simulated tests for each of the best designs (default: 100000)")
+                    ->check(whole(1000, 10'000'000));
+                app.add_option("--check", how->checks,
+                               "number of simulated tests that quick runs of the full engine "
+                               "identify (default: 10)")
                     ->check(whole(0, 10'000));
               },
           .run = [how](const Invocation& asked) { plan(asked.common, *how); }};

@@ -223,10 +223,10 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
   if (material.density) line("mass", "", figure(p.mass_per_length), "kg/m");
   std::cout << "\nPoisson's ratio " << significant(material.poisson, 6) << ". ";
   if (composite)
-    std::cout << "Figures are weighted by E / E_ref (J by G / G_ref)"
+    std::cout << "Properties are weighted by E / E_ref (J by G / G_ref)"
               << (material.young ? ",\nE_ref = " + significant(*material.young, 6) + " Pa" : "")
               << ". ";
-  std::cout << "By quadratic triangles, " << a.levels.size() << " meshes to "
+  std::cout << "Computed with quadratic triangles on " << a.levels.size() << " meshes of up to "
             << a.levels.back().nodes << " nodes;\n";
   std::cout << "the last refinement changed no value by more than "
             << significant(100.0 * a.errors.largest(), 2) << " %.\n";

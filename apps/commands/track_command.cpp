@@ -56,7 +56,7 @@ void track(const CommonOptions& common, const TrackFlags& flags) {
 Command track_command() {
   const auto flags = std::make_shared<TrackFlags>();
   return {.name = "track",
-          .summary = "modes of many records assigned to tracked modes",
+          .summary = "assign the modes of many records to tracked modes",
           .add_options =
               [flags](CommandOptions& options) {
                 options.app()
@@ -68,12 +68,12 @@ Command track_command() {
                 options.add_json("print the table as JSON");
                 options.app()
                     .add_option("--share", flags->share,
-                                "track the modes that this share of the learning records has "
-                                "(default 0.5)")
+                                "track the modes that are identified in at least this share of the "
+                                "training records (default 0.5)")
                     ->check(CLI::Range(0.01, 1.0));
                 options.app()
                     .add_option("--learning", flags->learning,
-                                "learn from this many records, the first ones (default: all)")
+                                "number of training records, from the first one (default: all)")
                     ->check(whole(3, kMany));
               },
           .run = [flags](const Invocation& asked) { track(asked.common, *flags); }};

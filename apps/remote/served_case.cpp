@@ -284,7 +284,9 @@ class ChainForward final : public OutsideModel {
       y = y.subspan(own.size());
       if (!misfit(*record).residuals(theta, own))
         throw std::invalid_argument(
-            "the chain has no bounded motion with these parameters, or they are invalid");
+            "the response of the chain of masses is unbounded with these parameters, or the "
+            "parameters "
+            "are invalid");
       for (std::size_t c = 0, at = 0; at < own.size(); ++c)
         for (const double measured : observed(*record, c, theta)) {
           own[at] = measured - own[at];

@@ -18,7 +18,7 @@ namespace wheeltap::apps {
 /// - joint: location × severity per kind of defect, for all counts together and for each count.
 /// - predictive: quantiles of the replicated frequencies.
 /// - responses: per response channel: data and replicated band over time, spectra, frequency
-///   responses to the excitations, autocorrelation of the residuals.
+///   response functions for the excitations, autocorrelation of the residuals.
 ///
 /// Prior densities follow from the case. The i-th of n exchangeable locations has the prior of the
 /// i-th order statistic. Throws io::FileError (corrupt, foreign).

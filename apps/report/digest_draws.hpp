@@ -102,7 +102,8 @@ class StoredDraws {
 /// with P >= kCharted) and "pairs" (joint histograms) to `out`.
 void digest_parameters(const StoredDraws& posterior, const Report& summary, Report& out);
 /// Returns for each response channel of a record: data and predictions with and without noise over
-/// time, spectra, frequency responses to the excitations, autocorrelation of the residuals.
+/// time, spectra, frequency response functions for the excitations, autocorrelation of the
+/// residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
 /// Returns extension, rate and tension of each link in the motion of the best draw, and the tension
 /// from the data; thinned evenly. Empty if the run did not store them.

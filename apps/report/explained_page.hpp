@@ -7,7 +7,7 @@
 
 namespace wheeltap::apps {
 
-/// `monitor`: /monitor of a summary. Empty where no alarm has an explanation.
+/// Returns the section for `monitor`, /monitor of a summary; empty if no alarm has an explanation.
 [[nodiscard]] std::string explanation_section(const Report& monitor);
 
 }  // namespace wheeltap::apps

@@ -94,7 +94,7 @@ std::string diagram(const Report& set_up) {
       inside += dot("chosen", plot.x(marks.back()), plot.y(number(mode, "order")), 4.0);
   }
   return plot.framed(has_poles(set_up) ? "stabilisation diagram" : "spectrum", "frequency [Hz]",
-                     has_poles(set_up) ? "order" : "level, from least to largest",
+                     has_poles(set_up) ? "model order" : "level, from least to largest",
                      plot.hairs(marks) + inside);
 }
 
@@ -141,7 +141,7 @@ std::string first_cells(const Report& m, int mode) {
 std::string table(const Report& modes) {
   std::string out =
       "<div class=\"scroll\"><table><tr><th>mode</th><th>f [Hz]</th><th>damping [%]</th>"
-      "<th>MPC</th><th>MPD [°]</th><th>orders</th><th>doubts</th></tr>\n";
+      "<th>MPC</th><th>MPD [°]</th><th>model orders</th><th>doubts</th></tr>\n";
   int mode = 0;
   for (const Report& m : modes)
     out += first_cells(m, ++mode) +
@@ -213,7 +213,7 @@ std::string rejected(const Report& set_up, const std::string& level) {
   std::string out = headed(level, "Rejected poles");
   if (!clusters.empty()) {
     out +=
-        "<div class=\"scroll\"><table><tr><th>f [Hz]</th><th>damping [%]</th><th>orders</th>"
+        "<div class=\"scroll\"><table><tr><th>f [Hz]</th><th>damping [%]</th><th>model orders</th>"
         "<th>why</th></tr>\n";
     for (const Report& r : clusters)
       out += "<tr><td>" + significant(number(r, "frequency_hz"), 5) + "</td><td>" +
@@ -232,11 +232,13 @@ std::string of_record(const Report& set_up, const std::string& level, bool alone
   std::string out;
   if (!alone && !modes.empty()) out += headed(level, "Modes") + table(modes);
   out += headed(level, orders ? "Stabilisation diagram" : "Spectrum") + diagram(set_up);
-  out += orders ? "<p>Each dot is a pole. Blue poles form a mode and have 95 % intervals; a ring "
-                  "marks the pole that represents the mode. Behind them: the mean spectrum of the "
-                  "channels, or the sum of the squared frequency responses, in decibels.</p>\n"
-                : "<p>The mean spectrum of the channels, or the first singular value of their "
-                  "spectra, in decibels; lines mark the modes.</p>\n";
+  out +=
+      orders
+          ? "<p>Each dot is a pole. Blue poles form a mode and have 95 % intervals; a ring "
+            "marks the pole that represents the mode. Behind them: the mean spectrum of the "
+            "channels, or the sum of the squared frequency response functions, in decibels.</p>\n"
+          : "<p>The mean spectrum of the channels, or the first singular value of their "
+            "spectra, in decibels; lines mark the modes.</p>\n";
   if (std::ranges::any_of(modes, [](const Report& m) { return !m.at("damping").is_null(); }))
     out += headed(level, "Damping, with 95 % intervals") + damping(modes, band_of(set_up));
   return out;
@@ -310,7 +312,7 @@ std::string shapes(const ModesFile& modes) {
   out +=
       "<p>1: two modes have the same shape at these sensors; 0: their shapes are orthogonal. "
       "Large values off the diagonal mean that there are too few sensors to distinguish the modes, "
-      "or that one mode was found twice.</p>\n";
+      "or that one mode was identified twice.</p>\n";
   out += "<h2>Complexity</h2>\n" + complexity_figures(modes);
   out +=
       "<p>The entries of each shape in the complex plane. For a lightly damped mode they lie along "

@@ -169,7 +169,8 @@ std::string alarm_log(const Report& alarms) {
 std::string tracked_table(const Report& modes) {
   std::string out =
       "<h2 id=\"tracked\">Tracked modes</h2>\n<div class=\"scroll\"><table><tr><th>mode</th>"
-      "<th>median in learning</th><th>scatter</th><th>identified</th><th>missing</th>"
+      "<th>median in the training period [Hz]</th><th>standard deviation about the prediction</th>"
+      "<th>identified</th><th>missing</th>"
       "<th>mean probability of the assignment</th></tr>\n";
   for (const Report& m : modes)
     out += "<tr><td>" + escaped(m.at("name").get<std::string>()) + "</td><td>" +
@@ -191,12 +192,13 @@ std::string entry_or_dash(const Report& of, const char* key) {
 std::string chart_section(const Report& monitor, const io::Columns& charts, const std::string& unit,
                           const std::vector<double>& marks) {
   std::string out =
-      "<h2 id=\"charts\">Comparison charts</h2>\n<p>Control charts that learned from the same "
+      "<h2 id=\"charts\">Comparison charts</h2>\n<p>Control charts trained on the same "
       "rows. "
-      "Each threshold is for the stated rate of false alarms. A delay counts from the median onset "
-      "of the first alarm above.</p>\n<div class=\"scroll\"><table><tr><th>chart</th><th>first "
+      "Each threshold is calibrated for the stated rate of false alarms. A delay is measured from "
+      "the median onset of the first alarm in the table above.</p>\n<div "
+      "class=\"scroll\"><table><tr><th>chart</th><th>first "
       "alarm"
-      "</th><th>alarms</th><th>of these before the onset</th><th>delay</th></tr>\n";
+      "</th><th>alarms</th><th>alarms before the onset</th><th>delay</th></tr>\n";
   for (const Report& chart : monitor.at("charts"))
     out += "<tr><td>" + escaped(chart.at("name").get<std::string>()) + "</td><td>" +
            escaped(entry_or_dash(chart, "first_alarm")) + "</td><td>" +
@@ -227,7 +229,7 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   const Report& monitor = summary.at("monitor");
   std::string out =
       page_head(summary.at("title").get<std::string>(), monitor_headline(monitor),
-                {false_alarms_in_words(monitor) + " Wheeltap uses the more careful threshold."});
+                {false_alarms_in_words(monitor) + " Wheeltap uses the higher threshold."});
   const bool dates = series.columns[0].cells == io::CellKind::stamp;
   const std::string unit = dates ? "days since the first row"
                                  : "time [" + monitor.value("time_unit", std::string("h")) + "]";
@@ -248,7 +250,7 @@ std::string monitor_page(const Report& summary, const io::Columns& series,
   if (monitor.contains("tracked_modes")) out += tracked_table(monitor.at("tracked_modes"));
   out +=
       "<h2>Features</h2>\n<p>Grey: measured values. Lines: 95 % band of the prediction without "
-      "a change. Right: the same values without the effect of the covariates.</p>\n";
+      "a change. Figures on the right: the values without the effect of the covariates.</p>\n";
   for (std::size_t j = 0; j < t.names.size(); ++j) out += feature_charts(t, j, unit, marks);
   if (charts) out += chart_section(monitor, *charts, unit, marks);
   const Report& warnings = summary.at("diagnostics").at("warnings");

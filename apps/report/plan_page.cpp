@@ -83,13 +83,13 @@ std::string drawing(const Report& plan) {
     const Report& least = plan.at("smallest_detectable")[i];
     const auto at = view.at(row.at("at"));
     double share = 0.0;
-    std::string words = row.at("place").get<std::string>() + ": not found with probability 0.9";
+    std::string words = row.at("place").get<std::string>() + ": not detected with probability 0.9";
     if (!least.at(key).is_null()) {
       const double most =
           row.at("severities").back().is_null() ? 1.0 : row.at("severities").back().get<double>();
       share = 1.0 - least.at(key).get<double>() / std::max(most, 1e-300);
       words = row.at("place").get<std::string>() + ": " + key + " " +
-              significant(least.at(key).get<double>(), 2) + " found with probability 0.9";
+              significant(least.at(key).get<double>(), 2) + " detected with probability 0.9";
     }
     std::string dot = svg_dot(shade(share), at[0], at[1], 5.0);
     dot.insert(dot.find("/>"), ">");
@@ -117,8 +117,8 @@ std::string drawing(const Report& plan) {
          "detectable damage\" viewBox=\"0 0 " +
          fixed(kWidth, 0) + " " + fixed(view.height(), 0) + "\">\n" + body + "</svg>\n" +
          "<p>Arrows: recommended sensors with their number and direction. Small points: other "
-         "candidates. Places are darker where the test finds smaller damages with probability "
-         "0.9.</p>\n";
+         "candidates. Locations are darker if the test detects smaller damages there with "
+         "probability 0.9.</p>\n";
 }
 
 std::string polyline(const Plot& plot, const std::vector<std::pair<double, double>>& points,
@@ -160,10 +160,11 @@ std::string curve_along(const Report& plan) {
                        plot.y(bound("high", most)));
   }
   inside += polyline(plot, run, "line");
-  return plot.framed("smallest " + key + " found with probability 0.9", "place [m]", key, inside) +
+  return plot.framed("smallest " + key + " detected with probability 0.9", "location [m]", key,
+                     inside) +
          "<p>Line: smallest " + escaped(key) +
-         " found with probability 0.9; grey: 95 % intervals. Circles at the upper edge: not "
-         "found.</p>\n";
+         " detected with probability 0.9; grey: 95 % intervals. Circles at the upper edge: not "
+         "detected.</p>\n";
 }
 
 /// P(detected) over severity at the easiest, a typical and the hardest place.
@@ -185,7 +186,8 @@ std::string detection_curves(const Report& plan) {
                   240.0);
   std::string inside, words;
   const std::array<std::size_t, 3> chosen = {0, order.size() / 2, order.size() - 1};
-  const std::array<const char*, 3> names = {"easiest place", "typical place", "hardest place"};
+  const std::array<const char*, 3> names = {"easiest location", "typical location",
+                                            "hardest location"};
   for (std::size_t k = 0; k < chosen.size(); ++k) {
     const Report& row = map[order[chosen[k]].second];
     std::vector<std::pair<double, double>> points;
@@ -205,7 +207,7 @@ std::string detection_curves(const Report& plan) {
 std::string table_of(const Report& plan, const std::vector<const Report*>& rows, bool sensors) {
   std::string out = "<div class=\"scroll\"><table><tr><th>design</th>" +
                     std::string(sensors ? "<th>sensors</th>" : "") +
-                    "<th>information [nat]</th><th>detected</th><th>right place</th></tr>\n";
+                    "<th>information [nat]</th><th>detected</th><th>right location</th></tr>\n";
   for (const Report* d : rows) {
     const auto cell = [&](const char* key) {
       return percent(d->at(key).get<double>(), d->at("mcse").at(key).get<double>());
@@ -268,17 +270,16 @@ std::string plan_page(const Report& summary) {
   std::string out =
       page_head(summary.at("title").get<std::string>(), plan_headline(plan), plan_details(plan));
   out += "<h2>Recommended design</h2>\n" + drawing(plan) + curve_along(plan) +
-         "<p>damage.json in this folder is the damage case of this design.</p>\n";
+         "<p>damage.json in this folder is a damage case with the sensors of this design.</p>\n";
   out += "<h2>Probability of detection</h2>\n" + detection_curves(plan);
   std::vector<const Report*> designs = pointers(plan.at("designs"));
   for (const Report& d : plan.at("others")) designs.push_back(&d);
   designs.push_back(&plan.at("frequencies_alone"));
-  out +=
-      "<h2>Ranking of designs</h2>\n" + table_of(plan, designs, true) +
-      "<p>Information: expected information about count and place. Detected: P(at least one "
-      "damage) "
-      "exceeds the threshold that intact tests exceed with the false-alarm probability. ± is one "
-      "Monte Carlo standard error.</p>\n";
+  out += "<h2>Ranking of designs</h2>\n" + table_of(plan, designs, true) +
+         "<p>Information: expected information about count and location. Detected: P(at least one "
+         "damage) "
+         "exceeds a threshold. Tests of the intact structure exceed this threshold with the "
+         "false-alarm probability. ± is one Monte Carlo standard error.</p>\n";
   out += "<h2>Value of more sensors, longer records, more modes</h2>\n" + further_sensors(plan);
   for (const auto& [key, title] :
        {std::pair{"by_length", "Length of the record"}, std::pair{"by_modes", "Number of modes"},

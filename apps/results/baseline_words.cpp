@@ -81,7 +81,7 @@ std::vector<std::string> baseline_sentences(const DamageFindings& findings) {
       if (std::abs(m.standardised_residual) > 3.0)
         off.push_back("mode " + std::to_string(m.mode) + " of " + m.state + " (" +
                       fixed(m.standardised_residual, 1) + " sd)");
-    if (!off.empty()) out.push_back("Off by more than 3 sd: " + in_words(off) + ".");
+    if (!off.empty()) out.push_back("Frequencies with errors above 3 sd: " + in_words(off) + ".");
   }
   if (b.check.missed > 0 || b.check.largest_error > kExact) out.push_back(check_in_words(b.check));
   return out;

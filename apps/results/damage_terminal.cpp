@@ -211,7 +211,7 @@ void print_emulator(std::ostream& out, const EmulatorFinding& emulator, bool col
       continue;
     }
     out << "\nEmulator for " << damages << " (" << count.runs << " FE runs), " << count.kind
-        << "; error on fresh FE runs:\n";
+        << "; error on further FE runs:\n";
     const bool one_out = count.modes[0].leave_one_out.has_value();
     std::vector<std::vector<std::string>> rows = {{"mode", "RMSE [Hz]", "largest [Hz]",
                                                    "RMSE / effect", "Q2", "noise sd [Hz]",

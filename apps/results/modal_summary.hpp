@@ -13,7 +13,7 @@ namespace wheeltap::apps {
 /// Returns poles.json, for a choice of poles by hand: {"set_ups": [{"file", "sensors": [{"name",
 /// "node", "direction": unit vector or null}], "columns", "poles": [[order, frequency, …]],
 /// "shapes": [{"real", "imaginary"}]}]}. A set-up has no poles if its method has no diagram. Shapes
-/// are of the channels' own quantities, to four decimals.
+/// are in the channels' own quantities, with four decimals.
 [[nodiscard]] Report poles_with_shapes(const ModalCaseFile& modal, const IdentifiedModes& found);
 
 }  // namespace wheeltap::apps

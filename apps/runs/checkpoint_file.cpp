@@ -228,7 +228,7 @@ void CheckpointFile::read(std::string bytes, bool others_pass) {
     for (const Json& part : Json::parse(text("parts")))
       seals_[part.at(0).get<long>()] = part.at(1).get<std::string>();
   } catch (const Json::exception&) {
-    file.foreign("has unreadable texts");
+    file.foreign("has unreadable strings");
   }
   from_ = std::make_shared<const Checkpoint>(read_state(file));
   if (!seals_.empty()) first_ = seals_.begin()->first - inference::parts_of(*from_).first;

@@ -73,8 +73,7 @@ FoundModes find_structure_modes(CaseFile file, const ModesOptions& options) {
   }
   const auto rigid = static_cast<int>(structure.discretisation.rigid_motions.cols());
   const auto there = static_cast<int>(fem::mode_count(structure.discretisation));
-  if (there == 0)
-    file.refuse(Pointer("/structure"), "has no degree of freedom with mass that can move");
+  if (there == 0) file.refuse(Pointer("/structure"), "has no free degree of freedom with mass");
   const int wanted = options.modes.value_or(std::min(kUsualModes + rigid, there));
   const fem::StructureModes modes = solve(file, structure, wanted);
   const std::string title = file.json.value("title", file.path.stem().string());

@@ -1,4 +1,4 @@
-// A monitoring run from its case to the files in its folder, and its continuation.
+// A monitoring run of a case: its result files, and its continuation with new rows.
 #pragma once
 
 #include <filesystem>
@@ -11,18 +11,17 @@ namespace wheeltap::apps {
 
 struct MonitorRun {
   Report summary;
-  std::size_t new_alarms = 0;  ///< alarms of the rows that this call processed: the last ones
+  std::size_t new_alarms = 0;  ///< number of alarms in the rows that this call processed
 };
 
 struct MonitorRunOptions {
-  bool charts = false;  ///< also run the comparison charts, over all rows
+  bool charts = false;  ///< true: also run the comparison charts over all rows
 };
 
-/// Learns, or continues from FOLDER/state.nc where common.resume is set and the file exists; takes
-/// all rows that are new; writes summary.json, series.csv, state.nc, report.html and, with charts,
-/// charts.csv as if at once. Throws Failure (65) where the case is another one than that of the
-/// state, or rows that were processed have changed; io::FileError where a file cannot be read or
-/// written.
+/// Trains the baseline, or continues from FOLDER/state.nc if common.resume is set and the file
+/// exists. Processes all new rows. Writes summary.json, series.csv, state.nc, report.html and, with
+/// charts, charts.csv as one transaction. Throws Failure (65) if the case differs from the case of
+/// the state, or if processed rows have changed; io::FileError if a file cannot be read or written.
 [[nodiscard]] MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& common,
                                      const MonitorRunOptions& options = {});
 

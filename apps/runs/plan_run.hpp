@@ -1,4 +1,4 @@
-// A plan from its case to the files in its folder.
+// A planning run of a case, and its result files.
 #pragma once
 
 #include <functional>
@@ -12,20 +12,20 @@ namespace wheeltap::apps {
 /// The results of a plan.
 struct PlanRun {
   Report summary;
-  Report damage_case;  ///< for the recommended design
+  Report damage_case;  ///< damage case with the sensors of the recommended design
 
-  /// Writes summary.json, damage.json and report.html as if at once. Throws io::FileError.
+  /// Writes summary.json, damage.json and report.html as one transaction. Throws io::FileError.
   void keep(const std::filesystem::path& folder) const;
 };
 
 struct PlanRunOptions {
-  int scenarios = 100'000;  ///< simulated tests of the best designs
-  int checks = 10;          ///< simulated tests that quick runs of the full engine identify
-  /// Receives the stage and its done fraction.
+  int scenarios = 100'000;  ///< number of simulated tests of the best designs
+  int checks = 10;          ///< number of simulated tests that quick runs of the engine identify
+  /// Receives the stage and its completed fraction.
   std::function<void(const char*, double)> progress = {};
 };
 
-/// Throws Failure.
+/// Makes the plan of a case. Throws Failure.
 [[nodiscard]] PlanRun run_plan(const PlanCaseFile& parsed, const CommonOptions& common,
                                const PlanRunOptions& options);
 

@@ -97,7 +97,7 @@ ProblemFile parse_problem(CaseFile file) {
         written.push_back(json.at(where));
       } else if (written[static_cast<std::size_t>(known - table.begin())] != json.at(where)) {
         file.refuse(where,
-                    "has another prior in a model before: the same name is the same "
+                    "has another prior in an earlier model: the same name is the same "
                     "parameter");
       }
     }

@@ -37,8 +37,8 @@ void require_room(const RunCost& cost, const CommonOptions& common);
   return common.dry_run ? 0.5 : 0.1;
 }
 
-/// Returns the largest size of draws in memory [bytes]. A run stores more draws on disk. The result
-/// is infinity without a folder.
+/// Returns the largest size of the draws in memory [bytes]; a run stores further draws on disk.
+/// Without a folder, the result is infinity.
 [[nodiscard]] double draws_in_memory(const CommonOptions& common);
 
 /// Returns the peak memory of this process so far [bytes].

@@ -10,8 +10,8 @@
 namespace wheeltap::apps {
 
 /// Extrapolates the time of the present stage from its time so far. For later stages, the estimate
-/// uses the time per likelihood call: the shorter of the times in this stage and in the whole run.
-/// The reason is that a stage may have counted few calls so far.
+/// uses the time per likelihood call: the shorter of the times in this stage and in the whole run,
+/// because a stage may have counted few calls so far.
 class TimeLeft {
  public:
   /// `least_a_call` is a lower bound of the time of a likelihood call in later stages [s]; 0 if not

@@ -41,8 +41,8 @@ std::string counted(const DamageCase& damage_case, const ModelFinding& model) {
   return text;
 }
 
-// The count with neighbours merged: " These two are adjacent: … Counted as one: 1 damage 99 % and
-// 2 damages 1 %."
+// The count with neighbours merged: " These two are adjacent: … Neighbouring damages counted as
+// one: 1 damage 99 % and 2 damages 1 %."
 std::string neighbours(const DamageCase& damage_case, const DamageFindings& findings,
                        std::size_t model) {
   constexpr double kMost = 0.5;  // share of the model's draws
@@ -52,7 +52,8 @@ std::string neighbours(const DamageCase& damage_case, const DamageFindings& find
     const MergedModel* of = merged.of(static_cast<int>(model));
     if (of == nullptr || of->merged < kMost) continue;
     text += " " + longer_in_words(damage_case.kinds[k], findings.models[model].counts[k], *of) +
-            " Counted as one: " + merged_counts_in_words(damage_case.kinds[k], merged) + ".";
+            " Neighbouring " + damage_case.kinds[k].plural +
+            " counted as one: " + merged_counts_in_words(damage_case.kinds[k], merged) + ".";
   }
   return text;
 }

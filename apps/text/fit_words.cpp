@@ -62,7 +62,7 @@ struct Sentence {
         more.push_back("correlation " + fixed(r.autocorrelation, 2) + " at lag " +
                        std::to_string(r.lag));
       if (std::isfinite(r.share_of_free))
-        more.push_back("with a chain of free cubic springs " +
+        more.push_back("for a chain of masses with free cubic springs " +
                        significant(100.0 * r.share_of_free, 2) + " %");
       for (std::size_t i = 0; i < more.size(); ++i) text += (i == 0 ? " (" : "; ") + more[i];
       parts.push_back(text + (more.empty() ? "" : ")"));
@@ -92,8 +92,8 @@ struct Sentence {
     return "The frequencies agree with the model far more closely than the stated noise" +
            stated(r.cv) + " allows (predictive " + p_is(r.p) +
            "): the stated noise is too large (perhaps a number in per cent) and hides information "
-           "in the data. Correct the noise, or infer the noise: \"cov\": {\"log_uniform\": [1e-4, "
-           "1e-1]}.";
+           "in the data. Correct the stated noise, or infer the noise: \"cov\": "
+           "{\"log_uniform\": [1e-4, 1e-1]}.";
   }
 };
 
@@ -113,7 +113,8 @@ std::string stated(double cv) {
 }
 
 std::string what_to_check(const std::vector<int>& modes, bool emulated) {
-  return (modes.empty() ? std::string() : " (off by more than 3 sd: " + name_modes(modes) + ")") +
+  return (modes.empty() ? std::string()
+                        : " (frequencies with errors above 3 sd: " + name_modes(modes) + ")") +
          (emulated ? ". The emulator's error may be larger here than on average over its box: try "
                      "\"predictor\": \"fe\". Otherwise check"
                    : ". Check") +

@@ -16,7 +16,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string in_brief(const identification::FitVerdict& verdict);
 [[nodiscard]] std::string in_brief(const identification::misfit::Reason& reason);
 
-/// Returns " (off by more than 3 sd: modes 1 to 3). Check the model's properties …".
+/// Returns " (frequencies with errors above 3 sd: modes 1 to 3). Check the model's …".
 [[nodiscard]] std::string what_to_check(const std::vector<int>& modes, bool emulated);
 /// Returns " of 20 %"; empty if the noise differs from mode to mode.
 [[nodiscard]] std::string stated(double cv);

@@ -26,7 +26,7 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
     switch (doubt) {
       case ModeDoubt::few_orders:
         out.push_back("in only " + std::to_string(mode.present) + " of " +
-                      std::to_string(mode.orders) + " orders");
+                      std::to_string(mode.orders) + " model orders");
         break;
       case ModeDoubt::damping_unknown:
         out.emplace_back("the damping ratio is very uncertain");
@@ -39,10 +39,11 @@ std::vector<std::string> doubts_in_words(const signals::Mode& mode) {
         break;
       case ModeDoubt::twin:
         out.emplace_back(
-            "another mode with the same shape lies within the uncertainty or bandwidth of the two");
+            "the frequency of another mode with the same shape is closer than the uncertainty or "
+            "the bandwidths of the two modes");
         break;
       case ModeDoubt::at_the_edge:
-        out.emplace_back("at an end of the band, where a filter may distort it");
+        out.emplace_back("at an end of the band, where a filter may distort the mode");
         break;
     }
   }
@@ -113,13 +114,13 @@ std::string orders_in_words(int present, int orders) {
 std::string rejection_in_words(signals::Rejection why) {
   switch (why) {
     case signals::Rejection::few_orders:
-      return "in too few orders";
+      return "in too few model orders";
     case signals::Rejection::splinter:
-      return "part of a mode that another cluster estimates better (large orders split the mode)";
+      return "part of a mode that another cluster estimates better (high model orders split modes)";
     case signals::Rejection::noise:
       return "the other modes explain the decays equally well";
     case signals::Rejection::not_chosen:
-      return "not in the case's list of poles";
+      return "not in the list of poles in the case";
   }
   return {};
 }
@@ -138,26 +139,27 @@ std::string rejected_poles_in_words(const signals::ModalResult& result) {
   std::string out = "Of " + base::grouped(static_cast<long>(of.poles.size())) +
                     " poles in the band with a damping from -0.2 to 20 %, ";
   if (unknown > 0)
-    out += base::grouped(unknown) + " were left out because their frequency is not known to 5 %, ";
+    out += base::grouped(unknown) + " were omitted because their frequency is not known to 5 %, ";
   return out + base::grouped(alone) +
-         " were left out because two other orders have no similar pole.";
+         " were omitted because fewer than two other model orders have a similar pole.";
 }
 
 std::vector<std::string> procedure_in_words(const signals::ModalResult& result) {
   std::vector<std::string> out;
   if (result.method == signals::ModalMethod::bayesian) {
     out.emplace_back(
-        "The posterior of each band's modes, modal forces and noise, sampled given the lines of "
-        "the Fourier transform within the band; means and standard deviations of the draws. The "
-        "method assumes that the modal forces are white within a band, and that modes of other "
+        "Wheeltap samples the posterior of each band's modes, modal forces and noise, given the "
+        "Fourier coefficients in the band. Values are means and standard deviations of the draws. "
+        "The method assumes that the modal forces are white within a band, and that modes of other "
         "bands do not contribute to this band.");
     return out;
   }
   if (result.method == signals::ModalMethod::polyreference) {
-    out.push_back("Frequency responses at " + base::grouped(result.lines) + " frequencies from " +
-                  significant(result.lowest_hz, 4) + " to " + significant(result.highest_hz, 4) +
-                  " Hz, fitted by matrix fractions of orders up to " +
-                  std::to_string(result.largest_order) + "; scatter from " +
+    out.push_back("Frequency response functions at " + base::grouped(result.lines) +
+                  " frequencies from " + significant(result.lowest_hz, 4) + " to " +
+                  significant(result.highest_hz, 4) +
+                  " Hz, fitted by matrix fractions of model orders up to " +
+                  std::to_string(result.largest_order) + "; standard deviations from " +
                   std::to_string(result.replicates) + " replicates of the fit's residuals.");
     return out;
   }
@@ -165,27 +167,29 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
     out.push_back("Spectra of " + base::grouped(static_cast<long>(result.segments)) +
                   " segments of " + base::grouped(static_cast<long>(result.segment)) +
                   " samples, " + significant(result.sample_rate_hz / result.segment, 3) +
-                  " Hz between their lines; modes are peaks of the first singular value.");
+                  " Hz between spectral lines; modes are peaks of the first singular value.");
     if (result.method == signals::ModalMethod::enhanced)
       out.push_back(
           "Frequency and damping are fitted to the decay of the spectral lines about each peak. "
-          "Standard deviations are the scatter between " +
+          "Standard deviations are computed from " +
           std::to_string(result.blocks) +
-          " parts of the record and contain no bias: damping is wrong if another mode or a change "
-          "of shape cuts off the spectral bell.");
+          " parts of the record and do not include bias: damping is wrong if another mode or a "
+          "change of shape truncates the spectral bell.");
     else
       out.emplace_back(
-          "Frequencies are known at best to the spacing of the lines. This method gives no damping "
+          "Frequencies are known at best to the spacing of the spectral lines. This method gives "
+          "no damping "
           "and no standard deviations: damage and update cases reject these modes as data.");
     return out;
   }
   if (result.decimated > 1)
-    out.push_back("Records were filtered and decimated by " + std::to_string(result.decimated) +
-                  ", to " + significant(result.sample_rate_hz, 5) + " Hz.");
+    out.push_back("Records were filtered and decimated by the factor " +
+                  std::to_string(result.decimated) + ", to " +
+                  significant(result.sample_rate_hz, 5) + " Hz.");
   if (result.method == signals::ModalMethod::realisation) {
     out.push_back("Free decays over " + std::to_string(result.lags) + " samples (" +
-                  significant(result.lags / result.sample_rate_hz, 3) + " s); orders up to " +
-                  std::to_string(result.largest_order) + "; scatter from " +
+                  significant(result.lags / result.sample_rate_hz, 3) + " s); model orders up to " +
+                  std::to_string(result.largest_order) + "; standard deviations from " +
                   std::to_string(result.replicates) +
                   " surrogates of the residuals of the decays.");
     return out;
@@ -197,9 +201,9 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                   " common to all set-ups, and the modes of all set-ups were identified together. "
                   "The spectrum shows the first set-up.");
   out.push_back("Covariances over " + std::to_string(result.lags) + " lags (" +
-                significant(result.lags / result.sample_rate_hz, 3) + " s), their scatter from " +
-                std::to_string(result.blocks) + " blocks of " +
-                significant(result.block_seconds, 3) + " s; orders up to " +
+                significant(result.lags / result.sample_rate_hz, 3) +
+                " s), their standard deviations from " + std::to_string(result.blocks) +
+                " blocks of " + significant(result.block_seconds, 3) + " s; model orders up to " +
                 std::to_string(result.largest_order) + ".");
   if (result.chosen_by_hand)
     out.emplace_back("The modes are the poles that the case lists, chosen by hand.");
@@ -210,13 +214,14 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
   std::vector<std::string> out;
   if (result.modes.empty())
     out.emplace_back(
-        "No mode was found in the band: no pole is stable over orders. Check the spectra, widen "
-        "the band, or record for longer.");
+        "No mode was found in the band: no pole is stable over model orders. Check the spectra, "
+        "widen the band, or use a longer record.");
   if (const int n = result.remarks.narrow; n > 0)
     out.push_back(
         std::to_string(n) + (n == 1 ? " mode is" : " modes are") +
         " narrower than the frequency spacing: the damping then depends on the fit alone and is "
-        "valid only if no window has smeared the responses.");
+        "valid only if no window function has broadened the peaks of the frequency response "
+        "functions.");
   if (const int n = result.remarks.moved; n > 0)
     out.push_back("The final fit of all modes moved " + std::to_string(n) +
                   (n == 1 ? " mode" : " modes") + " away from " + (n == 1 ? "its" : "their") +
@@ -234,22 +239,22 @@ std::vector<std::string> warnings(const signals::ModalResult& result) {
                   (n == 1 ? " mode: its" : " modes: their") +
                   " standard deviations are less accurate. Use a longer record.");
   if (result.remarks.order_cut > 0)
-    out.push_back("Orders stop at " + std::to_string(result.largest_order) + ", not at " +
+    out.push_back("Model orders stop at " + std::to_string(result.largest_order) + ", not at " +
                   std::to_string(result.remarks.order_cut) +
                   (result.method == signals::ModalMethod::polyreference
-                       ? ": there are too few frequencies for higher orders."
-                       : ": the record is too short for the lags of higher orders."));
+                       ? ": there are too few frequencies for higher model orders."
+                       : ": the record is too short for the lags of higher model orders."));
   if (result.method != signals::ModalMethod::subspace) return out;
   if (result.blocks <= 2 * static_cast<int>(result.modes.size()))
     out.push_back("There are " + std::to_string(result.blocks) + " blocks for " +
                   std::to_string(2 * result.modes.size()) +
                   " frequencies and damping ratios: their joint covariance is singular, but the "
-                  "single standard deviations are valid.");
+                  "individual standard deviations are valid.");
   if (result.references.size() == 1 && result.modes.size() > 1)
     out.emplace_back(
         "There is only one reference sensor: modes with little motion at this sensor are missing, "
         "and two "
-        "modes of one frequency appear as one.");
+        "modes with the same frequency appear as one mode.");
   return out;
 }
 

@@ -52,7 +52,7 @@ class Speaker {
 
   std::string operator()(const remark::ImpossibleLikelihoods& r) const {
     return "The likelihood was NaN or infinite at " + grouped(r.places) + " of " +
-           grouped(r.evaluated) + " points: Wheeltap treats these points as impossible.";
+           grouped(r.evaluated) + " points: Wheeltap assigns zero likelihood to these points.";
   }
   std::string operator()(const remark::EvidenceFailed& r) const {
     const bool failed = r.why.kind == inference::EvidenceWarning::Kind::failed;
@@ -267,16 +267,17 @@ class Speaker {
     std::vector<std::string> list;
     for (const auto& channel : r.channels) {
       list.push_back("\"" + channel.name + "\" by " + decibel(channel.difference_db) +
-                     " (scatter alone gives " + decibel(channel.scatter_db) + ")");
+                     " (random variability alone gives " + decibel(channel.scatter_db) + ")");
     }
     return "The window differs from the rest of the record in the spectra of " + in_words(list) +
            ". The results are valid for the window only; try another window or a longer window.";
   }
   std::string operator()(const remark::LinearExcitation& r) const {
     return "Wheeltap interpolates the excitation \"" + r.channel +
-           "\" linearly between its samples; after an anti-alias filter this loses " +
+           "\" linearly between its samples. If an anti-alias filter was used, the interpolation "
+           "loses " +
            fixed(100.0 * r.loss, 0) +
-           " % of its amplitude. In that case set \"between_samples\": \"band-limited\" in the "
+           " % of the amplitude. In that case set \"between_samples\": \"band-limited\" in the "
            "record.";
   }
   std::string operator()(const remark::UnknownUnits& r) const {
@@ -318,13 +319,14 @@ class Speaker {
     return "Under \"" + r.model +
            "\" time steps a quarter as long change the best draw's response by " +
            significant(r.error, 2) +
-           " of the noise (root of the sum of squares): the steps alone may shift parameters by "
-           "up to " +
+           " times the noise (root of the sum of squares): the time steps alone may shift "
+           "parameters "
+           "by up to " +
            significant(r.error, 2) + " standard deviations. " +
            (r.fixed ? "Remove \"integration\" from the case, and Wheeltap repeats the run with "
-                      "better steps; or lower its \"step_limit\"."
-                    : "Wheeltap repeats a complete run with better steps, at most twice; for more, "
-                      "lower \"step_limit\" (\"integration\").");
+                      "better time steps; or lower its \"step_limit\"."
+                    : "Wheeltap repeats a complete run with better time steps, at most twice. For "
+                      "shorter time steps, lower \"step_limit\" (\"integration\").");
   }
   std::string operator()(const remark::MeansDoNotGoTogether& r) const {
     std::string errors;
@@ -334,9 +336,10 @@ class Speaker {
                 significant(100.0 * channel.of_best, 3) + " %";
     }
     return "Under \"" + r.model +
-           "\" the means of the parameters do not fit the record: the response for the means "
-           "differs from the record by more than the response of the best draw (" +
-           errors + "). Use draws, or \"best_draw\" in summary.json, not the means.";
+           "\" the mean values of the parameters do not fit the record: the response computed "
+           "with the mean values differs from the record by more than the response of the best "
+           "draw (" +
+           errors + "). Use draws, or \"best_draw\" in summary.json, not the mean values.";
   }
   std::string operator()(const remark::NoiseMisstated& r) const {
     std::string off;
@@ -381,15 +384,15 @@ class Speaker {
     };
     return "Under \"" + r.model + "\" the gap of " + r.law + " (" +
            (r.opening ? "opening" : "closing") + ") between " + end(r.a) + " and " + end(r.b) +
-           " does not close in this record: the motion to that side is at most " +
-           significant(r.reach, 3) + " m, too little in " + percent(r.share) +
+           " does not close in this record: the motion towards the stop is at most " +
+           significant(r.reach, 3) + " m, less than the gap in " + percent(r.share) +
            " of the draws. The data have no other information about " + r.law + ".";
   }
   std::string operator()(const remark::ScatterBetweenWindows& r) const { return sentence(r); }
   std::string operator()(const remark::WindowsUnsound& r) const { return sentence(r); }
   std::string operator()(const remark::ChangesTakenForExact& r) const {
-    return "The model's frequencies are off by about " + percent(r.discrepancy) +
-           " in every state, but the likelihood assumes that it predicts their changes exactly: "
+    return "The frequencies of the model are wrong by about " + percent(r.discrepancy) +
+           " in every state, but the likelihood assumes that the model predicts changes exactly: "
            "the credible intervals of location and severity of the damage are too narrow. To "
            "include this error, "
            "set \"stiffness\": {\"log_uniform\": [0.01, 0.5]} in \"discrepancy\" (for matrices "

@@ -26,7 +26,8 @@ std::string sentence(const remark::WindowsUnsound& r) {
   }
   if (!r.rough.empty()) {
     text += std::string(r.failed > 0 ? ", and " : "") +
-            "the likelihood of single windows is far from " + "normal along " + in_words(r.rough);
+            "the likelihood of single windows is far from " + "normal as a function of " +
+            in_words(r.rough);
   }
   return text + ": the intervals between windows are inaccurate. Use fewer, longer windows.";
 }

@@ -143,11 +143,13 @@ std::vector<std::string> misfit_sentences(const UpdateFindings& findings) {
     for (const ModeFinding& m : findings.modes)
       if (m.is_off()) modes.push_back(one_mode(m));
     out.push_back(
-        "No values of these parameters explain the measured modes within their stated scatter (" +
+        "No values of these parameters explain the measured modes within their stated standard "
+        "deviations (" +
         (fit.p < kMisfit ? "predictive " + p_value(fit.p)
                          : "even the best draw has " + p_value(fit.best_p)) +
         ")" + (modes.empty() ? "." : ": " + in_words(modes) + ".") +
-        " Check scatter, units, sensors and directions; then the model. To infer its error, add "
+        " Check standard deviations, units, sensors and directions; then the model. To infer the "
+        "model error, add "
         "\"discrepancy\": {\"cov\": {\"log_uniform\": [1e-3, 0.3]}}" +
         (may_be_spurious(findings) ? "; to allow for spurious modes, add \"doubt\": 0.05." : "."));
   }
@@ -191,7 +193,7 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
                        std::to_string(findings.untouched.size()) + " of " +
                        std::to_string(findings.contractions.size()) +
                        " directions in the parameter space (each parameter in units of its "
-                       "prior's sd; contracted by less than " +
+                       "prior's sd; variance reduced by less than " +
                        percent(kUntouched) + ")";
     if (!directions.empty()) {
       const std::size_t shown = std::min(directions.size(), kMostNamed);
@@ -245,7 +247,7 @@ std::vector<std::string> update_warnings(const UpdateFindings& findings) {
     if (std::string one = matched_in_words(m); !one.empty()) elsewhere.push_back(std::move(one));
   if (!elsewhere.empty())
     out.push_back("By shape and frequency, " + in_words(elsewhere) +
-                  ": data and model have different mode orders.");
+                  ": data and model have their modes in different orders.");
   for (const PredictedMode& p : findings.predictions)
     if (p.useless())
       out.push_back("The predicted band of mode " + std::to_string(p.mode) + ", " +

@@ -10,7 +10,7 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Calls visit(i, link, stiffness, threshold, side) for every law that is a spring beyond a
+/// Calls visit(i, link, stiffness, threshold, side) for every force law that is a spring beyond a
 /// threshold, i = 0, 1, ….
 template <class Visitor>
 WHEELTAP_INLINE void for_each_threshold(const Task& task, Visitor visit) {
@@ -34,8 +34,8 @@ struct AnyLaw {};
 /// the tensions on a mass. friction.hpp adds exact friction.
 ///
 /// N is the number of masses, or 0 if task.masses gives it. kSerial is true if link i joins masses
-/// i and i + 1. OnlyLaw is the type of all laws of the chain. The code then selects no law at run
-/// time.
+/// i and i + 1. If all force laws of the chain have the same type, OnlyLaw is this type, and the
+/// code selects no force law at run time. Otherwise OnlyLaw is AnyLaw.
 template <int N, bool kSerial, class OnlyLaw>
 class EquationOfMotion {
  public:
@@ -82,7 +82,7 @@ class EquationOfMotion {
   }
 
   /// Computes the sum of the tensions on every mass, and the rates of the internal states of the
-  /// laws.
+  /// force laws.
   WHEELTAP_INLINE void forces(const V* y, const V* v, const V* q, V* pull, V* q_rate) const {
     const int n = masses();
     pull[0] = V{};

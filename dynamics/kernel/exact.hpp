@@ -5,14 +5,14 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// The exact solution of a linear chain. With the state x = (z, h ż) and inputs u linear over a
-/// step,
+/// The exact solution of a linear chain. With the state x = (z, h ż) and inputs u that are linear
+/// within a time step h,
 ///
 ///   x⁺ = Φ x + Γ₀ u + Γ₁ u⁺,  Φ = e^A, Γ₁ = φ₂(A) B, Γ₀ = φ₁(A) B - Γ₁,
 ///   A = [0 1; -h² M⁻¹K  -h M⁻¹C],  φ₁(A) = Σ Aᵏ/(k+1)!,  φ₂(A) = Σ Aᵏ/(k+2)!
 ///
-/// (first-order hold; Van Loan 1978 gives the integrals). The loop propagates w = x - Γ₁ u by w⁺ =
-/// Φ w + (Φ Γ₁ + Γ₀) u, which needs only one product with u per step.
+/// (first-order hold; Van Loan 1978 gives the integrals). The loop computes w = x - Γ₁ u by the
+/// recursion w⁺ = Φ w + (Φ Γ₁ + Γ₀) u, which needs only one product with u per time step.
 template <int N>
 class Exact {
  public:
@@ -57,8 +57,8 @@ class Exact {
     return block;
   }
 
-  /// Assembles the lower halves of A and B, in units of the step. A law whose bit is set in
-  /// `regime` enters as a spring T = k e - side · k · threshold.
+  /// Assembles the lower halves of A and B, with the time step as unit of time. A force law whose
+  /// bit is set in `regime` enters as a spring T = k e - side · k · threshold.
   void assemble(unsigned regime) {
     const int m = masses(), n = order();
     const double h = task_.step, h2 = h * h;
@@ -102,8 +102,8 @@ class Exact {
     }
   }
 
-  /// Computes y = factor · A x for matrices x and y of n × columns. The upper half of A only moves
-  /// rows up.
+  /// Computes y = factor · A x for matrices x and y of n × columns. Multiplication by the upper
+  /// half of A only copies the lower rows of x.
   void multiply_a(double factor, const V* x, V* y, int columns) const {
     const int m = masses(), n = order();
     for (int i = 0; i < m; ++i)

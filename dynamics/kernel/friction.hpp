@@ -23,7 +23,8 @@ namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 /// definite. The solver repeatedly changes the state of the first link that violates its condition,
 /// until all links satisfy their conditions. Least-index pivoting ends after finitely many changes
 /// (Murty 1974; for bounds on both sides Júdice & Pires 1992). In a closed loop of sticking links,
-/// G is singular and the tensions are not unique. The first links then carry the force.
+/// G is singular and the tensions are not unique. The links with the lowest numbers then carry the
+/// force.
 ///
 /// Links between the same two masses stick and slip together. The result of a lane does not depend
 /// on the other lanes.
@@ -60,8 +61,8 @@ class Friction {
   }
 
   [[nodiscard]] WHEELTAP_INLINE int size() const { return size_; }
-  /// Returns the state of link f in each lane: 1 for slip in opening, -1 for slip in closing, 0 for
-  /// stick.
+  /// Returns the state of link f in each lane: 1 if the link slips and opens, -1 if it slips and
+  /// closes, 0 if it sticks.
   [[nodiscard]] WHEELTAP_INLINE V state(int f) const { return state_[f]; }
   [[nodiscard]] WHEELTAP_INLINE V force(int f) const { return force_[f]; }
   /// Returns the change of ë of link f per unit of its tension.

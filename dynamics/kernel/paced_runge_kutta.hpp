@@ -1,5 +1,5 @@
-// Classical Runge-Kutta scheme with adaptive steps. Part of kernel_impl.hpp, which describes the
-// compilation.
+// Classical Runge-Kutta scheme with adaptive time steps. Part of kernel_impl.hpp, which describes
+// the compilation.
 #pragma once
 
 #include "dynamics/kernel/equation_of_motion.hpp"
@@ -7,11 +7,11 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// The scheme of RungeKutta for chains with laws whose rate grows with the speed of the link
-/// (LawInfo::paced). No constant step is suitable both near rest and in fast motion. Let s be the
-/// sum over the links of (rate per unit of speed) · |ė|. Let s' be the sum over the links of (rate
-/// per unit of speed) · (|ë| + largest change of the drive within a step). A step τ is at most the
-/// step of task.substeps and satisfies
+/// The scheme of RungeKutta for chains with force laws whose rate grows with the speed of the link
+/// (LawInfo::paced). No constant time step is suitable both near rest and in fast motion. Let s be
+/// the sum over the links of (rate per unit of speed) · |ė|. Let s' be the sum over the links of
+/// (rate per unit of speed) · (|ë| + largest change of the drive within a step). A time step τ is
+/// at most the time step of task.substeps and satisfies
 ///
 ///   s τ + s' τ² / 2 <= task.pace        by       τ = pace / (s + √(pace s')).
 ///
@@ -85,7 +85,7 @@ class PacedRungeKutta {
   static constexpr int kMostEvents = 64;
   static constexpr int kMostTrials = 80;
   static constexpr double kTimeCloseness = 1e-12;
-  static constexpr double kAtTurn = 1e-3;  // share of a step
+  static constexpr double kAtTurn = 1e-3;  // fraction of a time step
 
   struct State {
     V y[M], v[M], q[kMaxMemories];
@@ -221,9 +221,9 @@ class PacedRungeKutta {
       end.q[m] = x.q[m] + sixth * (k1.q[m] + k4.q[m] + 2.0 * (k2.q[m] + k3.q[m]));
   }
 
-  /// Shortens the step so that it ends at the time at which a link with hysteresis reverses or its
-  /// internal state changes sign. At this time, the rate of the law is not smooth. Returns true if
-  /// the step of any lane was shortened.
+  /// Shortens the time step so that it ends when the rate of extension of a link with hysteresis,
+  /// or the internal state of a force law, changes sign. The rate of the internal state is not
+  /// smooth then. Returns true if the step of any lane was shortened.
   [[gnu::noinline]] bool stop_at_turn(const State& x, const Rates& k1, V left, V& part,
                                       const State& end) const {
     const V h = part * task_.step;
@@ -338,8 +338,8 @@ class PacedRungeKutta {
   /// Returns the length of the next step, in sample intervals.
   WHEELTAP_INLINE V pace(const State& x, const Rates& k, const V* now, const V* next, V longest,
                          Watch& watch) const {
-    // If the force of a law keeps the link at rest against the drive, ė and ë do not limit the
-    // step. The change of the drive limits the step instead.
+    // If a force law keeps the link at rest against the drive, ė and ë do not limit the time step.
+    // The change of the drive limits the time step instead.
     const auto coming = [&](int mass) __attribute__((always_inline)) {
       return mass == 0 ? V{} : next[mass] - now[mass];
     };

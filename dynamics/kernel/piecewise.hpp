@@ -1,5 +1,5 @@
-// Exact solution between the switching times of laws. Part of kernel_impl.hpp, which describes the
-// compilation.
+// Exact solution between the switching times of force laws. Part of kernel_impl.hpp, which
+// describes the compilation.
 #pragma once
 
 #include "dynamics/kernel/exact.hpp"
@@ -7,12 +7,12 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// Integrates chains whose laws are all springs beyond a threshold. These chains are linear between
-/// switches. For a sample interval without a switch, the exact solution of the current regime is
-/// used; for an interval with a switch, Taylor series. A switch is detected by the sign of e -
-/// threshold at the end of the interval, or if the tangents of e - threshold at both ends cross
-/// zero. If the sample interval is long relative to the shortest period, series are used for all
-/// samples.
+/// Integrates chains whose force laws are all springs beyond a threshold. A chain with such springs
+/// is linear between two switches. For a sample interval without a switch, the exact solution of
+/// the current regime is used; for an interval with a switch, Taylor series. A switch is detected
+/// by the sign of e - threshold at the end of the interval, or if the tangents of e - threshold at
+/// both ends cross zero. If the sample interval is long relative to the shortest period, series are
+/// used for all samples.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:
@@ -83,7 +83,7 @@ class Piecewise : private Exact<N> {
   [[nodiscard]] WHEELTAP_INLINE int order() const { return 2 * this->masses(); }
   [[nodiscard]] WHEELTAP_INLINE const Task& task() const { return this->task_; }
 
-  /// Computes side · e - threshold, and the increase of this value in a step.
+  /// Computes side · e - threshold, and the increase of this value in a time step.
   WHEELTAP_INLINE V level(const Threshold& t, const V* x) const {
     return t.side * (end(t.b, x) - end(t.a, x)) - t.threshold;
   }

@@ -5,8 +5,8 @@
 
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
-/// The classical fourth-order scheme with task.substeps equal steps per sample, for laws without
-/// memory,
+/// The classical fourth-order scheme with task.substeps equal time steps per sample, for force laws
+/// without memory,
 ///
 ///   0   |
 ///   1/2 | 1/2
@@ -71,8 +71,9 @@ class RungeKutta {
   using Motion = EquationOfMotion<N, kSerial, OnlyLaw>;
   static constexpr int M = Motion::M;
 
-  /// Advances the state from one sample to the next, with linear drives between the samples. Passes
-  /// the accelerations at the first sample to `seen`, and stops if `seen` returns true.
+  /// Advances the state from one sample to the next, with drives that are linear between the
+  /// samples. Passes the accelerations at the first sample to `seen`, and stops if `seen` returns
+  /// true.
   template <class Seen>
   WHEELTAP_INLINE void advance(V* y, V* v, const V* drive_now, const V* drive_next,
                                Seen seen) const {

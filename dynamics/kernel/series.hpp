@@ -1,5 +1,5 @@
-// Taylor series between the switching times of laws. Part of kernel_impl.hpp, which describes the
-// compilation.
+// Taylor series between the switching times of force laws. Part of kernel_impl.hpp, which describes
+// the compilation.
 #pragma once
 
 #include "dynamics/kernel/equation_of_motion.hpp"
@@ -8,10 +8,10 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// Integrates chains by Taylor series in time, for springs whose tension is a polynomial or is
-/// linear beyond a threshold. The solution between two samples is analytic except where a law
-/// switches. Each sample interval is divided into segments with one series each. A segment ends at
-/// its full length, or at the time at which the first law reaches its threshold. A step across a
-/// switch would have an error of second order in the step length. This error would depend on the
+/// linear beyond a threshold. The solution between two samples is analytic except where a force law
+/// switches. Each sample interval is divided into segments with one series each. A segment ends
+/// after its full length, or earlier when the first force law reaches its threshold. A step across
+/// a switch would have an error of second order in the step length. This error would depend on the
 /// position of the switch and make the likelihood discontinuous. Exact friction adds events: a
 /// slipping link comes to rest, or the tension of a sticking link exceeds the slip force.
 template <int N, bool kSerial>
@@ -103,10 +103,10 @@ class Series {
   };
   [[nodiscard]] WHEELTAP_INLINE int switches() const { return switches_; }
   [[nodiscard]] WHEELTAP_INLINE const Threshold& threshold(int i) const { return thresholds_[i]; }
-  /// Returns 1 in the lanes in which law i is active, else -1.
+  /// Returns 1 in the lanes in which force law i is active, else -1.
   [[nodiscard]] WHEELTAP_INLINE V sign(int i) const { return sign_[i]; }
 
-  /// Sets the regime of all laws for the displacements y.
+  /// Sets the regime of all force laws for the displacements y.
   WHEELTAP_INLINE void start(const V* y) {
     for (int i = 0; i < switches_; ++i)
       sign_[i] = reach(thresholds_[i], y) > 0.0 ? V{} + 1.0 : V{} - 1.0;
@@ -195,8 +195,8 @@ class Series {
   }
 
  private:
-  /// Largest number of switches per sample interval. After this number of switches, a law that
-  /// switches back and forth at its threshold keeps its state.
+  /// Largest number of switches per sample interval. After this number of switches, a force law
+  /// that switches repeatedly at its threshold keeps its state.
   static constexpr int kMostSwitches = 32;
   static constexpr int kMaxPower = 3;
   /// Tolerance of switching times for springs and for friction. The tension of a spring is
@@ -355,9 +355,10 @@ class Series {
     }
   }
 
-  /// Returns the first time in [0, length] at which law i switches, that is at which sign · (side ·
-  /// e - threshold) becomes negative. Returns 2 if the law does not switch. If the law has just
-  /// switched, the polynomial has a root at the start; this root is divided out of the polynomial.
+  /// Returns the first time in [0, length] at which force law i switches, that is at which sign ·
+  /// (side · e - threshold) becomes negative. Returns 2 if the force law does not switch. If the
+  /// force law has just switched, the polynomial has a root at the start; this root is divided out
+  /// of the polynomial.
   WHEELTAP_INLINE V first_root(int i, V fresh, const V terms[][M], V length) const {
     const Threshold& t = thresholds_[i];
     const int degree = task_.degree;

@@ -42,8 +42,8 @@ class Output {
   }
 
   [[nodiscard]] WHEELTAP_INLINE bool limited() const { return task_.weights != nullptr; }
-  /// Returns 1 in lanes whose sums of squares exceed the limit. These lanes can stop, because sums
-  /// of squares can only increase.
+  /// Returns 1 in lanes whose sums of squares exceed the limit. The integration of such a lane can
+  /// stop, because sums of squares can only increase.
   WHEELTAP_INLINE V over_limit() const {
     V total{};
     for (int i = 0; i < task_.sensors; ++i)
@@ -71,18 +71,18 @@ class Watch {
   }
 
   /// Checks a component of the state; the caller must call this function for the whole state at the
-  /// last sample, including the internal states of laws.
+  /// last sample, including the internal states of force laws.
   WHEELTAP_INLINE void check_last(V x) {
     outside_ = lanes::max(outside_, outside(x, std::numeric_limits<double>::max()));
   }
 
-  /// Marks lanes with a step for which the scheme is unstable. If a marked lane fails, the reported
-  /// reason is kStepsTooLong.
+  /// Marks lanes with a time step for which the scheme is unstable. If a marked lane fails, the
+  /// reported reason is kStepsTooLong.
   WHEELTAP_INLINE void mark_long_steps(V too_long) {
     long_steps_ = lanes::max(long_steps_, too_long);
   }
-  /// Marks the lanes of `stopped`, which need more steps than allowed, as failed. In the lanes of
-  /// `fast`, no step would be short enough.
+  /// Marks the lanes of `stopped`, which need more time steps than allowed, as failed. In the lanes
+  /// of `fast`, no time step would be short enough.
   WHEELTAP_INLINE void out_of_steps(V stopped, V fast) {
     mark_long_steps(fast > 0.0 ? V{} : stopped);
     outside_ = lanes::max(outside_, stopped);

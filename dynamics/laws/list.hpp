@@ -4,9 +4,9 @@
 // A force law T(e, ė) is a struct with
 //   kInfo                    name in a case file; coefficients with units, roles and bounds
 //   tension(c, e, ė)         tension [N] for coefficients c[i], over any vector type V
-//   slopes(c, e_max)         steepest slopes, for the choice of the step
+//   slopes(c, e_max)         largest slopes, for the choice of the time step
 // and, if they apply,
-//   feasible(c)              true if coefficients, each within its bounds, make sense together
+//   feasible(c)              true if coefficients, each within its bounds, are feasible together
 //   kPower                   power of the extension: T = c[0] e², c[0] e³
 //   threshold(c)             spring beyond a threshold: T_open = c[0] max(0, e - threshold)
 //   friction(c)              dry friction: the force at which the link slips

@@ -13,9 +13,9 @@
 
 namespace wheeltap::fem {
 
-/// The motion w(x) or θ(x) at one location as a linear combination of four neighbouring degrees of
-/// freedom: coefficients · u[first_dof .. first_dof + 4). At a node, only one coefficient is not
-/// zero.
+/// The deflection w(x) or rotation θ(x) at one location as a linear combination of four
+/// neighbouring degrees of freedom: coefficients · u[first_dof .. first_dof + 4). At a node, only
+/// one coefficient is not zero.
 template <class Real>
 struct MotionRow {
   int first_dof;
@@ -29,9 +29,9 @@ template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
-/// Computes the remaining stiffness Π (1 - r) of each element under the damages. The computation
-/// uses the product, because 1 minus the lost share has no correct digits if little stiffness
-/// remains.
+/// Computes the remaining stiffness Π (1 - r) of each element for the given stiffness reductions r.
+/// The computation uses the product, because 1 minus the lost share has no correct digits if little
+/// stiffness remains.
 template <class Real>
 [[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
                                                                          const Defects& defects);

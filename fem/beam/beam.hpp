@@ -25,8 +25,8 @@ struct Section {
   double shear_coefficient;  ///< κ [-]: the shear stiffness is κ G A
 };
 
-/// A support at the location `at`. The support restrains the selected motions rigidly, or by a
-/// spring if `stiffness` is set.
+/// A support at the location `at`. The support restrains deflection, rotation or both: rigidly, or
+/// by a spring if `stiffness` is set.
 struct Support {
   double at;                        ///< location [m], anywhere in [0, length], also between nodes
   bool deflection = true;           ///< true: restrains the deflection w
@@ -63,7 +63,7 @@ struct Beam {
 /// distinguish a defect from its mirror image.
 [[nodiscard]] bool is_mirror_symmetric(const Beam& beam);
 
-/// Checks a beam. Throws std::invalid_argument for the first member that is out of range; the
+/// Checks a beam. Throws std::invalid_argument for the first value that is out of range; the
 /// message gives the value and the allowed range.
 void validate(const Beam& beam);
 

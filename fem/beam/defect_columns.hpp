@@ -1,5 +1,5 @@
-// Representation of damages and added supports as columns of the secular problem. Internal to the
-// reanalysis.
+// Representation of stiffness reductions and added supports as columns of the secular problem.
+// Internal to the reanalysis.
 #pragma once
 
 #include <span>
@@ -12,9 +12,10 @@
 
 namespace wheeltap::fem::detail {
 
-/// A damaged element changes K by -Γ c cᵀ for each of the two strains c of the element, with Γ = 1
-/// - Π (1 - r). A support changes K by + k c cᵀ, that is Γ = -k, where c is the restrained motion.
-/// With all Γ in one diagonal matrix, the eigenvalues of the damaged beam solve
+/// A damaged element changes K by -Γ c cᵀ for each of the two strains c of the element, where Γ is
+/// 1 - Π (1 - r). A support changes K by + k c cᵀ, that is Γ = -k, where c is the row of the
+/// restrained deflection or rotation. With all Γ in one diagonal matrix, the eigenvalues of the
+/// damaged beam solve
 ///
 ///   det [Γ⁻¹ - Cᵀ (K - λ M)⁻¹ C] = 0.
 ///
@@ -24,10 +25,10 @@ namespace wheeltap::fem::detail {
 ///   L_s L_sᵀ = 1/k + Σ_j c_j c_jᵀ / s_j (supports),   W = Σ_j c_j (L_s⁻¹ c_j)ᵀ / s_j,
 ///   Rᵀ R = q / (1 - q) + Q Qᵀ + W Wᵀ (damages),   q = Π (1 - r),
 ///
-/// where Q are the self-stresses (`self_stresses`). With added supports, s_j > λ_j for soft modes.
-/// The sum Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) over these modes is added to Rᵀ R. Every term of Rᵀ R is a
-/// square, and Givens rotations assemble R row by row. R is therefore accurate even if almost no
-/// stiffness remains. `Secular` receives the columns L⁻¹ C.
+/// where Q are the self-stresses (`self_stresses`). With added supports, s_j > λ_j for soft modes,
+/// which only deform the springs. The sum Σ_j c_j c_jᵀ (1/λ_j - 1/s_j) over these modes is added to
+/// Rᵀ R. Every term of Rᵀ R is a square, and Givens rotations assemble R row by row. R is therefore
+/// accurate even if almost no stiffness remains. `Secular` receives the columns L⁻¹ C.
 class DefectColumns {
  public:
   /// Computes the columns of these defects. Throws std::invalid_argument for defects outside the
@@ -77,7 +78,7 @@ class DefectColumns {
   void rotate_in(double* row);
 
   std::vector<Element>
-      elements_;  // ascending elements, so that the order of the damages does not change the result
+      elements_;  // ascending elements, so that the order of reductions does not change results
   std::vector<int> support_column_;
   std::vector<double> columns_;        // count × stride
   std::vector<double> inverse_gamma_;  // 1/lost, -1/k, or 0 for a rigid support

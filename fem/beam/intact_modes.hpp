@@ -27,8 +27,8 @@ struct IntactModes {
   std::vector<double> dof_rows;      // 2 nodes × stride: φ_j at each degree of freedom
   int self_stresses = 0;             // number of self-stress states
   std::vector<double> stress_rows;   // 2 elements × self_stresses
-  std::vector<Window> windows;       // one window each for no, few, and any number of added
-                                     // supports
+  std::vector<Window> windows;       // three windows: for no added support, for few, and for any
+                                     // number of them
 
   /// Throws the same exceptions as `Reanalysis`.
   IntactModes(const Beam& intact_beam, int wanted_modes);

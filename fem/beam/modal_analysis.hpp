@@ -23,7 +23,7 @@ struct Modes {
   /// Then no mode is missing, and the relative error of each frequency is at most 5e-13 plus the
   /// rounding to double. This bound does not include the discretisation error of the mesh.
   bool certified = false;
-  std::string solver;  ///< "spectra", "dense" or "bisection", with the reason
+  std::string solver;  ///< "spectra", "dense" or "bisection", with the reason for the choice
 };
 
 struct ModalOptions {

@@ -23,10 +23,10 @@ namespace wheeltap::fem {
 ///
 /// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
 /// `error_bound` bounds the rounding. The only truncation error, 1e-17, is that of a Chebyshev
-/// series for the modes far above the requested modes. From a first-order start, a root needs 1.8
-/// (one damage) to 2.4 (six damages) evaluations of S on average. A start from the root of a
-/// previous call, for example in a Markov chain, would save little time. The results would then
-/// depend on earlier calls.
+/// series for the modes far above the requested modes. From a first-order start, a root needs on
+/// average 1.8 evaluations of S for one damaged element, and 2.4 for six damaged elements. A start
+/// from the root of a previous call, for example in a Markov chain, would save little time, and the
+/// results would depend on earlier calls.
 ///
 /// The object is immutable after construction. Any number of threads may share the object, each
 /// thread with its own workspace.
@@ -85,9 +85,10 @@ class Reanalysis {
   /// the location of this spring. q = Π (1 - r) is the remaining stiffness of the most damaged
   /// element, and λ_1 the lowest elastic eigenvalue of the intact beam. The last term is relevant
   /// only in two cases. In the first, added supports restrain a free beam, and the compliances of
-  /// hinges and soft springs cancel those of the supports. In the second, the mesh has few more
-  /// modes than damaged strains. The form of the bound follows from rounding analysis. Its factors
-  /// are chosen such that the bound holds for 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// hinges and soft springs cancel those of the supports. In the second, the number of modes of
+  /// the mesh is only slightly larger than the number of strains in damaged elements. The form of
+  /// the bound follows from rounding analysis. Its factors are chosen such that the bound holds for
+  /// 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
@@ -124,8 +125,9 @@ class Reanalysis {
   /// the location of the damage, and ∂f/∂x is zero almost everywhere. The slope is therefore taken
   /// between the midpoints of the two neighbouring elements. At an end of the beam, the slope is
   /// taken between the element and its only neighbour. The slope is 0 for a beam of one element. A
-  /// support acts at a point. The slope for a support is the difference quotient over ± 10⁻³ of an
-  /// element, limited to the beam. Throws the exceptions of `solve`.
+  /// support acts at a point. The slope for a support is the difference quotient over ± 10⁻³
+  /// element lengths about the support, without points outside the beam. Throws the exceptions of
+  /// `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;
 

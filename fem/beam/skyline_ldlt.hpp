@@ -73,9 +73,9 @@ class SkylineLdlt {
     return negative;
   }
 
-  /// False if σ is nearly an eigenvalue of a leading block. The rounding errors of the tiny pivot
-  /// then dominate the rows below this pivot, and the eigenvalue count and the solutions are
-  /// unreliable. The caller should retry with a slightly different σ.
+  /// False if σ is nearly an eigenvalue of a leading principal submatrix. The rounding errors of
+  /// the tiny pivot then dominate the rows below this pivot, and the eigenvalue count and the
+  /// solutions are unreliable. The caller should retry with a slightly different σ.
   [[nodiscard]] bool stable() const { return growth_ < Real{kLargestGrowth}; }
 
   /// Replaces x by (K - σ M)⁻¹ x, with the last factorisation.

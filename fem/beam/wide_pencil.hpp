@@ -33,7 +33,7 @@ class WidePencil {
   [[nodiscard]] const Assembly<Real>& assembly() const { return assembly_; }
 
   /// Returns the number of eigenvalues below σ. Returns std::nullopt if the factorisation is
-  /// unstable, for example because σ is nearly an eigenvalue of a leading block.
+  /// unstable, for example because σ is nearly an eigenvalue of a leading principal submatrix.
   [[nodiscard]] std::optional<int> count_below(Real sigma);
 
   /// True if eigenvalue `index` (from 0, ascending) lies in λ (1 ± error): at most `index`

@@ -1,7 +1,7 @@
 // Outlines of cross-sections: polygons with holes, one region per material.
 //
 //        z ^
-// | y is along the width, z along the height. The beam's axis x points to the reader,
+//          |     y is along the width, z along the depth. The beam's axis x points to the reader,
 //          +--> y   so that x, y, z are right-handed (y × z = x).
 #pragma once
 

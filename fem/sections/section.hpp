@@ -20,7 +20,7 @@ namespace wheeltap::fem {
 
 struct Rectangle {
   double width, height;
-};  ///< bending about the width [m]
+};  ///< [m]; the bending axis is parallel to the width
 struct Circle {
   double diameter;
 };  ///< [m]
@@ -32,11 +32,11 @@ struct ISection {
 };  ///< [m]
 struct Box {
   double height, width, flange_thickness, web_thickness;
-};  ///< outer sizes [m]
+};  ///< outer dimensions [m]
 
 /// Computes area A, second moment I and Cowper's shear coefficient κ of the shape. Throws
-/// std::invalid_argument for sizes that are not positive, or for inner sizes that do not fit into
-/// the outer sizes.
+/// std::invalid_argument for dimensions that are not positive, or for inner dimensions that do not
+/// fit into the outer dimensions.
 [[nodiscard]] Section section(const Rectangle& shape, double poisson);
 [[nodiscard]] Section section(const Circle& shape, double poisson);
 [[nodiscard]] Section section(const Tube& shape, double poisson);

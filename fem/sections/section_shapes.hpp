@@ -1,4 +1,4 @@
-// Cross-sections that are defined by their sizes, and formulas for their section properties.
+// Cross-sections that are defined by their dimensions, and formulas for their section properties.
 //
 // To add a shape, add a line to the list in section_shapes.cpp.
 #pragma once
@@ -13,18 +13,18 @@
 
 namespace wheeltap::fem {
 
-/// A cross-section with formulas for its properties. All functions take the sizes [m] in the order
-/// of `sizes`. The functions for the shear coefficient and the torsion constant are null for shapes
-/// without a formula; Wheeltap then computes these properties on a mesh of the outline.
+/// A cross-section with formulas for its properties. All functions take the dimensions [m] in the
+/// order of `sizes`. The functions for the shear coefficient and the torsion constant are null for
+/// shapes without a formula; Wheeltap then computes these properties on a mesh of the outline.
 struct SectionShape {
   std::string name;                ///< "rectangle"
-  std::vector<std::string> sizes;  ///< names of the sizes: "width", "height"
+  std::vector<std::string> sizes;  ///< names of the dimensions: "width", "height"
   /// Computes A, I_y = ∫z² dA and Cowper's κ_z. Throws std::invalid_argument like section().
   Section (*plane)(std::span<const double> sizes, double poisson);
   double (*second_moment_z)(std::span<const double> sizes);  ///< ∫y² [m⁴]
   double (*shear_coefficient_y)(std::span<const double> sizes, double poisson);
   double (*torsion_constant)(std::span<const double> sizes);  ///< Saint-Venant's J [m⁴]
-  double (*depth)(std::span<const double> sizes);             ///< size along z [m]
+  double (*depth)(std::span<const double> sizes);             ///< outer dimension along z [m]
   /// Computes the outline, with y along the width and the origin at the centre. Circles become
   /// polygons of equal area.
   Region (*outline)(std::span<const double> sizes);

@@ -46,8 +46,8 @@ struct Discretisation {
 
   std::vector<DofName> names;      ///< n
   std::vector<Strain> strains;     ///< the rows of B
-  Sparse rest;                     ///< K_rest, n × n: the part of K that is given as a matrix (or
-                                   ///< empty)
+  Sparse rest;                     ///< K_rest, n × n: the part of K that is given as a matrix; may
+                                   ///< be empty
   std::vector<Sparse> parts = {};  ///< summands of `rest`; empty if the summands are not
                                    ///< distinguished
   Sparse stiffness;                ///< K, n × n, both triangles
@@ -64,8 +64,8 @@ struct Discretisation {
   [[nodiscard]] double energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
   /// Computes Vᵀ K V from the strains of the columns of V.
   [[nodiscard]] Eigen::MatrixXd projected_stiffness(const Eigen::MatrixXd& basis) const;
-  /// Computes the energy without cancellation of terms inside each strain. Rounding errors of
-  /// `energy` are relative to this value.
+  /// Computes the energy with the absolute values of all terms of each strain, so that no terms
+  /// cancel. Rounding errors of `energy` are relative to this value.
   [[nodiscard]] double uncancelled_energy(const Eigen::Ref<const Eigen::VectorXd>& u) const;
 };
 

@@ -21,8 +21,8 @@ struct LumpedChain {
   std::vector<Link> links;
 };
 
-/// Checks a chain. Throws InvalidStructure; an invalid mass is a `masses` part, and an invalid link
-/// a `members` part.
+/// Checks a chain. Throws InvalidStructure, with the part `masses` for an invalid mass and
+/// `members` for an invalid link.
 void validate(const LumpedChain& chain);
 
 /// Discretises the chain; strain i belongs to link i. Throws the exceptions of `validate`.

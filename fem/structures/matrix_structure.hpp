@@ -9,8 +9,8 @@
 namespace wheeltap::fem {
 
 /// The matrices M and K = Σ (1 + α_j) K_j. M and all K_j are symmetric and have the same size. M is
-/// positive semidefinite. The motion of degrees of freedom without mass follows from the motion of
-/// the others by statics.
+/// positive semidefinite. The displacements of degrees of freedom without mass follow statically
+/// from those of the other degrees of freedom.
 struct MatrixStructure {
   using Sparse = Discretisation::Sparse;
   struct Part {
@@ -29,9 +29,9 @@ struct MatrixStructure {
 /// 1e-8 of its largest entry. Also throws InvalidStructure if α <= -1.
 void validate(const MatrixStructure& structure);
 
-/// Discretises the structure: K_rest is K, and its parts are the summands of K. Does not search for
-/// rigid-body motions; `structure_modes` reports a structure that can move without resistance as a
-/// mechanism. Throws the exceptions of `validate`.
+/// Discretises the structure: K_rest is K, and its parts are the summands of K. This function does
+/// not search for rigid-body motions; `structure_modes` reports a structure that can move without
+/// resistance as a mechanism. Throws the exceptions of `validate`.
 [[nodiscard]] Discretisation discretise(const MatrixStructure& structure);
 
 }  // namespace wheeltap::fem

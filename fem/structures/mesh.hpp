@@ -21,8 +21,8 @@ inline constexpr int kElementStrains = 6;
 [[nodiscard]] Flexure<double> flexure(const Member::Piece& piece, double length, bool along_z,
                                       bool rotary_inertia);
 
-/// A meshed structure. It provides the positions of the elements, and the motions of locations on
-/// the structure.
+/// A meshed structure. The mesh provides the positions of the elements, and the motions of
+/// locations on the structure.
 class Mesh {
  public:
   struct Element {

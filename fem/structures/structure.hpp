@@ -35,7 +35,7 @@ struct MemberSection {
   double shear_coefficient_z =
       kNoShear;  ///< κ_z [-]: shear stiffness κ_z G A along z; ∞: no shear deformation
   double shear_coefficient_y = kNoShear;  ///< κ_y [-], in space
-  double depth = 0.0;                     ///< outer size along z [m], for cracks; 0 if unknown
+  double depth = 0.0;                     ///< outer dimension along z [m], for cracks; 0 if unknown
 };
 
 struct Node {
@@ -144,7 +144,7 @@ class InvalidStructure : public std::invalid_argument {
 void validate(const Structure& structure);
 
 /// The axes of a member: the rows are the member's x, y, z axes in global coordinates. `length` is
-/// the distance between the ends of the member, without offsets [m].
+/// the distance between the ends of the member [m]; it excludes the rigid arms.
 struct MemberFrame {
   std::array<Vector3, 3> axes;
   double length;
@@ -159,7 +159,7 @@ struct MemberFrame {
 
 /// Converts a beam to the equivalent plane structure. The structure lies along x from 0, deflects
 /// along y, and has no motion along x. Its members extend between the supports of the beam and have
-/// the elements of the beam. `depth` is the height of the section, for cracks. Throws
+/// the elements of the beam. `depth` is the depth of the section, for cracks. Throws
 /// std::invalid_argument for supports between nodes of the beam's mesh.
 [[nodiscard]] Structure as_structure(const Beam& beam, double depth = 0.0);
 

@@ -35,8 +35,8 @@ struct StructureDrawing {
 };
 
 /// The matrices and the drawing of a structure. A structure that is given as matrices has degrees
-/// of freedom with names but without positions, and no drawing. A chain is drawn upwards, with a
-/// distance of one metre between masses; the masses move along x.
+/// of freedom with names but without positions, and no drawing. A chain of masses is drawn as a
+/// vertical line, with a distance of one metre between masses; the masses move along x.
 struct DrawnStructure {
   Discretisation discretisation;
   StructureDrawing drawing;

@@ -23,7 +23,7 @@ struct EmulatorSpec {
       /// 0-based elements of the damage sites. List i is for damage i, the last list for all
       /// further damages.
       sites;
-  /// Increasing levels of the reduction; for scattered runs the range, or empty
+  /// Increasing levels of the reduction; for scattered runs its range, or empty
   std::vector<double> reductions;
   bool compliance = false;         ///< interpolate in 1/(1-r) instead of r
   std::optional<double> accuracy;  ///< largest relative error at which grid refinement ends
@@ -35,11 +35,11 @@ struct EmulatorSpec {
       /// counts
       design_runs;
   std::uint64_t design_seed = 1;           ///< seed of scattered designs
-  std::vector<std::filesystem::path> csv;  ///< the user's runs: file i has i + 1 damages
+  std::vector<std::filesystem::path> csv;  ///< runs of the user: file i has runs with i + 1 damages
   bool symmetrise = false;     ///< average predictions over damages and their mirror images
   bool emulator_error = true;  ///< add the measured emulator error to the noise
   bool exact = false;  ///< use the emulator for proposals only; the posterior uses the FE solution
-  int holdout = 1000;  ///< number of fresh FE runs that measure the error
+  int holdout = 1000;  ///< number of holdout FE runs that measure the error
 
   /// Number of tables for up to `max_count` damages: one per count; with ANOVA at most two.
   [[nodiscard]] int tables(int max_count) const { return anova && max_count > 2 ? 2 : max_count; }

@@ -22,11 +22,11 @@ struct BetweenWindows {
   /// computed from the scores of the windows. `whole` is empty if the posterior of the whole record
   /// has no normal approximation.
   std::optional<Interval> whole = {};
-  /// Birge ratio of the scatter between windows to the standard deviations of the windows'
-  /// estimates, and the p-value of the ratio.
+  /// Birge ratio: the standard deviation of the estimates between windows divided by the standard
+  /// deviations within the windows, and the p-value of the ratio.
   inference::BirgeRatio scatter;
   /// True if the Birge ratio is at least 1.5 and significant. The credible interval of the run is
-  /// then too narrow for the scatter between windows, because the interval assumes that the
+  /// then too narrow for the variability between windows, because the interval assumes that the
   /// residuals follow the likelihood.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
   /// Estimate and standard deviation of the parameter in each window; NaN for a window whose fit

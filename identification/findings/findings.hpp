@@ -97,7 +97,7 @@ struct EvidenceFinding {
 struct Sampling : inference::RunRecord {
   inference::Verdict verdict;
   inference::ModelProbabilities stationary;
-  /// Round trips of the chains between the lowest and the highest count
+  /// Round trips of the Markov chains between the lowest and the highest number of components
   long count_round_trips = 0;
   bool balanced = false;
   int chains = 0;

@@ -19,11 +19,12 @@ struct Unexplained {
 };
 /// Reason of a misfit: the residual of a response is autocorrelated (portmanteau test) or exceeds
 /// the stated noise (predictive p). The residual is also not small: it is above `kSmallResidual` of
-/// the response's RMS, or above three times the residual of a free cubic chain.
+/// the response's RMS, or above three times the residual of a chain of masses with free cubic
+/// springs.
 struct NotNoise {
   std::string channel;
   double share;          ///< RMS of residual divided by RMS of response
-  double share_of_free;  ///< RMS ratio for the free cubic chain; NaN if not computed
+  double share_of_free;  ///< RMS ratio for free cubic springs; NaN if not computed
   int lag;               ///< lag of the largest autocorrelation
   double autocorrelation;
 };
@@ -57,7 +58,7 @@ inline constexpr double kMisfit = 1e-3;
 /// Limit of a small residual, as a share of the response. Smaller residuals that are not noise are
 /// reported in the text but not in the heading.
 inline constexpr double kSmallResidual = 0.05;
-/// Limit of the ratio of a residual to the residual of a free cubic chain.
+/// Limit of the ratio of a residual to the residual of a chain of masses with free cubic springs.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
 /// Diagnosis of the most probable model that explains the data, among models with a probability of

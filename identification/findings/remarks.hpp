@@ -1,5 +1,5 @@
-// Remarks on the findings. Each remark is a type with numbers as members; apps/ contains the texts
-// of the remarks.
+// Remarks on the findings. Each remark is a type with numbers as members; apps/ contains the
+// sentences of the remarks.
 #pragma once
 
 #include <array>
@@ -21,8 +21,8 @@ namespace remark {
 
 // ---- all runs -----------------------------------------------------------------------------
 
-/// The likelihood was NaN or +∞ at `places` of `evaluated` points. These points count as
-/// impossible.
+/// The likelihood was NaN or +∞ at `places` of `evaluated` points. These points get zero
+/// likelihood.
 struct ImpossibleLikelihoods {
   long places, evaluated;
 };
@@ -59,9 +59,9 @@ struct ImplausibleMaterial {
   Property property;
   double value, lowest, highest;  ///< value and its plausible range in SI units
   std::string unit = {};          ///< unit in which the number would be plausible; empty: none
-  double converted = 0.0;         ///< the value, read in `unit` and converted to SI units
+  double converted = 0.0;         ///< the number interpreted in `unit`, converted to SI units
 };
-/// A section whose height exceeds the length of the beam, or far exceeds the length of the member.
+/// A section whose depth exceeds the length of the beam, or far exceeds the length of the member.
 struct DeepSection {
   std::string of;
   double height, length;  ///< [m]
@@ -100,12 +100,12 @@ struct SensorsAtOnePlace {
 /// median over the modes of the measured frequency divided by the nearest predicted frequency.
 struct FrequenciesOutOfReach {
   double ratio;
-  /// Of mode `mode`: measured frequency and predicted range [Hz]
+  /// Measured frequency of mode `mode`, and its predicted range [Hz]
   double measured, lowest, highest;
-  int mode;  ///< first mode out of range, numbered from 1
+  int mode;  ///< first mode outside its range, numbered from 1
 };
-/// The stated noise of every frequency exceeds the effect of damages of the prior, which is at most
-/// `effect`.
+/// The stated noise of every frequency exceeds the frequency shift of any damage in the prior. The
+/// largest shift is `effect`.
 struct NoiseHidesDamage {
   /// Noise and largest `effect` (relative to the noise) of the most sensitive mode
   double cv, effect;
@@ -116,8 +116,8 @@ struct NoiseHidesDamage {
 struct MirrorImages {
   bool emulated;
 };
-/// The structure is symmetric. The members list groups of equivalent parts by name, and structural
-/// members that a symmetry reverses.
+/// The structure is symmetric. The lists have groups of equivalent parts by name, and structural
+/// members whose two ends a symmetry exchanges.
 struct StructureImages {
   std::vector<std::vector<std::string>> alike;
   std::vector<std::string> turned;
@@ -158,7 +158,7 @@ struct CannotExclude {
   std::vector<Hidden> hidden;
 };
 /// The posterior predictive p is below 0.005, although the data count as explained (FitVerdict).
-/// `off`: modes (from 1) that deviate by more than 3 sd.
+/// `off`: modes (from 1) whose frequencies deviate by more than 3 sd.
 struct NoModelFits {
   std::vector<int> off;
   bool emulated;
@@ -211,8 +211,8 @@ struct NoiseAboveResponse {
   };
   std::vector<Channel> channels;
 };
-/// The spectra of the window differ from the spectra of the record by more than three times their
-/// scatter.
+/// The spectra of the window differ from the spectra of the record by more than three times the
+/// difference expected from random variability.
 struct PeculiarWindow {
   struct Channel {
     std::string name;
@@ -233,7 +233,7 @@ struct UnknownUnits {
   };
   std::vector<Channel> channels;
 };
-/// Time steps are uneven, but by less than the limit for rejection.
+/// Time steps are non-uniform, but by less than the limit for rejection.
 struct UnevenTime {
   signals::Sampling sampling;
 };
@@ -245,7 +245,7 @@ struct MostProbableFails {
   std::string model, other;
   std::vector<misfit::Reason> why;
 };
-/// The best draw reproduces a response hardly at all, and its residuals are white. The record of
+/// The best draw explains almost none of a response, and its residuals are white: the record of
 /// this response is mostly noise.
 struct MostlyNoise {
   std::string model, channel;
@@ -300,8 +300,8 @@ struct ColouredResiduals {
   std::vector<Channel> channels;
   std::vector<std::string> others = {};
 };
-/// The estimates of parameters scatter between windows by `factor` times more than their credible
-/// intervals in the windows allow.
+/// The standard deviation of parameter estimates between windows is `factor` times larger than
+/// their credible intervals in the windows imply.
 struct ScatterBetweenWindows {
   struct Parameter {
     std::string name;
@@ -325,7 +325,7 @@ struct ParameterAtBound {
 };
 
 /// A one-sided force law (for example of a stop) produces no force in the motion of any record. In
-/// the share `share` of the model's draws, its gap never closes.
+/// the share `share` of the model's draws, the gap of the force law never closes.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< masses at the ends of the link
@@ -335,8 +335,8 @@ struct StopNotReached {
   double share;
 };
 
-/// A model error that is equal in all states cancels. The estimated changes between states do not
-/// include this error.
+/// A model error that is equal in all states cancels, so that the estimated changes between states
+/// do not include this error.
 struct ChangesTakenForExact {
   /// Relative error of the model's frequencies in every state.
   double discrepancy;

@@ -2,8 +2,9 @@
 // probability between them.
 //
 // Distances are computed in the coordinates in which the prior is standard normal, with the
-// covariance of draws about their nearest mode as metric. Each draw belongs to the nearest mode of
-// the search. Two modes are one solution if the smallest distance between their draws is at most
+// covariance of draws about their nearest posterior mode as metric. Each draw belongs to the
+// nearest posterior mode of the search. Two posterior modes are one solution if the smallest
+// distance between their draws is at most
 //
 //   3 × the 95 % quantile of the distance of a draw to the nearest other draw of its mode,
 //

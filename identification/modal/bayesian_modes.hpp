@@ -31,8 +31,8 @@ struct BandLines {
 };
 
 /// Computes the Fourier coefficients of a band. `records` has one channel per row; the function
-/// removes the means. Throws std::invalid_argument for a band beyond half the sampling rate, and
-/// for fewer lines than `kFewestLines` per mode.
+/// subtracts the mean values. Throws std::invalid_argument for a band beyond half the sampling
+/// rate, and for fewer spectral lines than `kFewestLines` per mode.
 [[nodiscard]] BandLines band_lines(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                    double sample_rate_hz, const ModalBand& band);
 
@@ -62,7 +62,7 @@ class BandProblem {
   static constexpr int kFewestLines = 20;
 
   /// Throws std::invalid_argument for bands without modes or with more than three, for peaks
-  /// outside the band or not ascending, and for too few lines.
+  /// outside the band or not ascending, and for too few spectral lines.
   BandProblem(BandLines lines, ModalBand band);
 
   [[nodiscard]] int modes() const { return static_cast<int>(band_.peaks_hz.size()); }

@@ -17,7 +17,8 @@ namespace wheeltap::identification {
 /// `responses` (pLSCF), `bands` (Bayesian), `spectral` (FDD, EFDD), `decays` (ERA). If none is set,
 /// the method is SSI-cov.
 struct ModalRecord {
-  Eigen::MatrixXd records = {};  ///< one response channel per row; empty if responses were measured
+  /// One response channel per row; empty if frequency response functions were measured
+  Eigen::MatrixXd records = {};
   /// Orders of differentiation of the channels (0: displacement); empty if unknown.
   std::vector<int> orders = {};
   signals::ModalOptions options = {};
@@ -35,7 +36,7 @@ struct ModalRecord {
 [[nodiscard]] signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed);
 
 /// The spectrum to plot within the band of `result`: singular values if the method computed them,
-/// otherwise frequency responses, otherwise spectra of the channels.
+/// otherwise frequency response functions, otherwise spectra of the channels.
 [[nodiscard]] std::vector<signals::SpectralLevel> spectral_levels(
     const ModalRecord& record, const signals::ModalResult& result);
 

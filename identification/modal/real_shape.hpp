@@ -27,11 +27,11 @@ struct RealShape {
 /// average (`blocks` = 0: the covariance is exact). The covariance is therefore multiplied by (n -
 /// 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17). It is also
 /// multiplied by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)), because inaccurate
-/// weights add scatter to the estimates (Percival et al. 2014, MNRAS 439:2531). With fewer than 2 p
-/// + 3 blocks only the variances are kept.
+/// weights increase the variance of the estimates (Percival et al. 2014, MNRAS 439:2531). With
+/// fewer than 2 p + 3 blocks only the variances are kept.
 ///
-/// Throws std::invalid_argument for fewer than 2 entries, a zero shape, sizes that do not fit, and
-/// a covariance that is not positive definite on the tangent plane.
+/// Throws std::invalid_argument for fewer than 2 entries, a zero shape, inconsistent dimensions,
+/// and a covariance that is not positive definite on the tangent plane.
 [[nodiscard]] RealShape real_shape(const Eigen::VectorXcd& shape, const Eigen::MatrixXd& covariance,
                                    int blocks);
 

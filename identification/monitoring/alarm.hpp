@@ -1,11 +1,11 @@
-// When to raise an alarm.
+// The alarm statistic and its threshold.
 //
 //   S_t = Σ_{τ<=t} Λ_τ,t   (Shiryaev-Roberts; Shin, Ramdas & Rinaldo 2024, e-detectors)
 //
 // has a mean of at most t rows under the baseline, so that the mean number of rows to a false alarm
-// at threshold A is at least A. That holds under the model only. The threshold is therefore also
-// calibrated by replay: standardised residuals of healthy rows that did not train the baseline are
-// drawn in blocks and run through the detector as new series.
+// at threshold A is at least A. This bound holds only if the baseline model is correct. The
+// threshold is therefore also calibrated by replay: the detector processes series of standardised
+// residuals, drawn in blocks from healthy rows that did not train the baseline.
 #pragma once
 
 #include <cstdint>
@@ -17,27 +17,28 @@ namespace wheeltap::identification::monitoring {
 inline constexpr int kFewestReplayRows = 240, kMostReplayRows = 1440;
 
 struct ReplayOptions {
-  int series = 48;  ///< replayed, each from the start
-  /// Rows of one; 0 in a Monitor: as many as it learns from, kFewestReplayRows to kMostReplayRows.
+  int series = 48;  ///< number of replayed series; each starts a new detector
+  /// Rows per series. 0 in a Monitor: as many as the training rows, limited to kFewestReplayRows to
+  /// kMostReplayRows.
   int rows = 0;
-  int block = 72;  ///< rows drawn together
+  int block = 72;  ///< rows per block of residuals
   std::uint64_t seed = 1;
   int threads = 1;
 };
 
-/// False alarms of replayed healthy series, as a function of the threshold. Exceedances of the
-/// series' maxima of ln S over their median u are taken as exponential with mean h:
+/// False alarms of replayed healthy series, as a function of the threshold. The excesses of the
+/// series' maxima of ln S over the median u of the maxima are assumed exponential with mean h:
 ///
 ///   rate(A) = -ln(1 - P(A))/rows,   P(A) = 1/2 exp(-(ln A - u)/h).
 ///
-/// h is the mean of the exceedances, and at least 1: the model's own bound n/A decays no faster.
+/// h is the mean excess, and at least 1, because the bound n/A of the model does not decay faster.
 struct Replay {
   int series = 0, rows = 0;
   double log_median = 0.0;  ///< u
   double tail = 1.0;        ///< h
-  /// False alarms a row at a threshold.
+  /// False alarms per row at a threshold.
   [[nodiscard]] double rate(double log_threshold) const;
-  /// ln of the threshold with this rate; not below u.
+  /// ln of the threshold with this rate of false alarms; at least u.
   [[nodiscard]] double log_threshold(double rate) const;
 };
 
@@ -47,10 +48,11 @@ void carry(Parcel& parcel, Of& r) {
   parcel(r.series, r.rows, r.log_median, r.tail);
 }
 
-/// Healthy rows as the filter predicted them, n x p.
+/// One-step innovations of healthy rows, n x p.
 struct Innovations {
-  Eigen::MatrixXd standardised = {};  ///< over their scales; NaN: missing
-  /// Noise variance of each entry relative to a usual one; empty: 1, no sd is stated.
+  Eigen::MatrixXd standardised = {};  ///< innovations divided by their scales; NaN: missing
+  /// Noise variance of each entry relative to the usual variance of the feature. If empty, the
+  /// series states no standard deviations, and the ratio is 1.
   Eigen::MatrixXd relative_variance = {};
 };
 

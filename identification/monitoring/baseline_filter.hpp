@@ -3,15 +3,15 @@
 //
 //   y_tj = phi(u_t)' b_j + d_tj + s_tj + e_tj,
 //   d_t: Ornstein-Uhlenbeck, rate `fast_rate`, covariance diag(fast_sd) C diag(fast_sd),
-//   s_t: the same with the time constant kSlowHours and independent features,
+//   s_t: Ornstein-Uhlenbeck with the time constant kSlowHours, independent between features,
 //   e_tj: Student t with `degrees` degrees of freedom, scale noise_sd_j √(relative variance).
 //
-// The state of feature j is the block [b_j, d_j, s_j]; all observe it with h = [phi, 1, 1].
-// Entries of a row are taken one after the other. For Gaussian noise this is exact. For Student t
-// noise the predictive density of an entry is a normalised Student t density whose squared scale is
-// the variance of the filter. The update multiplies the noise variance of the entry by (nu +
-// v²/S)/(nu + 1): the inverse of the expected precision of the scale mixture given the innovation
-// v.
+// The state of feature j is the block [b_j, d_j, s_j]. The observation vector of every feature is h
+// = [phi, 1, 1]. The filter processes the entries of a row one after the other. For Gaussian noise
+// this is exact. For Student t noise the predictive density of an entry is a normalised Student t
+// density whose squared scale is the variance of the filter. The update multiplies the noise
+// variance of the entry by (nu + v²/S)/(nu + 1): the inverse of the expected precision of the scale
+// mixture given the innovation v.
 #pragma once
 
 #include <algorithm>
@@ -28,14 +28,17 @@ namespace wheeltap::identification::monitoring {
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
-/// The parameters of one draw. p features, K terms.
+/// The parameters of one draw, for p features and K terms of phi.
 struct BaselineParameters {
   CovariateTerms terms = {};
-  double fast_rate = 0.1;                                      ///< 1/h
-  Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};   ///< p, of logarithms
-  Eigen::MatrixXd correlation = {};                            ///< p x p, of d
-  double degrees = kGaussian;                                  ///< of Student's t
-  Eigen::MatrixXd coefficient_mean = {}, coefficient_sd = {};  ///< K x p, priors
+  double fast_rate = 0.1;  ///< 1/h
+  /// P, for logarithms of the features
+  Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};
+  Eigen::MatrixXd correlation = {};  ///< p x p, correlation of d
+  /// Degrees of freedom of Student's t
+  double degrees = kGaussian;
+  /// K x p: prior of the coefficients b
+  Eigen::MatrixXd coefficient_mean = {}, coefficient_sd = {};
 
   [[nodiscard]] int features() const { return static_cast<int>(noise_sd.size()); }
   [[nodiscard]] int block() const { return static_cast<int>(coefficient_sd.rows()) + 2; }
@@ -54,7 +57,7 @@ void carry(Parcel& parcel, Of& b) {
 /// The regressors of one row for one draw.
 struct Weather {
   Eigen::VectorXd h = {};  ///< block(): [phi, 1, 1]
-  /// K x K covariance of phi from imputed covariates; empty where none was.
+  /// K x K covariance of phi due to imputed covariates; empty if no covariate was imputed.
   Eigen::MatrixXd term_covariance = {};
 };
 
@@ -62,21 +65,22 @@ struct Weather {
 class BaselineFilter {
  public:
   BaselineFilter() = default;
-  /// The prior: d and s stationary.
+  /// Initial state: the prior of b, and the stationary distributions of d and s.
   explicit BaselineFilter(const BaselineParameters& parameters);
 
-  /// Time passes.
+  /// Predicts the state after `hours`.
   void predict(const BaselineParameters& parameters, double hours);
-  /// P h_j of feature j's observation; call after predict.
+  /// Computes P h_j, with P the state covariance and h_j the observation vector of feature j. Call
+  /// after predict.
   void observe(int feature, const Eigen::VectorXd& h, Eigen::VectorXd& covariance) const;
   [[nodiscard]] double mean(int feature, const Eigen::VectorXd& h) const;
-  /// Variance of h_j' x, given P h_j.
+  /// Variance of h_j' x for the state x, given P h_j.
   [[nodiscard]] double variance(int feature, const Eigen::VectorXd& h,
                                 const Eigen::VectorXd& covariance) const;
-  /// Conditions on an entry with innovation v and variance s, noise included.
+  /// Updates the state with an entry of innovation v and variance s, which includes the noise.
   void update(const Eigen::VectorXd& covariance, double v, double s);
 
-  /// Extra noise variance of a feature from imputed covariates.
+  /// Additional noise variance of a feature due to imputed covariates.
   [[nodiscard]] double imputation_variance(int feature, const Weather& weather) const;
 
   Eigen::VectorXd x;
@@ -89,14 +93,15 @@ class BaselineFilter {
   friend void carry(Parcel& parcel, Of& filter) { parcel(filter.x, filter.p, filter.block_); }
 };
 
-/// Predictive moments of a row before its features are seen, and its log density.
+/// Predictive mean and standard deviation of a row before its features are used, and the log
+/// density of the row.
 struct RowPrediction {
-  Eigen::VectorXd mean, sd;      ///< p; sd includes noise
-  Eigen::VectorXd standardised;  ///< p innovations over their scale, in sequence; NaN: missing
+  Eigen::VectorXd mean, sd;      ///< p; sd includes the noise
+  Eigen::VectorXd standardised;  ///< p sequential innovations divided by their scales; NaN: missing
   double log_density = 0.0;
 };
 
-/// Predicts, scores and conditions on one row, `hours` after the last.
+/// Predicts one row, `hours` after the previous row, computes its density and updates the state.
 [[nodiscard]] RowPrediction filter_row(const BaselineParameters& parameters, const Weather& weather,
                                        const Row& row, double hours, BaselineFilter& filter);
 
@@ -104,13 +109,13 @@ struct RowPrediction {
 [[nodiscard]] double noise_variance(const BaselineParameters& parameters, const Weather& weather,
                                     const Row& row, const BaselineFilter& filter, int feature);
 
-/// How much the update multiplies the noise variance by, see above; 1 for Gaussian noise.
+/// Factor by which the update multiplies the noise variance (see above); 1 for Gaussian noise.
 [[nodiscard]] inline double noise_inflation(double v, double s, double degrees) {
   if (degrees == kGaussian) return 1.0;
   return std::max(1.0, (degrees + v * v / s) / (degrees + 1.0));
 }
 
-/// h and covariance of phi for scaled covariates whose lagged values are v and `slow`.
+/// h and covariance of phi for scaled covariates with the lagged values v and `slow`.
 [[nodiscard]] Weather weather_at(const CovariateTerms& terms,
                                  const CovariateScaling::Scaled& scaled, const Eigen::VectorXd& v,
                                  const Eigen::VectorXd& slow);
@@ -145,7 +150,7 @@ class DensitySum {
   }
 
  private:
-  /// Keeps the products far from underflow.
+  /// Adds the logarithm of the product to the sum before the product underflows.
   void flush(Terms& terms) const {
     terms.squares += std::log(terms.scales);
     if (degrees_ != kGaussian) terms.squares += (degrees_ + 1.0) * std::log(terms.tails);

@@ -449,7 +449,7 @@ Weather next_weather(const CovariateScaling::Scaled& scaled, double hours, Basel
 Baseline learn_baseline(const Series& learning, const LearningOptions& options) {
   for (const SeriesFault& fault : find_faults(learning, learning.rows()))
     if (fault.kind != SeriesFault::Kind::covariate_constant)
-      throw std::invalid_argument("the learning rows have a fault: see find_faults");
+      throw std::invalid_argument("the training rows have a fault: see find_faults");
   Baseline out{.scaling = CovariateScaling(learning.covariates),
                .usual_sds = usual_sds(learning, learning.rows())};
   const auto prepared = std::make_shared<Prepared>(prepare(learning, options, out));

@@ -1,19 +1,21 @@
-// The baseline's parameters from the learning period.
+// Training of the baseline: its parameters, inferred from the training period.
 //
-// The engine samples what enters nonlinearly: number and knots of hinges (trans-dimensional), the
-// thermal lag, the rate of the fast drift and, for each feature, its variance relative to noise.
-// Coefficients and noise variances are integrated in closed form (marginal_likelihood.hpp). Three
-// approximations make that affordable:
+// The engine samples the nonlinear parameters: number and knots of hinges (trans-dimensional), the
+// thermal lag, the rate of the fast drift and, for each feature, the drift variance relative to the
+// noise. Coefficients and noise variances are integrated in closed form (marginal_likelihood.hpp).
+// Three approximations make the sampling affordable:
 //
-// - outliers: the engine's likelihood is Gaussian with fixed weights (nu + 1)/(nu + r²) of a
-//   preliminary robust fit, nu = 5. The degrees of freedom are then drawn from the exact filter's
-//   evidence over a grid.
-// - features are independent in the engine; the correlation of their drift is estimated from the
-//   residuals, and its share (0, 1/2 or 1 of it) is drawn with the degrees of freedom.
-// - lag and the slow drift's relative variance are common to all covariates and features.
+// - outliers: the engine's likelihood is Gaussian with fixed weights (nu + 1)/(nu + r²), from the
+//   residuals r of a preliminary robust fit with nu = 5. The degrees of freedom are then drawn from
+//   a grid, with the evidence of the exact filter.
+// - features are independent in the engine. The correlation of their drift is estimated from the
+//   residuals and multiplied by a factor 0, 1/2 or 1, drawn with the degrees of freedom.
+// - the lag is common to all covariates; the slow drift's relative variance is common to all
+//   features.
 //
-// The draws then run through the learning rows in the full filter (baseline_filter.hpp), from their
-// priors: coefficients are known as exactly as that filter's approximation of Student's t allows.
+// The full filter (baseline_filter.hpp) of each draw then processes the training rows, starting
+// from the priors. The posterior of the coefficients has the accuracy of the filter's approximation
+// of Student's t.
 #pragma once
 
 #include <cstdint>
@@ -26,26 +28,28 @@
 namespace wheeltap::identification::monitoring {
 
 struct LearningOptions {
-  /// Parameter draws that are carried on; 0: six, or four where features have more than eighty
-  /// coefficients in all, which the time of a row is proportional to.
+  /// Number of parameter draws kept for monitoring. 0: six, or four if all features together have
+  /// more than eighty coefficients. The time per row is proportional to this number of
+  /// coefficients.
   int draws = 0;
-  int most_hinges = 3;  ///< prior: any number up to it is equally probable
+  int most_hinges = 3;  ///< largest number of hinges; all numbers are equally probable a priori
   bool hinges = true, lag = true;
-  std::vector<bool> may_hinge = {};  ///< one a covariate; empty: all
+  std::vector<bool> may_hinge = {};  ///< one entry per covariate; empty: all true
   std::uint64_t seed = 1;
   int threads = 1;
   int chains = 4;
-  // Bounds on the engine's work; 0: as it chooses.
-  int engine_draws = 500, engine_warmup = 2000;  ///< a chain
+  // Draws and warm-up iterations of the engine; 0: the engine chooses the number.
+  int engine_draws = 500, engine_warmup = 2000;  ///< per chain
   int searches = 1;
   std::function<bool(double fraction)> progress = nullptr;  ///< false: stop early
 };
 
-/// One parameter draw with its filter, after the learning rows.
+/// One parameter draw and its filter after the training rows.
 struct BaselineDraw {
   BaselineParameters parameters = {};
   BaselineFilter filter = {};
-  Eigen::VectorXd lagged = {}, slow = {};  ///< covariates of the last row, by either lag
+  /// Covariates of the last row with the thermal and the long lag
+  Eigen::VectorXd lagged = {}, slow = {};
 };
 
 template <class Parcel, class Of>
@@ -54,19 +58,19 @@ void carry(Parcel& parcel, Of& draw) {
   parcel(draw.parameters, draw.filter, draw.lagged, draw.slow);
 }
 
-/// The baseline: results of learning.
+/// The trained baseline.
 struct Baseline {
   CovariateScaling scaling = {};
   Eigen::VectorXd usual_sds = {};    ///< p, or empty
-  Eigen::VectorXd reference = {};    ///< p: medians of the features in learning
-  Eigen::VectorXd residual_sd = {};  ///< p: of drift and noise together, posterior mean
+  Eigen::VectorXd reference = {};    ///< p: medians of the features in the training period
+  Eigen::VectorXd residual_sd = {};  ///< p: sd of drift plus noise, posterior mean
   std::vector<BaselineDraw> draws = {};
   double rows_per_hour = 1.0;
-  double last_hours = 0.0;  ///< time of the last row that the filters have seen
-  // Diagnostics of the engine:
-  std::vector<double> hinge_probability = {};  ///< of 0, 1, … hinges
+  double last_hours = 0.0;  ///< time of the last row that the filters have processed
+  // Convergence diagnostics of the engine:
+  std::vector<double> hinge_probability = {};  ///< probabilities of 0, 1, … hinges
   bool converged = false;
-  double rhat_max = 1.0;  ///< over effects of covariates, noise and drift
+  double rhat_max = 1.0;  ///< largest R-hat of covariate effects, noise and drift
   long likelihood_evaluations = 0;
 };
 
@@ -77,11 +81,11 @@ void carry(Parcel& parcel, Of& b) {
          b.hinge_probability, b.converged, b.rhat_max, b.likelihood_evaluations);
 }
 
-/// Learns from all rows of `learning`. Throws std::invalid_argument where find_faults names a fault
-/// other than a constant covariate.
+/// Trains the baseline on all rows of `learning`. Throws std::invalid_argument if find_faults
+/// reports a fault other than a constant covariate.
 [[nodiscard]] Baseline learn_baseline(const Series& learning, const LearningOptions& options);
 
-/// Follows the lags of one draw.
+/// Updates the lagged covariates of one draw.
 [[nodiscard]] Weather next_weather(const CovariateScaling::Scaled& scaled, double hours,
                                    BaselineDraw& draw);
 

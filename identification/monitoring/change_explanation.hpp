@@ -2,16 +2,16 @@
 //
 //   damage, mass:  δ = δ(kind, place, severity)                       (defect_shifts.hpp)
 //   feature fault: δ = e_j s,       s ~ N(0, (size · residual sd_j)²)
-//   thermometer:   δ = -J_c b + ε,  b ~ N(0, (size · sd of the covariate)²), J_c the slopes of the
+//   thermometer: δ = -J_c b + ε,  b ~ N(0, (size · sd of the covariate)²), J_c the slopes of the
 //                  features, ε as below: an offset acts differently in each weather
 //   other:         δ = δ(damage) + ε,  ε ~ N(0, κ² V), V the covariance of the measured shift
 //
-// P(cause | rows) ∝ P(cause) ∫ L(δ) p(δ | cause) dδ, L the likelihood of shift_likelihood.hpp, with
-// every normaliser. Along a path of severities δ is piecewise linear and L a mixture of normal
-// densities, so that the integrals are exact. "Other" has sizes κ = 1, 2, 4 … 128, equally
-// probable. It is the alternative that measures how far the shift lies from every damage, in its
-// own standard deviations: a shift that no damage explains to within a few of them is not called
-// damage because other causes are even less likely.
+// P(cause | rows) ∝ P(cause) ∫ L(δ) p(δ | cause) dδ, L the likelihood of shift_likelihood.hpp,
+// including all normalising constants. Along a path of severities δ is piecewise linear and L a
+// mixture of normal densities, so that the integrals are exact. "Other" has sizes κ = 1, 2, 4 …
+// 128, equally probable. This alternative measures the distance of the shift from the nearest
+// damage, in standard deviations of the shift. Without it, a shift far from every damage would be
+// attributed to damage if all other causes were less probable.
 #pragma once
 
 #include "identification/monitoring/defect_shifts.hpp"
@@ -26,11 +26,11 @@ struct CauseWeights {
 
 struct CauseOptions {
   CauseWeights weights = {};
-  std::vector<bool> is_mass = {};  ///< one a kind: an added mass, not damage
-  /// One a kind: its prior share among the kinds of damage, or among those of mass.
+  std::vector<bool> is_mass = {};  ///< one per kind; true: an added mass, false: damage
+  /// One per kind: its prior share among the kinds of damage, or among the kinds of added mass.
   std::vector<double> share = {};
   Eigen::VectorXd residual_sd = {};   ///< p
-  Eigen::VectorXd covariate_sd = {};  ///< c, in learning; zero: left out
+  Eigen::VectorXd covariate_sd = {};  ///< c, in the training period; zero: covariate not used
 };
 
 /// Quantiles of a posterior.
@@ -38,31 +38,33 @@ struct CentralInterval {
   double q5 = 0.0, q50 = 0.0, q95 = 0.0;
 };
 
-/// A stretch of the line of a kind, such as a member.
+/// A stretch of a kind's line of sites, such as a member.
 struct ExplainedPlace {
   int stretch = 0;
-  double probability = 0.0;  ///< given the kind
-  CentralInterval at = {};   ///< [m] along the stretch, given the stretch
+  double probability = 0.0;  ///< probability of the stretch, given the kind
+  CentralInterval at = {};   ///< location [m] along the stretch, given the stretch
 };
 
-/// A kind of defect as the cause.
+/// A kind of defect as the cause of the change.
 struct ExplainedDefect {
   double probability = 0.0;
   std::vector<double> by_cell = {};  ///< given the kind: probability of each cell of its line
-  CentralInterval location = {};     ///< on the kind's line, given the kind
+  CentralInterval location = {};     ///< location on the kind's line, given the kind
   CentralInterval severity = {};
-  std::vector<ExplainedPlace> places = {};  ///< of at least 1 %, the most probable first
+  /// Stretches with probability of at least 1 %, the most probable first
+  std::vector<ExplainedPlace> places = {};
 };
 
 struct ChangeExplanation {
-  double damage = 0.0, mass = 0.0, sensor = 0.0, other = 0.0;  ///< given a change; their sum is 1
-  std::vector<ExplainedDefect> defects = {};                   ///< one a kind
-  std::vector<double> feature_faults = {}, covariate_faults = {};  ///< probabilities
-  /// Distance of the measured shift from the nearest damage, in its standard deviations.
+  double damage = 0.0, mass = 0.0, sensor = 0.0, other = 0.0;  ///< P(cause | change); the sum is 1
+  std::vector<ExplainedDefect> defects = {};                   ///< one per kind
+  /// Probabilities, one per feature and one per covariate
+  std::vector<double> feature_faults = {}, covariate_faults = {};
+  /// Distance of the measured shift from the nearest damage, in standard deviations of the shift.
   double distance_to_damage = 0.0;
 };
 
-/// `slopes`: p x c, as AlarmRecord has them.
+/// `slopes`: p x c, AlarmRecord::covariate_slopes.
 [[nodiscard]] ChangeExplanation explain_change(const ShiftLikelihood& likelihood,
                                                const Eigen::MatrixXd& slopes,
                                                const std::vector<DefectKind>& kinds,

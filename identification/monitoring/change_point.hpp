@@ -1,30 +1,33 @@
-// When features shifted: one filter for each candidate onset.
+// The time at which features shifted: one filter per candidate onset.
 //
 //   y_tj = baseline_tj + r(t - τ) δ_j,   t >= τ
 //
 //   step: r = 1;   ramp: r = min(1, (t - τ)/kRampHours);   transient: r = exp(-(t -
 //   τ)/kTransientHours)
 //
-// A transient is no change: thaw, wind, traffic or a fault of identification that passes. The model
-// without a change is a mixture of the baseline and of transients that began at any row; a change
-// must explain the data better than all of these. A transient that has decayed gives its
-// probability back to the baseline; so does, each row, the share that may have ended earlier.
+// A transient does not count as a change. It is a temporary effect of thaw, wind, traffic or wrong
+// identification. The model without a change is a mixture of the baseline and of transients that
+// began at any row. A change must explain the data better than this mixture. The probability of a
+// decayed transient returns to the baseline. At each row, so does the share of transients that may
+// have ended earlier.
 //
-// A shift enters linearly. The innovations of a filter without a shift are then v_t + G_t δ, G_t by
-// a recursion that is common to all values of δ (Friedland 1969; Willsky & Jones 1976). A candidate
-// keeps the sensitivity F of the state to δ and the posterior of δ, which is exact for Gaussian
-// noise. δ is, a priori,
+// A shift acts linearly. The innovations of a filter without a shift are then v_t + G_t δ; a
+// recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). A candidate
+// stores the sensitivity F of the state to δ and the posterior of δ, which is exact for Gaussian
+// noise. The prior of δ has two equally probable parts, with s one of kShiftSizes (equally
+// probable) and r_j the residual sd of feature j:
 //
-//   with probability 1/2 of all features, δ_j ~ N(0, (s r_j)²), else of one of them, each equally
-//   probable;  s is one of kShiftSizes, equally probable;  r_j the residual sd of feature j.
+//   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
 //
-// For Student t, predictive densities are normalised as in baseline_filter.hpp. The noise inflation
-// of an entry's update is shared by all candidates (their mean, weighted by posterior mass), and
-// the one without a change has its own: after damage its entries are no outliers to the candidates.
+// For Student t, predictive densities are normalised as in baseline_filter.hpp. All candidates
+// share one noise inflation per entry (the mean over candidates, weighted by posterior mass). The
+// filter without a change has a separate noise inflation, because entries after damage are outliers
+// for this filter only.
 //
-// Parameter draws are mixed with a fixed share: each row a fraction kShare of the weight is
-// redistributed evenly (Herbster & Warmuth 1998), so that no draw dies out. Every predictive
-// density is normalised, hence Λ_τ,t is a test martingale under the mixture without a change.
+// Parameter draws are mixed with a fixed share: at each row, a fraction kShare of the weight is
+// redistributed evenly (Herbster & Warmuth 1998), so that no draw loses all its weight. Every
+// predictive density is normalised, hence Λ_τ,t is a test martingale under the mixture without a
+// change.
 #pragma once
 
 #include <cstdint>
@@ -44,12 +47,12 @@ enum class ShiftProfile { step, ramp, transient };
 struct ChangePointOptions {
   double hazard_per_hour = 1e-5;               ///< rate of changes
   double transients_per_hour = 12.0 / 8766.0;  ///< rate of transients; 0: none
-  /// Rate at which a transient ends before it has decayed.
+  /// Rate at which transients end before they have decayed.
   double transient_ends_per_hour = 1.0 / kTransientHours;
   double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: steps alone
   int ramp_every = 24;       ///< rows between two candidate ramps
-  /// Candidates younger than this many rows are all kept; of older ones `kept_per_octave` for each
-  /// doubling of age. 0: all are kept.
+  /// All candidates younger than this number of rows are kept; of older candidates,
+  /// `kept_per_octave` per doubling of age. 0: all candidates are kept.
   int young = 16;
   int kept_per_octave = 5;
   double fixed_share = 0.01;  ///< share of the draws' weight that each row redistributes
@@ -62,7 +65,7 @@ void carry(Parcel& parcel, Of& o) {
          o.ramp_every, o.young, o.kept_per_octave, o.fixed_share);
 }
 
-/// δ under one candidate and one parameter draw.
+/// Posterior of δ under one candidate and one parameter draw.
 struct ShiftPosterior {
   Eigen::MatrixXd sensitivity;                   ///< F: states x p
   Eigen::MatrixXd mean;                          ///< p x kSizes, all features shift
@@ -81,12 +84,12 @@ void carry(Parcel& parcel, Of& s) {
 
 struct CandidateOnset {
   std::int64_t row = 0;  ///< first row with the shift, counted from the start of monitoring
-  double hours = 0.0;    ///< its time
+  double hours = 0.0;    ///< time of this row
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
-  double log_wealth = 0.0;  ///< ln of its part of the Shiryaev-Roberts sum
-  /// ln of its prior probability, with what merged into it; of a transient, log_mass() is ln of its
-  /// probability among the models without a change.
+  double log_wealth = 0.0;  ///< ln of the candidate's term in the Shiryaev-Roberts sum
+  /// ln of the prior probability, including merged candidates. For a transient, log_mass() is ln of
+  /// its probability among the models without a change.
   double log_prior = 0.0;
   std::vector<ShiftPosterior> draws = {};
   [[nodiscard]] double log_mass() const { return log_prior + log_ratio; }
@@ -100,17 +103,17 @@ void carry(Parcel& parcel, Of& c) {
 
 /// Prediction of a row without a change since the last alarm.
 struct PredictedRow {
-  Eigen::VectorXd mean, sd;  ///< p logarithms, mixture of the draws
+  Eigen::VectorXd mean, sd;  ///< p, logarithms: moments of the mixture of the draws
   Eigen::VectorXd weather;   ///< p: effect of covariates alone, posterior mean
 };
 
-/// The change since some time, given that there is one.
+/// Estimate of the change since a given time.
 struct ChangeEstimate {
   double probability = 0.0;                                      ///< P(change)
   double onset_low = 0.0, onset_median = 0.0, onset_high = 0.0;  ///< hours; 2.5, 50 and 97.5 %
-  double ramp_probability = 0.0;                                 ///< given a change
-  Eigen::VectorXd shift, shift_sd;      ///< p, of logarithms, given a change
-  Eigen::VectorXd shifted_probability;  ///< p: that the feature is among those that shift
+  double ramp_probability = 0.0;                                 ///< P(ramp | change)
+  Eigen::VectorXd shift, shift_sd;      ///< p, shift of the logarithms, given a change
+  Eigen::VectorXd shifted_probability;  ///< p: probability that the feature shifted, given a change
 };
 
 class ChangePoint {
@@ -118,27 +121,27 @@ class ChangePoint {
   ChangePoint() = default;
   ChangePoint(const Baseline& baseline, const ChangePointOptions& options);
 
-  /// Takes the next row; its features may all be missing.
+  /// Processes the next row; all its features may be missing.
   PredictedRow add(const Row& row);
 
-  /// ln Σ of the candidates' wealth: the Shiryaev-Roberts sum.
+  /// ln of the sum of the candidates' wealth, the Shiryaev-Roberts statistic.
   [[nodiscard]] double log_statistic() const;
   [[nodiscard]] ChangeEstimate estimate() const;
-  /// P(a change) since the last that was accepted.
+  /// Probability of a change since the last accepted change.
   [[nodiscard]] double probability_changed() const;
-  /// Posterior probabilities of the parameter draws, with and without a change together.
+  /// Posterior probabilities of the parameter draws, summed over the models with and without a
+  /// change.
   [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
-  /// Takes the most probable candidate's shift into the intercepts and begins anew without
-  /// candidates.
+  /// Adds the shift of the most probable candidate to the intercepts, and removes all candidates.
   void accept_change();
 
-  /// p x c (covariates of the series): ∂ feature/∂ covariate at the last row's weather, once the
-  /// lag has passed; mean of the draws, zero for a covariate that is left out.
+  /// p x c (covariates of the series): steady-state slopes ∂ feature/∂ covariate at the covariates
+  /// of the last row; mean over the draws, zero for a covariate that is not used.
   [[nodiscard]] Eigen::MatrixXd covariate_slopes(int covariates) const;
 
   [[nodiscard]] std::int64_t rows() const { return rows_; }
   [[nodiscard]] const std::vector<CandidateOnset>& candidates() const { return candidates_; }
-  /// Sum over all merges of the posterior mass that moved to a neighbouring onset.
+  /// Sum over all merges of the posterior probability that moved to a neighbouring onset.
   [[nodiscard]] double moved_mass() const { return moved_; }
 
  private:
@@ -160,10 +163,10 @@ class ChangePoint {
   CovariateScaling scaling_;
   Eigen::VectorXd residual_sd_;
   ChangePointOptions options_;
-  std::vector<BaselineDraw> draws_;      ///< without a change
+  std::vector<BaselineDraw> draws_;      ///< filters without a change
   std::vector<BaselineFilter> changed_;  ///< filters that candidates share, one per draw
-  Eigen::VectorXd log_weight_;           ///< weights of the draws, without a change
-  Eigen::VectorXd shared_;  ///< part of each draw's weight that belongs to the candidates' filter
+  Eigen::VectorXd log_weight_;           ///< log weights of the draws in the model without a change
+  Eigen::VectorXd shared_;  ///< share of each draw's weight that belongs to the candidates' filter
   std::vector<CandidateOnset> candidates_, transients_;
   double log_quiet_ = 0.0;  ///< ln P(no transient | no change)
   double last_hours_ = 0.0, last_ramp_hours_ = 0.0;

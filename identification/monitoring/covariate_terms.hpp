@@ -4,9 +4,9 @@
 //   phi  = [1, v_1 … v_C, max(0, v_h - knot_h) …, cold, warm, long cold, long warm]
 //   cold = max over c of (low_c - v_c)+,   warm = max over c of (v_c - high_c)+
 //
-// The last four terms are zero in learning; the long ones are of v that lags by kLongLagHours, as
-// frozen ground does. Their coefficients keep their priors in learning, which widens predictions in
-// weather that was not seen.
+// The last four terms are zero in the training period. The terms "long" use v with the lag
+// kLongLagHours, for example for frozen ground. The coefficients of the four terms keep their
+// priors in the training. This widens predictions in weather outside the training period.
 #pragma once
 
 #include <concepts>
@@ -17,20 +17,20 @@
 
 namespace wheeltap::identification::monitoring {
 
-/// Scaling and imputation of covariates, from the learning period.
+/// Scaling and imputation of covariates, from the training period.
 class CovariateScaling {
  public:
   CovariateScaling() = default;
-  /// `covariates`: n x c learning rows, NaN: missing. A covariate that does not vary is left out.
+  /// `covariates`: n x c training rows, NaN: missing. Constant covariates are not used.
   explicit CovariateScaling(const Eigen::MatrixXd& covariates);
 
   struct Scaled {
     Eigen::VectorXd z = {};         ///< used covariates, standardised; imputed where missing
-    Eigen::MatrixXd variance = {};  ///< of z: zero but for imputed entries
+    Eigen::MatrixXd variance = {};  ///< variance of z: nonzero only for imputed entries
     bool imputed = false;
   };
-  /// A missing entry is given its mean and variance conditional on the present ones, under the
-  /// normal distribution with the learning period's mean and covariance.
+  /// A missing entry gets its conditional mean and variance, given the present entries, from the
+  /// normal distribution with mean and covariance of the training period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }
@@ -52,17 +52,19 @@ class CovariateScaling {
 };
 
 inline constexpr double kLongLagHours = 72.0;
-inline constexpr int kUnseenTerms = 4;  ///< at the end of phi
+inline constexpr int kUnseenTerms = 4;  ///< number of terms "cold" to "long warm" at the end of phi
 
 /// The nonlinear parameters of the covariates' terms.
 struct CovariateTerms {
-  double lag_hours = 0.0;                         ///< shared by all covariates; 0: none
-  std::vector<int> hinge_of = {};                 ///< covariate of each hinge, among the used ones
-  std::vector<double> knots = {};                 ///< values of z, one per hinge
-  Eigen::VectorXd low = {}, high = {};            ///< c: least and largest v in learning
-  Eigen::VectorXd long_low = {}, long_high = {};  ///< c: the same with the long lag
+  double lag_hours = 0.0;  ///< shared by all covariates; 0: none
+  /// Covariate of each hinge: index among the used covariates
+  std::vector<int> hinge_of = {};
+  std::vector<double> knots = {};  ///< values of z, one per hinge
+  /// C: smallest and largest v in the training period
+  Eigen::VectorXd low = {}, high = {};
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< c: the same for v with the long lag
 
-  /// Terms in phi of `covariates` used ones: 1 + c + hinges + kUnseenTerms.
+  /// Number of terms in phi for c = `covariates` used covariates: 1 + c + hinges + kUnseenTerms.
   [[nodiscard]] int size(int covariates) const {
     return 1 + covariates + static_cast<int>(knots.size()) + (covariates > 0 ? kUnseenTerms : 0);
   }
@@ -75,14 +77,14 @@ void carry(Parcel& parcel, Of& terms) {
          terms.long_high);
 }
 
-/// v after `hours` in which the covariate was z; v = z at once without a lag.
+/// Updates v after `hours` with the covariate at z. Without a lag, v = z.
 void follow_lag(const Eigen::VectorXd& z, double hours, double lag_hours, Eigen::VectorXd& v);
 
-/// phi of covariates v, which lag as the terms say, and `slow`, which lag by kLongLagHours.
+/// phi for the covariates v with the lag of `terms` and `slow` with the lag kLongLagHours.
 [[nodiscard]] Eigen::VectorXd terms_at(const CovariateTerms& terms, const Eigen::VectorXd& v,
                                        const Eigen::VectorXd& slow);
 
-/// d phi/d v, (terms) x (covariates): how an error of v enters phi.
+/// d phi/d v, (terms) x (covariates): the sensitivity of phi to errors of v.
 [[nodiscard]] Eigen::MatrixXd term_slopes(const CovariateTerms& terms, const Eigen::VectorXd& v);
 
 }  // namespace wheeltap::identification::monitoring

@@ -1,9 +1,10 @@
-// Shifts of features that one defect of a structure causes, at every place and severity.
+// Shifts of features caused by one defect of a structure, at every location and severity.
 //
 //   δ_j(x, r) = ln f_j(x, r) - ln f_j(intact)
 //
-// f_j is the natural frequency of feature j's mode, by reanalysis. A path holds one place x with
-// all severities r: shifts at nodes of equal prior probability, linear in between.
+// f_j is the natural frequency of feature j's mode, computed by reanalysis. A path has one location
+// x and all severities r: shifts at nodes with equal prior probability between them, interpolated
+// linearly.
 #pragma once
 
 #include <vector>
@@ -14,15 +15,16 @@ namespace wheeltap::identification::monitoring {
 
 struct DefectPath {
   int kind = 0;
-  double from = 0.0, to = 0.0;  ///< its part of the kind's line
-  double extent = 0.0;          ///< [m], where the kind's is unknown: a quantile of its prior
-  double log_prior = 0.0;       ///< ln P(place | one defect of this kind)
-  std::vector<double> severities = {};  ///< nodes, ascending; one where the severity is known
-  Eigen::MatrixXd shifts = {};          ///< p x nodes; NaN: an impossible structure
+  double from = 0.0, to = 0.0;  ///< interval of the location on the kind's line
+  double extent = 0.0;          ///< [m], a quantile of the prior if the kind's extent is unknown
+  double log_prior = 0.0;       ///< ln P(location | one defect of this kind)
+  /// Nodes, ascending; a single node if the severity is known
+  std::vector<double> severities = {};
+  Eigen::MatrixXd shifts = {};  ///< p x nodes; NaN: an impossible structure
 };
 
-/// All paths of the kinds of a case, one after the other. `modes`: p, the elastic mode (from 0) of
-/// each feature. Throws InvalidInput, fem::InvalidStructure.
+/// All paths of all kinds of defect in a case. `modes`: p, the elastic mode (from 0) of each
+/// feature. Throws InvalidInput, fem::InvalidStructure.
 [[nodiscard]] std::vector<DefectPath> defect_paths(const DamageCase& damage_case,
                                                    const std::vector<int>& modes, int threads);
 

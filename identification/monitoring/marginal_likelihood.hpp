@@ -1,10 +1,10 @@
-// The evidence of one feature's learning rows, given the nonlinear parameters:
+// The evidence of one feature's training rows, given the nonlinear parameters:
 //
 //   y = X b + d + s + e,   e_t ~ N(0, σ²/w_t),   d, s: Ornstein-Uhlenbeck with variances
 //   σ² fast_ratio and σ² slow_ratio,   b_k ~ N(0, σ² g_k²),   σ² ~ InverseGamma(a, c).
 //
-// A Kalman filter of (d, s) whose gain does not depend on the data whitens y and the columns of X
-// alike; b and σ² are then integrated in closed form. Cost: O(n K²).
+// A Kalman filter of (d, s), whose gain does not depend on the data, whitens both y and the columns
+// of X; b and σ² are then integrated in closed form. Cost: O(n K²).
 #pragma once
 
 #include <vector>
@@ -13,10 +13,10 @@
 
 namespace wheeltap::identification::monitoring {
 
-/// One feature's rows that are present.
+/// The rows in which one feature was measured.
 struct FeatureRows {
-  std::vector<int> rows = {};  ///< indices of rows in the series
-  Eigen::VectorXd y;           ///< their values
+  std::vector<int> rows = {};  ///< indices of these rows in the series
+  Eigen::VectorXd y;           ///< values of the feature in these rows
   Eigen::VectorXd precision;   ///< w_t > 0: robust weights over relative noise variances
 };
 
@@ -34,17 +34,18 @@ struct ProcessRatios {
 struct MarginalLikelihood {
   double log_density = 0.0;
   Eigen::VectorXd coefficients;     ///< posterior mean of b, K
-  double shape = 1.0, scale = 1.0;  ///< of σ²'s inverse gamma posterior
+  double shape = 1.0, scale = 1.0;  ///< parameters of the inverse gamma posterior of σ²
 };
 
-/// `hours`: of all rows; `terms`: K x (all rows). ln p(y) with every normaliser, and the posterior.
+/// Computes ln p(y), including all normalising constants, and the posterior. `hours`: times of all
+/// rows; `terms`: K x (all rows).
 [[nodiscard]] MarginalLikelihood marginal_likelihood(const std::vector<double>& hours,
                                                      const Eigen::MatrixXd& terms,
                                                      const FeatureRows& feature,
                                                      const ProcessRatios& process,
                                                      const RegressionPrior& prior);
 
-/// One-step innovations over σ at coefficients b: what remains of y, unit variance under the model.
+/// One-step innovations at coefficients b, divided by σ; unit variance under the model.
 [[nodiscard]] Eigen::VectorXd whitened_residuals(const std::vector<double>& hours,
                                                  const Eigen::MatrixXd& terms,
                                                  const FeatureRows& feature,

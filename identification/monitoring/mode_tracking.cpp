@@ -184,7 +184,7 @@ ModeTracker::ModeTracker(const std::vector<IdentifiedRecord>& records, const Mat
   if (modes_.empty())
     throw std::invalid_argument("no mode is in " +
                                 std::to_string(static_cast<int>(100.0 * options.share)) +
-                                " % of the learning records");
+                                " % of the training records");
   // First without the weather's effect, then with it.
   for (int pass = 0; pass < 3; ++pass) learn(records, covariates);
 }

@@ -1,4 +1,4 @@
-// Monitoring: learns a baseline, then takes rows one by one.
+// Monitoring: trains a baseline, then processes rows one by one.
 #pragma once
 
 #include <functional>
@@ -13,15 +13,15 @@ inline constexpr double kHoursPerYear = 8766.0;
 
 struct MonitorOptions {
   double false_alarms_per_year = 0.1;
-  /// In place of a rate for each year.
+  /// If set, it replaces the rate per year.
   std::optional<double> mean_rows_between_false_alarms = {};
   ChangePointOptions change = {};
   LearningOptions learning = {};
   ReplayOptions replay = {};
-  /// Rows after an alarm in which the change is estimated before it is accepted and the detector
-  /// begins anew.
+  /// Number of rows after an alarm that refine the estimate of the change. Then the change is
+  /// accepted and the detector is reset.
   int settling_rows = 24;
-  /// Stage and its fraction; false stops.
+  /// Receives the stage and its completed fraction; the return value false stops the training.
   std::function<bool(const char* stage, double fraction)> progress = nullptr;
 };
 
@@ -29,7 +29,7 @@ struct AlarmRecord {
   double hours = 0.0;
   double probability_at_alarm = 0.0;
   ChangeEstimate change = {};  ///< from the rows up to `settling_rows` after the alarm
-  // From the same rows, for explanations of the change (change_explanation.hpp):
+  // Computed from the same rows, for explanations of the change (change_explanation.hpp):
   ShiftLikelihood likelihood = {};
   Eigen::MatrixXd covariate_slopes = {};  ///< p x c
 };
@@ -38,30 +38,31 @@ struct AlarmRecord {
 struct RowFinding {
   double hours = 0.0;
   PredictedRow predicted = {};
-  Eigen::VectorXd corrected = {};  ///< p: the features less the effect of covariates, logarithms
+  Eigen::VectorXd corrected = {};  ///< p, logarithms: features minus the effect of the covariates
   double log_statistic = 0.0;
-  double probability_changed = 0.0;  ///< of one change at least since the start
+  double probability_changed = 0.0;  ///< probability of at least one change since the start
   bool alarm = false;
 };
 
 class Monitor {
  public:
   Monitor() = default;
-  /// Learns from the rows of `learning`, all healthy. Throws as learn_baseline does.
+  /// Trains the baseline on `learning`, whose rows are all healthy. Throws the exceptions of
+  /// learn_baseline.
   Monitor(const Series& learning, const MonitorOptions& options);
 
   RowFinding add(const Row& row);
 
-  /// The learning rows as the first draw's filter predicted them one by one from its prior, without
-  /// a statistic; empty in a monitor that was carried from bytes.
+  /// One-step predictions of the training rows by the filter of the first draw, without an alarm
+  /// statistic; empty for a monitor restored from bytes.
   [[nodiscard]] const std::vector<RowFinding>& learned() const { return learned_; }
   [[nodiscard]] const Baseline& baseline() const { return baseline_; }
   [[nodiscard]] const ChangePoint& change() const { return change_; }
   [[nodiscard]] const std::vector<AlarmRecord>& alarms() const { return alarms_; }
   [[nodiscard]] double probability_changed() const;
   [[nodiscard]] const Replay& replay() const { return replay_; }
-  /// ln of the threshold that the stated rate asks for, of the one that replay asks for, and of the
-  /// larger one, which is used.
+  /// ln of the threshold for the stated rate under the model. The next functions return ln of the
+  /// threshold from the replay, and ln of the larger threshold, which is used.
   [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
   [[nodiscard]] double log_threshold_replayed() const;
   [[nodiscard]] double log_threshold() const {

@@ -1,4 +1,4 @@
-// Robust scatter of residuals, and Mahalanobis distances of rows with missing entries.
+// Robust covariance of residuals, and Mahalanobis distances of rows with missing entries.
 #pragma once
 
 #include "base/eigen.hpp"
@@ -6,8 +6,8 @@
 namespace wheeltap::identification::monitoring {
 
 /// Median and covariance of the columns of n x p residuals, NaN: missing. Standard deviations are
-/// 1.4826 median absolute deviations; correlations are those of values clipped at three standard
-/// deviations, over rows that have both.
+/// 1.4826 times the median absolute deviations. Correlations are computed from values clipped at
+/// three standard deviations, over the rows with both entries.
 struct Scatter {
   Eigen::VectorXd median, sd;
   Eigen::MatrixXd covariance;
@@ -15,7 +15,7 @@ struct Scatter {
 
 [[nodiscard]] Scatter robust_scatter(const Eigen::MatrixXd& residuals);
 
-/// (r - m)' S⁻¹ (r - m) over the entries that are present; NaN where none is.
+/// (r - m)' S⁻¹ (r - m) over the entries that are present; NaN if all are missing.
 [[nodiscard]] double squared_distance(const Scatter& scatter, const Eigen::VectorXd& residuals);
 
 }  // namespace wheeltap::identification::monitoring

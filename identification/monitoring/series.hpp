@@ -1,4 +1,4 @@
-// A series of features and covariates, one row a time.
+// A series of features and covariates, with one row per time.
 #pragma once
 
 #include <string>
@@ -12,7 +12,7 @@ namespace wheeltap::identification::monitoring {
 struct Series {
   std::vector<double> hours = {};  ///< n, strictly increasing
   Eigen::MatrixXd features = {};   ///< n x p: natural logarithms of positive features
-  /// n x p: standard deviations of the logarithms, or empty where identification states none.
+  /// n x p: standard deviations of the logarithms; empty if the identification gives none.
   Eigen::MatrixXd sds = {};
   Eigen::MatrixXd covariates = {};  ///< n x c
   std::vector<std::string> feature_names = {}, covariate_names = {};
@@ -23,25 +23,25 @@ struct Series {
   [[nodiscard]] Series first(int rows) const;
 };
 
-/// One row, as the filters take it.
+/// One row of a series, as input of the filters.
 struct Row {
   double hours = 0.0;
   Eigen::VectorXd features = {};  ///< p logarithms, NaN: missing
-  /// p: noise variance of this row relative to a usual one; 1 where no sd is stated.
+  /// p: noise variance of this row divided by the usual noise variance; 1 if no sd is stated.
   Eigen::VectorXd relative_variance = {};
   Eigen::VectorXd covariates = {};  ///< c, NaN: missing
 };
 
-/// A fault of a series and its place.
+/// A fault of a series and its location.
 struct SeriesFault {
   enum class Kind {
     time_repeated,
     time_decreasing,
-    no_learning_rows,    ///< fewer than kFewestLearningRows before the end of learning
-    feature_missing,     ///< `column`: fewer than kFewestLearningRows values in learning
-    feature_constant,    ///< `column`: it does not vary in learning
-    covariate_missing,   ///< `column`: no value in learning
-    covariate_constant,  ///< `column`: it does not vary in learning
+    no_learning_rows,    ///< fewer than kFewestLearningRows rows in the training period
+    feature_missing,     ///< `column`: fewer than kFewestLearningRows values in the training period
+    feature_constant,    ///< `column`: constant in the training period
+    covariate_missing,   ///< `column`: no value in the training period
+    covariate_constant,  ///< `column`: constant in the training period
     sd_not_positive      ///< `column`
   };
   Kind kind;
@@ -51,14 +51,15 @@ struct SeriesFault {
 
 inline constexpr int kFewestLearningRows = 20;
 
-/// The faults of a series whose first `learning` rows are known to be healthy. A constant covariate
-/// is a fault that a caller may take as a warning; the baseline leaves that covariate out.
+/// The faults of a series whose first `learning` rows are known to be healthy. A caller may treat a
+/// constant covariate as a warning, because the baseline does not use it.
 [[nodiscard]] std::vector<SeriesFault> find_faults(const Series& series, int learning);
 
-/// Row i; sds are relative to `usual_sds` (p), the medians in learning, or none.
+/// Row i, with sds relative to `usual_sds` (p), the medians in the training period; `usual_sds` may
+/// be empty.
 [[nodiscard]] Row row_of(const Series& series, int i, const Eigen::VectorXd& usual_sds);
 
-/// Median sd of each feature over the first `learning` rows; empty where none are stated.
+/// Median sd of each feature over the first `learning` rows; empty if the series states no sds.
 [[nodiscard]] Eigen::VectorXd usual_sds(const Series& series, int learning);
 
 }  // namespace wheeltap::identification::monitoring

@@ -4,10 +4,10 @@
 //   v'     = (air - v)/lag                                      (temperature of the structure)
 //   ln y_j = ln f_j + a_j (v - mean) + k_j c(min(0, v - freezing)) + w_j + d_j + e_j + changes_j
 //
-// c(x) = x, or -x²/10 where frost acts gradually. front, d_j (drift) and w (a covariate that nobody
-// measures, common to all features) are Ornstein-Uhlenbeck processes; e_j is normal or Student t
-// noise. A share of the entries are outliers, whose noise is several times larger, and a share is
-// missing. Each covariate is a thermometer: air with its own lag and noise.
+// c(x) = x, or -x²/10 if frost acts gradually. front, d_j (drift) and w (an unmeasured covariate,
+// common to all features) are Ornstein-Uhlenbeck processes; e_j is normal or Student t noise. A
+// share of the entries are outliers, whose noise is several times larger; another share is missing.
+// Each covariate is a thermometer, which measures `air` with its own lag and noise.
 #pragma once
 
 #include <cstdint>
@@ -18,13 +18,13 @@
 namespace wheeltap::identification::monitoring {
 
 struct WeatherTruth {
-  double mean = 10.0, season = 10.0, day = 4.0;  ///< °C: mean, and amplitudes
-  double front_sd = 3.0, front_hours = 60.0;     ///< °C; time constant
+  double mean = 10.0, season = 10.0, day = 4.0;  ///< °C: mean, and amplitudes of season and day
+  double front_sd = 3.0, front_hours = 60.0;     ///< standard deviation [°C] and time constant [h]
   double first_day = 0.0;                        ///< day of the year at time zero
 };
 
 struct FeatureTruth {
-  double value = 1.0;       ///< at the mean temperature
+  double value = 1.0;       ///< value at the mean temperature
   double slope = -0.0005;   ///< slope of the logarithm, 1/K
   double frost = -0.0025;   ///< the additional slope below freezing, 1/K
   double noise_sd = 0.003;  ///< relative standard deviation
@@ -35,10 +35,10 @@ struct ThermometerTruth {
   double lag_hours = 0.0, noise_sd = 0.1;
 };
 
-/// A change of features or of thermometers, at once or as a ramp.
+/// A change of features or of thermometers, as a step or a ramp.
 struct ChangeTruth {
   double hours = 0.0, ramp_hours = 0.0;
-  Eigen::VectorXd shift = {};   ///< p, of logarithms
+  Eigen::VectorXd shift = {};   ///< p: shift of the logarithms
   Eigen::VectorXd offset = {};  ///< c, K
 };
 
@@ -53,14 +53,13 @@ struct SeriesTruth {
   double drift_hours = 72.0;
   double drift_correlation = 0.5;  ///< between any two features, in [0, 1)
   double unmeasured_hours = 48.0;
-  double noise_degrees = 0.0;  ///< of Student's t; 0: normal noise
+  double noise_degrees = 0.0;  ///< degrees of freedom of Student's t; 0: normal noise
   double outlier_share = 0.0, outlier_factor = 10.0, missing_share = 0.0;
   std::vector<ChangeTruth> changes = {};
 };
 
-/// A simulated series; names are empty. The weather, the drift, the noise, and which entries are
-/// missing come from separate streams of random numbers: one of them does not depend on the others'
-/// settings.
+/// A simulated series with empty names. Weather, drift, noise and the choice of missing entries use
+/// separate streams of random numbers, so that none depends on the settings of the others.
 [[nodiscard]] Series simulate_series(const SeriesTruth& truth, std::uint64_t seed);
 
 }  // namespace wheeltap::identification::monitoring

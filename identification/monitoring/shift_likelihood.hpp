@@ -1,4 +1,4 @@
-// The likelihood of a shift δ of all features, from the candidates for its onset.
+// The likelihood of a shift δ of all features, from the candidate onsets.
 //
 // A candidate holds p(δ | rows) = N(m, C) under the prior N(0, P) of "all features shift". For any
 // other hypothesis about δ, the rows enter through
@@ -7,8 +7,8 @@
 //        = Σ_k exp(log_weight_k - ½ (δ - mean_k)ᵀ precision_k (δ - mean_k)),
 //   precision = C⁻¹ - P⁻¹,   precision · mean = C⁻¹ m,
 //
-// summed over onsets, profiles and parameter draws with their posterior weights. That is exact for
-// Gaussian noise. Components of negligible weight are left out.
+// summed over onsets, profiles and parameter draws with their posterior weights. The likelihood is
+// exact for Gaussian noise. Components of negligible weight are omitted.
 #pragma once
 
 #include <vector>
@@ -23,7 +23,7 @@ struct ShiftLikelihood {
     Eigen::VectorXd mean = {};       ///< p
     Eigen::MatrixXd precision = {};  ///< p x p, positive semidefinite
   };
-  std::vector<Component> components = {};  ///< the largest weight first
+  std::vector<Component> components = {};  ///< sorted, largest weight first
 };
 
 template <class Parcel, class Of>
@@ -39,16 +39,16 @@ void carry(Parcel& parcel, Of& l) {
 }
 
 struct LikelihoodLimits {
-  int components = 24;       ///< at most
-  double negligible = 1e-4;  ///< relative weight below which a component is left out
+  int components = 24;       ///< largest number of components
+  double negligible = 1e-4;  ///< relative weight below which a component is omitted
 };
 
-/// `residual_sd`: p, as in Baseline.
+/// `residual_sd`: p, Baseline::residual_sd.
 [[nodiscard]] ShiftLikelihood shift_likelihood(const std::vector<CandidateOnset>& candidates,
                                                const Eigen::VectorXd& residual_sd,
                                                const LikelihoodLimits& limits = {});
 
-/// ln L(δ), up to a constant that all δ share.
+/// ln L(δ), up to a constant that does not depend on δ.
 [[nodiscard]] double log_likelihood(const ShiftLikelihood& likelihood,
                                     const Eigen::VectorXd& shift);
 

@@ -1,5 +1,5 @@
-// Features without the effect of the covariates, as plain charts remove it: least squares on linear
-// terms and hinges, and Gaussian process regression.
+// Removal of the covariates' effect from features for control charts: least squares on linear terms
+// and hinges, and Gaussian process regression.
 #pragma once
 
 #include <vector>
@@ -10,8 +10,8 @@
 namespace wheeltap::identification::monitoring {
 
 /// y_j = b_j0 + Σ_c b_jc z_c + Σ_h b_jh max(0, z_h - κ_h), by least squares with robust weights.
-/// Each covariate has a hinge at its median and, where its values in learning lie on both sides of
-/// zero, one at zero: temperatures in degrees Celsius have a change of slope there.
+/// Each covariate has a hinge at its median. If its values in the training period have both signs,
+/// it also has a hinge at zero, because the slope of features often changes at 0 °C.
 class HingeRegression {
  public:
   explicit HingeRegression(const Series& learning);
@@ -26,18 +26,18 @@ class HingeRegression {
   Eigen::MatrixXd coefficients_;  // terms x p
 };
 
-/// A Gaussian process for each feature, of the standardised covariates:
+/// A Gaussian process for each feature, as a function of the standardised covariates:
 ///
 ///   k(z, z') = exp(-|z - z'|²/(2 c ℓ²)) + 0.1 z'z'/c + ρ δ,
 ///
 /// scaled by σ²; c covariates. ℓ and ρ have the largest marginal likelihood on a grid, with σ² in
-/// closed form (Rasmussen & Williams 2006, equation 5.8). Of long learning periods it keeps
-/// kMostPoints rows at equal distances.
+/// closed form (Rasmussen & Williams 2006, equation 5.8). For long training periods, it uses
+/// kMostPoints evenly spaced rows.
 class ProcessRegression {
  public:
   static constexpr int kMostPoints = 300;
   explicit ProcessRegression(const Series& learning);
-  /// p residuals over their predictive standard deviations, NaN: missing.
+  /// p residuals divided by their predictive standard deviations, NaN: missing.
   [[nodiscard]] Eigen::VectorXd residuals(const Row& row) const;
 
  private:

@@ -5,12 +5,13 @@
 
 namespace wheeltap::identification::planning {
 
-/// With `mass` [kg] at a node (members), or on a mass (chain), from 0. Throws std::invalid_argument
-/// for a structure of matrices, or a number that is not in the structure.
+/// Returns the structure with `mass` [kg] added to a node (members) or to a mass (chain of masses),
+/// numbered from 0. Throws std::invalid_argument for a structure of matrices and for a node that
+/// does not exist.
 [[nodiscard]] AnyStructure with_mass_at_node(const AnyStructure& structure, int node, double mass);
 
-/// The structure of a beam (fem::as_structure) with `mass` [kg] at the boundary of elements closest
-/// to x [m]. The member there is divided; places along the beam stay the same. Throws
+/// Returns the structure of a beam (fem::as_structure) with `mass` [kg] at the element boundary
+/// closest to x [m]. The member is divided there; locations along the beam do not change. Throws
 /// std::invalid_argument for x outside the beam.
 [[nodiscard]] AnyStructure with_mass_on_beam(const fem::Structure& beam, double x, double mass);
 

@@ -1,4 +1,4 @@
-// Smallest detectable severity of every place, and places that a test confuses.
+// Smallest detectable severity at every place, and places that a test cannot distinguish.
 #pragma once
 
 #include <optional>
@@ -13,19 +13,21 @@ namespace wheeltap::identification::planning {
 struct PlaceDetection {
   int place = 0;
   std::vector<double> severities;       ///< ascending
-  std::vector<TestEstimate> detection;  ///< P(detected) at each
-  std::vector<TestEstimate> right;      ///< P(detected, count and place right)
+  std::vector<TestEstimate> detection;  ///< P(detected) at each severity
+  /// P(detected, and count and place correct) at each severity
+  std::vector<TestEstimate> right;
   /// Severity at which P(detected) reaches 0.9, by isotonic regression and linear interpolation;
-  /// none if the largest severity of the prior does not reach it.
+  /// empty if P(detected) is below 0.9 at the largest severity of the prior.
   std::optional<double> smallest;
-  /// The same for the upper and lower ends of the 95 % intervals (Wilson) of P(detected).
+  /// The same severity for the upper and the lower bounds of the 95 % intervals (Wilson) of
+  /// P(detected).
   std::optional<double> smallest_low, smallest_high;
 };
 
 struct DetectabilityOptions {
-  int tests = 100;          ///< per place and severity
-  double threshold = 0.0;   ///< for the log odds
-  double tolerance = 0.05;  ///< [m]
+  int tests = 100;          ///< number of tests per place and severity
+  double threshold = 0.0;   ///< threshold of the log odds of damage
+  double tolerance = 0.05;  ///< tolerance of a correct place [m]
   int threads = 1;
   std::uint64_t seed = 1;
 };
@@ -38,7 +40,7 @@ struct DetectabilityOptions {
                                                             const PreparedDesign& design,
                                                             const DetectabilityOptions& options);
 
-/// Two regions of places that a test confuses.
+/// Two regions of places that a test cannot distinguish.
 struct ConfusedRegions {
   struct Region {
     int kind = 0, stretch = 0;
@@ -46,41 +48,43 @@ struct ConfusedRegions {
     std::string name;               ///< "beam, 0.1 to 0.4 m"
   };
   Region first, second;
-  int pairs = 0;       ///< confused pairs of places
-  bool exact = false;  ///< their predictions are equal: images of a symmetry
+  int pairs = 0;       ///< number of confused pairs of places
+  bool exact = false;  ///< true if the predictions are equal: images of a symmetry
 };
 
-/// The length within which places of a member cannot be told apart.
+/// The length within which a test cannot distinguish places of a member.
 struct PlaceResolution {
-  std::string name;  ///< member
+  std::string name;  ///< name of the member
   double metres = 0.0;
 };
 
 struct Confusion {
   std::vector<ConfusedRegions> regions;
   std::vector<PlaceResolution> resolutions;
-  std::vector<std::pair<int, int>> pairs;  ///< places of the regions
-  std::vector<int> undetectable;           ///< places whose largest damage has no visible effect
+  std::vector<std::pair<int, int>> pairs;  ///< confused pairs of places in the regions
+  std::vector<int> undetectable;           ///< places at which the largest damage is not detectable
 };
 
 /// Two places are confused if the largest defect of the prior at one of them is closer than
-/// `kDistance` standard errors to some defect at the other. With equal priors, a test then takes at
-/// least Φ(-1) = 16 % of such defects for the other. Confused places within `tolerance`, or
-/// connected by confused places of one member, count as resolution, the others as regions.
+/// `kDistance` standard errors to some defect at the other. With equal priors, a test then assigns
+/// at least Φ(-1) = 16 % of these defects to the other place. Confused places determine the
+/// resolution if they are within `tolerance`, or connected by confused places of one member. Other
+/// confused places form regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;
 
-/// A change of the design that separates confused places.
+/// A change of the design with which a test distinguishes confused places.
 struct Separation {
-  std::vector<int> sensors;   ///< additional ones
-  int mass = -1;              ///< or this added mass
-  int separated = 0, of = 0;  ///< pairs
+  std::vector<int> sensors;   ///< additional sensors
+  int mass = -1;              ///< index of the added mass; -1: additional sensors
+  int separated = 0, of = 0;  ///< number of distinguished pairs, and of all confused pairs
 };
-/// The cheapest separation by sensors, and the best single mass: of the changes that separate the
-/// most pairs (within 5 %), the cheapest, then the one with the largest distances. Fewer than two
-/// sensors carry no shape, so a design with n < 2 sensors gets 2 - n, otherwise 1. `costs`: per
-/// candidate; empty: equal. Empty if no change separates a pair.
+/// The cheapest additional sensors, and the best single added mass. Among the changes that
+/// distinguish the most pairs (within 5 %), the cheapest is chosen, then the one with the largest
+/// distances. A design with n < 2 sensors, which measure no shape, gets 2 - n additional sensors,
+/// other designs one. `costs`: per candidate; empty: equal costs. A result is empty if no change
+/// distinguishes a pair.
 struct Separations {
   std::optional<Separation> by_sensors, by_mass;
 };

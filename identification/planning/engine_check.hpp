@@ -9,7 +9,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// The damage case of a simulated test of a design: its measured modes and their uncertainty.
+/// The damage case of one simulated test of a design, with the measured modes and their
+/// uncertainty.
 [[nodiscard]] DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
                                         const TestDesign& design, const Scenario& scenario,
                                         std::uint64_t number);
@@ -17,24 +18,24 @@ namespace wheeltap::identification::planning {
 /// The result of the full engine for one simulated test.
 struct EngineOutcome {
   double probability_damaged = 0.0;
-  int model = 0;       ///< most probable one
-  bool right = false;  ///< count and every place, as TestScorer judges them
+  int model = 0;       ///< most probable model
+  bool right = false;  ///< true if count and all places are correct by the criteria of TestScorer
 };
 [[nodiscard]] EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source,
                                      const TestDesign& design, std::uint64_t number,
                                      const inference::Options& options);
 
-/// One simulated test, judged by both.
+/// One simulated test, evaluated by the approximation and by the full engine.
 struct CheckedTest {
   std::uint64_t number = 0;
   TestOutcome approximate;
   EngineOutcome engine;
 };
 
-/// Differences engine minus approximation of the same tests: P(detected) and P(right place), both
-/// given at least one defect, and the root mean square difference of P(at least one defect | y)
-/// over all tests. Their standard errors count one test that differs more than were seen, since few
-/// tests may all agree.
+/// Differences between engine and approximation for the same tests (engine minus approximation):
+/// P(detected) and P(right place), both given at least one defect, and the root mean square
+/// difference of P(at least one defect | y) over all tests. The standard errors count one
+/// additional test with different results, because a few tests may all agree by chance.
 struct EngineCheck {
   std::vector<CheckedTest> tests;
   int damaged = 0;  ///< tests with at least one defect
@@ -42,8 +43,8 @@ struct EngineCheck {
   double rms_probability = 0.0;
 };
 
-/// Runs the engine on `count` simulated tests that the scores did not use. The threshold of the
-/// design's scores applies to both.
+/// Runs the engine on `count` simulated tests that the scores did not use. Engine and approximation
+/// use the detection threshold of the design's scores.
 [[nodiscard]] EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
                                           const ScoredDesign& design, int count,
                                           const inference::Options& options,

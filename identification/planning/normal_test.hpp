@@ -1,4 +1,4 @@
-// Evidences of the number and places of damages in a test with normal data.
+// Evidences for the number and the places of damages, for a test with normally distributed data.
 #pragma once
 
 #include <map>
@@ -14,24 +14,25 @@ namespace wheeltap::identification::planning {
 struct NormalPlace {
   int kind = 0;
   double prior = 1.0;  ///< P(place | one defect of the kind)
-  /// Data × (S + 1): mean data minus those of the intact structure, in standard deviations, at the
-  /// quantiles 0, 1/S, …, 1 of the severity's prior. One column: the severity is known.
+  /// Data × (S + 1): mean data minus mean data of the intact structure, in standard deviations, at
+  /// the quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
   Eigen::MatrixXd nodes;
 };
 
-/// The interaction of two defects: the change of the data by both at the typical nodes of their
-/// places (the middle ones), minus the changes by each.
+/// The interaction of two defects at the typical nodes of their places: the change of the data due
+/// to both defects, minus the changes due to each defect alone.
 struct NormalInteraction {
   int a = 0, b = 0;  ///< places, a < b
   Eigen::VectorXd data;
 };
 
-/// The node that stands for the direction of a place: the middle one.
+/// The node that represents the direction of a place: the middle node.
 [[nodiscard]] constexpr Eigen::Index typical_node(Eigen::Index nodes) {
   return nodes > 2 ? nodes / 2 : nodes - 1;
 }
 
-/// Numbers of defects per kind, at most two in all, with a prior probability.
+/// Numbers of defects per kind, at most two defects in total, and the prior probability of these
+/// numbers.
 struct NormalModel {
   std::vector<int> counts;
   double prior = 0.0;
@@ -42,20 +43,21 @@ struct NormalModel {
 ///   Δ_a(s) + Δ_b(t) + u_a(s) u_b(t) I_ab
 ///
 /// (two defects at places a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along its
-/// typical node, 1 at that node; I_ab is the interaction. With p the severity's prior probability
-/// below s, p ~ U(0, 1), and Δ_a linear between its nodes,
+/// typical node, 1 at that node; I_ab is the interaction. With p ~ U(0, 1) the prior cumulative
+/// probability of the severity s, and Δ_a linear between its nodes,
 ///
 ///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
 ///
-/// each a normal integral in closed form: exact for such Δ_a. For two defects, the integral over p
-/// and q uses the slopes at the best (p, q), by quadrature along p and in closed form along q. Two
-/// defects at one place are not considered. The sum over pairs (a, b) takes the pairs of largest
-/// approximate weight, and a systematic sample of the others, `pairs` in all (Fearnhead & Clifford
-/// 2003, J. R. Stat. Soc. B 65:887).
+/// each a normal integral in closed form, exact for piecewise linear Δ_a. For two defects, the
+/// integral over p and q uses the slopes at the best (p, q), by quadrature along p and in closed
+/// form along q. Two defects at one place are not considered. The sum over pairs (a, b) uses
+/// `pairs` pairs: those with the largest approximate weights, and a systematic sample of the others
+/// (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
 class NormalTest {
  public:
-  /// Throws std::invalid_argument for a model with more than two defects, no model without defects,
-  /// places of different sizes, or a kind of a model without a place.
+  /// Throws std::invalid_argument for a model with more than two defects, models that do not
+  /// include the intact structure, places with different numbers of data, or a kind without a
+  /// place.
   NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs = 96,
              const std::vector<NormalInteraction>& interactions = {});
 
@@ -63,7 +65,7 @@ class NormalTest {
     int a = 0, b = 0;         ///< places; a < b if they are of one kind
     double log_weight = 0.0;  ///< ln p(y, a, b | model) / p(y | intact), with the sampling weight
   };
-  /// The answer to one data vector. Evidences are relative to that of the intact structure.
+  /// The evidences for one data vector, relative to the evidence of the intact structure.
   struct Answer {
     std::vector<double> log_models;        ///< ln p(y | model) / p(y | intact)
     std::vector<double> log_places;        ///< ln p(y | one defect at the place) / p(y | intact)
@@ -73,16 +75,17 @@ class NormalTest {
     double log_odds = 0.0;
   };
 
-  /// Data of one test and their products, as `answer` needs them. Refers to both.
+  /// Data of one test and their products with the nodes, as input of `answer`. Refers to both
+  /// arrays.
   struct Measured {
     const double* data = nullptr;
     const double* products = nullptr;
   };
-  /// Products of the columns of `data` with every node and interaction.
+  /// Products of the columns of `data` with all nodes and interactions.
   [[nodiscard]] Eigen::MatrixXd products(const Eigen::MatrixXd& data) const;
-  /// Reuses the memory of `out`.
+  /// Computes the evidences; reuses the memory of `out`.
   void answer(const Measured& measured, Answer& out) const;
-  /// ln p(y | a, b) / p(y | intact) of two defects.
+  /// ln p(y | a, b) / p(y | intact) for two defects.
   [[nodiscard]] double log_pair(const Measured& measured, int a, int b) const;
   /// ln P(a, b | two defects of their kinds).
   [[nodiscard]] double log_pair_prior(int model, int a, int b) const;

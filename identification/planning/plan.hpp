@@ -1,4 +1,5 @@
-// A plan of a modal test: what designs would detect, which sensors to use, and what more is worth.
+// A plan of a modal test: detectable damage of designs, choice of sensors, and value of further
+// sensors, modes or records.
 //
 // Data flow: case -> modes of the structure with one defect at every place (exact reanalysis) ->
 // normal data of a design -> evidences of simulated tests -> scores -> choice of sensors ->
@@ -20,16 +21,16 @@ struct PlanCase {
   DamageCase damage_case = {};
   PlannedStructureOptions structure = {};
   TestNoise noise = {};
-  int choose = 0;  ///< sensors; fewer than 2: frequencies alone
+  int choose = 0;  ///< number of sensors; fewer than 2: frequencies alone
   double false_alarm = 0.05;
-  double tolerance = 0.05;                  ///< [m]
-  std::vector<double> record_lengths = {};  ///< further ones [s]
+  double tolerance = 0.05;                  ///< tolerance of a correct place [m]
+  std::vector<double> record_lengths = {};  ///< further record lengths [s]
   std::optional<TestCosts> costs = {};
-  std::vector<std::vector<int>> layouts = {};  ///< from the user, to compare
+  std::vector<std::vector<int>> layouts = {};  ///< layouts of the user, for comparison
 };
 
 struct PlanOptions {
-  int scenarios = 100'000;  ///< for the ten best designs
+  int scenarios = 100'000;  ///< number of simulated tests for the ten best designs
   std::uint64_t seed = 1;
   int threads = 1;
   int tests_per_place = 100;
@@ -50,21 +51,23 @@ struct PlanFindings {
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;
   std::vector<int> without_shapes;    ///< modes (from 0) so close that only frequencies are used
-  double probability_damaged = 0.0;   ///< prior
+  double probability_damaged = 0.0;   ///< prior probability of damage
   std::vector<ScoredDesign> designs;  ///< chosen by expected information, best first
-  std::vector<ScoredDesign> others;   ///< other criteria and layouts of the user
+  std::vector<ScoredDesign> others;   ///< designs by other criteria, and layouts of the user
   ScoredDesign frequencies_alone;
   SensorChoice search;
   int scenarios = 0, variation_scenarios = 0;
   std::vector<ScoredDesign> by_sensors;                    ///< first n sensors of the greedy path
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
-  std::vector<PlaceDetection> places;                      ///< for the best design
-  Confusion confusion, confusion_alone;                    ///< best design, and frequencies alone
+  /// Detection at each place, for the best design
+  std::vector<PlaceDetection> places;
+  /// For the best design, and for frequencies alone
+  Confusion confusion, confusion_alone;
   Separations separations, separations_alone;
-  /// Root mean square difference, in standard errors per datum, between two simulated defects and
-  /// the model of NormalTest: median and 90 % quantile.
+  /// Root mean square difference between the data of two simulated defects and the model of
+  /// NormalTest, in standard errors per datum: median and 90 % quantile.
   double interaction_median = 0.0, interaction_high = 0.0;
-  std::vector<TestOption> options;  ///< with costs
+  std::vector<TestOption> options;  ///< compared tests, if the case has costs
   std::optional<ValueFindings> value;
 };
 
@@ -84,8 +87,8 @@ class PlanModel {
   ScenarioSource source_;
 };
 
-/// Throws InvalidInput for a case that allows no plan: more than two defects at once, no intact
-/// structure among the counts, no damage.
+/// Throws InvalidInput for a case that cannot be planned: with more than two simultaneous defects,
+/// without the intact structure among the counts, or without damage.
 [[nodiscard]] PlanFindings make_plan(const PlanCase& plan, const PlanModel& model,
                                      const PlanOptions& options);
 

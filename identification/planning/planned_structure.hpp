@@ -16,7 +16,7 @@ namespace wheeltap::identification::planning {
 /// A mass that a second state of the test adds to the structure.
 struct AddedMass {
   std::string name;        ///< "2 kg at B"
-  AnyStructure structure;  ///< with the mass
+  AnyStructure structure;  ///< structure with the mass
 };
 
 /// The modes that a test measures.
@@ -27,33 +27,34 @@ struct TestModes {
   Eigen::MatrixXd with_mass;        ///< modes × added masses: ln f, ascending
 };
 
-/// A possible place of a defect: a cell of its kind's line, or several adjacent ones.
+/// A possible place of a defect: one cell of its kind's line, or several adjacent cells.
 struct TestPlace {
   int kind = 0;
-  double location = 0.0;          ///< on the kind's line, where the prediction is made
-  double from = 0.0, to = 0.0;    ///< on the line
-  int stretch = 0;                ///< index in the line
+  double location = 0.0;          ///< location on the kind's line, for the prediction
+  double from = 0.0, to = 0.0;    ///< interval on the kind's line
+  int stretch = 0;                ///< index of the stretch in the line
   double start = 0.0, end = 0.0;  ///< [m] from the start of the site; 0 for points
   double prior = 0.0;             ///< P(place | one defect of the kind)
   std::string name = {};          ///< "beam at 0.25 m"
 };
 
 struct PlannedStructureOptions {
-  int modes = 10;                        ///< most modes: the lowest elastic ones in the band
-  double low_hz = 0.0, high_hz = 1e300;  ///< band
+  /// Largest number of modes: the lowest elastic modes in the band
+  int modes = 10;
+  double low_hz = 0.0, high_hz = 1e300;  ///< frequency band
   std::vector<Sensor> candidates = {};
   std::vector<AddedMass> masses = {};
-  int most_places = 120;  ///< adjacent cells are joined beyond this number
+  int most_places = 120;  ///< limit above which adjacent cells are joined
 };
 
-/// Predicts by exact reanalysis (AssembledModel). A mode of a damaged structure is the one whose
-/// shape at the candidate sensors resembles that of the intact structure, by the assignment with
-/// the smallest Σ (1 - MAC + |Δ ln f| / 2). Of close modes, which a small change of stiffness mixes
-/// (ModalLikelihood), only frequencies are used, in ascending order.
+/// Predicts by exact reanalysis (AssembledModel). Modes of a damaged structure are assigned to
+/// modes of the intact structure by their shapes at the candidate sensors, with the smallest Σ (1 -
+/// MAC + |Δ ln f| / 2). For close modes, which a small change of stiffness mixes (ModalLikelihood),
+/// only frequencies are used, in ascending order.
 class PlannedStructure {
  public:
-  /// Throws InvalidInput for a structure without a mode in the band, and kinds of defect with an
-  /// unknown extent or that change the stiffness of whole substructures.
+  /// Throws InvalidInput for a structure without a mode in the band, and for kinds of defect that
+  /// have an unknown extent or change the stiffness of whole substructures.
   PlannedStructure(DamageCase damage_case, PlannedStructureOptions options);
 
   /// Working memory of one thread.
@@ -80,14 +81,14 @@ class PlannedStructure {
   [[nodiscard]] const TestModes& intact() const { return intact_; }
   /// Number of measured modes.
   [[nodiscard]] int modes() const { return static_cast<int>(chosen_.size()); }
-  /// Elastic modes that are measured, from 0.
+  /// Indices of the measured elastic modes, from 0.
   [[nodiscard]] const std::vector<int>& chosen() const { return chosen_; }
   [[nodiscard]] std::vector<double> frequencies_hz() const;
-  /// A mode whose shape is used; see above.
+  /// True if the shape of the mode is used; false for close modes.
   [[nodiscard]] bool has_shape(int mode) const {
     return close_[static_cast<std::size_t>(mode)] < 0;
   }
-  /// Rotation by model errors: the other measured mode (-1: none), and the sd of the angle.
+  /// Rotation of a mode by model errors: the other mode (-1: none), and the sd of the angle.
   struct Turn {
     int mode = -1;
     double tau = 0.0;

@@ -1,4 +1,4 @@
-// Simulated tests: truths from the prior, their exact modes, and scores of designs.
+// Simulated tests: true damage drawn from the prior, its exact modes, and scores of designs.
 #pragma once
 
 #include <cstdint>
@@ -17,8 +17,8 @@ struct Scenario {
   TestModes modes;
 };
 
-/// Draws truths from the priors, keyed by (seed, number): number n has model n mod the number of
-/// models.
+/// Draws true damage from the priors. (seed, number) determines the draw; number n has the model n
+/// modulo the number of models.
 class ScenarioSource {
  public:
   ScenarioSource(const PlannedStructure& structure, std::uint64_t seed);
@@ -27,7 +27,7 @@ class ScenarioSource {
   [[nodiscard]] const std::vector<NormalModel>& models() const { return models_; }
   [[nodiscard]] std::uint64_t seed() const { return seed_; }
   [[nodiscard]] Scenario draw(std::uint64_t number, PlannedStructure::Solver& solver) const;
-  /// Scenarios first … first + count - 1, in parallel.
+  /// Draws the scenarios first … first + count - 1, in parallel.
   [[nodiscard]] std::vector<Scenario> draw(std::uint64_t first, int count, int threads) const;
   /// The spans of the structure's places, for TestScorer.
   [[nodiscard]] std::vector<PlaceSpan> spans() const;
@@ -38,7 +38,7 @@ class ScenarioSource {
   std::vector<NormalModel> models_;
 };
 
-/// A design with its normal test, ready to answer.
+/// A design with its data model and its normal test.
 struct PreparedDesign {
   TestData data;
   NormalTest test;
@@ -47,8 +47,8 @@ struct PreparedDesign {
                                      const PlacePredictions& predictions, const TestNoise& noise,
                                      const TestDesign& design);
 
-/// The outcomes of simulated tests of a design, scenario number `first` and following; every design
-/// receives the same truths and the same random numbers.
+/// The outcomes of simulated tests of a design, from scenario number `first` on. All designs use
+/// the same true damage and the same random numbers.
 [[nodiscard]] std::vector<TestOutcome> simulate_tests(const ScenarioSource& source,
                                                       const PreparedDesign& design,
                                                       const std::vector<Scenario>& scenarios,
@@ -57,12 +57,12 @@ struct PreparedDesign {
 struct ScoringOptions {
   int scenarios = 100'000;
   double false_alarm = 0.05;
-  double tolerance = 0.05;  ///< [m]
+  double tolerance = 0.05;  ///< tolerance of a correct place [m]
   int threads = 1;
   std::function<void(double fraction)> progress = {};
 };
 
-/// Scores designs by the same scenarios, from number `first`.
+/// Scores designs with the same scenarios, from number `first` on.
 [[nodiscard]] std::vector<TestScores> score_designs(
     const ScenarioSource& source, const PlacePredictions& predictions, const TestNoise& noise,
     const std::vector<TestDesign>& designs, const ScoringOptions& options, std::uint64_t first = 0);

@@ -1,4 +1,4 @@
-// Choice of sensors by expected information, beside classical criteria.
+// Choice of sensors by expected information, and by classical criteria for comparison.
 #pragma once
 
 #include <functional>
@@ -13,10 +13,10 @@ struct ChoiceOptions {
   int choose = 8;
   int threads = 1;
   double tolerance = 0.05;
-  int first_scenarios = 256;  ///< with which a comparison begins
-  int most_scenarios = 4096;  ///< at which it ends
-  int keep = 10;              ///< designs in the result
-  int exhaustive = 1000;      ///< all designs are compared if there are at most so many
+  int first_scenarios = 256;  ///< number of scenarios at the start of a comparison
+  int most_scenarios = 4096;  ///< number of scenarios at the end of a comparison
+  int keep = 10;              ///< number of designs in the result
+  int exhaustive = 1000;      ///< largest number of designs for an exhaustive comparison
   std::function<void(double fraction)> progress = {};
 };
 
@@ -27,33 +27,34 @@ struct RankedDesign {
 };
 
 struct SensorChoice {
-  std::vector<RankedDesign> best;  ///< best first
-  bool exhaustive = false;         ///< all designs were compared
-  long compared = 0;               ///< designs that were scored
+  std::vector<RankedDesign> best;  ///< sorted, best design first
+  bool exhaustive = false;         ///< true if all designs were compared
+  long compared = 0;               ///< number of designs that were scored
   int scenarios = 0;               ///< the largest number of scenarios of one comparison
-  std::vector<RankedDesign> path;  ///< the greedy path: 2, 3, … sensors
+  std::vector<RankedDesign> path;  ///< designs of the greedy search with 2, 3, … sensors
 };
 
 /// Maximises the expected information about count and place. All designs receive the same simulated
 /// tests, so differences between designs are estimated with little noise. A comparison begins with
-/// `first_scenarios`; designs whose information is lower than the best by more than three standard
-/// errors of the difference leave, and the number of scenarios doubles for the others, up to
-/// `most_scenarios`. The best of all pairs of sensors (shapes need two), or of 120 of them, comes
-/// first; then sensors are added one at a time. If there are at most `exhaustive` designs, all are
-/// compared; otherwise the best of this design and the layouts by effective independence and
-/// kinetic energy is improved by exchanges of one sensor until none improves it. Throws
-/// std::invalid_argument for more sensors than candidates.
+/// `first_scenarios` scenarios. Designs with less information than the best design, by more than
+/// three standard errors of the difference, are removed. For the other designs, the number of
+/// scenarios doubles, up to `most_scenarios`. If there are at most `exhaustive` designs, all
+/// designs are compared. Otherwise, a greedy search begins with the best pair of sensors (shapes
+/// need two), among all or 120 pairs, and adds one sensor at a time. The best of this design and
+/// the layouts by effective independence and kinetic energy is then improved: single sensors are
+/// exchanged until no exchange improves the design. Throws std::invalid_argument for more sensors
+/// than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,
                                           const TestNoise& noise, const ChoiceOptions& options);
 
-/// Effective independence (Kammer 1991, J. Guid. Control Dyn. 14:251): of the candidates, the
-/// sensor with the smallest diagonal entry of Φ (ΦᵀΦ)⁻¹ Φᵀ leaves until `count` remain. With fewer
-/// sensors than modes, the pseudo-inverse is used and the entries are ties; then the smallest
-/// contribution to the determinant of Φ Φᵀ leaves.
+/// Effective independence (Kammer 1991, J. Guid. Control Dyn. 14:251): the candidate with the
+/// smallest diagonal entry of Φ (ΦᵀΦ)⁻¹ Φᵀ is removed until `count` sensors remain. With fewer
+/// sensors than modes, the entries with the pseudo-inverse are equal. The sensor with the smallest
+/// contribution to the determinant of Φ Φᵀ is then removed.
 [[nodiscard]] std::vector<int> effective_independence(const Eigen::MatrixXd& shapes, int count);
 
-/// The `count` sensors with the largest Σ over modes of φ², of shapes scaled to unit length.
+/// The `count` sensors with the largest Σ φ² over the modes, for shapes scaled to unit length.
 [[nodiscard]] std::vector<int> kinetic_energy(const Eigen::MatrixXd& shapes, int count);
 
 /// Reproducible random layouts.

@@ -8,8 +8,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// A design: candidate sensors that measure shapes (none or one: frequencies alone), and the added
-/// mass of a second state whose frequencies are measured too (-1: none).
+/// A design: the sensors that measure shapes (none or one: frequencies alone), and the added mass
+/// of a second state (-1: none), in which only frequencies are measured.
 struct TestDesign {
   std::vector<int> sensors = {};
   int mass = -1;
@@ -17,17 +17,18 @@ struct TestDesign {
   bool operator==(const TestDesign&) const = default;
 };
 
-/// The uncertainty of identified modes in a record of length T. The coefficient of variation of a
-/// frequency is that of long records (Au 2017, Operational Modal Analysis, section 16.1),
+/// The uncertainty of identified modes in a record of length T. For the coefficient of variation of
+/// a frequency, a number is given, or the formula for long records is used (Au 2017, Operational
+/// Modal Analysis, section 16.1):
 ///
 ///   cov(f)² = ζ / (2π f T) + discrepancy²,
 ///
-/// or given. The sd of shape entries, for a largest measured entry of 1, is given for
-/// `reference_seconds` and scales with 1/√T, as the long-record law does.
+/// The sd of shape entries, for a largest measured entry of 1, is given for `reference_seconds` and
+/// is proportional to 1/√T, as in this formula.
 struct TestNoise {
   double seconds = 600.0;
   double damping = 0.01;
-  double cov = 0.0;  ///< > 0: in place of the law
+  double cov = 0.0;  ///< > 0: replaces the formula
   double discrepancy = 0.0;
   double shape_sd = 0.02;
   double reference_seconds = 600.0;
@@ -45,20 +46,21 @@ struct TestNumbers {
                                         std::uint64_t test);
 };
 
-/// Maps modes to whitened data relative to the intact structure. Frequencies: (ln f - ln f₀) / cov.
-/// Shapes: the unit vector û = φ_S / |φ_S| at the sensors S with the sign of û₀, as κ (û - û₀), κ =
-/// |φ₀| / (sd max |φ₀|): for small angles, |κ (û - û')|² is the χ² of ShapeDensity. Along a close
-/// mode, whose rotation by τ model errors allow, the data are divided by √(1 + (κ τ |w|)²), with w
-/// the close mode's shape relative to φ₀, normal to û₀.
+/// Converts modes to whitened data relative to the intact structure. Frequencies: (ln f - ln f₀) /
+/// cov. Shapes: the unit vector û = φ_S / |φ_S| at the sensors S with the sign of û₀, as κ (û -
+/// û₀), κ = |φ₀| / (sd max |φ₀|): for small angles, |κ (û - û')|² is the χ² of ShapeDensity. Model
+/// errors may rotate a shape towards a close mode, with the sd τ of the angle. In this direction,
+/// the data are divided by √(1 + (κ τ |w|)²), with w the component of the close mode's shape normal
+/// to û₀, relative to φ₀.
 class TestData {
  public:
   TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design);
 
   [[nodiscard]] Eigen::Index size() const { return size_; }
   [[nodiscard]] const TestDesign& design() const { return design_; }
-  /// Mean data of these modes.
+  /// Mean data for these modes.
   void mean(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
-  /// Data of a test of these modes.
+  /// Simulated data of a test with these modes.
   void measured(const TestModes& modes, const TestNumbers& numbers,
                 Eigen::Ref<Eigen::VectorXd> out) const;
   /// The measured shape (sensors) of a mode, with a largest entry of 1 before the noise.
@@ -73,7 +75,7 @@ class TestData {
     double kappa = 0.0;
     Eigen::VectorXd unit;    // û₀
     Eigen::VectorXd turned;  // unit vector along w; empty: no close mode
-    double shrink = 1.0;     // factor on the data along it
+    double shrink = 1.0;     // factor on the data in this direction
   };
   void place(const Shape& shape, const Eigen::VectorXd& measured,
              Eigen::Ref<Eigen::VectorXd> out) const;
@@ -89,8 +91,8 @@ class TestData {
 /// Predicted modes at every place, at the quantiles i/S of the severity's prior.
 struct PlacePredictions {
   std::vector<std::vector<TestModes>> modes;    ///< per place and quantile
-  std::vector<std::vector<double>> severities;  ///< the same
-  /// Two defects at the middle quantiles, for every pair of places that may have both.
+  std::vector<std::vector<double>> severities;  ///< severity per place and quantile
+  /// Two defects at the middle quantiles, for every possible pair of places.
   struct Pair {
     int a = 0, b = 0;  ///< places, a < b
     TestModes modes;
@@ -98,12 +100,12 @@ struct PlacePredictions {
   std::vector<Pair> pairs = {};
 };
 
-/// `segments`: S, for unknown severities. In parallel. Of an impossible structure the prediction at
-/// the quantile below counts.
+/// Predicts in parallel. `segments`: S, for unknown severities. For an impossible structure, the
+/// prediction at the next lower quantile is used.
 [[nodiscard]] PlacePredictions predict_places(const PlannedStructure& structure, int segments,
                                               int threads);
 
-/// The models of the case's counts with at most two defects.
+/// The models for the counts of the case, with at most two defects.
 [[nodiscard]] std::vector<NormalModel> count_models(const std::vector<DefectKind>& kinds);
 
 /// The normal test of a design.

@@ -1,4 +1,5 @@
-// Probability of detection, of the right place, and expected information, from simulated tests.
+// Probability of detection, probability of the right place, and expected information, estimated
+// from simulated tests.
 #pragma once
 
 #include <vector>
@@ -7,8 +8,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// Where a place of a NormalTest is: a stretch of a site, in metres from its start; a point if both
-/// are 0.
+/// Location of a place of a NormalTest: an interval of a site, in metres from the start of the
+/// site; a point if both ends are 0.
 struct PlaceSpan {
   int site = 0;
   double start = 0.0, end = 0.0;
@@ -27,19 +28,19 @@ struct TestTruth {
 
 /// The outcome of one simulated test.
 struct TestOutcome {
-  int model = 0;          ///< true one
+  int model = 0;          ///< true model
   double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
   /// ln q(count, place | y) / p(count, place) of the truth, with q = (1 - ε) p(… | y) + ε p(…) and
   /// ε = kFloor. Its mean is a lower bound of the expected information for any q (Barber & Agakov
-  /// 2003, NIPS 16); with exact evidences it is lower by at most -ln(1 - ε). The floor bounds the
-  /// effect of tests whose approximate evidences are wrong.
+  /// 2003, NIPS 16); with exact evidences it is lower by at most -ln(1 - ε). The floor ε limits the
+  /// effect of tests with wrong approximate evidences.
   double information = 0.0;
-  bool right = false;  ///< most probable count and every place are right
+  bool right = false;  ///< true if the most probable count and all places are correct
 };
 
-/// Scores answers of a NormalTest. The count is right if the most probable model is the true one. A
-/// place is right if the most probable site of that defect is the true site, and the posterior
-/// median on it is within `tolerance` [m] of the truth.
+/// Scores the results of a NormalTest. The count is right if the most probable model is the true
+/// model. A place is right if the most probable site of the defect is the true site, and the
+/// posterior median of the location on this site is within `tolerance` [m] of the true location.
 class TestScorer {
  public:
   TestScorer(const NormalTest& test, std::vector<PlaceSpan> spans, double tolerance)
@@ -68,10 +69,10 @@ struct TestEstimate {
 };
 
 struct TestScores {
-  TestEstimate information;  ///< [nats], under the prior of models
+  TestEstimate information;  ///< [nats], mean under the prior of the models
   TestEstimate detection;    ///< P(detected | at least one defect)
   TestEstimate right_place;  ///< P(detected, and count and places right | at least one defect)
-  double threshold = 0.0;    ///< for the log odds
+  double threshold = 0.0;    ///< threshold of the log odds of damage
   std::vector<TestEstimate> detection_by_model;  ///< NaN for the intact structure
   /// P(detected | at least one defect) at ascending false-alarm probabilities.
   struct Operating {
@@ -80,14 +81,14 @@ struct TestScores {
   std::vector<Operating> operating;
 };
 
-/// The scores of tests that were simulated from each model with a positive prior. A test detects
-/// damage if its log odds exceed the (1 - `false_alarm`) quantile of those of intact tests. The
-/// standard errors include that of the threshold: with R the detection probability as a function of
-/// the false-alarm probability α,
+/// The scores of tests simulated from each model with a positive prior. A test detects damage if
+/// its log odds exceed the (1 - `false_alarm`) quantile of the log odds of intact tests. The
+/// standard errors include the error of the threshold. With R the detection probability as a
+/// function of the false-alarm probability α,
 ///
 ///   se² = P (1 - P) / N + R'(α)² α (1 - α) / N_intact.
 ///
-/// Throws std::invalid_argument without intact tests.
+/// Throws std::invalid_argument if there are no intact tests.
 [[nodiscard]] TestScores summarise(const std::vector<TestOutcome>& outcomes,
                                    const std::vector<NormalModel>& models, double false_alarm);
 

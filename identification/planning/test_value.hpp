@@ -1,4 +1,4 @@
-// Value of the information of a test, given costs.
+// Value of the information from a test, for given costs.
 #pragma once
 
 #include <string>
@@ -8,18 +8,18 @@
 
 namespace wheeltap::identification::planning {
 
-/// Costs in any one currency.
+/// Costs, all in the same currency.
 struct TestCosts {
-  double sensor = 0.0;                  ///< per sensor used
-  std::vector<double> of_sensors = {};  ///< per candidate, in place of `sensor`
-  double hour = 0.0;                    ///< per hour of record
-  double added_mass = 0.0;              ///< for a second state with an added mass
-  double inspection = 0.0;              ///< after an alarm; it finds any damage
-  double missed = 0.0;                  ///< for a damage that is not found
-  double false_alarm = 0.0;  ///< for an alarm without damage, in addition to the inspection
+  double sensor = 0.0;                  ///< cost per sensor used
+  std::vector<double> of_sensors = {};  ///< cost of each candidate; replaces `sensor`
+  double hour = 0.0;                    ///< cost per hour of record
+  double added_mass = 0.0;              ///< cost of a second state with an added mass
+  double inspection = 0.0;              ///< cost of an inspection, which finds any damage
+  double missed = 0.0;                  ///< cost of damage that is not found
+  double false_alarm = 0.0;             ///< cost of a false alarm, not including the inspection
 };
 
-/// A test that could be made.
+/// A possible test.
 struct TestOption {
   std::string name;  ///< "4 sensors, 600 s"
   std::vector<int> sensors;
@@ -35,12 +35,12 @@ struct TestOption {
 ///                           + (1 - π) α (c_inspection + c_false alarm),
 ///
 /// and without a test C₀ = min(π c_missed, c_inspection + (1 - π) c_false alarm). The saving C₀ - C
-/// is the value of the test's information less its costs (Straub 2014, Struct. Saf. 49:75).
+/// is the value of the information minus the cost of the test (Straub 2014, Struct. Saf. 49:75).
 struct TestValue {
   double saving = 0.0, mcse = 0.0;
   double test_cost = 0.0;
-  double false_alarm = 0.0;  ///< the best α
-  double detection = 0.0;    ///< P at it
+  double false_alarm = 0.0;  ///< optimal α
+  double detection = 0.0;    ///< P(α) at the optimal α
 };
 [[nodiscard]] TestValue value_of(const TestOption& option, const TestCosts& costs, double damaged);
 
@@ -52,11 +52,12 @@ struct CostSensitivity {
   double saving = 0.0;
 };
 struct ValueFindings {
-  double without_test = 0.0;                 ///< C₀
-  bool inspects_without = false;             ///< the best decision without a test is to inspect
-  std::vector<TestValue> values;             ///< per option
+  double without_test = 0.0;  ///< C₀
+  /// True if the best decision without a test is to inspect
+  bool inspects_without = false;
+  std::vector<TestValue> values;             ///< one per option
   int best = -1;                             ///< option; -1: no test pays
-  std::vector<CostSensitivity> sensitivity;  ///< each cost halved and doubled
+  std::vector<CostSensitivity> sensitivity;  ///< best options with each cost halved and doubled
 };
 [[nodiscard]] ValueFindings find_values(const std::vector<TestOption>& options,
                                         const TestCosts& costs, double damaged);

@@ -88,7 +88,7 @@ struct LinkMotion {
   double opening = 0.0, closing = 0.0;  ///< largest extension and compression, both > 0 [m]
 };
 
-/// Optional terms of a chain. Every subset of the terms is a model.
+/// Optional terms of a chain of masses. Every subset of the terms is a model.
 struct SidDiscovery {
   std::vector<SidTerm> terms = {};
   double inclusion = 0.5;  ///< prior probability of each term, independent of the others
@@ -133,7 +133,8 @@ struct SidModel {
   }
 };
 
-/// An excitation of a simulated chain. Several excitations of one mass (or of the base) are added.
+/// An excitation of a simulated chain of masses. Several excitations of one mass (or of the base)
+/// are added.
 struct TrueExcitation {
   struct White {
     double variance;
@@ -183,7 +184,7 @@ struct SidCase {
   double sample_rate_hz = 0.0;
   signals::Sampling sampling = {};             ///< origin of the sampling rate
   std::optional<io::FoundLayout> layout = {};  ///< layout of a record in delimited text
-  /// First scored sample and one past the last, counted in the record
+  /// Index in the record of the first scored sample, and one past the last
   int begin = 0, end = 0;
   /// Number of samples before `begin` that are integrated but not scored
   int lead_in = 0;
@@ -197,7 +198,7 @@ struct SidCase {
   std::optional<double> starts_moving = {};
   /// True if the base displacement was integrated (base_integration.hpp)
   bool base_integrated = false;
-  std::string origin = {};  ///< origin of the record, for texts
+  std::string origin = {};  ///< description of the origin of the record
   double band = 0.97;
   bool balance = false;  ///< sample all models about equally often and reweight the draws
   dynamics::SimulatorOptions integration = {};

@@ -16,8 +16,8 @@
 
 namespace wheeltap::identification {
 
-/// Largest number of terms, which gives 2^10 models. Each model has a mode search, so more terms
-/// would take hours instead of minutes.
+/// Largest number of terms, which gives 2^10 models. Each model needs a search for its posterior
+/// modes, so more terms would take hours instead of minutes.
 inline constexpr std::size_t kMostTerms = 10;
 
 /// Name of a term: "cubic", "contact closing", or "cubic 0-1" if `several` links have optional

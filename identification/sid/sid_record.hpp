@@ -21,15 +21,15 @@ struct RecordUse {
   /// True: the excitations had no content above half the sampling rate and are upsampled by a sinc.
   /// False: they are linear between their samples.
   bool band_limited = false;
-  bool resample = false;  ///< interpolate a record with uneven time steps at an even rate
+  bool resample = false;  ///< interpolate a record with non-uniform time steps at a uniform rate
   /// Upsampling factor; empty: chosen so that linear interpolation loses at most 0.3 %
   std::optional<int> upsample = {};
 };
 
 /// Puts a record's rate, window and signals into the case, and compares the spectrum of each
 /// channel's window with that of the whole record. Throws InvalidInput (channel, sample_rate,
-/// samples, lead_in); throws io::FileError for numbers that are missing in the window or times that
-/// are uneven.
+/// samples, lead_in); throws io::FileError for numbers that are missing in the window or
+/// non-uniform times.
 void take_record(SidCase& sid_case, const signals::Record& record, const RecordUse& use);
 
 /// Reports implausible data: windows with other spectra than the record, excitations that are not
@@ -38,9 +38,9 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
 
 /// The amount of motion of the responses at the start of the window. The result is empty if the
 /// responses start at rest, or if the record does not show whether they do. For displacements and
-/// velocities, the amount is the first samples relative to the RMS, if above a tenth and three
-/// standard errors. For accelerations, it is the first quarter of a period, only if the window
-/// starts within the record.
+/// velocities, the amount is the first samples divided by the RMS, if it is above a tenth and above
+/// three standard errors. For accelerations, the amount is computed from the first quarter of a
+/// period, only if the window starts after the start of the record.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
 /// Makes the initial state of the model unknown, with normal priors about 0. The scale of the prior

@@ -14,7 +14,7 @@ void add_residuals(SidCase& sid_case, SidModel& model,
 
 /// Chooses the residual model of every model with SidResiduals::chosen_kind. Fits the model with
 /// white residuals (inference::search_modes, from 30 draws of the prior) to the first record, and
-/// takes the largest value that its responses' residuals at the dominant mode require
+/// takes the largest value that its responses' residuals at the dominant posterior mode require
 /// (ResidualKind::choose). If no fit of a model is found, its residual model remains white. The
 /// choice uses the same record as the inference, so model probabilities are conditional on the
 /// choice.

@@ -1,4 +1,4 @@
-// Measured modes of a structure and their scatters.
+// Measured modes of a structure and their noise parameters.
 #pragma once
 
 #include <cmath>
@@ -18,7 +18,7 @@ struct Sensor {
   fem::SparseRow motion;
 };
 
-/// A scatter: a number, or an unknown with a prior.
+/// A noise parameter: a number, or an unknown with a prior.
 struct Scatter {
   double value = 0.0;
   std::optional<inference::Prior> prior = {};
@@ -40,7 +40,7 @@ struct ModalData {
   /// Modes × sensors, of any scale and sign; NaN if not measured. Empty: no shapes.
   Eigen::MatrixXd shapes = {};
   /// Covariance of each shape, scaled to a largest measured entry of 1: sensors × sensors. If
-  /// `shape_sd` is unknown, the covariance is that for a scatter of 1.
+  /// `shape_sd` is unknown, the covariance is that for `shape_sd` = 1.
   std::vector<Eigen::MatrixXd> shape_covariances = {};
   std::optional<inference::Prior> shape_sd_prior = {};
 
@@ -61,7 +61,7 @@ struct ModalData {
   std::vector<double> held_out_hz =
       {};                   ///< measured frequencies of the predicted modes; NaN if not measured
   bool simulated = false;   ///< simulated from the case's truth
-  std::string origin = {};  ///< description for texts
+  std::string origin = {};  ///< description of the origin
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] bool has_shapes() const { return shapes.size() > 0; }

@@ -16,10 +16,10 @@ namespace wheeltap::identification {
 
 struct ObservedState {
   std::string name = {};  ///< "healthy", "state 2", "damaged"
-  ModalData data = {};    ///< unknown scatters are common to all states
-  bool damaged = false;   ///< contains the damages of the case
+  ModalData data = {};    ///< unknown noise parameters are common to all states
+  bool damaged = false;   ///< true if the state contains the damages of the case
   std::vector<fem::StructureChange::Mass> masses = {};  ///< known added masses
-  double temperature = 0.0;                             ///< above the reference [K]
+  double temperature = 0.0;                             ///< temperature above the reference [K]
   /// Specified coefficients, in the order of `ObservedStates::known`.
   std::vector<double> known = {};
 };
@@ -30,7 +30,7 @@ struct ObservedState {
 struct ObservedStates {
   std::shared_ptr<const StructureModel> model = {};
   std::vector<int> unknown = {};  ///< indices of the model's parameters in θ
-  std::vector<int> known = {};    ///< indices of those that each state specifies
+  std::vector<int> known = {};    ///< indices of the parameters that each state specifies
   std::optional<inference::Prior> per_kelvin = {};
   std::vector<ObservedState> list = {};
   bool uniform = false;  ///< every parameter acts uniformly on the whole structure, as E of a beam

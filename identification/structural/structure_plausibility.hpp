@@ -18,15 +18,16 @@ namespace wheeltap::identification {
 [[nodiscard]] std::optional<remark::ImplausibleMaterial> implausible_material(
     const std::string& of, std::optional<double> young, std::optional<double> density);
 
-/// Checks the material, and the section height against the beam's length.
+/// Checks the material, and compares the section depth with the beam's length.
 [[nodiscard]] std::vector<Remark> implausible(const fem::Beam& beam);
 
-/// Checks a structure of members: materials, section heights above three times the member's length,
+/// Checks a structure of members: materials, section depths above three times the member's length,
 /// members between the same nodes, unconnected nodes, and members that cross or touch others
 /// between their nodes. Chains and matrices are not checked.
 [[nodiscard]] std::vector<Remark> implausible(const AnyStructure& structure);
 
-/// Reports sensors with the same place and direction, whose shape entries are redundant.
+/// Reports sensors at the same location and in the same direction, whose shape entries are
+/// redundant.
 [[nodiscard]] std::vector<Remark> implausible(const std::vector<Sensor>& sensors);
 
 }  // namespace wheeltap::identification

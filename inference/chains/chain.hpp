@@ -14,7 +14,7 @@ namespace wheeltap::inference {
 struct Draw {
   const ModelSpace* space = nullptr;
   int model = 0;
-  std::span<const double> theta;  ///< physical parameters of the model, laid out as in Model
+  std::span<const double> theta;  ///< physical parameters of the model, in the layout of Model
   double log_prior = 0.0, log_likelihood = 0.0;
 
   [[nodiscard]] double log_posterior() const { return log_prior + log_likelihood; }
@@ -32,7 +32,7 @@ struct Draw {
 /// of models with fewer parameters are padded with NaN.
 struct Chain {
   DrawList<int> model;
-  DrawList<double> theta;      ///< physical parameters, laid out as in Model
+  DrawList<double> theta;      ///< physical parameters, in the layout of Model
   DrawList<double> log_prior;  ///< ln P(model) + Σ ln p(x) + ln factor, in physical units
   DrawList<double> log_likelihood;
   DrawList<std::int16_t> move;  ///< index into Posterior::moves of the last attempted move

@@ -97,8 +97,8 @@ struct PilotOptions {
 [[nodiscard]] std::vector<double> equal_visits_bias(const std::vector<double>& probability,
                                                     double least);
 
-/// All kernels, including those with pilot proposals. During `tuning`, more steps go to kernels
-/// that explore outside the fitted proposals.
+/// All kernels, including those with pilot proposals. If `tuning` is true, more MCMC steps use
+/// kernels that explore outside the fitted proposals.
 [[nodiscard]] std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem,
                                                               const Options& options,
                                                               const Atlases& atlases,

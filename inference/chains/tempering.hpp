@@ -21,7 +21,7 @@ struct Ladder {
   std::vector<int> direction{};
   std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
-  bool balancing = false;                    ///< true if adaptive scans learn the model weights
+  bool balancing = false;                    ///< true if adaptive scans adapt the model weights
   long scans = 0;
   long round_trips = 0;
 
@@ -61,7 +61,7 @@ class TemperedChain {
                       seed, chain) {}
 
   /// Starts every replica from the prior. Throws LikelihoodError if none of 100 000 draws has a
-  /// finite likelihood.
+  /// positive likelihood.
   void start();
   /// Callback that receives the outcome of each kernel step at β = 1.
   using Observer = std::function<void(int kernel, const Kernel::Outcome& outcome, int from_model)>;
@@ -113,15 +113,15 @@ class TemperedChain {
 /// The initial ladder: 0, then `rungs` - 1 values from 10⁻⁵ to 1 in geometric progression.
 [[nodiscard]] std::vector<double> geometric_ladder(int rungs);
 
-/// A draw from the prior with a finite likelihood. Throws LikelihoodError after 100 000 draws
-/// without a finite likelihood.
+/// A draw from the prior with a positive likelihood. Throws LikelihoodError after 100 000 draws
+/// without a positive likelihood.
 [[nodiscard]] State start_from_prior(Target& target, base::Random& random);
 
 /// Returns the models with a positive prior probability whose likelihood is zero at every draw from
 /// their prior: 100 000 draws, or 5000 if the problem can be shortened. After 200 draws, each draw
 /// is first tested on the first 50 samples of the record. Throws LikelihoodError, with the name of
-/// the first model, if all models are impossible in this sense. The function `goes_on`, if any, is
-/// called before every try with the completed share of the largest possible number of tries; if it
+/// the first model, if this is the case for all models. The function `goes_on`, if any, is called
+/// before every draw with the completed share of the largest possible number of draws; if it
 /// returns false, the remaining models are not checked.
 std::vector<int> check_models(Target& target, std::uint64_t seed,
                               const std::function<bool(double tried)>& goes_on = {});

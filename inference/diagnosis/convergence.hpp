@@ -14,7 +14,8 @@ struct ConvergenceLimits {
   double rhat = 1.01;        ///< upper limit of R-hat
   double ess = 400.0;        ///< lower limit of the effective sample size of all chains together
   double ess_within = 20.0;  ///< lower limit for the parameters of the least probable judged model
-  /// Lower limit for the tails of parameters, as a share of the limit for their bulk.
+  /// Lower limit of the tail effective sample size of parameters, relative to the limit of their
+  /// bulk effective sample size.
   double ess_tail_share = 0.5;
   /// Limit of R-hat. Above this limit, the chains are in different regions or disagree on the
   /// shares of posterior modes.
@@ -24,7 +25,7 @@ struct ConvergenceLimits {
   double worth_knowing = 0.004;
   /// Expected effective visits; no visit at all then has the probability e⁻¹⁰
   double expected_visits = 10.0;
-  /// Smallest significant difference, in standard errors (false-alarm rate 7e-6)
+  /// Smallest significant difference of two estimates, in standard errors (false-alarm rate 7e-6)
   double sigmas = 4.5;
   double chance = 1e-6;  ///< false-alarm rate of disagreement between chains
   /// Largest difference of two probabilities that is never significant
@@ -34,12 +35,13 @@ struct ConvergenceLimits {
   /// Model probability above which the convergence of its parameters is judged
   double judged_model = 0.01;
   double searched_model = 0.001;  ///< probability above which a model needs a full search
-  /// The chains must agree on a mode's share if it and the rest both exceed this share
+  /// The chains must agree on the share of a posterior mode if this share and the rest both exceed
+  /// this limit
   double judged_mode = 0.01;
   /// Three limits for draws outside the fitted mixture. A draw is outside if the ratio of posterior
-  /// density to mixture density is above `beyond_mixture`. The rule for such draws applies if their
-  /// share is above `beyond_share`. `beyond_visits` is the required number of effective visits
-  /// outside the mixture; it determines the share to a relative error of 0.1.
+  /// density to mixture density is above `beyond_mixture`. The rule for draws outside the mixture
+  /// applies if their share is above `beyond_share`. `beyond_visits` is the required number of
+  /// effective visits outside the mixture; it determines the share to a relative error of 0.1.
   double beyond_mixture = 1000.0, beyond_share = 0.05, beyond_visits = 100.0;
   /// `annealed_share` limits the excess of SMC draws outside the mixture: the share of the SMC
   /// draws minus the share of the chains' draws, times the probability of the model.
@@ -57,8 +59,8 @@ inline constexpr ConvergenceLimits kLimits{};
 [[nodiscard]] bool may_stop(const Posterior& posterior, bool balanced);
 
 /// The share of SMC draws outside the model's mixture, minus the share of the chains' draws outside
-/// it. The result is 0 if this difference is negative or unknown. It is also 0 if the chains
-/// visited the region often enough to estimate the share better.
+/// the mixture. The result is 0 if this difference is negative or unknown. The result is also 0 if
+/// the chains visited the region outside the mixture often enough to estimate the share better.
 [[nodiscard]] double annealed_excess(const ModelFindings& found);
 
 /// True if the excess (annealed_excess) is above `share` and significant. The test uses that 2√k of

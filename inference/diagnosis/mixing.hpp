@@ -12,8 +12,8 @@
 
 namespace wheeltap::inference {
 
-/// An additional quantity whose convergence is judged. It must have the same meaning in every
-/// model. Counts and model indicators are always judged.
+/// An additional quantity whose convergence is judged. This quantity must have the same meaning in
+/// every model. Counts and model indicators are always judged.
 struct Watched {
   std::string name;
   std::function<ChainsOf()> draws;  ///< called when the quantity is judged; one quantity at a time
@@ -29,7 +29,7 @@ struct Mixing {
   /// The smaller of bulk and tail effective sample size
   double ess_log_posterior = 0.0;
   /// The smallest effective sample size over counts or indicators. If counts and indicators hardly
-  /// change, it is the effective sample size of the log posterior.
+  /// change, `ess_model` is the effective sample size of the log posterior.
   double ess_model = 0.0;
   /// True if `ess_model` belongs to a judged quantity and is at most its limit
   bool too_few = false;

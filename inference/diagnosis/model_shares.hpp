@@ -1,4 +1,5 @@
-// Share of the draws of each model, and the model probabilities that follow from the shares.
+// Share of the draws that belong to each model, and the model probabilities that follow from the
+// shares.
 //
 //   P_m ≈ w_m s_m / Σ_k w_k s_k,
 //

@@ -22,7 +22,7 @@
 
 namespace wheeltap::inference {
 
-/// Numbers of proposals and acceptances of a move after warm-up.
+/// Numbers of proposals and acceptances of an MCMC move after warm-up.
 struct MoveStatistics {
   std::string name;
   long proposed = 0;
@@ -45,14 +45,16 @@ struct ModelFindings {
   long climbs = 0;  ///< number of local optimisations, each started from a draw of the prior
   /// Distance between the points that the optimisations evaluated (ModeSearch::spacing)
   double spacing = 0.0;
-  bool glanced = false;  ///< true if this model of many was searched by local optimisations alone
-  /// True if this model of a long nested list was not evaluated. All evaluated models one step from
-  /// it are then outside Occam's window (exploration/occams_window.hpp).
+  bool glanced = false;  ///< true if, in a long list of models, this model was searched by local
+                         ///< optimisations alone
+  /// True if this model of a long nested list was not evaluated. All evaluated models that differ
+  /// by one step from this model are then outside Occam's window (exploration/occams_window.hpp).
   bool passed_over = false;
-  /// True if no draw from its prior had a finite likelihood; its probability is then 0.
+  /// True if no draw from the model's prior had a positive likelihood; the model's probability is
+  /// then 0.
   bool impossible = false;
-  /// Number of modes beyond the limit of a search, and their share of the probability of the model
-  /// by Laplace's method.
+  /// Number of posterior modes that exceeded the limit of a search and were left out, and their
+  /// share of the probability of the model by Laplace's method.
   long left_out = 0;
   double left_out_share = 0.0;
   ParetoTail pareto{};  ///< tail of the importance weights of `sampled`
@@ -92,8 +94,8 @@ struct Calls {
 enum class Choice {
   /// The chains disagreed; the run restarted with parallel tempering in all stages
   restarted_tempered,
-  /// The mode search used the first samples of a record, then followed each mode as more samples
-  /// were added. The chains started near the resulting modes.
+  /// The mode search used the first samples of a record, then followed each posterior mode as more
+  /// samples were added. The chains started near the resulting modes.
   started_on_first_samples,
   /// The run was stopped before its first draw; the draws come from the mode searches
   drawn_by_searches,
@@ -116,7 +118,7 @@ struct RunRecord {
   double wall_seconds = 0.0;
   bool stopped_early = false;
   bool quick = false;           ///< Options::quick
-  bool tempered_draws = false;  ///< drawn with parallel tempering
+  bool tempered_draws = false;  ///< true if the draws were made with parallel tempering
   /// Round trips from β = 0 to β = 1 and back during the draws, over all chains
   long ladder_round_trips = 0;
   /// Communication barrier Λ (Syed et al. 2022), the largest of any chain; 0: no ladder
@@ -127,7 +129,8 @@ struct RunRecord {
   std::vector<Choice> choices;
 };
 
-/// The result of a run. It shares ownership of the model space and does not refer to the problem.
+/// The result of a run. A Posterior shares ownership of the model space and does not refer to the
+/// problem.
 struct Posterior : RunRecord {
   std::shared_ptr<const ModelSpace> space;
   std::vector<Chain> chains;

@@ -11,7 +11,7 @@ namespace wheeltap::inference {
 
 class ModelSpace;
 
-/// A model has a considerable probability by its evidence, but no draws.
+/// A model has a considerable probability according to its evidence, but no draws.
 struct ModelNotEntered {
   int model = 0;
   long proposed = 0;       ///< proposed jumps into the model after warm-up
@@ -28,13 +28,14 @@ struct ModelUnknown {
   int model = 0;
   long proposed = 0;  ///< proposed jumps into the model after warm-up
 };
-/// A chain has no draws near a mode that a search found and that the chain should have visited.
+/// A Markov chain has no draws near a posterior mode that a search found and that the chain should
+/// have visited.
 struct ModeNotInEveryChain {
   int model = 0;
   double share = 0.0;  ///< share of the model's probability mass near this mode
   int visited = 0, chains = 0;
 };
-/// The chains disagree on a mode's share of its model's draws.
+/// The chains disagree on the share of the draws of a model that lie near a posterior mode.
 struct ModeSharesDisagree {
   int model = 0;
   double lowest = 0.0, highest = 0.0;
@@ -58,7 +59,7 @@ struct DrawsBeyondMixture {
   double visits = 0.0, limit = 0.0;  ///< effective visits outside the mixture; must exceed `limit`
 };
 /// The share of SMC draws outside a model's mixture is larger than the share of the chains' draws
-/// outside it. Chains that start at these SMC draws stay outside the mixture.
+/// outside the mixture. Chains that start at these SMC draws stay outside the mixture.
 struct AnnealingDrawsBeyond {
   int model = 0;
   /// Share of the draws outside the mixture, by SMC and by the chains.
@@ -70,12 +71,12 @@ struct EvidenceUnreliable {
   int model = 0;
   double pareto = 0.0, limit = 0.0;  ///< shape k̂ of the weights; must not exceed `limit`
   Estimate by_evidence{};            ///< probability by evidence
-  double factor = 1.0;               ///< by which the evidence may be too small
+  double factor = 1.0;               ///< factor by which the evidence may be too small
 };
-/// A search found more separate modes than it can keep.
+/// A search found more separate posterior modes than it can keep.
 struct ModesLeftOut {
   int model = 0;
-  long modes = 0;      ///< number left out
+  long modes = 0;      ///< number of modes that were left out
   double share = 0.0;  ///< their share of the model's probability by Laplace's method
 };
 /// R-hat of a quantity with the same meaning in every model is too large.
@@ -101,7 +102,7 @@ struct ParameterMovesSlowly {
   int model = 0;
   std::string parameter;
   double ess = 0.0, limit = 0.0;
-  bool tail = false;  ///< of its 5 % and 95 % quantiles, by which intervals are reported
+  bool tail = false;  ///< true: of its 5 % and 95 % quantiles, the limits of reported intervals
 };
 /// Too few round trips of replicas on the ladder used for the draws.
 struct TooFewRoundTrips {

@@ -19,16 +19,17 @@ namespace wheeltap::inference {
 struct Verdict {
   std::vector<ModelStanding> models;    ///< one element per model of the model space
   bool converged = false;               ///< true exactly if `not_established` is empty
-  std::vector<Reason> not_established;  ///< the most serious first, models in order of probability
-  /// Resolution of the mode search: a share of the prior. If the basin of attraction of a mode
-  /// holds a smaller share of the prior, all local optimisations miss the mode with a probability
-  /// above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest over the
-  /// models, and 1 without a search. In a long list of models, those below kLimits.searched_model
-  /// that were searched by local optimisations alone are excluded.
+  std::vector<Reason> not_established;  ///< the most serious reason first; reasons of one kind by
+                                        ///< descending model probability
+  /// Resolution of the mode search: a share of the prior. If the basin of attraction of a posterior
+  /// mode holds a smaller share of the prior, all local optimisations miss the mode with a
+  /// probability above 1 %. The resolution is 1 - 0.01^(1/n) for n local optimisations, the largest
+  /// over the models, and 1 without a search. In a long list of models, those below
+  /// kLimits.searched_model that were searched by local optimisations alone are excluded.
   double resolution = 1.0;
-  /// Smallest width of a mode for which `resolution` is valid, in standard deviations of the prior:
-  /// the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is not known.
-  /// The search may miss a narrower mode although its basin of steepest ascent is larger
+  /// Smallest width of a posterior mode for which `resolution` is valid, in standard deviations of
+  /// the prior: the largest ModeSearch::spacing of the local optimisations, or 0 if the spacing is
+  /// not known. The search may miss a narrower mode although its basin of steepest ascent is larger
   /// (resolution_of).
   double resolved_width = 0.0;
   /// Number of models searched by local optimisations alone; `resolution` excludes them
@@ -66,9 +67,9 @@ struct Verdict {
 /// - Visits and evidence agree within 4.5 combined errors (7e-6) and 0.005. No ln Z by SMC exceeds
 ///   ln Z of the draws by 4.5 errors and half a nat. The evidence by SMC may be lower, because SMC
 ///   may miss a mode that the chains visit.
-/// - Every chain visited each mode that the searches found and that should have more than 10
-///   effective draws per chain (5e-5). R-hat of the mode's indicator is below 1.05, or within the
-///   scatter expected for the number of effective draws (1e-6).
+/// - Every chain visited each posterior mode that the searches found and that should have more than
+///   10 effective draws per chain (5e-5). R-hat of the mode's indicator is below 1.05, or within
+///   the variability expected for the number of effective draws (1e-6).
 /// - Draws are outside the fitted mixture if the mixture has less than a thousandth of the
 ///   posterior density there. If more than 5 % of the draws of a model with a probability above 1 %
 ///   are outside, their share is known to a relative error of 0.1, that is from 100 effective
@@ -77,8 +78,8 @@ struct Verdict {
 /// - The log posterior and `watched` have R-hat < 1.01 and effective sample sizes above 400. Counts
 ///   (or model indicators) satisfy the same limits, unless their probabilities are known to 0.001.
 /// - The parameters of every model with a probability P above 1 % have an R-hat below 1.01, or
-///   within the scatter expected for the number of draws (1e-6). For components of a kind, the sums
-///   of their parameters are judged, because the numbers of the components are arbitrary. The
+///   within the variability expected for the number of draws (1e-6). For components of a kind, the
+///   sums of their parameters are judged, because the numbers of the components are arbitrary. The
 ///   effective sample size of each parameter is above 800 P, but this limit is at least 20 and at
 ///   most 400. R-hat is judged from 100 draws per chain. The effective sample size of a model below
 ///   5 % is judged from 400 draws per chain.

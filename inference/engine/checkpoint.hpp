@@ -55,7 +55,7 @@ class CheckpointError : public std::runtime_error {
 [[nodiscard]] RunState state_of(const Checkpoint& checkpoint, const ModelSpace& space, int chains);
 
 /// Packs a chain and its draws for another rank of the same run, which unpacks them bit for bit.
-/// This is not a file format.
+/// The packed bytes are not a file format.
 [[nodiscard]] std::string packed_state(const ChainState& chain, const Chain& draws);
 void unpack(std::string_view bytes, ChainState& chain, Chain& draws);
 

@@ -13,14 +13,14 @@ namespace wheeltap::inference {
 /// limit of the convergence diagnosis.
 inline constexpr double kWorthFollowing = 0.01;
 
-/// SMC approaches the posterior from the whole prior. It can sample regions, such as the ends of a
-/// curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If more of a
-/// model's SMC draws than chain draws lie outside the mixture, this function starts chains at the
-/// SMC draws. If a chain returns to the mixture within a thousand steps, the SMC draw was an error
-/// of SMC. If the chain stays outside, the region is a part of the posterior. The function sets
-/// ModelFindings::annealed_beyond of models above the probability threshold; call it after weigh().
-/// Returns the states of these chains outside their model's mixture, dimension × n, one matrix per
-/// model.
+/// SMC approaches the posterior from the whole prior. SMC can therefore sample regions, such as the
+/// ends of a curved ridge, that neither the fitted mixtures nor the chains' local moves reach. If a
+/// larger share of a model's SMC draws than of its chain draws lies outside the mixture, this
+/// function starts chains at the SMC draws. If a chain returns to the mixture within a thousand
+/// steps, the SMC draw was an error of SMC. If the chain stays outside, the region is a part of the
+/// posterior. The function sets ModelFindings::annealed_beyond of models above the probability
+/// threshold; call this function after weigh(). Returns the states of the new chains outside their
+/// model's mixture, dimension × n, one matrix per model.
 [[nodiscard]] std::vector<Eigen::MatrixXd> follow_annealed(RunContext& run, RunState& state);
 
 }  // namespace wheeltap::inference

@@ -25,7 +25,7 @@ inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
 /// True if the likelihood is expensive: the data are a long record, and the engine chooses the
 /// number of draws. Tuning steps and thinning, which reduce the autocorrelation of the draws, are
-/// then halved. The reason is that each step takes about a hundred times as long as with a
+/// then halved. The reason is that each MCMC step takes about a hundred times as long as with a
 /// likelihood given by a formula. The run continues in any case until it has enough draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return problem.samples > 0 && options.draws == 0;
@@ -128,11 +128,11 @@ struct RunContext {
 [[nodiscard]] double planned_draws(const RunContext& run);
 [[nodiscard]] double planned_evidence(const RunContext& run);
 
-/// The state of a run before its first stage. Throws LikelihoodError if all models are impossible
-/// (check_models).
+/// The state of a run before its first stage. Throws LikelihoodError if no model has a draw with
+/// positive likelihood (check_models).
 [[nodiscard]] RunState begin(RunContext& run);
 
-/// Whether no point drawn from the model's prior had a finite likelihood (check_models).
+/// True if no draw from the model's prior had a positive likelihood (check_models).
 [[nodiscard]] bool is_impossible(const RunState& state, int model);
 
 /// Prepares a new context to continue a run from `state`. Throws CheckpointError if the likelihood

@@ -6,8 +6,9 @@
 
 namespace wheeltap::inference {
 
-/// Estimated cost of a run. If the time of a likelihood was measured, the estimate is correct
-/// within a factor of three in nine of ten runs (docs/scale.md); otherwise within a factor of ten.
+/// Estimated cost of a run. If the run time of a likelihood evaluation was measured, the estimate
+/// is correct within a factor of three in nine of ten runs (docs/scale.md); otherwise within a
+/// factor of ten.
 struct RunCost {
   double bytes = 0.0;  ///< largest memory in use at one time
   double disk = 0.0;   ///< largest size of the folder of the results, in bytes
@@ -15,8 +16,8 @@ struct RunCost {
   double likelihoods = 0.0;
   /// Run time of the likelihood evaluations on the requested threads [s]
   double seconds = 0.0;
-  double preparation = 0.0;           ///< seconds before the first likelihood
-  double seconds_a_likelihood = 0.0;  ///< run time of one likelihood [s]; 0: unknown
+  double preparation = 0.0;           ///< run time before the first likelihood evaluation [s]
+  double seconds_a_likelihood = 0.0;  ///< run time of one likelihood evaluation [s]; 0: unknown
 };
 
 /// Sizes of a problem, known before its model space is built.
@@ -36,7 +37,8 @@ struct ProblemSize {
                                        double most_in_memory);
 
 /// Sets `cost.likelihoods` and `cost.seconds` from the engine's plan and the run time of a
-/// likelihood, which the function measures for about `seconds`. `cost.preparation` stays unchanged.
+/// likelihood evaluation. The function takes about `seconds` to measure this run time.
+/// `cost.preparation` stays unchanged.
 void measure(RunCost& cost, const Problem& problem, const Options& options, double seconds);
 
 }  // namespace wheeltap::inference

@@ -22,8 +22,8 @@ struct RunPlan {
 };
 
 /// The options of a quick run (Options::quick): about 16 local optimisations per model, a thousand
-/// importance-sampling draws from the normal approximations at the modes, and 4 x 300 posterior
-/// draws.
+/// importance-sampling draws from the normal approximations at the posterior modes, and 300
+/// posterior draws per chain.
 [[nodiscard]] Options quick_options(Options options);
 
 [[nodiscard]] RunPlan plan_of(const Problem& problem, const Options& options);

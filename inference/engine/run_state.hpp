@@ -44,7 +44,8 @@ struct ChainState {
   std::vector<KernelRecord> records{};  ///< statistics of each kernel in the last round of tuning
   /// A subset of the chain's draws, in standard normal coordinates
   std::optional<KeptDraws> kept{};
-  std::vector<std::vector<long>> at_mode{};  ///< number of draws nearest to each mode of each model
+  std::vector<std::vector<long>> at_mode{};  ///< number of draws nearest to each posterior mode of
+                                             ///< each model
   std::vector<MoveStatistics> moves{};       ///< statistics of each move after warm-up
   /// Proposed and accepted jumps between models after warm-up, models × models.
   std::vector<std::vector<long>> proposed{}, accepted{};
@@ -69,7 +70,8 @@ struct Position {
   double best = -std::numeric_limits<double>::infinity();
   int look = 0;                  ///< round of local optimisations in many models
   int looks_left = 0;            ///< models left in this round
-  std::vector<double> before{};  ///< ln π at the highest mode of each model before this round
+  std::vector<double> before{};  ///< ln π at the highest posterior mode of each model before this
+                                 ///< round
 
   int round = 0;  ///< index of the tuning round
   int tuned = 0;  ///< tuning steps of the earlier rounds
@@ -82,7 +84,7 @@ struct Position {
   std::vector<int> part_chains = {};  ///< chain of each part
 };
 
-/// Modes of a model whose shares of the draws are counted.
+/// Posterior modes of a model whose shares of the draws are counted.
 struct CountedModes {
   std::vector<Mode> modes;
   std::vector<Eigen::MatrixXd> precisions;

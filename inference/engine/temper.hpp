@@ -5,14 +5,14 @@
 
 namespace wheeltap::inference {
 
-inline constexpr int kStepsAScan = 3;  ///< kernel steps in each rung before a round of swaps
+inline constexpr int kStepsAScan = 3;  ///< kernel steps at each rung before a round of swaps
 
-/// Largest number of models for which model weights are learned.
+/// Largest number of models for which model weights are adapted.
 inline constexpr int kBalancedModels = 64;
 
 struct TemperOptions {
   int scans = 0;          ///< largest number of scans if the options do not give the warm-up
-  bool balanced = false;  ///< learn weights so that chains visit every model at every temperature
+  bool balanced = false;  ///< adapt weights so that chains visit every model at every temperature
   bool fitted = false;    ///< use the fitted proposals, and start from the chains' states
 };
 

@@ -1,5 +1,5 @@
 // Second stage of a run: adaptive sampling at the posterior with all moves. Each round ends with a
-// fit of the proposals to its samples.
+// fit of the proposal distributions to the samples of the round.
 #pragma once
 
 #include "inference/engine/run_context.hpp"
@@ -8,7 +8,8 @@ namespace wheeltap::inference {
 
 /// Runs three rounds of tuning, and a longer fourth round if the model indicator has few effective
 /// draws. Model weights make the visits to all models about equal, so that each model gets enough
-/// samples. The function stores fixed proposals and the model weights of the draws.
+/// samples. The function stores the last fitted proposal distributions (Pilot), and the model
+/// weights that the chains use while drawing (RunState::sampling_bias).
 void tune(RunContext& run, RunState& state);
 
 /// Pools the chains' samples and fits the proposals to them: RunState::pilot. Round 0 follows

@@ -1,4 +1,5 @@
-// Evidence of each model, and shares of its modes, from draws, searches and fitted mixtures.
+// Evidence of each model, and shares of its posterior modes, from draws, searches and fitted
+// mixtures.
 #pragma once
 
 #include "inference/engine/run_context.hpp"

@@ -13,7 +13,7 @@ namespace wheeltap::inference {
 struct BridgeOptions {
   std::uint64_t seed = 1;
   int proposal_draws = 0;  ///< number of draws of q; 0: as many as posterior draws in use
-  /// 0: all threads of the machine. The results do not depend on the number.
+  /// 0: all threads of the machine. The results do not depend on the number of threads.
   int threads = 0;
   NormalMixture::FitOptions fit{};
 };

@@ -14,7 +14,8 @@ namespace wheeltap::inference {
 struct ImportanceOptions {
   std::uint64_t seed = 1;
   int draws = 20000;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number.
+  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
+                    ///< threads.
 };
 
 struct ImportanceSampling {
@@ -50,7 +51,7 @@ inline constexpr double kHeavyTail = 0.7;
 
 /// The fitted distribution of the largest weights.
 struct ParetoTail {
-  double shape = 0.0;  ///< as `pareto_shape`
+  double shape = 0.0;  ///< shape k̂ (`pareto_shape`)
   /// ln of the factor by which 100 times as many draws would typically raise the mean weight, by
   /// extrapolation of the tail; 0 without a fit.
   double log_excess = 0.0;

@@ -1,4 +1,4 @@
-// The mode of one model, and Laplace's evidence.
+// The posterior mode of one model, and the evidence by Laplace's method.
 #pragma once
 
 #include <cstdint>
@@ -15,16 +15,16 @@ struct ModeOptions {
   int generations = 300;
   /// Tolerance of differential evolution in ln π; Newton steps refine the result
   double tolerance = 1e-3;
-  /// Starting point z of the Newton steps without a search; empty: search
+  /// Starting point z of the Newton steps, which then replace the search; empty: search first
   std::vector<double> start{};
   bool check = true;  ///< Laplace's method: warn if the posterior is not normal
 };
 
-/// Mode of ln π(z), by self-adaptive differential evolution and Newton steps with finite
+/// Maximum of ln π(z), by self-adaptive differential evolution and Newton steps with finite
 /// differences. If the problem can be shortened, the search begins with the first 50 samples. The
 /// search then doubles the number of samples until the record is complete. Each search starts from
-/// the mode of the shorter record. Throws LikelihoodError if no point of the search has a finite
-/// likelihood.
+/// the posterior mode for the shorter record. Throws LikelihoodError if no point of the search has
+/// a positive likelihood.
 [[nodiscard]] Optimum maximum_a_posteriori(const Problem& problem, int model,
                                            const ModeOptions& options);
 
@@ -37,10 +37,10 @@ struct Laplace {
 
 /// ln Z ≈ ln π(z*) + (d/2) ln 2π - ½ ln|H|, H = -∇² ln π at the mode z*, in standard normal
 /// coordinates, in which the prior has no bounds. H comes from central differences with steps that
-/// lower ln π by about 0.05. The method covers one mode only. The result has a warning if H is not
-/// positive definite, or if importance sampling at the mode (1000 draws) shows that the posterior
-/// is not normal. For example, if the likelihood is constant within an element, the curvature at
-/// the mode is that of the prior.
+/// lower ln π by about 0.05. The method covers one posterior mode only. The result has a warning if
+/// H is not positive definite, or if importance sampling at the mode (1000 draws) shows that the
+/// posterior is not normal. For example, if the likelihood is constant within an element, the
+/// curvature at the mode is that of the prior.
 [[nodiscard]] Laplace laplace(const Problem& problem, int model, const ModeOptions& options);
 
 }  // namespace wheeltap::inference

@@ -16,7 +16,8 @@ struct MetropolisOptions {
   int chains = 4;
   int warmup = 3000;  ///< warm-up iterations, in which the proposal adapts
   int draws = 5000;   ///< number of draws per chain, one per iteration
-  int threads = 0;    ///< 0: all threads of the machine. The results do not depend on the number.
+  int threads = 0;    ///< 0: all threads of the machine. The results do not depend on the number of
+                      ///< threads.
 };
 
 /// Draws from the posterior of one model, separately for each chain.
@@ -35,15 +36,16 @@ struct ModelSamples {
 /// Random-walk Metropolis whose covariance adapts during warm-up (robust adaptive Metropolis,
 /// Vihola 2012, Statistics and Computing 22:997). Each chain starts from the best of a few prior
 /// draws. A chain stays in the posterior mode that it reaches first. A large R-hat shows that
-/// chains are in different modes.
+/// chains are in different posterior modes.
 ///
-/// Throws LikelihoodError if no prior draw has a finite likelihood, and std::invalid_argument for
+/// Throws LikelihoodError if no prior draw has a positive likelihood, and std::invalid_argument for
 /// options out of range.
 [[nodiscard]] ModelSamples metropolis(const Problem& problem, int model,
                                       const MetropolisOptions& options);
 
 /// Random-walk Metropolis in which half of the proposals are independent draws from `pilot`, so
-/// that chains move between all modes of the pilot. Each chain starts at a draw from `pilot`.
+/// that chains move between all posterior modes that the pilot covers. Each chain starts at a draw
+/// from `pilot`.
 [[nodiscard]] ModelSamples metropolis(const Problem& problem, int model, const NormalMixture& pilot,
                                       const MetropolisOptions& options);
 

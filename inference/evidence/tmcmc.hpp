@@ -11,23 +11,25 @@
 
 namespace wheeltap::inference {
 
-/// Path of the data, for problems that can be shortened: all data at once, or a growing part of
-/// them.
+/// Path of the data, for problems that can be shortened: all data at once, a growing part of the
+/// data, or the better path of the two.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
   std::uint64_t seed = 1;
-  /// Independent runs, at least 4; their scatter gives the standard error
+  /// Number of independent runs, at least 4; their standard deviation gives the standard error
   int replicates = 8;
   int samples = 500;        ///< number of samples per replicate
-  double weight_cov = 0.5;  ///< coefficient of variation of the weights, which sets each step of β
+  double weight_cov = 0.5;  ///< coefficient of variation of the weights, which determines each
+                            ///< increment of β
   /// Average number of accepted moves per sample before the next stage. For a growing record, which
   /// has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
   /// Number of likelihood calls after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
-  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number.
+  int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
+                    ///< threads.
   /// Callback, called from one thread at a time with the share of the work done since the last
   /// call. If the callback returns false, the run ends and ln Z is NaN.
   std::function<bool(double share)> progress = nullptr;
@@ -51,8 +53,8 @@ struct Tmcmc {
 ///
 ///   π_j(z) ∝ p₀(z) [factor · likelihood]^{β_j},   0 = β_0 < … < β_m = 1,
 ///
-/// by weighting with the power of the step, resampling, and Metropolis moves. Z = ∏_j mean of the
-/// weights of step j.
+/// by weighting with [factor · likelihood]^(β_j - β_{j-1}), resampling, and Metropolis moves. Z =
+/// ∏_j mean of the weights of stage j.
 ///
 /// For problems that can be shortened, the data may enter in parts (Chopin 2002, Biometrika
 /// 89:539). The first part of the data leads from the prior to the posterior of the first 50
@@ -65,27 +67,28 @@ struct Tmcmc {
 ///
 /// - Bisection on the coefficient of variation of the weights sets β. The target of the coefficient
 ///   is 0.5. With the target 1 of Ching & Chen, ln Z was two nats too low for a chain of masses
-///   with a stop, whose tempered posteriors change direction from step to step.
+///   with a stop, whose tempered posteriors change direction from stage to stage.
 /// - Resampling is systematic.
-/// - The first step removes prior draws of likelihood zero. The weight of this step is the share of
-///   prior draws with a positive likelihood. If such draws are rare, a replicate continues until 20
-///   draws have a positive likelihood or 100 000 draws are made. The estimate of the share remains
-///   unbiased.
+/// - The first stage removes prior draws with zero likelihood. The mean weight of this stage is the
+///   share of prior draws with a positive likelihood. If draws with a positive likelihood are rare,
+///   a replicate continues until 20 draws have a positive likelihood or 100 000 draws are made. The
+///   estimate of the share remains unbiased.
 /// - Half of the proposals are drawn from a normal mixture. The other half are steps with the
 ///   covariance of one component of the mixture and with a scale adapted from sweep to sweep. Both
-///   kinds of proposals together keep the shares of separate modes balanced.
-/// - The mixture that moves one half of the samples is fitted to the other half.
+///   kinds of proposals together keep the shares of separate posterior modes balanced.
+/// - The mixture that proposes moves for one half of the samples is fitted to the other half.
 /// - Sweeps continue until each sample has moved several times.
 /// - All weights are computed in log space.
 ///
-/// ln Z is the log of the replicates' mean Z. The standard error of ln Z is the scatter of the
-/// replicates times √((R-1)/(R-3)), the sd of Student's t, because the scatter is estimated from
-/// only R replicates.
+/// ln Z is the log of the replicates' mean Z. The standard error of ln Z is the relative standard
+/// error of this mean times √((R-1)/(R-3)). This factor is the standard deviation of Student's t
+/// with R - 1 degrees of freedom; it is necessary because the standard error is estimated from only
+/// R replicates.
 ///
 /// If a replicate does not reach β = 1 within 1000 stages, ln Z and its standard error are NaN and
 /// the result carries a warning.
 ///
-/// Throws LikelihoodError if no prior draw has a finite likelihood; std::invalid_argument for
+/// Throws LikelihoodError if no prior draw has a positive likelihood; std::invalid_argument for
 /// options out of range.
 [[nodiscard]] Tmcmc tmcmc(const Problem& problem, int model, const TmcmcOptions& options);
 

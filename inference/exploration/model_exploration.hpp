@@ -1,5 +1,5 @@
-// Exploration of each model separately: its modes, a first estimate of its evidence, and draws that
-// cover all its modes.
+// Exploration of each model separately: its posterior modes, a first estimate of its evidence, and
+// draws that cover all its posterior modes.
 #pragma once
 
 #include <cstdint>
@@ -23,13 +23,13 @@ struct ExplorationOptions {
   bool anneal = true;    ///< run SMC from the prior, with the shortest sufficient length
   /// Run local optimisations only, for one of very many models. The evidence is then computed by
   /// Laplace's method, with an assumed error of one nat. The population is drawn from the normal
-  /// approximations at the modes.
+  /// approximations at the posterior modes.
   bool climbs_only = false;
-  /// No local optimisations from prior draws, unless `starts` lead to no mode
+  /// No local optimisations from prior draws, unless `starts` lead to no posterior mode
   bool from_starts = false;
   int particles = 1200;  ///< number of particles of a full SMC run, over four replicates
   int rounds = 5;        ///< largest number of rounds of importance sampling
-  /// 0: all threads of the machine. The results do not depend on the number.
+  /// 0: all threads of the machine. The results do not depend on the number of threads.
   int threads = 0;
   /// Draws of another method, draws × dimension, e.g. tempering over all models.
   Eigen::MatrixXd draws{};
@@ -52,7 +52,7 @@ struct ExplorationCalls {
 struct ModelExploration {
   /// Posterior modes, the mode with the largest probability mass first
   std::vector<Mode> modes;
-  std::vector<double> shares;  ///< probability of each mode
+  std::vector<double> shares;  ///< share of the model's probability near each mode
   long climbs = 0;
   double spacing = 0.0;  ///< ModeSearch::spacing of the local optimisations
   long left_out = 0;     ///< ModeSearch::left_out
@@ -79,9 +79,9 @@ struct ModelExploration {
   [[nodiscard]] bool is_explored() const { return calls.sum() > 0; }
   /// The best estimate of ln Z so far; -∞ if nothing was found.
   [[nodiscard]] double log_evidence() const;
-  /// True if one mode has 99 % of the probability mass found by the local optimisations, and
-  /// importance sampling from the mixture at this mode is efficient. SMC then hardly improves the
-  /// result.
+  /// True if one posterior mode has 99 % of the probability mass found by the local optimisations,
+  /// and importance sampling from the mixture at this mode is efficient. SMC then hardly improves
+  /// the result.
   [[nodiscard]] bool settled() const;
 };
 
@@ -89,17 +89,18 @@ struct ModelExploration {
 /// maximise the density from many starting points, and SMC follows the probability mass along a
 /// path of temperatures. One normal mixture is fitted to the results of both. Adaptive multiple
 /// importance sampling (Cornuet et al. 2012, Scandinavian J. Statistics 39:798, with Owen & Zhou's
-/// balance heuristic) gives its draws the correct weights. A mode that only one method found is
-/// thus included. A mode that both methods found is counted once.
+/// balance heuristic) gives its draws the correct weights. A posterior mode that only one method
+/// found is thus included. A mode that both methods found is counted once.
 ///
-/// The local optimisations run first, because they need the fewest likelihood calls. If they
-/// determine the posterior (settled), a brief SMC run tests whether they missed probability mass.
-/// Missed mass has two signs. First, the evidence by SMC exceeds the evidence by the mixture
-/// significantly, as in the convergence diagnosis. Second, SMC draws lie far from every known mode,
-/// and a local optimisation from these draws leads to another mode. On a record, SMC may fail on
-/// the first samples. SMC then ends after a fixed number of likelihood calls, and local
-/// optimisations from its current draws replace it. A full SMC run follows only if the brief run
-/// shows missed probability mass, or if the local optimisations did not determine the posterior.
+/// The local optimisations run first, because they need the fewest likelihood calls. If the local
+/// optimisations determine the posterior (settled), a brief SMC run tests whether they missed
+/// probability mass. Missed probability mass shows itself in two ways. First, the evidence by SMC
+/// exceeds the evidence by the mixture significantly, by the criterion of the convergence
+/// diagnosis. Second, SMC draws lie far from every known mode, and a local optimisation from these
+/// draws leads to another mode. On a record, SMC may fail on the first samples. SMC then ends after
+/// a fixed number of likelihood calls, and local optimisations from its current draws replace it. A
+/// full SMC run follows only if the brief run shows missed probability mass, or if the local
+/// optimisations did not determine the posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);
 
@@ -114,8 +115,8 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
                   Annealing how, ModelExploration& found);
 
 /// Index of the mode whose normal approximation has the highest density at z relative to its peak.
-/// This is the nearest mode, with distances in standard deviations of the mode. -1 if `modes` is
-/// empty.
+/// This mode is the nearest one, if distances are measured in standard deviations of each mode. The
+/// result is -1 if `modes` is empty.
 [[nodiscard]] int nearest_mode(const std::vector<Mode>& modes,
                                const std::vector<Eigen::MatrixXd>& precisions,
                                std::span<const double> z);

@@ -43,8 +43,9 @@ class ModelLattice {
 [[nodiscard]] std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lattice,
                                               const std::vector<ModelExploration>& explorations);
 
-/// A starting point for model m: the mode of the most probable explored model one step above or
-/// below m, without the parameters that m lacks. Empty if none of these models was explored.
+/// A starting point for model m: the posterior mode of the most probable explored model one step
+/// above or below m, without the parameters that m lacks. Empty if none of these models was
+/// explored.
 [[nodiscard]] std::vector<double> start_from_around(
     const ModelSpace& space, const ModelLattice& lattice, int m,
     const std::vector<ModelExploration>& explorations);

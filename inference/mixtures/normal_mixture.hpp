@@ -58,10 +58,10 @@ class NormalMixture {
 
   /// Fits by expectation-maximisation from k-means++ centres (Arthur & Vassilvitskii 2007). The fit
   /// starts with the largest number of components and repeatedly merges the pair of components with
-  /// the smallest loss (Runnalls 2007, IEEE Trans. AES 43:989). The criterion selects among all
-  /// sizes on the way, as in Figueiredo & Jain 2002 and AutoMix. Repeated samples (rejections of a
-  /// chain) keep their weight, but count only once for the minimum number of samples per component.
-  /// No component can therefore collapse onto a repeated sample.
+  /// the smallest loss (Runnalls 2007, IEEE Trans. AES 43:989). The criterion selects one of all
+  /// mixtures that this sequence of merges produces (Figueiredo & Jain 2002; AutoMix). Repeated
+  /// samples (rejections of a chain) keep their weight, but count only once for the minimum number
+  /// of samples per component. No component can therefore collapse onto a repeated sample.
   ///
   /// `samples` is n × d. Throws std::invalid_argument for an empty `samples`, a sample that is not
   /// finite, or options out of range. The result has one broad component if the samples are too few

@@ -1,6 +1,6 @@
-// Loops over normal mixtures packed for vector instructions (packed_mixture.hpp). They are compiled
-// for several register widths, so this header uses only plain pointers and numbers: library
-// templates could be instantiated with the wrong instruction set (see base/simd.hpp).
+// Loops over normal mixtures packed for vector instructions (packed_mixture.hpp). The loops are
+// compiled for several register widths, so this header uses only plain pointers and numbers.
+// Library templates could be instantiated with the wrong instruction set (see base/simd.hpp).
 #pragma once
 
 #include <cstddef>

@@ -12,15 +12,16 @@ struct EvidenceWarning {
   enum class Kind {
     failed,               ///< the evidence could not be computed; `error` gives the reason
     stalled,              ///< TMCMC stopped before β = 1; `value`: the exponent β that it reached
-    replicates_scatter,   ///< the ln Z of the replicates of TMCMC scatter by `value` nats
-    samples_hardly_move,  ///< the moves of TMCMC hardly change the samples in some stage
+    replicates_scatter,   ///< the TMCMC replicates differ; `value`: standard deviation of their ln
+                          ///< Z [nats]
+    samples_hardly_move,  ///< the Metropolis moves of TMCMC hardly change the samples in some stage
     bridge_unsettled,     ///< the proposal and the posterior hardly overlap
     few_bridge_draws,     ///< `value`: effective posterior draws in bridge sampling
     chains_disagree,      ///< `value`: R-hat
     heavy_tail,           ///< importance weights have a heavy tail; `value`: their Pareto shape
     few_effective_draws,  ///< `value`: effective draws of importance sampling
-    /// The posterior about the mode is not normal. `value` is ln Z by importance sampling at the
-    /// mode minus ln Z by Laplace's method.
+    /// The posterior about the posterior mode is not normal. `value` is ln Z by importance sampling
+    /// at the mode minus ln Z by Laplace's method.
     not_normal,
     no_maximum,  ///< minus the Hessian at the mode is not positive definite
   };

@@ -15,8 +15,8 @@ struct LikelihoodTime {
 
 /// Evaluates the likelihood at draws of the prior of all models with parameters in turn, for about
 /// `seconds`. The likelihood of every model is evaluated at least once, unless this takes more than
-/// ten times `seconds`. Impossible draws, whose evaluation may be fast, are excluded if possible
-/// draws exist.
+/// ten times `seconds`. Draws with zero likelihood are left out of the measured run time if there
+/// are other draws, because their evaluation may be unusually fast.
 [[nodiscard]] LikelihoodTime probe(const Problem& problem, double seconds);
 
 }  // namespace wheeltap::inference

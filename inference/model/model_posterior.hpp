@@ -45,7 +45,8 @@ class ModelPosterior {
     double log_gain = 0.0;
   };
 
-  /// Throws std::invalid_argument for a model outside the space. `problem` must outlive this.
+  /// Throws std::invalid_argument for a model outside the space. `problem` must outlive this
+  /// object.
   ModelPosterior(const Problem& problem, int model);
 
   /// Evaluates the log posterior at z. All values are -∞ if z is not finite or its components are
@@ -58,7 +59,8 @@ class ModelPosterior {
   /// log_posterior() below `level` may be returned as -∞.
   void evaluate(std::span<const double> zs, std::span<Value> out,
                 double level = -std::numeric_limits<double>::infinity());
-  /// The physical parameters of the last z with ordered components that was evaluated singly.
+  /// The physical parameters of the last z with ordered components that was evaluated alone, not
+  /// together with others.
   [[nodiscard]] std::span<const double> x() const { return state_.x; }
 
   /// Sorts the exchangeable components of z.

@@ -16,9 +16,8 @@ struct Parameter {
 };
 
 /// A kind of exchangeable component, e.g. a damage with a location and a reduction. A state
-/// contains a
-/// *set* of components, sorted by their first parameter. The prior density of an ordered set of k
-/// is
+/// contains a set of components of one kind, sorted by their first parameter. The prior density of
+/// an ordered set of k components is
 ///
 ///   P(k) · k! · ∏ p(component),
 ///
@@ -46,7 +45,7 @@ struct Model {
 struct ComponentRange {
   std::size_t first = 0, width = 0;
 
-  /// The component's part of a vector laid out as in Model.
+  /// The component's part of a vector with the layout of Model.
   template <class T>
   [[nodiscard]] std::span<T> of(std::span<T> x) const {
     return x.subspan(first, width);

@@ -60,7 +60,7 @@ class Distribution {
   /// ln p(x), normalised, for lower() < x < upper().
   [[nodiscard]] virtual double log_density(double x) const = 0;
   /// The two tail probabilities F(x) and 1 - F(x), each with a small *relative* error. Computing
-  /// one of them as 1 minus the other would lose accuracy in the tails.
+  /// one tail probability as 1 minus the other would lose accuracy in the tails.
   struct Tails {
     double below, above;
   };

@@ -18,12 +18,13 @@ namespace wheeltap::inference {
 /// evaluations do not allocate memory.
 struct Evaluation {
   double log_likelihood = -std::numeric_limits<double>::infinity();
-  /// The predicted observables, or empty. They are recorded for posterior predictive checks and for
-  /// the convergence diagnosis of the responses.
+  /// The predicted observables, or empty. Predicted observables are recorded for posterior
+  /// predictive checks and for the convergence diagnosis of the responses.
   std::vector<double> prediction = {};
-  /// Standardised residuals (observed - predicted) / sd, or empty. If given, they must satisfy ln
-  /// p(data | ·) = c - ½ Σ residual² with a constant c that does not depend on the number of
-  /// components. Births are then proposed at locations where a new component reduces the residuals.
+  /// Standardised residuals (observed - predicted) / sd, or empty. If given, the residuals must
+  /// satisfy ln p(data | ·) = c - ½ Σ residual² with a constant c that does not depend on the
+  /// number of components. Births are then proposed at locations where a new component reduces the
+  /// residuals.
   std::vector<double> residuals = {};
   /// The common factor of all standard deviations if the noise is a parameter, and 1 for known
   /// noise. The product residual · noise_scale then does not depend on the noise.
@@ -44,9 +45,9 @@ class Likelihood {
  public:
   virtual ~Likelihood() = default;
 
-  /// ln p(data | model, x) with all normalising constants; -∞ if x is impossible. NaN and +∞ are
-  /// floating-point faults, which count as -∞; if they are frequent, Target ends the run with an
-  /// error that names the model and the parameters. x is laid out as in Model.
+  /// ln p(data | model, x) with all normalising constants; -∞ if the likelihood is zero. NaN and +∞
+  /// are floating-point faults, which count as -∞; if they are frequent, Target ends the run with
+  /// an error that names the model and the parameters. x has the layout of Model.
   virtual double log_likelihood(int model, std::span<const double> x) = 0;
 
   /// ln p(data | model, x) if only values of at least `floor` are needed. For a smaller value, the
@@ -84,18 +85,18 @@ class Likelihood {
     log_likelihoods(model, xs, out);
   }
 
-  /// Optional: writes ∂ ln p(data | model, x)/∂x_i to out[i], in the units of 1/x_i, for any
-  /// possible x, evaluated before or not. Returns false, with `out` undefined, if there is no
-  /// gradient. Searches and proposals use the gradient; acceptance ratios do not depend on the
-  /// gradient. If the likelihood is a step function of x_i, its derivative is zero, and the
+  /// Optional: writes ∂ ln p(data | model, x)/∂x_i to out[i], in the units of 1/x_i, for any x with
+  /// a positive likelihood, evaluated before or not. Returns false, with `out` undefined, if there
+  /// is no gradient. Searches and proposals use the gradient; acceptance ratios do not depend on
+  /// the gradient. If the likelihood is a step function of x_i, its derivative is zero, and the
   /// function should return the slope across the steps.
   virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
     return false;
   }
 
-  /// Optional: the Gauss-Newton approximation of ln p(data | model, ·) about a possible x, a
-  /// quadratic from the residuals' first derivatives (Nocedal & Wright 2006, section 10.3). With
-  /// steps s,
+  /// Optional: the Gauss-Newton approximation of ln p(data | model, ·) about an x with a positive
+  /// likelihood: a quadratic function from the residuals' first derivatives (Nocedal & Wright 2006,
+  /// section 10.3). With steps s,
   ///
   ///   gradient[i] = s_i ∂ ln p/∂x_i,   information[i d + j] = s_i s_j I_ij,
   ///
@@ -108,7 +109,8 @@ class Likelihood {
                             std::span<double> /*information*/) {
     return false;
   }
-  /// Whether `gradient` and `gauss_newton` are exact derivatives that cost about two evaluations.
+  /// True if `gradient` and `gauss_newton` give exact derivatives and take as long as about two
+  /// evaluations.
   [[nodiscard]] virtual bool has_exact_derivatives() const { return false; }
 };
 
@@ -132,14 +134,14 @@ struct Reflection {
 
 class Move;
 
-/// A user-defined move, e.g. a Transformation for the structure of the problem. The engine creates
-/// the move for each chain and temperature at the start of every round.
+/// A user-defined MCMC move, e.g. a Transformation that uses the structure of the problem. The
+/// engine creates the move for each chain and temperature at the start of every round.
 struct NamedMove {
   std::string name;
   std::function<std::unique_ptr<Move>()> make;
-  /// Largest factor by which the engine may increase the share of this move in the steps. The share
-  /// increases if the move changes the model more often than the engine's own moves at equal run
-  /// time.
+  /// Largest factor by which the engine may increase the share of MCMC steps that use this move.
+  /// The share increases if the move changes the model more often than the engine's own moves at
+  /// equal run time.
   double most = 1.0;
 };
 
@@ -157,8 +159,8 @@ struct Problem {
   LikelihoodFactory screen = nullptr;
   /// Optional, for long records: the number of samples, and the same problem with only the first
   /// samples of the record. The engine then searches modes on records of increasing length, each
-  /// search starting from the mode of the shorter record, because the whole record can have too
-  /// many local modes for a search.
+  /// search starting from the posterior mode for the shorter record, because the posterior for the
+  /// whole record can have too many modes for a search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
 };
@@ -167,7 +169,7 @@ struct Problem {
 /// the target there.
 struct State {
   int model = 0;
-  std::vector<double> z;  ///< standard normal coordinates, laid out as in Model
+  std::vector<double> z;  ///< standard normal coordinates, in the layout of Model
   std::vector<double> x;  ///< the physical parameters of z
   double log_likelihood = -std::numeric_limits<double>::infinity();
   /// Log likelihood by the approximation. The value equals log_likelihood if the problem has no
@@ -225,8 +227,8 @@ class Target {
            memory_.proper.impossible, memory_.stand_in.values, memory_.stand_in.impossible);
   }
 
-  /// Computes all members of `state` that follow from model and z. An infinite z is impossible, so
-  /// its log likelihood is -∞. If the problem has an approximation, the residuals come from the
+  /// Computes all members of `state` that follow from model and z. The log likelihood of an
+  /// infinite z is -∞. If the problem has an approximation, the residuals are those of the
   /// approximation.
   void evaluate(State& state);
 
@@ -255,16 +257,16 @@ class Target {
   [[nodiscard]] double log_prior_physical(const State& state) const;
 
   /// ∂ ln π/∂z_i of an evaluated state, by the chain rule: ∂ ln p(data | x)/∂x_i · φ(z_i)/p(x_i) -
-  /// z_i. Returns false, with `dz` undefined, if the state is impossible, the likelihood has no
-  /// finite gradient, or the problem has an approximation or a prior factor; the caller then uses
-  /// differences. A gradient counts as one evaluation.
+  /// z_i. Returns false, with `dz` undefined, if the posterior density of the state is zero, the
+  /// likelihood has no finite gradient, or the problem has an approximation or a prior factor; the
+  /// caller then uses differences. A gradient counts as one evaluation.
   bool gradient(const State& state, std::span<double> dz);
 
   /// ∂ ln π/∂z_i and a positive definite approximation of -∂² ln π/∂z_i ∂z_j (row by row) by
   /// Likelihood::gauss_newton with differences over dz, one step per coordinate. Returns false,
-  /// with undefined output, if z is impossible, if the problem has components, an approximation or
-  /// a prior factor, or if the likelihood has no such approximation. The function sets state.x but
-  /// no log densities.
+  /// with undefined output, if the posterior density at z is zero, if the problem has components,
+  /// an approximation or a prior factor, or if the likelihood has no such approximation. The
+  /// function sets state.x but no log densities.
   bool gauss_newton(State& state, std::span<const double> dz, std::span<double> gradient,
                     std::span<double> information);
 
@@ -274,13 +276,14 @@ class Target {
   /// Draws the parameters of one model from the prior. The state is not evaluated.
   void draw_prior(int model, base::Random& random, State& state) const;
 
-  /// Sorts the components of each kind by their first parameter. Returns true if they were sorted
-  /// already.
+  /// Sorts the components of each kind by their first parameter. Returns true if the components
+  /// were sorted already.
   bool sort_components(State& state) const;
   [[nodiscard]] bool is_sorted(const State& state) const;
 
-  /// Sets the constants that are added to the log prior of each model. During warm-up, they change
-  /// the probabilities with which models are visited. log_prior_physical omits them.
+  /// Sets the constants that are added to the log prior of each model. During warm-up, the
+  /// constants change the probabilities with which models are visited. log_prior_physical omits the
+  /// constants.
   void set_model_bias(const std::vector<double>& bias);
 
   [[nodiscard]] const Problem& problem() const { return *problem_; }
@@ -295,7 +298,7 @@ class Target {
   }
 
  private:
-  /// Computes x and the prior factor; false if the prior makes the state impossible.
+  /// Computes x and the prior factor; false if the prior density of the state is zero.
   bool locate(State& state) const;
   /// Fills in `evaluation_`; returns the checked log likelihood.
   double call(Likelihood& likelihood, Tally& tally, const State& state, double floor);

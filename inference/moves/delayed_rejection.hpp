@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 ///   min{1, π(z₂) q(z₂ → z₁) [1 - α(z₂, z₁)] / ( π(z) q(z → z₁) [1 - α(z, z₁)] )},
 ///
 /// where q is the proposal density of the first stage and α its acceptance probability. S is a
-/// scale matrix, one per model, adapted as in RandomWalk.
+/// scale matrix, one per model, adapted by the method of RandomWalk.
 class DelayedRejection : public Kernel {
  public:
   explicit DelayedRejection(RandomWalk::Scales scales)

@@ -1,4 +1,4 @@
-// Moves to the images of a state under a symmetry, for symmetric structures.
+// MCMC moves to the images of a state under a symmetry, for symmetric structures.
 #pragma once
 
 #include <functional>
@@ -7,9 +7,9 @@
 
 namespace wheeltap::inference {
 
-/// A map of parameters under which the likelihood is (nearly) invariant. It acts on one parameter
-/// of each component of some kinds, x → image(x) with |d image/dx| = 1. image(x) is NaN if x has no
-/// image.
+/// A map of parameters under which the likelihood is (nearly) invariant. The map acts on one
+/// parameter of each component of some kinds, x → image(x) with |d image/dx| = 1. image(x) is NaN
+/// if x has no image.
 struct Symmetry {
   struct Part {
     int kind = 0;       ///< index into ModelSpace::kinds()
@@ -19,7 +19,7 @@ struct Symmetry {
   std::vector<Part> parts;
 };
 
-/// Chooses one symmetry uniformly. With `whole`, the symmetry is applied to every component
+/// Chooses one symmetry uniformly. If `whole` is true, the symmetry is applied to every component
 /// concerned (the image of the state), otherwise to one component chosen uniformly. The list must
 /// contain the inverse of each symmetry, so that the reverse move has the same probability. With
 /// respect to dz then

@@ -29,8 +29,8 @@ class Kernel {
     bool accepted = false;
     int to_model = 0;  ///< the proposed model
   };
-  /// `work` is the cost of a step besides the likelihood, in likelihood calls (see
-  /// kOperationsACall).
+  /// `work` is the run time of a step without the likelihood calls, in equivalent likelihood calls
+  /// (see kOperationsACall).
   explicit Kernel(std::string name, double work = 0.0) : name_(std::move(name)), work_(work) {}
   virtual ~Kernel() = default;
   Kernel(const Kernel&) = delete;
@@ -87,7 +87,7 @@ class Move {
   ///   ln [ q(to → from) / q(from → to) · |J| ]     with respect to dz,
   ///
   /// or std::nullopt if no proposal is possible; the chain then repeats its state. A move whose
-  /// reverse density depends on the likelihood's residuals must screen `to` itself.
+  /// reverse density depends on the residuals of the likelihood must call Target::screen for `to`.
   virtual std::optional<double> propose(const State& from, const Step& step, State& to) = 0;
 
   /// Adapts the move; called after each proposal of this move during warm-up.
@@ -124,7 +124,7 @@ class MetropolisHastings : public Kernel {
 };
 
 /// ln of the ratio of the tempered target density at `to` to that at `from`. The result is -∞ if
-/// `to` is impossible, and +∞ if only `from` is impossible.
+/// the density at `to` is zero, and +∞ if only the density at `from` is zero.
 [[nodiscard]] double log_target_ratio(const Target& target, double beta, const State& from,
                                       const State& to);
 /// ln of the ratio of tempered target densities with the approximate log likelihood.

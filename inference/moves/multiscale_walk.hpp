@@ -1,4 +1,5 @@
-// Symmetric steps of all lengths, for posteriors whose width varies with position.
+// Symmetric random-walk steps of very different lengths, for posteriors whose width varies with
+// position.
 #pragma once
 
 #include "inference/moves/random_walk.hpp"
@@ -10,7 +11,7 @@ namespace wheeltap::inference {
 /// coordinate, S is its standard deviation. ln f is uniform between ln 10⁻³ and ln 3 and
 /// independent of the state. The proposal is symmetric, so the ratio is 1. A random walk with one
 /// scale is suitable either for the wide part of a funnel (Neal 2003, Annals of Statistics 31:705,
-/// section 8) or for its neck. A walk with all scales moves in both parts, but many of its steps
+/// section 8) or for its neck. A walk with many scales moves in both parts, but many of its steps
 /// are too long or too short.
 class MultiscaleWalk : public Move {
  public:

@@ -1,4 +1,4 @@
-// One climb to a mode of a model's posterior, and the measurement of the mode.
+// One climb (a local optimisation) to a mode of a model's posterior, and the Hessian at this mode.
 #pragma once
 
 #include <functional>
@@ -11,8 +11,8 @@
 
 namespace wheeltap::inference {
 
-/// ln π(z) as a function of labelled vectors, which is symmetric in the components. It is -∞ for
-/// |z_i| > 8.3, which has a prior probability of 1e-16. Counts its calls.
+/// ln π(z) as a function of labelled vectors, which is symmetric in the components. ln π is -∞ for
+/// |z_i| > 8.3, which has a prior probability of 1e-16. Surface counts its calls.
 class Surface {
  public:
   Surface(const Problem& problem, int model) : posterior_(problem, model) {}
@@ -42,7 +42,8 @@ class Surface {
     posterior_.carry(parcel);
     parcel(gradients_, refusals_, saved_);
   }
-  /// Sets a callback that is called before each likelihood; returning true ends the current climb.
+  /// Sets a callback that is called before each likelihood call; if the callback returns true, the
+  /// current climb ends.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
   [[nodiscard]] bool stopped() const { return stop_ && stop_(); }
 
@@ -51,12 +52,12 @@ class Surface {
   std::vector<double> ordered_, batch_;
   std::vector<Eigen::Index> places_;  ///< place of each batch entry among the columns
   std::vector<ModelPosterior::Value> values_;
-  long gradients_ = 0, refusals_ = 0;  ///< numbers of gradients, and of failures to get one
+  long gradients_ = 0, refusals_ = 0;  ///< numbers of gradients, and of points without gradient
   long saved_ = 0;
   std::function<bool()> stop_;
 };
 
-/// A mode with the quantities that climbs use.
+/// A posterior mode with the quantities that climbs use.
 struct KnownMode {
   Eigen::VectorXd z;
   double value = 0.0;
@@ -68,26 +69,26 @@ struct ClimbEnd {
   Eigen::VectorXd z;
   double value = -std::numeric_limits<double>::infinity();
   Eigen::MatrixXd inverse_hessian{};  ///< estimated during the climb
-  int known = -1;                     ///< index of the known mode that it reached
-  bool possible = false;              ///< the start was possible
+  int known = -1;                     ///< index of the known mode that the climb reached
+  bool possible = false;              ///< true if the posterior density at the start is positive
   double way = 0.0;                   ///< length of the path, in standard deviations of the prior
   long points = 0;                    ///< number of points of the path, without the start
 };
 
-/// Climbs from `start` to a mode. It tries a few Newton steps with the curvature of the nearest
-/// known mode, then Gauss-Newton steps if the likelihood offers them, or BFGS (mode_search.hpp).
-/// Between two points of its path, a climb may step over a narrow mode to which steepest ascent
-/// would lead. `way / points` is the mean distance of these points.
+/// Climbs from `start` to a posterior mode. The function tries a few Newton steps with the
+/// curvature of the nearest known mode, then Gauss-Newton steps if the likelihood offers them, or
+/// BFGS (mode_search.hpp). Between two points of its path, a climb may step over a narrow mode to
+/// which steepest ascent would lead. `way / points` is the mean distance of these points.
 ///
 /// The default steps of the first differences are suitable for a start drawn from the prior. Near a
-/// mode whose width is a thousandth of that of the prior, they give a wrong direction. With `fine`,
-/// the steps are reduced until the widths of the mode converge.
+/// mode whose width is a thousandth of the width of the prior, these steps give a wrong direction.
+/// If `fine` is true, the steps are reduced until the widths of the mode converge.
 [[nodiscard]] ClimbEnd climb(Surface& f, const Eigen::VectorXd& start,
                              const std::vector<KnownMode>& known, bool fine = false);
 
 /// Computes the Hessian at a mode by differences with steps that lower ln π by about a twentieth of
 /// a nat. The Hessian is made positive definite, so that no direction is much wider than the prior.
-/// Exact derivatives, if the likelihood has them, replace second differences.
+/// If the likelihood has exact derivatives, they replace second differences.
 [[nodiscard]] KnownMode measure(Surface& f, const ClimbEnd& end);
 
 /// Squared distance from a mode in units of its standard deviations.

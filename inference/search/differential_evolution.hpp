@@ -14,9 +14,11 @@ struct SadeOptions {
   int population = 0;  ///< 0: 10 per dimension, at least 30
   int generations = 1000;
   double start_sd = 1.0;                        ///< the first population is N(0, start_sd² I)
-  std::vector<std::vector<double>> start = {};  ///< its first members, if not empty
+  std::vector<std::vector<double>> start = {};  ///< first members of the first population, if not
+                                                ///< empty
   double bound = std::numeric_limits<double>::infinity();  ///< |z_i| <= bound, by reflection
-  /// The search stops if the best and the worst value of the population differ by less than this.
+  /// The search stops if the best and the worst value of the population differ by less than
+  /// `tolerance`.
   double tolerance = 1e-9;
 };
 
@@ -26,9 +28,10 @@ struct SadeOptions {
 ///   rand/1:             v = z_a + F (z_b - z_c),
 ///   current-to-best/2:  v = z_i + F (z_best - z_i) + F (z_a - z_b),
 ///
-/// with binomial crossover with z_i, and is kept if no worse. F ~ N(0.5, 0.3²) is drawn for each
-/// trial. The crossover rate is drawn around the mean of the successful ones, and the strategies
-/// are used in proportion to their success over the last generations.
+/// with binomial crossover with z_i. The trial vector replaces z_i if its value is not lower. F ~
+/// N(0.5, 0.3²) is drawn for each trial. The crossover rate is drawn around the mean of the
+/// successful crossover rates. The two strategies are used in proportion to their success rates in
+/// the last generations.
 ///
 /// Throws std::invalid_argument for a dimension or an option out of range.
 [[nodiscard]] Optimum maximise_by_differential_evolution(const Objective& objective, int dimension,

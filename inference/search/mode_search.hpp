@@ -1,4 +1,5 @@
-// Search for the modes of one model's posterior by climbs from draws of its prior.
+// Search for the modes of one model's posterior by climbs (local optimisations) from draws of its
+// prior.
 #pragma once
 
 #include <cstdint>
@@ -16,32 +17,33 @@ struct Mode {
   double log_posterior = 0.0;
   Eigen::MatrixXd covariance;  ///< inverse of minus the Hessian, made positive definite
   double log_mass = 0.0;       ///< Laplace: ln π + (d/2) ln 2π + ½ ln|covariance|
-  long climbs = 0;             ///< number of climbs that ended there
+  long climbs = 0;             ///< number of climbs that ended at this mode
 };
 
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
-  /// Likelihood calls, including those that exact derivatives save; climbs in progress are
-  /// finished.
+  /// Largest number of likelihood calls, including calls that exact derivatives save; climbs in
+  /// progress are finished.
   long budget = 100000;
   /// Factor in (0, 1] on the work for a growing record: the number of climbs from the prior, of
   /// followed modes, and of draws near each mode.
   double effort = 1.0;
-  /// Additional starting points, e.g. draws of another method; not counted.
+  /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};
   bool fine = false;  ///< `starts` are near modes: use small first differences (climb.hpp)
-  int threads = 0;    ///< 0: as many as the machine has. Never changes a result.
-  /// Called from one thread with the share done so far; returning false ends the search.
+  int threads = 0;    ///< 0: all threads of the machine. Results do not depend on it.
+  /// Callback, called from one thread with the completed share. If it returns false, the search
+  /// ends.
   std::function<bool(double share)> progress = nullptr;
-  /// Called between two likelihoods by any thread; returning true ends the search. Climbs in
-  /// progress are then discarded.
+  /// Callback, called between two likelihood calls by any thread. If it returns true, the search
+  /// ends, and climbs in progress are discarded.
   std::function<bool()> stop = nullptr;
 };
 
 struct ModeSearch {
-  std::vector<Mode> modes;  ///< the largest probability mass first, down to e^-25 of it
-  long climbs = 0;          ///< completed climbs from possible points
+  std::vector<Mode> modes;  ///< the largest probability mass first, down to e^-25 of this mass
+  long climbs = 0;          ///< completed climbs from points with a positive density
   /// Mean distance between the points at which these climbs evaluated ln π, in standard deviations
   /// of the prior; 0: not known. A narrower mode may lie between two points.
   double spacing = 0.0;
@@ -55,19 +57,20 @@ struct ModeSearch {
 inline constexpr long kFewestClimbs = 30;
 inline constexpr long kMostClimbs = 10000;
 
-/// Climbs from draws of the prior, in standard normal coordinates:
+/// Searches modes by climbs from draws of the prior, in standard normal coordinates:
 ///
 ///   z ← z + t B g,   g = ∇ ln π,   B ≈ (-∇² ln π)⁻¹
 ///
 /// by BFGS (Nocedal & Wright 2006, section 6.1), starting with the diagonal of second differences.
-/// The gradient comes from differences, or from the likelihood if it offers one. t is halved until
-/// the increase of ln π agrees with the quadratic model within a factor of ten. Otherwise the step
-/// may leave the region in which the model is valid, and with it the basin. If the likelihood
-/// offers a Gauss-Newton approximation, the climb uses Levenberg & Marquardt's method (Moré 1978)
-/// with the same rule for its steps, and BFGS where that does not converge. If modes are known, one
-/// or two Newton steps with the curvature of the nearest are tried first. If these steps converge
-/// to the known mode, and three points between show no other mode, the climb is complete after a
-/// few calls. Thousands of climbs are thus affordable if the posterior is nearly normal.
+/// The gradient is computed by differences, or by the likelihood if the likelihood has a gradient.
+/// t is halved until the increase of ln π agrees with the quadratic model within a factor of ten.
+/// Otherwise the step may leave the region in which the quadratic model is valid, and the basin of
+/// the mode. If the likelihood offers a Gauss-Newton approximation, the climb uses Levenberg &
+/// Marquardt's method (Moré 1978) with the same rule for its steps, and BFGS if this method does
+/// not converge. If modes are known, one or two Newton steps with the curvature of the nearest mode
+/// are tried first. If these steps converge to the known mode, and three points on the way show no
+/// other mode, the climb is complete after a few calls. Thousands of climbs are thus affordable if
+/// the posterior is nearly normal.
 ///
 /// Components are exchangeable: the climb uses labelled vectors, in which ln π is symmetric, and
 /// sorts its result. Two end points are the same mode if the straight line between them has no
@@ -75,10 +78,10 @@ inline constexpr long kMostClimbs = 10000;
 ///
 /// If the problem can be shortened, climbs use its first 50 samples. The number of samples is then
 /// doubled repeatedly. Each mode is followed by climbs from the previous mode and from draws of the
-/// normal approximation at it. If the mode does not exist on the doubled record (ln π falls by far
-/// more than the share of the new samples), the best modes are followed with smaller increments of
-/// the record. Further climbs on the whole record start from the draws with the highest posterior
-/// density among a few hundred draws of the prior.
+/// normal approximation at this mode. If the mode does not exist for the doubled record (ln π falls
+/// by far more than the share of the new samples), the best modes are followed with smaller
+/// increments of the record. Further climbs on the whole record start from the draws with the
+/// highest posterior density among a few hundred draws of the prior.
 ///
 /// All n climbs miss a mode whose basin holds a share p of the prior with probability (1-p)^n. The
 /// basin consists of all points from which these climbs, with steps of finite length, reach the
@@ -87,8 +90,9 @@ inline constexpr long kMostClimbs = 10000;
 [[nodiscard]] ModeSearch search_modes(const Problem& problem, int model,
                                       const ModeSearchOptions& options);
 
-/// Adds climbs from `options.starts` on the whole record. It does not climb again to modes in
-/// `found`, and does not change `found.climbs`, since chosen starts are not draws of the prior.
+/// Adds climbs from `options.starts` on the whole record. This function does not climb again to
+/// modes in `found`, and does not change `found.climbs`, because chosen starts are not draws of the
+/// prior.
 void extend_search(const Problem& problem, int model, const ModeSearchOptions& options,
                    ModeSearch& found);
 
@@ -97,8 +101,8 @@ void extend_search(const Problem& problem, int model, const ModeSearchOptions& o
 [[nodiscard]] double search_resolution(long climbs);
 
 /// The resolution for modes of this width, in standard deviations of the prior, with respect to
-/// their basins of steepest ascent. For widths below the `spacing` of the climbs, it is larger by
-/// the factor spacing / width, and at most 1.
+/// their basins of steepest ascent. For widths below the `spacing` of the climbs, the resolution is
+/// larger by the factor spacing / width, and at most 1.
 [[nodiscard]] double search_resolution(double of_wide_modes, double spacing, double width);
 
 }  // namespace wheeltap::inference

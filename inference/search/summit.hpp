@@ -1,4 +1,4 @@
-// Search for a much narrower mode at the maximum of a known mode.
+// Search for a much narrower posterior mode at the maximum of a known posterior mode.
 #pragma once
 
 #include <optional>
@@ -9,18 +9,19 @@
 namespace wheeltap::inference {
 
 /// Finds a point near a mode where ln π exceeds the mode's maximum by more than `kAboveSummit`. A
-/// local search ends about a tenth of a standard deviation from the maximum, so that it may miss a
-/// spike near the maximum that is narrower than this. From the mode, Newton's method with
-/// differences over 3e-5 standard deviations finds the maximum of
+/// local search ends about a tenth of a standard deviation from the maximum, so the search may miss
+/// a narrower spike near the maximum. From the mode, Newton's method with differences over 3e-5
+/// standard deviations finds the maximum of
 ///
-///   ln π(z),   and   ln π(z) + |z|²/2  (the likelihood's, if it has one near the mode),
+///   ln π(z),   and   ln π(z) + |z|²/2  (maximum of the likelihood, if there is one),
 ///
-/// to about 1e-9 standard deviations. At these two points, only spikes narrower than this are
-/// missed; other points are not searched. Uses at most `summit_calls(d)` likelihood calls.
+/// to about 1e-9 standard deviations. At these two points, only spikes narrower than 1e-9 standard
+/// deviations are missed; other points are not searched. Uses at most `summit_calls(d)` likelihood
+/// calls.
 [[nodiscard]] std::optional<Eigen::VectorXd> above_summit(Surface& f, const KnownMode& mode);
 
 inline constexpr double kAboveSummit = 2.0;  ///< nats
-inline constexpr int kSummitSteps = 6;       ///< of Newton's method, for each of the two maxima
+inline constexpr int kSummitSteps = 6;       ///< steps of Newton's method for each maximum
 [[nodiscard]] constexpr long summit_calls(long dimension) {
   return 2 * kSummitSteps * (2 * dimension + 1);
 }

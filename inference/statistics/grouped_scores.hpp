@@ -43,9 +43,9 @@ struct GroupedErrorOptions {
 /// McCaffrey 2002).
 ///
 /// If a few influential groups dominate, the distribution of scores is skewed, and z* and s are
-/// both too small if the record contains no such group by chance. The confidence interval from
-/// Student's t is then too low and too short. Quantiles are therefore computed by the bootstrap-t
-/// (Efron 1981; Hall 1988): N groups drawn with replacement, b, have
+/// both too small if the record contains no influential group by chance. The confidence interval
+/// from Student's t is then too low and too short. Quantiles are therefore computed by the
+/// bootstrap-t (Efron 1981; Hall 1988): N groups drawn with replacement, b, have
 ///
 ///   z*_b - z* = (P + Σ_b H_w)⁻¹ (Σ_b g_w - Σ_w g_w),   and an s_b by the formula above;
 ///

@@ -1,5 +1,5 @@
-// Hierarchical model of one quantity in several groups of data: common centre, scatter between
-// groups, and prediction for a further group.
+// Hierarchical model of one quantity in several groups of data: common centre, standard deviation
+// between groups, and prediction for a further group.
 #pragma once
 
 #include <functional>
@@ -39,7 +39,7 @@ class LineMixture {
 struct HierarchicalOptions {
   double centre_mean = 0.0;  ///< mean of the normal prior of the centre
   double centre_sd = 1.0;
-  double largest_scatter = 1.0;  ///< upper limit T of the scatter τ, see HierarchicalPosterior
+  double largest_scatter = 1.0;  ///< upper limit T of the standard deviation τ between groups
 };
 
 /// The posterior of
@@ -49,11 +49,11 @@ struct HierarchicalOptions {
 ///
 /// (normal hierarchical model of Gelman et al. 2013, Bayesian Data Analysis, section 5.4; Sedehi,
 /// Papadimitriou & Katafygiotis 2019 for windows of a record). The prior of τ is flat below the
-/// error λ of a group, because the data cannot resolve smaller scatter, and proportional to 1/τ
-/// above λ. If the means of the groups scatter by more than their errors, the credible interval of
+/// error λ of a group, because the data cannot resolve a smaller τ, and proportional to 1/τ above
+/// λ. If the means of the groups differ by more than their errors explain, the credible interval of
 /// the centre is therefore the interval of Student's t with n - 1 degrees of freedom. The coverage
-/// of this interval is exact for any n. The prior depends on the errors, as the uniform shrinkage
-/// prior (Daniels 1999), and not on the means.
+/// of this interval is exact for any n. Like the uniform shrinkage prior (Daniels 1999), the prior
+/// depends on the errors and not on the means.
 ///
 /// μ is integrated in closed form for every τ, and τ by the midpoint rule in ln(λ + τ), in which
 /// its prior is flat; the integration error is 1e-6 of the widths of the distributions.
@@ -72,9 +72,9 @@ struct HierarchicalPosterior {
 [[nodiscard]] HierarchicalPosterior hierarchical_posterior(std::span<const GroupEstimate> groups,
                                                            const HierarchicalOptions& options = {});
 
-/// Ratio of the scatter of the groups' means to their errors, and the probability that errors alone
-/// cause this scatter: √(χ² / (n - 1)), χ² = Σ ((mean_j - m) / sd_j)² about the weighted mean m
-/// (Birge 1932).
+/// Ratio of the standard deviation of the groups' means to their errors, and the probability that
+/// errors alone cause a larger ratio: √(χ² / (n - 1)), χ² = Σ ((mean_j - m) / sd_j)² about the
+/// weighted mean m (Birge 1932).
 struct BirgeRatio {
   double ratio = 1.0;
   double p_value = 1.0;  ///< P(χ² with n - 1 degrees of freedom is larger)

@@ -4,7 +4,7 @@
 //   file   = (code newline value newline)…    pairs; code 0 begins an entity
 //
 // Each closed LWPOLYLINE, closed POLYLINE (with its VERTEX entities) and CIRCLE is one outline.
-// LINE, ARC and open polylines are joined end to end. Texts, dimensions, points and hatches are
+// LINE, ARC and open polylines are joined end to end. Text, dimensions, points and hatches are
 // ignored. SPLINE, ELLIPSE and INSERT cause an error, because they might belong to an outline.
 #pragma once
 
@@ -29,9 +29,9 @@ struct Drawing {
 };
 
 /// Parses a drawing. Edges are joined if the distance of their ends is at most 1e-6 of the
-/// drawing's size. Throws FileError: foreign for a text that is not an ASCII DXF; corrupt, with the
-/// line number, for invalid pairs and entities, for edges that form no closed outline and for a
-/// drawing without outlines. Messages use `name` for the file.
+/// drawing's size. Throws FileError: foreign for bytes that are not an ASCII DXF drawing; corrupt,
+/// with the line number, for invalid pairs and entities, for edges that form no closed outline and
+/// for a drawing without outlines. Messages use `name` for the file.
 [[nodiscard]] Drawing parse_dxf(const std::string& bytes, const std::filesystem::path& name);
 
 /// Length of a unit in metres for "m", "cm", "mm", "in", "ft"; 0 for any other name.

@@ -20,7 +20,7 @@ struct Format {
   /// Parses the bytes as a table; messages use `name` for the file. Throws FileError.
   Columns (*parse)(std::string bytes, const std::filesystem::path& name,
                    const Wanted& wanted) = nullptr;
-  /// Parser for text formats, whose layout the caller may state; used instead of `parse`.
+  /// Parser for text formats, used instead of `parse`. The caller may state the layout of the file.
   Columns (*parse_text)(std::string bytes, const std::filesystem::path& name, const Wanted& wanted,
                         const TextLayout& stated) = nullptr;
   /// Reader for formats whose library needs a path; used instead of `parse`.
@@ -40,7 +40,7 @@ struct Format {
 [[nodiscard]] const Format& format_of(const std::filesystem::path& path, std::string_view beginning,
                                       std::span<const Format> known = formats());
 
-/// Reads a file in any of the formats `known`. Throws FileError for a file that cannot be read.
+/// Reads a file in any format of the list `known`. Throws FileError for a file that cannot be read.
 /// Also throws FileError if the caller states a text layout for a file that is not delimited text,
 /// or array options for a file without arrays.
 [[nodiscard]] Columns read_columns(const std::filesystem::path& path, const Wanted& wanted = {},

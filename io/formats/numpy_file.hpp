@@ -16,7 +16,7 @@ namespace wheeltap::io {
                                 const Wanted& wanted, const ArrayLayout& stated);
 
 /// Reads the arrays of an archive written by numpy.savez or savez_compressed. Arrays of objects or
-/// texts are listed in the table's `others`.
+/// strings are listed in the table's `others`.
 [[nodiscard]] Columns parse_npz(std::string bytes, const std::filesystem::path& name,
                                 const Wanted& wanted, const ArrayLayout& stated);
 

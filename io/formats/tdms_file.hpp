@@ -11,7 +11,7 @@ namespace wheeltap::io {
 /// "group/channel" if the file has several groups. The property unit_string of a channel gives the
 /// unit of the column. Linear and polynomial scales in the properties of a channel (NI_Scale) are
 /// applied. If the property wf_increment gives a time step, the table has a column "time [s]" that
-/// starts at wf_start_offset. Channels of another length and channels of texts are listed in the
+/// starts at wf_start_offset. Channels of another length and channels of strings are listed in the
 /// table's `others`. Throws FileError: foreign for files of other formats; corrupt, with a remedy,
 /// for a truncated or damaged file, a file without channels, raw data of DAQmx and other types of
 /// scales.

@@ -18,7 +18,7 @@ struct XmlEvents {
   std::function<void(std::string_view text)> text;  ///< parts of the text between tags
 };
 
-/// Reads a document. Returns the reason if the document is invalid, otherwise an empty text.
+/// Reads a document. Returns the reason if the document is invalid, otherwise an empty string.
 /// Documents with a DOCTYPE are invalid, because their entities could expand without bound.
 /// Exceptions of `events` are rethrown.
 [[nodiscard]] std::string read_xml(std::string_view document, const XmlEvents& events);

@@ -37,8 +37,8 @@ inline constexpr long long kMostMatrixEntries = 2'000'000'000;
 ///                                 first)
 ///
 /// A symmetric matrix contains the diagonal and the entries below it. Entries with the same row and
-/// column are summed. Throws FileError: foreign for a text without the first line; corrupt, with
-/// the line number, for any other deviation from this format.
+/// column are summed. Throws FileError: foreign if the first line is missing; corrupt, with the
+/// line number, for any other deviation from this format.
 [[nodiscard]] SparseMatrix parse_matrix_market(std::string_view text,
                                                const std::filesystem::path& name);
 

@@ -84,8 +84,8 @@ class NetcdfReader {
     check(nc_get_var_double(group, id, out.values.data()));
     return out;
   }
-  /// Reads the values of a variable at every `step`-th index of the second dimension. In addition
-  /// to the result, this function needs memory for the values at one index of the first dimension.
+  /// Reads the values of a variable at every `step`-th index of the second dimension. This function
+  /// needs memory for the result, and for all values at one index of the first dimension.
   [[nodiscard]] NetcdfArray read_every(int group, const std::string& name, std::size_t step) const {
     const int id = id_of(group, name);
     NetcdfArray out{.shape = shape_of(group, id), .values = {}};
@@ -147,11 +147,11 @@ class NetcdfReader {
     check(nc_get_var(group, id, out.data()));
     return out;
   }
-  /// Returns a global attribute, or an empty text if the attribute does not exist.
+  /// Returns a global attribute, or an empty string if the attribute does not exist.
   [[nodiscard]] std::string text(const char* attribute) const {
     return attribute_of(file_.id, NC_GLOBAL, attribute);
   }
-  /// Returns an attribute of a variable, or an empty text if the attribute does not exist.
+  /// Returns an attribute of a variable, or an empty string if the attribute does not exist.
   [[nodiscard]] std::string text(int group, const std::string& name, const char* attribute) const {
     int id = 0;
     if (nc_inq_varid(group, name.c_str(), &id) != NC_NOERR) return {};

@@ -37,8 +37,8 @@ class NetcdfWriter {
     if (status == NC_NOERR) return;
     throw io::FileError(io::FileError::Kind::unwritable, path_, nc_strerror(status));
   }
-  /// Writes the attributes of ArviZ for program, version and creation time, and the identifier of
-  /// the run. Throws the errors of date_of_files.
+  /// Writes the attributes that ArviZ defines for program, version and creation time, and the
+  /// identifier of the run. Throws the errors of date_of_files.
   void about(const std::string& version, const std::string& run) const {
     text(file_.id, NC_GLOBAL, "inference_library", "wheeltap");
     text(file_.id, NC_GLOBAL, "inference_library_version", version);
@@ -96,7 +96,7 @@ class NetcdfWriter {
     return id;
   }
   /// Writes a variable with dimensions (row, column[, …]) row by row: `fill(r, row)` appends the
-  /// numbers of row r to an empty vector. A chunk holds the values of all columns of one row, at
+  /// numbers of row r to an empty vector. A chunk holds the values of all columns for one row and
   /// one index of each further dimension. A reader can therefore read one chunk without the others.
   /// This function holds only one row in memory at a time.
   template <class Number, class Fill>

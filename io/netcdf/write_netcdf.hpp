@@ -1,4 +1,4 @@
-// Writing of a complete NetCDF-4 file: after an error, the previous file remains.
+// Writing of a complete NetCDF-4 file. If writing fails, the previous file remains unchanged.
 #pragma once
 
 #include <cstddef>
@@ -18,8 +18,8 @@ using FillNetcdf = std::function<void(const NetcdfWriter&)>;
 constexpr std::size_t kNetcdfInMemory = std::size_t{64} << 20U;
 
 /// Writes the content that `fill` produces, and replaces the previous file. `bytes` is the expected
-/// size of the file. The content of the file does not depend on the method: in memory or by a child
-/// process. The child process has only the calling thread (read_apart.hpp). Throws FileError
+/// size of the file. A file built in memory and a file built by a child process have the same
+/// content. The child process contains only the calling thread (read_apart.hpp). Throws FileError
 /// (unwritable).
 void write_netcdf(AtomicFile& to, std::size_t bytes, const FillNetcdf& fill);
 

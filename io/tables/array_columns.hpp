@@ -29,8 +29,8 @@ struct ArrayShape {
   bool row_major = false;               ///< true: the last index varies fastest; false: the first
                                         ///< index
 
-  [[nodiscard]] std::size_t size() const;  ///< number of elements, at most the largest value of the
-                                           ///< type
+  [[nodiscard]] std::size_t size() const;  ///< number of elements, limited to the largest value of
+                                           ///< std::size_t
   [[nodiscard]] std::string shape_in_words() const;  ///< the shape as text: "8 x 100000"
 };
 
@@ -45,13 +45,13 @@ struct ChosenColumns {
 };
 
 /// Adds to `table` the columns, without values, of all arrays that have the same channel length. If
-/// the arrays have several channel lengths, this function selects the length of most of the
-/// requested columns. Without requested columns, it selects the length whose arrays hold the most
-/// numbers. A vector "a" becomes the column "a". A matrix "X" becomes the columns "X(:,1)",
-/// "X(:,2)", … or, if rows are channels, "X(1,:)", …. An array of three dimensions becomes the
-/// columns "H(1,1,:)", …. The parts "H, real" and "H, imaginary" of a complex array become "H(:,1),
-/// real" and so on. Arrays of other lengths are added to `table.others`, with the name that selects
-/// the array in a case. Single numbers are skipped.
+/// the arrays have several channel lengths, this function selects the length that most of the
+/// requested columns have. Without requested columns, it selects the length of the arrays that
+/// together hold the most numbers. A vector "a" becomes the column "a". A matrix "X" becomes the
+/// columns "X(:,1)", "X(:,2)", … or, if rows are channels, "X(1,:)", …. An array of three
+/// dimensions becomes the columns "H(1,1,:)", …. The parts "H, real" and "H, imaginary" of a
+/// complex array become "H(:,1), real" and so on. Arrays of other lengths are added to
+/// `table.others`, with the name that selects the array in a case. Single numbers are skipped.
 [[nodiscard]] ChosenColumns choose_columns(std::span<const ArrayShape> arrays,
                                            const ArrayLayout& layout, const Wanted& wanted,
                                            Columns& table);

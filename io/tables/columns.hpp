@@ -25,7 +25,7 @@ struct Column {
   int decimals = -1;
   int digits = -1;
   /// The content of the column: numbers; time stamps, with values in seconds since the first time
-  /// stamp; or texts, without values.
+  /// stamp; or strings, without values.
   CellKind cells = CellKind::number;
 };
 
@@ -41,7 +41,7 @@ struct Columns {
   /// Descriptions of content that is not a column, for files of arrays: "note (text)".
   std::vector<std::string> others = {};
   int first_line = 0;                      ///< line of row 0; 0 for binary files
-  std::vector<int> skipped = {};           ///< rows preceded by a comment, increasing
+  std::vector<int> skipped = {};           ///< rows preceded by a comment, in ascending order
   std::optional<FoundLayout> layout = {};  ///< layout of a delimited text
 
   [[nodiscard]] int rows() const;

@@ -1,5 +1,4 @@
-// Tables as text with one row per line. Wheeltap reads all delimited texts by the following
-// grammar.
+// Tables as text with one row per line. Wheeltap reads all delimited text by the following grammar.
 //
 //   file   = [byte order mark] line…              lines end with LF, CR LF or CR
 //   line   = blanks | mark anything | row         the first two are no rows
@@ -16,9 +15,9 @@
 //
 //   - the separator (comma, semicolon, tab, bar, or any run of blanks) and the decimal mark (point
 //     or comma): the pair for which most cells are numbers
-//   - the first row, from which all lines hold numbers and stamps in the same columns
-//   - the line of names above it, a line of units below the names, and the number of other lines
-//   above
+//   - the first row: from this row on, all lines hold numbers and stamps in the same columns
+//   - the line of names above the first row, a line of units below the names, and the number of
+//     other lines above the first row
 //   - remarks after the rows, whose lines begin with neither a number nor a stamp; remarks are
 //     ignored
 //

@@ -76,7 +76,7 @@ struct TableShape {
   std::optional<std::size_t> names;  ///< index of the line of names
   std::optional<std::size_t> units;  ///< index of the line of units
   bool date_unnamed = false;   ///< the first columns are a date and a time, and the line of names
-                               ///< contains a name only for the time
+                               ///< contains a name for the time only
   bool index_unnamed = false;  ///< the first column numbers the rows and has no name in the line of
                                ///< names
 };
@@ -92,10 +92,10 @@ struct UnclearLayout : std::runtime_error {
   int line;  ///< line number; 0: the whole text
 };
 
-/// Detects the layout of a text from its first lines and a sample of later ones. `head` holds all
-/// lines before the first row, comments included, and some lines after it. `body` holds further
-/// rows. If `header_first` is true, the first line that is not a comment holds the names. Throws
-/// UnclearLayout.
+/// Detects the layout of a text from its first lines and a sample of later lines. `head` holds all
+/// lines before the first row, comments included, and some lines after the first row. `body` holds
+/// further rows. If `header_first` is true, the first line that is not a comment holds the names.
+/// Throws UnclearLayout.
 [[nodiscard]] TableShape find_shape(const std::vector<TextLine>& head,
                                     const std::vector<TextLine>& body, const TextLayout& stated,
                                     bool header_first);

@@ -13,9 +13,9 @@ struct PrintedDigits {
   int digits = -1;
 };
 
-/// Converts the whole text to the nearest double, as std::from_chars does. Returns std::nullopt for
-/// an empty text, a text that is not a number, and a number beyond the range of doubles. `decimal`
-/// is '.' or ','. The exponent may have the Fortran form ("1.5D-3").
+/// Converts the whole string to the nearest double, as std::from_chars does. Returns std::nullopt
+/// for an empty string, a string that is not a number, and a number beyond the range of doubles.
+/// `decimal` is '.' or ','. The exponent may have the Fortran form ("1.5D-3").
 [[nodiscard]] std::optional<double> parse_number(std::string_view text, char decimal = '.');
 
 /// Converts a number with thousands separators: "1.234,5", "1'234.5", "1 234 567". A single comma
@@ -24,18 +24,18 @@ struct PrintedDigits {
 [[nodiscard]] std::optional<double> parse_grouped_number(std::string_view text, char decimal,
                                                          bool proven = false);
 
-/// True for a text by which loggers and spreadsheets mark a missing value: empty, NA, N/A, NULL,
-/// #N/A, 1.#QNAN, "-", "---", … ("nan" and "inf" are numbers).
+/// True for a string with which loggers and spreadsheets mark a missing value: empty, NA, N/A,
+/// NULL, #N/A, 1.#QNAN, "-", "---", … ("nan" and "inf" are numbers).
 [[nodiscard]] bool is_missing_value(std::string_view text);
 
-/// True for a missing value (is_missing_value) and for words by which loggers mark a missing value:
-/// "overload", "error", "no data". Use this function only for columns of numbers; in other cells,
-/// these words may be names.
+/// True for a missing value (is_missing_value) and for words with which loggers mark a missing
+/// value: "overload", "error", "no data". Use this function only for columns of numbers; in other
+/// cells, these words may be names.
 [[nodiscard]] bool is_missing_word(std::string_view text);
 
 /// Reads the decimal number at the start of [p, end) and updates `digits` by its printed precision.
-/// Returns the end of the number. Returns null if the text does not begin with a number, or if the
-/// number is nan, inf or beyond the range of doubles.
+/// Returns the end of the number. Returns null if the string does not begin with a number, or if
+/// the number is nan, inf or beyond the range of doubles.
 [[nodiscard]] const char* read_number(const char* p, const char* end, double& value,
                                       PrintedDigits& digits, char decimal = '.');
 

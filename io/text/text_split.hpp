@@ -36,7 +36,8 @@ struct Split {
 
 /// Computes a score for a separator and a decimal mark. The score is the sum of one term per line.
 /// The term of a line with only numbers and time stamps is twice the number of its cells. The term
-/// of any other line is the number of its numbers and time stamps minus the number of its texts.
+/// of any other line is the number of its numbers and time stamps minus the number of its other
+/// cells.
 [[nodiscard]] long explained_cells(std::span<const TextLine> lines, char separator,
                                    const Reading& reading);
 

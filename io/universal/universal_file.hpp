@@ -35,16 +35,17 @@ struct UniversalAxis {
 };
 
 /// Dataset 58: a function at one or two degrees of freedom, e.g. a time history or a frequency
-/// response.
+/// response function.
 struct UniversalFunction {
   std::array<std::string, 5> ids = {};
-  int type = 0;  ///< 1 time response, 2 auto-, 3 cross-spectrum, 4 frequency response, 9 PSD, …
+  int type = 0;  ///< 1 time response, 2 auto-, 3 cross-spectrum, 4 frequency response function, 9
+                 ///< PSD, …
   int number = 0, version = 0, load_case = 0;
   UniversalDof response = {}, reference = {};
   bool is_complex = false;
   bool is_double = true;
   bool even = true;
-  double first = 0.0, step = 0.0;  ///< start and step of an evenly spaced abscissa
+  double first = 0.0, step = 0.0;  ///< first value and increment of an evenly spaced abscissa
   double z = 0.0;
   UniversalAxis abscissa = {}, numerator = {}, denominator = {}, z_axis = {};
   std::vector<double> x = {};  ///< one abscissa per y; written if unevenly spaced
@@ -59,8 +60,9 @@ struct UniversalFunction {
 struct UniversalShape {
   std::array<std::string, 5> ids = {};
   int model = 0;     ///< 1 structural
-  int analysis = 0;  ///< 2 normal mode, 3 complex eigenvalue (first order), 5 FRF, 7 complex (2nd)
-  int characteristic = 0;  ///< 2: three translations, 3: six motions, …
+  int analysis = 0;  ///< 2 normal mode, 3 complex eigenvalue (first order), 5 frequency response, 7
+                     ///< complex eigenvalue (second order)
+  int characteristic = 0;  ///< 2: three translations, 3: three translations and three rotations, …
   int quantity = 0;        ///< 8 displacement, …
   bool is_complex = false;
   int values_a_node = 0;
@@ -77,7 +79,7 @@ struct UniversalShape {
   [[nodiscard]] double damping() const;
 };
 
-/// Dataset 15, or 2411.
+/// Dataset 15 or 2411: a node.
 struct UniversalNode {
   int label = 0;
   int definition = 0, displacement = 0;  ///< coordinate systems
@@ -117,7 +119,7 @@ struct UniversalTrace {
   std::vector<int> nodes = {};
 };
 
-/// Dataset 151.
+/// Dataset 151: information on the model and the file.
 struct UniversalHeader {
   std::array<std::string, 7> lines = {};  ///< model, description, program, created, saved, …
 };
@@ -162,11 +164,11 @@ struct UniversalFile {
 /// digits, and the binary format stores abscissae in single precision.
 [[nodiscard]] std::string universal_text(const UniversalFile& file);
 
-/// Converts the functions of a file with a common abscissa to a table. The first column is the
-/// abscissa. Each real function becomes one column, and each complex function two columns (", real"
-/// and ", imaginary"). Values are converted to SI if the axis does not name a unit, and dataset 164
-/// and the powers of the axis define the unit. Throws FileError (corrupt) if the file contains no
-/// function, or if the abscissae differ.
+/// Converts the functions of a file to a table. All functions must have the same abscissa. The
+/// first column is the abscissa. Each real function becomes one column, and each complex function
+/// two columns (", real" and ", imaginary"). Values are converted to SI if the axis does not name a
+/// unit, and dataset 164 and the powers of the axis define the unit. Throws FileError (corrupt) if
+/// the file contains no function, or if the abscissae differ.
 [[nodiscard]] Columns universal_columns(const UniversalFile& file,
                                         const std::filesystem::path& name);
 
@@ -174,10 +176,10 @@ struct UniversalFile {
 [[nodiscard]] Columns parse_universal_columns(std::string bytes, const std::filesystem::path& name,
                                               const Wanted& wanted);
 
-/// Returns the name of a degree of freedom, for example "12:+Z", or an empty text if the degree of
-/// freedom has no node.
+/// Returns the name of a degree of freedom, for example "12:+Z", or an empty string if the degree
+/// of freedom has no node.
 [[nodiscard]] std::string dof_in_words(const UniversalDof& dof);
-/// Returns the axis of a translation, for example "x" or "-z", or an empty text for rotations and
+/// Returns the axis of a translation, for example "x" or "-z", or an empty string for rotations and
 /// unknown directions.
 [[nodiscard]] std::string translation_axis(const UniversalDof& dof);
 /// Returns the name of a function type: "frequency response", …; "function of type 37" for an

@@ -122,7 +122,7 @@ class Reader {
     return *value;
   }
   /// Reads the whole numbers of a line in columns of `width` characters. If the numbers do not fit
-  /// these columns, blanks separate them.
+  /// these columns, the line is split at blanks instead.
   std::vector<int> integers(std::string_view line, std::size_t width, const char* what) const {
     std::vector<int> out;
     const std::vector<std::string_view> words = split(line);
@@ -155,9 +155,9 @@ class Reader {
     return words;
   }
 
-  /// Reads `count` numbers from several lines. Each line has columns with these widths, repeated.
-  /// If the numbers of a line are not in these columns, blanks separate them. A line may have fewer
-  /// numbers than columns.
+  /// Reads `count` numbers from several lines. Each line has columns with the widths of the list
+  /// `widths`, which is repeated as often as necessary. If the numbers of a line are not in these
+  /// columns, the line is split at blanks instead. A line may have fewer numbers than columns.
   std::vector<double> numbers(std::size_t count, const std::vector<std::size_t>& widths,
                               const char* what) {
     std::vector<double> out;

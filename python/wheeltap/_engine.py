@@ -78,7 +78,7 @@ def sample(models: Union[Model, Sequence[Model]], *, title: str = "Which model?"
             if not hasattr(prior, "ppf"):
                 continue
             if laws.setdefault(name, prior) is not prior:
-                raise _core.CaseError(f"sample: {name}: has another prior in a model before: the same name is the "
+                raise _core.CaseError(f"sample: {name}: has another prior in an earlier model: the same name is the "
                                       "same parameter")
             places[place] = prior.ppf
         functions.append(_in_place(places, model.log_likelihood))

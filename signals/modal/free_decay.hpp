@@ -3,11 +3,11 @@
 //
 // After an impact or a release, the response is y(k Δt) = C A^k x₀. The samples of the responses
 // replace the output covariances of stochastic_subspace.hpp. Each decay has its own initial state
-// x₀ and replaces a reference channel (Juang & Pappa 1985, J. Guid. Control Dyn. 8:620).
+// x₀ and serves as a reference channel (Juang & Pappa 1985, J. Guid. Control Dyn. 8:620).
 //
-// Poles that fit noise can be as stable over model orders as poles of modes. A pole is therefore
-// removed if the model without this pole fits the decays equally well. The remaining poles are
-// refined together by a least-squares fit of
+// Poles that fit noise can be as stable over the model orders as poles of vibration modes. A pole
+// is therefore removed if the model without this pole fits the decays equally well. The remaining
+// poles are refined together by a least-squares fit of
 //
 //   y(t) = Re Σ c e^{λt} + c₀
 //

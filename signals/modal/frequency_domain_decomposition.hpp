@@ -6,13 +6,13 @@
 // s is the spectrum of one mode (efdd: Brincker, Ventura & Andersen 2001, IMAC 19). The inverse
 // Fourier transform of s over positive frequencies is c(τ) ∝ e^{λτ}. A least-squares fit of ln c
 // over the lags where |c| falls from 0.9 to 0.3 gives λ, f = |λ| / 2π, ζ = -Re λ / |λ|. Segments
-// are padded with zeros to twice their length. Then c is the product of the correlation of the
-// response and the correlation of the window. The method divides c by the correlation of the
-// window. Without this correction, the spectral width of the window would increase the estimated
-// damping ratio.
+// are padded with zeros to twice their length. Then c is the product of the correlation function of
+// the response and the correlation function of the window. The method divides c by the correlation
+// function of the window. Without this correction, the spectral width of the window would increase
+// the estimated damping ratio.
 // The method assumes lightly damped, well separated modes. If two modes share spectral lines, the
 // method misses one of the modes or distorts the estimates of both. The truncation of a mode's
-// spectrum to these lines biases the damping ratio.
+// spectrum to the spectral lines with this singular vector biases the damping ratio.
 #pragma once
 
 #include "signals/modal/modal_identification.hpp"
@@ -30,16 +30,16 @@ struct DecompositionOptions {
 };
 
 /// `records` has one channel per row. Modes are peaks of the first singular value that satisfy two
-/// conditions. First, the prominence of the peak exceeds the scatter of a spectrum with this number
-/// of averages (three standard deviations up and down, at least 3 dB). Second, several spectral
-/// lines have the same singular vector as the peak.
+/// conditions. First, the prominence of the peak is at least 3 dB and at least 10 log₁₀((1 + ε) /
+/// (1 - ε)) dB, where ε = 3/√n (at most 0.9) is three relative standard deviations of a spectrum
+/// with n averages. Second, several spectral lines have the same singular vector as the peak.
 ///
 /// With fdd, natural frequencies are the frequencies of spectral lines, damping ratios are NaN, and
 /// the covariances are empty. With efdd, covariances are estimated by the jackknife over blocks,
 /// (n_b - 1)/n_b Σ (x_k - x̄)(x_k - x̄)ᵀ, where x_k is the result without block k (Miller 1974,
-/// Biometrika 61:1). These covariances include the scatter of the estimates but no bias. efdd omits
-/// a peak whose correlation c does not decay. Throws std::invalid_argument like identify_modes, and
-/// if the record holds fewer than eight segments.
+/// Biometrika 61:1). The jackknife covariances include the random errors of the estimates but not
+/// their bias. efdd omits a peak whose correlation function c does not decay. Throws
+/// std::invalid_argument like identify_modes, and if the record holds fewer than eight segments.
 [[nodiscard]] ModalResult decompose_spectra(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                             const DecompositionOptions& options);
 

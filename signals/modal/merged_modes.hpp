@@ -30,8 +30,8 @@ struct SetUpModes {
 enum class MergeDoubt {
   few_set_ups,   ///< identified in less than half of the set-ups
   doubted,       ///< doubtful in most set-ups in which the mode was identified
-  inconsistent,  ///< scatter of the frequencies between set-ups exceeds the standard deviations of
-                 ///< the frequencies
+  inconsistent,  ///< frequencies differ between set-ups by more than their standard deviations
+                 ///< explain
   unlike         ///< shapes of two set-ups differ at the references: MAC below 0.8
 };
 
@@ -62,9 +62,9 @@ struct MergedModes {
 /// Merges the modes of several set-ups. Modes of two set-ups match if their frequencies differ by
 /// less than 2 % or five standard deviations, and |Δf|/f + 1 - MAC at the references is small
 /// (average_linkage with the threshold 0.15). If a mode is not identified in some set-ups, the
-/// merged shape has gaps at the sensors of these set-ups. `sensors` is the total number of sensors.
-/// Throws std::invalid_argument for an empty list of set-ups, set-ups without a common sensor, and
-/// a sensor number that is out of range or occurs twice in one set-up.
+/// merged shape has no entries (NaN) at the sensors that only these set-ups have. `sensors` is the
+/// total number of sensors. Throws std::invalid_argument for an empty list of set-ups, set-ups
+/// without a common sensor, and a sensor number that is out of range or occurs twice in one set-up.
 [[nodiscard]] MergedModes merge_modes(const std::vector<SetUpModes>& set_ups, int sensors);
 
 }  // namespace wheeltap::signals

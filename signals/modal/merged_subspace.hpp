@@ -1,17 +1,18 @@
-// Merging of the covariances of several set-ups before identification: the result are the
-// covariances of one set-up with all sensors.
+// Merging of the covariances of several set-ups before identification: the result corresponds to
+// the covariances of one set-up with all sensors.
 //
 // The set-ups s share reference sensors, but not the excitation. The block Hankel matrices of the
 // set-ups,
-//   H_s = (O_ref; O_s) Z_s   (rows of the references; of the moved sensors)
-// have the observability matrix of the same structure and different factors Z_s (PreGER: Döhler,
-// Reynders, Magalhães, Mevel, De Roeck & Cunha 2011, Identification of bridge modal parameters;
-// Mevel, Basseville, Benveniste & Goursat 2002, Mech. Syst. Signal Process. 16:319). With (H_1,ref
-// H_2,ref …) = U S Vᵀ truncated to rank n and B = U_n fixed,
+//   H_s = (O_ref; O_s) Z_s   (rows of the references; rows of the moved sensors)
+// have the same observability matrix, that of the structure, and different factors Z_s (PreGER:
+// Döhler, Reynders, Magalhães, Mevel, De Roeck & Cunha 2011, Identification of bridge modal
+// parameters; Mevel, Basseville, Benveniste & Goursat 2002, Mech. Syst. Signal Process. 16:319).
+// With (H_1,ref H_2,ref …) = U S Vᵀ truncated to rank n and B = U_n fixed,
 //   Z_s = Bᵀ H_s,ref,   O_ref = (Σ H_s,ref Z_sᵀ) (Σ Z_s Z_sᵀ)⁻¹,   O_s = H_s,mov Z_sᵀ (Z_s Z_sᵀ)⁻¹,
 // and H = (O_ref; O_1; …) (Z_1 Z_2 …)/√N is the Hankel matrix of one set-up with all sensors,
-// reduced to the column space V_n. The set-ups are statistically independent. The change of H by
-// each data block follows from the derivative for constant B, because B only selects a basis.
+// reduced to the column space V_n. The set-ups are statistically independent. The change of H that
+// each data block causes follows from the derivative for constant B, because B only selects a
+// basis.
 #pragma once
 
 #include <vector>

@@ -13,8 +13,8 @@ namespace wheeltap::signals {
 struct ModalOptions {
   double sample_rate_hz = 1.0;
   double lowest_hz = 0.0, highest_hz = 0.0;  ///< frequency band; 0: up to 0.45 of the sampling rate
-  int largest_order = 0;                     ///< largest model order; 0: 10 per channel, from 20 to
-                                             ///< 80
+  int largest_order = 0;                     ///< largest model order; 0: 10 per channel, limited to
+                                             ///< 20 … 80
   int lags = 0;    ///< number of lags p + q; 0: enough for the model orders and a period of the
                    ///< lowest mode
   int blocks = 0;  ///< number of data blocks n_b; 0: 50, or fewer if the blocks would be too short
@@ -26,7 +26,7 @@ struct ModalOptions {
 
 /// Reasons to doubt a mode.
 enum class ModeDoubt {
-  few_orders,       ///< identified in less than half of the model orders after the first order with
+  few_orders,       ///< identified in less than half of the model orders from the first order with
                     ///< this mode
   damping_unknown,  ///< standard deviation of the damping ratio exceeds half the damping ratio
   complex_shape,    ///< phase collinearity below 0.8
@@ -36,7 +36,7 @@ enum class ModeDoubt {
   /// deviations. Or another mode with the same shape is within the half-power bandwidths and has a
   /// smaller uncertainty.
   twin,
-  at_the_edge  ///< distance to an end of the band is less than a twentieth of the band
+  at_the_edge  ///< distance to an end of the band is below a twentieth of its width
 };
 
 /// Smallest modal phase collinearity of a mode shape that is not doubtful.
@@ -46,8 +46,8 @@ struct Mode {
   Pole pole = {};
   double collinearity = 0.0;     ///< modal phase collinearity
   double phase_deviation = 0.0;  ///< mean phase deviation [rad]
-  int present = 0, orders = 0;   ///< number of orders with this mode; number of orders from the
-                                 ///< first order with this mode
+  int present = 0, orders = 0;   ///< number of model orders with this mode; number of model orders
+                                 ///< from the first order with this mode
   double amplitude_kurtosis = 0.0;  ///< E|z|⁴ / (E|z|²)² of the amplitude near the frequency: 1 for
                                     ///< a sine, 2 for noise
   Eigen::MatrixXd shape_covariance = {};  ///< covariance of real parts, then imaginary parts
@@ -57,10 +57,10 @@ struct Mode {
 /// Identification method.
 enum class ModalMethod {
   subspace,       ///< from output covariances (stochastic_subspace.hpp)
-  polyreference,  ///< from frequency responses (polyreference.hpp)
+  polyreference,  ///< from frequency response functions (polyreference.hpp)
   realisation,    ///< from free decays (free_decay.hpp)
   decomposition,  ///< peaks of spectra (frequency_domain_decomposition.hpp)
-  enhanced,       ///< decay of the correlations that belong to these spectra
+  enhanced,       ///< decay of the correlation functions that belong to the spectra
   bayesian        ///< Bayesian inference in frequency bands
                   ///< (identification/modal/bayesian_modes.hpp)
 };
@@ -70,12 +70,13 @@ struct ModalRemarks {
   bool short_blocks = false;  ///< fewer than 20 blocks, or blocks shorter than five times the lags
   int longer_decays = 0;      ///< number of modes whose decay time 1 / (ζω) exceeds the block
                               ///< length
-  bool band_cut = false;      ///< the requested band exceeds the range of the sampling rate
-  int order_cut = 0;          ///< requested largest order, if the records allow only a smaller
-                              ///< order
-  int narrow = 0;             ///< number of modes whose half-power width is below the spacing of
-                              ///< spectral lines
-  int moved = 0;              ///< number of modes whose poles the refinement moved away
+  bool band_cut = false;      ///< the requested band exceeds the frequency range of the records
+  int order_cut = 0;          ///< requested largest model order, if the records allow only a
+                              ///< smaller model order
+  int narrow = 0;             ///< number of modes whose half-power bandwidth is below the spacing
+                              ///< of spectral lines
+  int moved = 0;              ///< number of modes whose refined pole is far from the pole chosen in
+                              ///< the diagram
   std::vector<std::string> unsettled = {};  ///< bands with unreliable posterior draws, with the
                                             ///< reason
 };
@@ -92,7 +93,7 @@ struct ModalResult {
   int decimated = 1, lags = 0, blocks = 0, largest_order = 0;
   double block_seconds = 0.0;
   int set_ups = 1;     ///< number of set-ups merged before identification
-  long lines = 0;      ///< number of lines of the frequency responses
+  long lines = 0;      ///< number of spectral lines of the frequency response functions
   int replicates = 0;  ///< bootstrap replicates, or surrogates of the noise
   std::vector<int> references = {};
   Eigen::MatrixXd singular_spectrum = {};  ///< for peaks of spectra: frequency of the line [Hz],
@@ -105,7 +106,7 @@ struct ModalResult {
 /// Identifies modes from `records`, with one channel per row. This function decimates the records
 /// to the band and identifies the modes twice. In the first identification, the lags cover one
 /// period of the lowest frequency of the band. In the second identification, the lags cover one
-/// period of the lowest mode, because more lags increase the scatter of the estimates. Poles
+/// period of the lowest mode, because more lags increase the variance of the estimates. Poles
 /// chosen by hand replace the modes of the last diagram; they do not change the diagram. Throws
 /// ChosenPoleError, ChannelError (signals/refuse.hpp) for channels that are constant, proportional
 /// to another one or not finite, and std::invalid_argument for an invalid band and for records too

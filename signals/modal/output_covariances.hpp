@@ -1,4 +1,5 @@
-// Output covariances of simultaneous records over time lags, for all samples and for blocks.
+// Output covariances of simultaneous records at several time lags, for all samples and for blocks
+// of samples.
 #pragma once
 
 #include <vector>

@@ -1,4 +1,5 @@
-// Modes from frequency responses: the polyreference least-squares complex frequency-domain method.
+// Modes from frequency response functions: the polyreference least-squares complex frequency-domain
+// method.
 //
 //   H(ω) = B(Ω) A(Ω)⁻¹,  A(Ω) = Σ_{j=0}^{n} A_j Ω^j,  Ω = exp(-i (ω - ω₁) T),
 //
@@ -13,12 +14,12 @@
 // Noise biases the linear least-squares fit. The modes of the stabilisation diagram are therefore
 // refined together by nonlinear least squares (modal_model.hpp).
 //
-// Uncertainty: the refined fit has the frequency responses H_fit and the residuals e(ω). The fit is
-// repeated for the data H_fit + w e / √(1 - leverage) (wild bootstrap; Wu 1986, Ann. Stat. 14:1261,
-// with the residuals of MacKinnon & White 1985). The complex normal random number w has unit
-// variance and is the same for all entries of a spectral line. Errors that are common to several
-// outputs therefore remain common. At resonances with few spectral lines, the residuals are smaller
-// than the noise; the leverage corrects for this difference.
+// Uncertainty: the refined fit has the frequency response functions H_fit and the residuals e(ω).
+// The fit is repeated for the data H_fit + w e / √(1 - leverage) (wild bootstrap; Wu 1986, Ann.
+// Stat. 14:1261, with the residuals of MacKinnon & White 1985). The complex normal random number w
+// has unit variance and is the same for all entries of a spectral line. Errors that are common to
+// several outputs therefore remain common. At resonances with few spectral lines, the residuals are
+// smaller than the noise; the leverage corrects for this difference.
 #pragma once
 
 #include <cstdint>
@@ -37,7 +38,7 @@ struct PolyreferenceOptions {
   int threads = 0;
 };
 
-/// Results for one polynomial order.
+/// Results for one polynomial order n.
 struct PolyreferenceFit {
   std::vector<Pole> poles = {};  ///< poles of order 2n, by frequency, without standard deviations
   ModalModel model = {};         ///< modal model with the modes in the same order
@@ -48,11 +49,11 @@ struct PolyreferenceFit {
 /// std::invalid_argument for n < 1, fewer than 2n + 2 lines, and a spectral line at 0 Hz.
 [[nodiscard]] PolyreferenceFit polyreference(const FrequencyResponses& responses, int n);
 
-/// Identifies modes from frequency responses. This function selects the modes from a stabilisation
-/// diagram of orders 2, 4, …, like the function of the same name for output records. The bootstrap
-/// gives the covariance of all modes. Throws the exceptions of polyreference, and
-/// std::invalid_argument for a band without spectral lines, responses that are not finite or all
-/// zero, and invalid coherence.
+/// Identifies modes from frequency response functions. This function selects the modes from a
+/// stabilisation diagram of model orders 2, 4, …, like the function of the same name for output
+/// records. The bootstrap gives the covariance of all modes. Throws the exceptions of
+/// polyreference, and std::invalid_argument for a band without spectral lines, frequency response
+/// functions that are not finite or all zero, and invalid coherence.
 [[nodiscard]] ModalResult identify_modes(const FrequencyResponses& responses,
                                          const PolyreferenceOptions& options);
 

@@ -1,12 +1,12 @@
-// Stabilisation diagrams with automatic selection of modes from the poles of many orders.
+// Stabilisation diagrams with automatic selection of modes from the poles of many model orders.
 //
 // Hard criteria keep poles with plausible damping and a sufficiently small standard deviation of
 // frequency. The soft criterion is a distance between poles, d = |Δf| / max f + 1 - MAC (Magalhães,
 // Cunha & Caetano 2009, MSSP 23:1431). Average linkage joins poles with a distance below a
-// threshold to clusters with at most one pole of each order. The threshold follows from the
-// distances d between each pole and the nearest pole of the previous order. A least-squares fit
-// divides these poles into two classes by log d; the threshold is taken from the class of stable
-// poles (Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
+// threshold to clusters with at most one pole of each model order. The threshold follows from the
+// distances d between each pole and the nearest pole of the previous model order. A least-squares
+// fit divides these poles into two classes by log d; the threshold is taken from the class of
+// stable poles (Reynders 2012, Arch. Comput. Methods Eng. 19:51, section 4).
 #pragma once
 
 #include <span>
@@ -23,18 +23,19 @@ struct StabilisationOptions {
   int smallest_order = 2, largest_order = 0;  ///< largest_order = 0: the largest available order
   double highest_damping = 0.2;
   /// Smallest damping ratio of an accepted pole. The limit is negative, because the estimated
-  /// damping ratio of a steady tone scatters about 0.
+  /// damping ratio of a steady tone varies about 0.
   double lowest_damping = -0.002;
   double largest_relative_sd = 0.05;  ///< standard deviation / frequency
-  double least_share = 0.25;          ///< smallest share of the orders that must contain a mode
+  double least_share = 0.25;          ///< smallest share of the model orders that must contain a
+                                      ///< mode
   int threads = 0;
 };
 
-/// Poles of several orders that belong to one mode.
+/// Poles of several model orders that belong to one mode.
 struct ModeCluster {
   std::vector<int> members = {};  ///< indices in Stabilisation::poles, by order
-  int orders = 0;                 ///< number of orders from the first order with this mode to the
-                                  ///< last order computed
+  int orders = 0;                 ///< number of model orders from the first one with this mode to
+                                  ///< the last one computed
   int chosen = -1;                ///< index of the chosen member, see `stabilise`
   [[nodiscard]] double share() const {
     return orders > 0 ? static_cast<double>(members.size()) / orders : 0.0;
@@ -43,7 +44,7 @@ struct ModeCluster {
 
 /// Reasons to reject a cluster as a mode.
 enum class Rejection {
-  few_orders,  ///< in less than least_share of the orders from the first order with the cluster
+  few_orders,  ///< in less than least_share of the model orders from the first one with the cluster
   splinter,    ///< part of a mode whose other cluster has a smaller uncertainty
   noise,       ///< a model without this cluster fits the free decays equally well
   not_chosen   ///< not in the list of poles chosen by hand
@@ -54,11 +55,11 @@ struct RejectedCluster {
 };
 
 struct Stabilisation {
-  std::vector<Pole> poles = {};                ///< poles of all orders within the band, by
-                                               ///< ascending order
+  std::vector<Pole> poles = {};                ///< poles of all model orders within the band, by
+                                               ///< ascending model order
   std::vector<bool> hard = {};                 ///< true for poles that meet the hard criteria
   double threshold = 0.0;                      ///< largest distance within a cluster
-  int orders = 0;                              ///< number of orders computed
+  int orders = 0;                              ///< number of model orders computed
   std::vector<ModeCluster> modes = {};         ///< by frequency
   std::vector<RejectedCluster> rejected = {};  ///< rejected clusters with at least three poles
 };
@@ -66,58 +67,62 @@ struct Stabilisation {
 /// Selects modes from a stabilisation diagram. Clusters that belong to one peak of the spectrum are
 /// joined. Their poles have the same shape (MAC above 0.9), their frequencies and damping ratios
 /// differ by less than three standard deviations, and the frequencies lie within their half-power
-/// widths. Clusters with different shapes are not joined, even if their frequencies are close.
+/// bandwidths. Clusters with different shapes are not joined, even if their frequencies are close.
 ///
-/// A mode is a cluster that occurs in at least three orders and in at least `least_share` of the
-/// orders from the first order with this cluster. A cluster is rejected as a splinter of another
-/// cluster if the other cluster lies within three standard deviations and has the same shape, more
-/// orders and half the uncertainty.
+/// A mode is a cluster that occurs in at least three model orders, and in at least `least_share` of
+/// the model orders from the first one with this cluster. A cluster is rejected as a splinter of
+/// another cluster if the other cluster lies within three standard deviations and has the same
+/// shape, more poles and at most half the uncertainty.
 ///
-/// One pole represents the mode. The scatter of a pole is the geometric mean of the relative
-/// standard deviations of frequency and damping ratio. Candidates are poles whose scatter is within
-/// the best tenth of the cluster (or within 1.25 times the smallest scatter, if that is less).
-/// Among the candidates in the upper half of the candidates' orders, the pole with the median
-/// frequency is chosen. This rule avoids orders that are too large, whose poles scatter more, and
-/// low orders that may not resolve neighbouring modes. The choice among the candidates does not
-/// depend on their uncertainty.
+/// One pole represents the mode. The uncertainty of a pole is the geometric mean of the relative
+/// standard deviations of frequency and damping ratio. Candidates are poles whose uncertainty is at
+/// most 1.1 times a limit. The limit is the 10 % quantile of the uncertainties of the cluster, or
+/// 1.25 times the smallest uncertainty, if that is less. Among the candidates in the upper half of
+/// the candidates' model orders, the pole with the median frequency is chosen. This rule avoids
+/// model orders that are too high, whose poles are less accurate, and low model orders that may not
+/// resolve neighbouring modes. The choice among the candidates does not depend on their
+/// uncertainty.
 ///
-/// A mode that is not yet resolved at an order distorts the shapes of other modes. A pole of an
-/// order is therefore a candidate only if the order contains all steady modes, including those
-/// outside the band, and all modes whose resonance peaks overlap with the peak of this mode. If no
-/// pole of these orders has a scatter as small as the best pole, the best poles of these orders are
-/// the candidates. If there are fewer than three of these orders, or all their poles have twice the
-/// uncertainty, poles of every order can be candidates. Poles without standard deviations (NaN)
-/// require largest_relative_sd = ∞; then the median of all poles represents the cluster.
+/// A mode that a model order does not yet resolve distorts the shapes of other modes. A pole is
+/// therefore a candidate only if its model order contains all steady modes, including those outside
+/// the band, and all modes whose resonance peaks overlap with the peak of this mode. If no pole of
+/// these model orders has an uncertainty as small as the best pole, the best poles of these model
+/// orders are the candidates. If there are fewer than three of these model orders, or all their
+/// poles have twice the uncertainty, poles of every model order can be candidates. Poles without
+/// standard deviations (NaN) require largest_relative_sd = ∞; then the median of all poles
+/// represents the cluster.
 [[nodiscard]] Stabilisation stabilise(const StochasticSubspace& subspace,
                                       const StabilisationOptions& options);
 
-/// Selects modes from the poles of any method. `by_order` holds the poles of the orders
+/// Selects modes from the poles of any method. `by_order` holds the poles of the model orders
 /// smallest_order, smallest_order + 2, …. The result contains only poles within the limits of the
 /// options for frequency and damping ratio.
 [[nodiscard]] Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
                                       const StabilisationOptions& options);
 
-/// A pole chosen by hand: that of this order nearest to the frequency.
+/// A pole chosen by hand: the pole of the model order `order` that is nearest to the stated
+/// frequency.
 struct ChosenPole {
   int order = 0;
   double frequency_hz = 0.0;
 };
 
-/// A chosen pole that the diagram does not have.
+/// The error for a chosen pole that the diagram does not contain.
 struct ChosenPoleError : std::invalid_argument {
   ChosenPoleError(long which, const std::string& reason)
       : std::invalid_argument(reason), pole(which) {}
   long pole;  ///< index in the list
 };
 
-/// Largest distance of a chosen pole from its stated frequency, relative to this frequency. Numbers
-/// are written with fewer digits than they have, and processors round differently.
+/// Largest distance of a chosen pole from its stated frequency, relative to this frequency. The
+/// tolerance is necessary because case files state rounded frequencies, and rounding errors depend
+/// on the processor.
 inline constexpr double kChosenWithin = 0.005;
 
 /// Replaces the modes by the chosen poles. A mode keeps the cluster of its pole, which becomes the
 /// representative; a pole of no cluster is a mode by itself. Clusters without a chosen pole are
-/// rejected. Throws ChosenPoleError for an order or a frequency that the diagram does not have, and
-/// for a pole chosen twice.
+/// rejected. Throws ChosenPoleError for a model order or a frequency that the diagram does not
+/// contain, and for a pole chosen twice.
 void choose_poles(Stabilisation& diagram, std::span<const ChosenPole> chosen);
 
 /// Computes the distance d of two poles.

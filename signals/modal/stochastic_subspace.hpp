@@ -1,12 +1,12 @@
 // Covariance-driven stochastic subspace identification: modes from output covariances, with the
 // covariance of all results.
 //
-//   H = [R_{i+j+1}], i = 0 … p, j = 0 … q - 1,  H = U S Vᵀ,  U₁ its first n left singular vectors;
-//   A = U₁↑⁺ U₁↓ (without the last, without the first block row), C = the first block row of U₁;
+//   H = [R_{i+j+1}], i = 0 … p, j = 0 … q - 1,  H = U S Vᵀ,  U₁: the first n left singular vectors;
+//   A = U₁↑⁺ U₁↓ (U₁ without its last, without its first block row), C = the first block row of U₁;
 //   A ψ = μ ψ, λ = ln μ / Δt, f = |λ| / 2π, ζ = -Re λ / |λ|, φ = C ψ.
-// The method is that of Peeters & De Roeck 1999 (MSSP 13:855). It assumes stationary excitation
-// that is white within the band, and white sensor noise. The sensor noise affects only the
-// covariance R₀, which the method does not use.
+// The method is that of Peeters & De Roeck 1999 (MSSP 13:855). The method assumes stationary
+// excitation that is white within the band, and white sensor noise. The sensor noise affects only
+// the covariance R₀, which the method does not use.
 //
 // Uncertainty (Reynders, Pintelon & De Roeck 2008, MSSP 22:948; Döhler & Mevel 2013, MSSP 38:346):
 // the Hankel matrices H_k of n_b data blocks give T_k = (vec H_k - vec H) / √(n_b (n_b - 1)) and
@@ -14,8 +14,8 @@
 // and cov(x) = Σ Δx_k Δx_kᵀ. The derivative of the span of U₁ is computed for the full H, not for H
 // truncated to rank n. With P = UᵀΔH V, the element in column i ≤ n and row j > n is
 //   (UᵀΔU₁)_{ji} = (s_i P_{ji} + s_j P_{ij}) / (s_i² - s_j²),
-// This element does not depend on n. The matrix is therefore computed once, and each model order
-// uses a part of the matrix.
+// This element does not depend on n. The matrix UᵀΔU₁ is therefore computed once, and each model
+// order uses a part of this matrix.
 #pragma once
 
 #include <complex>
@@ -46,8 +46,8 @@ struct Pole {
   double damping_sd = 0.0;
 };
 
-/// Poles of one model order, with the change of each result by each data block. The covariance of
-/// the results is moves · movesᵀ.
+/// Poles of one model order, with the change of each result that each data block causes. The
+/// covariance of the results is moves · movesᵀ.
 struct MovedPoles {
   std::vector<Pole> poles;
   Eigen::MatrixXd frequency_moves;  ///< poles × blocks [Hz]
@@ -76,8 +76,8 @@ struct HankelFactor {
 
 class StochasticSubspace {
  public:
-  /// Throws std::invalid_argument for a step <= 0, so many columns that no block row remains, and
-  /// an order too large for H.
+  /// Throws std::invalid_argument for a time step <= 0, so many columns that no block row remains,
+  /// and a model order too large for H.
   StochasticSubspace(const OutputCovariances& covariances, SubspaceOptions options);
 
   /// Uses a given Hankel matrix, for example that of merged set-ups; `columns` of the options is
@@ -91,8 +91,8 @@ class StochasticSubspace {
   /// standard deviations.
   [[nodiscard]] std::vector<Pole> poles(int order, const PoleWindow& window) const;
 
-  /// Returns the poles of a model order with the indices `places`, with their changes by each data
-  /// block.
+  /// Returns the poles of a model order with the indices `places`, with the changes that each data
+  /// block causes.
   [[nodiscard]] MovedPoles moved_poles(int order, const std::vector<int>& places) const;
 
  private:
@@ -122,9 +122,9 @@ class StochasticSubspace {
 /// no preferred direction.
 [[nodiscard]] double phase_collinearity(const Eigen::Ref<const Eigen::VectorXcd>& shape);
 
-/// Computes the mean phase deviation [rad] of a mode shape (Reynders 2012, section 3.1). It is the
-/// mean angle between an entry and the best-fitting line of all entries, weighted by the magnitudes
-/// of the entries.
+/// Computes the mean phase deviation [rad] of a mode shape (Reynders 2012, section 3.1). This
+/// deviation is the mean angle between an entry and the best-fitting line of all entries, weighted
+/// by the magnitudes of the entries.
 [[nodiscard]] double mean_phase_deviation(const Eigen::Ref<const Eigen::VectorXcd>& shape);
 
 }  // namespace wheeltap::signals

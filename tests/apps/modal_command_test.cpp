@@ -534,7 +534,7 @@ TEST_F(ModalCommand, DecaysOfSpectraHaveTheScatterOfBlocks) {
   c["method"] = "efdd";
   const Outcome ran = run(c);
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
-  EXPECT_THAT(ran.out, HasSubstr("contain no bias"));
+  EXPECT_THAT(ran.out, HasSubstr("do not include bias"));
   const json modes = json::parse(read_all(where / "out/modes.json"));
   ASSERT_EQ(modes["frequencies_hz"].size(), 2U) << ran.out;
   EXPECT_EQ(modes["blocks"], 20);

@@ -100,7 +100,7 @@ TEST_F(MonitorCommand, NamesWhatIsWrong) {
   c["learning"]["until"] = 10;
   expect_refused(c, "/learning/until");
   c["learning"]["until"] = 1e6;
-  expect_refused(c, "the series ends before it");
+  expect_refused(c, "the series ends before this time");
   c = a_case();
   c["series"]["features"][1] = "f9";
   expect_refused(c, "/series/features/1");
@@ -112,7 +112,7 @@ TEST_F(MonitorCommand, NamesWhatIsWrong) {
 TEST_F(MonitorCommand, NamesTheRow) {
   const std::string kept = lines_[101];
   write_with(100, lines_[100]);
-  expect_refused(a_case(), "the time is that of the row before");
+  expect_refused(a_case(), "the time equals that of the previous row");
   write_with(100, "3,4.0,5.1,9.9,4.0");
   expect_refused(a_case(), "time goes backwards");
   write_with(100, "200,4.0,-5.1,9.9,4.0");
@@ -132,12 +132,12 @@ TEST_F(MonitorCommand, NamesAConstantFeatureAndWarnsOfAConstantCovariate) {
   c["series"]["features"] = {"still"};
   c["series"]["covariates"] = {"air"};
   c["learning"]["until"] = 200;
-  expect_refused(c, "is constant in the learning period");
+  expect_refused(c, "is constant in the training period");
   c["series"]["features"] = {"f"};
   c["series"]["covariates"] = {"air", "still"};
   const Outcome ran = run(c, "out");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
-  EXPECT_THAT(ran.out, HasSubstr("never varied in the learning period"));
+  EXPECT_THAT(ran.out, HasSubstr("is constant in the training period: its effect"));
 }
 
 }  // namespace

@@ -287,7 +287,7 @@ TEST(StructureSection, Refusals) {
   expect_refused(without(post + "/height"),
                  post + "/height: is missing: a \"rectangle\" section has width, height");
   expect_refused(changed(post + "/diameter", 1),
-                 post + "/diameter: 1: is not a size of a \"rectangle\" section");
+                 post + "/diameter: 1: is not a dimension of a \"rectangle\" section");
   expect_refused(changed(post + "/width", -1), post + "/width: -1: must be > 0");
   expect_refused(changed(post, {{"shape", "tube"}, {"outer_diameter", 0.1}, {"thickness", 0.06}}),
                  post);

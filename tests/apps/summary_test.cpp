@@ -125,14 +125,16 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   // Then the misfit; then remarks by severity, with similar remarks merged.
   ASSERT_EQ(d["warnings"].size(), d["not_established"].size() + 3);
   const std::size_t misfit = d["not_established"].size();
-  EXPECT_THAT(d["warnings"][misfit].get<std::string>(),
-              HasSubstr("No number of damages explains the frequencies within the stated noise "
-                        "(predictive p 1e-9) (off by more than 3 sd: modes 1 to 3). Check"));
+  EXPECT_THAT(
+      d["warnings"][misfit].get<std::string>(),
+      HasSubstr("No number of damages explains the frequencies within the stated noise "
+                "(predictive p 1e-9) (frequencies with errors above 3 sd: modes 1 to 3). Check"));
   EXPECT_THAT(d["warnings"][misfit + 1].get<std::string>(),
               HasSubstr("\"a\" (2 % of the response, correlation -0.58 at lag 4, p < 1e-15)"));
-  EXPECT_THAT(d["warnings"][misfit + 2].get<std::string>(),
-              HasSubstr("in the spectra of \"force\" by 9 dB (scatter alone gives 2 dB) and "
-                        "\"displacement\" by 7 dB"));
+  EXPECT_THAT(
+      d["warnings"][misfit + 2].get<std::string>(),
+      HasSubstr("in the spectra of \"force\" by 9 dB (random variability alone gives 2 dB) and "
+                "\"displacement\" by 7 dB"));
   EXPECT_NEAR(d["resolution"].get<double>(), 1.0 - std::pow(0.01, 1.0 / 200.0), 1e-12);
   EXPECT_EQ(d["resolution_words"],
             "posterior modes reached from less than 2.3 % of the prior may have been missed");
@@ -149,10 +151,12 @@ TEST(Summary, SaysBelowWhichWidthModesMayHaveBeenMissed) {
   }
   const Report d = judged(posterior);
   EXPECT_EQ(d["resolution_width"], 0.3);
-  EXPECT_EQ(d["resolution_words"],
-            "posterior modes reached from less than 2.3 % of the prior may have been missed. The "
-            "limit increases in proportion for modes narrower than 0.3 standard deviations of the "
-            "prior; modes narrower than 0.007 standard deviations may have been missed anywhere");
+  EXPECT_EQ(
+      d["resolution_words"],
+      "posterior modes reached from less than 2.3 % of the prior may have been missed. The "
+      "limit increases in proportion for posterior modes narrower than 0.3 standard deviations "
+      "of the prior; posterior modes narrower than 0.007 standard deviations may have been "
+      "missed anywhere");
 }
 
 TEST(Summary, WithoutEvidenceNothingIsSaidOfIt) {

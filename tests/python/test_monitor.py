@@ -45,7 +45,7 @@ class Monitor(unittest.TestCase):
         self.assertEqual(int(dataset.alarm.sum()), len(found.alarms))
 
     def test_what_goes_wrong(self):
-        with self.assertRaisesRegex(wt.CaseError, "the series ends before it"):
+        with self.assertRaisesRegex(wt.CaseError, "the series ends before this time"):
             wt.monitor(CASE, series=series(rows=60))
         with self.assertRaisesRegex(ValueError, "same length"):
             wt.monitor(CASE, series={**series(), "air": np.zeros(3)})

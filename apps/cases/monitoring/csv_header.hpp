@@ -5,7 +5,7 @@
 
 namespace wheeltap::apps {
 
-/// A header as a cell of CSV: in quotes where it holds a comma, a quote or a line break.
+/// A header as a CSV cell: in quotes if it contains a comma, a quote or a line break.
 [[nodiscard]] inline std::string csv_header(const std::string& text) {
   if (text.find_first_of(",\"\n") == std::string::npos) return text;
   std::string out = "\"";

@@ -205,7 +205,7 @@ void read_times(const signals::Record& table, const SeriesColumns& columns, Moni
     const std::string now = out.time.text(out.series.hours[i]);
     refuse_row(table, static_cast<int>(i), column,
                times[i] == times[i - 1]
-                   ? now + ": the time is that of the row before: remove the repeated row" +
+                   ? now + ": the time equals that of the previous row: remove the repeated row" +
                          (out.time.unit == "date" ? ", or write times with their zone where clocks "
                                                     "were set back"
                                                   : "")
@@ -244,12 +244,12 @@ void read_learning(MonitorCaseFile& out) {
   const int fewest = identification::monitoring::kFewestLearningRows;
   if (out.learning_rows < fewest)
     out.file.refuse(where, "only " + std::to_string(out.learning_rows) +
-                               " rows lie before it: the learning period needs at least " +
+                               " rows are before this time: the training period needs at least " +
                                std::to_string(fewest) + " rows; the series begins at " +
                                out.time.text(times.front()));
   if (out.learning_rows == out.series.rows())
-    out.file.refuse(where, "the series ends before it, at " + out.time.text(times.back()) +
-                               ": wait until the learning period is over, or give an earlier time");
+    out.file.refuse(where, "the series ends before this time, at " + out.time.text(times.back()) +
+                               ": wait until the training period ends, or give an earlier time");
 }
 
 /// Faults of the series as complaints about the case; a constant covariate is a warning.
@@ -265,20 +265,22 @@ void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
     };
     switch (fault.kind) {
       case Kind::feature_missing:
-        feature("has fewer than " +
-                std::to_string(identification::monitoring::kFewestLearningRows) +
-                " values in the learning period: name another column, or learn for longer");
+        feature(
+            "has fewer than " + std::to_string(identification::monitoring::kFewestLearningRows) +
+            " values in the training period: name another column, or extend the training period");
         break;
       case Kind::feature_constant:
-        feature("is constant in the learning period: check the column, or remove it");
+        feature("is constant in the training period: check the column, or remove it");
         break;
       case Kind::covariate_missing:
-        out.file.refuse(place_of(columns, columns.covariates[index(fault.column)]),
-                        "has no value in the learning period: remove it, or learn for longer");
+        out.file.refuse(
+            place_of(columns, columns.covariates[index(fault.column)]),
+            "has no value in the training period: remove the covariate, or extend the training "
+            "period");
       case Kind::covariate_constant:
         out.warnings.push_back(
             "The covariate " + out.series.covariate_names[index(fault.column)] +
-            " never varied in the learning period: its effect cannot be learned, and Wheeltap "
+            " is constant in the training period: its effect cannot be inferred, and Wheeltap "
             "leaves it out.");
         break;
       case Kind::sd_not_positive:
@@ -476,7 +478,7 @@ void read_series_of_tests(const SeriesColumns& columns, const ModesReading& read
   } catch (const std::invalid_argument& error) {
     out.file.refuse(
         kSeries / (series.contains("modes") ? "modes" : "records"),
-        std::string(error.what()) + " (" + std::to_string(learning) + " learning records)");
+        std::string(error.what()) + " (" + std::to_string(learning) + " training records)");
   }
 }
 

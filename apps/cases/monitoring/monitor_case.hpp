@@ -15,25 +15,26 @@
 
 namespace wheeltap::apps {
 
-/// How times of the series are written.
+/// The format of the times in the series.
 struct TimeAxis {
   double hours_per_unit = 1.0;
   std::string unit = "h";                              ///< "s", "min", "h", "d", "row"; "date"
-  std::optional<std::int64_t> start_nanoseconds = {};  ///< of dates: since 1970
+  std::optional<std::int64_t> start_nanoseconds = {};  ///< start of dates, since 1970
   bool has_zone = false;  ///< true if dates state their offset from UTC
-  /// A time in hours as the case writes it: a number, or a text for dates.
+  /// Converts a time in hours to the format of the case: a number, or a string for dates.
   [[nodiscard]] Report written(double hours) const;
-  /// The same as text, for tables and sentences.
+  /// The same time as text, for tables and sentences.
   [[nodiscard]] std::string text(double hours) const;
 };
 
-/// How tests were read whose modes are the features.
+/// Information about tests whose modes are the features.
 struct TrackedTests {
   std::vector<std::string> names = {};  ///< file of each row
   std::vector<identification::monitoring::TrackedMode> modes = {};
-  /// n x K: probability of the assignment of a tracked mode, or that it is missing.
+  /// n x K: probability of the assignment to a tracked mode or, if the mode is missing, of its
+  /// absence.
   Eigen::MatrixXd probability = {};
-  std::vector<std::uint64_t> checksums = {};  ///< over the files' contents
+  std::vector<std::uint64_t> checksums = {};  ///< checksums of the files' contents
 };
 
 struct MonitorCaseFile {
@@ -41,26 +42,27 @@ struct MonitorCaseFile {
   std::string title;
   TimeAxis time = {};
   identification::monitoring::Series series = {};  ///< all rows of the table
-  Eigen::MatrixXd features = {};                   ///< n x p: as in the table
+  Eigen::MatrixXd features = {};                   ///< n x p: values of the table
   int learning_rows = 0;
   identification::monitoring::MonitorOptions options = {};
-  std::optional<TrackedTests> tests = {};            ///< where the series is of modes or records
+  /// Set if the features come from modes or records
+  std::optional<TrackedTests> tests = {};
   std::optional<MonitoredStructure> structure = {};  ///< to explain changes
   std::vector<std::string> warnings = {};
 };
 
 /// Reads the case and its table, or the modes of its tests. Throws Failure (65) with one line that
-/// names the file, the key or the row, the value and a remedy. Faults are times that repeat or
-/// decrease, features that are not positive or are missing or constant in the learning period, and
-/// a learning period that is empty or not over.
+/// names the file, the key or the row, the value and a remedy. Faults are: times that repeat or
+/// decrease; features that are not positive; features that are missing or constant in the training
+/// period; a training period that is empty or has not ended.
 [[nodiscard]] MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading = {});
 
-/// The key of a valid case that names the series' files: /series/file, /series/modes or
-/// /series/records/files.
+/// The location in a valid case of the key that names the files of the series: /series/file,
+/// /series/modes or /series/records/files.
 [[nodiscard]] Pointer source_of(const CaseFile& file);
 
-/// The state of the files of the series, as text: it changes when one is added or written. Empty
-/// where the case cannot be read.
+/// The state of the files of the series, as text. The text changes if a file is added or written.
+/// It is empty if the case cannot be read.
 [[nodiscard]] std::string files_now(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -6,9 +6,9 @@
 
 namespace wheeltap::apps {
 
-/// CSV of 120 days at 2 h, as the "truth" of the starter case describes it: three frequencies that
-/// rise faster below 0 °C, and the air temperature. From hour 2400 on the second frequency is 1 %
-/// lower.
+/// CSV of 120 days with a time step of 2 h, simulated from the "truth" of the starter case: the air
+/// temperature, and three frequencies with a steeper slope below 0 °C. From hour 2400 on, the
+/// second frequency is 1 % lower.
 [[nodiscard]] std::string simulated_series_csv(std::uint64_t seed);
 
 }  // namespace wheeltap::apps

@@ -72,7 +72,7 @@ class TruthParser {
       if (!series[key][i].is_string())
         file_.refuse(
             Pointer("/series") / key / i,
-            "must be a header text: a simulated table has the columns that the case names");
+            "must be a column header: a simulated table has the columns that the case names");
       out.push_back(series[key][i].get<std::string>());
     }
     return out;
@@ -216,7 +216,7 @@ SimulatedTable simulated_table(CaseFile file, std::optional<std::uint64_t> seed)
   const Json& time = file.json.at("series").at("time");
   if (!time.is_string())
     file.refuse(Pointer("/series/time"),
-                "must be a header text: a simulated table has the columns that the case names");
+                "must be a column header: a simulated table has the columns that the case names");
   TruthParser parser(file);
   const SeriesTruth truth = parser.parse();
   const TimeWriter times(file);

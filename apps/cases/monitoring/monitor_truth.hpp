@@ -1,4 +1,5 @@
-// The truth of a monitor case: years under weather, with changes, for `wheeltap simulate`.
+// The truth of a monitor case, for `wheeltap simulate`: features under weather over years, with
+// changes.
 #pragma once
 
 #include <cstdint>
@@ -11,13 +12,13 @@ namespace wheeltap::apps {
 
 /// A simulated table.
 struct SimulatedTable {
-  std::string csv = {};  ///< columns as the case names them
+  std::string csv = {};  ///< CSV text, with the columns that the case names
   int rows = 0, features = 0;
   std::uint64_t seed = 1;
 };
 
-/// The table of a monitor case with "truth"; its file need not exist. `seed`: empty for the
-/// truth's, or 1. Throws Failure (65).
+/// Simulates the table of a monitor case with "truth"; its file need not exist. If `seed` is empty,
+/// the seed of the truth is used, or 1. Throws Failure (65).
 [[nodiscard]] SimulatedTable simulated_table(CaseFile file, std::optional<std::uint64_t> seed);
 
 }  // namespace wheeltap::apps

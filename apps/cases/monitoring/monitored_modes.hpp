@@ -1,4 +1,4 @@
-// Modes of many tests: files of `wheeltap modal`, or raw records that are identified one by one.
+// Modes of many tests: from files of `wheeltap modal`, or identified from raw records.
 #pragma once
 
 #include <cstdint>
@@ -13,31 +13,31 @@
 
 namespace wheeltap::apps {
 
-/// One test: its modes, or why there are none.
+/// The modes of one test, or the reason why they are missing.
 struct MonitoredTest {
-  std::string name = {};       ///< folder and name of its file
-  std::uint64_t checksum = 0;  ///< over the file's content
+  std::string name = {};       ///< folder and name of the file
+  std::uint64_t checksum = 0;  ///< checksum of the file's content
   ModesFile modes = {};
-  std::string fault = {};  ///< why no modes were identified; empty: they were
+  std::string fault = {};  ///< reason why no modes were identified; empty if modes were identified
 };
 
 struct ModesReading {
   int threads = 1;
   std::uint64_t seed = 1;
-  /// Folder that keeps the identified modes of raw records for the next call; empty: none.
+  /// Folder that stores the identified modes of raw records for the next call; empty: not stored.
   std::filesystem::path kept = {};
-  /// A last file that cannot be read is still being written: it waits for the next call.
+  /// True: a last file that cannot be read counts as incomplete and is read at the next call.
   bool following = false;
   std::function<void(double fraction)> progress = nullptr;
 };
 
-/// The modes.json files of a folder (also one folder below, and its other .json files), of a text
-/// file without the ending .json that lists one path or folder of a run per line, or the file
-/// itself.
+/// The modes.json files at `path`. A folder gives its .json files and the modes.json files one
+/// folder below. A text file without the extension .json gives the listed files: one path, or run
+/// folder, per line. A .json file gives itself.
 [[nodiscard]] std::vector<std::filesystem::path> mode_files(const std::filesystem::path& path);
 
-/// The files that `names` stands for: "*" and "?" in a name's last part stand for any text and any
-/// letter, in order of names; names at /series/modes as for mode_files.
+/// The files that `names` specify, in order of names. In the last part of a name, "*" matches any
+/// text and "?" any character. Names at /series/modes have the forms of mode_files.
 [[nodiscard]] std::vector<std::filesystem::path> listed_files(
     const CaseFile& file, const Pointer& where, const std::vector<std::string>& names);
 
@@ -49,13 +49,13 @@ struct ModesReading {
 [[nodiscard]] std::vector<MonitoredTest> read_modes_of_tests(const CaseFile& file,
                                                              const ModesReading& reading);
 
-/// Identifies the records of /series/records by the modal case there, several at a time. Throws
-/// Failure where the modal case is at fault, or no record gives modes.
+/// Identifies the modes of the records at /series/records with the modal case given there, several
+/// records in parallel. Throws Failure if the modal case is invalid, or if no record gives modes.
 [[nodiscard]] std::vector<MonitoredTest> identify_tests(const CaseFile& file,
                                                         const ModesReading& reading);
 
-/// As the tracker takes them; without modes where identification failed.
-/// Throws Failure (65) where tests have other sensors than the first.
+/// Converts tests to the input of the tracker; a test whose identification failed has no modes.
+/// Throws Failure (65) if the sensors of a test differ from those of the first test.
 [[nodiscard]] std::vector<identification::monitoring::IdentifiedRecord> identified_records(
     const std::vector<MonitoredTest>& tests);
 

@@ -125,7 +125,8 @@ void read_weights(const CaseFile& file, MonitoredStructure& out) {
     causes.share.push_back(expected_count(kind));
   }
   if (std::ranges::find(causes.is_mass, false) == causes.is_mass.end())
-    file.refuse(Pointer("/damage"), "has no kind of damage but an added mass, which is no damage");
+    file.refuse(Pointer("/damage"),
+                "contains an added mass only, which is not damage: add a kind of damage");
   for (std::size_t k = 0; k < causes.share.size(); ++k)
     if (!(causes.share[k] > 0.0))
       file.refuse(out.parsed.kinds[k],

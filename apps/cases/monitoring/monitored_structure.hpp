@@ -1,4 +1,4 @@
-// The structure of a monitor case, what may change in it, and how changes are explained.
+// The structure of a monitor case, its possible changes, and the explanation of changes.
 #pragma once
 
 #include <optional>
@@ -10,20 +10,21 @@
 namespace wheeltap::apps {
 
 struct MonitoredStructure {
-  /// The kinds of defect are those of the case. Unless one of them is an added mass, an added mass
-  /// anywhere follows them, where the structure has members or is a chain.
+  /// The kinds of defect of the case. If none of these kinds is an added mass, and the structure
+  /// has members or is a chain of masses, an added mass at any location is appended.
   DamageCaseFile parsed;
   std::vector<int> modes = {};         ///< elastic mode (from 0) of each feature
-  std::vector<double> intact_hz = {};  ///< their frequencies in the model
-  /// Weights, kinds and their shares; the sds depend on learning.
+  std::vector<double> intact_hz = {};  ///< frequencies of these modes in the intact model
+  /// Prior weights of the causes, and kinds of defect with their shares. Training sets the standard
+  /// deviations.
   identification::monitoring::CauseOptions causes = {};
 };
 
-/// Whether the case has a structure or a beam.
+/// True if the case has a structure or a beam.
 [[nodiscard]] bool has_monitored_structure(const CaseFile& file);
 
 /// Parses "structure" or "beam", "damage" and "explanation" of a validated case with `features`
-/// features; empty if it has none of them. Throws Failure (65).
+/// features; empty if the case has none of these keys. Throws Failure (65).
 [[nodiscard]] std::optional<MonitoredStructure> parse_monitored_structure(const CaseFile& file,
                                                                           std::size_t features);
 

@@ -13,16 +13,16 @@ namespace wheeltap::apps {
 struct PlanCaseFile {
   DamageCaseFile parsed;
   identification::planning::PlanCase plan;
-  /// The candidate sensors as in data.sensors of a damage case.
+  /// The candidate sensors, in the form of data.sensors of a damage case.
   std::vector<Json> sensors = {};
-  /// Places on the drawing [m], and directions, of the candidates; none for a structure of
+  /// Locations on the drawing [m], and directions of the candidates; empty for a structure of
   /// matrices.
   struct Drawn {
     fem::Vector3 at = {}, direction = {};
   };
   std::vector<std::optional<Drawn>> drawn = {};
 
-  /// Throws Failure: the library's error, located in the case.
+  /// Throws Failure with the message of the library's error and its location in the case.
   [[noreturn]] void refuse(const identification::InvalidInput& error) const;
 };
 

@@ -104,7 +104,7 @@ std::vector<std::string> oddities(const MeasuredTable& table, const MeasuredChan
                std::string(found.value > 0.0 ? "rises" : "falls") + " by " + in_sd(found.value) +
                " standard deviations";
       case wander:
-        return "wanders: the standard deviation of the means of twenty blocks is " +
+        return "wanders: the standard deviation of the mean values of twenty blocks is " +
                in_sd(100.0 * found.value) + " % of that of all samples";
       case offset:
         return "has a DC offset of " + in_sd(found.value) + " standard deviations";

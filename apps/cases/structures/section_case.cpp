@@ -120,12 +120,12 @@ void check_sizes(const CaseFile& file, const Pointer& where) {
     if (!s.contains(size))
       file.refuse(where / size, "is missing: " + what + " has " + list + "; write \"" + size +
                                     (shape.empty() ? "\" with its value in SI units"
-                                                   : "\": 0.01 with the size in metres"));
+                                                   : "\": 0.01 with the dimension in metres"));
   }
   for (const auto& [key, ignored] : s.items()) {
     if (key != "shape" && key != "shear_coefficient" &&
         std::ranges::find(sizes, key) == sizes.end()) {
-      file.refuse(where / key, "is not a size of " + what + ", which has " + list);
+      file.refuse(where / key, "is not a dimension of " + what + ", which has " + list);
     }
   }
 }

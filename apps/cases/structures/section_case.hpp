@@ -1,4 +1,4 @@
-// Cross-section of a case: a shape with sizes, or an outline.
+// Cross-section of a case: a shape with dimensions, or an outline.
 #pragma once
 
 #include <optional>
@@ -19,17 +19,18 @@ struct SectionMaterial {
   std::optional<double> density = {};
 };
 
-/// Checks that the section at `where` has all sizes of its shape ("width", "height", …) and no
+/// Checks that the section at `where` has all dimensions of its shape ("width", "height", …) and no
 /// others. Throws Failure.
 void check_sizes(const CaseFile& file, const Pointer& where);
 
-/// Parses a section with sizes at `where`. The result has the area A, the second moment of area I
-/// for bending about the width axis, and Cowper's shear coefficient κ. Throws Failure.
+/// Parses a section with dimensions at `where`. The result has the area A, the second moment of
+/// area I for bending about the width axis, and Cowper's shear coefficient κ. Throws Failure.
 [[nodiscard]] fem::Section parse_sized_section(const CaseFile& file, const Pointer& where,
                                                double poisson);
 
-/// Parses the outline of a "polygon", or computes the outline of a shape with sizes. y is along the
-/// width, and the origin is in the middle. Circles become polygons of equal area. Throws Failure.
+/// Parses the outline of a "polygon", or computes the outline of a shape with dimensions. y is
+/// along the width, and the origin is in the middle. Circles become polygons of equal area. Throws
+/// Failure.
 [[nodiscard]] fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
                                          const SectionMaterial& material);
 

@@ -66,7 +66,8 @@ class SectionParser {
     for (const auto& [key, ignored] : s_.items())
       if (std::ranges::find(sizes, key) == sizes.end() &&
           std::ranges::find(always, key) == always.end())
-        file_.refuse(where_ / key, "is not a size of " + what + ", which has " + listed(sizes));
+        file_.refuse(where_ / key,
+                     "is not a dimension of " + what + ", which has " + listed(sizes));
   }
   Coefficient take(const Pointer& at, const Bounds& bounds) {
     const Coefficient c = parameters_.coefficient(at, bounds);

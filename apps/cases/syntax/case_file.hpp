@@ -39,9 +39,10 @@ struct CaseFile {
 };
 
 /// Reads a file and applies `overrides`, each "path.to.key=VALUE" (array elements by 0-based
-/// number; VALUE is JSON, or else text). Throws Failure: 66 for an unreadable file; 65, with line
-/// and column, for text that is not JSON; 65 for keys and texts that are not UTF-8 or that contain
-/// control characters; 64 for an override of a key that does not exist.
+/// number; VALUE is JSON or, if it is not valid JSON, a string). Throws Failure: 66 for an
+/// unreadable file; 65, with line and column, for text that is not JSON; 65 for keys and strings
+/// that are not UTF-8 or that contain control characters; 64 for an override of a key that does not
+/// exist.
 [[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
                                  const std::vector<std::string>& overrides = {});
 
@@ -67,8 +68,8 @@ void validate_against_schema(CaseFile& file, std::string_view schema_name);
 /// The names as a list, "a, b, c", or "none".
 [[nodiscard]] std::string listed(const std::vector<std::string>& names);
 
-/// A value as text: texts are unchanged, other values are converted to JSON, e.g. a column's
-/// number.
+/// A value as text: strings are returned unchanged, other values (e.g. a column's number) are
+/// converted to JSON.
 [[nodiscard]] std::string text_or_number(const Json& value);
 
 }  // namespace wheeltap::apps

@@ -11,7 +11,7 @@ namespace wheeltap::apps {
 
 std::string unknown_parameter(const std::string& text, const std::vector<std::string>& names) {
   if (const std::string number = number_to_write(text); !number.empty())
-    return "is a text, but no parameter has this name; " + number;
+    return "is a string, but no parameter has this name; " + number;
   const std::string meant = nearest(text, names);
   return "no parameter has this name" + (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
          " (/parameters holds: " + listed(names) + ")" +

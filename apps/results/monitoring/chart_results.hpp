@@ -9,15 +9,15 @@
 
 namespace wheeltap::apps {
 
-/// "time,T² of features,…": statistics over their thresholds, of the rows after learning; cells
-/// without a statistic are empty.
+/// CSV "time,T² of features,…": statistics divided by their thresholds, for the rows after the
+/// training period. Cells without a statistic are empty.
 [[nodiscard]] std::string charts_csv(
     const MonitorCaseFile& parsed,
     const std::vector<identification::monitoring::ChartFinding>& charts);
 
-/// A list with name, threshold, alarms and first_alarm of each chart. Where `monitor` (the
-/// summary's) has an alarm also alarms_before_onset and delay: the time from the median onset of
-/// its first alarm to the chart's first alarm after it, in time units (hours for dates).
+/// A list with name, threshold, alarms and first_alarm of each chart. If `monitor` (of the summary)
+/// has an alarm, also alarms_before_onset and delay. The delay is the time from the median onset of
+/// the monitor's first alarm to the chart's next alarm, in time units (hours for dates).
 [[nodiscard]] Report charts_json(
     const MonitorCaseFile& parsed, const identification::monitoring::Monitor& monitor,
     const std::vector<identification::monitoring::ChartFinding>& charts);

@@ -146,7 +146,7 @@ std::vector<std::string> explanation_in_words(const Report& alarm) {
       ", none of these " + share("probability_other") + ". The shift lies " +
       rounded_text(e.at("sds_from_damage").is_null() ? NAN
                                                      : e.at("sds_from_damage").get<double>()) +
-      " standard deviations from the nearest damage."};
+      " of its standard deviations from the nearest shift that damage can cause."};
   for (const Report& defect : e.at("defects"))
     if (defect.at("probability").get<double>() >= 0.05)
       if (const std::string text = defect_in_words(defect); !text.empty()) out.push_back(text);

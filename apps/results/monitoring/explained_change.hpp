@@ -1,4 +1,4 @@
-// Explanations of the changes of a monitored structure: in the summary, and in words.
+// Explanations of the changes of a monitored structure, for the summary and as sentences.
 #pragma once
 
 #include <string>
@@ -10,18 +10,19 @@
 
 namespace wheeltap::apps {
 
-/// One explanation for each alarm; empty without a structure. The reanalysis of all places and
+/// One explanation per alarm; empty if the case has no structure. The reanalysis of all places and
 /// severities takes about a second.
 [[nodiscard]] std::vector<identification::monitoring::ChangeExplanation> explanations(
     const MonitorCaseFile& parsed, const identification::monitoring::Monitor& monitor, int threads);
 
-/// Adds them to /monitor/alarms, and /monitor/probability_damage, /monitor/probability_other and
-/// /damage, of the last alarm.
+/// Adds the explanations to /monitor/alarms. Adds /monitor/probability_damage,
+/// /monitor/probability_other and /damage for the last alarm.
 void add_explanations(const MonitorCaseFile& parsed,
                       const std::vector<identification::monitoring::ChangeExplanation>& explained,
                       Report& summary);
 
-/// "Cause: damage 93 %, …", and place and severity; empty for an alarm without an explanation.
+/// Sentences "Cause: damage 93 %, …" and on location and severity; empty for an alarm without an
+/// explanation.
 [[nodiscard]] std::vector<std::string> explanation_in_words(const Report& alarm);
 
 }  // namespace wheeltap::apps

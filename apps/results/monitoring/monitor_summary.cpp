@@ -154,10 +154,10 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
   std::vector<std::string> warnings = parsed.warnings;
   if (monitor.log_threshold_replayed() > monitor.log_threshold_stated())
     warnings.push_back(
-        "Replayed healthy rows raise more false alarms than the model states: Wheeltap uses the "
+        "Replayed healthy rows raise more false alarms than the model predicts: Wheeltap uses the "
         "higher threshold of the replay.");
   if (!(monitor.baseline().rhat_max < 1.1))
-    warnings.push_back("The chains of the learning period have not converged (R-hat " +
+    warnings.push_back("The chains of the training period have not converged (R-hat " +
                        significant(monitor.baseline().rhat_max, 3) +
                        "): the draws of knots and drift may miss a part of the posterior.");
   Report out = {{"wheeltap", about("monitor", info, parsed.file)}};
@@ -210,7 +210,7 @@ std::string false_alarms_in_words(const Report& monitor) {
   const bool rows = monitor.contains("rows_between_false_alarms");
   const Report& rates = monitor.at(rows ? "rows_between_false_alarms" : "false_alarms_per_year");
   return (rows ? "Rows between two false alarms at the threshold of the model: "
-               : "False alarms a year at the threshold of the model: ") +
+               : "False alarms per year at the threshold of the model: ") +
          significant(rates.at("stated").get<double>(), 3) + " stated, " +
          significant(rates.at("replayed").get<double>(), 3) + " in replayed healthy rows.";
 }

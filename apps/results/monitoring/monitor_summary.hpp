@@ -1,4 +1,4 @@
-// Results of a monitoring run: summary.json, the rows of series.csv, and what the terminal shows.
+// Results of a monitoring run: summary.json, the rows of series.csv, and the terminal text.
 #pragma once
 
 #include <iosfwd>
@@ -10,29 +10,29 @@
 
 namespace wheeltap::apps {
 
-/// "time,f1 [Hz],f1 predicted,f1 sd,f1 corrected,…,log statistic,P(changed),alarm".
+/// Header "time,f1 [Hz],f1 predicted,f1 sd,f1 corrected,…,log statistic,P(changed),alarm".
 [[nodiscard]] std::string series_header(const MonitorCaseFile& parsed);
 
 /// Row i of series.csv, in the unit of the features; cells of missing values are empty.
 [[nodiscard]] std::string series_row(const MonitorCaseFile& parsed, int i,
                                      const identification::monitoring::RowFinding& row);
 
-/// summary.json: about the run, and /monitor.
+/// Content of summary.json: information about the run, and /monitor.
 [[nodiscard]] Report monitor_summary(const MonitorCaseFile& parsed,
                                      const identification::monitoring::Monitor& monitor,
                                      const RunInfo& info);
 
-/// The answer, the alarms and the rates.
+/// Prints the answer, the alarms and the rates of false alarms.
 void print_monitor(std::ostream& out, const MonitorCaseFile& parsed, const Report& summary,
                    bool colour);
 
-/// One sentence: whether there was an alarm, since when, and how sure.
+/// Sentence on the last alarm: its time, onset and probability.
 [[nodiscard]] std::string monitor_headline(const Report& monitor);
-/// One sentence: the stated rate of false alarms, and the rate in replayed healthy rows. A series
-/// without a clock states rows between two false alarms.
+/// Sentence with the stated rate of false alarms and the rate in replayed healthy rows. For a
+/// series without times, it states the number of rows between two false alarms.
 [[nodiscard]] std::string false_alarms_in_words(const Report& monitor);
 
-/// "f2 [Hz] by -1.9 % ± 0.2 %", the features that shifted most clearly first.
+/// "f2 [Hz] by -1.9 % ± 0.2 %": shifts of the features, the most significant shift first.
 [[nodiscard]] std::string shifts_in_words(const Report& alarm);
 
 }  // namespace wheeltap::apps

@@ -112,7 +112,7 @@ void print_tracked(std::ostream& out, const TrackedModesOf& tracked, bool colour
   for (const auto& record : tracked.records)
     spurious += static_cast<double>(record.pairs.cols()) - record.pairs.sum();
   page.wrapped(significant(spurious / static_cast<double>(tracked.records.size()), 2) +
-                   " identified modes a record are of no tracked mode, on average.",
+                   " identified modes per record belong to no tracked mode, on average.",
                "", "");
 }
 

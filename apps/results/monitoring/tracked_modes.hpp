@@ -1,4 +1,4 @@
-// Results of tracking modes over tests: a NetCDF file and a table.
+// Results of mode tracking over many tests: a NetCDF file and a table.
 #pragma once
 
 #include <filesystem>
@@ -10,7 +10,7 @@
 
 namespace wheeltap::apps {
 
-/// Tests with their assignments, one of each per test.
+/// Tests and the assignments of their modes, one assignment per test.
 struct TrackedModesOf {
   const std::vector<MonitoredTest>& tests;
   const std::vector<identification::monitoring::TrackedRecord>& records;
@@ -28,7 +28,7 @@ struct TrackedModesOf {
 [[nodiscard]] std::string tracked_netcdf(const TrackedModesOf& tracked,
                                          const std::filesystem::path& path);
 
-/// One row a tracked mode.
+/// Prints one row per tracked mode.
 void print_tracked(std::ostream& out, const TrackedModesOf& tracked, bool colour);
 
 /// The rows of the table as JSON.

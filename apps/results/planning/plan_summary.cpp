@@ -226,7 +226,8 @@ std::vector<std::string> cautions(const PlanFindings& f) {
   constexpr double kLargeInteraction = 0.5;
   if (f.interaction_high > kLargeInteraction)
     out.push_back(
-        "For one pair of damages in ten, the model of their common effect is wrong by more than " +
+        "For one pair of damages in ten, the approximation of their joint effect is wrong by more "
+        "than " +
         significant(f.interaction_high, 2) +
         " standard errors per measured value. Probabilities for two damages may be too low.");
   if (!f.without_shapes.empty()) {
@@ -322,9 +323,10 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
   for (const auto& [key, value] : parsed.parsed.file.json.items())
     if (key != "plan" && key != "damage" && key != "notes") out[key] = value;
   out["title"] = parsed.parsed.damage.title + ": the planned test";
-  out["notes"] = {"Written by wheeltap plan: the recommended sensors and their uncertainty.",
-                  "The truth simulates a test. After the test, delete \"truth\", and replace the "
-                  "keys of data by \"from\": \"modes.json\" and \"sensors\"."};
+  out["notes"] = {
+      "Written by wheeltap plan: the recommended sensors and the uncertainty of their data.",
+      "The truth simulates a test. After the test, delete \"truth\", and replace the "
+      "keys of data by \"from\": \"modes.json\" and \"sensors\"."};
   Report data = {{"cov", compact(cov)}};
   Report truth = {{"defects", Report::array({defect})}, {"cov", compact(cov)}, {"modes", modes}};
   if (best.design.sensors.size() >= 2) {

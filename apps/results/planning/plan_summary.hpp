@@ -1,4 +1,5 @@
-// Results of a plan: summary.json, the recommended damage case, and what the terminal shows.
+// Results of a plan: summary.json, the damage case with the recommended sensors, and the terminal
+// text.
 #pragma once
 
 #include <iosfwd>
@@ -11,33 +12,35 @@
 
 namespace wheeltap::apps {
 
-/// summary.json: about the run, and /plan. `check`: without tests if it was not made.
+/// Content of summary.json: information about the run, and /plan. `check` has no tests if no check
+/// was made.
 [[nodiscard]] Report plan_summary(const PlanCaseFile& parsed,
                                   const identification::planning::PlanFindings& findings,
                                   const identification::planning::EngineCheck& check,
                                   const RunInfo& info);
 
-/// The damage case of the recommended design. Its truth simulates the test of a damage that the
-/// test finds with probability 0.9 (or of the largest one), at the place where this is hardest but
-/// possible; measured modes replace it.
+/// A damage case with the sensors of the recommended design. Its truth is the smallest damage that
+/// the test detects with probability 0.9, at the place where this damage is largest. If no place
+/// has such a damage, the truth is the largest damage of the prior. Measured modes replace the
+/// truth after the test.
 [[nodiscard]] Report recommended_case(const PlanCaseFile& parsed,
                                       const identification::planning::PlanFindings& findings);
 
-/// The answer and the tables.
+/// Prints the answer and the tables.
 void print_plan(std::ostream& out, const Report& summary, bool colour);
 
 // ---- Sentences, from /plan of a summary
 
-/// The damages that the recommended design detects.
+/// Sentence on the damage that the recommended design detects.
 [[nodiscard]] std::string plan_headline(const Report& plan);
-/// On sensors, frequencies alone, places that cannot be told apart and what separates them, and the
-/// further sensors.
+/// Sentences on the sensors, frequencies alone, indistinguishable places, changes of the design
+/// that distinguish these places, and further sensors.
 [[nodiscard]] std::vector<std::string> plan_details(const Report& plan);
-/// On the check by the full engine; empty without one.
+/// Sentence on the check by the full engine; empty without a check.
 [[nodiscard]] std::string check_sentence(const Report& plan);
-/// On costs; empty without costs.
+/// Sentences on costs; empty without costs.
 [[nodiscard]] std::vector<std::string> value_sentences(const Report& plan);
-/// "0.2 m and 0.7 m"; "no sensors".
+/// The sensors of a design: "0.2 m and 0.7 m", or "no sensors for shapes".
 [[nodiscard]] std::string sensors_in_words(const Report& plan, const Report& design);
 
 }  // namespace wheeltap::apps

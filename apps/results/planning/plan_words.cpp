@@ -37,7 +37,7 @@ std::string regions_in_words(const Report& regions, const std::string& by) {
       pairs.push_back(r.at("first").get<std::string>() + " and " +
                       r.at("second").get<std::string>());
   }
-  std::string out = by + " cannot tell these places apart: ";
+  std::string out = by + " cannot distinguish these locations: ";
   for (std::size_t i = 0; i < pairs.size(); ++i) out += (i > 0 ? "; " : "") + pairs[i];
   if (regions.size() > pairs.size())
     out += "; and " + std::to_string(regions.size() - pairs.size()) + " more pairs of regions";
@@ -53,15 +53,15 @@ std::string separation_in_words(const Report& separation, bool none_yet) {
                      std::to_string(s.at("of").get<int>()) + " compared pairs";
   };
   if (const Report& s = separation.at("sensors"); !s.is_null())
-    out = std::string(none_yet ? "The cheapest sensors that separate them are "
-                               : "The cheapest further sensor that separates them is ") +
+    out = std::string(none_yet ? "The cheapest sensors that distinguish the locations are "
+                               : "The cheapest further sensor that distinguishes them is ") +
           in_words(names_of(s.at("sensor_names"))) + " (" + share(s) + ")" +
           (none_yet ? "; two are needed, since shapes have no scale." : ".");
   if (const Report& m = separation.at("mass"); !m.is_null())
     out += (out.empty() ? "" : " ") + std::string("The added mass of ") +
-           m.at("mass").get<std::string>() + ", in a second state of the test, separates " +
+           m.at("mass").get<std::string>() + ", in a second state of the test, distinguishes " +
            share(m) + " by frequencies.";
-  return out.empty() ? "No candidate sensor or added mass separates them." : out;
+  return out.empty() ? "No candidate sensor or added mass distinguishes the locations." : out;
 }
 
 /// Where a further sensor adds less than `kWorth` of the information.
@@ -98,9 +98,9 @@ std::string smallest_in_words(const Report& plan) {
   }
   if (all == 0) return {};
   if (found == 0)
-    return "At no place does the test find the largest " + key +
+    return "At no location does the test detect the largest " + key +
            " of the prior with probability 0.9.";
-  std::string out = "The smallest " + key + " found with probability 0.9 is " +
+  std::string out = "The smallest " + key + " detected with probability 0.9 is " +
                     significant(least->at(key).get<double>(), 2) + " at " +
                     least->at("place").get<std::string>();
   if (most != least)
@@ -109,7 +109,8 @@ std::string smallest_in_words(const Report& plan) {
   out += ".";
   if (found < all)
     out += " At " + std::to_string(all - found) + " of " + std::to_string(all) +
-           " places, the largest " + key + " of the prior is not found with probability 0.9.";
+           " locations, the test does not detect the largest " + key +
+           " of the prior with probability 0.9.";
   return out;
 }
 
@@ -127,9 +128,10 @@ std::string plan_headline(const Report& plan) {
   return "A test of " + significant(plan.at("seconds").get<double>(), 6) + " s with " +
          (n < 2 ? "frequencies alone" : "shapes at " + std::to_string(n) + " sensors") +
          " detects " + chance(best, "detection") +
-         " of the damages of the prior, at a false-alarm probability of " +
-         percent(plan.at("false_alarm").get<double>()) + ". It finds count and place in " +
-         chance(best, "right_place") + " of the cases.";
+         " of the damages drawn from the prior, at a false-alarm probability of " +
+         percent(plan.at("false_alarm").get<double>()) +
+         ". It identifies count and location correctly in " + chance(best, "right_place") +
+         " of these damages.";
 }
 
 std::vector<std::string> plan_details(const Report& plan) {
@@ -140,7 +142,7 @@ std::vector<std::string> plan_details(const Report& plan) {
   if (!best.at("sensors").empty()) {
     const Report& alone = plan.at("frequencies_alone");
     out.push_back("Frequencies alone detect " + chance(alone, "detection") +
-                  " and find count and place in " + chance(alone, "right_place") + ".");
+                  " and identify count and location in " + chance(alone, "right_place") + ".");
   }
   const Report& alone = plan.at("alone");
   if (!alone.at("indistinguishable").empty()) {
@@ -152,8 +154,9 @@ std::vector<std::string> plan_details(const Report& plan) {
     out.push_back(separation_in_words(plan.at("separation"), false));
   }
   for (const Report& r : plan.at("resolution"))
-    out.push_back("In " + r.at("member").get<std::string>() + ", places within about " +
-                  significant(r.at("metres").get<double>(), 2) + " m cannot be told apart.");
+    out.push_back("In " + r.at("member").get<std::string>() +
+                  ", the test cannot distinguish locations within about " +
+                  significant(r.at("metres").get<double>(), 2) + " m.");
   if (const std::string words = stopping_in_words(plan.at("by_sensors")); !words.empty())
     out.push_back(words);
   return out;
@@ -164,17 +167,17 @@ std::string check_sentence(const Report& plan) {
   const Report& check = plan.at("check");
   std::string out = "The full engine identified " + std::to_string(check.at("tests").get<int>()) +
                     " of the simulated tests, " + std::to_string(check.at("damaged").get<int>()) +
-                    " of them with damage. Its P(at least one damage) differs by " +
+                    " of them with damage. P(at least one damage) of the engine differs by " +
                     significant(check.at("rms_probability_damaged").get<double>(), 2) +
-                    " (root mean square) from the approximation.";
+                    " (root mean square) from the approximation of the plan.";
   const auto corrected = [&](const char* key, const char* words) {
     const Report& c = check.at(key);
     if (c.at("corrected").is_null()) return;
-    out += std::string(" With the difference of these tests, ") + words + " is " +
+    out += std::string(" Corrected by the mean difference in these tests, ") + words + " is " +
            percent(c.at("corrected").get<double>(), c.at("se").get<double>()) + ".";
   };
   corrected("detection", "the probability of detection");
-  corrected("right_place", "that of the right count and place");
+  corrected("right_place", "the probability of the right count and location");
   return out;
 }
 
@@ -185,8 +188,8 @@ std::vector<std::string> value_sentences(const Report& plan) {
   const std::string without =
       "Without a test, the expected cost is " +
       significant(value.at("without_test").get<double>(), 4) +
-      (value.at("inspects_without_test").get<bool>() ? ", by an inspection."
-                                                     : ", without an inspection.");
+      (value.at("inspects_without_test").get<bool>() ? " with an inspection."
+                                                     : " without an inspection.");
   if (value.at("best").is_null()) {
     out.push_back("No compared test pays at these costs. " + without);
   } else {
@@ -194,7 +197,7 @@ std::vector<std::string> value_sentences(const Report& plan) {
     out.push_back("The best test is " + best.at("name").get<std::string>() + ". It saves " +
                   significant(best.at("saving").get<double>(), 3) + " ± " +
                   significant(best.at("mcse").get<double>(), 1) +
-                  " on average, with alarms at a false-alarm probability of " +
+                  " on average, if alarms have a false-alarm probability of " +
                   percent(best.at("false_alarm").get<double>()) + ". " + without);
   }
   std::vector<std::string> changes;
@@ -217,7 +220,7 @@ namespace {
 
 void print_designs(const Page& page, const Report& plan) {
   std::vector<std::vector<std::string>> rows = {
-      {"design", "information [nat]", "detected", "right place"}};
+      {"design", "information [nat]", "detected", "right location"}};
   const auto add = [&](const std::string& name, const Report& d) {
     rows.push_back({io::printable(name), share_error(d, "information"), chance(d, "detection"),
                     chance(d, "right_place")});
@@ -238,7 +241,7 @@ void print_designs(const Page& page, const Report& plan) {
 
 void print_variations(const Page& page, const Report& plan) {
   std::vector<std::vector<std::string>> rows = {
-      {"variation", "information [nat]", "detected", "right place"}};
+      {"variation", "information [nat]", "detected", "right location"}};
   for (const char* key : {"by_sensors", "by_length", "by_modes", "by_mass"})
     for (const Report& d : plan.at(key))
       rows.push_back({io::printable(d.at("name").get<std::string>()), share_error(d, "information"),
@@ -264,8 +267,9 @@ void print_plan(std::ostream& out, const Report& summary, bool colour) {
                                                                : "The search compared ") +
                    base::grouped(search.at("compared").get<long>()) + " designs with up to " +
                    base::grouped(search.at("scenarios").get<long>()) +
-                   " simulated tests each. The table of designs uses " +
-                   base::grouped(plan.at("scenarios").get<long>()) + ", that of variations " +
+                   " simulated tests per design. The table of designs uses " +
+                   base::grouped(plan.at("scenarios").get<long>()) +
+                   " simulated tests, the table of variations uses " +
                    base::grouped(plan.at("variation_scenarios").get<long>()) + ".",
                "", "");
   if (const std::string words = check_sentence(plan); !words.empty()) page.wrapped(words, "", "");

@@ -1,5 +1,5 @@
-// Changes of a discretised structure by defects: low-rank terms in K and M, and scale factors of
-// parts of K.
+// Changes that defects cause in a discretised structure: low-rank terms in K and M, and scale
+// factors of parts of K.
 #pragma once
 
 #include <span>
@@ -11,22 +11,23 @@
 
 namespace wheeltap::fem {
 
-/// Changes of a structure by defects: low-rank terms, and scale factors of whole parts of K.
+/// Changes that defects cause in a structure: low-rank terms, and scale factors of whole parts of
+/// K.
 struct StructureChange {
-  /// A change of strains e = Bu of a few rows along one direction v, |v| = 1: Bᵀ B becomes Bᵀ (I -
-  /// (1 - q) v vᵀ) B, q > 0. Directions that share rows must be orthogonal.
+  /// A stiffness reduction of a few strains e = Bu along one direction v, |v| = 1: Bᵀ B becomes Bᵀ
+  /// (I - (1 - q) v vᵀ) B, q > 0. Directions that share rows must be orthogonal.
   struct Softening {
     std::vector<std::pair<int, double>> direction;  ///< rows of `Discretisation::strains`, v
     double remaining = 1.0;                         ///< q in (0, 1]
   };
-  /// A spring adds k r rᵀ to K, where r · u is the motion that the spring restrains. A spring with
-  /// k = ∞ is a rigid support.
+  /// A spring adds k r rᵀ to K, where r · u is the displacement or rotation that the spring
+  /// restrains. A spring with k = ∞ is a rigid support.
   struct Spring {
     SparseRow motion;
     double stiffness;  ///< k [N/m], [N·m/rad]
   };
-  /// A mass adds μ r rᵀ to M, where r · u is the motion of the mass. The changed M must be positive
-  /// (semi)definite.
+  /// A mass adds μ r rᵀ to M, where r · u is the displacement or rotation of the mass. The changed
+  /// M must be positive (semi)definite.
   struct Mass {
     SparseRow motion;
     double mass;  ///< μ [kg], [kg·m²]; negative for removed mass
@@ -49,8 +50,8 @@ struct StructureChange {
   }
 };
 
-/// The error for a change after which no valid structure exists: it removes more mass than the
-/// structure has, or so much stiffness that compressed members buckle.
+/// The error for a change after which no valid structure exists. The change removes more mass than
+/// the structure has, or so much stiffness that compressed members buckle.
 class ImpossibleChange : public std::invalid_argument {
   using std::invalid_argument::invalid_argument;
 };

@@ -1,4 +1,4 @@
-// Defects of a structure of members, and the changes of its matrices by each defect.
+// Defects of a structure made of members, and the change of its matrices that each defect causes.
 #pragma once
 
 #include <vector>
@@ -63,9 +63,10 @@ struct StructureDefects {
   std::vector<AddedSupport> supports = {};
 };
 
-/// Computes the changes of the matrices by these defects. Reductions, cracks and loose ends add
-/// flexibility to an element: for the stresses t, the strains are (I + ΔF) t. The bending moment
-/// M(ξ) = v(ξ) · t follows from the constant moment and the constant shear force of the element,
+/// Computes the changes of the matrices that the defects cause. Reductions, cracks and loose ends
+/// add flexibility to an element: for the stresses t, the strains are (I + ΔF) t. The bending
+/// moment M(ξ) = v(ξ) · t follows from the constant moment and the constant shear force of the
+/// element,
 ///
 ///   v = (√(EI/l), √(12 EI / (l (1 + Φ))) (ξ - ½)).
 ///

@@ -18,8 +18,8 @@ struct ParametricModesOptions {
   /// The requested components of mode shapes, as linear forms of the degrees of freedom.
   std::vector<SparseRow> motions = {};
   double tolerance = 1e-7;        ///< largest relative error of an eigenvalue
-  double shape_tolerance = 1e-3;  ///< largest sine of the angle to the true shape, in the energy
-                                  ///< norm
+  double shape_tolerance = 1e-3;  ///< largest sine of the angle between the computed and the true
+                                  ///< shape, in the energy norm
   int most_basis = 400;           ///< largest number of columns of the basis
   int complete = 60;              ///< up to this number of degrees of freedom, the basis is
                                   ///< complete
@@ -39,10 +39,10 @@ struct ParametricModesOptions {
 ///
 /// bounds the relative error of 1/(λ + σ) (Weinstein; low-rank terms are added to K₀ exactly). A
 /// second bound is η²/gap (Temple and Kato), where gap is the relative distance to the rest of the
-/// spectrum. Modes closer than `kCluster` share the bound of their common subspace (Mathias 1998,
-/// theorem 1): Σ η² / gap. σ = 0 unless there are rigid-body motions. The sine of the angle between
-/// a shape and the true one is at most η/gap. If a bound exceeds its tolerance, structure_modes
-/// solves the full problem.
+/// spectrum. Modes whose relative distance is below `kCluster` share the bound of their common
+/// subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0 unless there are rigid-body motions. The
+/// sine of the angle between a computed and the true shape is at most η/gap. If a bound exceeds its
+/// tolerance, structure_modes solves the full problem.
 ///
 /// The bounds prove that a mode lies near each result. They do not prove that no mode is missing.
 /// Sturm counts check for missing modes at every training point during the training; later calls
@@ -71,8 +71,8 @@ class ParametricModes {
         shape_bounds;      ///< bounds of the sines of the angles between computed and true shapes
     bool in_full = false;  ///< true if the full problem was solved
     /// One matrix (modes × modes) per segment p with the modal stiffnesses φ_jᵀ K_p φ_k. Then, for
-    /// each segment, one matrix with the derivatives to errors of the stiffness loss by damage.
-    /// Empty unless requested.
+    /// each segment, one matrix with the derivatives of φ_jᵀ K φ_k with respect to a relative error
+    /// of the stiffness that damage removes. Empty unless requested.
     std::vector<Eigen::MatrixXd> pieces = {};
   };
   /// Derivatives ∂λ/∂θ (modes × parameters), and ∂shapes/∂θ_j (one matrix, motions × modes, per
@@ -87,10 +87,10 @@ class ParametricModes {
   /// valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
-  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976) in the basis. For modes closer than
-  /// 1e-6, the derivatives of the shapes exclude the rotation among these modes, which is not
-  /// determined. If the full structure was solved, the derivatives are those of the basis. Returns
-  /// false without derivatives if the matrices are not affine in θ.
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976) in the basis. If the relative
+  /// distance of modes is below 1e-6, the derivatives of their shapes exclude the rotation among
+  /// these modes, which is not determined. If the full structure was solved, the derivatives are
+  /// those of the basis. Returns false without derivatives if the matrices are not affine in θ.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 

@@ -23,11 +23,12 @@ struct StructureModes {
   /// True if no mode is missing. Either a Sturm count in a gap above the highest computed mode
   /// confirms the number of modes, or the result contains all modes of the structure.
   bool certified = false;
-  std::string solver;  ///< "spectra" or "dense", with the reason
+  std::string solver;  ///< "spectra" or "dense", with the reason for the choice
 };
 
-/// Returns the number of modes: the rank of M in the free degrees of freedom. The motion of
-/// massless degrees of freedom follows exactly from the motion of the others by statics.
+/// Returns the number of modes: the rank of M in the free degrees of freedom. The displacements of
+/// massless degrees of freedom follow statically and exactly from those of the other degrees of
+/// freedom.
 [[nodiscard]] Eigen::Index mode_count(const Discretisation& d);
 
 /// Computes the lowest modes. Shift-and-invert Lanczos (Spectra) or a dense solver finds

@@ -11,22 +11,22 @@ namespace wheeltap::fem {
 ///
 /// X ← (K + σ M)⁻¹ M X, starting from the modes of the structure that the constructor received,
 ///
-/// until the relative change of all requested eigenvalues is below `tolerance`. Each step
+/// until the relative change of all requested eigenvalues is below `tolerance`. Each iteration
 /// multiplies the errors of the eigenvalues by the factor (λ_requested/λ_next)², where λ_next is
 /// the lowest eigenvalue outside the block. The block has twice as many vectors as requested modes,
 /// and at least 8 more. σ = 0 unless the structure has rigid-body motions. Up to `kDense` degrees
 /// of freedom, a dense solver computes the modes without iteration. Degrees of freedom without mass
 /// are allowed.
 ///
-/// This class does not check for missing modes; use `eigenvalues_below` for that. The object is
-/// immutable after construction, and the results depend only on the arguments.
+/// This class does not check for missing modes; use `eigenvalues_below` for this check. The object
+/// is immutable after construction, and the results depend only on the arguments.
 class SubspaceModes {
  public:
   static constexpr int kDense = 40;
 
   struct Options {
     int modes = 1;            ///< number of lowest elastic modes
-    double tolerance = 1e-8;  ///< relative change of an eigenvalue
+    double tolerance = 1e-8;  ///< largest relative change of an eigenvalue in the last iteration
     int most_steps = 60;
   };
   /// Throws the exceptions of `structure_modes`.
@@ -35,7 +35,7 @@ class SubspaceModes {
   struct Found {
     Eigen::VectorXd eigenvalues = {};  ///< eigenvalues of the elastic modes [rad²/s²], ascending
     Eigen::MatrixXd shapes = {};       ///< n × modes, mass-normalised
-    int steps = 0;                     ///< number of iteration steps; 0: dense solver
+    int steps = 0;                     ///< number of iterations; 0: dense solver
   };
   /// Computes the modes of a structure. If its degrees of freedom differ from those of the first
   /// structure, structure_modes solves the problem. Returns false if K is not positive definite

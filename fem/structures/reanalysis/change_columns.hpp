@@ -25,8 +25,8 @@ class ChangeColumns {
   /// Writes to `out` the component of a motion in each kept mode, then in each residual mode.
   void observe(const IntactStructure& intact, const SparseRow& row, double* out) const;
   /// Computes an upper bound of the relative error of a root. The root of the structure with
-  /// residual modes exceeds the root of the whole structure by at most this share; ∞ if no bound
-  /// exists. `next` is the lowest eigenvalue of the modes that are not kept.
+  /// residual modes exceeds the root of the whole structure by at most this relative difference; ∞
+  /// if no bound exists. `next` is the lowest eigenvalue of the modes that are not kept.
   [[nodiscard]] double bound(double found, int root, double next) const;
 
   std::vector<double> eigenvalues, scales, compliances;  // floating masses, kept, residual modes
@@ -34,7 +34,7 @@ class ChangeColumns {
   int poles = 0, negative_poles = 0;  // number of floating masses; number of removed masses, which
                                       // come first
   int supports = 0, held = 0;         // number of columns of springs and links; number of rigid
-                                      // ones
+                                      // springs and links
   int rigid = 0;                      // number of remaining rigid motions
   int extra = 0;                      // number of residual modes
   std::size_t stride = 0;

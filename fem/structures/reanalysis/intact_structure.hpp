@@ -14,9 +14,9 @@
 
 namespace wheeltap::fem::detail {
 
-/// Limits of the number n of added springs and removed masses. With n such changes, root i is at
-/// most intact eigenvalue i + n. Up to the largest of these limits, S is computed by a short sum
-/// over the near modes; above this limit, by the sum over all modes.
+/// Limits of the number n of added springs and removed masses. With n added springs and removed
+/// masses, root i is at most intact eigenvalue i + n. Up to the largest of these limits, S is
+/// computed by a short sum over the near modes; above this limit, by the sum over all modes.
 inline constexpr std::array kLifting = {0, 8, 16, 32, 64};
 /// The value λ that represents a massless motion, relative to the lowest elastic eigenvalue. Only
 /// the static part of such a motion is relevant.

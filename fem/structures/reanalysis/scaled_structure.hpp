@@ -1,4 +1,5 @@
-// A structure with parameters as a base structure with scales and a few low-rank changes.
+// Representation of a structure with parameters by a base structure, scale factors and a few
+// low-rank changes.
 #pragma once
 
 #include <memory>
@@ -11,41 +12,43 @@
 
 namespace wheeltap::fem {
 
-/// With scales s and m of the whole structure, strains b and motions r,
+/// With the scale factors s of the stiffness and m of the mass of the whole structure, strains b
+/// and motions r,
 ///
 ///   K(θ) = s(θ) (K₀ + Σ_c (q_c(θ) / s(θ) - 1) b_c b_cᵀ),
 ///   M(θ) = m(θ) (M₀ + Σ_i μ_i(θ) / m(θ) r_i r_iᵀ).
 ///
-/// So a reanalysis of the base structure (K₀, M₀) also solves the structure at any θ: the sums are
-/// a `StructureChange`, eigenvalues are multiplied by s/m and mass-normalised shapes by 1/√m. For
-/// example, Young's modulus and density of all members are scales; a spring adds one strain, and a
-/// point mass one motion per direction. s and m, all q_c and all μ_i are affine in θ, and the
-/// decomposition is exact within 1e-9.
+/// A reanalysis of the base structure (K₀, M₀) therefore also solves the structure at any θ. The
+/// sums are a `StructureChange`. Eigenvalues are multiplied by s/m, and mass-normalised shapes by
+/// 1/√m. For example, Young's modulus and density of all members are scale factors. A spring adds
+/// one strain, and a point mass adds one motion per direction. s and m, all q_c and all μ_i are
+/// affine in θ, and the decomposition is exact within 1e-9.
 class ScaledStructure {
  public:
-  /// Largest number of strains and motions: beyond, other methods are faster.
+  /// Largest number of strains and motions. For larger numbers, other methods are faster.
   static constexpr int kMostColumns = 16;
 
-  /// Empty if the family has no such form or needs more columns. `samples`: values of θ, for
-  /// example of the prior. Throws as `ParametricStructure`.
+  /// Returns std::nullopt if the family does not have this form or needs more columns. `samples`
+  /// holds values of θ, for example draws from the prior. Throws the exceptions of
+  /// `ParametricStructure`.
   [[nodiscard]] static std::optional<ScaledStructure> of(
       StructureFamily family, std::span<const std::vector<double>> samples);
 
   [[nodiscard]] const std::shared_ptr<const Discretisation>& base() const { return base_; }
-  /// θ of the base structure. Its point masses are the smallest among the samples.
+  /// The parameters θ of the base structure. Its point masses are the smallest of all samples.
   [[nodiscard]] const std::vector<double>& base_parameters() const { return origin_; }
-  /// Number of strains and motions; 0: only the scales depend on θ.
+  /// Number of strains and motions; 0: only the scale factors depend on θ.
   [[nodiscard]] int columns() const { return static_cast<int>(strains_.size() + masses_.size()); }
 
   struct Scales {
     double stiffness = 1.0, mass = 1.0;  ///< s, m
   };
-  /// The scales at θ; empty if one of them is not positive.
+  /// The scale factors at θ; empty if one of them is not positive.
   [[nodiscard]] std::optional<Scales> scales(std::span<const double> theta) const;
 
   enum class Outcome {
     possible,
-    impossible,   ///< no structure at θ
+    impossible,   ///< no valid structure exists at θ
     unsupported,  ///< a crack or partial reduction in a strain that depends on θ
   };
   /// Replaces a change of the structure at θ by the corresponding change of the base structure.
@@ -53,10 +56,10 @@ class ScaledStructure {
                     StructureChange& change) const;
 
  private:
-  /// An affine function of θ: 1 + slopes · (θ - θ₀), or without the 1 for masses.
+  /// An affine function of θ: 1 + slopes · (θ - θ₀); for masses, slopes · (θ - θ₀).
   using Slopes = std::vector<double>;
   struct ChangedStrain {
-    int strain = 0;  // of `base_`
+    int strain = 0;  // index among the strains of `base_`
     Slopes slopes = {};
   };
   struct ChangedMass {

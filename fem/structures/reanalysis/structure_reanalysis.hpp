@@ -14,13 +14,13 @@ namespace wheeltap::fem {
 /// evaluate the secular function, and its inertia counts the eigenvalues.
 ///
 /// A softening is a column Bᵀv with Γ = 1 - q, and a spring is a column r with Γ = -k. An added
-/// mass has Γ⁻¹ = 1/(λ μ). It is represented by a mass μ that floats freely beside the structure (a
-/// mode at λ = 0 with motion 1/√μ) and a rigid link to the motion r. This mass adds one column and
-/// one pole, and the eigenvalue count remains valid. A removed mass is a floating mass with the
-/// opposite sign in the count.
+/// mass has Γ⁻¹ = 1/(λ μ). The added mass is represented by a mass μ that floats freely beside the
+/// structure (a mode at λ = 0 with motion 1/√μ) and a rigid link to the motion r. The floating mass
+/// adds one column and one pole, and the eigenvalue count remains valid. A removed mass is a
+/// floating mass with the opposite sign in the count.
 ///
 /// For structures with up to `kAllModes` modes, all modes are kept. The relative error of the
-/// frequencies is then at most 1e-9 (2000 random sets per structure,
+/// frequencies is then at most 1e-9 (2000 random sets of defects per structure,
 /// tests/fem/structures/structure_reanalysis_sets_test.cpp).
 ///
 /// For larger structures, the lowest p modes are kept. Two further modes per column
@@ -73,7 +73,7 @@ class StructureReanalysis {
   };
 
   /// Computes the lowest frequencies of the changed structure. Throws std::invalid_argument for q
-  /// outside (0, 1], k <= 0, or sizes that do not fit, and ImpossibleChange.
+  /// outside (0, 1], k <= 0, or spans whose sizes do not fit, and ImpossibleChange.
   void solve(const StructureChange& change, Workspace& workspace, const Results& results) const;
 
  private:

@@ -1,5 +1,5 @@
-// Cointegration of features: a combination that is stationary while the features follow the
-// weather.
+// Cointegration of features: a linear combination that is stationary although the features follow
+// the weather.
 //
 // Johansen's procedure (1988) for a vector error correction model with a constant and one lagged
 // difference: with R0 and R1 the residuals of Δy_t and y_t-1 after regression on (1, Δy_t-1) and

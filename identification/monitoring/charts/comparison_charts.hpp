@@ -1,4 +1,4 @@
-// Control charts from the literature, to compare Wheeltap's detector with:
+// Control charts from the literature, for comparison with Wheeltap's detector:
 //
 //   Hotelling's T² of the features and of their residuals about a regression on the covariates,
 //   the squared prediction error of principal components (Yan et al. 2005),
@@ -6,10 +6,10 @@
 //   T² of the residuals of Gaussian process regression on the covariates,
 //   CUSUM (Page 1954) and multivariate EWMA (Lowry et al. 1992) of the regression's residuals.
 //
-// Each chart learns from the rows that the baseline learns from. Its threshold is for the rate of
-// false alarms that the case states: the chart learns from two thirds of the learning rows and runs
-// over the remaining third, for each third in turn. The maxima over blocks of these rows give the
-// threshold.
+// Each chart is trained on the training rows of the baseline. Its threshold is calibrated for the
+// rate of false alarms that the case states. For each third of the training rows in turn, the chart
+// is trained on the other two thirds and evaluated on this third. The maxima over blocks of these
+// rows give the threshold.
 #pragma once
 
 #include <functional>
@@ -21,20 +21,20 @@
 
 namespace wheeltap::identification::monitoring {
 
-/// A chart that has learned.
+/// A trained chart.
 class ComparisonChart {
  public:
   virtual ~ComparisonChart() = default;
-  /// The statistic of the next row, not negative; NaN where its features do not allow one.
+  /// The statistic of the next row, at least 0; NaN if missing features prevent its computation.
   virtual double add(const Row& row) = 0;
 };
 
 struct ChartKind {
   std::string name;
-  bool of_covariates = false;  ///< exists only where a covariate varies
+  bool of_covariates = false;  ///< true: requires a covariate that varies
   int fewest_features = 1;
-  /// Rows over which the median of the statistic is taken; 1: none. Single outliers then raise no
-  /// alarm.
+  /// Number of rows for the running median of the statistic, so that single outliers raise no
+  /// alarm; 1: no median.
   int median_rows = 1;
   std::function<std::unique_ptr<ComparisonChart>(const Series& learning)> learn;
 };
@@ -42,7 +42,7 @@ struct ChartKind {
 /// The charts, in the order of the list above.
 [[nodiscard]] const std::vector<ChartKind>& chart_kinds();
 
-/// Charts of short series take no median: see ChartKind::median_rows.
+/// Fewest rows for a running median of the statistic (ChartKind::median_rows).
 inline constexpr int kFewestRowsForMedian = 200;
 
 /// An alarm ends after this many rows below the threshold.
@@ -51,17 +51,17 @@ inline constexpr int kRowsBelow = 24;
 struct ChartFinding {
   std::string name;
   double threshold = 0.0;
-  std::vector<double> statistic = {};  ///< rows after learning; NaN: none
+  std::vector<double> statistic = {};  ///< one per row after the training period; NaN: none
   std::vector<int> alarms = {};        ///< rows of the series in which an alarm began
 };
 
-/// Runs every chart that the series allows. The first `learning_rows` rows are healthy.
+/// Runs every chart that the series allows. The first `learning_rows` rows are the training rows.
 [[nodiscard]] std::vector<ChartFinding> run_charts(const Series& series, int learning_rows,
                                                    double rows_between_false_alarms, int threads);
 
-/// The threshold that healthy values exceed once in `rows_between` rows. The maxima over blocks
-/// follow a Gumbel distribution, P(maximum <= A) = exp(-exp(-(A - m)/s)), by its L-moments (Hosking
-/// 1990).
+/// The threshold that healthy values exceed once in `rows_between` rows. The maxima over blocks are
+/// assumed to follow a Gumbel distribution, P(maximum <= A) = exp(-exp(-(A - m)/s)), fitted by
+/// L-moments (Hosking 1990).
 [[nodiscard]] double chart_threshold(const std::vector<double>& healthy, double rows_between);
 
 /// Rows in which an alarm begins.

@@ -1,4 +1,4 @@
-// Posterior natural frequencies and damping ratios of a chain.
+// Posterior natural frequencies and damping ratios of a chain of masses.
 #pragma once
 
 #include <vector>
@@ -8,13 +8,13 @@
 
 namespace wheeltap::identification {
 
-/// A mode of the chain's linear part (dynamics/linear_modes.hpp).
+/// A vibration mode of the linear part of the chain of masses (dynamics/linear_modes.hpp).
 struct ChainMode {
   Marginal frequency_hz, damping_ratio;
 };
 
-/// Modes of a model with draws, sorted by frequency, from at most 500 evenly spaced draws per
-/// chain. The result is empty if the number of modes differs between draws.
+/// Vibration modes of a model with draws, sorted by frequency, from at most 500 evenly spaced draws
+/// per Markov chain. The result is empty if the number of modes differs between draws.
 [[nodiscard]] std::vector<ChainMode> chain_modes(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 

@@ -1,5 +1,5 @@
-// Computes the residual of a chain with free cubic springs, as a reference for models with small
-// residuals.
+// Computes the residual of a chain of masses with free cubic springs, as a reference for models
+// with small residuals.
 #pragma once
 
 #include <span>
@@ -9,16 +9,16 @@
 
 namespace wheeltap::identification {
 
-/// Returns ‖y - ŷ‖ / ‖y - ȳ‖ of each response for the free cubic chain: the model at `theta`
-/// (parameters of the case) with, parallel to each link,
+/// Returns ‖y - ŷ‖ / ‖y - ȳ‖ of each response for a chain of masses with free cubic springs: the
+/// model at `theta` (parameters of the case) with, parallel to each link, the force law
 ///
 ///   T = k e + c ė + k₂ e² + k₃ e³.
 ///
 /// The four coefficients per link minimise the sum over responses of the squared ratio, by
 /// Levenberg & Marquardt's method (Moré 1978) from zero. If the optimisation ends in a local
 /// minimum, the result is an upper bound of the smallest residual. The result is empty if the
-/// simulation of the model fails, a response is constant, or the chain has too many force laws for
-/// the integrator.
+/// simulation of the model fails, a response is constant, or the chain of masses has too many force
+/// laws for the integrator.
 [[nodiscard]] std::vector<double> free_cubic_residual(const SidProblem& problem, int model,
                                                       std::span<const double> theta);
 

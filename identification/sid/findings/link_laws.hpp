@@ -1,4 +1,4 @@
-// Force laws of a chain's links, as curves.
+// Force laws of the links of a chain of masses, as curves.
 #pragma once
 
 #include <optional>
@@ -18,8 +18,8 @@ struct LinkCurve {
 };
 
 /// One curve per link of a model with draws, except links with the same force law in every draw.
-/// The curves use at most 400 draws, evenly spread over the chains. The result is empty if the
-/// simulation of the model fails at the posterior mean.
+/// The curves use at most 400 draws, evenly spread over the Markov chains. The result is empty if
+/// the simulation of the model fails at the posterior mean.
 [[nodiscard]] std::optional<std::vector<LinkCurve>> link_laws(const SidProblem& problem,
                                                               const inference::Posterior& posterior,
                                                               int model);

@@ -23,7 +23,7 @@ struct SidModelFinding {
   std::optional<double> step_error;
   // Computed only for models with a probability of at least 5 %:
   std::optional<std::vector<LinkCurve>> links;
-  std::vector<ChainMode> modes;  ///< modes of the linear part
+  std::vector<ChainMode> modes;  ///< vibration modes of the linear part
 };
 
 /// Log Bayes factor ln (p(data | model) / p(data | against)).
@@ -42,7 +42,7 @@ struct SidFindings : Findings {
   std::vector<double> coverage;  ///< share of each response's samples within the predictive band
   int predictive_draws = 0;
   Discovery discovery;  ///< results of the discovery; empty if not requested
-  /// The used part of the record, if a quick run did not use all samples
+  /// The part of the record that a quick run used, if it did not use all samples
   std::optional<Look> look;
   std::optional<StepsRefined> refined;  ///< new time steps, if the run was repeated
   /// Likelihood evaluations for the windows, each on a part of the record

@@ -11,12 +11,12 @@ namespace wheeltap::identification {
 /// - R² of a response is below 1/2 and its residuals are not white (a response that consists mostly
 ///   of sensor noise is not a misfit);
 /// - a residual is not noise (portmanteau or predictive p below kMisfit) and is above
-///   kSmallResidual of its response, or above kMuchMoreThanFree times the residual of a free cubic
-///   chain (free_cubic.hpp); if an autoregression makes the residual white, only the second
+///   kSmallResidual of its response, or above kMuchMoreThanFree times the residual with free cubic
+///   springs (free_cubic.hpp); if an autoregression makes the residual white, only the second
 ///   condition counts;
 /// - after the window (SidCase::beyond), a residual is more than twice the residual within the
 ///   window, absolutely and relative to the response. It is also above kSmallResidual. An error
-///   after the window is a misfit only if all of some twenty draws have this error.
+///   after the window is a misfit only if all of about twenty draws have this error.
 ///
 /// `findings` must contain models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,

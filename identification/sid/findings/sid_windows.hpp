@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 /// The fits of all windows under one model.
 struct ModelWindows {
   int windows = 0;  ///< number of windows, over all records
-  int fitted = 0;   ///< number of windows with a posterior mode and a normal approximation
+  int fitted = 0;   ///< number of windows with a posterior mode and normal approximation
   /// One entry per parameter of the model; empty for initial states, and if fewer than two windows
   /// have information about the parameter.
   std::vector<std::optional<BetweenWindows>> parameters = {};
@@ -46,22 +46,22 @@ struct ModelWindows {
 ///
 /// z are the standard normal coordinates of the priors. The prior of μ is the prior of the case. Σ
 /// cannot be wider than this prior. As in the paper, each window's posterior is replaced by its
-/// normal approximation at the mode (inference/evidence/laplace.hpp), found from `start` (the
-/// model's parameters, e.g. the best draw). Each parameter is analysed by its marginal,
+/// normal approximation at the posterior mode (inference/evidence/laplace.hpp), found from `start`
+/// (the model's parameters, e.g. the best draw). Each parameter is analysed by its marginal,
 ///
 ///   ẑ_w ~ N(μ_i, Σ_ii + s_w²),
 ///
 /// which does not need the other entries of Σ (hierarchical_posterior.hpp). This analysis needs at
 /// least two windows; useful credible intervals need five or more. The prior N(0, 1) of the window
 /// is divided out of ẑ_w and s_w. Several records count as further windows. For a normal
-/// distribution, the log posterior decreases by 2 at two standard deviations from the mode, along
-/// the regression on the parameter. If the decrease is not between 1 and 4, the window counts as
-/// far from normal.
+/// distribution, the log posterior decreases by 2 at two standard deviations from the posterior
+/// mode, along the regression on the parameter. If the decrease is not between 1 and 4, the window
+/// counts as far from normal.
 ///
 /// As records become longer, the best fit approaches the point at which the expected score is zero.
 /// This limit differs from the mean of the windows, because windows with more information have more
-/// weight. The error of the whole record's mode relative to the limit comes from the scores of the
-/// windows (inference/statistics/grouped_scores.hpp).
+/// weight. The error of the whole record's posterior mode relative to the limit comes from the
+/// scores of the windows (inference/statistics/grouped_scores.hpp).
 [[nodiscard]] ModelWindows fit_windows(const SidProblem& problem, int model,
                                        std::span<const double> start, int threads = 0);
 

@@ -1,4 +1,4 @@
-// Inclusion probabilities of a chain's terms, over all subsets (sid_discovery.hpp).
+// Inclusion probabilities of the terms of a chain of masses, over all subsets (sid_discovery.hpp).
 #pragma once
 
 #include <string>
@@ -17,7 +17,7 @@ struct TermFinding {
   double prior = 0.5;      ///< prior inclusion probability
   double inclusion = 0.0;  ///< posterior inclusion probability: sum over models with the term
   double mcse = 0.0;       ///< Monte Carlo standard error of `inclusion`
-  bool drawn = false;      ///< true if any chain has a draw with the term
+  bool drawn = false;      ///< true if any Markov chain has a draw with the term
   /// Unknown coefficients of the term, given its inclusion
   std::vector<ParameterFinding> parameters = {};
 
@@ -38,8 +38,8 @@ struct Discovery {
 /// Computes inclusion probabilities from the model probabilities
 /// (inference/diagnosis/standing.hpp), so that the evidence determines the probability of models
 /// without reliable draws. The error combines two parts: the error of the mean of the term's
-/// indicator over the chains (at least one effective draw of the model), and the errors of model
-/// probabilities from evidence.
+/// indicator over the Markov chains (at least one effective draw of the model), and the errors of
+/// model probabilities from evidence.
 [[nodiscard]] std::vector<TermFinding> term_findings(const SidCase& sid_case,
                                                      const inference::Posterior& posterior,
                                                      const Findings& findings);

@@ -1,8 +1,8 @@
 // Models of the residuals r = (measured - predicted) [SI] of one response.
 //
 // To add a residual model, write one file in this folder. If case files may name the model, add a
-// ResidualKind to the file and a line to residual_list.cpp. Schema, parser, summary and texts use
-// the list in residual_list.cpp.
+// ResidualKind to the file and a line to residual_list.cpp. Schema, parser, summary and sentences
+// use the list in residual_list.cpp.
 #pragma once
 
 #include <memory>
@@ -24,7 +24,7 @@ struct ResidualParameter {
   std::string_view unit;  ///< SI unit of the parameter; "1": dimensionless
 };
 
-/// Parts of a residual model's name in texts: "an" "autoregression" " of order 2".
+/// Parts of a residual model's name in sentences: "an" "autoregression" " of order 2".
 struct ResidualWords {
   std::string_view article = {};
   std::string_view name = {};

@@ -35,23 +35,23 @@ struct Baseline {
 struct DamageCase {
   std::string title = {};
   bool balance = false;                                  ///< sample models evenly and reweight
-  fem::Beam beam = {};                                   ///< if there is no structure
-  double beam_depth = 0.0;                               ///< height of the section, for cracks
+  fem::Beam beam = {};                                   ///< used if there is no structure
+  double beam_depth = 0.0;                               ///< depth of the section, for cracks
   std::shared_ptr<const StructureModel> structure = {};  ///< replaces the beam
-  int rigid_body_modes = 0;  ///< number for the intact beam; data and predictions omit them
-  FrequencyData data = {};   ///< no frequencies before a simulation
-  /// Measured modes if shapes were measured, frequencies have a covariance, coefficients of the
-  /// intact structure are unknown or several states were measured; `data` is then their frequency
-  /// part. Shapes refer to the structure that is solved (solved_structure).
+  int rigid_body_modes = 0;  ///< number of the intact beam; data and predictions omit these modes
+  FrequencyData data = {};   ///< empty before frequencies are simulated
+  /// Set if shapes were measured, frequencies have a covariance, coefficients of the intact
+  /// structure are unknown or several states were measured; `data` then contains only the
+  /// frequencies of these modes. Shapes refer to solved_structure().
   MeasuredModes measured = {};
-  std::optional<Baseline> baseline = {};  ///< `data` are already scaled with it
+  std::optional<Baseline> baseline = {};  ///< `data` are already scaled by the baseline
   std::optional<Simulation> simulation = {};
   std::vector<DefectKind> kinds = {};
   std::optional<EmulatorSpec> emulator = {};  ///< empty: the FE solution is used directly
 
   [[nodiscard]] const ModalData* modal() const { return measured.modal(); }
   [[nodiscard]] std::shared_ptr<const ObservedStates> states() const { return measured.states(); }
-  /// Number of modes that must be predicted.
+  /// Number of modes that the model must predict.
   [[nodiscard]] int modes() const {
     return data.modes() > 0 ? data.modes() : (simulation ? simulation->modes : 0);
   }

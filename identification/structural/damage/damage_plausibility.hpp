@@ -9,10 +9,10 @@
 
 namespace wheeltap::identification {
 
-/// Adds the remarks of structure_plausibility.hpp. Also reports frequencies that differ from those
-/// predicted by 200 prior draws by more than a tenth and 5 sd in at least half of the modes. Also
-/// reports a stated noise that is more than twice the largest change of every frequency by the
-/// damages of these draws.
+/// Adds the remarks of structure_plausibility.hpp. Also reports data in which at least half of the
+/// frequencies differ from the predictions of 200 prior draws by more than a tenth and 5 sd. Also
+/// reports a stated noise of more than twice the largest change that the damages of these draws
+/// cause, for every frequency.
 [[nodiscard]] std::vector<Remark> implausible(const DamageProblem& problem);
 
 }  // namespace wheeltap::identification

@@ -12,15 +12,16 @@
 
 namespace wheeltap::identification {
 
-/// A damage case as a problem. All models share these parameters: scatters, then those of the
-/// intact structure, then the noise of added observations.
+/// A damage case as a problem. All models share these parameters, in this order: unknown noise
+/// parameters, parameters of the intact structure, noise of added observations.
 struct DamageProblem : StructuralProblem {
   DamageCase damage_case = {};
-  std::shared_ptr<const FrequencyEmulator> emulator = {};  ///< emulates a forward model; or null
+  std::shared_ptr<const FrequencyEmulator> emulator = {};  ///< emulator of a forward model, or null
   std::shared_ptr<const ForwardModel> emulated = {};       ///< the emulated forward model; or null
-  inference::LikelihoodFactory fe_likelihood = {};         ///< uses the FE solution always
+  /// Likelihood that always uses the FE solution
+  inference::LikelihoodFactory fe_likelihood = {};
   /// True if the intact beam and the location priors are mirror-symmetric, and no data (such as
-  /// shapes) distinguish the sides.
+  /// shapes) distinguish the two sides.
   bool symmetric = false;
   SiteSymmetries symmetries = {};  ///< symmetries of a structure, under the same condition
   int common = 0;                  ///< number of parameters that all models share
@@ -28,7 +29,7 @@ struct DamageProblem : StructuralProblem {
   /// the data of the case.
   bool as_case = true;
 
-  /// The external program or server that replaces the FE solution; or null.
+  /// The external program or server that replaces the FE solution, or null.
   [[nodiscard]] const ProgramModel* program() const {
     return dynamic_cast<const ProgramModel*>(model.get());
   }
@@ -54,7 +55,8 @@ struct DamageProblemOptions {
   /// has shapes or correlated frequencies. It must match the case's structure, and cannot be
   /// emulated.
   std::shared_ptr<const ForwardModel> model = {};
-  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
+  /// Observations in addition to the case's data
+  std::vector<std::shared_ptr<const Observation>> observations = {};
 };
 
 /// Names of the inputs of an external model: "location[1]", "reduction[1]" …, preceded by the
@@ -71,9 +73,9 @@ struct DamageProblemOptions {
 /// of the FE solution.
 ///
 /// The FE likelihood has a gradient. For locations it uses the slopes of BeamModel, which give an
-/// ascent direction; the derivative is zero, because the likelihood is piecewise constant in a
-/// location. Emulators and external models have no gradient, and the mirror images of an external
-/// model count as different. Throws InvalidInput, OutsideModelError.
+/// ascent direction, because the likelihood is piecewise constant in a location and its derivative
+/// is zero. Emulators and external models have no gradient, and Wheeltap does not assume that an
+/// external model is mirror-symmetric. Throws InvalidInput, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);
 

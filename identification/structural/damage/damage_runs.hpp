@@ -1,4 +1,4 @@
-// FE runs with damages that train an emulator: design and execution.
+// Design and execution of the FE runs with damages that train an emulator.
 #pragma once
 
 #include <functional>
@@ -15,7 +15,7 @@ namespace wheeltap::identification {
 
 struct RunOptions {
   int threads = 1;
-  std::uint64_t seed = 1;                   ///< for the held-out runs
+  std::uint64_t seed = 1;                   ///< seed of the holdout runs
   std::filesystem::path journal_stem = {};  ///< runs are saved in STEM.count_K; empty: not saved
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> progress = {};
   /// Replaces the FE solution: computes the frequencies at the point of a run; an empty point means
@@ -35,12 +35,11 @@ struct RunOptions {
 /// The elastic frequencies [Hz] at a run's point, by the FE solution.
 [[nodiscard]] emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis);
 
-/// The elastic frequencies [Hz] at a run's point, by an external model whose inputs are as many
-/// damages as the largest count (DamageProblemOptions::outside). Exceptions of the model are
-/// rethrown.
+/// The elastic frequencies [Hz] at a run's point, by an external model. Its inputs are the largest
+/// allowed number of damages (DamageProblemOptions::outside). Exceptions of the model are rethrown.
 [[nodiscard]] emulator::ModelFactory outside_model(OutsideModel& model, int max_count);
 
-/// `options.model`, or by default the FE solution.
+/// Returns `options.model` or, by default, the FE solution.
 [[nodiscard]] emulator::ModelFactory model_of(const fem::Reanalysis& reanalysis,
                                               const RunOptions& options);
 
@@ -54,9 +53,9 @@ struct RunOptions {
 [[nodiscard]] emulator::Design damage_design(const fem::Beam& beam, const EmulatorSpec& spec,
                                              const DefectKind& kind, int count);
 
-/// The table of training runs: new runs, previous ones (`options.runs`) or those of the user
-/// (`spec.csv`); with `spec.accuracy`, as many as the accuracy requires. Adds the number of new
-/// runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
+/// The table of training runs: new runs, previous runs (`options.runs`) or runs of the user
+/// (`spec.csv`). With `spec.accuracy`, the accuracy determines the number of runs. Adds the number
+/// of new runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);

@@ -19,9 +19,9 @@ namespace wheeltap::identification {
 class FrequencyEmulator {
  public:
   /// Runs the design of `spec` for 1 … max_count damages (1 and 2 with ANOVA) and measures the
-  /// error on fresh runs. `kind` gives the range of scattered designs. Throws std::invalid_argument
-  /// if a design exceeds 10 million runs or does not cover the priors, or if `runs` is incomplete;
-  /// throws FileError for the user's runs.
+  /// error on holdout runs. `kind` gives the range of scattered designs. Throws
+  /// std::invalid_argument if a design exceeds 10 million runs or does not cover the priors, or if
+  /// `runs` is incomplete; throws FileError for the user's runs.
   static FrequencyEmulator train(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                  const DefectKind& kind, int modes, const RunOptions& options);
   /// Reads a table file made for this beam, with one of `types`. Throws io::FileError; throws
@@ -96,7 +96,8 @@ class FrequencyEmulator {
   std::vector<Part> parts_;
   std::vector<EmulatorError> errors_;
   std::optional<emulator::Additive> additive_;
-  std::shared_ptr<const emulator::AnovaEmulator> anova_;  ///< for counts beyond the tables
+  /// For larger counts than those of the tables
+  std::shared_ptr<const emulator::AnovaEmulator> anova_;
 };
 
 }  // namespace wheeltap::identification

@@ -61,7 +61,7 @@ struct DefectType {
   /// True if the change of the structure has a low rank, as the reanalysis requires;
   /// StatesLikelihood solves structures with other changes.
   bool has_low_rank = true;
-  /// True if two defects in one element combine as 1 - r = (1 - r₁)(1 - r₂), so that they can be
+  /// True if two defects in one element combine as 1 - r = (1 - r₁)(1 - r₂), so that defects can be
   /// split and merged.
   bool compounds = false;
 };
@@ -79,7 +79,7 @@ struct DefectKind {
   struct True {
     double location;      ///< [m]
     double severity;      ///< ∞: rigid
-    double extent = 0.0;  ///< [m], if the kind's is unknown
+    double extent = 0.0;  ///< [m], if the extent of the kind is unknown
   };
 
   const DefectType* type = nullptr;
@@ -89,7 +89,7 @@ struct DefectKind {
   std::vector<double> weights = {};  ///< prior of min_count … max_count, sums to 1
   inference::Prior location;         ///< [m]
   Severity severity = Rigid{};
-  bool rotation = false;  ///< for a support: holds the rotation
+  bool rotation = false;  ///< for a support: true if it restrains the rotation
   SiteLine line = {};     ///< possible places; `location` is a prior on it
   const fem::CrackLaw* crack_law = &fem::crack_laws()[0];
   std::optional<double> extent = {};  ///< length of a reduction [m]; empty: an element

@@ -13,7 +13,7 @@ struct PlacedDefect {
   int kind;
   double location;  ///< on the kind's line
   double severity;
-  double extent = 0.0;  ///< [m], if the kind's is unknown
+  double extent = 0.0;  ///< [m], if the extent of the kind is unknown
 };
 
 /// The change of the structure by these defects. `mesh`: null for structures without members.

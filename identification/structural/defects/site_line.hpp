@@ -10,10 +10,10 @@
 namespace wheeltap::identification {
 
 /// Maps one number x in [0, length()) to a place, as the engine requires. For a beam x is the
-/// location. For a structure the allowed members are concatenated, each with a length proportional
-/// to its prior weight, and so are joints, storeys and substructures, one stretch each. A uniform
-/// location prior on the line then reproduces the weights. Cells are the units of reported
-/// probabilities: an element, or a whole joint.
+/// location. For a structure, the allowed members are concatenated, each with a length proportional
+/// to its prior weight. Joints, storeys and substructures are concatenated in the same way, with
+/// one stretch for each. A uniform location prior on the line then reproduces the weights. Cells
+/// are the units of reported probabilities: an element, or a whole joint.
 class SiteLine {
  public:
   struct Stretch {
@@ -34,8 +34,8 @@ class SiteLine {
 
   SiteLine() = default;
   [[nodiscard]] static SiteLine of_beam(const fem::Beam& beam);
-  /// A line of members. Without weights, lengths on the line are those in metres; otherwise they
-  /// are proportional to the weights.
+  /// A line of members. Without weights, lengths on the line are in metres; otherwise, lengths are
+  /// proportional to the weights.
   [[nodiscard]] static SiteLine of_members(const fem::Mesh& mesh, const std::vector<int>& members,
                                            const std::vector<double>& weights = {});
   /// A line of joints, storeys or substructures, with one stretch for each.

@@ -15,7 +15,8 @@ namespace wheeltap::identification {
 /// Maps of the structure onto itself that preserve all frequencies for any defects. Frequencies
 /// cannot distinguish a place from its image under these maps.
 struct SiteSymmetries {
-  std::vector<inference::Symmetry> maps;  ///< on the kinds' lines, parameter 0; with their inverses
+  /// Maps of parameter 0 on the kinds' lines, and their inverses
+  std::vector<inference::Symmetry> maps;
   /// Groups of sites that are images of each other: members, nodes, links, in the case's order.
   std::vector<std::vector<std::string>> alike;
   /// Members on which s is the image of L - s.
@@ -27,10 +28,11 @@ struct SiteSymmetries {
 /// Computes the frequencies [Hz] of the damaged structure; empty if the structure is impossible.
 using SolveDefects = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
 
-/// Tests all geometric self-maps (fem::self_maps) that take every kind's line to itself with its
-/// prior weights, and keeps those that preserve the frequencies to 1e-9 relative (1e-6 if mass may
-/// be lost). Tests one defect on each stretch of each line in turn, and one on all of them
-/// together. Places and severities are drawn from the priors with a fixed seed.
+/// Tests all geometric self-maps (fem::self_maps) that map every kind's line and its prior weights
+/// to themselves. Keeps the maps that preserve the frequencies with a relative error of at most
+/// 1e-9 (1e-6 if mass may be lost). Tests one defect on each stretch of each line in turn, and
+/// defects on all stretches together. Places and severities are drawn from the priors with a fixed
+/// seed.
 [[nodiscard]] SiteSymmetries find_symmetries(const AnyStructure& structure,
                                              const std::vector<DefectKind>& kinds,
                                              const SolveDefects& solve);

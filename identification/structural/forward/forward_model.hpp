@@ -48,13 +48,15 @@ class ForwardModel {
     virtual bool predict(std::span<const double> theta, const std::vector<PlacedDefect>& defects,
                          Quantity quantity, Prediction& out) = 0;
     /// Optional: for a structure without defects, writes the modes into `out` and their derivatives
-    /// by θ into `slopes`. Returns false, with both undefined, if there are none.
+    /// by θ into `slopes`. Returns false, with both undefined, if the derivatives are not
+    /// available.
     virtual bool differentiate_modes(std::span<const double> /*theta*/, Prediction& /*out*/,
                                      fem::ParametricModes::Slopes& /*slopes*/) {
       return false;
     }
     /// Optional: for a structure without defects, writes ∂ ln p/∂θ_i of `likelihood` into slope[i]
-    /// and the modes into `out`. Returns false, with both undefined, if there is no gradient.
+    /// and the modes into `out`. Returns false, with both undefined, if the gradient is not
+    /// available.
     virtual bool gradient(std::span<const double> theta, const ModalLikelihood& likelihood,
                           const ModalNoise& noise, Prediction& out, std::span<double> slope) {
       fem::ParametricModes::Slopes slopes;
@@ -65,7 +67,7 @@ class ForwardModel {
   };
   [[nodiscard]] virtual std::unique_ptr<Solver> make_solver() const = 0;
 
-  /// Whether `differentiate_modes` succeeds wherever the structure is possible, or nearly so.
+  /// True if `differentiate_modes` succeeds for all, or nearly all, possible structures.
   [[nodiscard]] virtual bool differentiates_modes() const { return false; }
 
   /// Computes all frequencies [Hz] of a structure with these defects, to test its symmetries, at
@@ -74,7 +76,8 @@ class ForwardModel {
   using AllFrequencies = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
   [[nodiscard]] virtual AllFrequencies all_frequencies() const { return {}; }
 
-  /// True if a prediction takes milliseconds to hours, as by a program or a server.
+  /// True if a prediction is slow (milliseconds to hours), for example because an external program
+  /// or a server computes it.
   [[nodiscard]] virtual bool is_expensive() const { return false; }
 };
 

@@ -48,7 +48,7 @@ class ModeObservation : public Observation {
                                                               const ModalNoise& /*noise*/) const {
     return {};
   }
-  /// The likelihood of several states, or null.
+  /// The likelihood of several states; null for one state.
   [[nodiscard]] virtual const StatesLikelihood* several_states() const { return nullptr; }
 
  private:

@@ -13,7 +13,7 @@
 
 namespace wheeltap::identification {
 
-/// The scatters of one state.
+/// The parameters of noise and model errors in one state.
 struct ModalNoise {
   double cov = 0.0;       ///< coefficient of variation of frequencies, if unknown
   double shape_sd = 1.0;  ///< factor on the shapes' sd, if unknown
@@ -39,7 +39,7 @@ struct ModalNoise {
 /// For entries of a random symmetric matrix κ = 1/√2.
 [[nodiscard]] double mixing_sd(const ModalNoise& noise, double first, double second);
 
-/// The likelihood of measured modes. With A the matching of measured to computed modes,
+/// The likelihood of measured modes. With A the assignment of measured modes to computed modes,
 ///
 ///   ln p(data | θ) = ln N(f_obs; f_A(θ), C) + Σ ln p(ψ_i | φ_A(i)(θ)),
 ///   C = C_noise + δ² diag(f_obs²) + diag(σ²_emulator),
@@ -51,12 +51,13 @@ struct ModalNoise {
 ///
 /// Matching: without shapes, the i-th frequency is the i-th elastic mode. With shapes, A is the
 /// assignment of least cost among the `candidates` lowest modes, for frequencies and shapes
-/// together, so that data may omit or reorder modes. Correlations of frequencies enter after the
-/// matching. Only the best matching counts: if another is nearly as good, the modes are close and
-/// similar.
+/// together, so that data may omit or reorder modes. Correlations of frequencies are used after the
+/// matching. Only the best matching is used: if another matching is nearly as good, the modes are
+/// close and similar.
 ///
 /// Mixing (κ > 0): Σ of a shape includes the mixing of φ_A(i) with every other computed mode by
-/// `mixing_sd`. This replaces the rotation, whose τ is added to that of the closest mode.
+/// `mixing_sd`. This mixing replaces the rotation; the τ of the rotation is added to that of the
+/// closest mode.
 ///
 /// Spurious modes: if each measured mode may be spurious with probability ε (`ModalData::doubt`),
 /// frequencies count as uncorrelated and
@@ -67,8 +68,9 @@ struct ModalNoise {
 /// shape directions. A may then leave a measured mode unmatched.
 ///
 /// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
-/// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with the relative gap: the effect of a
-/// change of K by a thousandth. With more than two such modes, each is rotated with the closest.
+/// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with gap the relative difference of the
+/// eigenvalues. This is the effect of a change of K by a thousandth. With more than two such modes,
+/// each is rotated with the closest.
 class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;
@@ -83,19 +85,19 @@ class ModalLikelihood {
     int computed = 0;           ///< 0-based index of the elastic mode
     double frequency_hz = 0.0;  ///< computed
     std::optional<ShapeDensity::Comparison> shape = {};
-    double spurious = 0.0;        ///< probability that it is spurious, given θ
-    double log_likelihood = 0.0;  ///< single mode, if modes may be spurious
+    double spurious = 0.0;        ///< probability that the mode is spurious, given θ
+    double log_likelihood = 0.0;  ///< log likelihood of this mode, if modes may be spurious
   };
   struct Score {
     double log_likelihood = 0.0;
-    double chi_square = 0.0;  ///< of frequencies and shapes, without probably spurious modes
+    double chi_square = 0.0;  ///< χ² of frequencies and shapes, without probably spurious modes
     int freedoms = 0;         ///< degrees of freedom of `chi_square`
     std::vector<Match> matches;
   };
   [[nodiscard]] Score score(const fem::ParametricModes::Modes& modes,
                             const ModalNoise& noise) const;
   /// Adds ln p of uncorrelated numbered frequencies to `log_density`, and the computed frequencies
-  /// [Hz] of all modes. Faster than `score`; returns false for other data.
+  /// [Hz] of all modes. Faster than `score`; returns false for data of any other kind.
   bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes, const ModalNoise& noise,
                                   double& log_density, std::vector<double>& frequencies_hz) const;
   /// Comparison of a measured shape as input to stiffness errors: without them, the residual in
@@ -108,8 +110,8 @@ class ModalLikelihood {
   };
   [[nodiscard]] ShapeErrors shape_errors(const fem::ParametricModes::Modes& modes, int mode,
                                          Eigen::Index computed, const ModalNoise& noise) const;
-  /// Computes ∂ ln p/∂θ_j for the current matching, from the slopes of the modes. Where shapes may
-  /// be rotated or mixed, by differences of the density along these slopes.
+  /// Computes ∂ ln p/∂θ_j for the current matching, from the slopes of the modes. For shapes that
+  /// may be rotated or mixed, it uses differences of the density along these slopes.
   void slope(const fem::ParametricModes::Modes& modes, const fem::ParametricModes::Slopes& slopes,
              const ModalNoise& noise, std::span<double> out) const;
   /// The Gauss-Newton approximation of -∂² ln p/∂θ², from the first derivatives of frequencies and
@@ -142,7 +144,7 @@ class ModalLikelihood {
   [[nodiscard]] ShapeDensity::Comparison compare(const fem::ParametricModes::Modes& modes, int mode,
                                                  Eigen::Index computed,
                                                  const ModalNoise& noise) const;
-  /// Modes that may be mixed into a computed mode, at the entries of a measured one.
+  /// Modes that may be mixed into a computed mode, at the measured entries of a shape.
   [[nodiscard]] ShapeDensity::Mixing mixing_of(const fem::ParametricModes::Modes& modes, int mode,
                                                Eigen::Index computed,
                                                const ModalNoise& noise) const;
@@ -158,7 +160,7 @@ class ModalLikelihood {
                                        const ModalNoise& noise) const;
 
   ModalData data_;
-  bool numbered_ = false;  // frequencies only, which are uncorrelated and never spurious
+  bool numbered_ = false;  // true: frequencies only, uncorrelated and never spurious
   std::vector<int> with_frequency_;
   std::vector<std::vector<int>> entries_;  // sensors of each shape
   std::vector<std::optional<ShapeDensity>> shapes_;

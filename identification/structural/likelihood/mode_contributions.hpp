@@ -12,7 +12,7 @@
 namespace wheeltap::identification {
 
 /// ln p of each measured mode given the other modes at fixed parameters, that is the reduction of
-/// the log likelihood if the mode is left out. For frequencies with residuals r ~ N(0, C), P = C⁻¹,
+/// the log likelihood if the mode is omitted. For frequencies with residuals r ~ N(0, C), P = C⁻¹,
 ///
 ///   r_i | the others ~ N(r_i - (P r)_i / P_ii, 1 / P_ii)   (Rue & Held 2005, theorem 2.3);
 ///
@@ -24,14 +24,15 @@ namespace wheeltap::identification {
                                                     const Eigen::MatrixXd& c,
                                                     const ModalLikelihood::Score& score);
 
-/// The posterior without one mode, from draws with it, weighted by 1/p of that mode (importance
-/// sampling: Gelfand, Dey & Chang 1992).
+/// The posterior without one mode, from draws of the posterior with this mode, weighted by 1/p of
+/// the mode (importance sampling: Gelfand, Dey & Chang 1992).
 struct WithoutMode {
   std::vector<double> weights;  ///< one per draw; sum 1
   double information = 0.0;     ///< KL(posterior ‖ without) [nats]
   bool reliable = true;         ///< the effective number of draws is 50 or more
 };
-/// `log_density`: of the mode at each draw. `weights`: of the draws in the posterior; empty: all 1.
+/// `log_density`: log density of the mode at each draw. `weights`: weights of the draws in the
+/// posterior; empty: all 1.
 [[nodiscard]] WithoutMode without_mode(std::span<const double> log_density,
                                        std::span<const double> weights = {});
 

@@ -26,15 +26,15 @@ namespace wheeltap::identification {
 ///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + Σ_{j<k} τ_jk² ℓ_jk ℓ_jkᵀ,
 ///
 /// with f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere. A model
-/// error that is a factor per mode (discrepancy δ) is common to these states, so that it is not
-/// mistaken for damage. For one state this equals ModalLikelihood.
+/// error that multiplies each mode's frequency by a factor (discrepancy δ) is common to these
+/// states, so that it is not mistaken for damage. For one state this equals ModalLikelihood.
 ///
-/// The effect of damage on a frequency depends on the shapes, whose errors are of first order when
-/// those of the frequencies are of second order. If the model error mixes c φ_k into φ_j and -c φ_j
-/// into φ_k, c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d changes λ_j by an additional 2c φ_jᵀ
-/// δK_d φ_k, and λ_k by its negative. For a loss along one strain (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k;
-/// otherwise it is less. With Δλ from the first healthy state with the same `known` to a damaged
-/// one,
+/// The effect of damage on a frequency depends on the shapes. The errors of shapes are of first
+/// order if the errors of frequencies are of second order. If the model error mixes c φ_k into φ_j
+/// and -c φ_j into φ_k, c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d changes λ_j by an
+/// additional 2c φ_jᵀ δK_d φ_k, and λ_k by its negative. For a stiffness loss along one strain,
+/// (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k; otherwise the left side is smaller. With Δλ the change from the
+/// first healthy state with the same `known` to a damaged state,
 ///
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
 ///   negative at mode k.
@@ -42,18 +42,18 @@ namespace wheeltap::identification {
 /// Stiffness errors of pieces of the structure (`ModalData::stiffness_discrepancy`) are integrated
 /// out of frequencies and shapes of all states with the same `known` together; see StiffnessErrors.
 ///
-/// If the parameters allow it, ReanalysedModes solves each state's structure: at most a few
-/// springs, point masses and scales of the whole structure are unknown. The constructor compares
-/// `kReanalysed` such solutions with full ones. Otherwise each structure is assembled at θ, changed
-/// by its damages and masses, and solved by SubspaceModes. States that differ only in temperature
-/// share a solution. Matrices of another program, K = Σ q_j K_j, are solved by ParametricModes: θ
-/// and damages change only the q_j, for any rank of K_j.
+/// ReanalysedModes solves each state's structure if only a few springs, point masses and scales of
+/// the whole structure are unknown. The constructor compares `kReanalysed` such solutions with full
+/// ones. Otherwise each structure is assembled at θ, changed by its damages and masses, and solved
+/// by SubspaceModes. States that differ only in temperature share a solution. Matrices of another
+/// program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change only the q_j, for
+/// any rank of K_j.
 class StatesLikelihood {
  public:
   /// Number of solutions by reanalysis that are compared with full solutions.
   static constexpr int kReanalysed = 8;
 
-  /// `kinds`: of the damages; empty for an update. `beam`: the beam that the nominal structure
+  /// `kinds`: kinds of damages; empty for an update. `beam`: the beam that the nominal structure
   /// represents, or null. Throws std::invalid_argument for inconsistent data, naming state and
   /// mode; throws fem::InvalidStructure.
   StatesLikelihood(std::shared_ptr<const ObservedStates> states, std::vector<DefectKind> kinds,
@@ -61,7 +61,8 @@ class StatesLikelihood {
 
   [[nodiscard]] const ObservedStates& states() const { return *states_; }
   [[nodiscard]] int modes() const { return static_cast<int>(joined_.frequencies_hz.size()); }
-  /// All frequencies, concatenated. `place` gives a mode's state and its index there.
+  /// All frequencies, concatenated. `place` gives the state of a mode and the index of the mode in
+  /// this state.
   [[nodiscard]] const ModalData& data() const { return joined_; }
   struct Place {
     int state = 0, mode = 0;
@@ -102,8 +103,8 @@ class StatesLikelihood {
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score) const;
 
-  /// Working memory of one thread. It caches the last assembly and solution, because moves of
-  /// damages do not change the intact structure.
+  /// Working memory of one thread. It caches the last assembly and solution, because proposals that
+  /// change damages do not change the intact structure.
   struct Workspace {
     /// The intact structure of all groups with the same `known`.
     struct Intact {
@@ -133,7 +134,7 @@ class StatesLikelihood {
       const std::vector<PlacedDefect>& defects) const;
 
   /// Largest relative error of a frequency compared with full solutions at `points` prior draws
-  /// with defects of each kind, and the number of modes missed by Sturm's count.
+  /// with defects of each kind, and the number of missed modes by Sturm's count.
   struct Check {
     double largest_error = 0.0;
     int points = 0, missed = 0;
@@ -179,8 +180,8 @@ class StatesLikelihood {
     std::shared_ptr<const fem::SubspaceModes> solver = {};
     std::shared_ptr<const fem::ParametricModes> reduced = {};  // for matrices, instead of `solver`
   };
-  /// A prior draw, every fourth without damages, the others with 1, 2, … of each kind; i = -1: the
-  /// medians.
+  /// A prior draw: every fourth draw has no damages, the others have 1, 2, … damages of each kind.
+  /// i = -1: the prior medians.
   struct Draw {
     std::vector<double> x;
     std::vector<PlacedDefect> defects;

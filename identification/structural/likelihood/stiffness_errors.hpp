@@ -28,8 +28,8 @@ class StiffnessPieces {
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each
   /// piece. For a softening with the remaining stiffness q of a strain, it is q (1 - q) times the
-  /// previous energy of the strain. (If the flexibility of a piece is 1 + a times that of the
-  /// model, the share of stiffness that it loses is smaller by (1 - q) a.)
+  /// previous energy of the strain. (If the flexibility of a piece is 1 + a times the flexibility
+  /// in the model, the share of stiffness that it loses is smaller by (1 - q) a.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;

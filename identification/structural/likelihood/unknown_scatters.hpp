@@ -1,4 +1,4 @@
-// Unknown scatters of measured modes as parameters.
+// Unknown noise parameters of measured modes, as parameters of the problem.
 #pragma once
 
 #include <span>
@@ -9,16 +9,16 @@
 
 namespace wheeltap::identification {
 
-/// The scatters of `data` with a prior, in this order: "cov", "shape_sd", "discrepancy",
-/// "shape_discrepancy", "mixing", "stiffness_discrepancy". The others are constants.
+/// The noise parameters of `data` with a prior, in this order: "cov", "shape_sd", "discrepancy",
+/// "shape_discrepancy", "mixing", "stiffness_discrepancy". All others are constants.
 class UnknownScatters {
  public:
   explicit UnknownScatters(const ModalData& data);
 
   [[nodiscard]] const std::vector<inference::Parameter>& parameters() const { return parameters_; }
-  /// The scatters of a state for these parameter values.
+  /// The noise parameters of a state for these parameter values.
   [[nodiscard]] ModalNoise noise(std::span<const double> values) const;
-  /// True if a scatter is a parameter: `contains(&ModalNoise::cov)`.
+  /// True if a noise parameter is unknown: `contains(&ModalNoise::cov)`.
   [[nodiscard]] bool contains(double ModalNoise::*scatter) const;
 
  private:
@@ -27,7 +27,7 @@ class UnknownScatters {
   ModalNoise known_;
 };
 
-/// Parameter names of scatters in an update.
+/// Names of the noise parameters in an update.
 [[nodiscard]] const std::vector<std::string>& scatter_names();
 
 }  // namespace wheeltap::identification

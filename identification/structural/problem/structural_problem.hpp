@@ -25,14 +25,14 @@ struct StructuralProblem {
   std::shared_ptr<const ForwardModel> model = {};
   /// The first observation: numbered frequencies, or matched modes.
   std::variant<Numbered, Matched> observed = {};
-  std::vector<DefectKind> kinds = {};  ///< of defects; empty for an update
+  std::vector<DefectKind> kinds = {};  ///< kinds of defects; empty for an update
   inference::Problem problem = {};
   /// An observation, and the position of its noise parameters in a parameter vector.
   struct Placed {
     std::shared_ptr<const Observation> observation = {};
     std::size_t first = 0, count = 0;
   };
-  std::vector<Placed> observations = {};  ///< the first, then added ones
+  std::vector<Placed> observations = {};  ///< the first observation, then added observations
   /// Position and number of the intact structure's parameters θ in a parameter vector.
   int first_theta = 0, structural = 0;
 
@@ -63,7 +63,7 @@ struct StructuralProblem {
                                                  std::span<const double> x) const {
     return x.subspan(placed.first, placed.count);
   }
-  /// The scatters at x. Throws std::bad_variant_access for numbered frequencies.
+  /// The noise parameters at x. Throws std::bad_variant_access for numbered frequencies.
   [[nodiscard]] ModalNoise modal_noise(std::span<const double> x) const {
     return modes().scatters().noise(noise_of(observations.front(), x));
   }
@@ -119,7 +119,7 @@ class StructuralPredictor {
  private:
   bool gradient_of_frequencies(int model, std::span<const double> x, std::span<double> out);
   bool gradient_of_modes(std::span<const double> x, std::span<double> out);
-  /// ∂ ln p/∂x_p and -∂² ln p/∂x_p² of one scatter, at the modes in `scratch_`.
+  /// ∂ ln p/∂x_p and -∂² ln p/∂x_p² for one noise parameter, at the modes in `scratch_`.
   struct Bend {
     double slope = 0.0, curvature = 0.0;
   };

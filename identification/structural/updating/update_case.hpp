@@ -42,8 +42,8 @@ struct TrueModes {
 [[nodiscard]] TrueModes true_modes(const UpdateCase& update_case,
                                    std::span<const double> parameters, int modes);
 
-/// Simulates the data: Gaussian noise on frequencies and shape entries, with the truth's scatters
-/// unless the data specify them. Throws the exceptions of `true_modes`.
+/// Simulates the data: Gaussian noise on frequencies and shape entries, with the standard
+/// deviations of the truth unless the data specify them. Throws the exceptions of `true_modes`.
 void simulate(UpdateCase& update_case, std::uint64_t seed);
 
 /// Plausibility of the structure and its sensors (structure_plausibility.hpp).

@@ -50,15 +50,16 @@ struct ModeFinding {
   double residual = 0.0;                  ///< frequency residual in sd: mean over the draws
   int computed = 0;                       ///< computed mode most often matched, from 1
   double matched = 1.0;                   ///< share of the draws with that match
-  double spurious = 0.0;                  ///< probability that it is spurious, if modes may be
+  /// Probability that the mode is spurious, if modes may be spurious
+  double spurious = 0.0;
   bool has_shape = false;
   Marginal mac = {};              ///< over the draws
   double shape_chi_square = 0.0;  ///< mean over the draws
   int shape_freedoms = 0;
   double shape_p = 1.0;  ///< p-value of the shape, mean over the draws
-  /// Effect of leaving out this mode: KL(posterior ‖ posterior without the mode) [nats], the
-  /// parameter that would change most, and its change in posterior sd. `reliable`: the importance
-  /// weights are adequate.
+  /// Effect of omitting this mode: KL(posterior ‖ posterior without the mode) [nats], the parameter
+  /// that would change most, and its change in posterior sd. `reliable`: true if the effective
+  /// number of draws is sufficient.
   double information = 0.0;
   std::string moves = {};
   double moved = 0.0;
@@ -68,8 +69,8 @@ struct ModeFinding {
 
   /// False for a gap (ModalData).
   [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
-  /// True if the mode deviates by more than the stated scatter allows: 3 sd, or p below 1e-3. False
-  /// for spurious modes.
+  /// True if the mode deviates by more than the stated standard deviations allow: 3 sd, or p below
+  /// 1e-3. False for spurious modes.
   [[nodiscard]] bool is_off() const;
 };
 
@@ -93,8 +94,9 @@ struct UpdateFit {
   /// p-value of χ² at the best draw, with the degrees of freedom reduced by the number of
   /// parameters; 1 if no degrees of freedom are left.
   double best_p = 1.0;
-  double r2 = 0.0;       ///< R² of the frequencies, at their posterior means; NaN for fewer than 2
-  std::vector<int> off;  ///< modes that deviate
+  /// R² of the frequencies, at posterior mean frequencies; NaN for fewer than 2
+  double r2 = 0.0;
+  std::vector<int> off;     ///< modes that deviate
   std::vector<int> missed;  ///< held-out modes outside their band
 
   [[nodiscard]] bool ok() const;

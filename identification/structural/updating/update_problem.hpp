@@ -11,14 +11,14 @@
 
 namespace wheeltap::identification {
 
-/// An update as a problem: one model, with the parameters of the structure, then the unknown ones
-/// of "cov", "shape_sd", "discrepancy", "shape_discrepancy" and "mixing", then the noise of added
-/// observations.
+/// An update as a problem: one model, with the parameters of the structure, then the unknown noise
+/// parameters among "cov", "shape_sd", "discrepancy", "shape_discrepancy" and "mixing", then the
+/// noise of added observations.
 struct UpdateProblem : StructuralProblem {
   UpdateCase update_case = {};
-  double seconds_a_likelihood = 0.0;  ///< estimate, on this machine now
+  double seconds_a_likelihood = 0.0;  ///< estimate for this machine [s]
 
-  /// Scatters at x, with the emulator's error there.
+  /// Noise parameters at x, with the emulator's error at x.
   [[nodiscard]] ModalNoise noise(std::span<const double> x) const;
   /// The reduced basis that predicts; null if another model predicts.
   [[nodiscard]] const fem::ParametricModes* basis() const {
@@ -46,10 +46,10 @@ struct UpdateProblemOptions {
 };
 
 /// Makes the problem and trains the reduced basis. The relative error of eigenvalues is at most a
-/// thousandth of the smallest scatter of a frequency (between 1e-8 and 1e-5), and that of shapes a
-/// fifth of their scatter; if the basis is less accurate, the structure is solved in full. Throws
-/// std::invalid_argument for inconsistent data and for more modes than the structure has; throws
-/// fem::InvalidStructure, OutsideModelError.
+/// thousandth of the smallest standard deviation of a frequency (between 1e-8 and 1e-5). The error
+/// of shapes is at most a fifth of their standard deviation. If the basis is less accurate, the
+/// structure is solved in full. Throws std::invalid_argument for inconsistent data and for more
+/// modes than the structure has; throws fem::InvalidStructure, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
     UpdateCase update_case, const UpdateProblemOptions& options = {});
 

@@ -33,7 +33,8 @@ class BirthDeath : public Move {
   std::optional<double> propose(const State& from, const Step& step, State& to) override;
 
  private:
-  /// The constant ε of p_i. It is large because a density fitted to few samples may be inaccurate.
+  /// The constant ε of p_i, which is large because a density fitted to few samples may be
+  /// inaccurate.
   static constexpr double kDefensive = 0.4;
 
   /// Writes the death probabilities p_i of the larger set to probability_.

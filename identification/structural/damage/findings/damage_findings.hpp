@@ -30,7 +30,7 @@ struct Place {
 /// Places of the defects of one kind.
 struct KindFinding {
   std::vector<double> expected;                    ///< expected number of defects in each element
-  std::map<int, std::vector<double>> given_count;  ///< the same given the count (> 0)
+  std::map<int, std::vector<double>> given_count;  ///< expected numbers given the count (> 0)
   std::vector<Place> places;
 };
 
@@ -38,11 +38,11 @@ struct KindFinding {
 /// equivalent parts.
 struct SymmetryFinding {
   struct Chain {
-    double left, right;  ///< expected number of defects before and beyond their images on the line
+    double left, right;  ///< expected number of defects before and after their mirror images
     double mcse_of_difference;
   };
   double center;  ///< [m], for a beam
-  bool emulated;  ///< the likelihood uses an emulator
+  bool emulated;  ///< true if the likelihood uses an emulator
   std::vector<Chain> chains;
   std::vector<std::vector<std::string>> alike = {};  ///< for a structure, as in SiteSymmetries
   std::vector<std::string> turned = {};
@@ -56,9 +56,9 @@ struct FitFinding {
     std::string state = {};            ///< empty if there is only one
     int mode = 0;                      ///< measured mode in its state, from 1
     std::optional<Marginal> mac = {};  ///< MAC of measured and computed shape, over the draws
-    /// Effect of leaving out this mode: KL(posterior ‖ posterior without the mode) [nats], and the
-    /// resulting probability of the most probable model. `reliable`: the importance weights are
-    /// adequate. NaN if not measured.
+    /// Effect of omitting this mode: KL(posterior ‖ posterior without the mode) [nats], and the
+    /// resulting probability of the most probable model. `reliable`: true if the effective number
+    /// of draws is sufficient. NaN if not measured.
     double information = std::numeric_limits<double>::quiet_NaN();
     double probability_without = std::numeric_limits<double>::quiet_NaN();
     bool reliable = true;
@@ -115,11 +115,11 @@ struct DamageFindings : Findings {
   }
 };
 
-/// Errors of an emulator on held-out FE runs, per count and mode. `noise`: measurement sd [Hz] of
+/// Errors of an emulator on holdout FE runs, per count and mode. `noise`: measurement sd [Hz] of
 /// each mode, empty if unknown.
 [[nodiscard]] EmulatorFinding emulator_finding(const FrequencyEmulator& emulator,
                                                const std::vector<double>& noise);
-/// Measurement sd [Hz] of each mode: that of the data or, if there are no data yet, cv times
+/// Measurement sd [Hz] of each mode: the sd of the data or, if there are no data yet, cv times
 /// `intact`; empty if both are unknown.
 [[nodiscard]] std::vector<double> measurement_noise(const DamageCase& damage_case,
                                                     std::span<const double> intact);

@@ -19,7 +19,8 @@ struct Shift {
 struct EmulatorCheck {
   struct OfModel {
     Shift probability;
-    bool compared = false;     ///< probable enough (5 %) to compare its parameters
+    /// True if the model is probable enough (5 %) to compare its parameters
+    bool compared = false;
     std::vector<Shift> means;  ///< one per parameter
   };
   /// A significant change of a model's probability, or of the mean of one of its parameters.
@@ -35,7 +36,7 @@ struct EmulatorCheck {
   int draws = 0;
   double mean_log_weight = 0.0, sd_log_weight = 0.0;
   double effective_share = 0.0;  ///< (Σw)² / (n Σw²)
-  double pareto_shape = 0.0;     ///< above 0.7 the weights only show that the posteriors differ
+  double pareto_shape = 0.0;     ///< above 0.7, the weights show only that the posteriors differ
   bool conclusive = false;
   std::vector<OfModel> models;
   std::vector<Moved> moved;

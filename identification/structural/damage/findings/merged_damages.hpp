@@ -2,13 +2,14 @@
 // covers (an element, for example) and not on the data.
 //
 // A loss of stiffness r over a length l adds a flexibility proportional to c = l r / (1 - r). To
-// first orders of l over the mode's wavelength, frequencies depend only on the sum, centre and
-// spread of the c_i of damages i. Two damages are merged into one of length L with the same values,
+// the lowest orders of l divided by the mode's wavelength, frequencies depend only on the sum,
+// centre and spread of the c_i of damages i. Two damages are merged into one of length L with the
+// same values,
 //
 //   L r / (1 - r) = Σ c_i,   s = Σ c_i s_i / Σ c_i,   L²/12 = Σ c_i ((s_i - s)² + l_i²/12) / Σ c_i,
 //
-// if its log likelihood is at most 2 below that of the two (half the 95 % quantile of χ² with one
-// degree of freedom).
+// if its log likelihood is at most 2 below the log likelihood of the two damages (half the 95 %
+// quantile of χ² with one degree of freedom).
 #pragma once
 
 #include <optional>
@@ -36,7 +37,7 @@ struct MergedModel {
 struct MergedFinding {
   int kind = 0;
   std::vector<double> count;        ///< probability of 0, 1, … damages
-  double merged = 0.0;              ///< probability that some are merged
+  double merged = 0.0;              ///< probability that damages are merged
   std::vector<MergedModel> models;  ///< models with merged draws, most probable first
 
   /// The merged damages of a model; nullptr if no draw of the model has any.

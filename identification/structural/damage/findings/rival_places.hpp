@@ -15,9 +15,10 @@ struct PlaceProbabilities {
   std::vector<std::vector<double>> both;  ///< n × n, symmetric; the diagonal is not used
 };
 
-/// Finds groups of places that exclude each other. Each place has at least 5 %, each pair at most a
-/// tenth of the less probable place, and the group together at least half. Groups and places are
-/// sorted, most probable first; a place is in at most one group.
+/// Finds groups of places that exclude each other. The probability of each place is at least 5 %.
+/// The probability of each pair is at most a tenth of that of its less probable place. The group
+/// has a total probability of at least one half. Groups and places are sorted, most probable first;
+/// a place is in at most one group.
 [[nodiscard]] std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places);
 
 /// Adds one remark per group of members, joints or storeys, over all kinds. Omits groups that

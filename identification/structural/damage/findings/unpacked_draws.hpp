@@ -11,7 +11,8 @@
 
 namespace wheeltap::identification {
 
-inline constexpr double kWorthReporting = 0.05;  ///< less probable counts are not described
+/// Counts with a smaller probability are not described
+inline constexpr double kWorthReporting = 0.05;
 
 /// Unpacks the defects of single draws. Both arguments must outlive the object. Not thread-safe.
 class UnpackedDraws {
