@@ -60,7 +60,7 @@ def inclusion(result: Any, ax: Any = None) -> Any:
                 ax.axvline(one["location"], color="black", linestyle="--", linewidth=0.8)
     ax.set_xlim(0.0, beam["length"])
     ax.set_ylim(bottom=0.0)
-    ax.set_xlabel("place [m]")
+    ax.set_xlabel("location [m]")
     ax.set_ylabel("expected number in an element")
     if len(kinds) > 1:
         ax.legend(frameon=False)
