@@ -183,10 +183,8 @@ Channels parse_channels(const CaseFile& file, SetUp& out) {
   if (found.columns.empty())
     file.refuse(list, "has no channel with the role \"response\": there is nothing to identify");
   if (of_forces(file) && found.forces.empty())
-    file.refuse(
-        list,
-        "has no channel with the role \"force\", which frequency response functions need: add "
-        "this channel, or use the method \"ssi-cov\"");
+    file.refuse(list,
+                "has no channel with the role \"force\": add one, or use the method \"ssi-cov\"");
   return found;
 }
 
@@ -283,10 +281,8 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
       file.refuse(where / "channels", "is missing: must list the response columns");
     for (const char* key : {"samples", "sample_rate"})
       if (file.json.at(where).contains(key))
-        file.refuse(
-            where / key,
-            "is for records only: without channels Wheeltap uses the frequency response functions "
-            "in the file");
+        file.refuse(where / key,
+                    "is for records only: without channels Wheeltap uses the FRFs of the file");
     if (file.json.contains("segment"))
       file.refuse(Pointer("/segment"),
                   "is for records only: the file contains frequency response functions");

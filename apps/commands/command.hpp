@@ -35,6 +35,8 @@ struct Command {
   /// True if ranks share the work of the command; other commands run on rank 0 only
   bool on_all_ranks = false;
   std::string case_kind = {};  ///< kind of case that the command runs; empty: none
+  /// Key that a case of this kind has if the command runs it; empty: the command runs all others
+  std::string case_key = {};
   /// Creates a run of a case of this kind; empty if the kind is not sampled
   MakeCaseRun make_run = {};
   /// Checks a case whose kind is not sampled: reads its data, runs nothing. Throws Failure.

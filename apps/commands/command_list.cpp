@@ -16,15 +16,20 @@ const std::vector<Command>& commands() {
 
 const Command* command_of_kind(const CaseFile& file) {
   if (!file.json.is_object() || !file.json.contains("kind")) return nullptr;
-  for (const Command& command : commands())
-    if (!command.case_kind.empty() && file.json["kind"] == command.case_kind) return &command;
-  return nullptr;
+  const Command* general = nullptr;
+  for (const Command& command : commands()) {
+    if (command.case_kind.empty() || file.json["kind"] != command.case_kind) continue;
+    if (command.case_key.empty()) general = &command;
+    if (!command.case_key.empty() && file.json.contains(command.case_key)) return &command;
+  }
+  return general;
 }
 
 std::vector<std::string> case_kinds(bool sampled_only) {
   std::vector<std::string> kinds;
   for (const Command& command : commands())
-    if (!command.case_kind.empty() && (command.make_run || !sampled_only))
+    if (!command.case_kind.empty() && command.case_key.empty() &&
+        (command.make_run || !sampled_only))
       kinds.push_back(command.case_kind);
   return kinds;
 }

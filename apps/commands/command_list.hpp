@@ -36,7 +36,7 @@ namespace wheeltap::apps {
 /// in this header and an entry in this list.
 [[nodiscard]] const std::vector<Command>& commands();
 
-/// The command that runs the kind of case named at /kind; null if no command runs it.
+/// The command that runs a case with this kind and these keys; null if no command runs it.
 [[nodiscard]] const Command* command_of_kind(const CaseFile& file);
 
 /// The kinds of case that commands run; with `sampled_only`, only the kinds that are sampled.

@@ -1,5 +1,6 @@
 #include <iostream>
 #include <memory>
+#include <utility>
 
 #include "apps/commands/command_list.hpp"
 #include "apps/commands/command_options.hpp"
@@ -63,7 +64,10 @@ Command plan_command() {
                                "identify (default: 10)")
                     ->check(whole(0, 10'000));
               },
-          .run = [how](const Invocation& asked) { plan(asked.common, *how); }};
+          .run = [how](const Invocation& asked) { plan(asked.common, *how); },
+          .case_kind = "damage",
+          .case_key = "plan",
+          .check = [](CaseFile file) { static_cast<void>(parse_plan_case(std::move(file))); }};
 }
 
 }  // namespace wheeltap::apps

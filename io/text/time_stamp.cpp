@@ -111,12 +111,11 @@ struct Parts {
   std::int64_t seconds = 0;  ///< since midnight, or east of Greenwich
   std::int64_t fraction = 0;
   int decimals = 0;
-  std::int64_t zone = 0;  ///< seconds east of Greenwich
-  bool has_zone = false;
+  std::optional<std::int64_t> zone = {};  ///< seconds east of Greenwich; empty: not stated
 };
 
 std::optional<TimeStamp> stamp_of(const Parts& p, bool has_date) {
-  TimeStamp out{.has_date = has_date, .decimals = p.decimals, .has_zone = p.has_zone};
+  TimeStamp out{.has_date = has_date, .decimals = p.decimals, .has_zone = p.zone.has_value()};
   std::int64_t days = 0;
   if (has_date) {
     const std::chrono::year_month_day date{std::chrono::year(p.year),
@@ -126,7 +125,7 @@ std::optional<TimeStamp> stamp_of(const Parts& p, bool has_date) {
     if (!date.ok() || p.year < 1700 || p.year > 2250) return std::nullopt;
     days = std::chrono::sys_days(date).time_since_epoch().count();
   }
-  out.nanoseconds = (days * 86400 + p.seconds - p.zone) * kSecond + p.fraction;
+  out.nanoseconds = (days * 86400 + p.seconds - p.zone.value_or(0)) * kSecond + p.fraction;
   return out;
 }
 
@@ -172,22 +171,18 @@ bool read_half_of_day(Cursor& at, int& hours) {
 bool read_zone(Cursor& at, Parts& out) {
   const std::string_view before = at.rest;
   at.skip_blanks();
-  out.has_zone = at.take('Z') || at.take('z');
-  if (out.has_zone) return true;
-  const bool named = at.take_word("utc") || at.take_word("gmt");
-  out.has_zone = named;
+  const bool zulu = at.take('Z') || at.take('z');
+  const bool named = zulu || at.take_word("utc") || at.take_word("gmt");
+  if (named) out.zone = 0;
   char sign = 0;
-  if (!at.take_any("+-", &sign)) {
+  if (zulu || !at.take_any("+-", &sign)) {
     if (named) return true;
     // CET, EDT, JST: equal for all rows, and only differences matter.
     std::size_t letters = 0;
     while (letters < at.rest.size() && at.rest[letters] >= 'A' && at.rest[letters] <= 'Z')
       ++letters;
-    if (letters >= 3 && letters <= 5 && letters == at.rest.size() && before != at.rest) {
-      at.rest = {};
-    } else {
-      at.rest = before;
-    }
+    const bool letters_alone = letters == at.rest.size() && before != at.rest;
+    at.rest = letters >= 3 && letters <= 5 && letters_alone ? std::string_view() : before;
     return true;
   }
   const int hours = at.number(named ? 1 : 2, 2);
@@ -195,7 +190,6 @@ bool read_zone(Cursor& at, Parts& out) {
   const bool colon = at.take(':');
   if (colon || at.digits() == 2) minutes = at.number(2, 2);
   if (hours < 0 || hours > 15 || minutes < 0 || minutes > 59) return false;
-  out.has_zone = true;
   out.zone = (sign == '-' ? -1 : 1) * (hours * 3600 + minutes * 60);
   return true;
 }

@@ -60,8 +60,8 @@ TEST(VerdictWords, OfEachReason) {
                                         .factor = 21.2}),
             "The evidence of model 'two' is not known: its largest importance weights decay too "
             "slowly (Pareto k 0.93, must be at most 0.7), so that it may be too small by a factor "
-            "of 21; its evidence puts it at P ≈ 0.001 ± 0.0001. Search more (--search), or run "
-            "longer (--warmup, --draws).");
+            "of 21; its evidence puts it at P ≈ 0.001 ± 0.0001. Use more mode searches (--search) "
+            "or longer chains (--warmup, --draws).");
   EXPECT_EQ(sentence(ModesLeftOut{.model = 0, .modes = 12, .share = 0.05}),
             "The search for the modes of model 'one' found 12 modes more than it can keep, with "
             "about 5 % of that model. Run longer (--warmup, --draws).");
