@@ -223,18 +223,14 @@ std::size_t terminal_width() {
 std::string probabilities_so_far(const std::vector<double>& probabilities,
                                  const std::vector<std::string>& names) {
   std::string out;
-  if (probabilities.size() <= kMostListed) {
-    for (const double p : probabilities) out += (out.empty() ? "P = " : " ") + fixed(p, 2);
-    return out;
-  }
   std::vector<std::size_t> order(probabilities.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::ranges::greater{},
                            [&](std::size_t m) { return probabilities[m]; });
-  for (std::size_t rank = 0; rank < 2; ++rank) {
+  for (std::size_t rank = 0; rank < std::min<std::size_t>(order.size(), 2); ++rank) {
     const std::size_t m = order[rank];
     if (rank > 0 && probabilities[m] < 0.005) break;
-    out += (rank == 0 ? "P = " : ", ") + fixed(probabilities[m], 2) + " " + names[m];
+    out += (rank == 0 ? "P(" : ", P(") + names[m] + ") = " + fixed(probabilities[m], 2);
   }
   return out;
 }

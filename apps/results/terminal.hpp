@@ -62,10 +62,8 @@ void print_evidence(const Page& page, const identification::Findings& findings);
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
-/// Returns the model probabilities of the draws so far: "P = 0.25 0.75". If there are more than
-/// kMostListed models, the text names the two most probable models: "P = 0.97 linear + cubic, 0.02
-/// linear". The text is empty before the first draw.
-inline constexpr std::size_t kMostListed = 6;
+/// Names the two most probable models by the draws so far, for example "P(1 damage) = 0.79,
+/// P(2 damages) = 0.21". The text is empty before the first draw.
 [[nodiscard]] std::string probabilities_so_far(const std::vector<double>& probabilities,
                                                const std::vector<std::string>& names);
 

@@ -194,7 +194,8 @@ void draw_on(RunContext& run, RunState& state) {
 
 void draw_and_weigh(RunContext& run, RunState& state) {
   const Posterior& posterior = state.posterior;
-  run.monitor.begin(posterior.draws > 0 ? "sampling on"
+  run.monitor.begin(posterior.draws > 0   ? "more sampling"
+                    : state.at.refits > 0 ? "sampling again"
                     : posterior.tempered_draws && !run.options.tempered_draws
                         ? "sampling with tempering"
                         : "sampling",

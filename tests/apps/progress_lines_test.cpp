@@ -10,8 +10,8 @@ constexpr double kUnknown = -1.0;
 TEST(ProgressLines, TellEachStageAtOnce) {
   ProgressLines lines;
   EXPECT_EQ(lines.next("searching", 0.0, 0.0, kUnknown, ""), "searching: 0 %, 0 s so far");
-  EXPECT_EQ(lines.next("sampling", 0.02, 1.0, 73.0, "P = 0.25 0.75"),
-            "sampling: 2 %, 1 s so far, about 73 s left, P = 0.25 0.75");
+  EXPECT_EQ(lines.next("sampling", 0.02, 1.0, 73.0, "P(b) = 0.75"),
+            "sampling: 2 %, 1 s so far, about 73 s left, P(b) = 0.75");
 }
 
 TEST(ProgressLines, KeepATenthAndFiveSecondsApart) {
@@ -33,10 +33,11 @@ TEST(ProgressLines, SpeakAfterHalfAMinuteAnyway) {
 
 TEST(ProgressLines, NameTheLikeliestOfManyModels) {
   EXPECT_EQ(probabilities_so_far({}, {}), "");
-  EXPECT_EQ(probabilities_so_far({0.25, 0.75}, {"a", "b"}), "P = 0.25 0.75");
+  EXPECT_EQ(probabilities_so_far({0.25, 0.75}, {"a", "b"}), "P(b) = 0.75, P(a) = 0.25");
   const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f", "g"};
-  EXPECT_EQ(probabilities_so_far({0, 0, 0, 0.02, 0, 0.975, 0.005}, names), "P = 0.97 f, 0.02 d");
-  EXPECT_EQ(probabilities_so_far({0, 0, 0, 0, 0, 0.998, 0.002}, names), "P = 1.00 f");
+  EXPECT_EQ(probabilities_so_far({0, 0, 0, 0.02, 0, 0.975, 0.005}, names),
+            "P(f) = 0.97, P(d) = 0.02");
+  EXPECT_EQ(probabilities_so_far({0, 0, 0, 0, 0, 0.998, 0.002}, names), "P(f) = 1.00");
 }
 
 }  // namespace
