@@ -20,9 +20,14 @@ std::shared_ptr<apps::PlanRun> planned(const std::string& path, const py::object
                                        const std::vector<std::string>& overrides,
                                        const py::dict& said, int scenarios, int checks) {
   apps::CommonOptions common = run_options(said).common;
+  if (scenarios < 1000 || scenarios > 10'000'000)
+    throw py::value_error("scenarios: must be a whole number from 1000 to 10000000");
+  if (checks < 0 || checks > 10'000)
+    throw py::value_error("checks: must be a whole number from 0 to 10000");
   common.case_path = path;
   return guarded(path, [&] {
     const apps::PlanCaseFile parsed = apps::parse_plan_case(case_of(path, text, overrides));
+    apps::check_plan_case(parsed, scenarios);
     std::shared_ptr<apps::PlanRun> out;
     watched(py::none(), [&](Job&) {
       out = std::make_shared<apps::PlanRun>(

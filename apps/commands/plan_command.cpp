@@ -24,6 +24,7 @@ RunCost cost_of_plan(const PlanCaseFile& parsed, int scenarios) {
 
 void plan(const CommonOptions& common, PlanRunOptions options) {
   const PlanCaseFile parsed = parse_plan_case(read_case(common.case_path, common.overrides));
+  check_plan_case(parsed, options.scenarios);
   if (common.dry_run) return common.dry_run("plan", cost_of_plan(parsed, options.scenarios));
   claim_output_folder(common.output);
   ProgressBar bar(common.quiet);
@@ -67,7 +68,10 @@ Command plan_command() {
           .run = [how](const Invocation& asked) { plan(asked.common, *how); },
           .case_kind = "damage",
           .case_key = "plan",
-          .check = [](CaseFile file) { static_cast<void>(parse_plan_case(std::move(file))); }};
+          .check =
+              [](CaseFile file) {
+                check_plan_case(parse_plan_case(std::move(file)), PlanRunOptions().scenarios);
+              }};
 }
 
 }  // namespace wheeltap::apps

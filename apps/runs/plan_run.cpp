@@ -1,11 +1,16 @@
 #include "apps/runs/plan_run.hpp"
 
 #include <chrono>
+#include <cmath>
 
+#include "apps/explained.hpp"
 #include "apps/report/plan_page.hpp"
 #include "apps/results/planning/plan_summary.hpp"
 #include "apps/results/stored_run.hpp"
+#include "apps/words.hpp"
+#include "base/number.hpp"
 #include "base/parallel.hpp"
+#include "base/readable.hpp"
 #include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
@@ -22,6 +27,26 @@ void PlanRun::keep(const std::filesystem::path& folder) const {
   whole.write(kept.dump(1) + "\n");
   io::AtomicFile* const files[] = {&recommended, &report, &whole};
   io::commit_together(files);
+}
+
+void check_plan_case(const PlanCaseFile& parsed, int scenarios) {
+  using namespace identification::planning;
+  constexpr double kLargestCov = 0.2, kFewestAlarms = 5.0;
+  const CaseFile& file = parsed.parsed.file;
+  const PlanCheck check = explained(parsed, [&] { return check_plan(parsed.plan); });
+  if (check.largest_cov > kLargestCov)
+    file.refuse(Pointer("/plan") / (file.json.at("plan").contains("cov") ? "cov" : "seconds"),
+                "gives a standard deviation of " + percent(check.largest_cov) +
+                    " for a frequency: must give at most " + percent(kLargestCov) +
+                    "; plan a longer record");
+  // The threshold is a quantile of the tests of the intact structure, one of the models.
+  const double alarms = parsed.plan.false_alarm * variation_tests(scenarios) / check.models;
+  if (alarms < kFewestAlarms)
+    file.refuse(
+        Pointer("/plan/false_alarm"),
+        "is too small for " + base::readable(scenarios) + " simulated tests: use --scenarios " +
+            base::number(std::ceil(10.0 * kFewestAlarms * check.models / parsed.plan.false_alarm)) +
+            " or more, or a larger probability");
 }
 
 PlanRun run_plan(const PlanCaseFile& parsed, const CommonOptions& common,

@@ -26,6 +26,9 @@ struct PlanRunOptions {
 };
 
 /// Makes the plan of a case. Throws Failure.
+/// Checks a case before its run. Throws Failure.
+void check_plan_case(const PlanCaseFile& parsed, int scenarios);
+
 [[nodiscard]] PlanRun run_plan(const PlanCaseFile& parsed, const CommonOptions& common,
                                const PlanRunOptions& options);
 

@@ -26,6 +26,8 @@ constexpr double kWanted = 0.9;
 constexpr std::size_t kBisections = 4;
 /// A defect with a smaller effect, in standard errors, is not visible.
 constexpr double kVisible = 3.0;
+/// Distance of predictions, in standard errors, below which they are equal: images of a symmetry.
+constexpr double kImage = 1e-3;
 /// Largest number of pairs that a search for separations compares.
 constexpr std::size_t kComparedPairs = 64;
 
@@ -248,7 +250,17 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
   struct Found {
     std::set<int> first, second;
     int pairs = 0;
-    double largest = 0.0;
+    /// The smallest distance of each place from a place of the other region.
+    std::map<int, double> nearest_to_first, nearest_to_second;
+    [[nodiscard]] bool exact() const {
+      const auto image = [](const auto& place) { return place.second < kImage; };
+      return std::ranges::all_of(nearest_to_first, image) &&
+             std::ranges::all_of(nearest_to_second, image);
+    }
+  };
+  const auto lower = [](std::map<int, double>& of, int place, double d) {
+    const auto [at, added] = of.try_emplace(place, d);
+    if (!added) at->second = std::min(at->second, d);
   };
   std::map<std::array<int, 4>, Found> found;
   for (int a = 0; a < n; ++a)
@@ -263,7 +275,8 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
       Found& f = found[{p.kind, p.stretch, q.kind, q.stretch}];
       f.first.insert(a);
       f.second.insert(b);
-      f.largest = std::max(f.largest, d);
+      lower(f.nearest_to_first, a, d);
+      lower(f.nearest_to_second, b, d);
       ++f.pairs;
       out.pairs.emplace_back(a, b);
     }
@@ -285,7 +298,7 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
     out.regions.push_back({.first = region(f.first),
                            .second = region(f.second),
                            .pairs = f.pairs,
-                           .exact = f.largest < 1e-3});
+                           .exact = f.exact()});
   }
   std::ranges::sort(out.regions, [](const auto& a, const auto& b) { return a.pairs > b.pairs; });
   return out;

@@ -73,6 +73,21 @@ TestEstimate difference_of(const std::vector<int>& differences) {
   return {mean, std::sqrt(std::max(0.0, (squares + 1.0) / n - mean * mean) / n)};
 }
 
+/// The mean difference over the models with damage, weighted by their prior probabilities.
+TestEstimate weighted_difference(const std::vector<NormalModel>& models,
+                                 const std::vector<std::vector<int>>& differences) {
+  double weights = 0.0, mean = 0.0, variance = 0.0;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    if (differences[m].empty()) continue;
+    const TestEstimate one = difference_of(differences[m]);
+    weights += models[m].prior;
+    mean += models[m].prior * one.value;
+    variance += std::pow(models[m].prior * one.mcse, 2);
+  }
+  if (weights == 0.0) return {kNaN, kNaN};
+  return {mean / weights, std::sqrt(variance) / weights};
+}
+
 }  // namespace
 
 DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
@@ -155,8 +170,8 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
   PlannedStructure::Solver solver(source.structure());
   // Healthy tests are checked too.
   EngineCheck out;
-  std::vector<int> detection, right;
-  double squares = 0.0;
+  std::vector<std::vector<int>> detection(source.models().size()), right(source.models().size());
+  double squares = 0.0, weights = 0.0;
   for (int i = 0; i < count; ++i) {
     if (progress) progress(static_cast<double>(i) / count);
     const std::uint64_t number = kFirst + static_cast<std::uint64_t>(i);
@@ -168,21 +183,26 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
         .approximate = simulate_tests(source, prepared, scenario, number, plan.tolerance)[0],
         .engine = identify(plan, source, design.design, number, own)};
     const double p = 1.0 / (1.0 + std::exp(-test.approximate.log_odds));
-    squares += (p - test.engine.probability_damaged) * (p - test.engine.probability_damaged);
+    // Each model has as many tests as any other.
+    const auto truth = index(scenario[0].truth.model);
+    const double weight = source.models()[truth].prior;
+    const double difference = p - test.engine.probability_damaged;
+    squares += weight * difference * difference;
+    weights += weight;
     if (!scenario[0].truth.defects.empty()) {
       const double threshold = 1.0 / (1.0 + std::exp(-design.scores.threshold));
       const bool by_engine = test.engine.probability_damaged > threshold;
       const bool by_plan = test.approximate.log_odds > design.scores.threshold;
-      detection.push_back(static_cast<int>(by_engine) - static_cast<int>(by_plan));
-      right.push_back(static_cast<int>(by_engine && test.engine.right) -
-                      static_cast<int>(by_plan && test.approximate.right));
+      detection[truth].push_back(static_cast<int>(by_engine) - static_cast<int>(by_plan));
+      right[truth].push_back(static_cast<int>(by_engine && test.engine.right) -
+                             static_cast<int>(by_plan && test.approximate.right));
+      ++out.damaged;
     }
     out.tests.push_back(test);
   }
-  out.damaged = static_cast<int>(detection.size());
-  out.detection = difference_of(detection);
-  out.right_place = difference_of(right);
-  out.rms_probability = count > 0 ? std::sqrt(squares / count) : kNaN;
+  out.detection = weighted_difference(source.models(), detection);
+  out.right_place = weighted_difference(source.models(), right);
+  out.rms_probability = weights > 0.0 ? std::sqrt(squares / weights) : kNaN;
   return out;
 }
 

@@ -53,7 +53,7 @@ class Variations {
   Variations(const PlanCase& plan, const PlanModel& model, const PlanOptions& options)
       : plan_(plan), model_(model), options_(options) {}
 
-  [[nodiscard]] int scenarios() const { return std::max(1000, options_.scenarios / 10); }
+  [[nodiscard]] int scenarios() const { return variation_tests(options_.scenarios); }
 
   [[nodiscard]] ScoringOptions scoring() const {
     return {.scenarios = scenarios(),
@@ -208,6 +208,7 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
              .seconds = seconds,
              .scores = d.scores});
   }
+  if (plan.noise.cov > 0.0) out.by_length.clear();  // the noise does not depend on the length
   const int modes = model.structure().modes();
   for (const int n : {modes - 2, modes - 1, modes, modes + 1, modes + 2})
     if (n >= 1)
@@ -247,6 +248,14 @@ PlanModel::PlanModel(const PlanCase& plan, const PlanOptions& options)
     : structure_(checked(plan.damage_case), plan.structure),
       predictions_(predict_places(structure_, kSegments, options.threads)),
       source_(structure_, options.seed) {}
+
+PlanCheck check_plan(const PlanCase& plan) {
+  const PlannedStructure structure(checked(plan.damage_case), plan.structure);
+  PlanCheck out{.models = static_cast<int>(count_models(structure.kinds()).size())};
+  for (const double f : structure.frequencies_hz())
+    out.largest_cov = std::max(out.largest_cov, plan.noise.frequency_cov(f));
+  return out;
+}
 
 PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanOptions& options) {
   const PlannedStructure& structure = model.structure();

@@ -71,6 +71,20 @@ struct PlanFindings {
   std::optional<ValueFindings> value;
 };
 
+/// Fewest simulated tests of a design that is compared with the recommended one.
+inline constexpr int kFewestVariationTests = 1000;
+/// Number of simulated tests for each variation of the recommended design.
+[[nodiscard]] constexpr int variation_tests(int scenarios) {
+  return scenarios < 10 * kFewestVariationTests ? kFewestVariationTests : scenarios / 10;
+}
+
+struct PlanCheck {
+  double largest_cov = 0.0;  ///< largest relative standard deviation of a measured frequency
+  int models = 0;            ///< number of counts with prior probability
+};
+/// Checks a case without simulating tests. Throws InvalidInput as PlanModel does.
+[[nodiscard]] PlanCheck check_plan(const PlanCase& plan);
+
 /// The structure, its predictions and the source of simulated tests that a plan uses.
 class PlanModel {
  public:

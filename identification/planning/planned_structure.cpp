@@ -66,6 +66,14 @@ void check(const DamageCase& damage_case) {
       throw InvalidInput(InvalidInput::Part::severity,
                          "a plan needs a known extent: give a length or \"element\"",
                          static_cast<int>(k));
+    const inference::Prior* severity = kind.severity_prior();
+    if (severity == nullptr || severity->lower() < 0.0)
+      throw InvalidInput(InvalidInput::Part::severity,
+                         severity == nullptr
+                             ? "a plan needs a prior of the severity, from 0 upwards"
+                             : "a plan needs severities of at least 0, but the prior begins at " +
+                                   base::number(severity->lower()),
+                         static_cast<int>(k));
     if (!kind.type->has_low_rank)
       throw InvalidInput(InvalidInput::Part::location,
                          "a plan allows defects of members, joints, links and masses; \"" +
@@ -176,8 +184,17 @@ void PlannedStructure::find_places() {
       }
       c = end;
     }
+    int count = 0;
     for (TestPlace& place : places_)
-      if (place.kind == static_cast<int>(k)) place.prior /= sum;
+      if (place.kind == static_cast<int>(k)) {
+        place.prior /= sum;
+        ++count;
+      }
+    if (kind.max_count > 1 && count < 2)
+      throw InvalidInput(
+          InvalidInput::Part::models,
+          "two damages of one kind need two possible locations; there is " + std::to_string(count),
+          static_cast<int>(k));
   }
 }
 

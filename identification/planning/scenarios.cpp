@@ -8,6 +8,7 @@
 #include "base/index.hpp"
 #include "base/parallel.hpp"
 #include "base/random.hpp"
+#include "identification/invalid_input.hpp"
 
 namespace wheeltap::identification::planning {
 namespace {
@@ -45,7 +46,10 @@ Scenario ScenarioSource::draw(std::uint64_t number, PlannedStructure::Solver& so
                 [](const auto& a, const auto& b) { return a.location < b.location; });
     }
     if (solver.predict(out.defects, out.modes)) break;
-    if (attempt + 1 == kMostDraws) out.modes = structure_.intact();
+    if (attempt + 1 == kMostDraws)
+      throw InvalidInput(InvalidInput::Part::severity,
+                         "no structure with the damages of " + std::to_string(kMostDraws) +
+                             " draws of the prior has modes: narrow the prior of the severity");
   }
   out.truth.defects.clear();
   for (const PlacedDefect& d : out.defects)

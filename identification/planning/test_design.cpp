@@ -30,11 +30,12 @@ TestNumbers TestNumbers::draw(const PlannedStructure& structure, std::uint64_t s
                               std::uint64_t test) {
   base::Random random(seed, 1, test, base::Purpose::simulation);
   const Index n = structure.modes();
-  TestNumbers out{VectorXd(n), VectorXd(n),
+  TestNumbers out{VectorXd(n), VectorXd(n), VectorXd(n),
                   Eigen::MatrixXd(static_cast<Index>(structure.candidates().size()), n)};
   for (double& z : out.frequencies) z = random.normal();
   for (double& z : out.with_mass) z = random.normal();
   for (double& z : out.shapes.reshaped()) z = random.normal();
+  for (double& z : out.turns) z = random.normal();
   return out;
 }
 
@@ -100,7 +101,10 @@ void TestData::mean(const TestModes& modes, Eigen::Ref<VectorXd> out) const {
 VectorXd TestData::measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                   int mode) const {
   VectorXd shape = modes.shapes.col(mode)(design_.sensors);
-  shape /= std::max(shape.cwiseAbs().maxCoeff(), 1e-300);
+  const double largest = std::max(shape.cwiseAbs().maxCoeff(), 1e-300);
+  if (const auto& turn = structure_.turn(mode); turn.mode >= 0)
+    shape += turn.tau * numbers.turns[mode] * modes.shapes.col(turn.mode)(design_.sensors);
+  shape /= largest;
   return shape + shape_sd_ * numbers.shapes.col(mode)(design_.sensors);
 }
 

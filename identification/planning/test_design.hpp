@@ -40,6 +40,7 @@ struct TestNoise {
 /// Standard normal numbers of one simulated test, the same for every design.
 struct TestNumbers {
   Eigen::VectorXd frequencies, with_mass;  ///< per mode
+  Eigen::VectorXd turns;                   ///< per mode: angle towards a close mode, over its sd τ
   Eigen::MatrixXd shapes;                  ///< candidates × modes
 
   [[nodiscard]] static TestNumbers draw(const PlannedStructure& structure, std::uint64_t seed,

@@ -32,7 +32,11 @@ TestValue value_of(const TestOption& option, const TestCosts& c, double damaged)
   TestValue out;
   for (const int s : option.sensors)
     out.test_cost += c.of_sensors.empty() ? c.sensor : c.of_sensors[index(s)];
-  out.test_cost += c.hour * option.seconds / 3600.0 + (option.mass ? c.added_mass : 0.0);
+  // Frequencies need one sensor, and an added mass a second record.
+  if (option.sensors.empty())
+    out.test_cost += c.of_sensors.empty() ? c.sensor : std::ranges::min(c.of_sensors);
+  out.test_cost += c.hour * option.seconds / 3600.0 * (option.mass ? 2.0 : 1.0) +
+                   (option.mass ? c.added_mass : 0.0);
   // Without any alarm the test decides nothing.
   double least = damaged * c.missed;
   for (const auto& [alpha, detection] : option.scores.operating) {
@@ -56,14 +60,16 @@ ValueFindings find_values(const std::vector<TestOption>& options, const TestCost
       costs.inspection + (1.0 - damaged) * costs.false_alarm < damaged * costs.missed;
   out.values = values_of(options, costs, damaged);
   out.best = best_of(out.values);
-  const std::array<std::pair<const char*, double TestCosts::*>, 5> parts = {
+  const std::array<std::pair<const char*, double TestCosts::*>, 6> parts = {
       {{"sensor", &TestCosts::sensor},
        {"hour", &TestCosts::hour},
+       {"added_mass", &TestCosts::added_mass},
        {"inspection", &TestCosts::inspection},
        {"missed_damage", &TestCosts::missed},
        {"false_alarm", &TestCosts::false_alarm}}};
   for (const auto& [name, part] : parts)
     for (const double factor : {0.5, 2.0}) {
+      if (costs.*part == 0.0 && (part != &TestCosts::sensor || costs.of_sensors.empty())) continue;
       TestCosts changed = costs;
       changed.*part *= factor;
       if (part == &TestCosts::sensor)

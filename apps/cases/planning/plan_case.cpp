@@ -2,6 +2,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <functional>
+#include <iterator>
 
 #include "apps/cases/modal_data_case.hpp"
 #include "apps/cases/structures/structure_case.hpp"
@@ -56,7 +58,7 @@ std::vector<Json> expand(const CaseFile& file, const AnyStructure& structure, co
   if (entry.contains("every")) {
     const double every = entry["every"].get<double>(), length = member_length(file, structure, at);
     entry.erase("every");
-    if (!(every < length))
+    if (!(every < length * (1.0 - 1e-9)))
       file.refuse(at / "every", "must be below the length, " + Json(length).dump() + " m");
     if (length / every > static_cast<double>(kMostCandidates))
       file.refuse(at / "every", "gives more than " + std::to_string(kMostCandidates) + " sensors");
@@ -119,16 +121,38 @@ std::optional<PlanCaseFile::Drawn> drawn_at(const AnyStructure& structure, const
   return out;
 }
 
+/// Removes the sensors of a grid that do not move: those at supports. Keeps one if none moves.
+template <class Parse>
+void drop_fixed(std::vector<Json>& grid, const Parse& parse) {
+  const auto fixed = [&](const Json& sensor) {
+    try {
+      static_cast<void>(parse(Json::array({sensor})));
+      return false;
+    } catch (const Failure&) {
+      return true;
+    }
+  };
+  std::vector<Json> moving;
+  std::ranges::copy_if(grid, std::back_inserter(moving), std::not_fn(fixed));
+  grid = moving.empty() ? std::vector<Json>{grid.front()} : std::move(moving);
+}
+
 void take_sensors(const CaseFile& file, const AnyStructure& structure, PlanCaseFile& out,
                   std::vector<double>& costs) {
   const Json& list = file.json.at(plan_key("sensors"));
-  CaseFile first = file;
+  const auto parse = [&](const Json& sensors) {
+    CaseFile only = file;
+    only.json["plan"] = {{"sensors", sensors}};
+    return parse_modal_data(only, Pointer("/plan"), structure).sensors;
+  };
+  // Each entry by one of its sensors, so that an error names the entry.
+  Json first = list;
   std::vector<Json> all;
   bool own_costs = false;
   for (std::size_t i = 0; i < list.size(); ++i) {
-    const Pointer at = plan_key("sensors") / i;
-    const std::vector<Json> some = expand(file, structure, at);
-    first.json[at] = some.front();
+    std::vector<Json> some = expand(file, structure, plan_key("sensors") / i);
+    if (list[i].contains("every")) drop_fixed(some, parse);
+    first[i] = some.front();
     for (const Json& sensor : some) {
       all.push_back(sensor);
       costs.push_back(list[i].value("cost", -1.0));
@@ -139,16 +163,8 @@ void take_sensors(const CaseFile& file, const AnyStructure& structure, PlanCaseF
     file.refuse(plan_key("sensors"), "are " + std::to_string(all.size()) +
                                          " candidates: must be at most " +
                                          std::to_string(kMostCandidates));
-  // The first pass names the entry of an error, the second one parses all sensors.
-  const auto parse = [&](const CaseFile& of) {
-    CaseFile only = of;
-    only.json["plan"] = {{"sensors", of.json.at(plan_key("sensors"))}};
-    return parse_modal_data(only, Pointer("/plan"), structure);
-  };
   static_cast<void>(parse(first));
-  CaseFile whole = file;
-  whole.json[plan_key("sensors")] = all;
-  out.plan.structure.candidates = parse(whole).sensors;
+  out.plan.structure.candidates = parse(all);
   for (const Json& sensor : all) out.drawn.push_back(drawn_at(structure, sensor));
   out.sensors = std::move(all);
   const auto& names = out.plan.structure.candidates;
@@ -242,6 +258,9 @@ void take_costs(const CaseFile& file, const std::vector<double>& of_sensors, Pla
                   .false_alarm = c.value("false_alarm", 0.0)};
   for (double& cost : costs.of_sensors)
     if (cost < 0.0) cost = costs.sensor;
+  if (costs.hour > 0.0 && !p.contains("seconds"))
+    file.refuse(plan_key("seconds"),
+                "is missing: the cost of a test hour needs the length of the record");
   if (!(costs.missed > costs.inspection))
     file.refuse(plan_key("costs") / "missed_damage",
                 "must exceed the cost of an inspection, " + Json(costs.inspection).dump() +

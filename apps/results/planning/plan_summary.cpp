@@ -251,7 +251,9 @@ Report plan_summary(const PlanCaseFile& parsed, const PlanFindings& findings,
                 {"title", parsed.parsed.damage.title}};
   Report p = {{"candidates", names},
               {"choose", plan.choose},
-              {"seconds", plan.noise.seconds},
+              {"seconds", parsed.parsed.file.json.at("plan").contains("seconds")
+                              ? Report(plan.noise.seconds)
+                              : Report()},
               {"false_alarm", plan.false_alarm},
               {"tolerance", plan.tolerance},
               {"frequencies_hz", findings.frequencies_hz},
@@ -304,7 +306,9 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
   const PlaceDetection* chosen = nullptr;
   for (const PlaceDetection& p : findings.places) {
     const auto rank = [](const PlaceDetection& x) {
-      return x.smallest ? std::pair{1, *x.smallest} : std::pair{0, x.detection.back().value};
+      // Relative to the largest severity, since kinds of defects have different units.
+      return x.smallest ? std::pair{1, *x.smallest / x.severities.back()}
+                        : std::pair{0, x.detection.back().value};
     };
     if (chosen == nullptr || rank(p) > rank(*chosen)) chosen = &p;
   }

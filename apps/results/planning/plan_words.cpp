@@ -30,13 +30,13 @@ std::vector<std::string> names_of(const Report& list) {
 std::string regions_in_words(const Report& regions, const std::string& by) {
   if (regions.empty()) return {};
   std::vector<std::string> pairs;
-  bool exact = true;
-  for (const Report& r : regions) {
-    exact = exact && r.at("exact").get<bool>();
+  const auto is_exact = [](const Report& r) { return r.at("exact").get<bool>(); };
+  const bool exact = std::ranges::all_of(regions, is_exact);
+  for (const Report& r : regions)
     if (pairs.size() < 3)
       pairs.push_back(r.at("first").get<std::string>() + " and " +
-                      r.at("second").get<std::string>());
-  }
+                      r.at("second").get<std::string>() +
+                      (is_exact(r) && !exact ? " (mirror images)" : ""));
   std::string out = by + " cannot distinguish these locations: ";
   for (std::size_t i = 0; i < pairs.size(); ++i) out += (i > 0 ? "; " : "") + pairs[i];
   if (regions.size() > pairs.size())
@@ -70,11 +70,12 @@ std::string stopping_in_words(const Report& path) {
   if (path.size() < 3) return {};
   const auto information = [&](std::size_t i) { return path[i].at("information").get<double>(); };
   const double all = information(path.size() - 1);
-  for (std::size_t i = 2; i + 1 < path.size(); ++i)
+  for (std::size_t i = 0; i + 1 < path.size(); ++i)
     if (all - information(i) < kWorth * all)
-      return std::to_string(path[i].at("sensors").size()) + " sensors give " +
-             percent(information(i) / all) + " of the information of " +
-             std::to_string(path[path.size() - 1].at("sensors").size()) + ".";
+      return (i == 0 ? std::string("Frequencies alone")
+                     : std::to_string(path[i].at("sensors").size()) + " sensors") +
+             " give " + percent(information(i) / all) + " of the information of " +
+             std::to_string(path[path.size() - 1].at("sensors").size()) + " sensors.";
   return {};
 }
 
@@ -125,7 +126,9 @@ std::string sensors_in_words(const Report& plan, const Report& design) {
 std::string plan_headline(const Report& plan) {
   const Report& best = plan.at("designs")[0];
   const std::size_t n = best.at("sensors").size();
-  return "A test of " + significant(plan.at("seconds").get<double>(), 6) + " s with " +
+  const Report& seconds = plan.at("seconds");
+  return (seconds.is_null() ? std::string("A test with ")
+                            : "A test of " + significant(seconds.get<double>(), 6) + " s with ") +
          (n < 2 ? "frequencies alone" : "shapes at " + std::to_string(n) + " sensors") +
          " detects " + chance(best, "detection") +
          " of the damages drawn from the prior, at a false-alarm probability of " +
