@@ -25,10 +25,11 @@ using base::grouped;
 [[nodiscard]] std::string rounded_count(double x);
 /// A probability as text: "75 %", "> 99.9 %", "< 0.1 %".
 [[nodiscard]] std::string percent(double probability);
-/// A probability with its Monte Carlo error, "75 % ± 2 %". Near 0 and 1, the text is a bound: ">
-/// 99.9 %". If two errors exceed 0.1 %, the bound is two errors away: "> 72 %".
+/// A probability with its Monte Carlo error, "75 % ± 2 %". Near 0 and 1, the text is a bound of the
+/// probability: "> 99.9 %". If two Monte Carlo errors exceed 0.1 %, the bound differs from the
+/// probability by two errors: "> 72 %".
 [[nodiscard]] std::string percent(double probability, double error);
-/// " ± 2 %": the error shown by percent(); empty for a bound.
+/// " ± 2 %": the error shown by percent(); empty if percent() returns a bound.
 [[nodiscard]] std::string shown_error(double probability, double error);
 /// A probability as an equation: "P = 75 %", "P > 99.9 %".
 [[nodiscard]] std::string probability_is(double probability);
@@ -84,7 +85,8 @@ struct Context {
 
 /// A sentence on the mirror-image ambiguity of a symmetric beam.
 [[nodiscard]] std::string symmetry_statement(bool emulated);
-/// A sentence on the difference between intact model and measured baseline, and on its correction.
+/// A sentence on the difference between intact model and measured baseline, and on the correction
+/// of this difference.
 [[nodiscard]] std::string baseline_statement(const identification::Baseline& baseline);
 /// A sentence on the ambiguity of a symmetric structure: equivalent locations, and members on which
 /// the positions s and L - s are equivalent.

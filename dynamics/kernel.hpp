@@ -65,7 +65,7 @@ struct Task {
   int degree = 0;        ///< degree of the Taylor series, 2 … kMaxDegree
   int halvings = 0;      ///< number of halvings of the time step in the exponential of the exact
                          ///< solution
-  double bound = 0.0;
+  double bound = 0.0;    ///< SimulatorOptions::displacement_bound
   int initial_slot = 0;  ///< slot of the displacements, then velocities; masses have the slots 0,
                          ///< 1, …
 
@@ -87,7 +87,7 @@ inline constexpr double kDiverged = 1.0, kStepsTooLong = 2.0;
 inline constexpr int kMaxMasses = 64;
 inline constexpr int kMaxMemories = 64;
 inline constexpr int kMaxThresholds = 4;   ///< each threshold doubles the number of regimes
-inline constexpr int kMaxPolynomials = 8;  ///< largest number of links with polynomial force laws
+inline constexpr int kMaxPolynomials = 8;  ///< largest number of links with polynomial force laws,
                                            ///< for Integrator::series
 inline constexpr int kMaxFrictions = 8;    ///< number of pairs of masses with exact friction
 inline constexpr int kMaxDegree = 12;

@@ -67,7 +67,7 @@ struct LawCoefficient {
                                  ///< centimetre
 
   [[nodiscard]] constexpr bool required() const { return otherwise != otherwise; }
-  /// True if the value is finite and within the bounds.
+  /// True if the value is finite and within the bounds `lower` and `upper`.
   [[nodiscard]] constexpr bool allows(double value) const {
     return value >= lower && value <= upper && !(above_lower && value == lower) &&
            value - value == 0.0;
@@ -82,7 +82,8 @@ struct LawInfo {
   std::string_view description;  ///< meaning of the law, a phrase
   std::string_view notes = {};   ///< further advice, whole sentences
   std::array<LawCoefficient, kMaxLawCoefficients> coefficients;
-  bool one_sided = false;  ///< one-sided: T_open for opening; for closing T(e, ė) = -T_open(-e, -ė)
+  bool one_sided = false;  ///< one-sided: T = T_open(e, ė) for side = "opening", T = -T_open(-e,
+                           ///< -ė) for side = "closing"
   bool memory = false;     ///< the law has an internal state
   bool paced = false;      ///< the law has rates that grow with the speed of the link (Slopes)
 
@@ -93,11 +94,11 @@ struct LawInfo {
   }
 };
 
-/// Bounds for the choice of the time step: the largest slopes of a force law for |e| <= e_max, and
-/// for a paced force law the growth of the slopes with |ė|.
+/// Upper bounds of the slopes, for the choice of the time step: the largest slopes of a force law
+/// for |e| <= e_max, and for a paced force law the growth of the slopes with |ė|.
 struct Slopes {
-  double stiffness = 0.0;          ///< |∂T/∂e| [N/m]
-  double damping = 0.0;            ///< |∂T/∂ė| at ė = 0, or a bound of |∂T/∂ė| [N s/m]
+  double stiffness = 0.0;  ///< |∂T/∂e| [N/m]
+  double damping = 0.0;    ///< |∂T/∂ė| at ė = 0, or an upper bound of |∂T/∂ė| [N s/m]
   double damping_per_speed = 0.0;  ///< growth of |∂T/∂ė| with |ė| [N s²/m²]
   double memory_per_speed = 0.0;   ///< |∂ζ̇/∂ζ| / |ė| of the law's internal state [1/m]
 };

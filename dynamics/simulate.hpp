@@ -86,18 +86,18 @@ inline constexpr int kMaxPacedSubsteps = 4 * kMaxSubsteps;
 
 struct SimulatorOptions {
   Integrator integrator = Integrator::automatic;
-  /// For `automatic`: select `series` instead of `runge_kutta`. The error per period is 1e-9
-  /// instead of 1e-5, and the run time is two to three times as long.
+  /// If true, Integrator::automatic selects `series` instead of `runge_kutta`. The error per period
+  /// is 1e-9 instead of 1e-5, and the run time is two to three times as long.
   bool prefer_series = false;
   /// Number of Runge-Kutta steps between two samples of the excitation. If the number is 0, the
   /// simulator selects the number for every parameter vector. The selected number is the smallest
   /// of 1, 2, 3, 4, 6, 8, 12, … 4096 with ω h <= step_limit and γ h <= min(1, 5 step_limit), where
-  /// ω and γ are the bounds of stiffest_rates. For force laws whose rate grows with the speed of
-  /// the link (LawInfo::paced), the steps are shorter in fast motion: the product of the rate and a
-  /// step is at most 1 and at most 5 step_limit. The number of these steps per sample is at most
-  /// kMaxPacedSubsteps. The simulation of a parameter vector that needs more steps fails. For
-  /// `series` and `piecewise`, the number is that of series expansions per sample, with ω h and γ h
-  /// <= 0.7 (and <= 3.5 step_limit).
+  /// ω and γ are the upper bounds that stiffest_rates returns. For force laws whose rate grows with
+  /// the speed of the link (LawInfo::paced), the steps are shorter in fast motion: the product of
+  /// the rate and a step is at most 1 and at most 5 step_limit. The number of these steps per
+  /// sample is at most kMaxPacedSubsteps. The simulation of a parameter vector that needs more
+  /// steps fails. For `series` and `piecewise`, the number is that of series expansions per sample,
+  /// with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
   /// Limit of ω h for a time step h. A time step of this length multiplies a frequency ω by the
   /// factor 1 - (ω h)⁴/120 and adds the damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are

@@ -352,10 +352,10 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
     in.fail("damaged table file: its checksum does not fit its content");
   for (const auto& [name, table] : file.tables)
     if (const Eigen::Index missing = table.missing_runs(); missing > 0 && !options.allow_incomplete)
-      throw io::FileError(Kind::incomplete, path,
-                          std::to_string(missing) + " of the " +
-                              std::to_string(table.values.rows()) + " runs of " + name +
-                              " are not done: resume them, or merge the other parts");
+      throw io::FileError(
+          Kind::incomplete, path,
+          std::to_string(missing) + " of the " + std::to_string(table.values.rows()) + " runs of " +
+              name + " are not done: continue these runs with --resume, or merge the other parts");
   return file;
 }
 

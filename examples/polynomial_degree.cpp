@@ -66,7 +66,7 @@ int main() {
               bayes_factor.mcse);
   std::printf("c if it is one: %.2f (the readings were made with 0.35)\n",
               mean(posterior.draws_of("c", "parabola")));
-  std::printf("%ld likelihood calls, %s\n", posterior.likelihood_evaluations,
+  std::printf("%ld likelihood evaluations, %s\n", posterior.likelihood_evaluations,
               posterior.converged() ? "converged" : "not converged:");
   for (const Reason& reason : posterior.why_not())
     std::printf("  %s\n", describe(reason, *posterior.space).c_str());

@@ -21,8 +21,8 @@ struct Found {
   int below = 0;        ///< number of eigenvalues below `at`
 };
 
-/// The intact modes, and the quantities of the defects that bound the roots. This structure does
-/// not own its arrays.
+/// The intact modes, and the quantities of the defects from which bounds of the roots follow. This
+/// structure does not own its arrays.
 struct SecularProblem {
   const double* eigenvalues;  ///< `stride` eigenvalues, ascending
   const double* scales;       ///< s_j
@@ -31,7 +31,7 @@ struct SecularProblem {
   const Window* window;
   int added_poles = 0;           ///< number of leading `eigenvalues` that `window` does not count
   int negative_poles = 0;        ///< number of leading added poles with negative mass
-  double residual_factor = 1.0;  ///< see Secular
+  double residual_factor = 1.0;  ///< Secular::residual_factor
   int columns;
   int supports;                         ///< number of support columns, which come first
   int held;                             ///< number of degrees of freedom that the supports remove
@@ -46,18 +46,18 @@ struct SecularProblem {
 /// brackets a root. Rayleigh quotients converge quadratically to the root from a first-order start.
 ///
 /// A root is accepted if r² / gap is at most 2e-13, where r is the residual and gap an estimate of
-/// the distance to the next eigenvalue. Afterwards, RootSearch proves the bound of the error. Each
-/// root has an interval that contains at least one eigenvalue. Suppose that b of these intervals
-/// are disjoint and lie below a value λ, and that the inertia counts b eigenvalues below λ. Then
-/// each interval contains exactly one eigenvalue, and its distance to the other intervals is the
-/// gap. Thus
+/// the distance to the next eigenvalue. Afterwards, RootSearch proves an error bound. Each root has
+/// an interval that contains at least one eigenvalue. Suppose that b of these intervals are
+/// disjoint and lie below a value λ, and that the inertia counts b eigenvalues below λ. Then each
+/// interval contains exactly one eigenvalue, and its distance to the other intervals is the gap.
+/// Thus
 ///
 ///   |λ - lambda| <= r² / gap (Temple 1928; Parlett 1998, The Symmetric Eigenvalue Problem, section
 ///   10.5)
 ///
-/// is proven for nearly every root without another evaluation. If the bound of a root exceeds
-/// `kConfirmed`, counts of eigenvalues at λ (1 ± kConfirmed) confirm the root. If the counts
-/// disagree with the root, bisection follows.
+/// is proven for nearly every root without another evaluation. If the relative error bound of a
+/// root exceeds `kConfirmed`, counts of eigenvalues at λ (1 ± kConfirmed) confirm the root. If the
+/// counts disagree with the root, bisection follows.
 class RootSearch {
  public:
   /// Sets the secular problem; the caller must call this function for each set of defects.

@@ -48,7 +48,7 @@ struct Options {
   bool tempered_draws = false;
 
   /// Number of local optimisations in each model, each from a draw of its prior. With 0, the engine
-  /// chooses the number, for a fixed share of the run's likelihood calls. If the basin of a
+  /// chooses the number, for a fixed share of the run's likelihood evaluations. If the basin of a
   /// posterior mode holds a share p of the prior, all n local optimisations miss the mode with
   /// probability (1 - p)^n; see `Verdict::resolution`.
   int searches = 0;
@@ -65,7 +65,7 @@ struct Options {
     const char* stage;  ///< "exploring", "sampling" …
     double fraction;    ///< completed share of the stage
     long likelihood_evaluations;
-    /// Planned likelihood calls of the later stages.
+    /// Planned likelihood evaluations of the later stages.
     double evaluations_to_come;
     std::vector<double> model_probabilities;  ///< current model probabilities; empty during warm-up
   };

@@ -19,7 +19,7 @@ class ProgressMonitor {
   ProgressMonitor(const Options& options, int models)
       : options_(options), visits_(static_cast<std::size_t>(models)) {}
 
-  /// `to_come`: planned likelihood calls of the later stages.
+  /// `to_come`: planned likelihood evaluations of the later stages.
   void begin(const char* stage, double total, double to_come = 0.0) {
     stage_ = stage;
     total_ = total;

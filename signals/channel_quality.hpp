@@ -22,9 +22,9 @@ struct ChannelQuality {
   bool constant = false;
 
   /// Dropouts: runs of equal samples that are too long to occur by chance. A dropout has at least
-  /// five samples. Its length is such that fewer than 0.001 runs of this length are expected in a
-  /// record of this size. The expectation follows from the share p of neighbouring samples that are
-  /// equal.
+  /// five samples. The length of a dropout is such that fewer than 0.001 runs of this length are
+  /// expected in a record of this size. The expectation follows from the share p of neighbouring
+  /// samples that are equal.
   std::vector<Stretch> dropouts = {};
   /// Number of clipped samples at the highest value and at the lowest value of the channel. Only
   /// runs of at least three samples count.
@@ -40,8 +40,8 @@ struct ChannelQuality {
   /// about this line.
   double drift = 0.0;
   /// Drift: the standard deviation of the means of twenty blocks, divided by the standard deviation
-  /// of all samples. Both are computed after removal of the trend. The ratio is near 0 for a
-  /// stationary record and near 1 for a drifting record.
+  /// of all samples. Both standard deviations are computed after removal of the trend. The ratio is
+  /// near 0 for a stationary record and near 1 for a drifting record.
   double wander = 0.0;
 };
 

@@ -38,8 +38,8 @@ class Noise {
 [[nodiscard]] std::vector<double> sine(int samples, double sample_rate_hz, double amplitude,
                                        double frequency_hz, double phase = 0.0);
 
-/// A multisine: a periodic sum of sines with equal amplitudes and random phases. Their frequencies
-/// are all k f_s / period in [low_hz, high_hz], k = 1, 2, ….
+/// A multisine: a periodic sum of sines with equal amplitudes and random phases. The frequencies of
+/// the sines are all k f_s / period in [low_hz, high_hz], k = 1, 2, ….
 struct Multisine {
   int period = 1024;  ///< samples
   double low_hz = 0.0;

@@ -26,7 +26,7 @@ struct MeasuredChannel {
 
 /// A column of the file that is not a channel.
 struct LeftOutColumn {
-  int number = 1;  ///< from 1
+  int number = 1;  ///< number of the column in the file, from 1
   std::string header = {};
   bool is_time_stamp = false;  ///< true: additional time stamps; false: strings or empty cells
   bool maybe_time = false;     ///< a column of strings in a table without a time column
@@ -40,7 +40,7 @@ struct MeasuredTable {
   bool is_time = true;                            ///< true: the abscissa is time; false: a
                                                   ///< frequency or another quantity
   std::optional<double> sample_rate_hz = {};
-  Sampling sampling = {};                      ///< only with a time column without fault
+  Sampling sampling = {};                      ///< sampling; only for a time column without faults
   std::optional<io::FoundLayout> layout = {};  ///< only for delimited text and workbooks
   std::vector<LeftOutColumn> left_out = {};
   std::string sampling_fault = {};  ///< a sentence: the reason why the time column gives no rate
@@ -62,9 +62,11 @@ struct MeasuredFile {
 
 /// Options for reading a file. Options that are empty are detected.
 struct MeasuredReading {
-  std::optional<double> sample_rate_hz = {};  ///< for a file without a rate
-  io::TextLayout layout = {};                 ///< for delimited text and Excel workbooks
-  io::ArrayLayout arrays = {};                ///< for MATLAB, NumPy, NetCDF and HDF5 files
+  std::optional<double> sample_rate_hz = {};  ///< sampling rate of a file that does not state its
+                                              ///< rate [Hz]
+  io::TextLayout layout = {};                 ///< layout of delimited text and Excel workbooks
+  io::ArrayLayout arrays = {};                ///< layout of the arrays of MATLAB, NumPy, NetCDF and
+                                              ///< HDF5 files
   bool resample = false;                      ///< interpolate records with uneven time steps at a
                                               ///< constant rate
 };

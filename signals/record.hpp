@@ -26,8 +26,8 @@ struct RecordReading {
   std::vector<std::string> columns = {};  ///< headers, names or numbers of columns
                                           ///< (io::Columns::find); empty: all
   std::vector<std::string> ignored = {};  ///< columns that are not read, even as time column
-  io::TextLayout layout = {};             ///< for delimited text
-  io::ArrayLayout arrays = {};            ///< for files of arrays
+  io::TextLayout layout = {};             ///< layout of delimited text
+  io::ArrayLayout arrays = {};            ///< layout of files of arrays
 };
 
 /// Reads a record as delimited text (io/tables/delimited_text.hpp). Reads only the named columns
@@ -43,8 +43,8 @@ struct RecordReading {
 /// The sampling according to a time column.
 struct Sampling {
   enum class Basis {
-    unit,     ///< from the column's header or name
-    scale,    ///< from the caller
+    unit,     ///< the header or the name of the column gives the unit
+    scale,    ///< the caller gives the scale
     stamps,   ///< dates and times of day
     epoch,    ///< counts since 1970; the counts are so large that only this unit is possible
     days,     ///< a spreadsheet's dates: days since 1900, or since year 0

@@ -7,7 +7,7 @@
 namespace wheeltap::signals {
 
 struct Spline {
-  std::vector<double> first_derivative, second_derivative;  ///< at the samples
+  std::vector<double> first_derivative, second_derivative;  ///< derivatives at the samples
 };
 
 /// Computes the natural cubic spline through equally spaced samples. The second derivative of the

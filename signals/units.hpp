@@ -42,7 +42,7 @@ struct Unit {
 struct Conversion {
   enum class Basis {
     none,          ///< no unit: numbers are used unchanged
-    unit,          ///< from the file's header, its line of units, or the case
+    unit,          ///< the header of the file, its line of units, or the case gives the unit
     foreign,       ///< unknown unit, or a unit of another dimension than expected: numbers are used
                    ///< unchanged
     stated_scale,  ///< the case gives the factor

@@ -47,9 +47,9 @@ struct AppOptions {
 };
 
 /// Serves the application until stop() returns true. The address contains a random token of 128
-/// bits. The server rejects requests without it, from other origins, under other host names, and
-/// with methods other than GET and POST. Reports have a separate token, which gives no other
-/// access. Throws Failure if the folder is missing or the port is not available.
+/// bits. The server rejects requests without this token, from other origins, under other host
+/// names, and with methods other than GET and POST. Reports have a separate token, which gives no
+/// other access. Throws Failure if the folder is missing or the port is not available.
 void serve_application(const AppProgram& program, const AppOptions& options);
 
 }  // namespace wheeltap::apps

@@ -7,7 +7,7 @@
 namespace wheeltap::apps {
 
 struct PageFile {
-  std::string_view name;  ///< as in the address; empty: the page itself
+  std::string_view name;  ///< name of the file in the address; empty: the page itself
   std::string_view type;  ///< its media type
   std::string_view text;
 };

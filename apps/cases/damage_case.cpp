@@ -252,7 +252,7 @@ void accept_cv(CaseFile& file) {
     Json& object = file.json[where];
     if (!object.contains("cv")) continue;
     if (object.contains("cov")) {
-      file.refuse(where / "cv", "is an alias of \"cov\": give one of them");
+      file.refuse(where / "cv", "is an alias of \"cov\": give only one of the two keys");
     }
     object["cov"] = object["cv"];
     object.erase("cv");
@@ -327,7 +327,7 @@ void check_kinds(const CaseFile& f, const DamageCaseFile& parsed) {
     for (std::size_t j = 0; j < i; ++j) {
       if (kinds[i].name == kinds[j].name) {
         f.refuse(parsed.kinds[i], "two kinds have the name \"" + kinds[i].name +
-                                      "\"; give one of them another \"name\"");
+                                      "\"; give one of the two kinds another \"name\"");
       }
     }
   }
@@ -411,9 +411,10 @@ SimulatedModes simulated_modes(const CaseFile& f, DamageCaseFile& parsed) {
 void simulate_data(const CaseFile& f, DamageCaseFile& parsed) {
   DamageCase& out = parsed.damage;
   if (!out.simulation) {
-    f.refuse(damage_key("/data"),
-             "no data: give \"frequencies\" or a \"file\", or a \"truth\" in damage to simulate "
-             "them from");
+    f.refuse(
+        damage_key("/data"),
+        "no data: give \"frequencies\" or a \"file\", or a \"truth\" in damage from which Wheeltap "
+        "simulates the frequencies");
   }
   const auto sd = out.data.sd_hz;
   const auto cv = out.data.cv;

@@ -68,12 +68,12 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
     const std::string& column = out.channels[i].column;
     if (c.basis == Basis::foreign) {
       if (foreign && out.channels[*foreign].conversion.unit != c.unit)
-        file.refuse(out.places[i] / "scale",
-                    "is missing: the channel is in " + c.unit + ", and " +
-                        out.channels[*foreign].column + " in " +
-                        out.channels[*foreign].conversion.unit +
-                        ", so that shapes cannot compare them. Give \"scale\" and \"quantity\" "
-                        "to both, or \"role\": \"ignore\" to one");
+        file.refuse(out.places[i] / "scale", "is missing: the channel is in " + c.unit + ", and " +
+                                                 out.channels[*foreign].column + " in " +
+                                                 out.channels[*foreign].conversion.unit +
+                                                 ", so that mode shapes cannot compare the "
+                                                 "channels. Give \"scale\" and \"quantity\" "
+                                                 "to both, or \"role\": \"ignore\" to one");
       foreign = i;
     } else if (c.basis == Basis::none) {
       none.push_back(column);
@@ -82,11 +82,12 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
     }
   }
   if (foreign && !known.empty())
-    file.refuse(out.places[*foreign] / "scale",
-                "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
-                    ", an unknown unit, and " + known.front() +
-                    " in a known unit, so that shapes cannot compare them. Give \"scale\" and "
-                    "\"quantity\", or \"role\": \"ignore\"");
+    file.refuse(
+        out.places[*foreign] / "scale",
+        "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
+            ", an unknown unit, and " + known.front() +
+            " in a known unit, so that mode shapes cannot compare the channels. Give \"scale\" and "
+            "\"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +
@@ -127,9 +128,10 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
                 "measure different quantities, and the quantity of " + columns_listed(unsaid) +
                     " is unknown: state \"quantity\" or \"unit\" in the channel");
   if (!unsaid.empty() && known.empty())
-    out.oddities.push_back("The quantity of " + io::printable(columns_listed(unsaid)) +
-                           " is unknown: Wheeltap assumes " + std::string(signals::name(*common)) +
-                           ", as for the others. State \"quantity\" or \"unit\" in the channel.");
+    out.oddities.push_back(
+        "The quantity of " + io::printable(columns_listed(unsaid)) +
+        " is unknown: Wheeltap assumes " + std::string(signals::name(*common)) +
+        ", as for the other channels. State \"quantity\" or \"unit\" in the channel.");
   if (mixed && file.json.value("method", "ssi-cov") == "bayoma")
     file.refuse(out.where / "channels",
                 "measure different quantities, but the method \"bayoma\" needs one: give the "
@@ -533,8 +535,8 @@ void take_quantity(ModalCaseFile& out) {
   if (highest < 0) return;
   if (highest != lowest && !all)
     out.file.refuse(Pointer("/records"),
-                    "measure different quantities, some of them unknown: state \"quantity\" or "
-                    "\"unit\" in their channels");
+                    "measure different quantities, and some of these quantities are unknown: state "
+                    "\"quantity\" or \"unit\" in the channels of the records");
   if (highest != lowest && out.pre_merged)
     for (std::size_t k = 0; k < out.sensors.size(); ++k) {
       std::optional<int> order;

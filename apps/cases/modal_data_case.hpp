@@ -7,8 +7,8 @@
 
 namespace wheeltap::apps {
 
-/// Modes that are simulated from the truth of the case instead of measured. Their standard
-/// deviations are used if the case gives none.
+/// Modes that are simulated from the truth of the case instead of measured. The standard deviations
+/// of the simulated modes are used if the case gives none.
 struct SimulatedModes {
   std::vector<double> frequencies_hz;
   Eigen::MatrixXd shapes = {};  ///< mode shapes, one row per mode; empty without sensors

@@ -113,7 +113,7 @@ OutsideSpec parse_outside(const CaseFile& file, const std::vector<std::string>& 
   const Json& p = file.json.at(kPredictor);
   OutsideSpec out;
   if (p.contains("umbridge") && p.contains("command"))
-    file.refuse(kPredictor / "command", "replaces \"umbridge\": give one of them");
+    file.refuse(kPredictor / "command", "replaces \"umbridge\": give only one of the two keys");
   const auto only = [&](const char* with, std::initializer_list<const char*> keys) {
     for (const char* key : keys)
       if (p.contains(key))

@@ -205,7 +205,7 @@ bool has_states(const CaseFile& file) {
   if (!file.json.value("parameters", Json::object()).empty()) return true;
   for (const Pointer& where : blocks(file)) {
     if (has_any(file.json.at(where), {"states", "masses", "temperature", "known"})) return true;
-    // Stiffness errors of pieces are integrated out in the states.
+    // Stiffness errors of parts are integrated out in the states.
     const Json discrepancy = file.json.at(where).value("discrepancy", Json());
     if (discrepancy.is_object() && discrepancy.contains("stiffness")) return true;
     // A baseline with more than frequencies is also a state.
@@ -280,7 +280,7 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
         (!damage || std::holds_alternative<fem::MatrixStructure>(out.model->nominal)))
       given.refuse(where[s] / "discrepancy" / "stiffness",
                    std::string("is allowed for damage of members and chains only: ") +
-                       (damage ? "matrices have no pieces" : "an update has no damage") +
+                       (damage ? "this structure has only matrices" : "an update has no damage") +
                        "; give the uncertain stiffnesses priors in /parameters");
     if (const auto* members = std::get_if<fem::Structure>(&out.model->nominal);
         members && !state.data.stiffness_discrepancy.none() &&

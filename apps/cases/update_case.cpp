@@ -28,7 +28,8 @@ void accept_update_cv(CaseFile& file) {
       continue;
     Json& block = file.json.at(at);
     if (!block.contains("cv")) continue;
-    if (block.contains("cov")) file.refuse(at / "cv", "is an alias of \"cov\": give one of them");
+    if (block.contains("cov"))
+      file.refuse(at / "cv", "is an alias of \"cov\": give only one of the two keys");
     block["cov"] = block["cv"];
     block.erase("cv");
   }
@@ -222,8 +223,8 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   if (needs == UpdateNeeds::truth || !measured) {
     if (!out.simulation)
       f.refuse(kUpdateData,
-               "no data: give \"frequencies\" (and \"shapes\"), or a \"truth\" to simulate "
-               "them from");
+               "no data: give \"frequencies\" (and \"shapes\"), or a \"truth\" from which "
+               "Wheeltap simulates the data");
     take_truth(f, out, seed.value_or(out.simulation->seed));
   }
   if (json.contains("data")) require_shapes_to_doubt(f, kUpdateData, out.data.has_shapes());

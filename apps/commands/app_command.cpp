@@ -103,7 +103,7 @@ void run_app(const CommonOptions& common, const AppFlags& flags) {
 Command app_command() {
   const auto flags = std::make_shared<AppFlags>();
   return {.name = "app",
-          .summary = "the interactive application in the browser, for the cases of a folder",
+          .summary = "start the interactive application in the browser, for the cases of a folder",
           .add_options =
               [flags](CommandOptions& options) {
                 CLI::App& app = options.app();
@@ -111,10 +111,11 @@ Command app_command() {
                     "FOLDER", flags->folder,
                     "folder of cases, records and results (default: the current folder)");
                 app.add_option("--port", flags->port,
-                               "port of the application (default: any free port)")
+                               "TCP port of the application (default or 0: any free port)")
                     ->transform(whole(0, 65535));
-                app.add_option("--runs", flags->at_once,
-                               "runs at a time, which share the threads (default 1)")
+                app.add_option(
+                       "--runs", flags->at_once,
+                       "largest number of simultaneous runs, which share the threads (default 1)")
                     ->transform(whole(1, 64));
                 options.add_threads();
               },

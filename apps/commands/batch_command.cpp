@@ -284,34 +284,37 @@ void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
 }
 
 Command batch_command() {
-  return {
-      .name = "batch",
-      .summary = "run many cases of any kind, with one table of results",
-      .on_all_ranks = true,
-      .add_options =
-          [](CommandOptions& options) {
-            CommonOptions& common = options.invocation().common;
-            options.app()
-                .add_option("LIST", common.case_path,
-                            "text file with one path of a case per line; # begins a comment")
-                ->required();
-            options.app()
-                .add_option("--set", common.overrides,
-                            "override a value of every case: path.to.key=VALUE")
-                ->take_all()
-                ->allow_extra_args(false);
-            options.add_output("FOLDER",
-                               "folder of the results: batch.csv, and one folder per case");
-            options.add_json("print the table as JSON");
-            options.add_seed("seed of the chains of every run (default 1)");
-            options.add_threads();
-            options.add_sampling();
-            options.add_permissions();
-            options.add_limits();
-            options.add_dry_run();
-            options.add_resume("keep finished runs, continue interrupted runs, start the others");
-          },
-      .run = [](const Invocation& asked) { run_batch(asked.common, asked.sampling); }};
+  return {.name = "batch",
+          .summary = "run many cases of any kind, with one table of results",
+          .on_all_ranks = true,
+          .add_options =
+              [](CommandOptions& options) {
+                CommonOptions& common = options.invocation().common;
+                options.app()
+                    .add_option("LIST", common.case_path,
+                                "text file with one path of a case per line; # begins a comment")
+                    ->required();
+                options.app()
+                    .add_option(
+                        "--set", common.overrides,
+                        "key and new value of an entry of every case, as path.to.key=VALUE; "
+                        "may be repeated")
+                    ->take_all()
+                    ->allow_extra_args(false);
+                options.add_output("FOLDER",
+                                   "folder of the results: batch.csv and one folder per case");
+                options.add_json("print the table as JSON");
+                options.add_seed(
+                    "seed of the random numbers of the Markov chains of every run (default 1)");
+                options.add_threads();
+                options.add_sampling();
+                options.add_permissions();
+                options.add_limits();
+                options.add_dry_run();
+                options.add_resume(
+                    "keep finished runs, continue interrupted runs, start all other runs");
+              },
+          .run = [](const Invocation& asked) { run_batch(asked.common, asked.sampling); }};
 }
 
 }  // namespace wheeltap::apps

@@ -76,7 +76,7 @@ void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arra
   command
       ->add_option_function<std::string>(
           "--decimal", [&layout](const std::string& text) { layout.decimal = text.at(0); },
-          "the decimal mark" + rest)
+          "decimal mark (. or ,)" + rest)
       ->check(CLI::IsMember({".", ","}));
   command->add_option_function<std::string>(
       "--separator",
@@ -85,17 +85,21 @@ void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arra
         if (!layout.separator)
           throw CLI::ValidationError("--separator", text + ": must be ',', ';', tab, '|' or blank");
       },
-      "the column separator (or comma, semicolon, tab, bar, blank)" + rest);
+      "column separator (the character, or comma, semicolon, tab, bar or blank)" + rest);
   const auto add_line = [&](const std::string& names, std::optional<int>& into,
                             const std::string& what) {
     command
         ->add_option_function<int>(
-            names, [&into](const int& line) { into = line; }, what + rest)
+            names, [&into](const int& line) { into = line; }, what)
         ->transform(whole(0, 1'000'000'000));
   };
-  add_line("--skip", layout.skip, "the number of lines to skip at the top");
-  add_line("--header", layout.header, "the line of names, from 1; 0: no such line");
-  add_line("--units-row", layout.units_row, "the line of units, from 1; 0: no such line");
+  add_line("--skip", layout.skip, "number of lines to skip at the top" + rest);
+  add_line("--header", layout.header,
+           "number of the line with the column names in delimited text, counted from 1; 0 if no "
+           "line has names (default: detected)");
+  add_line("--units-row", layout.units_row,
+           "number of the line with the column units in delimited text, counted from 1; 0 if no "
+           "line has units (default: detected)");
   command->add_option_function<std::string>(
       "--time-format",
       [&layout](const std::string& text) {
@@ -105,28 +109,30 @@ void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arra
               "--time-format",
               text + ": must be day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
       },
-      "the format of time stamps: day-first, month-first or a pattern like '%d.%m.%Y %H:%M:%S'");
+      "format of the time stamps of delimited text: day-first, month-first or a pattern like "
+      "'%d.%m.%Y %H:%M:%S'");
   command->add_option("--sheet", layout.sheet,
-                      "the sheet of an Excel workbook (default: the first visible sheet)");
+                      "name of the sheet of an Excel workbook (default: the first visible sheet)");
   command->add_option_function<bool>(
       "--rows-are-channels", [&arrays](const bool& rows) { arrays.rows_are_channels = rows; },
-      "true or false: whether each row of a matrix is a channel, in MATLAB, NumPy, NetCDF and HDF5 "
-      "files (default: the longer dimension is time)");
+      "true if each row of a matrix in a MATLAB, NumPy, NetCDF or HDF5 file is a channel, false if "
+      "each column is a channel (default: time is along the longest dimension)");
 }
 
 void CommandOptions::add_run() {
   add_case();
   add_output("FOLDER", kResults);
   add_json(kSummary);
-  add_seed("seed of the chains (default 1)");
+  add_seed("seed of the random numbers of the Markov chains (default 1)");
   add_threads();
   add_sampling();
 }
 
 void CommandOptions::add_case() {
-  app_.add_option("CASE", invocation_.common.case_path, "the case file, JSON")->required();
-  app_.add_option("--set", invocation_.common.overrides,
-                  "override a value of the case: path.to.key=VALUE")
+  app_.add_option("CASE", invocation_.common.case_path, "path of the case file (JSON)")->required();
+  app_.add_option(
+          "--set", invocation_.common.overrides,
+          "key and new value of an entry of the case, as path.to.key=VALUE; may be repeated")
       ->take_all()
       ->allow_extra_args(false);
 }
@@ -153,28 +159,31 @@ void CommandOptions::add_threads() {
                   "processor supports)")
       ->check(CLI::IsMember({"baseline", "avx2", "avx512"}));
   app_.add_option("--threads", invocation_.common.threads,
-                  "number of threads (default: all); results do not depend on this number")
+                  "number of threads (default: the number of processors, or 1 per rank with MPI); "
+                  "results do not depend on this number")
       ->envname(kThreadsVariable)
       ->transform(whole(1, 4096));
 }
 
 void CommandOptions::add_sampling() {
   app_.add_option("--chains", invocation_.sampling.chains,
-                  "number of independent chains (default 4)")
+                  "number of independent Markov chains (default 4)")
       ->transform(whole(1, 1000));
   app_.add_option("--warmup", invocation_.sampling.warmup,
-                  "warm-up iterations per chain (default: automatic)")
+                  "number of warm-up iterations per Markov chain (default: chosen automatically)")
       ->transform(whole(1, kMany));
-  app_.add_option("--draws", invocation_.sampling.draws,
-                  "draws per chain after warm-up (default: until converged)")
+  app_.add_option(
+          "--draws", invocation_.sampling.draws,
+          "number of draws per Markov chain after warm-up (default: as many as convergence needs)")
       ->transform(whole(100, kMany));
   app_.add_option(
           "--search", invocation_.sampling.searches,
-          "local searches for maxima of the posterior in each model, each from a draw of the prior "
-          "(default: automatic)")
+          "number of local searches for maxima of the posterior in each model, each from a draw of "
+          "the prior (default: chosen automatically)")
       ->transform(whole(0, kMany));
-  app_.add_option("--checkpoint", invocation_.common.checkpoint_seconds,
-                  "seconds between checkpoints for --resume (default 60; 0: none)")
+  app_.add_option(
+          "--checkpoint", invocation_.common.checkpoint_seconds,
+          "time in seconds between two checkpoints for --resume (default 60; 0: no checkpoints)")
       ->check(seconds());
   CLI::Option* prior_only = app_.add_flag(
       "--prior-only", invocation_.sampling.prior_only,
@@ -195,7 +204,7 @@ void CommandOptions::add_permissions() {
   app_.add_flag("--allow-commands", invocation_.common.allow_commands,
                 "allow the case to run programs (\"predictor\": {\"command\": ...})");
   app_.add_option("--allow-hosts", invocation_.common.allow_hosts,
-                  "allow the case to connect to this host; may be repeated (\"predictor\": "
+                  "host to which the case may connect; may be repeated (\"predictor\": "
                   "{\"umbridge\": ...}); this machine is always allowed")
       ->type_name("NAME")
       ->take_all()
@@ -204,21 +213,22 @@ void CommandOptions::add_permissions() {
 
 void CommandOptions::add_limits() {
   app_.add_option("--max-memory", invocation_.common.max_memory_gb,
-                  "largest estimated memory of a run in GB (default 4)")
+                  "upper limit of the estimated memory of a run in GB (default 4)")
       ->check(positive());
   app_.add_option("--max-hours", invocation_.common.max_hours,
-                  "longest estimated run time in hours (default 100)")
+                  "upper limit of the estimated run time in hours (default 100)")
       ->check(positive());
   app_.add_option(
           "--max-disk", invocation_.common.max_disk_gb,
-          "largest estimated size of the results in GB (default: the free space of their disk)")
+          "upper limit of the estimated size of the results in GB (default: the free space of the "
+          "disk that stores the results)")
       ->check(positive());
 }
 
 void CommandOptions::add_dry_run() {
   app_.add_flag_callback(
       "--dry-run", [&common = invocation_.common] { common.dry_run = print_estimate; },
-      "print the estimated run time and memory, and stop; --output is optional");
+      "print the estimated run time and memory without a run; --output is then optional");
   app_.get_option("--output")->required(false);  // required for a run
 }
 

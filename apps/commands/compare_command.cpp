@@ -249,13 +249,14 @@ Command compare_command() {
           .add_options =
               [comparing](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("DIR", comparing->folders, "folders of the runs")->required();
+                app.add_option("DIR", comparing->folders, "results folders of the runs to compare")
+                    ->required();
                 app.add_option(
                        "--prior", comparing->prior,
                        "prior weights, one per folder, separated by commas (default: equal)")
                     ->delimiter(',')
                     ->check(positive());
-                app.add_flag("--json", comparing->json, "print JSON");
+                app.add_flag("--json", comparing->json, "print the comparison as JSON");
               },
           .run = [comparing](const Invocation&) { run_compare(*comparing); }};
 }

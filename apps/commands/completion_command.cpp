@@ -12,7 +12,9 @@ Command completion_command() {
       .summary = "print a script that completes commands and options in a shell",
       .add_options =
           [shell](CommandOptions& options) {
-            options.app().add_option("SHELL", *shell, "bash, zsh or fish")->required();
+            options.app()
+                .add_option("SHELL", *shell, "name of the shell: bash, zsh or fish")
+                ->required();
           },
       .run =
           [shell](const Invocation& asked) { std::cout << completion(asked.describe(), *shell); }};

@@ -6,7 +6,7 @@ namespace wheeltap::apps {
 
 Command damage_command() {
   return sampled_command({.name = "damage",
-                          .summary = "number, positions and severities of damages",
+                          .summary = "infer the number, positions and severities of damages",
                           .make_run = make_damage_run},
                          true);
 }

@@ -265,17 +265,19 @@ Command data_command() {
                    "FILE", data->file,
                    "measured file: delimited text, MATLAB, Excel, universal file or another format")
                 ->required();
-            app.add_option("-o,--output", data->page, "plot the record into this file")
+            app.add_option("-o,--output", data->page, "HTML file into which the record is plotted")
                 ->type_name("FILE.html");
             app.add_option("--to", data->to,
-                           "convert to csv, nc or uff, or to a file name with such an extension");
+                           "format of the converted file (csv, nc or uff), or its name with one of "
+                           "these extensions");
             app.add_option("--sample-rate", data->reading.sample_rate_hz,
                            "sampling rate in Hz, if the file does not state it")
                 ->check(positive());
-            app.add_flag("--json", data->json, "print JSON");
+            app.add_flag("--json", data->json, "print the channels and their faults as JSON");
             add_layout(&app, data->reading.layout, data->reading.arrays);
-            app.add_flag("--resample", data->reading.resample,
-                         "interpolate a record with non-uniform time steps at a uniform rate");
+            app.add_flag(
+                "--resample", data->reading.resample,
+                "interpolate a record with non-uniform time steps to a uniform sampling rate");
           },
       .run = [data](const Invocation&) { run_data(*data); }};
 }

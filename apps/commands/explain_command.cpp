@@ -69,14 +69,15 @@ std::string explanation(const std::string& key) {
 
 Command explain_command() {
   const auto key = std::make_shared<std::string>();
-  return {
-      .name = "explain",
-      .summary = "explain a key of a case and its allowed values",
-      .add_options =
-          [key](CommandOptions& options) {
-            options.app().add_option("KEY", *key, "a key, e.g. count.max or /data/cov")->required();
-          },
-      .run = [key](const Invocation&) { std::cout << explanation(*key); }};
+  return {.name = "explain",
+          .summary = "explain a key of a case and its allowed values",
+          .add_options =
+              [key](CommandOptions& options) {
+                options.app()
+                    .add_option("KEY", *key, "key of a case, e.g. count.max or /data/cov")
+                    ->required();
+              },
+          .run = [key](const Invocation&) { std::cout << explanation(*key); }};
 }
 
 }  // namespace wheeltap::apps

@@ -14,7 +14,7 @@ namespace wheeltap::apps {
 [[nodiscard]] std::string describe_keys(const std::string& kind);
 
 /// Writes KIND.json, KIND.md and their data into `folder` and returns their paths, KIND.json first.
-/// Throws as run_init does.
+/// Throws the exceptions of run_init.
 std::vector<std::filesystem::path> write_starter(const std::string& kind,
                                                  const std::string& structure,
                                                  const std::filesystem::path& folder);

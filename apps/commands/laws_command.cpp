@@ -18,7 +18,7 @@ namespace {
 struct LawsOptions {
   std::string name;               ///< name of one law; empty: all
   bool example = false;           ///< print only the example case, as JSON
-  std::filesystem::path figures;  ///< folder for the figures; empty: none
+  std::filesystem::path figures;  ///< folder for the figures of the force laws; empty: no figures
 };
 
 /// Prints the page of laws, the section of one law, or its example.
@@ -65,9 +65,12 @@ Command laws_command() {
           .add_options =
               [laws](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("NAME", laws->name, "name of a law (default: all)");
-                app.add_flag("--example", laws->example, "print only an example case with the law");
-                app.add_option("--figures", laws->figures, "folder for figures of the laws, SVG");
+                app.add_option("NAME", laws->name, "name of a force law (default: all force laws)");
+                app.add_flag("--example", laws->example,
+                             "print only an example case with the force law NAME");
+                app.add_option(
+                    "--figures", laws->figures,
+                    "folder for the SVG figures of the force laws (default: none are written)");
               },
           .run = [laws](const Invocation&) { run_laws(*laws); }};
 }

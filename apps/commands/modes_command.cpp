@@ -18,22 +18,23 @@ void run_modes(const CommonOptions& common, const ModesOptions& options) {
 
 Command modes_command() {
   const auto modes = std::make_shared<ModesOptions>();
-  return {.name = "modes",
-          .summary = "compute natural frequencies of the case's beam or structure",
-          .add_options =
-              [modes](CommandOptions& options) {
-                options.add_case();
-                CLI::App& app = options.app();
-                app.add_option("--modes", modes->modes,
-                               "number of modes, including rigid-body modes")
-                    ->transform(whole(1, kMany));
-                app.add_flag("--truth", modes->truth, "with the damages of damage.truth");
-                app.add_flag("--json", modes->json, "print JSON");
-                app.add_flag("--shapes", modes->shapes, "with --json: also print the shapes");
-                app.add_option("--vtk", modes->vtk,
-                               "write the structure and its shapes into this file, for ParaView");
-              },
-          .run = [modes](const Invocation& asked) { run_modes(asked.common, *modes); }};
+  return {
+      .name = "modes",
+      .summary = "compute natural frequencies of the case's beam or structure",
+      .add_options =
+          [modes](CommandOptions& options) {
+            options.add_case();
+            CLI::App& app = options.app();
+            app.add_option("--modes", modes->modes, "number of modes, including rigid-body modes")
+                ->transform(whole(1, kMany));
+            app.add_flag("--truth", modes->truth, "include the damages of the key damage.truth");
+            app.add_flag("--json", modes->json, "print the modes as JSON");
+            app.add_flag("--shapes", modes->shapes, "also print the mode shapes; needs --json");
+            app.add_option(
+                "--vtk", modes->vtk,
+                "VTK file to write with the structure and its mode shapes, for ParaView");
+          },
+      .run = [modes](const Invocation& asked) { run_modes(asked.common, *modes); }};
 }
 
 }  // namespace wheeltap::apps

@@ -135,36 +135,39 @@ void monitor(CommonOptions common, const MonitorFlags& flags) {
 
 Command monitor_command() {
   const auto flags = std::make_shared<MonitorFlags>();
-  return {.name = "monitor",
-          .summary = "monitor features under changing weather: onset of changes, and alarms",
-          .case_kind = "monitor",
-          .check = [](CaseFile file) { static_cast<void>(parse_monitor_case(std::move(file))); },
-          .add_options =
-              [flags](CommandOptions& options) {
-                options.add_case();
-                options.add_output("FOLDER",
-                                   "the folder for the results: summary.json, series.csv, "
-                                   "state.nc and report.html");
-                options.add_json(kSummary);
-                options.add_seed("seed of the training and of the replay of healthy rows");
-                options.add_threads();
-                options.add_dry_run();
-                options.app().add_flag(
-                    "--allow-commands", options.invocation().common.allow_commands,
-                    "allow the case to run a program on an alarm (\"on_alarm\")");
-                options.add_resume("process only the rows that are new since the last call");
-                CLI::App& app = options.app();
-                app.add_flag("--alarm-exit", flags->alarm_exit, "end with exit code 3 on an alarm");
-                app.add_flag("--charts", flags->charts,
-                             "also run the usual control charts over all rows, for comparison");
-                app.add_flag("--follow", flags->follow,
-                             "wait for new rows or files until interrupted; Wheeltap reads the "
-                             "last line only when its end is written");
-                app.add_option("--poll", flags->poll_seconds,
-                               "with --follow: seconds between two checks of the files")
-                    ->check(positive());
-              },
-          .run = [flags](const Invocation& asked) { monitor(asked.common, *flags); }};
+  return {
+      .name = "monitor",
+      .summary = "monitor features under changing weather: onset of changes, and alarms",
+      .case_kind = "monitor",
+      .check = [](CaseFile file) { static_cast<void>(parse_monitor_case(std::move(file))); },
+      .add_options =
+          [flags](CommandOptions& options) {
+            options.add_case();
+            options.add_output("FOLDER",
+                               "folder of the results: summary.json, series.csv, "
+                               "state.nc and report.html");
+            options.add_json(kSummary);
+            options.add_seed("seed of the training and of the replay of healthy rows (default 1)");
+            options.add_threads();
+            options.add_dry_run();
+            options.app().add_flag(
+                "--allow-commands", options.invocation().common.allow_commands,
+                "allow the case to run a program when an alarm is raised (\"on_alarm\")");
+            options.add_resume("process only the rows that are new since the last call");
+            CLI::App& app = options.app();
+            app.add_flag("--alarm-exit", flags->alarm_exit,
+                         "end with exit code 3 if an alarm was raised");
+            app.add_flag("--charts", flags->charts,
+                         "also run the usual control charts over all rows, for comparison");
+            app.add_flag("--follow", flags->follow,
+                         "wait for new rows or files until interrupted; Wheeltap reads the "
+                         "last line only when its end is written");
+            app.add_option(
+                   "--poll", flags->poll_seconds,
+                   "time in seconds between two checks of the files with --follow (default 5)")
+                ->check(positive());
+          },
+      .run = [flags](const Invocation& asked) { monitor(asked.common, *flags); }};
 }
 
 }  // namespace wheeltap::apps

@@ -52,7 +52,7 @@ Command plan_command() {
                 options.add_output(
                     "FOLDER", "folder of the results: summary.json, damage.json and report.html");
                 options.add_json(kSummary);
-                options.add_seed("seed of the simulated tests");
+                options.add_seed("seed of the simulated tests (default 1)");
                 options.add_threads();
                 options.add_dry_run();
                 CLI::App& app = options.app();

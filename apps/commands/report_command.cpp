@@ -35,7 +35,8 @@ Command report_command() {
           .add_options =
               [figures](CommandOptions& options) {
                 CLI::App& app = options.app();
-                app.add_option("DIR", options.invocation().common.output, "folder of the run")
+                app.add_option("DIR", options.invocation().common.output,
+                               "results folder of the run")
                     ->required();
                 app.add_flag("--figures", *figures,
                              "also write the figures as SVG files (needs Node.js)");

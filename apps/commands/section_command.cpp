@@ -308,10 +308,11 @@ Command section_command() {
                 options.add_case();
                 CLI::App& app = options.app();
                 app.add_option("-o,--output", options.invocation().common.output,
-                               "draw the section into this file")
+                               "file into which the section is drawn")
                     ->type_name("FILE.svg|FILE.html");
-                app.add_option("--name", section->name, "name of a section of the structure");
-                app.add_flag("--json", section->json, "print JSON");
+                app.add_option("--name", section->name,
+                               "name of the section, for a structure with several sections");
+                app.add_flag("--json", section->json, "print the section properties as JSON");
               },
           .run = [section](const Invocation& asked) { run_section(asked.common, *section); }};
 }

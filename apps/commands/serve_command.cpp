@@ -77,7 +77,7 @@ Command serve_command() {
                 options.add_case();
                 CLI::App& app = options.app();
                 app.add_option("--port", serving->port,
-                               "port of the server (default: any free port)")
+                               "TCP port of the server (default or 0: any free port)")
                     ->transform(whole(0, 65535));
                 app.add_option("--host", serving->host,
                                "address of the server (default 127.0.0.1: this machine only; "

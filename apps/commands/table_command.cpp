@@ -201,25 +201,28 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
 
 Command table_command() {
   const auto table = std::make_shared<TableOptions>();
-  return {.name = "table",
-          .summary = "run a design of experiments, train an emulator, measure its error",
-          .on_all_ranks = true,
-          .add_options =
-              [table](CommandOptions& options) {
-                options.add_case();
-                options.add_output("FILE.nc", "table file to write, NetCDF");
-                options.add_json("print the errors of the emulator as JSON");
-                options.add_seed("seed of the further FE runs that measure the error (default 1)");
-                options.add_threads();
-                options.add_limits();
-                options.add_dry_run();
-                options.add_resume("resume an interrupted table");
-                CLI::App& app = options.app();
-                app.add_option("--part", table->part, "I/N: compute only this part of the FE runs");
-                app.add_option("--merge", table->merge,
-                               "merge these parts, without repeating their FE runs");
-              },
-          .run = [table](const Invocation& asked) { run_table(asked.common, *table); }};
+  return {
+      .name = "table",
+      .summary = "run a design of experiments, train an emulator, measure its error",
+      .on_all_ranks = true,
+      .add_options =
+          [table](CommandOptions& options) {
+            options.add_case();
+            options.add_output("FILE.nc", "table file to write, NetCDF");
+            options.add_json("print the errors of the emulator as JSON");
+            options.add_seed("seed of the further FE runs that measure the error (default 1)");
+            options.add_threads();
+            options.add_limits();
+            options.add_dry_run();
+            options.add_resume("continue an interrupted table; finished FE runs are not repeated");
+            CLI::App& app = options.app();
+            app.add_option(
+                "--part", table->part,
+                "part of the FE runs to compute, as I/N: part I of N (default: all runs)");
+            app.add_option("--merge", table->merge,
+                           "table files of the parts to merge; their FE runs are not repeated");
+          },
+      .run = [table](const Invocation& asked) { run_table(asked.common, *table); }};
 }
 
 }  // namespace wheeltap::apps

@@ -61,15 +61,15 @@ Command track_command() {
               [flags](CommandOptions& options) {
                 options.app()
                     .add_option("LIST", options.invocation().common.case_path,
-                                "a folder of modes.json files, or a text file with one path per "
+                                "folder of modes.json files, or a text file with one path per "
                                 "line, in order of time")
                     ->required();
-                options.add_output("FILE.nc", "the file of tracked modes, NetCDF");
+                options.add_output("FILE.nc", "file of tracked modes to write (NetCDF)");
                 options.add_json("print the table as JSON");
                 options.app()
                     .add_option("--share", flags->share,
-                                "track the modes that are identified in at least this share of the "
-                                "training records (default 0.5)")
+                                "smallest share of the training records in which a tracked mode "
+                                "must be identified (default 0.5)")
                     ->check(CLI::Range(0.01, 1.0));
                 options.app()
                     .add_option("--learning", flags->learning,

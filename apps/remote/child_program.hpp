@@ -34,7 +34,7 @@ class ChildProgram {
   [[nodiscard]] std::optional<int> ended();
   /// The last line of the child's standard error, without "wheeltap: ".
   [[nodiscard]] std::string last_line() const;
-  /// Its standard error since the last call, as read by `ended`.
+  /// The output of the child program on standard error since the last call, as read by `ended`.
   [[nodiscard]] std::string take_output() { return std::exchange(said_, {}); }
 
  private:

@@ -191,7 +191,7 @@ class UmbridgeModel final : public OutsideModel {
       if (!size.is_number_integer() || size.get<std::int64_t>() < 0 ||
           size.get<std::int64_t>() > kMost || (all += size.get<std::int64_t>()) > kMost)
         wrong(at(endpoint), "answered " + beginning(list.dump()) +
-                                ", must be whole numbers, 1 million together at most");
+                                ", must be whole numbers with a sum of at most 1 million");
       out.push_back(size.get<int>());
     }
     if (sum(out) != wanted)

@@ -235,7 +235,7 @@ std::string of_record(const Report& set_up, const std::string& level, bool alone
   out +=
       orders
           ? "<p>Each dot is a pole. Blue poles form a mode and have 95 % intervals; a ring "
-            "marks the pole that represents the mode. Behind them: the mean spectrum of the "
+            "marks the pole that represents the mode. Behind the poles: the mean spectrum of the "
             "channels, or the sum of the squared frequency response functions, in decibels.</p>\n"
           : "<p>The mean spectrum of the channels, or the first singular value of their "
             "spectra, in decibels; lines mark the modes.</p>\n";

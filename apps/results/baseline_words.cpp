@@ -34,9 +34,10 @@ std::string model_error_in_words(const DamageFindings& findings) {
   if (model == findings.models.end()) return {};
   std::vector<std::string> list;
   const auto share = [](double x) { return significant(100.0 * x, 2); };
-  for (const auto& [name, words] : {std::pair{"discrepancy", "frequencies by "},
-                                    {"shape_discrepancy", "entries of shapes by "},
-                                    {"stiffness_discrepancy", "stiffnesses of pieces by "}}) {
+  for (const auto& [name, words] :
+       {std::pair{"discrepancy", "frequencies by "},
+        {"shape_discrepancy", "entries of shapes by "},
+        {"stiffness_discrepancy", "stiffnesses of the structure's parts by "}}) {
     const auto p = std::ranges::find(model->parameters, name,
                                      [](const ParameterFinding& f) { return f.unknown.name; });
     if (p == model->parameters.end()) continue;

@@ -10,10 +10,10 @@ namespace wheeltap::apps {
 /// the merged modes and "set_ups"; "geometry" if the case has one; "diagnostics".
 [[nodiscard]] Report modal_summary(const ModalCaseFile& modal, const IdentifiedModes& found);
 
-/// Returns poles.json, for a choice of poles by hand: {"set_ups": [{"file", "sensors": [{"name",
-/// "node", "direction": unit vector or null}], "columns", "poles": [[order, frequency, …]],
-/// "shapes": [{"real", "imaginary"}]}]}. A set-up has no poles if its method has no diagram. Shapes
-/// are in the channels' own quantities, with four decimals.
+/// Returns poles.json, with which the application lets the user choose poles: {"set_ups": [{"file",
+/// "sensors": [{"name", "node", "direction": unit vector or null}], "columns", "poles": [[order,
+/// frequency, …]], "shapes": [{"real", "imaginary"}]}]}. A set-up has no poles if its method has no
+/// diagram. Shapes are in the channels' own quantities, with four decimals.
 [[nodiscard]] Report poles_with_shapes(const ModalCaseFile& modal, const IdentifiedModes& found);
 
 }  // namespace wheeltap::apps

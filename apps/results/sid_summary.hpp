@@ -21,8 +21,8 @@ namespace wheeltap::apps {
 /// "mse", …}, …], …}.
 [[nodiscard]] Report fits_report(const identification::SidFindings& findings);
 
-/// Returns which of the two models of a Bayes factor has no draws: the name of the model, "both",
-/// or "".
+/// Returns the name of the model of a Bayes factor that has no draws, "both" if neither of its
+/// models has draws, or "".
 [[nodiscard]] std::string never_visited(const identification::SidFindings& findings,
                                         const identification::BayesFactor& factor);
 

@@ -97,8 +97,8 @@ ProblemFile parse_problem(CaseFile file) {
         written.push_back(json.at(where));
       } else if (written[static_cast<std::size_t>(known - table.begin())] != json.at(where)) {
         file.refuse(where,
-                    "has another prior in an earlier model: the same name is the same "
-                    "parameter");
+                    "has another prior in an earlier model: parameters with the same name are "
+                    "the same parameter and need the same prior");
       }
     }
   }

@@ -10,12 +10,12 @@
 namespace wheeltap::apps {
 
 /// Extrapolates the time of the present stage from its time so far. For later stages, the estimate
-/// uses the time per likelihood call: the shorter of the times in this stage and in the whole run,
-/// because a stage may have counted few calls so far.
+/// uses the time per likelihood evaluation: the shorter of the times in this stage and in the whole
+/// run, because a stage may have counted few evaluations so far.
 class TimeLeft {
  public:
-  /// `least_a_call` is a lower bound of the time of a likelihood call in later stages [s]; 0 if not
-  /// known.
+  /// `least_a_call` is a lower bound of the time of a likelihood evaluation in later stages [s]; 0
+  /// if not known.
   explicit TimeLeft(double least_a_call = 0.0) : least_a_call_(least_a_call) {}
 
   struct Shown {

@@ -261,11 +261,10 @@ Answer verdict_on(const Findings& findings, const std::string& undecided, const 
   }
   if (!explained) {
     out.misfit = true;
-    out.headline =
-        misfit(findings.fit_verdict, best) +
-        (models.size() == 1
-             ? std::string()
-             : (converged ? " Best of them: " : " Best of them so far: ") + out.headline);
+    out.headline = misfit(findings.fit_verdict, best) +
+                   (models.size() == 1
+                        ? std::string()
+                        : (converged ? " Best model: " : " Best model so far: ") + out.headline);
   }
   return out;
 }
@@ -331,7 +330,7 @@ Answer answer(const SidFindings& findings) {
   if (!findings.sampling.verdict.converged) out.headline = "So far: " + out.headline;
   if (out.misfit) {
     out.headline = "No subset of these terms explains the record (" +
-                   in_brief(findings.fit_verdict) + "). Best of them: " + out.headline;
+                   in_brief(findings.fit_verdict) + "). Best subset: " + out.headline;
   }
   out.detail.clear();
   std::vector<std::string> values;

@@ -206,7 +206,8 @@ std::vector<std::string> procedure_in_words(const signals::ModalResult& result) 
                 " blocks of " + significant(result.block_seconds, 3) + " s; model orders up to " +
                 std::to_string(result.largest_order) + ".");
   if (result.chosen_by_hand)
-    out.emplace_back("The modes are the poles that the case lists, chosen by hand.");
+    out.emplace_back(
+        "The modes are the poles that the user chose in the key \"poles\" of the case.");
   return out;
 }
 

@@ -120,11 +120,12 @@ class Speaker {
   }
   std::string operator()(const remark::MirrorImages& r) const {
     return symmetry_statement(r.emulated) +
-           " To distinguish them, measure mode shapes or add a small mass off the middle.";
+           " To distinguish mirror images, measure mode shapes or add a small mass off the middle.";
   }
   std::string operator()(const remark::StructureImages& r) const {
     return images_statement(r.alike, r.turned) +
-           " To distinguish them, measure mode shapes or add a small mass that breaks the "
+           " To distinguish symmetric locations, measure mode shapes or add a small mass that "
+           "breaks the "
            "symmetry.";
   }
   std::string operator()(const remark::RivalPlaces& r) const {
@@ -142,8 +143,9 @@ class Speaker {
     if (r.places.size() > kNamed)
       list.push_back("at one of " + std::to_string(r.places.size() - kNamed) + " more");
     return "The data do not distinguish between these locations: " + in_words(list, "or") +
-           ". One of them is damaged (" + probability_is(std::min(sum, 1.0)) +
-           "), and very rarely two. To distinguish them, measure mode shapes or more modes, or "
+           ". One of these locations is damaged (" + probability_is(std::min(sum, 1.0)) +
+           "), and very rarely two. To distinguish the locations, measure mode shapes or more "
+           "modes, or "
            "inspect these locations.";
   }
   std::string operator()(const remark::FittedNotTested& r) const {
@@ -286,8 +288,8 @@ class Speaker {
       list.push_back("\"" + channel.name + "\" in " + channel.unit + " (known units of " +
                      channel.dimension + ": " + channel.known + ")");
     }
-    return "Wheeltap does not know the units of these channels without \"scale\" and treats them "
-           "as SI units: " +
+    return "Wheeltap does not know the units of these channels without \"scale\" and treats the "
+           "units as SI units: " +
            in_words(list) + ".";
   }
   std::string operator()(const remark::UnevenTime& r) const { return jitter_in_words(r.sampling); }

@@ -209,8 +209,9 @@ std::vector<std::string> solution_sentences(const UpdateFindings& findings) {
   if (findings.solutions.empty()) return {};
   return {"The posterior has " + std::to_string(findings.solutions.size()) +
           " separate solutions (" + probabilities(findings.solutions) +
-          "): an interval over all of them contains values that no solution has. To distinguish "
-          "them, measure mode shapes at two or more sensors or further modes, or state narrower "
+          "): an interval over all solutions contains values that no solution has. To distinguish "
+          "the solutions, measure mode shapes at two or more sensors or further modes, or state "
+          "narrower "
           "priors of " +
           in_words(separated(findings)) + "."};
 }

@@ -4,7 +4,7 @@
 // galaxies/draws/moves: with moves:1 the problem brings a move of its own (MixtureGibbs).
 //
 // Counters: ess/Mcall is effective draws of the count (of the inclusion that has fewest, for
-// subsets) per million likelihood calls after warm-up; worst_dP is the largest error of a
+// subsets) per million likelihood evaluations after warm-up; worst_dP is the largest error of a
 // probability and worst_errors the same in Monte Carlo standard errors (4 are rare).
 #include <benchmark/benchmark.h>
 
@@ -118,7 +118,7 @@ class Galaxies : public Likelihood {
 // several sweeps, whose path has the same ratio: the likelihood is called for the last alone.
 class MixtureGibbs : public Move {
  public:
-  /// What it did, in likelihood calls: densities computed, over those of one call.
+  /// What it did, in likelihood evaluations: densities computed, over those of one call.
   struct Work {
     std::atomic<long> steps = 0;
     std::atomic<double> calls = 0.0;

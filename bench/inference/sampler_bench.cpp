@@ -1,8 +1,8 @@
-// What the sampler costs beside its likelihood, and how much one likelihood call buys.
+// What the sampler costs beside its likelihood, and how much one likelihood evaluation buys.
 //
 // Counters: ess_k and ess_left are effective draws of the model index and of "the first damage lies
-// in the left half", per million likelihood calls after warm-up and per second of the whole run,
-// warm-up included; warmup_calls is what the pilots cost.
+// in the left half", per million likelihood evaluations after warm-up and per second of the whole
+// run, warm-up included; warmup_calls is what the pilots cost.
 #include <benchmark/benchmark.h>
 
 #include <cmath>

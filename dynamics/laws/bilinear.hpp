@@ -7,7 +7,7 @@
 namespace wheeltap::dynamics::laws {
 
 /// A bilinear spring, for example a crack that transmits force in one direction only: T = k max(0,
-/// e) for side opening, T = k min(0, e) for side closing.
+/// e) for side = "opening", T = k min(0, e) for side = "closing".
 struct Bilinear {
   static constexpr LawInfo kInfo{
       .name = "bilinear",

@@ -6,9 +6,9 @@
 
 namespace wheeltap::dynamics::laws {
 
-/// Contact with a stop at the distance g >= 0. For side opening, T = k max(0, e - g). For side
-/// closing, T = k min(0, e + g), the bumper of Tiboaca 2016 (section 6.3) with the sign corrected.
-/// The force is continuous at the stop.
+/// Contact with a stop at the distance g >= 0. For side = "opening", T = k max(0, e - g). For side
+/// = "closing", T = k min(0, e + g), the bumper of Tiboaca 2016 (section 6.3) with the sign
+/// corrected. The force is continuous at the stop.
 struct Contact {
   static constexpr LawInfo kInfo{
       .name = "contact",

@@ -28,7 +28,7 @@ struct IntactModes {
   int self_stresses = 0;             // number of self-stress states
   std::vector<double> stress_rows;   // 2 elements × self_stresses
   std::vector<Window> windows;       // three windows: for no added support, for few, and for any
-                                     // number of them
+                                     // number of supports
 
   /// Throws the same exceptions as `Reanalysis`.
   IntactModes(const Beam& intact_beam, int wanted_modes);

@@ -21,7 +21,8 @@ struct Modes {
   /// True if Sturm counts in 106 bits confirm each elastic mode i (from 0): at most i eigenvalues
   /// of the assembled problem lie below ω_i² (1 - 1e-12), and more than i below ω_i² (1 + 1e-12).
   /// Then no mode is missing, and the relative error of each frequency is at most 5e-13 plus the
-  /// rounding to double. This bound does not include the discretisation error of the mesh.
+  /// rounding to double precision. This error bound does not include the discretisation error of
+  /// the mesh.
   bool certified = false;
   std::string solver;  ///< "spectra", "dense" or "bisection", with the reason for the choice
 };
@@ -33,7 +34,7 @@ struct ModalOptions {
 
 /// Computes the lowest modes. Shift-and-invert Lanczos (Spectra) or a dense solver finds
 /// approximate modes in double precision. The relative error of these low modes is about λ_max / λ
-/// times the rounding error (λ_max / λ is 1e12 on meshes of 150 elements). Rayleigh quotient
+/// times the unit round-off (λ_max / λ is 1e12 on meshes of 150 elements). Rayleigh quotient
 /// iteration in 106-bit arithmetic therefore refines the modes. If a mode is missing, bisection by
 /// Sturm counts finds all modes. Throws std::invalid_argument for an invalid beam, defects outside
 /// the beam, or more modes than free degrees of freedom.

@@ -22,11 +22,11 @@ namespace wheeltap::fem {
 /// modes.
 ///
 /// Apart from rounding, every root has a proven relative error of at most 1e-12 (`RootSearch`);
-/// `error_bound` bounds the rounding. The only truncation error, 1e-17, is that of a Chebyshev
-/// series for the modes far above the requested modes. From a first-order start, a root needs on
-/// average 1.8 evaluations of S for one damaged element, and 2.4 for six damaged elements. A start
-/// from the root of a previous call, for example in a Markov chain, would save little time, and the
-/// results would depend on earlier calls.
+/// `error_bound` bounds the rounding error. The only truncation error, 1e-17, is that of a
+/// Chebyshev series for the modes far above the requested modes. From a first-order start, a root
+/// needs on average 1.8 evaluations of S for one damaged element, and 2.4 for six damaged elements.
+/// A start from the root of a previous call, for example in a Markov chain, would save little time,
+/// and the results would depend on earlier calls.
 ///
 /// The object is immutable after construction. Any number of threads may share the object, each
 /// thread with its own workspace.
@@ -87,8 +87,8 @@ class Reanalysis {
   /// only in two cases. In the first, added supports restrain a free beam, and the compliances of
   /// hinges and soft springs cancel those of the supports. In the second, the number of modes of
   /// the mesh is only slightly larger than the number of strains in damaged elements. The form of
-  /// the bound follows from rounding analysis. Its factors are chosen such that the bound holds for
-  /// 4000 random beams (tests/fem/random_beams_test.cpp).
+  /// this error bound follows from rounding analysis. The factors of the error bound are chosen
+  /// such that it holds for 4000 random beams (tests/fem/random_beams_test.cpp).
   [[nodiscard]] double error_bound(std::span<const Damage> damages,
                                    std::span<const SpringSupport> supports, double frequency_hz,
                                    Workspace& workspace) const;
@@ -114,8 +114,8 @@ class Reanalysis {
   /// ∂λ/∂γ is φᵀ (∂K/∂γ) φ for a mass-normalised mode (Fox & Kapoor 1968, AIAA Journal 6:2426,
   /// equation 5), with γ = -k for a spring. The additional run time for the gradients is
   /// negligible. For a multiple eigenvalue, the gradients are those of one basis of its modes.
-  /// Throws std::invalid_argument like `frequencies_hz`, and if the size of a span does not fit.
-  /// Throws std::runtime_error if a mode shape cannot be separated from other shapes.
+  /// Throws std::invalid_argument in the same cases as `frequencies_hz`, and if the size of a span
+  /// does not fit. Throws std::runtime_error if a mode shape cannot be separated from other shapes.
   void solve(std::span<const Damage> damages, std::span<const SpringSupport> supports,
              Workspace& workspace, const Results& results) const;
 

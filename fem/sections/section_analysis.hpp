@@ -64,8 +64,8 @@ struct SectionProperties {
   SecondMoments second_moments;
   double torsion_constant;             ///< J [m⁴]
   double warping_constant;             ///< Γ [m⁶]
-  Eigen::Vector2d shear_centre;        ///< from the centroid, depends on ν [m]
-  Eigen::Vector2d trefftz_centre;      ///< from the centroid, independent of ν [m]
+  Eigen::Vector2d shear_centre;        ///< position relative to the centroid, depends on ν [m]
+  Eigen::Vector2d trefftz_centre;      ///< position relative to the centroid, independent of ν [m]
   ShearFlexibility shear_flexibility;  ///< α from the strain energy
 };
 
@@ -88,7 +88,7 @@ struct SectionErrors {
 struct SectionAnalysis {
   SectionProperties properties;  ///< properties on the finest mesh
   SectionErrors errors;
-  std::vector<SectionLevel> levels;  ///< from the coarsest mesh to the finest
+  std::vector<SectionLevel> levels;  ///< one entry per mesh, from the coarsest mesh to the finest
   bool converged;  ///< all properties are finite, and errors.largest() <= tolerance
   [[nodiscard]] bool finite() const;  ///< true if all properties of the finest mesh are finite
 };

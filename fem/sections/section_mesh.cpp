@@ -434,7 +434,7 @@ TriangleMesh section_mesh(const Outline& outline, const SectionMeshOptions& opti
   TriangleMesh mesh = Refinement(checked(outline), options).run();
   if (const int count = pieces(mesh); count != 1)
     throw std::invalid_argument("outline: consists of " + std::to_string(count) +
-                                " separate pieces; the regions of a section must share edges");
+                                " unconnected parts; the regions of a section must share edges");
   return mesh;
 }
 

@@ -19,7 +19,8 @@ namespace wheeltap::fem {
 struct SectionShape {
   std::string name;                ///< "rectangle"
   std::vector<std::string> sizes;  ///< names of the dimensions: "width", "height"
-  /// Computes A, I_y = ∫z² dA and Cowper's κ_z. Throws std::invalid_argument like section().
+  /// Computes A, I_y = ∫z² dA and Cowper's κ_z. Throws std::invalid_argument in the same cases as
+  /// section().
   Section (*plane)(std::span<const double> sizes, double poisson);
   double (*second_moment_z)(std::span<const double> sizes);  ///< ∫y² [m⁴]
   double (*shear_coefficient_y)(std::span<const double> sizes, double poisson);

@@ -10,9 +10,9 @@
 
 namespace wheeltap::fem {
 
-/// The strains of one element of a member. They belong to the axial force, the torque, and in each
-/// plane a constant moment and a constant shear force. An element of a plane structure has three
-/// strains, an element of a spatial structure six.
+/// The strains of one element of a member. The strains belong to the axial force, the torque, and
+/// in each plane a constant moment and a constant shear force. An element of a plane structure has
+/// three strains, an element of a spatial structure six.
 enum class ElementStrain { axial, bending_z, shear_z, torsion, bending_y, shear_y };
 inline constexpr int kElementStrains = 6;
 

@@ -64,8 +64,8 @@ void validate_member(const Structure& s, std::size_t i) {
                            who + "has neither material nor section");
   double before = 0.0;
   for (const Member::Piece& piece : m.pieces) {
-    require(piece.to > before, Part::members, i, who + "the end of a piece", piece.to,
-            "must lie beyond the piece before it");
+    require(piece.to > before, Part::members, i, who + "the end of a segment", piece.to,
+            "must be greater than the end of the previous segment");
     before = piece.to;
     const auto check = [&](const char* name, double value, bool holds, const char* allowed) {
       require(holds, Part::members, i, who + name, value, allowed);
@@ -93,7 +93,7 @@ void validate_member(const Structure& s, std::size_t i) {
     }
   }
   require(std::abs(before - length) <= 1e-6 * length, Part::members, i,
-          who + "the end of the last piece", before,
+          who + "the end of the last segment", before,
           ("must be the member's length, " + number(length) + " m").c_str());
   for (const MemberEnd& end : m.ends)
     for (const double stiffness : end.rotation)

@@ -19,7 +19,7 @@ struct StructureDrawing {
     On on;
     std::string name = {};  ///< name of the node or member; number of the mass, from 1
     double along = 0.0;     ///< distance from the member's start [m]
-    Vector3 at;             ///< [m]
+    Vector3 at;             ///< position [m]
     std::array<SparseRow, 3> translation, rotation;
 
     [[nodiscard]] bool is_node() const { return on == On::node || on == On::mass; }

@@ -1,4 +1,4 @@
-// The interface to an external model that replaces the built-in one.
+// The interface to an external model that replaces the built-in model.
 #pragma once
 
 #include <memory>

@@ -44,7 +44,7 @@ auto RememberedModel::asking(const Ask& ask) {
       if (journal_)
         line += "; " + std::to_string(answers_.size()) +
                 (answers_.size() == 1 ? " answer is" : " answers are") + " kept in " +
-                path_.string() + "; --resume continues from them";
+                path_.string() + "; --resume continues from the kept answers";
       failure_.emplace(error.kind(), line);
     }
     throw OutsideModelError(*failure_);

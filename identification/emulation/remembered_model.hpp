@@ -32,7 +32,7 @@ class RememberedModel final : public OutsideModel {
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;
 
-  [[nodiscard]] long asked() const { return asked_; }  ///< number of calls of the model
+  [[nodiscard]] long asked() const { return asked_; }  ///< number of model evaluations
   /// Number of results read from the journal
   [[nodiscard]] long remembered() const { return remembered_; }
   [[nodiscard]] long slopes() const { return slopes_; }

@@ -225,8 +225,8 @@ struct LinearExcitation {
   std::string channel;
   double loss;
 };
-/// Channels with an unknown unit or a unit of another dimension. Their numbers are used without
-/// conversion.
+/// Channels with an unknown unit or a unit of another dimension. The numbers of these channels are
+/// used without conversion.
 struct UnknownUnits {
   struct Channel {
     std::string name, unit, dimension, known;

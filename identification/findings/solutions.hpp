@@ -1,5 +1,5 @@
 // Separate solutions: regions of one model's posterior with different parameter values and little
-// probability between them.
+// probability between the regions.
 //
 // Distances are computed in the coordinates in which the prior is standard normal, with the
 // covariance of draws about their nearest posterior mode as metric. Each draw belongs to the
@@ -8,8 +8,9 @@
 //
 //   3 × the 95 % quantile of the distance of a draw to the nearest other draw of its mode,
 //
-// the larger of the two distances. In one dimension, the density between two solutions is then
-// below about a thirtieth of the peak. A curved or rough ridge is one solution.
+// where the larger quantile of the two posterior modes applies. In one dimension, the density
+// between two solutions is then below about a thirtieth of the peak. A curved or rough ridge is one
+// solution.
 #pragma once
 
 #include <vector>

@@ -25,8 +25,8 @@ struct RealShape {
 ///
 /// A covariance estimated from n = `blocks` parts of a record has an inverse that is too large on
 /// average (`blocks` = 0: the covariance is exact). The covariance is therefore multiplied by (n -
-/// 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17). It is also
-/// multiplied by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)), because inaccurate
+/// 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17). The covariance is
+/// also multiplied by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)), because inaccurate
 /// weights increase the variance of the estimates (Percival et al. 2014, MNRAS 439:2531). With
 /// fewer than 2 p + 3 blocks only the variances are kept.
 ///

@@ -31,7 +31,8 @@ struct ReplayOptions {
 ///
 ///   rate(A) = -ln(1 - P(A))/rows,   P(A) = 1/2 exp(-(ln A - u)/h).
 ///
-/// h is the mean excess, and at least 1, because the bound n/A of the model does not decay faster.
+/// h is the mean excess, and at least 1, because the bound n/A of the false-alarm probability under
+/// the model does not decay faster.
 struct Replay {
   int series = 0, rows = 0;
   double log_median = 0.0;  ///< u

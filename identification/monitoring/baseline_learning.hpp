@@ -39,7 +39,7 @@ struct LearningOptions {
   int threads = 1;
   int chains = 4;
   // Draws and warm-up iterations of the engine; 0: the engine chooses the number.
-  int engine_draws = 500, engine_warmup = 2000;  ///< per chain
+  int engine_draws = 500, engine_warmup = 2000;  ///< numbers per Markov chain
   int searches = 1;
   std::function<bool(double fraction)> progress = nullptr;  ///< false: stop early
 };

@@ -1,4 +1,4 @@
-// Causes of a change: damage, an added mass, a faulty sensor, or none of these.
+// Causes of a change: damage, an added mass, a faulty sensor, or none of these causes.
 //
 //   damage, mass:  δ = δ(kind, place, severity)                       (defect_shifts.hpp)
 //   feature fault: δ = e_j s,       s ~ N(0, (size · residual sd_j)²)

@@ -5,11 +5,11 @@
 //   step: r = 1;   ramp: r = min(1, (t - τ)/kRampHours);   transient: r = exp(-(t -
 //   τ)/kTransientHours)
 //
-// A transient does not count as a change. It is a temporary effect of thaw, wind, traffic or wrong
-// identification. The model without a change is a mixture of the baseline and of transients that
-// began at any row. A change must explain the data better than this mixture. The probability of a
-// decayed transient returns to the baseline. At each row, so does the share of transients that may
-// have ended earlier.
+// A transient does not count as a change. A transient is a temporary effect of thaw, wind, traffic
+// or wrong identification. The model without a change is a mixture of the baseline and of
+// transients that began at any row. A change must explain the data better than this mixture. The
+// probability of a decayed transient returns to the baseline. At each row, so does the share of
+// transients that may have ended earlier.
 //
 // A shift acts linearly. The innovations of a filter without a shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). A candidate

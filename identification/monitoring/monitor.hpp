@@ -28,7 +28,7 @@ struct MonitorOptions {
 struct AlarmRecord {
   double hours = 0.0;
   double probability_at_alarm = 0.0;
-  ChangeEstimate change = {};  ///< from the rows up to `settling_rows` after the alarm
+  ChangeEstimate change = {};  ///< estimate from the rows up to `settling_rows` after the alarm
   // Computed from the same rows, for explanations of the change (change_explanation.hpp):
   ShiftLikelihood likelihood = {};
   Eigen::MatrixXd covariate_slopes = {};  ///< p x c

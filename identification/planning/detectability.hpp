@@ -65,11 +65,11 @@ struct Confusion {
   std::vector<int> undetectable;           ///< places at which the largest damage is not detectable
 };
 
-/// Two places are confused if the largest defect of the prior at one of them is closer than
-/// `kDistance` standard errors to some defect at the other. With equal priors, a test then assigns
-/// at least Φ(-1) = 16 % of these defects to the other place. Confused places determine the
-/// resolution if they are within `tolerance`, or connected by confused places of one member. Other
-/// confused places form regions.
+/// Two places are confused if the data of the largest defect of the prior at one place are closer
+/// than `kDistance` standard errors to the data of some defect at the other place. With equal
+/// priors, a test then assigns at least Φ(-1) = 16 % of these defects to the other place. Confused
+/// places determine the resolution if they are within `tolerance`, or connected by confused places
+/// of one member. Other confused places form regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;

@@ -69,7 +69,8 @@ class NormalTest {
   struct Answer {
     std::vector<double> log_models;        ///< ln p(y | model) / p(y | intact)
     std::vector<double> log_places;        ///< ln p(y | one defect at the place) / p(y | intact)
-    std::vector<std::vector<Pair>> pairs;  ///< per model; empty for fewer than two defects
+    std::vector<std::vector<Pair>> pairs;  ///< pairs of each model; empty for models of fewer than
+                                           ///< two defects
     double log_all = 0.0;                  ///< ln p(y) / p(y | intact)
     /// ln P(at least one defect | y) / P(none | y)
     double log_odds = 0.0;

@@ -61,7 +61,8 @@ struct PlanFindings {
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
   /// Detection at each place, for the best design
   std::vector<PlaceDetection> places;
-  /// For the best design, and for frequencies alone
+  /// Confused places and their separation for the best design and, with the suffix `alone`, for
+  /// frequencies without shapes
   Confusion confusion, confusion_alone;
   Separations separations, separations_alone;
   /// Root mean square difference between the data of two simulated defects and the model of

@@ -39,9 +39,9 @@ struct TestNoise {
 
 /// Standard normal numbers of one simulated test, the same for every design.
 struct TestNumbers {
-  Eigen::VectorXd frequencies, with_mass;  ///< per mode
-  Eigen::VectorXd turns;                   ///< per mode: angle towards a close mode, over its sd τ
-  Eigen::MatrixXd shapes;                  ///< candidates × modes
+  Eigen::VectorXd frequencies, with_mass;  ///< one value per mode
+  Eigen::VectorXd turns;   ///< per mode: angle towards a close mode, divided by its sd τ
+  Eigen::MatrixXd shapes;  ///< candidates × modes
 
   [[nodiscard]] static TestNumbers draw(const PlannedStructure& structure, std::uint64_t seed,
                                         std::uint64_t test);
@@ -91,7 +91,7 @@ class TestData {
 
 /// Predicted modes at every place, at the quantiles i/S of the severity's prior.
 struct PlacePredictions {
-  std::vector<std::vector<TestModes>> modes;    ///< per place and quantile
+  std::vector<std::vector<TestModes>> modes;    ///< modes for each place and each quantile
   std::vector<std::vector<double>> severities;  ///< severity per place and quantile
   /// Two defects at the middle quantiles, for every possible pair of places.
   struct Pair {

@@ -19,7 +19,7 @@ struct PlaceSpan {
 struct TestTruth {
   struct Defect {
     int place = 0;
-    double at = 0.0;  ///< [m] from the start of the site
+    double at = 0.0;  ///< distance from the start of the site [m]
     double severity = 0.0;
   };
   int model = 0;
@@ -31,9 +31,9 @@ struct TestOutcome {
   int model = 0;          ///< true model
   double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
   /// ln q(count, place | y) / p(count, place) of the truth, with q = (1 - ε) p(… | y) + ε p(…) and
-  /// ε = kFloor. Its mean is a lower bound of the expected information for any q (Barber & Agakov
-  /// 2003, NIPS 16); with exact evidences it is lower by at most -ln(1 - ε). The floor ε limits the
-  /// effect of tests with wrong approximate evidences.
+  /// ε = kFloor. The mean of this score is a lower bound of the expected information for any q
+  /// (Barber & Agakov 2003, NIPS 16); with exact evidences it is lower by at most -ln(1 - ε). The
+  /// floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;
   bool right = false;  ///< true if the most probable count and all places are correct
 };
@@ -69,7 +69,8 @@ struct TestEstimate {
 };
 
 struct TestScores {
-  TestEstimate information;  ///< [nats], mean under the prior of the models
+  TestEstimate information;  ///< expected information [nats], with the prior probabilities of the
+                             ///< models as weights
   TestEstimate detection;    ///< P(detected | at least one defect)
   TestEstimate right_place;  ///< P(detected, and count and places right | at least one defect)
   double threshold = 0.0;    ///< threshold of the log odds of damage

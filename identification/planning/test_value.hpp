@@ -48,15 +48,15 @@ struct TestValue {
 struct CostSensitivity {
   std::string cost;  ///< "missed"
   double factor = 1.0;
-  int best = -1;  ///< option; -1: no test pays
+  int best = -1;  ///< index of the option; -1: no test reduces the expected cost
   double saving = 0.0;
 };
 struct ValueFindings {
   double without_test = 0.0;  ///< C₀
   /// True if the best decision without a test is to inspect
   bool inspects_without = false;
-  std::vector<TestValue> values;             ///< one per option
-  int best = -1;                             ///< option; -1: no test pays
+  std::vector<TestValue> values;  ///< one per option
+  int best = -1;                  ///< index of the option; -1: no test reduces the expected cost
   std::vector<CostSensitivity> sensitivity;  ///< best options with each cost halved and doubled
 };
 [[nodiscard]] ValueFindings find_values(const std::vector<TestOption>& options,

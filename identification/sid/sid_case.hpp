@@ -214,7 +214,7 @@ struct SidCase {
   [[nodiscard]] std::vector<dynamics::Sensor> sensors() const;
   /// Indices of the parameters used by the model and the channels, increasing.
   [[nodiscard]] std::vector<int> parameters_of(const SidModel& model) const;
-  /// Makes all records consistent: copies the parameter table to all of them, and adds to each
+  /// Makes all records consistent: copies the parameter table to all records, and adds to each
   /// model's list the parameters that it uses in any record. Call this after the last coefficient
   /// is defined.
   void unite();

@@ -1,5 +1,5 @@
-// A complete system identification. It adapts the number of draws to the length of the record, and
-// repeats the run with shorter steps if the integration error was too large.
+// A complete system identification. The run adapts the number of draws to the length of the record,
+// and repeats the run with shorter steps if the integration error was too large.
 #pragma once
 
 #include <functional>

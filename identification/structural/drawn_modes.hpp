@@ -10,7 +10,7 @@ namespace wheeltap::identification {
 
 struct DrawnModes {
   fem::StructureDrawing drawing;
-  std::vector<double> frequencies_hz;              ///< without rigid-body modes
+  std::vector<double> frequencies_hz;              ///< frequencies of the elastic modes
   std::vector<std::vector<fem::Vector3>> motions;  ///< per mode and point, largest motion 1
 };
 

@@ -6,8 +6,8 @@
 
 namespace wheeltap::identification {
 
-/// Index of the first elastic frequency. `frequencies_hz` ascend; at most `rigid` of them belong to
-/// rigid-body modes (fewer if supports prevent such motions).
+/// Index of the first elastic frequency. `frequencies_hz` ascend; at most `rigid` frequencies
+/// belong to rigid-body modes (fewer if supports prevent such motions).
 [[nodiscard]] inline std::size_t first_elastic(const std::vector<double>& frequencies_hz,
                                                std::size_t rigid) {
   std::size_t first = 0;

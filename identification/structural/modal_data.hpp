@@ -50,7 +50,8 @@ struct ModalData {
   /// Mixing of mode shapes by the same model error that changes frequencies by `discrepancy`; see
   /// mixing_sd.
   Scatter mixing = {};
-  /// Relative sd of the stiffness error of each piece of the structure; see StiffnessErrors.
+  /// Relative standard deviation of the stiffness error of each part of the structure; see
+  /// StiffnessErrors.
   Scatter stiffness_discrepancy = {};
 
   /// Prior probability that a measured mode is spurious (a harmonic, a noise pole). Requires

@@ -78,16 +78,17 @@ struct ModelFindings {
   long annealed_draws = 0;  ///< number of SMC draws
 };
 
-/// Number of likelihood calls of each stage. If the problem has an approximate likelihood, the
-/// calls of the approximation are counted instead.
+/// Number of likelihood evaluations of each stage. If the problem has an approximate likelihood,
+/// the evaluations of the approximation are counted instead.
 struct Calls {
   long explore = 0;   ///< exploration from the prior: `search` + `anneal` + `weigh`
-  long search = 0;    ///< local optimisations, most of them on the first samples of a record
+  long search = 0;    ///< local optimisations, mostly on the first samples of a record
   long anneal = 0;    ///< SMC of each model
   long weigh = 0;     ///< importance sampling from the results of search and SMC
   long tune = 0;      ///< fit of the proposals, and the ladder of tempered draws if any
-  long sample = 0;    ///< calls for the draws
-  long evidence = 0;  ///< calls for the evidence by the mixtures that are compared with the draws
+  long sample = 0;    ///< evaluations for the draws
+  long evidence = 0;  ///< evaluations for the evidence from the mixtures that are compared with the
+                      ///< draws
 };
 
 /// Decisions of the engine in addition to the options.
@@ -101,7 +102,7 @@ enum class Choice {
   drawn_by_searches,
 };
 
-/// Statistics of a run: moves, likelihood calls, and the options that were used.
+/// Statistics of a run: moves, likelihood evaluations, and the options that were used.
 struct RunRecord {
   std::vector<MoveStatistics> moves;
   std::vector<std::vector<long>> jumps_proposed;  ///< proposed jumps after warm-up, models × models
@@ -111,9 +112,9 @@ struct RunRecord {
   int thin = 1;
   long warmup_evaluations = 0;
   Calls calls{};
-  long likelihood_evaluations = 0;  ///< total number of likelihood calls, warm-up included
-  /// Calls of the full likelihood if the problem has an approximate one, warm-up included;
-  /// `likelihood_evaluations` then counts the approximate one.
+  long likelihood_evaluations = 0;  ///< total number of likelihood evaluations, warm-up included
+  /// Number of evaluations of the full likelihood if the problem has an approximate likelihood,
+  /// warm-up included. `likelihood_evaluations` then counts the approximate likelihood.
   long full_evaluations = 0;
   double wall_seconds = 0.0;
   bool stopped_early = false;

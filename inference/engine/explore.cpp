@@ -25,7 +25,7 @@ constexpr long kLongRecord = 20000;  // samples; exploration from the prior is t
 constexpr int kManyModels = 3000;    // searched by climbs
 constexpr long kClimbsInMany = 2;    // in each of these models
 // Number of models of a nested list, on a record, above which climbs replace SMC: climbs from the
-// modes of nested models find more at a tenth of the likelihood calls.
+// modes of nested models find more at a tenth of the likelihood evaluations.
 constexpr int kManyNested = 8;
 constexpr int kSearchedModels = 60;  // upper limit of the fully searched models among those
 constexpr int kSearchRounds = 4;
@@ -33,10 +33,10 @@ constexpr std::size_t kNestedStarts = 3;  // nested models whose modes serve as 
 constexpr std::size_t kReachedModels =
     12;                            // of many: models searched separately if tempering visits them
 constexpr double kReached = 0.01;  // share of the visits
-constexpr long kSearchBudget = 300000;       // likelihood calls for climbs, all models together
+constexpr long kSearchBudget = 300000;       // likelihood evaluations, climbs of all models
 constexpr long kRecordBudget = 50000;        // if a record grows: its modes are also followed
 constexpr long kLeastBudget = 3000;          // per model
-constexpr double kBriefAnnealing = 50000.0;  // likelihood calls per model, approximately
+constexpr double kBriefAnnealing = 50000.0;  // likelihood evaluations per model, approximately
 constexpr double kNegligibleModel = 50.0;    // ln: no SMC for models this far below the best
 constexpr double kLive = 30.0;  // ln: chains start in models up to this far below the best
 

@@ -10,7 +10,7 @@ namespace wheeltap::inference {
 /// is explored with a growing number of samples (starting_points.hpp). The function stores the
 /// findings, a starting point for every chain, and initial proposals.
 void explore(RunContext& run, RunState& state);
-/// Counts all likelihood calls so far as calls of the exploration.
+/// Counts all likelihood evaluations so far as evaluations of the exploration.
 void count_exploring(RunState& state);
 
 }  // namespace wheeltap::inference

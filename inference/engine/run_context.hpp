@@ -123,7 +123,7 @@ struct RunContext {
   }
 };
 
-/// Planned likelihood calls of the later stages, for the estimate of the remaining time.
+/// Planned likelihood evaluations of the later stages, for the estimate of the remaining time.
 [[nodiscard]] double planned_tuning(const RunContext& run);
 [[nodiscard]] double planned_draws(const RunContext& run);
 [[nodiscard]] double planned_evidence(const RunContext& run);
@@ -139,8 +139,8 @@ struct RunContext {
 /// at the chains' states differs in any bit: the data or the processor has changed.
 void resume(RunContext& run, const RunState& state);
 
-/// Number of likelihood calls by all chains and by shared work. If the problem has an approximate
-/// likelihood, the calls of the approximation are counted.
+/// Number of likelihood evaluations by all chains and by shared work. If the problem has an
+/// approximate likelihood, the evaluations of the approximation are counted.
 [[nodiscard]] long likelihood_evaluations(const RunState& state);
 
 /// The results of the run. Moves the posterior out of `state`.

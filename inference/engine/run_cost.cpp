@@ -14,7 +14,7 @@ namespace {
 constexpr double kWarmup = 20'000;  // iterations per chain chosen by the engine
 constexpr double kThin = 4;
 
-// Processor time besides likelihoods [s], per likelihood call, per dimension and per run:
+// Processor time besides likelihoods [s], per likelihood evaluation, per dimension and per run:
 // proposals, mixtures and storage. Measured on a core of 2.5 GHz (docs/scale.md).
 constexpr double kBesidesACall = 3e-6, kBesidesADimension = 2e-7, kBesidesARun = 0.3;
 constexpr double kSearchSlices = 8.0;  // slices of a search that run at the same time

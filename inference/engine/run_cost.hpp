@@ -26,7 +26,7 @@ struct ProblemSize {
   double dimensions = 0.0;   ///< sum of the dimensions of all models
   double largest = 0.0;      ///< largest dimension of a model
   double predictions = 0.0;  ///< numbers stored per draw in addition to the parameters
-  double explored = 0.0;     ///< likelihood calls per dimension before the first draw
+  double explored = 0.0;     ///< likelihood evaluations per dimension before the first draw
   double seconds_a_likelihood = 0.0;
 };
 

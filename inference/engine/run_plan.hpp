@@ -1,4 +1,4 @@
-// Planned likelihood calls of a run, known before it begins.
+// Planned likelihood evaluations of a run, known before it begins.
 #pragma once
 
 #include "inference/model/target.hpp"
@@ -6,16 +6,16 @@
 
 namespace wheeltap::inference {
 
-/// Likelihood calls of each stage, all chains together. A run that has not converged after its
-/// planned draws continues and needs more likelihood calls.
+/// Likelihood evaluations of each stage, all chains together. A run that has not converged after
+/// its planned draws continues and needs more likelihood evaluations.
 struct RunPlan {
-  double explore = 0.0;  ///< calls of mode search, SMC or tempering, and importance sampling
-  double tune = 0.0;     ///< calls of the tuning, including the burn-in before the draws
+  double explore = 0.0;  ///< evaluations by mode search, SMC or tempering, and importance sampling
+  double tune = 0.0;     ///< evaluations by the tuning, including the burn-in before the draws
   double sample = 0.0;
   double evidence = 0.0;
-  /// Calls of the exploration, converted to equivalent calls on the whole record. For a record,
-  /// most calls of the exploration use only the first samples. For other data, this number equals
-  /// `explore`.
+  /// Likelihood evaluations of the exploration, converted to equivalent evaluations on the whole
+  /// record. For a record, most evaluations of the exploration use only the first samples. For
+  /// other data, this number equals `explore`.
   double explore_on_all_data = 0.0;
 
   [[nodiscard]] double calls() const { return explore + tune + sample + evidence; }
@@ -28,8 +28,8 @@ struct RunPlan {
 
 [[nodiscard]] RunPlan plan_of(const Problem& problem, const Options& options);
 
-/// Planned calls of the mode searches after tempering over sets of components, for the progress
-/// monitor.
+/// Planned likelihood evaluations of the mode searches after tempering over sets of components, for
+/// the progress monitor.
 [[nodiscard]] double planned_searches(const Problem& problem, const Options& options);
 
 }  // namespace wheeltap::inference

@@ -115,7 +115,7 @@ struct RunState {
   std::vector<CountedModes> weighty_modes;
   std::vector<std::vector<double>> at_mixture;  ///< ln π - ln q at draws of each model's mixture
   Posterior posterior;
-  long shared_evaluations = 0;  ///< likelihood calls that belong to no chain
+  long shared_evaluations = 0;  ///< likelihood evaluations that belong to no chain
 };
 
 }  // namespace wheeltap::inference

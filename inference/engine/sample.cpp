@@ -226,7 +226,7 @@ void forget_draws(RunState& state) {
   state.at.part_chains.clear();
 }
 
-// Books all likelihood calls so far under tuning.
+// Books all likelihood evaluations so far under tuning.
 void count_as_tuning(RunState& state) {
   Calls& calls = state.posterior.calls;
   state.posterior.warmup_evaluations = likelihood_evaluations(state);

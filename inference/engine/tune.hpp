@@ -12,8 +12,8 @@ namespace wheeltap::inference {
 /// weights that the chains use while drawing (RunState::sampling_bias).
 void tune(RunContext& run, RunState& state);
 
-/// Pools the chains' samples and fits the proposals to them: RunState::pilot. Round 0 follows
-/// exploration.
+/// Pools the samples of the chains and fits the proposals (RunState::pilot) to the pooled samples.
+/// Round 0 follows exploration.
 void fit_proposals(RunContext& run, RunState& state, int round);
 
 }  // namespace wheeltap::inference

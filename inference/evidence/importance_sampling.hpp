@@ -31,9 +31,9 @@ struct ImportanceSampling {
                                                      const NormalMixture& proposal,
                                                      const ImportanceOptions& options);
 
-/// ln π(z) - ln q(z) of n draws from q. The number of likelihood calls is added to `evaluations`.
-/// Any thread may call `stop`, if given, before a draw. Once `stop` returns true, the ratios are
-/// invalid.
+/// ln π(z) - ln q(z) of n draws from q. The number of likelihood evaluations is added to
+/// `evaluations`. Any thread may call `stop`, if given, before a draw. Once `stop` returns true,
+/// the ratios are invalid.
 [[nodiscard]] std::vector<double> log_importance_ratios(const Problem& problem, int model,
                                                         const NormalMixture& proposal, int n,
                                                         std::uint64_t seed, int threads,

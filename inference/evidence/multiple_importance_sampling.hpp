@@ -24,8 +24,8 @@ namespace wheeltap::inference {
 class MultipleImportanceSampler {
  public:
   /// The sampler keeps a reference to `problem`. Draws depend on the seed and not on the number of
-  /// threads. Any thread may call `stop` between two likelihood calls. Once `stop` returns true,
-  /// the sample is invalid.
+  /// threads. Any thread may call `stop` between two likelihood evaluations. Once `stop` returns
+  /// true, the sample is invalid.
   MultipleImportanceSampler(const Problem& problem, int model, std::uint64_t seed, int threads,
                             std::function<bool()> stop = nullptr)
       : problem_(problem), model_(model), seed_(seed), threads_(threads), stop_(std::move(stop)) {}

@@ -12,7 +12,7 @@
 namespace wheeltap::inference {
 
 /// Path of the data, for problems that can be shortened: all data at once, a growing part of the
-/// data, or the better path of the two.
+/// data, or the better of these two paths.
 enum class TmcmcPath { at_once, growing, better };
 
 struct TmcmcOptions {
@@ -26,15 +26,15 @@ struct TmcmcOptions {
   /// has many stages, this number is halved.
   double acceptances = 6.0;
   TmcmcPath path = TmcmcPath::better;
-  /// Number of likelihood calls after which the run ends early (`Tmcmc::cut`); 0: no limit.
+  /// Number of likelihood evaluations after which the run ends early (`Tmcmc::cut`); 0: no limit.
   long most_evaluations = 0;
   int threads = 0;  ///< 0: all threads of the machine. The results do not depend on the number of
                     ///< threads.
   /// Callback, called from one thread at a time with the share of the work done since the last
   /// call. If the callback returns false, the run ends and ln Z is NaN.
   std::function<bool(double share)> progress = nullptr;
-  /// Callback, called between two likelihood calls by any thread. If the callback returns true, the
-  /// run ends.
+  /// Callback, called between two likelihood evaluations by any thread. If the callback returns
+  /// true, the run ends.
   std::function<bool()> stop = nullptr;
 };
 

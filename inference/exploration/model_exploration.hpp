@@ -18,7 +18,7 @@ struct ExplorationOptions {
   /// Starting points of local optimisations in addition to draws of the prior.
   std::vector<std::vector<double>> starts{};
   long climbs = 0;       ///< ModeSearchOptions::climbs
-  long budget = 100000;  ///< largest number of likelihood calls for local optimisations
+  long budget = 100000;  ///< largest number of likelihood evaluations for local optimisations
   double effort = 1.0;   ///< effort of local optimisations as a record grows (ModeSearchOptions)
   bool anneal = true;    ///< run SMC from the prior, with the shortest sufficient length
   /// Run local optimisations only, for one of very many models. The evidence is then computed by
@@ -36,16 +36,17 @@ struct ExplorationOptions {
   /// Callback, called from one thread at a time with the share of the work done since the last
   /// call. If the callback returns false, the exploration ends.
   std::function<bool(double share)> progress = nullptr;
-  /// Callback, called between two likelihood calls by any thread. If the callback returns true, the
-  /// exploration ends.
+  /// Callback, called between two likelihood evaluations by any thread. If the callback returns
+  /// true, the exploration ends.
   std::function<bool()> stop = nullptr;
 };
 
-/// Likelihood calls of the exploration.
+/// Likelihood evaluations of the exploration.
 struct ExplorationCalls {
-  long search = 0;  ///< calls of local optimisations, for a record mostly on its first samples
-  long anneal = 0;  ///< calls of sequential Monte Carlo
-  long weigh = 0;   ///< calls of importance sampling from the mixture fitted to the findings
+  long search = 0;  ///< evaluations by local optimisations, for a record mostly on its first
+                    ///< samples
+  long anneal = 0;  ///< evaluations by sequential Monte Carlo
+  long weigh = 0;   ///< evaluations by importance sampling from the mixture fitted to the findings
   [[nodiscard]] long sum() const { return search + anneal + weigh; }
 };
 
@@ -92,14 +93,14 @@ struct ModelExploration {
 /// balance heuristic) gives its draws the correct weights. A posterior mode that only one method
 /// found is thus included. A mode that both methods found is counted once.
 ///
-/// The local optimisations run first, because they need the fewest likelihood calls. If the local
-/// optimisations determine the posterior (settled), a brief SMC run tests whether they missed
+/// The local optimisations run first, because they need the fewest likelihood evaluations. If the
+/// local optimisations determine the posterior (settled), a brief SMC run tests whether they missed
 /// probability mass. Missed probability mass shows itself in two ways. First, the evidence by SMC
 /// exceeds the evidence by the mixture significantly, by the criterion of the convergence
 /// diagnosis. Second, SMC draws lie far from every known mode, and a local optimisation from these
 /// draws leads to another mode. On a record, SMC may fail on the first samples. SMC then ends after
-/// a fixed number of likelihood calls, and local optimisations from its current draws replace it. A
-/// full SMC run follows only if the brief run shows missed probability mass, or if the local
+/// a fixed number of likelihood evaluations, and local optimisations from its current draws replace
+/// it. A full SMC run follows only if the brief run shows missed probability mass, or if the local
 /// optimisations did not determine the posterior.
 [[nodiscard]] ModelExploration explore_model(const Problem& problem, int model,
                                              const ExplorationOptions& options);

@@ -48,7 +48,7 @@ class NormalMixture {
   explicit NormalMixture(std::vector<Component> components,
                          double degrees_of_freedom = std::numeric_limits<double>::infinity());
 
-  /// Restores a mixture from the components of another one bit for bit, without normalising the
+  /// Restores a mixture from the components of another mixture bit for bit, without normalising the
   /// weights. Throws the exceptions of the constructor.
   [[nodiscard]] static NormalMixture restored(std::vector<Component> components,
                                               double degrees_of_freedom);

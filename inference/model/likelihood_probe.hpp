@@ -5,12 +5,12 @@
 
 namespace wheeltap::inference {
 
-/// Run time of a likelihood call as processor time of one thread [s]. Other processes hardly affect
-/// this time.
+/// Run time of a likelihood evaluation as processor time of one thread [s]. Other processes hardly
+/// affect this time.
 struct LikelihoodTime {
   double mean = 0.0;    ///< mean over draws of the prior, where local optimisations start
   double middle = 0.0;  ///< median, which a few expensive evaluations do not change
-  long calls = 0;       ///< number of measured calls
+  long calls = 0;       ///< number of measured evaluations
 };
 
 /// Evaluates the likelihood at draws of the prior of all models with parameters in turn, for about

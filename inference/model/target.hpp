@@ -102,8 +102,8 @@ class Likelihood {
   ///
   /// where I is a positive semidefinite approximation of -∇² ln p. Derivatives may be computed as
   /// differences from x_i to x_i + s_i. Returns false, with undefined output, if there is no such
-  /// approximation. Only searches use this approximation. One call counts as d + 1 evaluations,
-  /// or as two with exact derivatives.
+  /// approximation. Only searches use this approximation. One call counts as d + 1 likelihood
+  /// evaluations, or as two with exact derivatives.
   virtual bool gauss_newton(int /*model*/, std::span<const double> /*x*/,
                             std::span<const double> /*steps*/, std::span<double> /*gradient*/,
                             std::span<double> /*information*/) {
@@ -288,9 +288,9 @@ class Target {
 
   [[nodiscard]] const Problem& problem() const { return *problem_; }
   [[nodiscard]] const ModelSpace& space() const { return problem_->space; }
-  /// Number of calls of the likelihood, or of the approximation if the problem has one.
+  /// Number of evaluations of the likelihood, or of its approximation if the problem has one.
   [[nodiscard]] long evaluations() const { return memory_.evaluations; }
-  /// Number of calls of the full likelihood if the problem has an approximation; otherwise 0.
+  /// Number of evaluations of the full likelihood if the problem has an approximation; otherwise 0.
   [[nodiscard]] long full_evaluations() const { return memory_.full_evaluations; }
   /// Number of values of NaN or +∞ so far, of the likelihood and its approximation together.
   [[nodiscard]] long impossible() const {

@@ -35,7 +35,8 @@ struct PriorCheck {
 
 struct MoveCheckOptions {
   std::uint64_t seed = 1;
-  int draws = 20000;          ///< number of draws from the prior, with three likelihood calls each
+  int draws = 20000;          ///< number of draws from the prior, with three likelihood evaluations
+                              ///< each
   double false_alarm = 1e-6;  ///< probability that a correct move fails
 };
 

@@ -12,7 +12,7 @@
 namespace wheeltap::inference {
 
 /// ln π(z) as a function of labelled vectors, which is symmetric in the components. ln π is -∞ for
-/// |z_i| > 8.3, which has a prior probability of 1e-16. Surface counts its calls.
+/// |z_i| > 8.3, which has a prior probability of 1e-16. Surface counts its likelihood evaluations.
 class Surface {
  public:
   Surface(const Problem& problem, int model) : posterior_(problem, model) {}
@@ -34,7 +34,8 @@ class Surface {
   [[nodiscard]] long evaluations() const { return posterior_.evaluations(); }
   /// Returns Likelihood::has_exact_derivatives.
   [[nodiscard]] bool has_exact_derivatives() const { return posterior_.has_exact_derivatives(); }
-  /// Number of calls that exact derivatives have saved in comparison with central differences.
+  /// Number of likelihood evaluations that exact derivatives have saved in comparison with central
+  /// differences.
   [[nodiscard]] long saved() const { return saved_; }
   /// Transfers the state between two calls to the Surface of another rank.
   template <class Parcel>
@@ -42,8 +43,8 @@ class Surface {
     posterior_.carry(parcel);
     parcel(gradients_, refusals_, saved_);
   }
-  /// Sets a callback that is called before each likelihood call; if the callback returns true, the
-  /// current climb ends.
+  /// Sets a callback that is called before each likelihood evaluation; if the callback returns
+  /// true, the current climb ends.
   void stop_when(std::function<bool()> stop) { stop_ = std::move(stop); }
   [[nodiscard]] bool stopped() const { return stop_ && stop_(); }
 

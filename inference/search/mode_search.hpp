@@ -23,8 +23,8 @@ struct Mode {
 struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
-  /// Largest number of likelihood calls, including calls that exact derivatives save; climbs in
-  /// progress are finished.
+  /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
+  /// climbs in progress are finished.
   long budget = 100000;
   /// Factor in (0, 1] on the work for a growing record: the number of climbs from the prior, of
   /// followed modes, and of draws near each mode.
@@ -32,12 +32,12 @@ struct ModeSearchOptions {
   /// Additional starting points, e.g. draws of another method; `climbs` does not count them.
   std::vector<std::vector<double>> starts{};
   bool fine = false;  ///< `starts` are near modes: use small first differences (climb.hpp)
-  int threads = 0;    ///< 0: all threads of the machine. Results do not depend on it.
+  int threads = 0;    ///< 0: all threads of the machine. Results do not depend on this number.
   /// Callback, called from one thread with the completed share. If it returns false, the search
   /// ends.
   std::function<bool(double share)> progress = nullptr;
-  /// Callback, called between two likelihood calls by any thread. If it returns true, the search
-  /// ends, and climbs in progress are discarded.
+  /// Callback, called between two likelihood evaluations by any thread. If it returns true, the
+  /// search ends, and climbs in progress are discarded.
   std::function<bool()> stop = nullptr;
 };
 
@@ -69,8 +69,8 @@ inline constexpr long kMostClimbs = 10000;
 /// Marquardt's method (Moré 1978) with the same rule for its steps, and BFGS if this method does
 /// not converge. If modes are known, one or two Newton steps with the curvature of the nearest mode
 /// are tried first. If these steps converge to the known mode, and three points on the way show no
-/// other mode, the climb is complete after a few calls. Thousands of climbs are thus affordable if
-/// the posterior is nearly normal.
+/// other mode, the climb is complete after a few evaluations. Thousands of climbs are thus
+/// affordable if the posterior is nearly normal.
 ///
 /// Components are exchangeable: the climb uses labelled vectors, in which ln π is symmetric, and
 /// sorts its result. Two end points are the same mode if the straight line between them has no

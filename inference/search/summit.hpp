@@ -17,7 +17,7 @@ namespace wheeltap::inference {
 ///
 /// to about 1e-9 standard deviations. At these two points, only spikes narrower than 1e-9 standard
 /// deviations are missed; other points are not searched. Uses at most `summit_calls(d)` likelihood
-/// calls.
+/// evaluations.
 [[nodiscard]] std::optional<Eigen::VectorXd> above_summit(Surface& f, const KnownMode& mode);
 
 inline constexpr double kAboveSummit = 2.0;  ///< nats

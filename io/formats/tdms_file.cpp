@@ -258,7 +258,8 @@ class Parser {
       const std::size_t size = size_of(layout.type);
       if (layout.type != kString && size == 0)
         corrupt("channel " + channel.path + " holds values of the type " +
-                std::to_string(layout.type) + ", which is not read: write them as doubles");
+                std::to_string(layout.type) +
+                ", which Wheeltap does not read: write the values as doubles");
       if (layout.type == kString)
         layout.bytes = take<std::uint64_t>();
       else if (layout.count > bytes_.size() / size)

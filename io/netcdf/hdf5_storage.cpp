@@ -73,9 +73,10 @@ void require(hid_t file, const std::filesystem::path& name) {
   ExternalReference out;
   H5Lvisit(file, H5_INDEX_NAME, H5_ITER_NATIVE, visit, &out);
   if (out.how.empty()) return;
-  throw FileError(FileError::Kind::corrupt, name,
-                  "\"" + in_utf8(out.name) + "\" " + out.how +
-                      ": only numbers in the file itself are read; write them into it");
+  throw FileError(
+      FileError::Kind::corrupt, name,
+      "\"" + in_utf8(out.name) + "\" " + out.how +
+          ": Wheeltap reads only numbers in the file itself; write the numbers into this file");
 }
 
 }  // namespace

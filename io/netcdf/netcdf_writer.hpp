@@ -14,8 +14,8 @@
 
 namespace wheeltap::io {
 
-/// Writes a NetCDF-4 file in memory or on the disk (write_netcdf.hpp chooses between them).
-/// Messages use `name` for the file. All functions throw io::FileError (unwritable).
+/// Writes a NetCDF-4 file in memory or on the disk (write_netcdf.hpp chooses the place). Messages
+/// use `name` for the file. All functions throw io::FileError (unwritable).
 class NetcdfWriter {
  public:
   explicit NetcdfWriter(const std::filesystem::path& name) : path_(name) {

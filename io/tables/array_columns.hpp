@@ -46,12 +46,13 @@ struct ChosenColumns {
 
 /// Adds to `table` the columns, without values, of all arrays that have the same channel length. If
 /// the arrays have several channel lengths, this function selects the length that most of the
-/// requested columns have. Without requested columns, it selects the length of the arrays that
-/// together hold the most numbers. A vector "a" becomes the column "a". A matrix "X" becomes the
-/// columns "X(:,1)", "X(:,2)", … or, if rows are channels, "X(1,:)", …. An array of three
-/// dimensions becomes the columns "H(1,1,:)", …. The parts "H, real" and "H, imaginary" of a
-/// complex array become "H(:,1), real" and so on. Arrays of other lengths are added to
-/// `table.others`, with the name that selects the array in a case. Single numbers are skipped.
+/// requested columns have. If no columns are requested, it groups the arrays by channel length and
+/// selects the length whose arrays contain the most numbers in total. A vector "a" becomes the
+/// column "a". A matrix "X" becomes the columns "X(:,1)", "X(:,2)", … or, if rows are channels,
+/// "X(1,:)", …. An array of three dimensions becomes the columns "H(1,1,:)", …. The parts "H, real"
+/// and "H, imaginary" of a complex array become "H(:,1), real" and so on. Arrays of other lengths
+/// are added to `table.others`, with the name that selects the array in a case. Single numbers are
+/// skipped.
 [[nodiscard]] ChosenColumns choose_columns(std::span<const ArrayShape> arrays,
                                            const ArrayLayout& layout, const Wanted& wanted,
                                            Columns& table);

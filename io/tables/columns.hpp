@@ -21,7 +21,7 @@ struct Column {
   std::string unit = {};    ///< "N", or empty
   std::vector<double> values = {};
   /// The printed precision of the column: the largest number of digits after the decimal point, and
-  /// the largest number of significant digits. Both are negative for binary files.
+  /// the largest number of significant digits. Both numbers are negative for binary files.
   int decimals = -1;
   int digits = -1;
   /// The content of the column: numbers; time stamps, with values in seconds since the first time

@@ -50,7 +50,7 @@ struct FoundLayout {
 /// A line of text; an input of the layout detection.
 struct TextLine {
   std::string_view text;
-  int number = 0;  ///< from 1
+  int number = 0;  ///< number of the line, from 1
   bool is_comment = false;
 };
 

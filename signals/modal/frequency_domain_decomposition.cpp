@@ -282,9 +282,10 @@ ModalResult decompose_spectra(const Eigen::Ref<const MatrixXd>& records,
   if (options.segment > 0) out.segment = std::max(16, options.segment / out.decimated / 2 * 2);
   out.segments = static_cast<int>(2 * y.cols() / out.segment) - 1;
   if (out.segments < kFewestSegments)
-    throw std::invalid_argument("segment = " + std::to_string(out.segment) +
-                                ": the record must hold at least eight of them, with 50 % overlap, "
-                                "after decimation to the band");
+    throw std::invalid_argument(
+        "segment = " + std::to_string(out.segment) +
+        ": the record must hold at least eight segments, with 50 % overlap, "
+        "after decimation to the band");
   out.blocks = std::clamp(options.blocks > 0 ? options.blocks : kSpectrumBlocks,
                           kFewestSpectrumBlocks, std::max(kFewestSpectrumBlocks, out.segments / 2));
   const Spectra spectra = spectra_of(y, out, out.blocks, options.threads);

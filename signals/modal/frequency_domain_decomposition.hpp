@@ -39,7 +39,8 @@ struct DecompositionOptions {
 /// (n_b - 1)/n_b Σ (x_k - x̄)(x_k - x̄)ᵀ, where x_k is the result without block k (Miller 1974,
 /// Biometrika 61:1). The jackknife covariances include the random errors of the estimates but not
 /// their bias. efdd omits a peak whose correlation function c does not decay. Throws
-/// std::invalid_argument like identify_modes, and if the record holds fewer than eight segments.
+/// std::invalid_argument in the same cases as identify_modes, and if the record holds fewer than
+/// eight segments.
 [[nodiscard]] ModalResult decompose_spectra(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                             const DecompositionOptions& options);
 

@@ -54,7 +54,7 @@ struct MergedMode {
 };
 
 struct MergedModes {
-  std::vector<MergedMode> modes = {};  ///< by frequency
+  std::vector<MergedMode> modes = {};  ///< merged modes by ascending frequency
   Eigen::MatrixXd covariance = {};     ///< all frequencies, then all damping ratios
   std::vector<int> references = {};    ///< sensors that occur in every set-up
 };

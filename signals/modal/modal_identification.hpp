@@ -83,7 +83,7 @@ struct ModalRemarks {
 
 struct ModalResult {
   ModalMethod method = ModalMethod::subspace;
-  std::vector<Mode> modes = {};     ///< by frequency
+  std::vector<Mode> modes = {};     ///< modes by ascending frequency
   Eigen::MatrixXd covariance = {};  ///< covariance of all frequencies [Hz], then all damping ratios
   Stabilisation diagram = {};
   bool chosen_by_hand = false;  ///< the modes are poles that the options list
@@ -107,10 +107,10 @@ struct ModalResult {
 /// to the band and identifies the modes twice. In the first identification, the lags cover one
 /// period of the lowest frequency of the band. In the second identification, the lags cover one
 /// period of the lowest mode, because more lags increase the variance of the estimates. Poles
-/// chosen by hand replace the modes of the last diagram; they do not change the diagram. Throws
+/// chosen by the user replace the modes of the last diagram; they do not change the diagram. Throws
 /// ChosenPoleError, ChannelError (signals/refuse.hpp) for channels that are constant, proportional
-/// to another one or not finite, and std::invalid_argument for an invalid band and for records too
-/// short for any order.
+/// to another channel or not finite, and std::invalid_argument for an invalid band and for records
+/// too short for any order.
 [[nodiscard]] ModalResult identify_modes(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                          const ModalOptions& options);
 

@@ -34,8 +34,8 @@ struct StabilisationOptions {
 /// Poles of several model orders that belong to one mode.
 struct ModeCluster {
   std::vector<int> members = {};  ///< indices in Stabilisation::poles, by order
-  int orders = 0;                 ///< number of model orders from the first one with this mode to
-                                  ///< the last one computed
+  int orders = 0;                 ///< number of model orders from the first model order with this
+                                  ///< mode to the last computed model order
   int chosen = -1;                ///< index of the chosen member, see `stabilise`
   [[nodiscard]] double share() const {
     return orders > 0 ? static_cast<double>(members.size()) / orders : 0.0;
@@ -44,10 +44,12 @@ struct ModeCluster {
 
 /// Reasons to reject a cluster as a mode.
 enum class Rejection {
-  few_orders,  ///< in less than least_share of the model orders from the first one with the cluster
-  splinter,    ///< part of a mode whose other cluster has a smaller uncertainty
+  few_orders,  ///< in less than least_share of the model orders from the first model order with the
+               ///< cluster
+  splinter,    ///< second cluster of a mode that was split; the other cluster has more poles and a
+               ///< smaller uncertainty
   noise,       ///< a model without this cluster fits the free decays equally well
-  not_chosen   ///< not in the list of poles chosen by hand
+  not_chosen   ///< not in the list of poles chosen by the user
 };
 struct RejectedCluster {
   ModeCluster cluster = {};
@@ -60,19 +62,20 @@ struct Stabilisation {
   std::vector<bool> hard = {};                 ///< true for poles that meet the hard criteria
   double threshold = 0.0;                      ///< largest distance within a cluster
   int orders = 0;                              ///< number of model orders computed
-  std::vector<ModeCluster> modes = {};         ///< by frequency
+  std::vector<ModeCluster> modes = {};         ///< modes by ascending frequency
   std::vector<RejectedCluster> rejected = {};  ///< rejected clusters with at least three poles
 };
 
 /// Selects modes from a stabilisation diagram. Clusters that belong to one peak of the spectrum are
-/// joined. Their poles have the same shape (MAC above 0.9), their frequencies and damping ratios
-/// differ by less than three standard deviations, and the frequencies lie within their half-power
-/// bandwidths. Clusters with different shapes are not joined, even if their frequencies are close.
+/// joined. The poles of joined clusters have the same shape (MAC above 0.9), their frequencies and
+/// damping ratios differ by less than three standard deviations, and the frequencies lie within
+/// their half-power bandwidths. Clusters with different shapes are not joined, even if their
+/// frequencies are close.
 ///
 /// A mode is a cluster that occurs in at least three model orders, and in at least `least_share` of
-/// the model orders from the first one with this cluster. A cluster is rejected as a splinter of
-/// another cluster if the other cluster lies within three standard deviations and has the same
-/// shape, more poles and at most half the uncertainty.
+/// the model orders from the first model order with this cluster. A cluster is rejected as a
+/// splinter of another cluster if the other cluster lies within three standard deviations and has
+/// the same shape, more poles and at most half the uncertainty.
 ///
 /// One pole represents the mode. The uncertainty of a pole is the geometric mean of the relative
 /// standard deviations of frequency and damping ratio. Candidates are poles whose uncertainty is at
@@ -100,7 +103,7 @@ struct Stabilisation {
 [[nodiscard]] Stabilisation stabilise(std::vector<std::vector<Pole>> by_order,
                                       const StabilisationOptions& options);
 
-/// A pole chosen by hand: the pole of the model order `order` that is nearest to the stated
+/// A pole chosen by the user: the pole of the model order `order` that is nearest to the stated
 /// frequency.
 struct ChosenPole {
   int order = 0;

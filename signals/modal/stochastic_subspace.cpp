@@ -80,7 +80,7 @@ StochasticSubspace::StochasticSubspace(const HankelFactor& factor, SubspaceOptio
   if (channels_ < 1 || factor.hankel.rows() < 2 * channels_ ||
       factor.hankel.rows() % channels_ != 0)
     refuse("rows", static_cast<double>(factor.hankel.rows()),
-           "must be block rows of " + std::to_string(channels_) + " sensors, two at least");
+           "must be block rows of " + std::to_string(channels_) + " sensors, at least two");
   decompose(
       factor.hankel,
       [&](int k) -> const MatrixXd& { return factor.moves[static_cast<std::size_t>(k)]; }, options);

@@ -81,7 +81,7 @@ class StochasticSubspace {
   StochasticSubspace(const OutputCovariances& covariances, SubspaceOptions options);
 
   /// Uses a given Hankel matrix, for example that of merged set-ups; `columns` of the options is
-  /// not used. Throws std::invalid_argument like the other constructor.
+  /// not used. Throws std::invalid_argument in the same cases as the other constructor.
   StochasticSubspace(const HankelFactor& factor, SubspaceOptions options);
 
   [[nodiscard]] int largest_order() const { return largest_; }

@@ -272,7 +272,7 @@ TEST(StructureCommand, MechanismsAndBucklingAreNamed) {
 TEST(StructureCommand, BeamAndStructureAreNotMixed) {
   json both = portal_frame();
   both["beam"] = json::object();
-  expect_ends_with_65(both, "/structure: replaces beam: give one of them");
+  expect_ends_with_65(both, "/structure: replaces \"beam\": give only one of the two keys");
   const Workspace where;
   const std::string path = where.write_json("portal.json", portal_frame()).string();
   const Outcome ran = wheeltap(where, "table " + path + " -o " + (where / "t.nc").string());

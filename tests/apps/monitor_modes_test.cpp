@@ -150,7 +150,7 @@ TEST_F(MonitoredModes, NameWhatIsWrong) {
   };
   json c = a_case();
   c["series"]["features"] = {"f1"};
-  expect(c, "give one of them");
+  expect(c, "give only one of the two keys");
   c = a_case();
   c["series"].erase("modes");
   expect(c, "must have \"features\"");

@@ -205,7 +205,7 @@ TEST(SectionCommand, BadOutlinesSayWhere) {
   parts["regions"] = {{{"outline", {{0.5, 0}, {1.5, 0}, {1.5, 1}, {0.5, 1}}}}};
   refused(of_section(parts), "/section/regions/0", "overlaps");
   parts["regions"] = {{{"outline", {{5, 0}, {6, 0}, {6, 1}}}}};
-  refused(of_section(parts), "/section", "2 separate pieces");
+  refused(of_section(parts), "/section", "2 unconnected parts");
   parts["regions"][0]["young"] = 1e9;
   refused(of_section(parts), "/section/regions/0/young", "needs the reference value");
   refused({{"section", polygon(square)}}, "/poisson", "is missing");

@@ -333,7 +333,7 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
   expect_refused(changed("/structure/members/1/ends/D", "hinge"),
                  "/structure/members/1/ends/D: \"hinge\": is not an end node of this member");
   expect_refused(changed("/structure/members/1/ends/B", {{"rx", 1}}),
-                 "in the plane an end has \"rotation\"");
+                 "in a plane model, an end has \"rotation\"");
   expect_refused(changed("/structure/members/1/ends/B/rotation", -1),
                  "/structure/members/1/ends/B/rotation: -1");
   expect_refused(changed("/structure/members/1/offsets", {{"B", {0, 0, 1}}}),
@@ -342,9 +342,9 @@ TEST(StructureCase, RefusesWhatIsWrongInANodeOrAMember) {
                  "/structure/members/1/up: [0,0,1]: is allowed with dimension 3");
   expect_refused(changed("/structure/members/1/pieces", {{{"to", 0.5}}, {{"to", 0.4}}}),
                  "/structure/members/1/pieces/1/to: 0.4: must be greater than");
-  expect_refused(
-      changed("/structure/members/1/pieces", {{{"to", 0.5}}}),
-      "/structure/members/1/pieces/0/to: 0.5: the last piece must end at the member's length, 1 m");
+  expect_refused(changed("/structure/members/1/pieces", {{{"to", 0.5}}}),
+                 "/structure/members/1/pieces/0/to: 0.5: the last segment must end at the member's "
+                 "length, 1 m");
   expect_refused(changed("/structure/members/1/pieces", {json::object(), {{"to", 1}}}),
                  "/structure/members/1/pieces/0/to: is missing");
   expect_refused(changed("/structure/members/1/wdith", 1),
@@ -366,7 +366,7 @@ TEST(StructureCase, RefusesWhatIsWrongAtANode) {
   expect_refused(changed("/structure/masses/0/mass", -2),
                  "/structure/masses/0/mass: -2: must be >= 0");
   expect_refused(changed("/structure/masses/0/inertia", {1, 1, 1}),
-                 "/structure/masses/0/inertia: [1,1,1]: in the plane");
+                 "/structure/masses/0/inertia: [1,1,1]: in a plane model");
   expect_refused(changed("/structure/springs/0", {{"node", "B"}, {"stiffness", 1}}),
                  "/structure/springs/0/direction: is missing");
   expect_refused(changed("/structure/springs/0", {{"stiffness", 1}}),

@@ -144,13 +144,13 @@ TEST(SectionMesh, RejectsMisuse) {
       [] {
         (void)section_mesh({{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(2, 0, 3, 1)}}});
       },
-      {"2 separate pieces"});
+      {"2 unconnected parts"});
   // Regions that touch only at a corner are not connected.
   expect_refusal(
       [] {
         (void)section_mesh({{{.outer = rectangle(0, 0, 1, 1)}, {.outer = rectangle(1, 1, 2, 2)}}});
       },
-      {"2 separate pieces"});
+      {"2 unconnected parts"});
   expect_refusal(
       [] {
         (void)section_mesh(of_one(rectangle(0, 0, 1, 1), 0.3),

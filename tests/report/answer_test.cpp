@@ -148,12 +148,12 @@ TEST(Answer, MisfitComesBeforeTheWinner) {
   findings.fit_verdict.why = {misfit::Unexplained{"force", -0.28}};
   Answer a = apps::answer(findings);
   EXPECT_EQ(a.headline,
-            "None of these models explains the record (R² -0.28 for \"force\"). Best of them: "
+            "None of these models explains the record (R² -0.28 for \"force\"). Best model: "
             "“viscous” (> 99.9 %).");
   EXPECT_TRUE(a.misfit);
   findings.sampling.verdict.converged = false;  // was "…: So far: …"
   EXPECT_THAT(apps::answer(findings).headline,
-              HasSubstr(". Best of them so far: “viscous” (> 99.9 %)."));
+              HasSubstr(". Best model so far: “viscous” (> 99.9 %)."));
   findings.sampling.verdict.converged = true;
   findings.models.pop_back();
   a = apps::answer(findings);
@@ -168,7 +168,7 @@ TEST(Answer, FrequenciesThatNothingExplainsComeFirst) {
   run.findings.fit_verdict.why = {misfit::BeyondNoise{0.0, {1, 2}, false}};
   EXPECT_THAT(answer(run).headline,
               StartsWith("No number of damages that the case allows explains the frequencies "
-                         "(predictive p < 1e-15). Best of them: One damage (65.1 %)."));
+                         "(predictive p < 1e-15). Best model: One damage (65.1 %)."));
   run.findings.fit_verdict.why = {misfit::WithinNoise{0.99999998, 0.2}};
   EXPECT_THAT(answer(run).headline, StartsWith("The frequencies fit more closely than the stated "
                                                "noise of 20 % allows (predictive p > 0.9999)."));

@@ -69,7 +69,7 @@ export const polesView = async (place, name) => {
   const setUp = kept.set_ups[0], about = summary.set_ups ? { ...summary.set_ups[0] } : summary;
   if (kept.set_ups.length !== 1 || !setUp.poles.length) {
     place.replaceChildren(element('h1', {}, `Poles of ${name}`), element('p', {}, kept.set_ups.length > 1
-      ? 'Several set-ups have a diagram each. A choice by hand needs one record, or "merge": "preger".' : 'This method has no stabilisation diagram: use the method ssi-cov.'));
+      ? 'Several set-ups have a diagram each. The choice of poles needs one record, or "merge": "preger".' : 'This method has no stabilisation diagram: use the method ssi-cov.'));
     return runsPlace.close;
   }
   let version = opened.version;

@@ -331,7 +331,7 @@ void check_source(const CaseFile& file) {
                              ? "must have \"features\" (columns of a table), \"modes\" (files of "
                                "wheeltap modal) or \"records\" (raw records)"
                              : "has both \"" + sources[0] + "\" and \"" + sources[1] +
-                                   "\": give one of them");
+                                   "\": give only one of the two keys");
   const bool table = sources[0] == "features";
   const auto need = [&](const char* key) {
     if (!series.contains(key)) file.refuse(kSeries / key, "is missing: the table needs it");

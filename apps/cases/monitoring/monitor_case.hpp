@@ -47,7 +47,7 @@ struct MonitorCaseFile {
   identification::monitoring::MonitorOptions options = {};
   /// Set if the features come from modes or records
   std::optional<TrackedTests> tests = {};
-  std::optional<MonitoredStructure> structure = {};  ///< to explain changes
+  std::optional<MonitoredStructure> structure = {};  ///< structure that explains changes
   std::vector<std::string> warnings = {};
 };
 
@@ -62,7 +62,7 @@ struct MonitorCaseFile {
 [[nodiscard]] Pointer source_of(const CaseFile& file);
 
 /// The state of the files of the series, as text. The text changes if a file is added or written.
-/// It is empty if the case cannot be read.
+/// The text is empty if the case cannot be read.
 [[nodiscard]] std::string files_now(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -106,7 +106,7 @@ class TruthParser {
     if (!file_.json.contains(where) && !structure_)
       file_.refuse(where,
                    "is missing: give one frequency in Hz for each feature, or a "
-                   "\"structure\" or \"beam\" to compute them from");
+                   "\"structure\" or \"beam\" from which Wheeltap computes the frequencies");
     const std::vector<double> values =
         file_.json.contains(where) ? one_each(where, features_, 0.0) : structure_->intact_hz;
     const std::vector<double> slopes = one_each(kTruth / "per_degree", features_, -0.0005);

@@ -74,7 +74,8 @@ DamageCaseFile parse_kinds(const CaseFile& file) {
   const Pointer mass_prior = kExplanation / "added_mass";
   if (std::ranges::any_of(parsed.damage.kinds, is_mass)) {
     if (file.json.contains(mass_prior))
-      file.refuse(mass_prior, "\"damage\" has a kind \"mass\" already: give one of them");
+      file.refuse(mass_prior,
+                  "\"damage\" already contains the kind \"mass\": give only one of the two");
     return parsed;
   }
   const Json mass = added_mass(file, parsed.damage);
@@ -130,7 +131,7 @@ void read_weights(const CaseFile& file, MonitoredStructure& out) {
   for (std::size_t k = 0; k < causes.share.size(); ++k)
     if (!(causes.share[k] > 0.0))
       file.refuse(out.parsed.kinds[k],
-                  "has no prior probability: \"count\" must allow one defect at least");
+                  "has no prior probability: \"count\" must allow at least one defect");
   if (!(w.damage > 0.0)) file.refuse(where / "damage", "must be > 0");
 }
 

@@ -1,4 +1,4 @@
-// The key `poles` of a modal case: poles of the stabilisation diagram, chosen by hand.
+// The key `poles` of a modal case: poles of the stabilisation diagram that the user chose.
 #pragma once
 
 #include <vector>

@@ -124,7 +124,7 @@ StructureModel parse_matrices(const CaseFile& file) {
     if (file.json.contains(kMatrixStructure / "scale" / name) &&
         file.json.contains(kMatrixStructure / "change" / name))
       file.refuse(kMatrixStructure / "change" / name,
-                  "has \"scale\" already: give one of them; scale is 1 + change");
+                  "contradicts \"scale\": give only one of the two keys; scale is 1 + change");
     change("scale", kPositive, 1.0);
     change("change", {.lower = -1.0, .open = true, .words = "above -1"}, 0.0);
     out.parts.push_back(std::move(part));

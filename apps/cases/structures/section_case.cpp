@@ -98,7 +98,8 @@ void check_polygon(const CaseFile& file, const Pointer& where) {
   if (!outline && !named && !s.contains("regions"))
     file.refuse(where / "outline",
                 "is missing: a \"polygon\" section needs outline, file or regions");
-  if (outline && named) file.refuse(where / "file", "replaces outline: give one of them");
+  if (outline && named)
+    file.refuse(where / "file", "replaces \"outline\": give only one of the two keys");
   if (!outline && s.contains("holes"))
     file.refuse(where / "holes", "are allowed with outline only; a file contains its holes");
   if (!named && s.contains("unit")) file.refuse(where / "unit", "is allowed with file only");
@@ -168,7 +169,8 @@ fem::Outline parse_outline(const CaseFile& file, const Pointer& where,
     const Pointer at = where / "regions" / i;
     double modulus = part.value("modulus", 1.0);
     if (part.contains("young")) {
-      if (part.contains("modulus")) file.refuse(at / "modulus", "replaces young: give one of them");
+      if (part.contains("modulus"))
+        file.refuse(at / "modulus", "replaces \"young\": give only one of the two keys");
       if (!material.young)
         file.refuse(
             at / "young",

@@ -234,12 +234,12 @@ class MemberParser {
       if (at(here).contains("to"))
         piece.to = at(here).at("to").get<double>();
       else if (!last)
-        file_.refuse(here / "to", "is missing: must be the end of the piece, in m");
+        file_.refuse(here / "to", "is missing: must be the end of the segment, in m");
       if (!(piece.to > before))
-        file_.refuse(here / "to", "must be greater than the end of the previous piece, " +
+        file_.refuse(here / "to", "must be greater than the end of the previous segment, " +
                                       plain_number(before) + " m");
       if (last ? std::abs(piece.to - length) > 1e-6 * length : !(piece.to < length))
-        file_.refuse(here / "to", (last ? "the last piece must end at the member's length, "
+        file_.refuse(here / "to", (last ? "the last segment must end at the member's length, "
                                         : "must be less than the member's length, ") +
                                       plain_number(length) + " m");
       before = piece.to;
@@ -316,10 +316,10 @@ class MemberParser {
         // A plane member bends about its local y axis, which is normal to the plane.
         const std::size_t axis = !space() ? 1 : key == "rx" ? 0 : key == "ry" ? 1 : 2;
         if (space() == (key == "rotation"))
-          file_.refuse(here / key, space()
-                                       ? "in space an end rotates about the member's local axes: "
-                                         "rx, ry, rz"
-                                       : "in the plane an end has \"rotation\"");
+          file_.refuse(here / key,
+                       space() ? "in a space model, an end rotates about the member's local axes: "
+                                 "rx, ry, rz"
+                               : "in a plane model, an end has \"rotation\"");
         member.ends[end].rotation[axis] =
             parameters_.place(here / key, kNotNegative, [=](AnyStructure& s, double x) {
               std::get<fem::Structure>(s).members[index].ends[end].rotation[axis] = x;
@@ -364,7 +364,8 @@ class MemberParser {
       mass.mass = parameters_.place(where / "mass", kNotNegative,
                                     [=](AnyStructure& s, double x) { mass_at(s).mass = x; });
     if (j.contains("inertia") && j.at("inertia").is_array()) {
-      if (!space()) file_.refuse(where / "inertia", "in the plane must be one number, about z");
+      if (!space())
+        file_.refuse(where / "inertia", "in a plane model, must be one number, about z");
       for (std::size_t k = 0; k < 3; ++k)
         mass.inertia[k] =
             parameters_.place(where / "inertia" / k, kNotNegative,
@@ -464,7 +465,7 @@ StructureModel parse_chain(const CaseFile& file) {
 bool has_structure(const CaseFile& file) {
   const bool structure = file.json.contains("structure");
   if (structure && file.json.contains("beam"))
-    file.refuse(kStructure, "replaces beam: give one of them");
+    file.refuse(kStructure, "replaces \"beam\": give only one of the two keys");
   return structure;
 }
 

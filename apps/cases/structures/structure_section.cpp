@@ -118,7 +118,7 @@ class SectionParser {
     if (s_.contains("second_moment")) {
       if (space_)
         file_.refuse(where_ / "second_moment",
-                     "in space give second_moments {\"yy\": ∫z², \"zz\": ∫y²}");
+                     "in a space model, give second_moments {\"yy\": ∫z², \"zz\": ∫y²}");
       yy = take(where_ / "second_moment", kPositive);
     } else {
       yy = take(where_ / "second_moments" / "yy", kPositive);

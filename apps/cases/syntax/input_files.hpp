@@ -15,7 +15,7 @@ namespace wheeltap::apps {
 class InputFiles {
  public:
   /// Adds the fingerprint of a regular file under its name in the case, once. Missing files and
-  /// files of other types are ignored; the reader of the file reports the error.
+  /// files of other types are ignored; the function that reads the file later reports the error.
   void add(const std::string& name, const std::filesystem::path& path);
 
   /// An empty list that shares the fingerprints of files already read.

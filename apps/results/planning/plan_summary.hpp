@@ -19,10 +19,10 @@ namespace wheeltap::apps {
                                   const identification::planning::EngineCheck& check,
                                   const RunInfo& info);
 
-/// A damage case with the sensors of the recommended design. Its truth is the smallest damage that
-/// the test detects with probability 0.9, at the place where this damage is largest. If no place
-/// has such a damage, the truth is the largest damage of the prior. Measured modes replace the
-/// truth after the test.
+/// A damage case with the sensors of the recommended design. The truth of this case is the smallest
+/// damage that the test detects with probability 0.9, at the place where this damage is largest. If
+/// no place has such a damage, the truth is the largest damage of the prior. Measured modes replace
+/// the truth after the test.
 [[nodiscard]] Report recommended_case(const PlanCaseFile& parsed,
                                       const identification::planning::PlanFindings& findings);
 

@@ -53,8 +53,9 @@ std::string separation_in_words(const Report& separation, bool none_yet) {
                      std::to_string(s.at("of").get<int>()) + " compared pairs";
   };
   if (const Report& s = separation.at("sensors"); !s.is_null())
-    out = std::string(none_yet ? "The cheapest sensors that distinguish the locations are "
-                               : "The cheapest further sensor that distinguishes them is ") +
+    out = std::string(none_yet
+                          ? "The cheapest sensors that distinguish the locations are "
+                          : "The cheapest further sensor that distinguishes these locations is ") +
           in_words(names_of(s.at("sensor_names"))) + " (" + share(s) + ")" +
           (none_yet ? "; two are needed, since shapes have no scale." : ".");
   if (const Report& m = separation.at("mass"); !m.is_null())
@@ -168,11 +169,12 @@ std::vector<std::string> plan_details(const Report& plan) {
 std::string check_sentence(const Report& plan) {
   if (!plan.contains("check")) return {};
   const Report& check = plan.at("check");
-  std::string out = "The full engine identified " + std::to_string(check.at("tests").get<int>()) +
-                    " of the simulated tests, " + std::to_string(check.at("damaged").get<int>()) +
-                    " of them with damage. P(at least one damage) of the engine differs by " +
-                    significant(check.at("rms_probability_damaged").get<double>(), 2) +
-                    " (root mean square) from the approximation of the plan.";
+  std::string out =
+      "The full engine identified " + std::to_string(check.at("tests").get<int>()) +
+      " of the simulated tests, " + std::to_string(check.at("damaged").get<int>()) +
+      " of these tests with damage. P(at least one damage) of the engine differs by " +
+      significant(check.at("rms_probability_damaged").get<double>(), 2) +
+      " (root mean square) from the approximation of the plan.";
   const auto corrected = [&](const char* key, const char* words) {
     const Report& c = check.at(key);
     if (c.at("corrected").is_null()) return;
@@ -194,13 +196,14 @@ std::vector<std::string> value_sentences(const Report& plan) {
       (value.at("inspects_without_test").get<bool>() ? " with an inspection."
                                                      : " without an inspection.");
   if (value.at("best").is_null()) {
-    out.push_back("No compared test pays at these costs. " + without);
+    out.push_back("No compared test reduces the expected cost. " + without);
   } else {
     const Report& best = value.at("options")[value.at("best").get<std::size_t>()];
-    out.push_back("The best test is " + best.at("name").get<std::string>() + ". It saves " +
+    out.push_back("The best test is " + best.at("name").get<std::string>() +
+                  ". It reduces the expected cost by " +
                   significant(best.at("saving").get<double>(), 3) + " ± " +
                   significant(best.at("mcse").get<double>(), 1) +
-                  " on average, if alarms have a false-alarm probability of " +
+                  " if alarms have a false-alarm probability of " +
                   percent(best.at("false_alarm").get<double>()) + ". " + without);
   }
   std::vector<std::string> changes;

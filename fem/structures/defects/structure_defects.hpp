@@ -45,7 +45,7 @@ struct StructureDefects {
   struct AddedMass {
     int member;
     double at;    ///< [m]
-    double mass;  ///< [kg]; negative for removed mass
+    double mass;  ///< added mass [kg]; negative for removed mass
   };
   /// A spring to ground.
   struct AddedSupport {

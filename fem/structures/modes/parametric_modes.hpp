@@ -33,21 +33,22 @@ struct ParametricModesOptions {
 /// Dickopf 2017, section 4). The initial basis contains the responses to the low-rank terms, (K₀ +
 /// σM₀)⁻¹ C.
 ///
-/// Every result has an error bound. With a Ritz vector u, uᵀ(K + σM)u = λ + σ, and r = K u - λ M u,
+/// Every computed eigenvalue has an error bound. With a Ritz vector u, uᵀ(K + σM)u = λ + σ, and r =
+/// K u - λ M u,
 ///
 ///   η = ‖r‖_(K + σM)⁻¹ / √(λ + σ)  ≤  ‖r‖_(K₀ + σM)⁻¹ / √(α (λ + σ))
 ///
 /// bounds the relative error of 1/(λ + σ) (Weinstein; low-rank terms are added to K₀ exactly). A
-/// second bound is η²/gap (Temple and Kato), where gap is the relative distance to the rest of the
-/// spectrum. Modes whose relative distance is below `kCluster` share the bound of their common
-/// subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0 unless there are rigid-body motions. The
-/// sine of the angle between a computed and the true shape is at most η/gap. If a bound exceeds its
-/// tolerance, structure_modes solves the full problem.
+/// second bound of this error is η²/gap (Temple and Kato), where gap is the relative distance to
+/// the rest of the spectrum. Modes whose relative distance is below `kCluster` share the error
+/// bound of their common subspace (Mathias 1998, theorem 1): Σ η² / gap. σ = 0 unless there are
+/// rigid-body motions. The sine of the angle between a computed and the true shape is at most
+/// η/gap. If an error bound exceeds its tolerance, structure_modes solves the full problem.
 ///
-/// The bounds prove that a mode lies near each result. They do not prove that no mode is missing.
-/// Sturm counts check for missing modes at every training point during the training; later calls
-/// have no such check. Degrees of freedom without mass need no special treatment, because V
-/// includes the static response of these degrees of freedom.
+/// The error bounds prove that a mode lies near each result. The error bounds do not prove that no
+/// mode is missing. Sturm counts check for missing modes at every training point during the
+/// training; later solutions have no such check. Degrees of freedom without mass need no special
+/// treatment, because V includes the static response of these degrees of freedom.
 ///
 /// The object is immutable after construction; each thread needs its own workspace.
 class ParametricModes {
@@ -70,9 +71,9 @@ class ParametricModes {
     Eigen::VectorXd
         shape_bounds;      ///< bounds of the sines of the angles between computed and true shapes
     bool in_full = false;  ///< true if the full problem was solved
-    /// One matrix (modes × modes) per segment p with the modal stiffnesses φ_jᵀ K_p φ_k. Then, for
-    /// each segment, one matrix with the derivatives of φ_jᵀ K φ_k with respect to a relative error
-    /// of the stiffness that damage removes. Empty unless requested.
+    /// One matrix (modes × modes) per part p of the structure with the modal stiffnesses φ_jᵀ K_p
+    /// φ_k. Then, for each part, one matrix with the derivatives of φ_jᵀ K φ_k with respect to a
+    /// relative error of the stiffness that damage removes. Empty unless requested.
     std::vector<Eigen::MatrixXd> pieces = {};
   };
   /// Derivatives ∂λ/∂θ (modes × parameters), and ∂shapes/∂θ_j (one matrix, motions × modes, per
@@ -102,7 +103,7 @@ class ParametricModes {
     int points = 0;         ///< number of training points with a valid structure
     int solved = 0;         ///< number of full solutions for the basis
     double largest_bound = 0.0;  ///< largest error bound of an eigenvalue over the training set
-    int beyond = 0;              ///< number of training points whose bounds still exceed the
+    int beyond = 0;              ///< number of training points whose error bounds still exceed the
                                  ///< tolerances
     int miscounted = 0;  ///< number of training points at which Sturm counts give another number of
                          ///< modes
@@ -122,8 +123,8 @@ class ParametricModes::Workspace {
   Workspace(Workspace&&) noexcept;
   Workspace& operator=(Workspace&&) noexcept;
   ~Workspace();
-  [[nodiscard]] long solved() const;          ///< number of calls
-  [[nodiscard]] long solved_in_full() const;  ///< number of calls that solved the full problem
+  [[nodiscard]] long solved() const;          ///< number of solutions
+  [[nodiscard]] long solved_in_full() const;  ///< number of solutions of the full problem
 
  private:
   friend class ParametricModes;

@@ -32,11 +32,11 @@ struct StructureModes {
 [[nodiscard]] Eigen::Index mode_count(const Discretisation& d);
 
 /// Computes the lowest modes. Shift-and-invert Lanczos (Spectra) or a dense solver finds
-/// approximate modes. Rounding of the assembled and factored matrices causes errors in the low
-/// modes: λ_max / λ times the rounding error of double. A Rayleigh-Ritz step on the modes and their
-/// residuals, both computed from the strains, removes these errors. A Sturm count by L D Lᵀ detects
-/// a missing mode, for example one of two close modes; the search then continues in the space
-/// orthogonal to the computed modes.
+/// approximate modes. Rounding of the assembled and factored matrices causes relative errors in the
+/// low modes of about λ_max / λ times the unit round-off of double precision. A Rayleigh-Ritz step
+/// on the modes and their residuals, both computed from the strains, removes these errors. A Sturm
+/// count by L D Lᵀ detects a missing mode, for example one of two close modes; the search then
+/// continues in the space orthogonal to the computed modes.
 ///
 /// Throws std::invalid_argument if `modes` exceeds the number of modes of the structure. Throws
 /// InvalidStructure for axial forces beyond buckling and for a mechanism; the message names the

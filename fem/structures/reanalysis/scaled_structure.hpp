@@ -35,7 +35,8 @@ class ScaledStructure {
       StructureFamily family, std::span<const std::vector<double>> samples);
 
   [[nodiscard]] const std::shared_ptr<const Discretisation>& base() const { return base_; }
-  /// The parameters θ of the base structure. Its point masses are the smallest of all samples.
+  /// The parameters θ of the base structure. Each of its point masses has its smallest value among
+  /// all samples.
   [[nodiscard]] const std::vector<double>& base_parameters() const { return origin_; }
   /// Number of strains and motions; 0: only the scale factors depend on θ.
   [[nodiscard]] int columns() const { return static_cast<int>(strains_.size() + masses_.size()); }

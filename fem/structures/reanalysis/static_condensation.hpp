@@ -1,5 +1,5 @@
-// Partition of a structure into small parts and the boundary between them. A load on one part is
-// equivalent to a motion of the interior of the part and forces on the edge of the part.
+// Partition of a structure into small parts and the boundary between the parts. A load on one part
+// is equivalent to a motion of the interior of the part and forces on the edge of the part.
 #pragma once
 
 #include <array>

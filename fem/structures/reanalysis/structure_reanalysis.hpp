@@ -27,8 +27,8 @@ namespace wheeltap::fem {
 /// (`ResidualModes`) match the residual flexibility along the changes up to λ³. The computed
 /// frequencies are those of a constrained structure, so they are not below the true frequencies.
 /// The error bound follows from an eigenvalue count with S minus the largest possible contribution
-/// of the omitted modes. If this bound exceeds 1e-6, the full problem of the changed structure is
-/// solved. Mode shapes remain those of the constrained structure.
+/// of the omitted modes. If this error bound exceeds 1e-6, the full problem of the changed
+/// structure is solved. Mode shapes remain those of the constrained structure.
 ///
 /// Any number of threads may share the object, each thread with its own workspace.
 class StructureReanalysis {

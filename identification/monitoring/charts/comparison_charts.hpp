@@ -6,10 +6,10 @@
 //   T² of the residuals of Gaussian process regression on the covariates,
 //   CUSUM (Page 1954) and multivariate EWMA (Lowry et al. 1992) of the regression's residuals.
 //
-// Each chart is trained on the training rows of the baseline. Its threshold is calibrated for the
-// rate of false alarms that the case states. For each third of the training rows in turn, the chart
-// is trained on the other two thirds and evaluated on this third. The maxima over blocks of these
-// rows give the threshold.
+// Each chart is trained on the training rows of the baseline. The threshold of a chart is
+// calibrated for the rate of false alarms that the case states. For each third of the training rows
+// in turn, the chart is trained on the other two thirds and evaluated on this third. The maxima
+// over blocks of these rows give the threshold.
 #pragma once
 
 #include <functional>

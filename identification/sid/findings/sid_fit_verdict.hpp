@@ -15,8 +15,8 @@ namespace wheeltap::identification {
 ///   springs (free_cubic.hpp); if an autoregression makes the residual white, only the second
 ///   condition counts;
 /// - after the window (SidCase::beyond), a residual is more than twice the residual within the
-///   window, absolutely and relative to the response. It is also above kSmallResidual. An error
-///   after the window is a misfit only if all of about twenty draws have this error.
+///   window, absolutely and relative to the response. This residual is also above kSmallResidual.
+///   An error after the window is a misfit only if all of about twenty draws have this error.
 ///
 /// `findings` must contain models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,

@@ -35,7 +35,7 @@ struct Baseline {
 struct DamageCase {
   std::string title = {};
   bool balance = false;                                  ///< sample models evenly and reweight
-  fem::Beam beam = {};                                   ///< used if there is no structure
+  fem::Beam beam = {};                                   ///< beam of a case without a structure
   double beam_depth = 0.0;                               ///< depth of the section, for cracks
   std::shared_ptr<const StructureModel> structure = {};  ///< replaces the beam
   int rigid_body_modes = 0;  ///< number of the intact beam; data and predictions omit these modes

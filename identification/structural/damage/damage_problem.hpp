@@ -52,8 +52,8 @@ struct DamageProblemOptions {
   /// largest count: first the existing defects in order of place, then zeros.
   std::shared_ptr<OutsideModel> outside = {};
   /// Predicts the lowest elastic frequencies [Hz] instead of the FE solution, or modes if the case
-  /// has shapes or correlated frequencies. It must match the case's structure, and cannot be
-  /// emulated.
+  /// has shapes or correlated frequencies. The predictor must match the structure of the case, and
+  /// cannot be emulated.
   std::shared_ptr<const ForwardModel> model = {};
   /// Observations in addition to the case's data
   std::vector<std::shared_ptr<const Observation>> observations = {};
@@ -63,7 +63,8 @@ struct DamageProblemOptions {
 /// kind's name if there are several kinds.
 [[nodiscard]] std::vector<std::string> outside_inputs(const DamageCase& damage_case);
 
-/// Completes the case, and trains or reads the emulator if it requests one. The log likelihood is
+/// Completes the case, and trains or reads the emulator if the case requests an emulator. The log
+/// likelihood is
 ///
 ///   Σ over measured modes of  -½ ((f_obs - f) / sd)² - ln(sd √2π),
 ///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,

@@ -35,8 +35,9 @@ struct RunOptions {
 /// The elastic frequencies [Hz] at a run's point, by the FE solution.
 [[nodiscard]] emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis);
 
-/// The elastic frequencies [Hz] at a run's point, by an external model. Its inputs are the largest
-/// allowed number of damages (DamageProblemOptions::outside). Exceptions of the model are rethrown.
+/// The elastic frequencies [Hz] at a run's point, by an external model. The inputs of the model are
+/// the largest allowed number of damages (DamageProblemOptions::outside). Exceptions of the model
+/// are rethrown.
 [[nodiscard]] emulator::ModelFactory outside_model(OutsideModel& model, int max_count);
 
 /// Returns `options.model` or, by default, the FE solution.

@@ -1,4 +1,4 @@
-// Mass added to a member, or (negative) removed from it.
+// Mass added to a member, or (negative) removed from the member.
 #pragma once
 
 #include <limits>

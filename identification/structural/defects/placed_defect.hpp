@@ -11,7 +11,7 @@ namespace wheeltap::identification {
 
 struct PlacedDefect {
   int kind;
-  double location;  ///< on the kind's line
+  double location;  ///< position on the line of the kind
   double severity;
   double extent = 0.0;  ///< [m], if the extent of the kind is unknown
 };

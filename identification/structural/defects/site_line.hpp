@@ -19,7 +19,7 @@ class SiteLine {
   struct Stretch {
     int site;
     std::string name;   ///< name of the site
-    double start, end;  ///< on the line
+    double start, end;  ///< positions of the start and the end on the line
     double size;        ///< m, for a member; 0 for a point
     int first_cell;     ///< index of its first cell
   };

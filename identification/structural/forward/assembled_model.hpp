@@ -23,7 +23,8 @@ class AssembledModel final : public ForwardModel {
   class AssembledSolver;
 
   std::vector<DefectKind> kinds_;
-  std::shared_ptr<const fem::Mesh> mesh_;  ///< for a structure of members
+  std::shared_ptr<const fem::Mesh> mesh_;  ///< mesh of a structure with members; null for other
+                                           ///< structures
   fem::StructureReanalysis reanalysis_;
   std::size_t modes_, rigid_;
   std::vector<fem::SparseRow> motions_;

@@ -11,7 +11,8 @@ namespace wheeltap::identification {
 /// not elementary (DefectType).
 class BeamModel final : public ForwardModel {
  public:
-  /// `modes`: number of elastic modes. Throws std::invalid_argument as fem::Reanalysis does.
+  /// `modes`: number of elastic modes. Throws std::invalid_argument in the same cases as
+  /// fem::Reanalysis.
   BeamModel(const fem::Beam& beam, std::vector<DefectKind> kinds, int modes, int rigid_body_modes);
 
   [[nodiscard]] std::unique_ptr<Solver> make_solver() const override;

@@ -18,20 +18,20 @@ struct ModalNoise {
   double cov = 0.0;       ///< coefficient of variation of frequencies, if unknown
   double shape_sd = 1.0;  ///< factor on the shapes' sd, if unknown
   double discrepancy = 0.0, shape_discrepancy = 0.0;
-  double mixing = 0.0;                 ///< κ in `mixing_sd`
+  double mixing = 0.0;                 ///< factor κ of the mixing of shapes, see `mixing_sd`
   double stiffness_discrepancy = 0.0;  ///< σ in `StiffnessErrors`
   /// Error variance of an emulator [Hz²], one per measured mode; empty: exact.
   std::vector<double> emulator_variance = {};
 };
 
 /// The eigenvalue [rad²/s²] for which √λ / 2π in floating point equals f [Hz] exactly (or is
-/// adjacent to it, if none does).
+/// adjacent to f, if no eigenvalue gives f exactly).
 [[nodiscard]] double eigenvalue_of(double frequency_hz);
 
 /// Sd of the mixing of mode k into mode j by the model error δK. δK changes a frequency by
 /// δ = φ_jᵀ δK φ_j / 2λ_j (relative), and mixes φ_k into φ_j by φ_jᵀ δK φ_k / (λ_j - λ_k). If
-/// off-diagonal entries φ_jᵀ δK φ_k / √(λ_j λ_k) are κ times as large as diagonal ones, the mixing
-/// is normal with sd
+/// off-diagonal entries φ_jᵀ δK φ_k / √(λ_j λ_k) are κ times as large as diagonal entries, the
+/// mixing is normal with sd
 ///
 ///   τ_jk = κ · 2δ √(λ_j λ_k) / |λ_j - λ_k|,   c_jk = -c_kj,
 ///
@@ -64,8 +64,8 @@ struct ModalNoise {
 ///
 ///   p(mode i | θ) = (1 - ε) N(f_i; f_A(i), C_ii) p(ψ_i | φ_A(i)) + ε p₀(f_i) p₀(ψ_i),
 ///
-/// with p₀ uniform over frequencies up to `kBand` times the highest measured one, and over all
-/// shape directions. A may then leave a measured mode unmatched.
+/// with p₀ uniform over frequencies up to `kBand` times the highest measured frequency, and over
+/// all shape directions. A may then leave a measured mode unmatched.
 ///
 /// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
 /// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with gap the relative difference of the
@@ -100,9 +100,9 @@ class ModalLikelihood {
   /// [Hz] of all modes. Faster than `score`; returns false for data of any other kind.
   bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes, const ModalNoise& noise,
                                   double& log_density, std::vector<double>& frequencies_hz) const;
-  /// Comparison of a measured shape as input to stiffness errors: without them, the residual in
-  /// units of the noise, and its sensitivity to each piece's error, m × pieces. Close modes are
-  /// mixed by the sd of their rotation.
+  /// Comparison of a measured shape as input to StiffnessErrors: the comparison without stiffness
+  /// errors, the residual in units of the noise, and the sensitivity of the residual to each
+  /// stiffness error, m × errors. Close modes are mixed by the sd of their rotation.
   struct ShapeErrors {
     ShapeDensity::Comparison without;
     Eigen::VectorXd residual;
@@ -126,7 +126,8 @@ class ModalLikelihood {
   /// The covariance C.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
   [[nodiscard]] const ModalData& data() const { return data_; }
-  /// Number of measured values, without the scales of shapes.
+  /// Number of measured values, minus one for each shape, because the scale of a shape is
+  /// arbitrary.
   [[nodiscard]] int measured() const;
   [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const {
     return shapes_[static_cast<std::size_t>(mode)];

@@ -43,7 +43,7 @@ struct WithoutMode {
 struct ShapesBeside {
   int state = 0;
   Eigen::MatrixXd mac;  ///< measured × computed modes; NaN if no shape was measured
-  /// Modes × sensors, for the matched modes, scaled to the measured ones; NaN if not measured.
+  /// Modes × sensors, for the matched modes, scaled to the measured shapes; NaN if not measured.
   Eigen::MatrixXd computed;
 };
 [[nodiscard]] ShapesBeside shapes_beside(const ModalLikelihood& likelihood,

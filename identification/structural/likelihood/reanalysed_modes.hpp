@@ -20,8 +20,9 @@ namespace wheeltap::identification {
 
 /// Unknown parameters enter a reanalysis as scales of the whole structure and as further low-rank
 /// changes (fem::ScaledStructure), beside those of the damages. Frequencies are therefore as
-/// accurate as those of known parameters: 1e-9, relative, or the bound of fem::StructureReanalysis.
-/// A beam of which parameters change only the scales is solved by fem::Reanalysis.
+/// accurate as those of known parameters: 1e-9, relative, or the error bound of
+/// fem::StructureReanalysis. A beam of which parameters change only the scales is solved by
+/// fem::Reanalysis.
 ///
 /// Immutable; each thread needs its own workspace.
 class ReanalysedModes {

@@ -1,4 +1,4 @@
-// The density of a measured mode shape, given a computed one.
+// The density of a measured mode shape, given a computed mode shape.
 #pragma once
 
 #include "base/eigen.hpp"
@@ -27,7 +27,7 @@ namespace wheeltap::identification {
 /// with α̂ the best angle, s its sd from the noise and N_π the normal density wrapped at π. This is
 /// the mean of exp(-χ²/2) over α, and at most 1. τ = 0 gives the density above.
 ///
-/// If the model error mixes other modes into the computed one, φ_j + Σ_k c_k φ_k with c_k ~ N(0,
+/// If the model error mixes other modes into the computed mode, φ_j + Σ_k c_k φ_k with c_k ~ N(0,
 /// τ_k²) (`Mixing`), Σ gains a² Σ_k τ_k² φ_k φ_kᵀ, with a the least-squares amplitude.
 class ShapeDensity {
  public:

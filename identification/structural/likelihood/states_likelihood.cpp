@@ -52,7 +52,7 @@ StatesLikelihood::StatesLikelihood(std::shared_ptr<const ObservedStates> states,
   const bool pieces = !joined_.stiffness_discrepancy.none();
   if (pieces && matrices)
     throw std::invalid_argument(
-        "a discrepancy of stiffness needs members or a chain: matrices have no pieces");
+        "a discrepancy of stiffness needs members or a chain: a structure of matrices has none");
   for (std::size_t s = 0; s < states_->list.size(); ++s) {
     const ObservedState& state = states_->list[s];
     const auto kin = std::ranges::find(states_->list, state.known, &ObservedState::known);
@@ -191,7 +191,7 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   // For the matching, allow approximately the effect of stiffness errors.
   ModalNoise wide = noise;
   if (pieces_.count() > 0) {
-    constexpr double kOfMode = 0.25;  // relative to a piece's error; about four affect a mode
+    constexpr double kOfMode = 0.25;  // relative to a part's error; about four affect a mode
     wide.discrepancy = std::hypot(noise.discrepancy, kOfMode * noise.stiffness_discrepancy);
     wide.shape_discrepancy =
         std::hypot(noise.shape_discrepancy, kOfMode * noise.stiffness_discrepancy);

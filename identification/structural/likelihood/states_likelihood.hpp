@@ -39,15 +39,16 @@ namespace wheeltap::identification {
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
 ///   negative at mode k.
 ///
-/// Stiffness errors of pieces of the structure (`ModalData::stiffness_discrepancy`) are integrated
-/// out of frequencies and shapes of all states with the same `known` together; see StiffnessErrors.
+/// Stiffness errors of parts of the structure (`ModalData::stiffness_discrepancy`) are integrated
+/// jointly out of the frequencies and shapes of all states with the same `known`; see
+/// StiffnessErrors.
 ///
 /// ReanalysedModes solves each state's structure if only a few springs, point masses and scales of
 /// the whole structure are unknown. The constructor compares `kReanalysed` such solutions with full
-/// ones. Otherwise each structure is assembled at θ, changed by its damages and masses, and solved
-/// by SubspaceModes. States that differ only in temperature share a solution. Matrices of another
-/// program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change only the q_j, for
-/// any rank of K_j.
+/// solutions. Otherwise each structure is assembled at θ, changed by its damages and masses, and
+/// solved by SubspaceModes. States that differ only in temperature share a solution. Matrices of
+/// another program, K = Σ q_j K_j, are solved by ParametricModes: θ and damages change only the
+/// q_j, for any rank of K_j.
 class StatesLikelihood {
  public:
   /// Number of solutions by reanalysis that are compared with full solutions.
@@ -71,7 +72,8 @@ class StatesLikelihood {
   [[nodiscard]] const ModalLikelihood& of(int state) const {
     return likelihoods_[static_cast<std::size_t>(state)];
   }
-  /// Number of measured values, without the scales of shapes.
+  /// Number of measured values, minus one for each shape, because the scale of a shape is
+  /// arbitrary.
   [[nodiscard]] int measured() const;
   /// C without common errors of states, modes × modes.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
@@ -86,8 +88,8 @@ class StatesLikelihood {
                               const ModalNoise& noise, double& log_density,
                               std::vector<double>& frequencies_hz) const;
 
-  /// C of the measured frequencies, including common errors if present; `with` receives their
-  /// indices in the concatenation.
+  /// C of the measured frequencies, including common errors if present. `with` receives the indices
+  /// of the measured frequencies in the concatenation.
   [[nodiscard]] Eigen::MatrixXd frequency_covariance(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score, std::vector<int>& with) const;
@@ -103,8 +105,8 @@ class StatesLikelihood {
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalNoise& noise,
       const ModalLikelihood::Score& score) const;
 
-  /// Working memory of one thread. It caches the last assembly and solution, because proposals that
-  /// change damages do not change the intact structure.
+  /// Working memory of one thread. The working memory caches the last assembly and solution,
+  /// because proposals that change damages do not change the intact structure.
   struct Workspace {
     /// The intact structure of all groups with the same `known`.
     struct Intact {
@@ -138,12 +140,13 @@ class StatesLikelihood {
   struct Check {
     double largest_error = 0.0;
     int points = 0, missed = 0;
-    double seconds_a_solution = 0.0;  ///< for all states
+    double seconds_a_solution = 0.0;  ///< run time of one solution of all states [s]
   };
   [[nodiscard]] Check check(int points) const;
 
  private:
-  /// Number of unknown errors: one per piece, and one for the damage's effect on it.
+  /// Number of unknown stiffness errors: two per part of the structure, one of the stiffness of the
+  /// part and one of the stiffness that damage removes from the part.
   [[nodiscard]] int errors() const { return 2 * pieces_.count(); }
   /// Ingredients of the joint density with stiffness errors: frequencies with covariance and
   /// sensitivities, and shapes, one per mode of the concatenation.
@@ -160,7 +163,8 @@ class StatesLikelihood {
   };
   /// Integrates stiffness errors out of all modes, or of all but mode `without` (-1: none).
   [[nodiscard]] Joint joint(const Parts& parts, const ModalNoise& noise, int without) const;
-  /// ∂f/∂a_p of the frequencies `with`; columns: the pieces, repeated for each `known`.
+  /// ∂f/∂a_p of the frequencies `with`; columns: the `errors()` stiffness errors, repeated for each
+  /// value of `known`.
   [[nodiscard]] Eigen::MatrixXd frequency_sensitivities(
       const std::vector<fem::ParametricModes::Modes>& modes, const ModalLikelihood::Score& score,
       const std::vector<int>& with) const;
@@ -189,7 +193,7 @@ class StatesLikelihood {
   [[nodiscard]] Draw draw(int i) const;
   [[nodiscard]] std::shared_ptr<const fem::ParametricModes> reduced_basis(const Group& group,
                                                                           int modes) const;
-  /// Sets `reanalysed_` if its solutions agree with full ones.
+  /// Sets `reanalysed_` if the solutions of ReanalysedModes agree with full solutions.
   void try_reanalysis(const fem::Beam* beam);
   [[nodiscard]] bool agrees_with_full(const Group& group, int draw) const;
   [[nodiscard]] ReanalysedModes::Outcome reanalyse(const Group& group,
@@ -197,7 +201,7 @@ class StatesLikelihood {
                                                    const std::vector<PlacedDefect>& defects,
                                                    Workspace& workspace,
                                                    fem::ParametricModes::Modes& out) const;
-  /// Solves the assembled structure of a group. Throws as SubspaceModes.
+  /// Solves the assembled structure of a group. Throws the exceptions of SubspaceModes.
   bool solve_assembled(const Group& group, const std::vector<double>& values,
                        const std::vector<PlacedDefect>& defects, Workspace& workspace,
                        fem::ParametricModes::Modes& out) const;

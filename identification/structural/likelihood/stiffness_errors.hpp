@@ -1,4 +1,4 @@
-// Stiffness errors of pieces of the structure, and their effect on modes.
+// Stiffness errors of parts of the structure, and the effect of these errors on modes.
 #pragma once
 
 #include <vector>
@@ -9,27 +9,28 @@
 
 namespace wheeltap::identification {
 
-/// Pieces of a structure with independent stiffness errors: approximately the quarters of each
+/// Parts of a structure with independent stiffness errors: approximately the quarters of each
 /// member (its ends, where joints are flexible, and its middle), and each spring, tie and link. The
-/// pieces do not depend on the mesh if members have at least four elements. Geometric stiffness of
-/// axial forces is not a piece.
+/// parts do not depend on the mesh if members have at least four elements. Geometric stiffness of
+/// axial forces is not a part.
 class StiffnessPieces {
  public:
   static constexpr int kOfMember = 4;
 
   StiffnessPieces() = default;
-  /// `mesh`: of a structure with members; nullptr for a chain, whose links are its pieces.
+  /// `mesh`: the mesh of a structure with members; nullptr for a chain of masses, whose links are
+  /// its parts.
   StiffnessPieces(const fem::Discretisation& d, const fem::Mesh* mesh);
 
   [[nodiscard]] int count() const { return count_; }
   /// φ_jᵀ K_p φ_k from the strains, modes × modes each, for a structure with these strains and
-  /// possibly further ones (springs of damages, which are not pieces). `shapes`: n × modes.
+  /// possibly further strains (springs of damages, which are not parts). `shapes`: n × modes.
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
-  /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each
-  /// piece. For a softening with the remaining stiffness q of a strain, it is q (1 - q) times the
-  /// previous energy of the strain. (If the flexibility of a piece is 1 + a times the flexibility
-  /// in the model, the share of stiffness that it loses is smaller by (1 - q) a.)
+  /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each part.
+  /// For a softening with the remaining stiffness q of a strain, it is q (1 - q) times the previous
+  /// energy of the strain. (If the flexibility of a part is 1 + a times the flexibility in the
+  /// model, the share of stiffness that it loses is smaller by (1 - q) a.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;
@@ -43,7 +44,7 @@ class StiffnessPieces {
 /// σ²), eigenvalues change by φ_jᵀ K_p φ_j a_p and shapes by Σ_k φ_k φ_kᵀ K_p φ_j a_p / (λ_j -
 /// λ_k), to first order (Fox & Kapoor 1968, AIAA J. 6:2426). All modes of all states share the a_p,
 /// so that stiffness errors are not mistaken for damage. The stiffness that a damage removes from a
-/// piece has a separate error of the same size (`StiffnessPieces::losses`). With residuals r in
+/// part has a separate error of the same size (`StiffnessPieces::losses`). With residuals r in
 /// units of the noise and their sensitivities X, ln p gains
 ///
 ///   ½ bᵀ (A + I/σ²)⁻¹ b - ½ ln |I + σ² A|,   A = XᵀX, b = Xᵀr
@@ -53,7 +54,7 @@ class StiffnessErrors {
  public:
   explicit StiffnessErrors(int pieces);
 
-  /// X: numbers × pieces.
+  /// X: numbers × errors.
   void add(const Eigen::MatrixXd& sensitivities, const Eigen::VectorXd& residual);
   /// Amounts to add to ln p and to subtract from χ², for σ > 0.
   struct Gain {

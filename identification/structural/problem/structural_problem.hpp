@@ -16,7 +16,7 @@
 namespace wheeltap::identification {
 
 /// Common data of damage identification and updating, kept together because the problem's
-/// likelihood refers to them. The log likelihood is Σ ln p(data | prediction, noise) over the
+/// likelihood refers to these data. The log likelihood is Σ ln p(data | prediction, noise) over the
 /// observations.
 struct StructuralProblem {
   using Numbered = std::shared_ptr<const FrequencyObservation>;
@@ -71,7 +71,8 @@ struct StructuralProblem {
   /// the exceptions of `modes`.
   [[nodiscard]] Eigen::MatrixXd covariance(const ModalNoise& noise) const;
   [[nodiscard]] const std::optional<ShapeDensity>& shape(int mode) const;
-  /// Number of measured values, without the scales of shapes.
+  /// Number of measured values, minus one for each shape, because the scale of a shape is
+  /// arbitrary.
   [[nodiscard]] int measured() const;
 
   /// The defects in a parameter vector of model m, in the order of kinds.

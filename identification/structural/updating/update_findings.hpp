@@ -109,9 +109,10 @@ struct UpdateFindings : Findings {
   /// Separate regions of the posterior, most probable first; empty if there is only one.
   std::vector<Solution> solutions;
   std::vector<ModeFinding> modes;
-  std::optional<NumberingFinding> numbering;  ///< for data without shapes, if checked
+  std::optional<NumberingFinding> numbering;  ///< check of the mode numbers, for data without
+                                              ///< shapes; empty if there was no check
   Eigen::MatrixXd mac;  ///< measured × computed modes, at the best draw; empty without shapes
-  /// Modes × sensors, at the best draw, scaled to the measured ones; NaN if not measured.
+  /// Modes × sensors, at the best draw, scaled to the measured shapes; NaN if not measured.
   Eigen::MatrixXd best_shapes;
   std::vector<double> best_draw;
   std::vector<PredictedMode> predictions;

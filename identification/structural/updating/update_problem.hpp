@@ -39,7 +39,7 @@ struct UpdateProblemOptions {
   /// parameters of the structure in their order. If it is set, the structure is not used.
   std::shared_ptr<OutsideModel> outside = {};
   std::optional<OutsideEmulatorSpec> emulator = {};  ///< emulates `outside`
-  int threads = 1;                                   ///< to train the emulator
+  int threads = 1;                                   ///< number of threads that train the emulator
   /// Predicts the modes at the case's sensors; the structure is not used then.
   std::shared_ptr<const ForwardModel> model = {};
   std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data

@@ -19,7 +19,8 @@ struct BaselineFindings {
   std::vector<Marginal> marginals = {};        ///< one per contraction
   std::vector<std::string> priors = {};        ///< description of each prior
   std::vector<Entangled> entangled = {};  ///< parameters of the intact structure, over all models
-  std::vector<HiddenDamage> hidden = {};  ///< in models of 5 % or more
+  std::vector<HiddenDamage> hidden = {};  ///< hidden damages in models with a probability of 5 % or
+                                          ///< more
   StatesLikelihood::Check check = {};     ///< check of the modes against full solutions
 };
 

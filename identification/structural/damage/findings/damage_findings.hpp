@@ -23,8 +23,8 @@ struct Place {
   double from, to;  ///< [m]
   double expected;  ///< expected number of defects
   Marginal location;
-  std::optional<Marginal> severity;     ///< if unknown
-  std::optional<Marginal> extent = {};  ///< [m], if unknown
+  std::optional<Marginal> severity;     ///< marginal of the severity, if the severity is unknown
+  std::optional<Marginal> extent = {};  ///< marginal of the extent [m], if the extent is unknown
 };
 
 /// Places of the defects of one kind.
@@ -64,7 +64,8 @@ struct FitFinding {
     bool reliable = true;
   };
   std::vector<Mode> modes;
-  std::vector<ShapesBeside> shapes = {};  ///< per state with shapes, at the best draw
+  std::vector<ShapesBeside> shapes = {};  ///< shapes at the best draw, for each state with measured
+                                          ///< shapes
   /// P(χ² of a replicate > χ² of the data); small if no model fits.
   double posterior_predictive_p = 0.0;
 };
@@ -81,7 +82,8 @@ struct EmulatorFinding {
     long runs;
     std::vector<Mode> modes;
     std::vector<int> blind;  ///< modes (from 1) that it cannot predict
-    int worst_mode = 0;      ///< by RMSE relative to the noise; 0 if the noise is unknown
+    int worst_mode = 0;      ///< mode with the largest RMSE relative to the noise; 0 if the noise
+                             ///< is unknown
     double rmse_to_noise = 0.0, largest_to_noise = 0.0;
   };
   std::vector<Count> counts;  ///< entry i for i + 1 damages
@@ -97,11 +99,12 @@ struct DamageFindings : Findings {
   /// For a symmetric beam, one entry per model: locations are measured from the nearer end and
   /// components are sorted by them, because plain estimates average over mirror images.
   std::vector<std::vector<ParameterFinding>> folded;
-  std::vector<MergedFinding> merged;  ///< for kinds whose damages cover a fixed length
+  std::vector<MergedFinding> merged;  ///< merged damages, for kinds whose damages cover a fixed
+                                      ///< length
   std::optional<SymmetryFinding> symmetry;
   std::optional<FitFinding> fit;
   std::optional<EmulatorFinding> emulator;
-  std::optional<BaselineFindings> baseline;    ///< if there are states
+  std::optional<BaselineFindings> baseline;    ///< findings on the baseline, if the case has states
   std::optional<DrawnModes> drawn_modes = {};  ///< modes of the intact structure, for figures
 
   /// The merged damages of a kind; nullptr if there are none.

@@ -41,7 +41,7 @@ struct EmulatorCheck {
   std::vector<OfModel> models;
   std::vector<Moved> moved;
   std::vector<Error> error_to_noise;  ///< one per mode, over draws with damages
-  int worst_mode = 1;                 ///< from 1
+  int worst_mode = 1;                 ///< number of the mode, from 1
 
   [[nodiscard]] bool answer_moved() const { return !conclusive || !moved.empty(); }
 };

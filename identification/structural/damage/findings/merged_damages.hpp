@@ -1,5 +1,5 @@
-// Adjacent damages that act as one longer damage. Their count depends on the length that one damage
-// covers (an element, for example) and not on the data.
+// Adjacent damages that act as one longer damage. The count of adjacent damages depends on the
+// length that one damage covers (an element, for example) and not on the data.
 //
 // A loss of stiffness r over a length l adds a flexibility proportional to c = l r / (1 - r). To
 // the lowest orders of l divided by the mode's wavelength, frequencies depend only on the sum,

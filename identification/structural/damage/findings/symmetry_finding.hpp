@@ -8,12 +8,13 @@
 
 namespace wheeltap::identification {
 
-/// Estimates with locations measured from the nearer end and components sorted by them, because
-/// plain summaries of a symmetric beam average over mirror images. One table per model.
+/// Estimates with locations measured from the nearer end and components sorted by these locations,
+/// because plain summaries of a symmetric beam average over mirror images. One table per model.
 [[nodiscard]] std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws);
 
-/// The number of defects before their mirror images minus the number after them, along the line,
-/// for each draw. Its mean is near zero if the chains mix between images.
+/// The number of defects that precede their mirror images along the line, minus the number of
+/// defects that follow their mirror images, for each draw. The mean of this difference is near zero
+/// if the chains mix between images.
 [[nodiscard]] inference::ChainsOf left_less_right(const UnpackedDraws& draws);
 
 /// Summarises `difference` (`left_less_right`), and adds remarks if necessary.
