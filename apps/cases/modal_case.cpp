@@ -68,12 +68,12 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
     const std::string& column = out.channels[i].column;
     if (c.basis == Basis::foreign) {
       if (foreign && out.channels[*foreign].conversion.unit != c.unit)
-        file.refuse(out.places[i] / "scale", "is missing: the channel is in " + c.unit + ", and " +
-                                                 out.channels[*foreign].column + " in " +
-                                                 out.channels[*foreign].conversion.unit +
-                                                 ", so that mode shapes cannot compare the "
-                                                 "channels. Give \"scale\" and \"quantity\" "
-                                                 "to both, or \"role\": \"ignore\" to one");
+        file.refuse(out.places[i] / "scale",
+                    "is missing: the channel is in " + c.unit + ", and " +
+                        out.channels[*foreign].column + " in " +
+                        out.channels[*foreign].conversion.unit +
+                        ". Give \"scale\" and \"quantity\" to both channels, or \"role\": "
+                        "\"ignore\" to one");
       foreign = i;
     } else if (c.basis == Basis::none) {
       none.push_back(column);
@@ -82,12 +82,10 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
     }
   }
   if (foreign && !known.empty())
-    file.refuse(
-        out.places[*foreign] / "scale",
-        "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
-            ", an unknown unit, and " + known.front() +
-            " in a known unit, so that mode shapes cannot compare the channels. Give \"scale\" and "
-            "\"quantity\", or \"role\": \"ignore\"");
+    file.refuse(out.places[*foreign] / "scale",
+                "is missing: the channel is in " + out.channels[*foreign].conversion.unit +
+                    ", an unknown unit, and " + known.front() +
+                    " in a known unit. Give \"scale\" and \"quantity\", or \"role\": \"ignore\"");
   if (!none.empty() && (!known.empty() || foreign))
     out.oddities.push_back(
         "No unit is given for " + io::printable(columns_listed(none)) +
@@ -535,8 +533,8 @@ void take_quantity(ModalCaseFile& out) {
   if (highest < 0) return;
   if (highest != lowest && !all)
     out.file.refuse(Pointer("/records"),
-                    "measure different quantities, and some of these quantities are unknown: state "
-                    "\"quantity\" or \"unit\" in the channels of the records");
+                    "measure different quantities, some of them unknown: state \"quantity\" or "
+                    "\"unit\" in their channels");
   if (highest != lowest && out.pre_merged)
     for (std::size_t k = 0; k < out.sensors.size(); ++k) {
       std::optional<int> order;
