@@ -113,7 +113,7 @@ TEST_F(PlanCommand, MoreCostlyTestsMustPay) {
   const json& best = value.at("options")[value.at("best").get<std::size_t>()];
   for (const json& o : value.at("options"))
     EXPECT_LE(o.at("saving").get<double>(), best.at("saving").get<double>());
-  EXPECT_EQ(value.at("sensitivity").size(), 10u);
+  EXPECT_EQ(value.at("sensitivity").size(), 6u);  // half and twice each cost above zero
   // A sensor that costs more than any damage is never bought, and no test pays.
   c["plan"]["costs"]["sensor"] = 1e6;
   c["plan"]["costs"]["hour"] = 1e6;
@@ -149,6 +149,17 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
           .patch(json::parse(
               R"([{"op": "add", "path": "/parameters", "value": {"E": {"log_normal": [25, 0.05]}}}])")),
       "/parameters");
+  expect_refused(with("/plan/false_alarm", 1e-4),
+                 "/plan/false_alarm: 0.0001: is too small for 1 000 simulated tests: use "
+                 "--scenarios 1000000");
+  expect_refused(with("/plan/seconds", 1e-4), "/plan/seconds: 0.0001: gives a standard deviation");
+  json one_place = with("/damage/location", {{"uniform", {0.01, 0.04}}});
+  one_place["damage"]["count"]["max"] = 2;
+  expect_refused(one_place, "/damage/count");
+  json no_length = with("/plan/costs", {{"hour", 5}, {"inspection", 1}, {"missed_damage", 9}});
+  no_length["plan"]["cov"] = 0.001;
+  for (const char* key : {"seconds", "damping"}) no_length["plan"].erase(key);
+  expect_refused(no_length, "/plan/seconds: is missing");
   json none = a_case();
   none.erase("plan");
   expect_refused(none, "/plan: is missing");
