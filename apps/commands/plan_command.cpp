@@ -46,6 +46,12 @@ Command plan_command() {
   const auto how = std::make_shared<PlanRunOptions>();
   return {.name = "plan",
           .summary = "plan a modal test: which damage it can detect, and which sensors to use",
+          .case_kind = "damage",
+          .case_key = "plan",
+          .check =
+              [](CaseFile file) {
+                check_plan_case(parse_plan_case(std::move(file)), PlanRunOptions().scenarios);
+              },
           .add_options =
               [how](CommandOptions& options) {
                 options.add_case();
@@ -65,13 +71,7 @@ Command plan_command() {
                                "identify (default: 10)")
                     ->check(whole(0, 10'000));
               },
-          .run = [how](const Invocation& asked) { plan(asked.common, *how); },
-          .case_kind = "damage",
-          .case_key = "plan",
-          .check =
-              [](CaseFile file) {
-                check_plan_case(parse_plan_case(std::move(file)), PlanRunOptions().scenarios);
-              }};
+          .run = [how](const Invocation& asked) { plan(asked.common, *how); }};
 }
 
 }  // namespace wheeltap::apps
