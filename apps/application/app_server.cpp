@@ -425,7 +425,7 @@ class Application {
     const std::string text = io::read_bytes(path, kLargestBody);
     if (const auto fault = fault_of(path, text))
       throw Refused{400, fault->pointer + ": " + fault->reason};
-    RunRequest run{.command = program_.command(parse_answer(text)),
+    RunRequest run{.command = program_.command(text),
                    .case_name = name,
                    .output_name = folder_.name_of(results_of(path)),
                    .case_path = path,

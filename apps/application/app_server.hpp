@@ -22,8 +22,8 @@ struct AppProgram {
   std::vector<StarterCase> starters = {};
   /// Names of the commands that have checkpoints, --quick and --resume.
   std::vector<std::string> sampled = {};
-  /// Returns the name of the command that runs a case; empty if no command runs it.
-  std::function<std::string(const Json& json)> command = {};
+  /// Returns the name of the command that runs a case with this text; empty if no command runs it.
+  std::function<std::string(const std::string& text)> command = {};
   /// Checks the text of a case at a path as its command does before a run. `allowed` is true for
   /// input files that the case may name. Returns the first fault.
   std::function<std::optional<CasePlace>(

@@ -72,8 +72,8 @@ AppProgram program() {
   AppProgram out{.kinds = case_kinds(), .sampled = case_kinds(true), .check = fault_of};
   for (const auto& [kind, structure] : starter_cases())
     out.starters.push_back({.kind = kind, .structure = structure});
-  out.command = [](const Json& json) {
-    const Command* command = command_of_kind({.path = {}, .json = json});
+  out.command = [](const std::string& text) {
+    const Command* command = command_of_kind(parse_case({}, text));
     return command == nullptr ? std::string() : command->name;
   };
   out.start = [](const StarterCase& starter, const fs::path& folder) {

@@ -10,7 +10,6 @@
 #include "apps/words.hpp"
 #include "base/number.hpp"
 #include "base/parallel.hpp"
-#include "base/readable.hpp"
 #include "io/atomic_file.hpp"
 
 namespace wheeltap::apps {
@@ -44,7 +43,7 @@ void check_plan_case(const PlanCaseFile& parsed, int scenarios) {
   if (alarms < kFewestAlarms)
     file.refuse(
         Pointer("/plan/false_alarm"),
-        "is too small for " + base::readable(scenarios) + " simulated tests: use --scenarios " +
+        "is too small for " + base::grouped(scenarios) + " simulated tests: use --scenarios " +
             base::number(std::ceil(10.0 * kFewestAlarms * check.models / parsed.plan.false_alarm)) +
             " or more, or a larger probability");
 }
