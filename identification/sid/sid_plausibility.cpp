@@ -58,7 +58,8 @@ void judge_sizes(const SidProblem& problem, std::vector<Remark>& remarks) {
     if (!responses[c]->signal.scale.is_constant()) continue;
     const double measured = rms_about_mean(observed(problem, c, any));
     const PriorRange& range = predicted[c];
-    if (measured > kOtherSize * range.high || measured * kOtherSize < range.low) {
+    const bool computed = range.low <= range.high;  // false if no draw has a bounded response
+    if (computed && (measured > kOtherSize * range.high || measured * kOtherSize < range.low)) {
       out_of_reach.channels.push_back({responses[c]->name(), measured, range.low, range.high});
     }
     double least = std::numeric_limits<double>::infinity();
