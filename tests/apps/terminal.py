@@ -68,12 +68,12 @@ def main(program, case):
         # Ctrl-C, when the bar of the draws shows probabilities and the time left, keeps and summarises the draws.
         def sampling(shown):
             bars = shown.split(b"sampling", 1)
-            return len(bars) == 2 and b"P = " in bars[1] and b" left" in bars[1]
+            return len(bars) == 2 and b"P(" in bars[1] and b" left" in bars[1]
         run[-1] = os.path.join(out, "stopped")
         code, shown = at_a_terminal(run + ["--chains", "2", "--warmup", "4000", "--draws", "2000000"],
                                     interrupt_at=sampling)
         assert code == 0, f"Ctrl-C ended with {code}"
-        assert b"P = " in shown and b"/s" in shown and b" left" in shown, "the bar lacks P(model), rate or time left"
+        assert b"P(" in shown and b"/s" in shown and b" left" in shown, "the bar lacks P(model), rate or time left"
         with open(os.path.join(run[-1], "summary.json")) as f:
             summary = json.load(f)
         assert summary["diagnostics"]["stopped_early"] and not summary["diagnostics"]["converged"]
