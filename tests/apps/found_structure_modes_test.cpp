@@ -358,7 +358,7 @@ TEST_F(MatrixCase, Refusals) {
   refused("/structure/scale/dek: 1: no substructure");
   s["scale"] = {{"deck", 1}};
   s["change"] = {{"deck", 0}};
-  refused("/structure/change/deck: 0: has \"scale\" already");
+  refused("/structure/change/deck: 0: contradicts \"scale\"");
   s.erase("scale");
   s["change"] = {{"deck", -1}};
   refused("/structure/change/deck: -1: must be above -1");

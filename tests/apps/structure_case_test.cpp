@@ -301,7 +301,7 @@ TEST(StructureSection, Refusals) {
   json arm = cantilever_in_space();
   arm["structure"]["sections"]["bar"] = {
       {"area", 1}, {"second_moment", 1}, {"shear_coefficient", 1}};
-  expect_refused(arm, "/structure/sections/bar/second_moment: 1: in space");
+  expect_refused(arm, "/structure/sections/bar/second_moment: 1: in a space model");
   arm["structure"]["sections"]["bar"] = {
       {"area", 1}, {"second_moments", {{"yy", 1}, {"zz", 1}}}, {"shear_coefficient", 1}};
   expect_refused(arm, "/structure/sections/bar/torsion_constant: is missing");
