@@ -41,11 +41,12 @@ void check_plan_case(const PlanCaseFile& parsed, int scenarios) {
   // The threshold is a quantile of the tests of the intact structure, one of the models.
   const double alarms = parsed.plan.false_alarm * variation_tests(scenarios) / check.models;
   if (alarms < kFewestAlarms)
-    file.refuse(
-        Pointer("/plan/false_alarm"),
-        "is too small for " + base::grouped(scenarios) + " simulated tests: use --scenarios " +
-            base::number(std::ceil(10.0 * kFewestAlarms * check.models / parsed.plan.false_alarm)) +
-            " or more, or a larger probability");
+    file.refuse(Pointer("/plan/false_alarm"),
+                "is too small for " + base::grouped(scenarios) +
+                    " simulated tests: use --scenarios " +
+                    std::to_string(std::lround(
+                        std::ceil(10.0 * kFewestAlarms * check.models / parsed.plan.false_alarm))) +
+                    " or more, or a larger probability");
 }
 
 PlanRun run_plan(const PlanCaseFile& parsed, const CommonOptions& common,

@@ -151,7 +151,7 @@ TEST_F(PlanCommand, WrongInputEndsWithItsPlaceAndValue) {
       "/parameters");
   expect_refused(with("/plan/false_alarm", 1e-4),
                  "/plan/false_alarm: 0.0001: is too small for 1 000 simulated tests: use "
-                 "--scenarios 1000000");
+                 "--scenarios 1000000 or more");
   expect_refused(with("/plan/seconds", 1e-4), "/plan/seconds: 0.0001: gives a standard deviation");
   json one_place = with("/damage/location", {{"uniform", {0.01, 0.04}}});
   one_place["damage"]["count"]["max"] = 2;
