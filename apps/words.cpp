@@ -120,7 +120,7 @@ std::string told_by_evidence(const ModelFinding& model) {
   if (s.passed_over)
     return s.entered > 0
                ? entered_in_words(s.entered, s.proposed) + "; its evidence was not evaluated"
-               : "not evaluated: the models with one term less or more are improbable";
+               : "not evaluated: the models with one term fewer or more are improbable";
   if (s.visited != 0 && !known) return {};
   std::string text = s.visited != 0
                          ? "drawn by " + std::to_string(s.visited) + " of the chains only; "
@@ -157,7 +157,7 @@ std::string resolution_in_words(const inference::Verdict& verdict) {
     text += "; " +
             (verdict.passed_over == 1 ? "1 model was"
                                       : std::to_string(verdict.passed_over) + " models were") +
-            " not evaluated, because the models with one term less or more are improbable";
+            " not evaluated, because the models with one term fewer or more are improbable";
   }
   return text;
 }

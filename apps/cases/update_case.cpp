@@ -193,7 +193,7 @@ UpdateCaseFile parse_update_case(CaseFile file, UpdateNeeds needs,
   for (const std::string& name : scatter_names())
     if (json["parameters"].contains(name))
       f.refuse(Pointer("/parameters") / name,
-               "is the reserved name of a scatter of the data: choose another name");
+               "is the reserved name of a standard deviation of the data: choose another name");
   const bool outside = has_outside_model(f);
   const bool alone = outside && !json.contains("structure");
   if (!outside && !json.contains("structure"))

@@ -1,4 +1,5 @@
-// Objects of a run that checkpoints do not store: problem, options, and one target per chain.
+// The parts of a run that are not stored in a checkpoint: problem, options, and one target per
+// chain.
 #pragma once
 
 #include <algorithm>

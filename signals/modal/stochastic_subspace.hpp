@@ -91,8 +91,7 @@ class StochasticSubspace {
   /// standard deviations.
   [[nodiscard]] std::vector<Pole> poles(int order, const PoleWindow& window) const;
 
-  /// Returns the poles of a model order with the indices `places`, with the changes that each data
-  /// block causes.
+  /// Returns the poles `places` of a model order, and the change of each pole by each data block.
   [[nodiscard]] MovedPoles moved_poles(int order, const std::vector<int>& places) const;
 
  private:

@@ -111,7 +111,7 @@ TEST(Summary, OfANeverVisitedModelItsEvidenceSpeaks) {
   passed_over.found[1] = {};
   passed_over.found[1].passed_over = true;
   EXPECT_EQ(model_table(found_in(passed_over))[1].value("told", ""),
-            "not evaluated: the models with one term less or more are improbable");
+            "not evaluated: the models with one term fewer or more are improbable");
   EXPECT_TRUE(model_table(found_in(passed_over))[1]["log_evidence"].is_null());
   Posterior hopeless = posterior;
   hopeless.found[1] = found(-2000.0);  // was "P ≈ 0 ± 0"

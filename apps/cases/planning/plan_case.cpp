@@ -232,7 +232,8 @@ void take_noise(const CaseFile& file, PlanCase& plan) {
   plan.noise.reference_seconds = plan.noise.seconds;
   if (p.value("choose", 0) >= 2 && !p.contains("shape_sd"))
     file.refuse(plan_key("shape_sd"),
-                "is missing: the standard deviation of entries of shapes (largest entry 1)");
+                "is missing: the standard deviation of the components of mode shapes (largest "
+                "component 1)");
   if (p.contains("record_lengths")) {
     if (p.contains("cov"))
       file.refuse(plan_key("record_lengths"),

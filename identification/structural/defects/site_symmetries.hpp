@@ -28,11 +28,11 @@ struct SiteSymmetries {
 /// Computes the frequencies [Hz] of the damaged structure; empty if the structure is impossible.
 using SolveDefects = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
 
-/// Tests all geometric self-maps (fem::self_maps) that map every kind's line and its prior weights
-/// to themselves. Keeps the maps that preserve the frequencies with a relative error of at most
-/// 1e-9 (1e-6 if mass may be lost). Tests one defect on each stretch of each line in turn, and
-/// defects on all stretches together. Places and severities are drawn from the priors with a fixed
-/// seed.
+/// Tests all geometric self-maps (fem::self_maps) that leave the possible locations of every kind
+/// of defect, and their prior weights, unchanged. Keeps the maps that preserve the frequencies with
+/// a relative error of at most 1e-9 (1e-6 if mass may be lost). Tests one defect on each stretch of
+/// each line in turn, and defects on all stretches together. Places and severities are drawn from
+/// the priors with a fixed seed.
 [[nodiscard]] SiteSymmetries find_symmetries(const AnyStructure& structure,
                                              const std::vector<DefectKind>& kinds,
                                              const SolveDefects& solve);
