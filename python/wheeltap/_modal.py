@@ -1,7 +1,6 @@
 """Identification of modes from vibration records of a structure."""
 from __future__ import annotations
 
-import html
 import json
 import os
 from typing import Any, Dict, Mapping, Optional, Sequence, Union
@@ -10,11 +9,12 @@ import numpy as np
 
 from . import _core
 from ._cases import Case, located, overriding, text_of
+from ._page import HasReport
 
 Path = Union[str, "os.PathLike[str]"]
 
 
-class Modal:
+class Modal(HasReport):
     """Identified modes with their uncertainty. Arrays are read-only views."""
 
     def __init__(self, core: "_core.Modal"):
@@ -69,17 +69,8 @@ class Modal:
         """Writes modes.json, summary.json and report.html."""
         self._core.keep(os.fspath(folder))
 
-    def report(self, path: Optional[Path] = None) -> str:
-        """Returns report.html as text, and writes it to `path` if given."""
-        page = self._core.page()
-        if path is not None:
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(page)
-        return page
-
-    def _repr_html_(self) -> str:
-        return ('<iframe style="width: 100%; height: 40em; border: 0" srcdoc="'
-                + html.escape(self.report()) + '"></iframe>')
+    def _page(self) -> str:
+        return self._core.page()
 
     def __repr__(self) -> str:
         return f"<Modal: {', '.join(f'{f:.4g}' for f in self.frequencies_hz)} Hz>"

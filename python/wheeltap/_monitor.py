@@ -2,7 +2,6 @@
 from __future__ import annotations
 
 import csv
-import html
 import json
 import os
 import tempfile
@@ -12,11 +11,12 @@ import numpy as np
 
 from . import _core
 from ._cases import Case, located, overriding
+from ._page import HasReport
 
 Path = Union[str, "os.PathLike[str]"]
 
 
-class Monitored:
+class Monitored(HasReport):
     """A finished call of monitoring."""
 
     def __init__(self, summary: str, text: str, folder: str, temporary: Any):
@@ -71,18 +71,9 @@ class Monitored:
             coords={"time": columns["time"], "feature": names},
             attrs={"time_unit": self.summary["monitor"].get("time_unit", "")})
 
-    def report(self, path: Optional[Path] = None) -> str:
-        """Returns report.html as text, and writes it to `path` if given."""
+    def _page(self) -> str:
         with open(os.path.join(self.folder, "report.html"), encoding="utf-8") as file:
-            page = file.read()
-        if path is not None:
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(page)
-        return page
-
-    def _repr_html_(self) -> str:
-        return ('<iframe style="width: 100%; height: 40em; border: 0" srcdoc="'
-                + html.escape(self.report()) + '"></iframe>')
+            return file.read()
 
     def __repr__(self) -> str:
         return f"<Monitored: {self.summary['answer'][0]}>"

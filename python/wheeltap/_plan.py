@@ -1,18 +1,18 @@
 """Plans of tests: what a test could detect, and which sensors to use."""
 from __future__ import annotations
 
-import html
 import json
 import os
 from typing import Any, Dict, List, Mapping, Optional, Union
 
 from . import _core
 from ._cases import Case, located, overriding
+from ._page import HasReport
 
 Path = Union[str, "os.PathLike[str]"]
 
 
-class Plan:
+class Plan(HasReport):
     """A planned test."""
 
     def __init__(self, core: "_core.Plan"):
@@ -48,17 +48,8 @@ class Plan:
         """Writes summary.json, damage.json and report.html."""
         self._core.keep(os.fspath(folder))
 
-    def report(self, path: Optional[Path] = None) -> str:
-        """Returns report.html as text, and writes it to `path` if given."""
-        page = self._core.page()
-        if path is not None:
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(page)
-        return page
-
-    def _repr_html_(self) -> str:
-        return ('<iframe style="width: 100%; height: 40em; border: 0" srcdoc="'
-                + html.escape(self.report()) + '"></iframe>')
+    def _page(self) -> str:
+        return self._core.page()
 
     def __repr__(self) -> str:
         best = self.designs[0]

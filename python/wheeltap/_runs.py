@@ -1,7 +1,6 @@
 """Sampling runs and their results."""
 from __future__ import annotations
 
-import html
 import json
 import os
 from typing import Any, Callable, Dict, Iterator, List, Mapping, Optional, Tuple, Union
@@ -10,6 +9,7 @@ import numpy as np
 
 from . import _core
 from ._cases import Case, located, overriding
+from ._page import HasReport
 from ._progress import Watcher, watching
 
 Path = Union[str, "os.PathLike[str]"]
@@ -54,7 +54,7 @@ class Draws(Mapping[str, np.ndarray]):
         return f"<Draws: {inside}>"
 
 
-class Result:
+class Result(HasReport):
     """A finished run. It can be pickled."""
 
     def __init__(self, run: "_core.Run"):
@@ -158,17 +158,8 @@ class Result:
         """Writes summary.json, posterior.nc, report.html and summary.txt, like the program: all files or none."""
         _core.keep(os.fspath(folder), self._summary_json, self.text, self.run_id, self.posterior_nc)
 
-    def report(self, path: Optional[Path] = None) -> str:
-        """Returns report.html as text, and writes it to `path` if given."""
-        page = _core.report_page(self._summary_json, self.posterior_nc)
-        if path is not None:
-            with open(path, "w", encoding="utf-8") as file:
-                file.write(page)
-        return page
-
-    def _repr_html_(self) -> str:
-        return ('<iframe style="width: 100%; height: 40em; border: 0" srcdoc="'
-                + html.escape(self.report()) + '"></iframe>')
+    def _page(self) -> str:
+        return _core.report_page(self._summary_json, self.posterior_nc)
 
     def __repr__(self) -> str:
         return f"<Result: {self.answer}>"
