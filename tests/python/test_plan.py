@@ -4,7 +4,7 @@ import os
 import tempfile
 import unittest
 
-import wheeltap as wt
+from cases import wt
 
 CASE = {
     "kind": "damage", "title": "Beam",
