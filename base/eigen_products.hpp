@@ -1,19 +1,23 @@
 // Matrix products and solutions of triangular systems, compiled once.
 //
-// Eigen divides C = A B into panels and multiplies them with a kernel (`gebp_kernel`; Goto & van de
-// Geijn 2008). The kernel is a template of the scalar types and storage orders. Without this
-// header, every source file with a matrix product compiles the kernel; these compilations took a
-// third of the build time. With the following declarations, only eigen_products.cpp compiles the
-// kernel. The results of products do not change, because the kernel is compiled from the same code
-// with the same options.
+// Eigen compiles a product C = A B anew for each combination of types of A, B and C: the product of
+// panels (Goto & van de Geijn 2008), the loop for small matrices, and the product for matrices that
+// turn out to be vectors. Each combination needs dozens of expression types; they took half of the
+// build time. Here Eigen is told to pass the products of real and complex matrices of any type to
+// the functions `multiply` and `multiply_vector`, which only eigen_products.cpp compiles. They take
+// addresses, sizes and strides. The results are those of Eigen, because eigen_products.cpp calls
+// Eigen's products for matrices with the same storage order.
+//
+// Products of small matrices of fixed size are not changed: Eigen compiles them in place.
 //
 // The names of the templates are those of Eigen 3.4. With another version of Eigen, or an
 // instruction set other than that of the library build, this header declares nothing, and each
-// source file compiles its own kernel.
+// source file compiles its own products.
 #pragma once
 
 #include <Eigen/Core>
 #include <complex>
+#include <type_traits>
 
 #if EIGEN_WORLD_VERSION == 3 && EIGEN_MAJOR_VERSION == 4 && !defined(EIGEN_VECTORIZE_AVX)
 #define WHEELTAP_EIGEN_INSTANCES
@@ -23,6 +27,191 @@
 #ifndef WHEELTAP_INSTANCE
 #define WHEELTAP_INSTANCE extern
 #endif
+
+namespace wheeltap::products {
+
+using Eigen::Index;
+using Complex = std::complex<double>;
+
+// A matrix in memory: entry (i, j) is data[i inner + j outer], or data[i outer + j inner] if the
+// matrix is stored by rows.
+template <class Scalar>
+struct Dense {
+  Scalar* data;
+  Index rows;
+  Index cols;
+  Index outer;
+  Index inner;
+  bool by_rows;
+
+  Dense transposed() const { return {data, cols, rows, outer, inner, !by_rows}; }
+};
+
+// A factor of a product: `conjugate` asks for the complex conjugate of the entries.
+template <class Scalar>
+struct Factor {
+  Dense<const Scalar> matrix;
+  bool conjugate = false;
+
+  Factor transposed() const { return {matrix.transposed(), conjugate}; }
+};
+
+// C = scale A B, or C += scale A B with `add`. The inner strides of all matrices are 1.
+// Matrices without entries are allowed; C must not overlap A or B.
+void multiply(const Factor<double>& a, const Factor<double>& b, double scale, bool add,
+              const Dense<double>& c);
+void multiply(const Factor<Complex>& a, const Factor<Complex>& b, Complex scale, bool add,
+              const Dense<Complex>& c);
+void multiply(const Factor<double>& a, const Factor<Complex>& b, Complex scale, bool add,
+              const Dense<Complex>& c);
+void multiply(const Factor<Complex>& a, const Factor<double>& b, Complex scale, bool add,
+              const Dense<Complex>& c);
+
+// The same if b and c are column vectors, which may have inner strides.
+void multiply_vector(const Factor<double>& a, const Factor<double>& b, double scale, bool add,
+                     const Dense<double>& c);
+void multiply_vector(const Factor<Complex>& a, const Factor<Complex>& b, Complex scale, bool add,
+                     const Dense<Complex>& c);
+void multiply_vector(const Factor<double>& a, const Factor<Complex>& b, Complex scale, bool add,
+                     const Dense<Complex>& c);
+void multiply_vector(const Factor<Complex>& a, const Factor<double>& b, Complex scale, bool add,
+                     const Dense<Complex>& c);
+
+template <class Scalar>
+concept Multiplied = std::is_same_v<Scalar, double> || std::is_same_v<Scalar, Complex>;
+
+// The types for which eigen_products.cpp calls Eigen's own products.
+template <class X>
+inline constexpr bool is_map = false;
+template <class Plain, class Stride>
+inline constexpr bool is_map<Eigen::Map<const Plain, Eigen::Unaligned, Stride>> = true;
+
+template <class A, class B>
+concept Passed =
+    Multiplied<typename A::Scalar> && Multiplied<typename B::Scalar> && !(is_map<A> && is_map<B>);
+
+// Takes an operand apart: op(X) = scale X, conj(X) or Xᵀ of a matrix X in memory. Other expressions
+// are evaluated.
+template <class Expression>
+struct Operand {
+  using Traits = Eigen::internal::blas_traits<Expression>;
+  using Scalar = typename Expression::Scalar;
+  typename Eigen::internal::add_const_on_value_type<typename Traits::DirectLinearAccessType>::type
+      held;
+  Scalar scale;
+
+  explicit Operand(const Expression& x)
+      : held(Traits::extract(x)), scale(Traits::extractScalarFactor(x)) {}
+  Factor<Scalar> factor() const {
+    return {{held.data(), held.rows(), held.cols(), held.outerStride(), held.innerStride(),
+             bool(std::remove_cvref_t<decltype(held)>::IsRowMajor)},
+            bool(Traits::NeedToConjugate)};
+  }
+};
+template <class Nested>
+struct Operand<Eigen::Transpose<Nested>> : Operand<std::remove_const_t<Nested>> {
+  using Base = Operand<std::remove_const_t<Nested>>;
+  explicit Operand(const Eigen::Transpose<Nested>& x) : Base(x.nestedExpression()) {}
+  auto factor() const { return Base::factor().transposed(); }
+};
+
+// Calls `write` with the memory of the result, or of a temporary matrix if the result cannot be
+// written in place.
+template <class Result, class Write>
+void write_result(Result& result, bool add, bool strides_allowed, const Write& write) {
+  using Scalar = typename Result::Scalar;
+  if constexpr (bool(Result::Flags & Eigen::DirectAccessBit)) {
+    if (strides_allowed || result.innerStride() == 1) {
+      write(Dense<Scalar>{result.data(), result.rows(), result.cols(), result.outerStride(),
+                          result.innerStride(), bool(Result::IsRowMajor)},
+            add);
+      return;
+    }
+  }
+  Eigen::Matrix<Scalar, Eigen::Dynamic, Eigen::Dynamic> whole(result.rows(), result.cols());
+  write(Dense<Scalar>{whole.data(), whole.rows(), whole.cols(), whole.rows(), 1, false}, false);
+  if (add)
+    result += whole;
+  else
+    result = whole;
+}
+
+// result (+)= scale A B
+template <class Result, class A, class B, class Scalar>
+void pass_product(Result& result, const A& a, const B& b, Scalar scale, bool add) {
+  const Operand<A> left(a);
+  const Operand<B> right(b);
+  write_result(result, add, false, [&](const Dense<Scalar>& c, bool sum) {
+    multiply(left.factor(), right.factor(), scale * left.scale * right.scale, sum, c);
+  });
+}
+
+// The same if B is a column vector or A is a row vector: cᵀ = Bᵀ aᵀ.
+template <class Result, class A, class B, class Scalar>
+void pass_vector_product(Result& result, const A& a, const B& b, Scalar scale, bool add) {
+  const Operand<A> left(a);
+  const Operand<B> right(b);
+  write_result(result, add, true, [&](const Dense<Scalar>& c, bool sum) {
+    const Scalar factor = scale * left.scale * right.scale;
+    if constexpr (A::IsVectorAtCompileTime)
+      multiply_vector(right.factor().transposed(), left.factor().transposed(), factor, sum,
+                      c.transposed());
+    else
+      multiply_vector(left.factor(), right.factor(), factor, sum, c);
+  });
+}
+
+}  // namespace wheeltap::products
+
+namespace Eigen::internal {
+
+template <class A, class B>
+requires wheeltap::products::Passed<A, B>
+struct generic_product_impl<A, B, DenseShape, DenseShape, GemmProduct> {
+  using Scalar = typename Product<A, B>::Scalar;
+
+  template <class C>
+  static void evalTo(C& c, const A& a, const B& b) {
+    wheeltap::products::pass_product(c, a, b, Scalar(1), false);
+  }
+  template <class C>
+  static void addTo(C& c, const A& a, const B& b) {
+    wheeltap::products::pass_product(c, a, b, Scalar(1), true);
+  }
+  template <class C>
+  static void subTo(C& c, const A& a, const B& b) {
+    wheeltap::products::pass_product(c, a, b, Scalar(-1), true);
+  }
+  template <class C>
+  static void scaleAndAddTo(C& c, const A& a, const B& b, const Scalar& scale) {
+    wheeltap::products::pass_product(c, a, b, scale, true);
+  }
+};
+
+template <class A, class B>
+requires wheeltap::products::Passed<A, B>
+struct generic_product_impl<A, B, DenseShape, DenseShape, GemvProduct> {
+  using Scalar = typename Product<A, B>::Scalar;
+
+  template <class C>
+  static void evalTo(C& c, const A& a, const B& b) {
+    wheeltap::products::pass_vector_product(c, a, b, Scalar(1), false);
+  }
+  template <class C>
+  static void addTo(C& c, const A& a, const B& b) {
+    wheeltap::products::pass_vector_product(c, a, b, Scalar(1), true);
+  }
+  template <class C>
+  static void subTo(C& c, const A& a, const B& b) {
+    wheeltap::products::pass_vector_product(c, a, b, Scalar(-1), true);
+  }
+  template <class C>
+  static void scaleAndAddTo(C& c, const A& a, const B& b, const Scalar& scale) {
+    wheeltap::products::pass_vector_product(c, a, b, scale, true);
+  }
+};
+
+}  // namespace Eigen::internal
 
 // NOLINTBEGIN(bugprone-macro-parentheses)
 #define WHEELTAP_KERNEL(L, R)                                                                 \

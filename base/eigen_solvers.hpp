@@ -28,6 +28,15 @@ WHEELTAP_SOLVER_INSTANCE template class PartialPivLU<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class FullPivLU<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class HouseholderQR<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class ColPivHouseholderQR<MatrixXd>;
+WHEELTAP_SOLVER_INSTANCE template void ColPivHouseholderQR<MatrixXd>::_solve_impl(const VectorXd&,
+                                                                                  VectorXd&) const;
+WHEELTAP_SOLVER_INSTANCE template void ColPivHouseholderQR<MatrixXd>::_solve_impl(const MatrixXd&,
+                                                                                  MatrixXd&) const;
+WHEELTAP_SOLVER_INSTANCE template class CompleteOrthogonalDecomposition<MatrixXd>;
+WHEELTAP_SOLVER_INSTANCE template void HouseholderSequence<MatrixXd, VectorXd>::evalTo(
+    MatrixXd&, VectorXd&) const;
+WHEELTAP_SOLVER_INSTANCE template void HouseholderSequence<MatrixXd, VectorXd>::applyThisOnTheLeft(
+    MatrixXd&, Matrix<double, 1, Dynamic, RowMajor>&, bool) const;
 WHEELTAP_SOLVER_INSTANCE template class BDCSVD<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template class SelfAdjointEigenSolver<MatrixXd>;
 WHEELTAP_SOLVER_INSTANCE template SelfAdjointEigenSolver<MatrixXd>&

@@ -10,8 +10,7 @@
 #include <string>
 #include <vector>
 
-#include <Eigen/Eigenvalues>
-
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "dynamics/simulate.hpp"
 #include "emulator/multilinear_interpolant.hpp"

@@ -2,11 +2,11 @@
 // by the full eigensolutions that it replaces.
 #include <benchmark/benchmark.h>
 
-#include <Eigen/Dense>
 #include <chrono>
 #include <random>
 #include <vector>
 
+#include "base/eigen_solvers.hpp"
 #include "fem/beam/assembly.hpp"
 #include "fem/beam/modal_analysis.hpp"
 #include "fem/beam/reanalysis.hpp"

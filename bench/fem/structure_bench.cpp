@@ -6,11 +6,11 @@
 // against full solutions, both relative.
 #include <benchmark/benchmark.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <memory>
 #include <random>
 
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/mesh.hpp"
 #include "fem/structures/modes/structure_modes.hpp"
 #include "fem/structures/reanalysis/structure_reanalysis.hpp"

@@ -462,7 +462,8 @@ class MeshBuilder {
         Eigen::MatrixXd matrix(static_cast<Eigen::Index>(conditions.size()), count);
         for (Eigen::Index r = 0; r < matrix.rows(); ++r)
           matrix.row(r) = conditions[index(r)].transpose();
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> null(matrix.transpose() * matrix);
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> null(
+            Eigen::MatrixXd(matrix.transpose() * matrix));
         const double largest = null.eigenvalues().maxCoeff();
         Eigen::Index free_count = 0;
         while (free_count < count && null.eigenvalues()[free_count] <= 1e-14 * largest)

@@ -352,7 +352,8 @@ struct SpuriousMode {
 /// Probability from which a spurious mode is reported.
 inline constexpr double kSpurious = 0.05;
 
-using Remark =
+/// The alternatives of a remark.
+using RemarkVariant =
     std::variant<remark::ImpossibleLikelihoods, remark::EvidenceFailed, remark::EvidenceDisagrees,
                  remark::NearlyPrior, remark::ImplausibleMaterial, remark::DeepSection,
                  remark::TwinMembers, remark::UnusedNodes, remark::CrossingMembers,
@@ -368,5 +369,17 @@ using Remark =
                  remark::MostProbableFails, remark::ColouredResiduals, remark::ParameterAtBound,
                  remark::ScatterBetweenWindows, remark::WindowsUnsound,
                  remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
+
+/// A remark on a result. std::visit, std::get_if and std::holds_alternative take it as they take
+/// the variant. Copies, moves and the destructor are compiled once (remarks.cpp): with so many
+/// alternatives they took seconds in every source file.
+struct Remark : RemarkVariant {
+  using RemarkVariant::RemarkVariant;
+  Remark(const Remark& other);
+  Remark(Remark&& other) noexcept;
+  Remark& operator=(const Remark& other);
+  Remark& operator=(Remark&& other) noexcept;
+  ~Remark();
+};
 
 }  // namespace wheeltap::identification

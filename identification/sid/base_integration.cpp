@@ -57,8 +57,8 @@ Eigen::VectorXd trend(const std::vector<double>& y, double dt, int degree) {
       powers(i, p) = power;
     }
   }
-  Eigen::VectorXd fit =
-      powers.colPivHouseholderQr().solve(Eigen::Map<const Eigen::VectorXd>(y.data(), n));
+  Eigen::VectorXd fit = powers.colPivHouseholderQr().solve(
+      Eigen::VectorXd(Eigen::Map<const Eigen::VectorXd>(y.data(), n)));
   double unit = 1.0;
   for (int p = 0; p <= degree; ++p, unit /= length) fit[p] *= unit;
   return fit;

@@ -82,7 +82,7 @@ void polish(const Function& f, Eigen::VectorXd& z, double& value) {
   for (int iteration = 0; iteration < 20; ++iteration, drop = std::max(1e-4, 0.5 * drop)) {
     const Derivatives at = derivatives(f, z, value, steps(f, z, value, drop));
     if (!at.gradient.allFinite() || !at.hessian.allFinite()) return;
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(-at.hessian);
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(-at.hessian));
     // Ascends along every direction, whatever the sign of the curvature.
     const Eigen::VectorXd curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6);
     const Eigen::VectorXd step =

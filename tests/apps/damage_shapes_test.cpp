@@ -1,11 +1,10 @@
 // Damage from frequencies and mode shapes.
 #include <gmock/gmock.h>
 
-#include <Eigen/Dense>
-
 #include <cmath>
 
 #include "apps/cases/damage_case.hpp"
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/modes/structure_modes.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
 #include "inference/engine/reversible_jump.hpp"

@@ -2,7 +2,6 @@
 // all regimes, and uses matrix exponentials between events and bisection for their times.
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
 #include <cmath>
 #include <limits>
 #include <tuple>
@@ -10,6 +9,7 @@
 #include <vector>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "dynamics/simulate.hpp"
 #include "tests/dynamics/chains.hpp"
 

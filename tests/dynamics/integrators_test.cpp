@@ -1,13 +1,13 @@
 // Each integrator against closed-form solutions and the other integrators.
 #include <gtest/gtest.h>
 
-#include <Eigen/Eigenvalues>
 #include <cmath>
 #include <tuple>
 #include <utility>
 #include <vector>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "dynamics/simulate.hpp"
 #include "tests/dynamics/chains.hpp"
 

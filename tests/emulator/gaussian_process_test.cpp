@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 #include <random>
 
+#include "base/eigen_solvers.hpp"
 #include "emulator/holdout.hpp"
 
 namespace wheeltap::emulator {

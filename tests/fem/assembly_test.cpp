@@ -2,9 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <limits>
 
+#include "base/eigen_solvers.hpp"
 #include "beams.hpp"
 #include "refusal.hpp"
 

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 #include <ostream>
 #include <random>
 
+#include "base/eigen_solvers.hpp"
 #include "beams.hpp"
 #include "fem/beam/assembly.hpp"
 #include "refusal.hpp"

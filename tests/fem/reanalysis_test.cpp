@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -11,6 +10,7 @@
 
 #include "../emulator/allocation_count.hpp"
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "beams.hpp"
 #include "fem/beam/assembly.hpp"
 #include "fem/beam/modal_analysis.hpp"

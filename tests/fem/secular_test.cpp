@@ -1,8 +1,8 @@
 #include "fem/secular.hpp"
+#include "base/eigen_solvers.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <bit>
 #include <cmath>
 #include <cstdint>
@@ -97,7 +97,8 @@ TEST(Secular, StepsSolveTheReducedProblem) {
       slope.segment<2>(p).setZero();
       const Eigen::Matrix2d n = Eigen::Matrix2d(own.asDiagonal()) +
                                 y.transpose() * (e.transpose() * slope.asDiagonal() * e) * y;
-      const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::Matrix2d> pencil(h, n);
+      const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> pencil(Eigen::MatrixXd{h},
+                                                                             Eigen::MatrixXd{n});
       const Eigen::Vector2d d = pencil.eigenvalues();
       const double scale = d.cwiseAbs().maxCoeff();
       EXPECT_NEAR(steps.low.lane[l], d[0], 1e-9 * scale);

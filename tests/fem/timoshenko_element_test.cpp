@@ -2,10 +2,9 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/LU>
-
 #include <cmath>
 
+#include "base/eigen_solvers.hpp"
 #include "beams.hpp"
 
 namespace wheeltap::fem {

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <complex>
 #include <iostream>
 #include <numbers>
 
 #include "../signals/random_vibration.hpp"
+#include "base/eigen_solvers.hpp"
 #include "signals/modal/modal_identification.hpp"
 
 namespace wheeltap::identification {

@@ -3,11 +3,11 @@
 // shapes.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <map>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "fem/beam/modal_analysis.hpp"
 #include "identification/structural/damage/findings/damage_findings.hpp"
 #include "identification/structural/defects/reduction.hpp"

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <limits>
 #include <numbers>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "tests/identification/modal_cases.hpp"
 
 namespace wheeltap::identification {

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <numbers>
 
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::identification {

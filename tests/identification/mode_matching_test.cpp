@@ -2,11 +2,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <limits>
 #include <numeric>
 
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::identification {

@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <complex>
 
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "identification/structural/likelihood/shape_density.hpp"
 

@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <limits>
 #include <numbers>
 #include <vector>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::identification {

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <random>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/modes/structure_modes.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
 #include "identification/structural/damage/findings/damage_findings.hpp"

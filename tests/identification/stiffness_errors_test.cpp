@@ -2,13 +2,13 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <array>
 #include <cmath>
 #include <limits>
 #include <random>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/modes/structure_modes.hpp"
 #include "identification/structural/likelihood/states_likelihood.hpp"
 #include "tests/identification/modal_cases.hpp"

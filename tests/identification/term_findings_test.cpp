@@ -2,10 +2,10 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Cholesky>
 #include <cmath>
 #include <cstdio>
 
+#include "base/eigen_solvers.hpp"
 #include "identification/sid/findings/sid_findings.hpp"
 #include "identification/sid/sid_discovery.hpp"
 #include "inference/evidence/importance_sampling.hpp"

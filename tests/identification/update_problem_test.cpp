@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>
 
+#include "base/eigen_solvers.hpp"
 #include "identification/structural/updating/update_findings.hpp"
 #include "inference/engine/reversible_jump.hpp"
 #include "tests/identification/modal_cases.hpp"

@@ -5,7 +5,6 @@
 // helper functions.
 #include "tests/inference/hard_problems.hpp"
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cctype>
 #include <cmath>
@@ -14,6 +13,7 @@
 #include <numbers>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {

@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <stdexcept>
 #include <vector>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "inference/statistics/standard_normal.hpp"
 
 namespace wheeltap::inference {

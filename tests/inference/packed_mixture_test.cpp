@@ -3,11 +3,11 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <vector>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "inference/statistics/standard_normal.hpp"
 

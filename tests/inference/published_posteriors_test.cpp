@@ -2,7 +2,6 @@
 // targets.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -10,6 +9,7 @@
 #include <fstream>
 #include <nlohmann/json.hpp>
 
+#include "base/eigen_solvers.hpp"
 #include "inference/engine/reversible_jump.hpp"
 #include "inference/statistics/diagnostics.hpp"
 #include "tests/inference/published_problems.hpp"

@@ -2,7 +2,6 @@
 // Hald's regressions. Their data are outside the repository.
 #pragma once
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <filesystem>
@@ -11,6 +10,7 @@
 #include <string>
 #include <vector>
 
+#include "base/eigen_solvers.hpp"
 #include "inference/model/target.hpp"
 #include "inference/moves/between_models/transformation.hpp"
 

@@ -2,13 +2,12 @@
 #include "inference/engine/reversible_jump.hpp"
 
 #include <gtest/gtest.h>
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 
 #include <cmath>
 #include <limits>
 #include <numbers>
 
+#include "base/eigen_solvers.hpp"
 #include "inference/diagnosis/verdict.hpp"
 #include "inference/engine/explore.hpp"
 #include "inference/engine/sample.hpp"

@@ -1,7 +1,6 @@
 // A linear structure under independent random forces, sampled exactly, as a source of records.
 #pragma once
 
-#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <cmath>
 #include <complex>
@@ -11,6 +10,7 @@
 #include <vector>
 
 #include "base/eigen.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 
 namespace wheeltap::signals {

@@ -1,9 +1,9 @@
 #include "signals/residuals.hpp"
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <numbers>

@@ -17,7 +17,6 @@ namespace {
 
 using Eigen::Index;
 using identification::monitoring::ChangeTruth;
-using identification::monitoring::Series;
 using identification::monitoring::SeriesTruth;
 
 const Pointer kTruth("/truth");
@@ -223,7 +222,7 @@ SimulatedTable simulated_table(CaseFile file, std::optional<std::uint64_t> seed)
   SimulatedTable out{.rows = truth.rows,
                      .features = static_cast<int>(truth.features.size()),
                      .seed = seed.value_or(file.json.at(kTruth).value("seed", std::uint64_t{1}))};
-  const Series series = identification::monitoring::simulate_series(truth, out.seed);
+  const auto series = identification::monitoring::simulate_series(truth, out.seed);
   out.csv = csv_header(time.get<std::string>());
   for (const auto* list : {&parser.features(), &parser.covariates()})
     for (const std::string& name : *list) out.csv += "," + csv_header(name);

@@ -195,8 +195,8 @@ class Gathered {
     change.bottomLeftCorner<4, 2>() = m.transpose() * p;
     Eigen::Matrix<double, 6, 1> size;
     size << shapes.bending()[3], shapes.shear()[1], l, 1.0, l, 1.0;
-    const Eigen::SelfAdjointEigenSolver<Eigen::Matrix<double, 6, 6>> solver(
-        size.asDiagonal() * change * size.asDiagonal());
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(
+        Eigen::MatrixXd(size.asDiagonal() * change * size.asDiagonal()));
     const std::array<SparseRow, 4> motions = mesh_.bending_motions(e, along_z);
     const std::vector<Strain>& strains = mesh_.discretisation().strains;
     const std::array<const SparseRow*, 6> rows = {&strains[index(moment_row)].row,

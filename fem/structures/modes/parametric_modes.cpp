@@ -115,7 +115,7 @@ struct ParametricModes::Impl {
       for (std::size_t s = 0; s < options.motions.size(); ++s)
         motions(static_cast<Index>(s), c) = options.motions[s].of(basis.col(c));
     // In the basis K₀ + σM₀ is the identity matrix.
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (mass + mass.transpose()));
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(0.5 * (mass + mass.transpose())));
     start = solver.eigenvectors().rightCols(followed()).rowwise().reverse();
   }
 
@@ -159,7 +159,7 @@ struct ParametricModes::Impl {
       MatrixXd w = times(q);
       for (int cycle = 0; cycle < kMostCycles; ++cycle) {
         const MatrixXd h = q.transpose() * w;
-        const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(0.5 * (h + h.transpose()));
+        const Eigen::SelfAdjointEigenSolver<MatrixXd> ritz(MatrixXd(0.5 * (h + h.transpose())));
         const MatrixXd turn = ritz.eigenvectors().rightCols(p).rowwise().reverse();
         const VectorXd mu = ritz.eigenvalues().tail(p).reverse();
         const MatrixXd at = q * turn, next = w * turn;
@@ -192,7 +192,7 @@ struct ParametricModes::Impl {
     }
     MatrixXd c = lower.solve(ws.mass);
     c = lower.solve(MatrixXd(c.transpose()));
-    const Eigen::SelfAdjointEigenSolver<MatrixXd> dense(0.5 * (c + c.transpose()));
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> dense(MatrixXd(0.5 * (c + c.transpose())));
     out.mu = dense.eigenvalues().reverse().head(p);
     out.y =
         lower.transpose().solve(MatrixXd(dense.eigenvectors().rightCols(p).rowwise().reverse()));

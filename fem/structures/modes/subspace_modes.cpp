@@ -65,7 +65,7 @@ bool SubspaceModes::dense(const Discretisation& d, Index wanted, Found& out) con
   if (llt.info() != Eigen::Success) return false;
   MatrixXd c = llt.matrixL().solve(mass);
   c = llt.matrixL().solve(MatrixXd(c.transpose()));
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(0.5 * (c + c.transpose()));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(0.5 * (c + c.transpose())));
   if (solver.info() != Eigen::Success) return false;
   out.eigenvalues.resize(options_.modes);
   MatrixXd y(n, options_.modes);

@@ -337,7 +337,7 @@ ResidualModes residual_modes(const MatrixXd (&moments)[4]) {
   const Index kept = 2 * m - first;
   const MatrixXd basis = energies.eigenvectors().rightCols(kept) *
                          energies.eigenvalues().tail(kept).cwiseSqrt().cwiseInverse().asDiagonal();
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(basis.transpose() * mass * basis);
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(basis.transpose() * mass * basis));
   out.eigenvalues.resize(kept);
   out.weights.resize(2 * m, kept);
   const double least = std::numeric_limits<double>::epsilon() * solver.eigenvalues().maxCoeff();

@@ -25,7 +25,7 @@ VectorXd cointegrating_vector(const MatrixXd& levels) {
   const MatrixXd right = s01.transpose() * Eigen::LDLT<MatrixXd>(s00).solve(s01);
   MatrixXd m = factor.matrixL().solve(right);
   m = factor.matrixL().solve(m.transpose().eval());
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(0.5 * (m + m.transpose()));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(MatrixXd(0.5 * (m + m.transpose())));
   return factor.matrixU().solve(eigen.eigenvectors().col(p - 1).eval());
 }
 

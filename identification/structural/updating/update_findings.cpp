@@ -77,7 +77,7 @@ void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
       const double r = c(a, b) / std::sqrt(c(a, a) * c(b, b));
       if (std::abs(r) > kEntangled) out.entangled.push_back({name(a), name(b), r});
     }
-  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(covariance.topLeftCorner(d, d));
+  const Eigen::SelfAdjointEigenSolver<MatrixXd> axes(MatrixXd(covariance.topLeftCorner(d, d)));
   for (Index k = d - 1; k >= 0; --k) {
     const double contraction = 1.0 - axes.eigenvalues()[k];
     if (contraction >= kUntouched) break;

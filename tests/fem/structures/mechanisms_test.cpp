@@ -2,8 +2,7 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/Dense>
-
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/lumped_chain.hpp"
 #include "fem/structures/matrix_structure.hpp"
 #include "fem/structures/mesh.hpp"

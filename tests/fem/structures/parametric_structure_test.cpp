@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-
+#include "base/eigen_solvers.hpp"
 #include "tests/fem/structures/parametric_structures.hpp"
 
 namespace wheeltap::fem {

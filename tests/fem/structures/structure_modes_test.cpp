@@ -2,12 +2,12 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <Eigen/Geometry>
 #include <cmath>
 #include <ctime>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "fem/beam/modal_analysis.hpp"
 #include "fem/structures/defects/structure_change.hpp"
 #include "fem/structures/lumped_chain.hpp"

@@ -3,7 +3,6 @@
 // double. WHEELTAP_LONG_TESTS=1: 2000 and 300.
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -13,6 +12,7 @@
 #include <numbers>
 #include <random>
 
+#include "base/eigen_solvers.hpp"
 #include "braced_portal.hpp"
 #include "fem/structures/lumped_chain.hpp"
 #include "fem/structures/modes/structure_modes.hpp"

@@ -2,7 +2,6 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
 #include <algorithm>
 #include <cmath>
 #include <cstdlib>
@@ -10,6 +9,7 @@
 #include <numbers>
 #include <random>
 
+#include "base/eigen_solvers.hpp"
 #include "braced_portal.hpp"
 #include "fem/structures/defects/structure_defects.hpp"
 #include "fem/structures/modes/structure_modes.hpp"

@@ -2,8 +2,7 @@
 
 #include <gtest/gtest.h>
 
-#include <Eigen/Dense>
-
+#include "base/eigen_solvers.hpp"
 #include "fem/structures/defects/structure_change.hpp"
 #include "fem/structures/defects/structure_defects.hpp"
 #include "fem/structures/modes/structure_modes.hpp"

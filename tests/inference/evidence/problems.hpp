@@ -1,7 +1,6 @@
 // Models whose evidence is known in closed form or by one-dimensional quadrature.
 #pragma once
 
-#include <Eigen/Dense>
 #include <cmath>
 #include <functional>
 #include <memory>
@@ -9,6 +8,7 @@
 #include <string>
 #include <vector>
 
+#include "base/eigen_solvers.hpp"
 #include "inference/model/target.hpp"
 #include "inference/statistics/standard_normal.hpp"
 

@@ -2,12 +2,11 @@
 
 #include <gmock/gmock.h>
 
-#include <Eigen/Cholesky>
-#include <Eigen/LU>
 #include <cmath>
 #include <numbers>
 #include <string>
 
+#include "base/eigen_solvers.hpp"
 #include "base/random.hpp"
 #include "inference/diagnosis/verdict.hpp"
 #include "inference/engine/reversible_jump.hpp"

@@ -1,11 +1,11 @@
 #include "modal_coverage.hpp"
 
-#include <Eigen/Cholesky>
 #include <boost/math/distributions/fisher_f.hpp>
 #include <cstdio>
 #include <ostream>
 #include <stdexcept>
 
+#include "base/eigen_solvers.hpp"
 #include "base/parallel.hpp"
 #include "signals/modal/modal_identification.hpp"
 
