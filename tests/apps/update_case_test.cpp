@@ -110,7 +110,8 @@ TEST(UpdateCase, WhatDoesNotGoTogetherIsRefused) {
                  "must have one of");
   expect_refused(with("/data/sensors/1/node", "mas 2"), "/data/sensors/1/node", "did you mean");
   expect_refused(with("/data/predict", 1), "/data/predict", "at most 2");
-  expect_refused(with("/parameters/cov", {{"half_normal", 1.0}}), "/parameters/cov", "reserved name");
+  expect_refused(with("/parameters/cov", {{"half_normal", 1.0}}), "/parameters/cov",
+                 "reserved name");
   json empty = with("/data/frequencies", nullptr);
   empty["data"].erase("shapes");
   expect_refused(empty, "/data", "no data");
