@@ -5,9 +5,9 @@ set(CPACK_PACKAGE_VENDOR Wheeltap)
 set(CPACK_PACKAGE_CONTACT "Wheeltap <nobody@wheeltap.invalid>")
 # Each package has a description of its own, synopsis first.
 set(CPACK_PACKAGE_DESCRIPTION_SUMMARY "")
-set(about "Wheeltap finds from measured vibration how many damages a structure has,
-where and how bad, and which equation of motion a rig obeys, with honest
-probabilities by reversible-jump Markov chains.")
+set(about "Wheeltap infers from measured vibration the number, location and severity of
+damages of a structure, since when a monitored structure has changed, and the
+equation of motion of a test rig, with calibrated probabilities.")
 # Read by packaging/debian/documents.cmake.
 set(CPACK_WHEELTAP_SOURCE "${PROJECT_SOURCE_DIR}")
 set(CPACK_PRE_BUILD_SCRIPTS "${PROJECT_SOURCE_DIR}/packaging/debian/documents.cmake")
@@ -27,7 +27,7 @@ if(WHEELTAP_WITH_MANUAL)
   list(APPEND CPACK_COMPONENTS_ALL manual)
 endif()
 set(CPACK_DEBIAN_FILE_NAME DEB-DEFAULT)
-set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "structural health monitoring with honest probabilities
+set(CPACK_DEBIAN_PROGRAM_DESCRIPTION "structural health monitoring with calibrated probabilities
 ${about}
 .
 This package has the program, its manual page and completions for shells.")
@@ -42,7 +42,7 @@ set(CPACK_DEBIAN_DEV_DESCRIPTION "structural health monitoring - C++ libraries
 ${about}
 .
 This package has the static libraries, their headers, and what
-find_package reads.")
+the files for CMake's find_package.")
 set(CPACK_DEBIAN_DEV_PACKAGE_DEPENDS "libeigen3-dev, librandom123-dev")
 set(CPACK_DEBIAN_DEV_PACKAGE_RECOMMENDS "pkg-config, libnetcdf-dev, libsuitesparse-dev, libmatio-dev, zlib1g-dev, libexpat1-dev, libcgal-dev")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_NAME python3-wheeltap)
@@ -59,7 +59,7 @@ set(CPACK_DEBIAN_PYTHON_DESCRIPTION "structural health monitoring - Python packa
 ${about}
 .
 This package has `import wheeltap`: runs, records, modes, figures, and
-likelihoods of one's own for the engine.")
+user-defined likelihoods for the sampler.")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_EXTRA
   "${PROJECT_SOURCE_DIR}/packaging/debian/postinst;${PROJECT_SOURCE_DIR}/packaging/debian/prerm")
 set(CPACK_DEBIAN_PYTHON_PACKAGE_CONTROL_STRICT_PERMISSION ON)

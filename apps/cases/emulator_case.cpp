@@ -73,9 +73,9 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
     file.refuse(where, "an emulator supports one kind of defect, \"reduction\"; use \"fe\" here");
   }
   if (out.kinds[0].extent || out.kinds[0].extent_prior)
-    file.refuse(
-        where,
-        "an emulator supports reductions of one element, not an \"extent\"; use \"fe\" here");
+    file.refuse(where,
+                "an emulator supports stiffness reductions of single elements, not an \"extent\"; "
+                "use \"fe\" here");
   if (out.structure)
     file.refuse(where, "an emulator is trained on a beam, not on a structure; use \"fe\" here");
   EmulatorSpec spec;

@@ -29,7 +29,7 @@ class RunWatch {
   /// True if work outside the engine should stop.
   [[nodiscard]] virtual bool stopped() const = 0;
 
-  /// Called when a system identification is repeated with better time steps.
+  /// Called when a system identification is repeated with smaller time steps.
   virtual void repeat(const identification::StepsRefined& /*refined*/) {}
   /// Returns the time steps of the repetition in which a resumed run was stopped.
   [[nodiscard]] virtual std::optional<identification::StepsRefined> refined() const { return {}; }

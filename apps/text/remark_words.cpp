@@ -326,8 +326,8 @@ class Speaker {
            "by up to " +
            significant(r.error, 2) + " standard deviations. " +
            (r.fixed ? "Remove \"integration\" from the case, and Wheeltap repeats the run with "
-                      "better time steps; or lower its \"step_limit\"."
-                    : "Wheeltap repeats a complete run with better time steps, at most twice. For "
+                      "smaller time steps; or lower its \"step_limit\"."
+                    : "Wheeltap repeats a complete run with smaller time steps, at most twice. For "
                       "shorter time steps, lower \"step_limit\" (\"integration\").");
   }
   std::string operator()(const remark::MeansDoNotGoTogether& r) const {

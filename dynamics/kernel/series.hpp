@@ -407,9 +407,10 @@ class Series {
     return sum;
   }
 
-  /// Returns the root of g in [0, high], g(high) = at_high < 0, in the lanes of `wanted`, by
-  /// Newton's method safeguarded by bisection. The last Newton step is at most `closeness` sample
-  /// intervals, so that the error of the root is about the square of `closeness`.
+  /// Finds the root of g in [0, high] for each lane that `wanted` selects, by Newton's method
+  /// safeguarded by bisection. Requires at_high = g(high) < 0. The last Newton step is at most
+  /// `closeness` sample intervals, so that the error of the root is about the square of
+  /// `closeness`.
   static V turn(const V* g, int degree, V high, V at_high, V wanted, double closeness) {
     V low{}, x = g[0] > 0.0 ? high * g[0] / (g[0] - at_high) : 0.5 * high, open = wanted;
     for (int i = 0; i < 60 && any(open); ++i) {

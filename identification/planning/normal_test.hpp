@@ -10,7 +10,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// One possible place of a defect, with the change of the whitened data that a defect there causes.
+/// One possible location of a defect, with the change of the whitened data that a defect there
+/// causes.
 struct NormalPlace {
   int kind = 0;
   double prior = 1.0;  ///< P(place | one defect of the kind)

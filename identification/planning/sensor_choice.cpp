@@ -2,8 +2,9 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
-#include <set>
+#include <span>
 #include <stdexcept>
 
 #include "base/constants.hpp"
@@ -38,51 +39,63 @@ class Race {
   std::vector<RankedDesign> run(const std::vector<TestDesign>& designs, int keep) {
     compared_ += static_cast<long>(designs.size());
     std::vector<Runner> field;
-    for (const TestDesign& design : designs) field.push_back({.design = design, .information = {}});
+    for (const TestDesign& design : designs) field.push_back({design, &known_[key(design)]});
     int count = 0;
     for (int to = options_.first_scenarios;; to *= 2) {
-      extend(field, count, to);
+      extend(field, to);
       count = to;
-      sort(field);
+      sort(field, count);
       const auto places = static_cast<std::size_t>(keep);
       if (field.size() > places) {
         const Runner& last = field[places - 1];
-        std::erase_if(field, [&](const Runner& r) { return &r > &last && is_worse(r, last); });
+        std::erase_if(field,
+                      [&](const Runner& r) { return &r > &last && is_worse(r, last, count); });
       }
       if (field.size() <= places || to >= options_.most_scenarios) break;
     }
     scenarios_ = std::max(scenarios_, count);
     std::vector<RankedDesign> out;
     for (const Runner& r : field)
-      if (out.size() < static_cast<std::size_t>(keep)) out.push_back({r.design, estimate(r)});
+      if (out.size() < static_cast<std::size_t>(keep))
+        out.push_back({r.design, {weighted_mean(r.first(count)), standard_error(r.first(count))}});
     return out;
   }
 
  private:
   struct Runner {
     TestDesign design;
-    std::vector<double> information;  // per scenario
-  };
+    std::vector<double>* information;  // one value per scenario that the design was scored with
 
-  void extend(std::vector<Runner>& field, int from, int to) {
+    [[nodiscard]] std::span<const double> first(int count) const {
+      return std::span(*information).first(index(count));
+    }
+  };
+  using Key = std::pair<std::vector<int>, int>;
+  static Key key(const TestDesign& design) { return {design.sensors, design.mass}; }
+
+  /// Scores every design of the field with the first `to` scenarios. Values of earlier comparisons
+  /// are used again.
+  void extend(const std::vector<Runner>& field, int to) {
     if (static_cast<int>(truths_.size()) < to) {
       std::vector<Scenario> more =
           source_.draw(truths_.size(), to - static_cast<int>(truths_.size()), options_.threads);
       std::ranges::move(more, std::back_inserter(truths_));
     }
-    const std::vector<Scenario> part(truths_.begin() + from, truths_.begin() + to);
     base::parallel_for(static_cast<int>(field.size()), options_.threads, [&](int i) {
-      Runner& runner = field[index(i)];
+      std::vector<double>& information = *field[index(i)].information;
+      if (information.size() >= index(to)) return;
+      const std::size_t from = information.size();
+      const std::vector<Scenario> part(truths_.begin() + static_cast<std::ptrdiff_t>(from),
+                                       truths_.begin() + to);
       const PreparedDesign design =
-          prepare(source_.structure(), predictions_, noise_, runner.design);
-      for (const TestOutcome& o : simulate_tests(
-               source_, design, part, static_cast<std::uint64_t>(from), options_.tolerance))
-        runner.information.push_back(o.information);
+          prepare(source_.structure(), predictions_, noise_, field[index(i)].design);
+      for (const TestOutcome& o : simulate_tests(source_, design, part, from, options_.tolerance))
+        information.push_back(o.information);
     });
   }
 
   /// Under the prior of models: scenario n has model n mod the number of models.
-  [[nodiscard]] double weighted_mean(const std::vector<double>& values) const {
+  [[nodiscard]] double weighted_mean(std::span<const double> values) const {
     const auto& models = source_.models();
     std::vector<double> sum(models.size(), 0.0), n(models.size(), 0.0);
     for (std::size_t i = 0; i < values.size(); ++i) {
@@ -93,7 +106,7 @@ class Race {
     for (std::size_t m = 0; m < models.size(); ++m) out += models[m].prior * sum[m] / n[m];
     return out;
   }
-  [[nodiscard]] double standard_error(const std::vector<double>& values) const {
+  [[nodiscard]] double standard_error(std::span<const double> values) const {
     const auto& models = source_.models();
     const std::size_t k = models.size();
     double variance = 0.0;
@@ -109,19 +122,16 @@ class Race {
     }
     return std::sqrt(variance);
   }
-  [[nodiscard]] TestEstimate estimate(const Runner& r) const {
-    return {weighted_mean(r.information), standard_error(r.information)};
-  }
-  [[nodiscard]] bool is_worse(const Runner& r, const Runner& than) const {
-    std::vector<double> difference(r.information.size());
+  [[nodiscard]] bool is_worse(const Runner& r, const Runner& than, int count) const {
+    std::vector<double> difference(index(count));
     for (std::size_t i = 0; i < difference.size(); ++i)
-      difference[i] = than.information[i] - r.information[i];
+      difference[i] = (*than.information)[i] - (*r.information)[i];
     return weighted_mean(difference) > 3.0 * standard_error(difference);
   }
-  void sort(std::vector<Runner>& field) const {
+  void sort(std::vector<Runner>& field, int count) const {
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < field.size(); ++i)
-      order.emplace_back(-weighted_mean(field[i].information), i);
+      order.emplace_back(-weighted_mean(field[i].first(count)), i);
     std::ranges::sort(order);
     std::vector<Runner> sorted;
     for (const auto& [value, i] : order) sorted.push_back(std::move(field[i]));
@@ -133,6 +143,7 @@ class Race {
   const TestNoise& noise_;
   const ChoiceOptions& options_;
   std::vector<Scenario> truths_;
+  std::map<Key, std::vector<double>> known_;  // values of every design that was scored
   long compared_ = 0;
   int scenarios_ = 0;
 };
@@ -233,9 +244,10 @@ SensorChoice choose_sensors(const ScenarioSource& source, const PlacePredictions
       for (int pass = 0; pass < kMostPasses; ++pass) {
         report(0.5 + 0.5 * pass / kMostPasses);
         const TestDesign before = best[0].design;
-        best = race.run(exchanged(before, candidates), options.keep);
+        best = race.run(exchanged(before, candidates), 1);
         if (best[0].design == before) break;
       }
+      best = race.run(exchanged(best[0].design, candidates), options.keep);
     }
     out.best = std::move(best);
   }

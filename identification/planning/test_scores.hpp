@@ -35,7 +35,7 @@ struct TestOutcome {
   /// (Barber & Agakov 2003, NIPS 16); with exact evidences it is lower by at most -ln(1 - ε). The
   /// floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;
-  bool right = false;  ///< true if the most probable count and all places are correct
+  bool right = false;  ///< true if the most probable number and all locations are right
 };
 
 /// Scores the results of a NormalTest. The count is right if the most probable model is the true

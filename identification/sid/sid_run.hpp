@@ -54,7 +54,7 @@ struct SidRun {
 /// therefore the total work.
 [[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
 
-/// Samples the posterior. The run is repeated up to twice with better time steps, unless the case
+/// Samples the posterior. The run is repeated up to twice with smaller time steps, unless the case
 /// fixes the time steps. A quick run uses only the first samples if the likelihood of all samples
 /// would be expensive, and is not repeated. Throws InvalidInput, and the exceptions of `sample`.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);

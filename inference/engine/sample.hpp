@@ -5,7 +5,7 @@
 
 namespace wheeltap::inference {
 
-/// Runs burn-in at the posterior, draws, and computes the evidence of each model. If the engine
+/// Runs the burn-in, draws samples, and computes the evidence of each model. If the engine
 /// chooses the number of draws, it doubles this number until the run may stop (convergence.hpp). If
 /// the chains disagree, the engine adds a tempering ladder.
 void sample(RunContext& run, RunState& state);

@@ -105,7 +105,7 @@ TEST_F(StructureHardInput, AnEmulatorKnowsNoExtent) {
   json c = small_case();
   c["damage"]["extent"] = 0.2;
   c["predictor"] = json::parse(R"({"sites": [2, 5, 9], "multipliers": [0.4, 1.0]})");
-  expect_refusal(c, "/predictor: ", "an emulator supports reductions of one element");
+  expect_refusal(c, "/predictor: ", "an emulator supports stiffness reductions of single elements");
 }
 
 // Before: exit 65, "log likelihood is nan".
