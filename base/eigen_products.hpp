@@ -146,7 +146,7 @@ void pass_product(Result& result, const A& a, const B& b, Scalar scale, bool add
   });
 }
 
-// The same if B is a column vector or A is a row vector: cᵀ = Bᵀ aᵀ.
+// The same if B is a column vector or the factor A is one row: cᵀ = Bᵀ aᵀ.
 template <class Result, class A, class B, class Scalar>
 void pass_vector_product(Result& result, const A& a, const B& b, Scalar scale, bool add) {
   const Operand<A> left(a);
