@@ -105,25 +105,20 @@ void check_matrices() {
   }
 }
 
-template <class A, class B>
-void check_orders() {
-  using C = decltype(A() * B());
-  check_matrices<ByColumns<A>, ByColumns<B>, ByColumns<C>>();
-  check_matrices<ByRows<A>, ByColumns<B>, ByRows<C>>();
-  check_matrices<ByColumns<A>, ByRows<B>, ByColumns<C>>();
-}
-
 TEST(EigenProducts, RealMatrices) {
-  check_orders<double, double>();
+  check_matrices<MatrixXd, MatrixXd, MatrixXd>();
+  check_matrices<ByRows<double>, MatrixXd, ByRows<double>>();
+  check_matrices<MatrixXd, ByRows<double>, MatrixXd>();
 }
 TEST(EigenProducts, ComplexMatrices) {
-  check_orders<Complex, Complex>();
+  check_matrices<MatrixXcd, MatrixXcd, ByRows<Complex>>();
+  check_matrices<ByRows<Complex>, ByRows<Complex>, MatrixXcd>();
 }
 TEST(EigenProducts, RealTimesComplex) {
-  check_orders<double, Complex>();
+  check_matrices<ByRows<double>, MatrixXcd, MatrixXcd>();
 }
 TEST(EigenProducts, ComplexTimesReal) {
-  check_orders<Complex, double>();
+  check_matrices<MatrixXcd, MatrixXd, MatrixXcd>();
 }
 
 template <class Matrix, class Vector>
