@@ -4,6 +4,7 @@
 #include <cmath>
 #include <map>
 #include <numeric>
+#include <set>
 #include <span>
 #include <stdexcept>
 
@@ -37,9 +38,11 @@ class Race {
 
   /// The `keep` best designs, best first.
   std::vector<RankedDesign> run(const std::vector<TestDesign>& designs, int keep) {
-    compared_ += static_cast<long>(designs.size());
     std::vector<Runner> field;
-    for (const TestDesign& design : designs) field.push_back({design, &known_[key(design)]});
+    std::set<Key> seen;  // two runners of one design would write to the same values
+    for (const TestDesign& design : designs)
+      if (seen.insert(key(design)).second) field.push_back({design, &known_[key(design)]});
+    compared_ += static_cast<long>(field.size());
     int count = 0;
     for (int to = options_.first_scenarios;; to *= 2) {
       extend(field, to);
