@@ -23,12 +23,12 @@ constexpr std::string_view kPart = ".part";
 constexpr std::size_t kDigits = 16;
 constexpr const char* kNoteHead = "wheeltap-commit 1";
 
-[[noreturn]] void fail(const fs::path& path, const std::string& reason) {
+[[noreturn]] void fail_to_write(const fs::path& path, const std::string& reason) {
   throw FileError(FileError::Kind::unwritable, path, reason);
 }
 
-[[noreturn]] void fail(const fs::path& path, int error) {
-  fail(path, std::generic_category().message(error));
+[[noreturn]] void fail_to_write(const fs::path& path, int error) {
+  fail_to_write(path, std::generic_category().message(error));
 }
 
 fs::path folder_of(const fs::path& path) {
@@ -104,9 +104,9 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
   std::error_code none;
   const auto there = fs::status(path_, none);
   if (fs::exists(there) && !fs::is_regular_file(there))
-    fail(path_, fs::is_directory(there)
-                    ? "is a directory"
-                    : "is not a regular file: a pipe or a device cannot be replaced");
+    fail_to_write(path_, fs::is_directory(there)
+                             ? "is a directory"
+                             : "is not a regular file: a pipe or a device cannot be replaced");
   sweep(path_);
   int error = EEXIST;
   for (int i = 0; i < kTries && error == EEXIST; ++i) {
@@ -124,8 +124,9 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
     }
   }
   if (error == ENOENT || error == ENOTDIR || error == EACCES || error == EPERM || error == EEXIST)
-    fail(path_, "cannot be created: check that its directory exists and may be written to");
-  if (error != 0) fail(path_, error);
+    fail_to_write(path_,
+                  "cannot be created: check that its directory exists and may be written to");
+  if (error != 0) fail_to_write(path_, error);
   if (reserve == 0) return;
   // Other errors (no support by the file system, a limit of file sizes) are reported when the file
   // is written.
@@ -133,7 +134,7 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
   if (error == ENOSPC || error == EDQUOT) {
     ::unlink(temporary_.c_str());
     close();
-    fail(path_, error);
+    fail_to_write(path_, error);
   }
 }
 
@@ -150,13 +151,13 @@ void AtomicFile::close() {
 
 void AtomicFile::write(std::string_view bytes) {
   // Overwrites the reserved space, and releases the remaining space.
-  if (::lseek(descriptor_, 0, SEEK_SET) != 0) fail(path_, errno);
+  if (::lseek(descriptor_, 0, SEEK_SET) != 0) fail_to_write(path_, errno);
   put(bytes);
-  if (::ftruncate(descriptor_, static_cast<off_t>(bytes.size())) != 0) fail(path_, errno);
+  if (::ftruncate(descriptor_, static_cast<off_t>(bytes.size())) != 0) fail_to_write(path_, errno);
 }
 
 void AtomicFile::append(std::string_view bytes) {
-  if (::lseek(descriptor_, 0, SEEK_END) < 0) fail(path_, errno);
+  if (::lseek(descriptor_, 0, SEEK_END) < 0) fail_to_write(path_, errno);
   put(bytes);
 }
 
@@ -164,7 +165,7 @@ void AtomicFile::put(std::string_view bytes) const {
   while (!bytes.empty()) {
     const ssize_t written = ::write(descriptor_, bytes.data(), bytes.size());
     if (written < 0 && errno == EINTR) continue;
-    if (written <= 0) fail(path_, written < 0 ? errno : ENOSPC);
+    if (written <= 0) fail_to_write(path_, written < 0 ? errno : ENOSPC);
     bytes.remove_prefix(static_cast<std::size_t>(written));
   }
 }
@@ -182,11 +183,11 @@ void AtomicFile::lend(const std::function<void(const fs::path& temporary)>& use)
 
 void AtomicFile::flush() {
   // Without fsync, a renamed file may be empty after a power failure.
-  if (::fsync(descriptor_) != 0) fail(path_, errno);
+  if (::fsync(descriptor_) != 0) fail_to_write(path_, errno);
 }
 
 void AtomicFile::rename() const {
-  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail(path_, errno);
+  if (::rename(temporary_.c_str(), path_.c_str()) != 0) fail_to_write(path_, errno);
 }
 
 void AtomicFile::commit() {

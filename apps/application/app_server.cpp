@@ -82,7 +82,7 @@ bool same_token(std::string_view a, std::string_view b) {
   return difference == 0;
 }
 
-std::string text_of(const Report& json) {
+std::string json_text_of(const Report& json) {
   return json.dump(-1, ' ', false, Report::error_handler_t::replace);
 }
 
@@ -131,7 +131,7 @@ class Application {
 
   static void answer(Response& response, const Report& json, int status = 200) {
     response.status = status;
-    response.set_content(text_of(json), kJson);
+    response.set_content(json_text_of(json), kJson);
   }
 
   static void refuse(Response& response, const Refused& refused) {

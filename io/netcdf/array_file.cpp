@@ -37,7 +37,7 @@ bool numeric(nc_type type) {
          type == NC_FLOAT || type == NC_DOUBLE;
 }
 
-std::optional<double> number(const Found& of, const char* attribute) {
+std::optional<double> number_in(const Found& of, const char* attribute) {
   std::size_t length = 0;
   nc_type type = NC_NAT;
   double value = 0.0;
@@ -168,10 +168,10 @@ std::vector<double> values_of(const std::filesystem::path& path, const Found& of
       std::memcpy(&x[i], from, sizeof x[i]);
     }
   }
-  const double scale = number(of, "scale_factor").value_or(1.0),
-               offset = number(of, "add_offset").value_or(0.0);
+  const double scale = number_in(of, "scale_factor").value_or(1.0),
+               offset = number_in(of, "add_offset").value_or(0.0);
   for (const char* attribute : {"_FillValue", "missing_value"})
-    if (const auto hole = number(of, attribute))
+    if (const auto hole = number_in(of, attribute))
       for (double& v : x)
         if (v == *hole) v = kNaN;
   if (scale != 1.0 || offset != 0.0)
