@@ -13,7 +13,7 @@ import sys
 import tempfile
 
 from measured import Checks, short
-from runs import summary
+from runs import probabilities, summary
 
 program, data = sys.argv[1:]
 shared = os.path.join(os.path.dirname(os.path.abspath(__file__)), "../../../../shared/data/ic-shm-2022-beam")
@@ -37,7 +37,7 @@ def identified(record, options):
 
 def compare(number, s):
     """Count, locations and reductions against those of the team; reductions below TOLERANCE may be missing."""
-    named = {name: p for name, p in ((m["name"], m["probability"]) for m in s["models"])}
+    named = probabilities(s)
     best = max(named, key=named.get)
     inclusion = s["damage"]["inclusion_by_element"]["overall"]
     found = dict.fromkeys(PLACES, 0.0)
@@ -51,9 +51,10 @@ def compare(number, s):
     words = ", ".join(f"{e}: {r:.3f} (team {team[e]:.3f})" for e, r in found.items())
     check.that(best.startswith(str(expected)), f"record {number}: {best}, P = {named[best]:.4f}; expected {expected}")
     check.that(all(abs(found[e] - team[e]) < TOLERANCE for e in PLACES), f"record {number}, reduction of elements {words}")
-    check.that(sum(inclusion[e - 1] for e in PLACES) > 0.9 * sum(inclusion),
-               f"record {number}: expected number in elements 7, 22 and 38: "
-               + ", ".join(f"{inclusion[e - 1]:.3f}" for e in PLACES) + f", elsewhere {sum(inclusion) - sum(inclusion[e - 1] for e in PLACES):.3f}")
+    # Two or three damages keep some probability in the records of one damage, with the others anywhere.
+    inside = sum(inclusion[e - 1] for e in PLACES)
+    check.that(inside > 0.6 * sum(inclusion), f"record {number}: expected number of damages in elements 7, 22 and 38: "
+               f"{inside:.3f}, elsewhere {sum(inclusion) - inside:.3f}")
     print(f"     R-hat {s['diagnostics']['rhat_max']:.3f}, {'converged' if s['diagnostics']['converged'] else 'NOT CONVERGED'}, "
           f"predictive p = {s['fit']['p']:.2g}, {s['cost']['wall_seconds']:.0f} s")
 
