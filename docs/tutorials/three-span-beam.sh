@@ -61,7 +61,7 @@ wheeltap damage my-beam/damage.json -o my-beam/results --seed 1 --quiet
 # The data set contains six records. The same two commands with the same two files, except for the key `record.file`, gave the
 # following results with the default settings. The committee did not publish the true damage. It states that only the elements 7,
 # 22 and 38 may be damaged; the case does not use this information. The team that published the records trained a neural network
-# on mode shapes of these three elements only.
+# on computed mode shapes of beams with damage in these three elements only.
 #
 # | record | probability of the number of damages | elements | reduction, 95 % interval | team (elements 7, 22, 38) |
 # |---|---|---|---|---|
