@@ -36,6 +36,7 @@ CHAPTERS = {
 PAGES = {"README.md": "readme", "CHANGELOG.md": "changes", "docs/README.md": "index", "data/README.md": "data"}
 TUTORIALS = [
     ("docs/tutorials/first-answer.sh", "First damage identification on the command line"),
+    ("docs/tutorials/three-span-beam.sh", "Damage of a three-span beam from raw accelerations"),
     ("docs/tutorials/beam.py", "Damage in a beam, with Python"),
     ("docs/tutorials/rig.py", "Equation of motion of a mass on a spring"),
     ("examples/python/accelerations_to_damage.py", "From raw accelerations to damage"),
