@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <filesystem>
 #include <numeric>
 
 #include "apps/cases/beam_parameters.hpp"
@@ -455,6 +456,13 @@ void finish_data(const CaseFile& f, DamageCase& out) {
     require_shapes_to_doubt(f, damage_key("/data"), out.modal() && out.modal()->has_shapes());
 }
 
+/// True if the case takes its data from a modes.json that does not exist yet.
+bool waits_for_modes(const CaseFile& f) {
+  std::error_code ignored;
+  return f.json.at("data").contains("from") &&
+         !std::filesystem::exists(f.place_of(f.json["data"]["from"].get<std::string>()), ignored);
+}
+
 }  // namespace
 
 DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
@@ -471,6 +479,9 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
   parsed.notes = notes_of(json);
   const auto [model, uniform] = take_structure(f, structure, out);
   if (needs == Needs::data) {
+    if (json.contains("plan") && !json.contains("data"))
+      f.refuse(Pointer("/data"),
+               "is missing: the case plans a test: run wheeltap plan, or add the measured modes");
     for (const char* key : {"damage", "data"}) {
       if (!json.contains(key))
         f.refuse(Pointer() / std::string(key), "is missing: must be an object");
@@ -489,7 +500,7 @@ DamageCaseFile parse_damage_case(CaseFile file, Needs needs) {
     out.data.origin = origin;
   } else if (states) {
     take_states(f, model, uniform, out);
-  } else if (json.contains("data")) {
+  } else if (json.contains("data") && (needs == Needs::data || !waits_for_modes(f))) {
     take_data(f, out);
   }
   check_damage_modes(f, out);

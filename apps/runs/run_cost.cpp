@@ -18,6 +18,7 @@ namespace {
 
 constexpr double kGigabyte = 1e9;
 std::string gigabytes(double bytes) {
+  if (bytes < 0.01 * kGigabyte) return "0.01";
   return base::significant(bytes / kGigabyte, 2);
 }
 

@@ -321,6 +321,20 @@ TEST(ModesAsData, Refusals) {
   refused(from, "/data/from");
 }
 
+// Before: "m.json: no such file", also from `wheeltap modes`, which needs only the structure.
+TEST(ModesAsData, AMissingFileIsNamedWithItsKeyAndItsCommand) {
+  const Workspace where;
+  json c = small_case();
+  c["data"] = {{"from", "m.json"}, {"sensors", {{{"at", 0.2}}, {{"at", 0.5}}}}};
+  const std::string path = where.write_json("c.json", c).string();
+  const Outcome outcome = wheeltap(where, "damage " + path + " --dry-run");
+  EXPECT_EQ(outcome.exit_code, 66);
+  EXPECT_THAT(outcome.err, HasSubstr("c.json: /data/from: "));
+  EXPECT_THAT(outcome.err, HasSubstr("m.json: no such file: write it with wheeltap modal"));
+  const Outcome modes = wheeltap(where, "modes " + path);
+  EXPECT_EQ(modes.exit_code, 0) << modes.err;
+}
+
 // For a beam, the case gives the sensor positions.
 TEST(ModesAsData, OnABeam) {
   const Workspace where;

@@ -45,6 +45,14 @@ class PlanCommand : public testing::Test {
   Workspace where;
 };
 
+// Before: "/data: is missing: must be an object".
+TEST_F(PlanCommand, TheDamageCommandNamesThePlanCommand) {
+  const Outcome ran = wheeltap(where, "damage " + where.write_json("case.json", a_case()).string() +
+                                          " -o " + (where / "out").string());
+  EXPECT_EQ(ran.exit_code, 65);
+  EXPECT_THAT(ran.err, HasSubstr("/data: is missing: the case plans a test: run wheeltap plan"));
+}
+
 TEST_F(PlanCommand, RecommendsSensorsAndWritesTheirDamageCase) {
   const Outcome ran = run(a_case(), "out");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;

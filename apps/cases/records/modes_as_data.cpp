@@ -1,12 +1,14 @@
 #include "apps/cases/records/modes_as_data.hpp"
 
 #include <algorithm>
+#include <filesystem>
 #include <numeric>
 
 #include "base/constants.hpp"
 #include "base/eigen_solvers.hpp"
 #include "identification/modal/real_shape.hpp"
 #include "io/atomic_file.hpp"
+#include "io/text/text.hpp"
 
 namespace wheeltap::apps {
 
@@ -97,6 +99,12 @@ TakenModes take_modes(const CaseFile& file, const Pointer& where) {
   TakenModes out{.name = data.at("from").get<std::string>()};
   io::finish_commit(file.place_of(out.name).parent_path());
   out.path = file.resolve(out.name);
+  if (std::error_code ignored; !std::filesystem::exists(out.path, ignored))
+    throw Failure(
+        Exit::no_input,
+        io::printable(file.path.string() + ": " + (where / "from").to_string() + ": " +
+                      out.path.string() +
+                      ": no such file: write it with wheeltap modal, or correct the path"));
   out.file = read_modes_file(out.path);
   const auto all = static_cast<int>(out.file.frequencies_hz.size());
   if (all == 0) refuse_file(out, Pointer("/frequencies_hz"), "has no modes");
