@@ -54,7 +54,7 @@ struct ParametricModes::Workspace::Impl {
   MatrixXd stiffness, mass, shifted;  // in the basis
   ReducedModes reduced;
   bool in_basis = false;      // `reduced` holds mass-normalised modes of the last θ
-  std::vector<double> theta;  // of the last call of `solve`, which returned `last`; or empty
+  std::vector<double> theta;  // parameters of the last solution, `last`; or empty
   Modes last;
   long solved = 0, in_full = 0;
 };
