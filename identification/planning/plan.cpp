@@ -162,7 +162,7 @@ void compare_criteria(const PlanCase& plan, const PlanModel& model, const PlanOp
   const auto add = [&](std::string name, std::vector<int> sensors) {
     out.others.push_back({.name = std::move(name), .design = {.sensors = std::move(sensors)}});
   };
-  if (plan.choose >= 2) {
+  if (plan.choose >= 2 && plan.choose < candidates) {  // otherwise there is one layout
     add("effective independence", effective_independence(shapes, plan.choose));
     add("kinetic energy", kinetic_energy(shapes, plan.choose));
     int number = 0;
@@ -181,7 +181,7 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
   std::vector<ScoredDesign> path = {{.name = sensors_name(0), .design = {}}};
   for (const RankedDesign& step : out.search.path)
     path.push_back({.name = sensors_name(step.design.sensors.size()), .design = step.design});
-  if (plan.choose >= 2) {
+  if (plan.choose >= 2 && plan.choose < candidates) {  // otherwise there is one layout
     // The exchanged design takes the place of the greedy one with as many sensors.
     path.back() = {.name = sensors_name(best.sensors.size()), .design = best};
     out.by_sensors = variations.score(path, plan.noise.seconds);

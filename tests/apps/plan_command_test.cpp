@@ -53,6 +53,16 @@ TEST_F(PlanCommand, TheDamageCommandNamesThePlanCommand) {
   EXPECT_THAT(ran.err, HasSubstr("/data: is missing: the case plans a test: run wheeltap plan"));
 }
 
+// Before: the layout with all candidates was compared with itself, under seven names.
+TEST_F(PlanCommand, AllCandidatesLeaveNoOtherLayout) {
+  json c = a_case();
+  c["plan"]["sensors"] = {{{"every", 0.34}}};
+  const Outcome ran = run(c, "out");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_TRUE(plan("out").at("others").empty());
+  EXPECT_EQ(plan("out").at("designs").size(), 1u);
+}
+
 TEST_F(PlanCommand, RecommendsSensorsAndWritesTheirDamageCase) {
   const Outcome ran = run(a_case(), "out");
   ASSERT_EQ(ran.exit_code, 0) << ran.err;
