@@ -224,6 +224,18 @@ std::vector<std::string> value_sentences(const Report& plan) {
 
 namespace {
 
+/// "2: 0.34 m, 0.68 m", or "2: candidates 0, 3, 8, 12" if the names would make the table too wide.
+std::string layout_in_words(const Report& design, int rank) {
+  constexpr std::size_t kWidest = 32;
+  std::string names, numbers;
+  for (const std::string& name : names_of(design.at("sensor_names")))
+    names += (names.empty() ? "" : ", ") + name;
+  for (const Report& sensor : design.at("sensors"))
+    numbers += (numbers.empty() ? "candidates " : ", ") + std::to_string(sensor.get<int>());
+  if (names.empty()) names = "frequencies";
+  return std::to_string(rank) + ": " + (names.size() > kWidest ? numbers : names);
+}
+
 void print_designs(const Page& page, const Report& plan) {
   std::vector<std::vector<std::string>> rows = {
       {"design", "information [nat]", "detected", "right location"}};
@@ -233,10 +245,8 @@ void print_designs(const Page& page, const Report& plan) {
   };
   int rank = 0;
   for (const Report& d : plan.at("designs")) {
-    std::string sensors;
-    for (const Report& s : d.at("sensors"))
-      sensors += (sensors.empty() ? "" : ",") + std::to_string(s.get<int>());
-    add(std::to_string(++rank) + ": " + (sensors.empty() ? "frequencies" : sensors), d);
+    ++rank;
+    add(layout_in_words(d, rank), d);
     if (rank == 5) break;
   }
   for (const Report& d : plan.at("others")) add(d.at("name").get<std::string>(), d);
