@@ -181,7 +181,7 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
   std::vector<ScoredDesign> path = {{.name = sensors_name(0), .design = {}}};
   for (const RankedDesign& step : out.search.path)
     path.push_back({.name = sensors_name(step.design.sensors.size()), .design = step.design});
-  if (plan.choose >= 2 && plan.choose < candidates) {  // otherwise there is one layout
+  if (plan.choose >= 2) {
     // The exchanged design takes the place of the greedy one with as many sensors.
     path.back() = {.name = sensors_name(best.sensors.size()), .design = best};
     out.by_sensors = variations.score(path, plan.noise.seconds);
