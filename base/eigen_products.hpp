@@ -8,8 +8,8 @@
 // addresses, sizes and strides. The results are those of Eigen, because eigen_products.cpp calls
 // Eigen's products for matrices with the same storage order.
 //
-// There is one difference: in a product of a real and a complex matrix, the real matrix is converted
-// first, so that an infinite entry gives NaN and not an infinite result.
+// There is one difference: in a product of a real and a complex matrix, the real matrix is
+// converted first, so that an infinite entry gives NaN and not an infinite result.
 //
 // Products of small matrices of fixed size are not changed: Eigen compiles them in place.
 //
