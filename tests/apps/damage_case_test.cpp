@@ -8,7 +8,7 @@
 #include "identification/emulation/interpolants.hpp"
 #include "program.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::apps::damage_case_test {
 
 using namespace identification;
 
@@ -277,4 +277,4 @@ TEST(DamageCase, SymmetricBeamsHaveSymmetricEmulators) {
 }
 
 }  // namespace
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::apps::damage_case_test

@@ -6,7 +6,7 @@
 
 #include "apps/failure.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::apps::json_text_test {
 namespace {
 
 using nlohmann::json;
@@ -58,4 +58,4 @@ TEST(JsonText, OfManySmallObjectsIsReadInLinearTime) {
 }
 
 }  // namespace
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::apps::json_text_test

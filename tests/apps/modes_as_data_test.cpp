@@ -8,7 +8,7 @@
 #include "apps/cases/update_case.hpp"
 #include "program.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::apps::modes_as_data_test {
 namespace {
 
 using nlohmann::json;
@@ -353,4 +353,4 @@ TEST(ModesAsData, OnABeam) {
 }
 
 }  // namespace
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::apps::modes_as_data_test

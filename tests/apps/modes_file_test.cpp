@@ -5,7 +5,7 @@
 
 #include "program.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::apps::modes_file_test {
 namespace {
 
 using testing::HasSubstr;
@@ -64,4 +64,4 @@ TEST(ModesFile, NamesThePlaceOfWhatIsWrong) {
 }
 
 }  // namespace
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::apps::modes_file_test

@@ -3,7 +3,7 @@
 
 #include "sid_cases.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::apps::sid_command_test {
 namespace {
 
 using nlohmann::json;
@@ -303,4 +303,4 @@ TEST(SidCommand, SimulatesWithUnitsInTheHeader) {
 }
 
 }  // namespace
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::apps::sid_command_test

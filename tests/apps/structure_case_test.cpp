@@ -9,7 +9,7 @@
 #include "program.hpp"
 #include "structure_cases.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::apps::structure_case_test {
 namespace {
 
 using nlohmann::json;
@@ -432,4 +432,4 @@ TEST(StructureCase, Chains) {
 }
 
 }  // namespace
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::apps::structure_case_test

@@ -7,7 +7,7 @@
 
 #include "base/random.hpp"
 
-namespace wheeltap::apps {
+namespace wheeltap::apps::summary_test {
 
 using namespace identification;
 
@@ -177,7 +177,7 @@ TEST(Summary, AveragesOverModelsUseTheWeightsOfBalancedDraws) {
   EXPECT_NEAR(weights[0] / weights[1], 99.0, 1e-9);
   const ChainsOf count = all_draws(
       posterior, [&](auto c, auto i) { return static_cast<double>(posterior.chains[c].model[i]); });
-  const Report s = json(marginal(count, draw_weights(posterior)));
+  const Report s = apps::json(marginal(count, draw_weights(posterior)));
   EXPECT_NEAR(s["mean"].get<double>(), 0.01, 0.01 * 4.5 * 2.0 / std::sqrt(8000.0));
   EXPECT_EQ(s["q97.5"], 0.0);
   EXPECT_NEAR(s["mean"].get<double>(),
@@ -188,8 +188,8 @@ TEST(Summary, EqualWeightsChangeNothing) {
   base::Random random(3, 0, 0, base::Purpose::test);
   ChainsOf draws(1);
   for (int i = 0; i < 1001; ++i) draws[0].push_back(random.normal());
-  const Report plain = json(marginal(draws));
-  const Report weighted = json(marginal(draws, {std::vector<double>(1001, 0.7)}));
+  const Report plain = apps::json(marginal(draws));
+  const Report weighted = apps::json(marginal(draws, {std::vector<double>(1001, 0.7)}));
   for (const char* key : {"mean", "sd", "q2.5", "q50", "q97.5", "mode"}) {
     EXPECT_NEAR(plain[key].get<double>(), weighted[key].get<double>(), 1e-12) << key;
   }
@@ -205,7 +205,7 @@ struct Failing final : inference::Likelihood {
 TEST(Summary, AFailingEvidenceCostsItsRowAndNotTheRun) {
   const inference::Problem problem{.space = coin_space(),
                                    .likelihood = [] { return std::make_unique<Failing>(); }};
-  const auto list = compute_evidence(problem, {EvidenceMethod::tmcmc}, 1, 1);
+  const auto list = identification::compute_evidence(problem, {EvidenceMethod::tmcmc}, 1, 1);
   ASSERT_EQ(list[0].evidences.size(), 2U);
   EXPECT_TRUE(std::isnan(list[0].evidences[1].log_evidence));
   Findings findings = found_in(made_up(0.5, 1000));
@@ -329,4 +329,4 @@ TEST(Summary, NumbersForPeople) {
 }
 
 }  // namespace
-}  // namespace wheeltap::apps
+}  // namespace wheeltap::apps::summary_test

@@ -11,6 +11,7 @@
 #include "dynamics/simulate.hpp"
 #include "tests/dynamics/chains.hpp"
 
+namespace integrators_test {
 namespace {
 
 using namespace wheeltap::dynamics;
@@ -352,3 +353,5 @@ TEST(Exact, IsTheLimitOfRungeKutta) {
 // Between samples the force is linear, so interpolation to twice the rate changes nothing.
 
 }  // namespace
+
+}  // namespace integrators_test

@@ -10,6 +10,7 @@
 
 #include "tests/dynamics/chains.hpp"
 
+namespace step_check_test {
 namespace {
 
 using namespace wheeltap::dynamics;
@@ -175,3 +176,5 @@ TEST(StepCheck, KeepsGivenStepsAndReportsTheirError) {
 }
 
 }  // namespace
+
+}  // namespace step_check_test

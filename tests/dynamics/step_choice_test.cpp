@@ -9,6 +9,7 @@
 #include "dynamics/simulate.hpp"
 #include "tests/dynamics/chains.hpp"
 
+namespace step_choice_test {
 namespace {
 
 using namespace wheeltap::dynamics;
@@ -182,3 +183,5 @@ TEST(StepChoice, IncludesTheUnloadingStiffnessOfBoucWen) {
 }
 
 }  // namespace
+
+}  // namespace step_choice_test

@@ -8,7 +8,7 @@
 #include "emulator/multilinear_interpolant.hpp"
 #include "tests/emulator/allocation_count.hpp"
 
-namespace wheeltap::emulator {
+namespace wheeltap::emulator::cubic_interpolant_test {
 namespace {
 
 constexpr Eigen::Index kResponses = 11;  // not a multiple of the kernel's block
@@ -170,4 +170,4 @@ TEST(CubicInterpolant, RejectsInvalidInput) {
 }
 
 }  // namespace
-}  // namespace wheeltap::emulator
+}  // namespace wheeltap::emulator::cubic_interpolant_test

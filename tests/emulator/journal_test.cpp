@@ -10,7 +10,7 @@
 #include "emulator/experiment.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
-namespace wheeltap::emulator {
+namespace wheeltap::emulator::journal_test {
 namespace {
 
 using Kind = io::FileError::Kind;
@@ -184,4 +184,4 @@ TEST(Journal, RemovesOnlyJournals) {
 }
 
 }  // namespace
-}  // namespace wheeltap::emulator
+}  // namespace wheeltap::emulator::journal_test

@@ -5,7 +5,7 @@
 #include <cmath>
 #include <numbers>
 
-namespace wheeltap::identification {
+namespace wheeltap::identification::base_integration_test {
 namespace {
 
 constexpr double kRate = 200.0;
@@ -66,4 +66,4 @@ TEST(BaseIntegration, IsNotNeededForRelativeMotion) {
 }
 
 }  // namespace
-}  // namespace wheeltap::identification
+}  // namespace wheeltap::identification::base_integration_test

@@ -10,7 +10,7 @@
 #include "base/eigen_solvers.hpp"
 #include "tests/identification/modal_cases.hpp"
 
-namespace wheeltap::identification {
+namespace wheeltap::identification::modal_likelihood_test {
 namespace {
 
 using Eigen::MatrixXd;
@@ -378,4 +378,4 @@ TEST(ModalLikelihood, GradientsAgreeWithDifferences) {
 }
 
 }  // namespace
-}  // namespace wheeltap::identification
+}  // namespace wheeltap::identification::modal_likelihood_test

@@ -11,7 +11,7 @@
 #include "base/random.hpp"
 #include "inference/statistics/standard_normal.hpp"
 
-namespace wheeltap::inference::packed {
+namespace wheeltap::inference::packed::packed_mixture_test {
 namespace {
 
 using Component = NormalMixture::Component;
@@ -214,4 +214,4 @@ TEST(PackedMixture, EmPassSumsTheMomentsOfEachComponent) {
 }
 
 }  // namespace
-}  // namespace wheeltap::inference::packed
+}  // namespace wheeltap::inference::packed::packed_mixture_test

@@ -10,7 +10,7 @@
 #include "base/random.hpp"
 #include "inference/engine/reversible_jump.hpp"
 
-namespace wheeltap::inference {
+namespace wheeltap::inference::posterior_test {
 namespace {
 
 using testing::HasSubstr;
@@ -152,4 +152,4 @@ TEST(Posterior, OutlivesItsProblem) {
 }
 
 }  // namespace
-}  // namespace wheeltap::inference
+}  // namespace wheeltap::inference::posterior_test

@@ -12,7 +12,7 @@
 #include "inference/statistics/standard_normal.hpp"
 #include "tests/inference/evidence/problems.hpp"
 
-namespace wheeltap::inference {
+namespace wheeltap::inference::starting_points_test {
 namespace {
 
 constexpr int kSamples = 30000;
@@ -92,4 +92,4 @@ TEST(StartingPoints, AreMissingIfTheCallerStopsAtOnce) {
 }
 
 }  // namespace
-}  // namespace wheeltap::inference
+}  // namespace wheeltap::inference::starting_points_test

@@ -6,7 +6,7 @@
 #include "io/file_error.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
-namespace wheeltap::io {
+namespace wheeltap::io::bytes_test {
 namespace {
 
 std::string refusal(const std::filesystem::path& path, FileError::Kind kind) {
@@ -41,4 +41,4 @@ TEST(Bytes, RejectsPipesDevicesAndFoldersAtOnce) {
 }
 
 }  // namespace
-}  // namespace wheeltap::io
+}  // namespace wheeltap::io::bytes_test

@@ -5,7 +5,7 @@
 
 #include <cmath>
 
-namespace wheeltap::io {
+namespace wheeltap::io::labview_file_test {
 namespace {
 
 using testing::ElementsAre;
@@ -117,4 +117,4 @@ TEST(LabviewFile, ReportsErrorsWithTheirLines) {
 }
 
 }  // namespace
-}  // namespace wheeltap::io
+}  // namespace wheeltap::io::labview_file_test

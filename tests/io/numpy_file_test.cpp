@@ -11,7 +11,7 @@
 #include "tests/emulator/temporary_directory.hpp"
 #include "tests/io/zip_writer.hpp"
 
-namespace wheeltap::io {
+namespace wheeltap::io::numpy_file_test {
 namespace {
 
 using testing::ElementsAre;
@@ -137,4 +137,4 @@ TEST(NumpyFile, RejectsFilesTruncatedAtAnyByte) {
 }
 
 }  // namespace
-}  // namespace wheeltap::io
+}  // namespace wheeltap::io::numpy_file_test

@@ -6,7 +6,7 @@
 #include "io/formats/formats.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
-namespace wheeltap::io {
+namespace wheeltap::io::strong_motion_test {
 namespace {
 
 using testing::ElementsAre;
@@ -94,4 +94,4 @@ TEST(StrongMotion, RejectsInvalidCsmipRecords) {
 }
 
 }  // namespace
-}  // namespace wheeltap::io
+}  // namespace wheeltap::io::strong_motion_test

@@ -10,7 +10,7 @@
 #include "io/formats/formats.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
-namespace wheeltap::io {
+namespace wheeltap::io::tdms_file_test {
 namespace {
 
 using testing::ElementsAre;
@@ -169,4 +169,4 @@ TEST(TdmsFile, ReadsCompleteRowsOfAnInterruptedFile) {
 }
 
 }  // namespace
-}  // namespace wheeltap::io
+}  // namespace wheeltap::io::tdms_file_test

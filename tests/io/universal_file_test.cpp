@@ -10,7 +10,7 @@
 #include "io/tables/delimited_text.hpp"
 #include "tests/emulator/temporary_directory.hpp"
 
-namespace wheeltap::io {
+namespace wheeltap::io::universal_file_test {
 namespace {
 
 using testing::ElementsAre;
@@ -409,4 +409,4 @@ TEST_F(UniversalSamples, TestLabsGeometry) {
 }
 
 }  // namespace
-}  // namespace wheeltap::io
+}  // namespace wheeltap::io::universal_file_test

@@ -11,7 +11,7 @@
 #include "tests/emulator/temporary_directory.hpp"
 #include "tests/io/zip_writer.hpp"
 
-namespace wheeltap::io {
+namespace wheeltap::io::workbook_file_test {
 namespace {
 
 using testing::ElementsAre;
@@ -186,4 +186,4 @@ TEST(WorkbookFile, IsRecognisedByItsExtension) {
 }
 
 }  // namespace
-}  // namespace wheeltap::io
+}  // namespace wheeltap::io::workbook_file_test

@@ -19,7 +19,7 @@
 #include "fem/structures/reanalysis/structure_reanalysis.hpp"
 #include "random_changes.hpp"
 
-namespace wheeltap::fem {
+namespace wheeltap::fem::structure_reanalysis_sets_test {
 namespace {
 
 constexpr std::size_t kModes = 12;
@@ -275,4 +275,4 @@ TEST(ReanalysisSets, MatricesOfAnotherProgram) {
 }
 
 }  // namespace
-}  // namespace wheeltap::fem
+}  // namespace wheeltap::fem::structure_reanalysis_sets_test

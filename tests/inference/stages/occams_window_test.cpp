@@ -12,7 +12,7 @@
 #include "inference/engine/reversible_jump.hpp"
 #include "inference/exploration/nested_starts.hpp"
 
-namespace wheeltap::inference {
+namespace wheeltap::inference::occams_window_test {
 namespace {
 
 using Matrix = Eigen::MatrixXd;
@@ -265,4 +265,4 @@ TEST(OccamsWindow, OmittedModelsOfAShortListHaveNoEvidence) {
 }
 
 }  // namespace
-}  // namespace wheeltap::inference
+}  // namespace wheeltap::inference::occams_window_test
