@@ -14,7 +14,9 @@ FUNCTION = re.compile(r'^(?![ /}#])[\w:<>,&*\[\] .]+?[ &*>](\w+)\(', re.M)
 
 
 def own_functions(path):
-    bodies = OWN.findall(pathlib.Path(path).read_text())
+    """Of a file with a namespace of its own, named after it, none: others' functions do not reach into it."""
+    text = pathlib.Path(path).read_text()
+    bodies = [] if re.search(rf'^namespace (wheeltap::\w+::)?{pathlib.Path(path).stem} \{{', text, re.M) else OWN.findall(text)
     return {name for body in bodies for name in FUNCTION.findall(body)} - {'decltype'}
 
 
