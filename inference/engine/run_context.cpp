@@ -13,7 +13,7 @@ double planned_tuning(const RunContext& run) {
 
 double planned_draws(const RunContext& run) {
   const Options& o = run.options;
-  const double draws = o.draws > 0 ? o.draws : kDefaultDraws;
+  const double draws = first_draws(run.problem, o);
   return draws * (o.thin > 0 ? o.thin : default_thin(run.problem, run.options)) * o.chains;
 }
 

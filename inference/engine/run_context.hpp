@@ -24,12 +24,19 @@ inline constexpr int kFewModels = 40;
 inline constexpr int kTuningSteps = 32000;  ///< tuning steps per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
-/// True if the likelihood is expensive: the data are a long record, and the engine chooses the
-/// number of draws. Tuning steps and thinning, which reduce the autocorrelation of the draws, are
-/// then halved. The reason is that each MCMC step takes about a hundred times as long as with a
-/// likelihood given by a formula. The run continues in any case until it has enough draws.
+inline constexpr int kCostlyDraws = 5000;  ///< default draws if an evaluation is costly
+/// True if the likelihood is expensive: the data are a long record or the problem says so, and the
+/// engine chooses the number of draws. Tuning steps and thinning, which reduce the autocorrelation
+/// of the draws, are then halved. The reason is that each MCMC step takes about a hundred times as
+/// long as with a likelihood given by a formula. The run continues in any case until it has enough
+/// draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
-  return problem.samples > 0 && options.draws == 0;
+  return (problem.samples > 0 || problem.costly) && options.draws == 0;
+}
+/// The number of draws per chain after which convergence is judged for the first time.
+[[nodiscard]] inline int first_draws(const Problem& problem, const Options& options) {
+  if (options.draws > 0) return options.draws;
+  return problem.costly ? kCostlyDraws : kDefaultDraws;
 }
 [[nodiscard]] inline int default_thin(const Problem& problem, const Options& options) {
   return is_expensive(problem, options) ? kDefaultThin / 2 : kDefaultThin;

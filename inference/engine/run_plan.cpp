@@ -95,7 +95,7 @@ RunPlan plan_of(const Problem& problem, const Options& asked) {
   const double tuned = options.warmup > 0 ? 0.5 * options.warmup : tuning_steps(problem, options);
   plan.tune =
       chains * (tuned + std::min(kSettlingSteps, options.warmup > 0 ? options.warmup : 1e9));
-  const double draws = options.draws > 0 ? options.draws : kDefaultDraws;
+  const double draws = first_draws(problem, options);
   plan.sample = chains * draws * (options.thin > 0 ? options.thin : default_thin(problem, options));
   if (!options.prior_only && problem.space.size() <= kFewModels)
     plan.evidence = problem.space.size() * (options.quick ? kQuickDraws : kEvidenceDraws);

@@ -355,7 +355,7 @@ void sample(RunContext& run, RunState& state) {
   Part& part = state.at.sample;
   if (part == Part::begin) {
     posterior.tempered_draws = options.tempered_draws;
-    state.at.goal = options.draws > 0 ? options.draws : kDefaultDraws;
+    state.at.goal = first_draws(run.problem, options);
     const bool ladder = posterior.tempered_draws && !state.chains.front().ladder;
     part = ladder ? Part::ladder : Part::prepare;
   }

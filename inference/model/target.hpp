@@ -163,6 +163,10 @@ struct Problem {
   /// whole record can have too many modes for a search.
   long samples = 0;
   std::function<std::shared_ptr<const Problem>(long first)> shortened = nullptr;
+  /// True if an evaluation takes about a hundred times as long as a step of the sampler, for
+  /// example for the modes of a structure of many degrees of freedom. The engine then begins with
+  /// fewer tuning steps and draws.
+  bool costly = false;
 };
 
 /// State of a chain: a model and its parameters in standard normal coordinates, with the values of

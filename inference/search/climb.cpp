@@ -19,7 +19,8 @@ constexpr int kMostDampedSteps = 40;
 constexpr double kLeastDamping = 1e-6;
 constexpr double kStrongerDamping = 10.0;                    // factor between trials
 constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};  // check points on a long step
-constexpr double kCreeping = 1.0;  // ln: gain below which another method is not worth its cost
+constexpr double kSameHeight = 0.5;  // ln: difference of the heights of one mode
+constexpr double kCreeping = 1.0;    // ln: gain below which another method is not worth its cost
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
@@ -33,7 +34,7 @@ class Climber {
     if (end.value == -kInfinity) return end;
     end.possible = true;
     if (!known.empty() && arrives(end, known)) return end;
-    if (!ascend_by_residuals(end)) ascend(end);
+    if (!ascend_by_residuals(end, known)) ascend(end);
     end.possible = !f_.stopped();  // a stopped climb has not reached a mode
     return end;
   }
@@ -113,8 +114,9 @@ class Climber {
   // and the smallest damping λ whose gain agrees with the quadratic model, within limits as in
   // ascend(), since a step beyond the region where the model holds may leave the basin. False if
   // the likelihood offers no such model or the method does not converge; `end` is then the last
-  // point.
-  bool ascend_by_residuals(ClimbEnd& end) {
+  // point. Ends early within one standard deviation of a known mode whose height the model
+  // predicts.
+  bool ascend_by_residuals(ClimbEnd& end, const std::vector<KnownMode>& known) {
     Vector g(d_), width = Vector::Ones(d_);
     Matrix information(d_, d_);
     double damping = 0.0;
@@ -128,6 +130,12 @@ class Climber {
       }
       const Eigen::LLT<Matrix> llt(information);
       const double promise = 0.5 * g.dot(llt.solve(g));
+      for (std::size_t k = 0; k < known.size(); ++k)
+        if (std::abs(end.value + promise - known[k].value) < kSameHeight &&
+            square_distance(known[k], end.z) <= 1.0) {
+          end.known = static_cast<int>(k);
+          return true;
+        }
       const double gain = damped_step(end, g, information, damping);
       const bool still = gain == 0.0 || (gain < kArrived && damping <= kLeastDamping);
       const bool last = iteration + 1 == kMostDampedSteps;

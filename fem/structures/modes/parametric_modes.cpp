@@ -7,6 +7,7 @@
 #include <utility>
 
 #include "base/eigen_solvers.hpp"
+#include "fem/structures/modes/sparse_modes.hpp"
 #include "fem/structures/modes/structure_modes.hpp"
 
 namespace wheeltap::fem {
@@ -16,7 +17,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Sparse = Discretisation::Sparse;
-using SparseFactor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>>;
+using SimplicialFactor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>>;
 
 /// Modes whose 1/(λ + σ) are closer than this, relative, share one bound.
 constexpr double kCluster = 0.02;
@@ -33,6 +34,8 @@ constexpr int kMostCycles = 12;
 constexpr Index kBlocks = 3;
 /// Relative distance of 1/(λ + σ) below which shapes are differentiated as a subspace.
 constexpr double kTwin = 1e-6;
+/// Time of a multiplication in sparse matrices relative to that in dense ones.
+constexpr double kIrregular = 2.0;
 /// The basis is trained to bounds this factor below the tolerance.
 constexpr double kSubspaceMargin = 0.25;
 
@@ -53,6 +56,7 @@ struct ReducedModes {
 struct ParametricModes::Workspace::Impl {
   MatrixXd stiffness, mass, shifted;  // in the basis
   ReducedModes reduced;
+  SparseModes::Workspace sparse;
   bool in_basis = false;      // `reduced` holds mass-normalised modes of the last θ
   std::vector<double> theta;  // parameters of the last solution, `last`; or empty
   Modes last;
@@ -64,11 +68,12 @@ struct ParametricModes::Impl {
   ParametricModesOptions options;
   Index n = 0, rigid = 0, wanted = 0;  // wanted: number of elastic modes
   double sigma = 0.0;
-  SparseFactor shifted;  // K₀ + σM₀
-  MatrixXd lifted;       // (K₀ + σM₀)⁻¹ C for the low-rank terms C
-  MatrixXd compliance;   // Cᵀ (K₀ + σM₀)⁻¹ C
+  SimplicialFactor shifted;  // K₀ + σM₀
+  MatrixXd lifted;           // (K₀ + σM₀)⁻¹ C for the low-rank terms C
+  MatrixXd compliance;       // Cᵀ (K₀ + σM₀)⁻¹ C
   Training training;
 
+  std::unique_ptr<const SparseModes> sparse;  // if it costs less than the basis
   MatrixXd basis;
   std::vector<MatrixXd> terms;        // Vᵀ K_t V
   MatrixXd mass;                      // Vᵀ M₀ V
@@ -119,6 +124,31 @@ struct ParametricModes::Impl {
     // In the basis K₀ + σM₀ is the identity matrix.
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(0.5 * (mass + mass.transpose())));
     start = solver.eigenvectors().rightCols(followed()).rowwise().reverse();
+  }
+
+  /// The number of multiplications of one solution in the basis with its derivatives,
+  /// approximately: the factor of K + σM, two cycles of the iteration, and one factor per mode for
+  /// the derivatives of shapes.
+  [[nodiscard]] double basis_cost(Index columns) const {
+    const auto m = static_cast<double>(columns);
+    const auto p = static_cast<double>(std::min(rigid + wanted + kBeyond, columns));
+    double sum = m * m * m / 6.0 + m * m * static_cast<double>(structure->terms());
+    sum += columns > kDenseCondensed ? 2.0 * kBlocks * p * m * (2.0 * m + 3.0 * kBlocks * p)
+                                     : 6.0 * m * m * m;
+    if (!options.motions.empty())
+      sum += static_cast<double>(wanted) * (m * m * m / 3.0 + m * m * structure->parameters());
+    return sum;
+  }
+
+  /// Uses the sparse matrices instead of a basis of so many columns if they cost less.
+  bool take_sparse(Index columns, std::unique_ptr<const SparseModes>& candidate) {
+    if (!candidate || (options.solver == ParametricSolver::cheaper &&
+                       kIrregular * candidate->cost() > basis_cost(columns)))
+      return false;
+    sparse = std::move(candidate);
+    training.complete = true;
+    training.basis = static_cast<int>(n);
+    return true;
   }
 
   // ---- one θ
@@ -246,7 +276,7 @@ struct ParametricModes::Impl {
             point.floor);
     } else {
       const Discretisation assembled = structure->assemble(point);
-      const SparseFactor here(Sparse(assembled.stiffness + sigma * assembled.mass));
+      const SimplicialFactor here(Sparse(assembled.stiffness + sigma * assembled.mass));
       if (here.info() != Eigen::Success || (here.vectorD().array() <= 0.0).any()) return false;
       const MatrixXd moved = here.solve(residuals);
       for (Index i = 0; i < checked; ++i)
@@ -274,6 +304,14 @@ struct ParametricModes::Impl {
   bool in_basis(const ParametricStructure::Point& point, Workspace::Impl& ws, Modes& out) const {
     ws.in_basis = false;
     if (point.scales.size() > 0 && !(point.scales.minCoeff() > 0.0)) return false;
+    if (sparse) {
+      if (!sparse->solve(point, ws.sparse, out.eigenvalues, out.shapes)) return false;
+      out.bounds = VectorXd::Zero(wanted);
+      out.shape_bounds = VectorXd::Zero(wanted);
+      out.in_full = false;
+      ws.in_basis = true;
+      return true;
+    }
     reduce(point, ws);
     solve_reduced(ws);
     if (!ws.reduced.ok || !bound(point, ws, out)) return false;
@@ -319,7 +357,13 @@ struct ParametricModes::Impl {
     const Index snapshot = std::min<Index>(wanted + kBeyond, available);
     const StructureModes nominal = structure_modes(d, static_cast<int>(rigid + snapshot));
     if (rigid > 0) sigma = nominal.eigenvalues[rigid];
+    std::unique_ptr<const SparseModes> candidate;
+    if (structure->form() == ParametricStructure::Form::affine &&
+        options.solver != ParametricSolver::basis)
+      candidate = std::make_unique<const SparseModes>(*structure, rigid, wanted, sigma,
+                                                      nominal.shapes, options.motions);
     if (n <= options.complete) {
+      if (take_sparse(n, candidate)) return;
       training.complete = true;
       // Scaled so that K₀ + σM₀ becomes the identity matrix in the basis.
       const MatrixXd whole =
@@ -335,6 +379,7 @@ struct ParametricModes::Impl {
     compliance = structure->low_rank().transpose() * lifted;
     extend(nominal.shapes);
     extend(lifted);
+    if (take_sparse(basis.cols(), candidate)) return;
     project();
     training.solved = 1;
     std::vector<std::size_t> bad, good_points;
@@ -371,6 +416,7 @@ struct ParametricModes::Impl {
         solved[at] = true;
         try {
           extend(full(points[at], snapshot).shapes.rightCols(snapshot));
+          if (take_sparse(basis.cols(), candidate)) return;
           project();
           ++training.solved;
         } catch (const std::exception&) {
@@ -457,6 +503,9 @@ bool ParametricModes::differentiate(std::span<const double> theta, Workspace& wo
   const Workspace::Impl& ws = *workspace.impl_;
   // After a full solution, the derivatives are those of the reduced basis.
   if (!ws.in_basis) return false;
+  if (s.sparse)
+    return s.sparse->differentiate(workspace.impl_->sparse, kTwin, slopes.eigenvalues,
+                                   slopes.shapes);
   const VectorXd mu = ws.reduced.mu.segment(s.rigid, s.wanted);
   const Index m = s.basis.cols(), d = s.structure->parameters();
   const MatrixXd& a = s.structure->scale_slopes();

@@ -13,6 +13,13 @@
 
 namespace wheeltap::fem {
 
+/// How the modes at one θ are computed.
+enum class ParametricSolver {
+  cheaper,  ///< the one of the two below that costs less
+  basis,    ///< in a basis of modes at selected θ
+  sparse    ///< from the sparse matrices, if the structure is affine; otherwise in a basis
+};
+
 struct ParametricModesOptions {
   int modes = 1;  ///< number of lowest elastic modes
   /// The requested components of mode shapes, as linear forms of the degrees of freedom.
@@ -23,15 +30,16 @@ struct ParametricModesOptions {
   int most_basis = 400;           ///< largest number of columns of the basis
   int complete = 60;              ///< up to this number of degrees of freedom, the basis is
                                   ///< complete
+  ParametricSolver solver = ParametricSolver::cheaper;
   std::function<void(double)> progress = {};  ///< receives the completed share of the training, 0
                                               ///< to 1
 };
 
-/// Solves K(θ) φ = λ M(θ) φ by Rayleigh-Ritz on a basis V of modes at selected θ. Each training
-/// step solves the full problem at the training point with the largest error bound, and adds the
-/// modes of this solution to the basis (greedy reduced bases for eigenproblems: Horger, Wohlmuth &
-/// Dickopf 2017, section 4). The initial basis contains the responses to the low-rank terms, (K₀ +
-/// σM₀)⁻¹ C.
+/// Solves K(θ) φ = λ M(θ) φ from the sparse matrices (`SparseModes`), or by Rayleigh-Ritz on a
+/// basis V of modes at selected θ. Each training step solves the full problem at the training point
+/// with the largest error bound, and adds the modes of this solution to the basis (greedy reduced
+/// bases for eigenproblems: Horger, Wohlmuth & Dickopf 2017, section 4). The initial basis contains
+/// the responses to the low-rank terms, (K₀ + σM₀)⁻¹ C.
 ///
 /// Every computed eigenvalue has an error bound. With a Ritz vector u, uᵀ(K + σM)u = λ + σ, and r =
 /// K u - λ M u,

@@ -348,4 +348,23 @@ std::vector<MatrixXd> ParametricStructure::project_terms(const MatrixXd& basis) 
   return out;
 }
 
+std::vector<Sparse> ParametricStructure::term_matrices() const {
+  std::vector<std::vector<Eigen::Triplet<double>>> entries(static_cast<std::size_t>(terms_));
+  for (std::size_t i = 0; i < nominal_.strains.size() && terms_ > 0; ++i) {
+    const auto& [row, factor] = nominal_.strains[i];
+    for (std::size_t a = 0; a < row.dofs.size(); ++a)
+      for (std::size_t b = 0; b < row.dofs.size(); ++b)
+        entries[static_cast<std::size_t>(group_[i])].emplace_back(
+            row.dofs[a], row.dofs[b], factor * row.coefficients[a] * row.coefficients[b]);
+  }
+  std::vector<Sparse> out;
+  for (const auto& of_term : entries) {
+    out.emplace_back(nominal_.size(), nominal_.size());
+    out.back().setFromTriplets(of_term.begin(), of_term.end());
+  }
+  for (std::size_t p = 0; p < part_terms_.size() && terms_ > 0; ++p)
+    out[out.size() - part_terms_.size() + p] = part_terms_[p];
+  return out;
+}
+
 }  // namespace wheeltap::fem

@@ -70,6 +70,11 @@ class ParametricStructure {
   /// Computes Vᵀ K_t V of each term; the list is empty for `general`.
   [[nodiscard]] std::vector<Eigen::MatrixXd> project_terms(const Eigen::MatrixXd& basis) const;
 
+  /// The matrix K_t of each term, n × n, both triangles; the list is empty for `general`.
+  [[nodiscard]] std::vector<Sparse> term_matrices() const;
+  /// The number of terms, the last ones, that are parts of K given as matrices.
+  [[nodiscard]] std::size_t matrix_terms() const { return part_terms_.size(); }
+
   /// The columns of C, one column per rank of the low-rank terms; empty if a term is not positive
   /// semidefinite.
   [[nodiscard]] const Eigen::MatrixXd& low_rank() const { return low_rank_; }

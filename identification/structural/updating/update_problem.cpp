@@ -12,6 +12,9 @@
 namespace wheeltap::identification {
 namespace {
 
+/// Largest size of an eigenvalue problem that takes about as long as a step of the sampler.
+constexpr int kCheapModes = 40;
+
 /// Tolerances of computed modes, as error bounds: a thousandth of the smallest scatter of a
 /// frequency, a fifth of that of a shape. Actual errors are far smaller.
 struct Tolerances {
@@ -140,6 +143,8 @@ std::unique_ptr<const UpdateProblem> make_update_problem(UpdateCase update_case,
   else
     out->model =
         std::make_shared<const BasisModel>(reduced_basis(update_case, out->modes().of(0), options));
+  if (const fem::ParametricModes* basis = out->basis(); basis != nullptr)
+    out->problem.costly = basis->training().basis > kCheapModes;
   out->update_case = std::move(update_case);
   out->problem.space =
       inference::ModelSpace::of_models(parameters, {{"the structure", 1.0, names}});

@@ -86,12 +86,21 @@ std::vector<SparseRow> some_motions(const Discretisation& d, int step) {
   return motions;
 }
 
-TEST(ParametricModes, BoundsHoldForAFrameWithUnknownMaterials) {
+class ParametricSolvers : public testing::TestWithParam<ParametricSolver> {};
+
+INSTANTIATE_TEST_SUITE_P(Both, ParametricSolvers,
+                         testing::Values(ParametricSolver::basis, ParametricSolver::sparse),
+                         [](const auto& param_info) {
+                           return param_info.param == ParametricSolver::basis ? "Basis" : "Sparse";
+                         });
+
+TEST_P(ParametricSolvers, BoundsHoldForAFrameWithUnknownMaterials) {
   const StructureFamily family = parametric::portal_materials();
   const Discretisation d = family.at(family.nominal);
-  const ParametricModesOptions options{.modes = 8, .motions = some_motions(d, 31)};
+  const ParametricModesOptions options{
+      .modes = 8, .motions = some_motions(d, 31), .solver = GetParam()};
   const Reduced reduced = reduce(family, kMaterials, options);
-  EXPECT_FALSE(reduced.modes.training().complete);
+  EXPECT_EQ(reduced.modes.training().complete, GetParam() == ParametricSolver::sparse);
   EXPECT_EQ(reduced.modes.training().beyond, 0);
   expect_within_bounds(reduced, options, kMaterials, random_points());
 }
@@ -120,18 +129,18 @@ TEST(ParametricModes, BoundsHoldForUnknownCompression) {
   expect_within_bounds(reduce(family, box, options), options, box, random_points() / 5);
 }
 
-TEST(ParametricModes, AcceptsDegreesOfFreedomWithoutMass) {
+TEST_P(ParametricSolvers, AcceptsDegreesOfFreedomWithoutMass) {
   const Box box = {{-0.4, 0.4}, {-0.4, 0.4}, {-0.5, 2.0}};
   const StructureFamily family = parametric::family_of(parametric::floors(40));
-  const ParametricModesOptions options{.modes = 6,
-                                       .motions = some_motions(family.at(family.nominal), 10)};
+  const ParametricModesOptions options{
+      .modes = 6, .motions = some_motions(family.at(family.nominal), 10), .solver = GetParam()};
   expect_within_bounds(reduce(family, box, options), options, box, random_points());
 }
 
-TEST(ParametricModes, ExcludesTheRigidMotionOfAFreeChain) {
+TEST_P(ParametricSolvers, ExcludesTheRigidMotionOfAFreeChain) {
   const Box box = {{600.0, 1400.0}, {800.0, 1600.0}};
   const StructureFamily family = parametric::shear_chain(90, false);
-  const ParametricModesOptions options{.modes = 5};
+  const ParametricModesOptions options{.modes = 5, .solver = GetParam()};
   expect_within_bounds(reduce(family, box, options), options, box, random_points());
 }
 
@@ -146,7 +155,7 @@ TEST(ParametricModes, SmallStructuresAreNotReduced) {
 }
 
 // Two equal chains on one ground: every mode is double, and splits if their stiffnesses differ.
-TEST(ParametricModes, CloseModesShareABound) {
+TEST_P(ParametricSolvers, CloseModesShareABound) {
   const Box box = {{900.0, 1100.0}, {999.0, 1001.0}};
   const StructureFamily family{
       .at =
@@ -161,13 +170,13 @@ TEST(ParametricModes, CloseModesShareABound) {
             return discretise(chain);
           },
       .nominal = {1000.0, 1000.0}};
-  const ParametricModesOptions options{.modes = 6};
+  const ParametricModesOptions options{.modes = 6, .solver = GetParam()};
   expect_within_bounds(reduce(family, box, options), options, box, random_points() / 3);
 }
 
 // Far outside the training range the structure is solved in full, so the result is exact.
 TEST(ParametricModes, SolvesInFullOutsideTheTrainingRange) {
-  const ParametricModesOptions options{.modes = 6};
+  const ParametricModesOptions options{.modes = 6, .solver = ParametricSolver::basis};
   const Reduced reduced = reduce(parametric::portal_materials(), kMaterials, options);
   auto workspace = reduced.modes.make_workspace();
   ParametricModes::Modes found;
@@ -179,10 +188,11 @@ TEST(ParametricModes, SolvesInFullOutsideTheTrainingRange) {
   for (Index i = 0; i < 6; ++i) EXPECT_NEAR(found.eigenvalues[i] / full.eigenvalues[i], 1.0, 1e-12);
 }
 
-TEST(ParametricModes, DerivativesEqualFiniteDifferences) {
+TEST_P(ParametricSolvers, DerivativesEqualFiniteDifferences) {
   const StructureFamily family = parametric::portal_materials();
   const Discretisation d = family.at(family.nominal);
-  const ParametricModesOptions options{.modes = 6, .motions = some_motions(d, 41)};
+  const ParametricModesOptions options{
+      .modes = 6, .motions = some_motions(d, 41), .solver = GetParam()};
   const Reduced reduced = reduce(family, kMaterials, options);
   auto workspace = reduced.modes.make_workspace();
   ParametricModes::Modes at, above, below;
@@ -212,7 +222,7 @@ TEST(ParametricModes, DerivativesEqualFiniteDifferences) {
 }
 
 // Twin modes have no unique shapes, but derivatives of eigenvalues and of their common plane.
-TEST(ParametricModes, DerivativesOfTwinModesAreFinite) {
+TEST_P(ParametricSolvers, DerivativesOfTwinModesAreFinite) {
   StructureFamily family{.at =
                              [](std::span<const double> x) {
                                LumpedChain chain{.masses = {1.0, 1.0}, .links = {}};
@@ -223,8 +233,8 @@ TEST(ParametricModes, DerivativesOfTwinModesAreFinite) {
                          .nominal = {100.0, 100.0}};
   const SparseRow first{.dofs = {0}, .coefficients = {1.0}},
       second{.dofs = {1}, .coefficients = {1.0}};
-  const Reduced reduced =
-      reduce(family, {{50.0, 150.0}, {50.0, 150.0}}, {.modes = 2, .motions = {first, second}});
+  const Reduced reduced = reduce(family, {{50.0, 150.0}, {50.0, 150.0}},
+                                 {.modes = 2, .motions = {first, second}, .solver = GetParam()});
   auto workspace = reduced.modes.make_workspace();
   ParametricModes::Modes at;
   ParametricModes::Slopes slopes;

@@ -1,0 +1,113 @@
+#include "fem/structures/modes/sparse_factor.hpp"
+
+#include <Eigen/OrderingMethods>
+#include <algorithm>
+#include <set>
+#include <stdexcept>
+#include <string>
+
+namespace wheeltap::fem {
+
+SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& pattern) {
+  if (pattern.rows() != pattern.cols())
+    throw std::invalid_argument("a matrix of " + std::to_string(pattern.rows()) + " rows and " +
+                                std::to_string(pattern.cols()) + " columns: must be square");
+  const auto n = static_cast<std::size_t>(pattern.rows());
+  Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
+  Eigen::AMDOrdering<int>()(pattern.selfadjointView<Eigen::Lower>(), order);
+  to_.resize(n);
+  // The permutation holds the unknown at each position.
+  for (std::size_t position = 0; position < n; ++position)
+    to_[static_cast<std::size_t>(order.indices()[static_cast<Eigen::Index>(position)])] = position;
+
+  std::vector<std::set<std::size_t>> below(n);
+  for (int c = 0; c < pattern.outerSize(); ++c)
+    for (Eigen::SparseMatrix<double>::InnerIterator it(pattern, c); it; ++it) {
+      const std::size_t a = to_[static_cast<std::size_t>(it.row())];
+      const std::size_t b = to_[static_cast<std::size_t>(it.col())];
+      if (a != b) below[std::min(a, b)].insert(std::max(a, b));
+    }
+  // Column j fills the column of its first row below the diagonal, its parent in the elimination
+  // tree.
+  for (std::size_t j = 0; j < n; ++j) {
+    start_.push_back(rows_.size());
+    rows_.insert(rows_.end(), below[j].begin(), below[j].end());
+    columns_.resize(rows_.size(), j);
+    if (below[j].size() > 1)
+      below[*below[j].begin()].insert(std::next(below[j].begin()), below[j].end());
+  }
+  start_.push_back(rows_.size());
+  for (std::size_t j = 0; j < n; ++j)
+    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b)
+      for (std::size_t a = b + 1; a < start_[j + 1]; ++a)
+        targets_.push_back(index(rows_[a], rows_[b]));
+}
+
+std::size_t SparseFactor::index(std::size_t a, std::size_t b) const {
+  const auto first = rows_.begin() + static_cast<std::ptrdiff_t>(start_.at(std::min(a, b)));
+  const auto last = rows_.begin() + static_cast<std::ptrdiff_t>(start_.at(std::min(a, b) + 1));
+  const auto at = std::lower_bound(first, last, std::max(a, b));
+  if (at == last || *at != std::max(a, b))
+    throw std::out_of_range("the factor has no entry at " + std::to_string(a) + ", " +
+                            std::to_string(b));
+  return static_cast<std::size_t>(at - rows_.begin());
+}
+
+std::vector<std::size_t> SparseFactor::indices_of(std::size_t position) const {
+  std::vector<std::size_t> out;
+  for (std::size_t e = 0; e < rows_.size(); ++e)
+    if (rows_[e] == position || columns_[e] == position) out.push_back(e);
+  return out;
+}
+
+template <int W>
+void SparseFactor::factorise(Values& values) const {
+  double* const diagonal = values.diagonal.data();
+  double* const lower = values.lower.data();
+  const std::size_t* target = targets_.data();
+  for (std::size_t j = 0; j < size(); ++j)
+    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
+      double* const at = lower + b * W;
+      double* const below = diagonal + rows_[b] * W;
+      double l[W];
+      for (int w = 0; w < W; ++w) {
+        l[w] = at[w] / diagonal[j * W + static_cast<std::size_t>(w)];
+        below[w] -= l[w] * at[w];
+        at[w] = l[w];
+      }
+      for (std::size_t a = b + 1; a < start_[j + 1]; ++a, ++target) {
+        const double* const other = lower + a * W;
+        double* const entry = lower + *target * W;
+        for (int w = 0; w < W; ++w) entry[w] -= other[w] * l[w];
+      }
+    }
+}
+
+template <int W>
+void SparseFactor::solve(const Values& factor, double* x) const {
+  const double* const lower = factor.lower.data();
+  for (std::size_t j = 0; j < size(); ++j) {
+    const double* const xj = x + j * W;
+    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
+      double* const to = x + rows_[b] * W;
+      for (int w = 0; w < W; ++w) to[w] -= lower[b * W + static_cast<std::size_t>(w)] * xj[w];
+    }
+  }
+  for (std::size_t i = 0; i < size() * W; ++i) x[i] /= factor.diagonal[i];
+  for (std::size_t j = size(); j-- > 0;) {
+    double sum[W];
+    for (int w = 0; w < W; ++w) sum[w] = x[j * W + static_cast<std::size_t>(w)];
+    for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
+      const double* const from = x + rows_[b] * W;
+      for (int w = 0; w < W; ++w) sum[w] -= lower[b * W + static_cast<std::size_t>(w)] * from[w];
+    }
+    for (int w = 0; w < W; ++w) x[j * W + static_cast<std::size_t>(w)] = sum[w];
+  }
+}
+
+template void SparseFactor::factorise<1>(Values&) const;
+template void SparseFactor::factorise<4>(Values&) const;
+template void SparseFactor::solve<1>(const Values&, double*) const;
+template void SparseFactor::solve<4>(const Values&, double*) const;
+
+}  // namespace wheeltap::fem

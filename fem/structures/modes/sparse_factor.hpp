@@ -1,0 +1,67 @@
+// L D Lᵀ of sparse symmetric matrices with one pattern, several matrices at once.
+#pragma once
+
+#include <Eigen/SparseCore>
+#include <cstddef>
+#include <vector>
+
+#include "base/eigen.hpp"
+
+namespace wheeltap::fem {
+
+/// The pattern of L for a pattern of symmetric matrices, in an order of the unknowns that keeps L
+/// sparse (approximate minimum degree; Amestoy, Davis & Duff 1996), and the list of all updates of
+/// a factorisation. Immutable after construction.
+///
+/// `Values` and the vectors of `solve` hold W matrices or vectors together: entry i of matrix w is
+/// at i W + w, so that one pass over the pattern treats W matrices. The pattern has no other cost
+/// for small structures, where the search for the entries of a sparse matrix takes longer than the
+/// arithmetic.
+class SparseFactor {
+ public:
+  /// Throws std::invalid_argument if the matrix is not square. The values of the matrix are not
+  /// used.
+  explicit SparseFactor(const Eigen::SparseMatrix<double>& pattern);
+
+  [[nodiscard]] std::size_t size() const { return to_.size(); }
+  /// The number of entries of L below the diagonal.
+  [[nodiscard]] std::size_t entries() const { return rows_.size(); }
+  /// The number of products of two entries in one factorisation.
+  [[nodiscard]] std::size_t products() const { return targets_.size() + rows_.size(); }
+  /// The position of an unknown in the order of the factor.
+  [[nodiscard]] std::size_t position(std::size_t unknown) const { return to_[unknown]; }
+
+  /// The diagonal and the entries of L below, column by column.
+  struct Values {
+    std::vector<double> diagonal, lower;
+  };
+  /// The index in `lower` of the entry at two different positions. Throws std::out_of_range if L
+  /// has no such entry.
+  [[nodiscard]] std::size_t index(std::size_t a, std::size_t b) const;
+  /// The indices in `lower` of all entries in the row and in the column of a position.
+  [[nodiscard]] std::vector<std::size_t> indices_of(std::size_t position) const;
+  /// The row and the column of an entry of `lower`.
+  [[nodiscard]] std::size_t row(std::size_t index) const { return rows_[index]; }
+  [[nodiscard]] std::size_t column(std::size_t index) const { return columns_[index]; }
+
+  /// Replaces W matrices A by their factors: D in `diagonal`, L in `lower`. There is no pivoting. A
+  /// pivot of zero makes the values infinite or NaN; the caller checks `diagonal`.
+  template <int W>
+  void factorise(Values& values) const;
+  /// Solves A x = b for one right-hand side of each of W matrices, in place.
+  template <int W>
+  void solve(const Values& factor, double* x) const;
+
+ private:
+  std::vector<std::size_t> to_;              // position of each unknown
+  std::vector<std::size_t> start_;           // first entry of each column, and the end
+  std::vector<std::size_t> rows_, columns_;  // of each entry
+  std::vector<std::size_t> targets_;         // for column j, rows b < a of it: the entry (a, b)
+};
+
+extern template void SparseFactor::factorise<1>(Values&) const;
+extern template void SparseFactor::factorise<4>(Values&) const;
+extern template void SparseFactor::solve<1>(const Values&, double*) const;
+extern template void SparseFactor::solve<4>(const Values&, double*) const;
+
+}  // namespace wheeltap::fem

@@ -1,0 +1,460 @@
+#include "fem/structures/modes/sparse_modes.hpp"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <numeric>
+
+#include "base/eigen_solvers.hpp"
+
+namespace wheeltap::fem {
+namespace {
+
+using Eigen::Index;
+using Eigen::MatrixXd;
+using Eigen::VectorXd;
+using Sparse = Discretisation::Sparse;
+
+constexpr int kLanes = 4;
+/// Residual of a Ritz pair relative to its value at convergence. The error of the value is of
+/// second order in the residual.
+constexpr double kRitzConverged = 1e-8;
+/// Relative size of a new Lanczos vector that counts as an invariant subspace.
+constexpr double kInvariant = 1e-13;
+/// Share of a vector without symmetry in the first Lanczos vector.
+constexpr double kGeneric = 0.05;
+/// Relative distance of 1/(λ + σ) in which modes can be counted.
+constexpr double kCountGap = 1e-6;
+/// Lanczos' method finds one mode of a pair of equal ones; each further round finds another.
+constexpr Index kRounds = 4;
+/// Steps between two checks of convergence, and steps beyond three per mode until the last one.
+constexpr Index kBetweenChecks = 3, kSpareSteps = 60;
+
+std::size_t at(Index i) {
+  return static_cast<std::size_t>(i);
+}
+
+Sparse pattern_of(const ParametricStructure& structure, const std::vector<Sparse>& terms) {
+  std::vector<Eigen::Triplet<double>> entries;
+  const auto take = [&](const Sparse& matrix) {
+    for (int c = 0; c < matrix.outerSize(); ++c)
+      for (Sparse::InnerIterator it(matrix, c); it; ++it) entries.emplace_back(it.row(), c, 1.0);
+  };
+  for (const Sparse& term : terms) take(term);
+  take(structure.nominal().mass);
+  for (const Sparse& slope : structure.mass_slopes()) take(slope);
+  Sparse out(structure.nominal().size(), structure.nominal().size());
+  out.setFromTriplets(entries.begin(), entries.end());
+  return out;
+}
+
+}  // namespace
+
+SparseModes::SparseModes(const ParametricStructure& structure, Index rigid, Index elastic,
+                         double sigma, const MatrixXd& start, const std::vector<SparseRow>& motions)
+    : structure_(structure),
+      n_(structure.nominal().size()),
+      rigid_(rigid),
+      elastic_(elastic),
+      sigma_(sigma),
+      factor_(pattern_of(structure, structure.term_matrices())),
+      touching_(at(n_)),
+      start_(n_, start.cols()) {
+  for (const Sparse& term : structure.term_matrices()) terms_.push_back(entries(term));
+  for (const Sparse& slope : structure.mass_slopes()) mass_slopes_.push_back(entries(slope));
+  mass_ = entries(structure.nominal().mass);
+  std::vector<char> used(factor_.entries());
+  const auto mark = [&](const Entries& e) {
+    for (const std::size_t i : e.lower_at) used[i] = 1;
+  };
+  std::ranges::for_each(terms_, mark);
+  std::ranges::for_each(mass_slopes_, mark);
+  mark(mass_);
+  for (std::size_t i = 0; i < used.size(); ++i)
+    if (used[i] != 0) {
+      used_.push_back(i);
+      touching_[factor_.row(i)].push_back(i);
+      touching_[factor_.column(i)].push_back(i);
+    }
+  const auto moved = [&](SparseRow row) {
+    for (int& dof : row.dofs)
+      dof = static_cast<int>(factor_.position(static_cast<std::size_t>(dof)));
+    return row;
+  };
+  for (const SparseRow& motion : motions) motions_.push_back(moved(motion));
+  for (const Strain& strain : structure.nominal().strains) strains_.push_back(moved(strain.row));
+  for (Index i = 0; i < n_; ++i)
+    start_.row(static_cast<Index>(factor_.position(at(i)))) = start.row(i);
+}
+
+SparseModes::Entries SparseModes::entries(const Sparse& matrix) const {
+  Entries out;
+  for (int c = 0; c < matrix.outerSize(); ++c)
+    for (Sparse::InnerIterator it(matrix, c); it; ++it) {
+      const std::size_t a = factor_.position(static_cast<std::size_t>(it.row()));
+      const std::size_t b = factor_.position(static_cast<std::size_t>(c));
+      if (a == b) {
+        out.diagonal_at.push_back(a);
+        out.diagonal.push_back(it.value());
+      } else if (a > b) {
+        out.lower_at.push_back(factor_.index(a, b));
+        out.lower.push_back(it.value());
+      }
+    }
+  return out;
+}
+
+void SparseModes::add(double factor, const Entries& entries, double* diagonal, double* lower) {
+  for (std::size_t i = 0; i < entries.diagonal.size(); ++i)
+    diagonal[entries.diagonal_at[i]] += factor * entries.diagonal[i];
+  for (std::size_t i = 0; i < entries.lower.size(); ++i)
+    lower[entries.lower_at[i]] += factor * entries.lower[i];
+}
+
+void SparseModes::times(const double* diagonal, const double* lower, const double* u,
+                        double* out) const {
+  for (Index i = 0; i < n_; ++i) out[i] = diagonal[i] * u[i];
+  for (const std::size_t e : used_) {
+    out[factor_.row(e)] += lower[e] * u[factor_.column(e)];
+    out[factor_.column(e)] += lower[e] * u[factor_.row(e)];
+  }
+}
+
+/// Adds scale_w A u_w for each of the kLanes vectors u_w.
+void SparseModes::multiply(const Entries& entries, const SparseFactor& factor, const double* u,
+                           const double* scale, double* out) {
+  constexpr std::size_t kWide = kLanes;
+  for (std::size_t i = 0; i < entries.diagonal.size(); ++i) {
+    const std::size_t d = kWide * entries.diagonal_at[i];
+    for (std::size_t w = 0; w < kWide; ++w) out[d + w] += scale[w] * entries.diagonal[i] * u[d + w];
+  }
+  for (std::size_t i = 0; i < entries.lower.size(); ++i) {
+    const std::size_t r = kWide * factor.row(entries.lower_at[i]);
+    const std::size_t c = kWide * factor.column(entries.lower_at[i]);
+    for (std::size_t w = 0; w < kWide; ++w) {
+      out[r + w] += scale[w] * entries.lower[i] * u[c + w];
+      out[c + w] += scale[w] * entries.lower[i] * u[r + w];
+    }
+  }
+}
+
+double SparseModes::energy(const ParametricStructure::Point& point,
+                           const Eigen::Ref<const VectorXd>& u) const {
+  double sum = 0.0;
+  const auto terms = structure_.term_of_strain();
+  for (std::size_t i = 0; i < strains_.size(); ++i) {
+    const double strain = strains_[i].of(u);
+    sum += structure_.nominal().strains[i].factor * point.scales[terms[i]] * strain * strain;
+  }
+  for (std::size_t t = terms_.size() - structure_.matrix_terms(); t < terms_.size(); ++t) {
+    const Entries& e = terms_[t];
+    double part = 0.0;
+    for (std::size_t i = 0; i < e.diagonal.size(); ++i) {
+      const double v = u[static_cast<Index>(e.diagonal_at[i])];
+      part += e.diagonal[i] * v * v;
+    }
+    for (std::size_t i = 0; i < e.lower.size(); ++i)
+      part += 2.0 * e.lower[i] * u[static_cast<Index>(factor_.row(e.lower_at[i]))] *
+              u[static_cast<Index>(factor_.column(e.lower_at[i]))];
+    sum += point.scales[static_cast<Index>(t)] * part;
+  }
+  return sum;
+}
+
+/// Adds Ritz vectors to the M-orthonormal `locked` and their values to `mu`, until the `wanted`
+/// largest values have converged. The further values in `mu` are estimates.
+bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, Index wanted,
+                          Index round) const {
+  const Index known = locked.cols();
+  const Index most = std::min(n_ - known, 3 * wanted + kSpareSteps);
+  if (most < 1) return false;
+  // Columns: the locked vectors, then the Lanczos vectors; and M times each.
+  MatrixXd v(n_, known + most), momenta(n_, known + most);
+  v.leftCols(known) = locked;
+  const auto mass_times = [&](Index column) {
+    times(ws.mass_diagonal.data(), ws.mass.data(), v.col(column).data(),
+          momenta.col(column).data());
+  };
+  for (Index c = 0; c < known; ++c) mass_times(c);
+  VectorXd next(n_), moved(n_);
+  for (Index i = 0; i < n_; ++i)
+    next[i] =
+        std::sin((1.7 + 0.37 * static_cast<double>(round)) * static_cast<double>(i + 1)) + 0.1;
+  times(ws.mass_diagonal.data(), ws.mass.data(), next.data(), moved.data());
+  factor_.solve<1>(ws.shifted, moved.data());
+  times(ws.mass_diagonal.data(), ws.mass.data(), moved.data(), next.data());
+  moved /= std::sqrt(std::max(moved.dot(next), 1e-300));
+  next = moved;
+  if (round == 0) next = start_.rowwise().sum() + kGeneric * moved;
+
+  VectorXd alpha = VectorXd::Zero(most), beta = VectorXd::Zero(most);
+  const auto orthogonalise = [&](Index columns, VectorXd& shares) {
+    shares = VectorXd::Zero(columns);
+    for (int pass = 0; pass < 2; ++pass) {
+      const VectorXd share = momenta.leftCols(columns).transpose() * next;
+      next.noalias() -= v.leftCols(columns) * share;
+      shares += share;
+    }
+  };
+  const auto append = [&](Index column) {
+    v.col(column) = next;
+    mass_times(column);
+    const double size = std::sqrt(std::max(0.0, next.dot(momenta.col(column))));
+    if (size > 0.0) {
+      v.col(column) /= size;
+      momenta.col(column) /= size;
+    }
+    return size;
+  };
+  VectorXd shares;
+  if (known > 0) orthogonalise(known, shares);
+  if (!(append(known) > 0.0)) return false;
+  for (Index j = 0; j < most; ++j) {
+    next = momenta.col(known + j);
+    factor_.solve<1>(ws.shifted, next.data());
+    orthogonalise(known + j + 1, shares);
+    alpha[j] = shares[known + j];
+    const bool full = j + 1 == most;
+    if (!full) beta[j] = append(known + j + 1);
+    const bool invariant = full || beta[j] <= kInvariant * std::abs(alpha[0]);
+    if (!invariant && (j + 1 < wanted || (j - wanted) % kBetweenChecks != 0)) continue;
+    Eigen::SelfAdjointEigenSolver<MatrixXd> ritz;
+    ritz.computeFromTridiagonal(alpha.head(j + 1), beta.head(j), Eigen::ComputeEigenvectors);
+    const Index k = std::min(wanted, j + 1);
+    Index converged = 0;
+    while (converged < k &&
+           (invariant || beta[j] * std::abs(ritz.eigenvectors()(j, j - converged)) <
+                             kRitzConverged * ritz.eigenvalues()[j - converged]))
+      ++converged;
+    if (converged < k) continue;
+    if (full && j + 1 < n_ - known) return false;  // did not converge
+    const Index kept = std::min<Index>(j + 1, wanted + 3);
+    locked.conservativeResize(n_, known + kept);
+    locked.rightCols(kept) =
+        v.middleCols(known, j + 1) * ritz.eigenvectors().rightCols(kept).rowwise().reverse();
+    mu.conservativeResize(known + kept);
+    mu.tail(kept) = ritz.eigenvalues().tail(kept).reverse();
+    return true;
+  }
+  return false;
+}
+
+/// True if `mu`, in descending order, holds the largest values: by inertia, in the widest gap from
+/// the k-th one on.
+bool SparseModes::none_missing(Workspace& ws, const VectorXd& mu, Index k) const {
+  if (mu.size() == n_) return true;
+  Index split = -1;
+  double widest = kCountGap;
+  for (Index i = k - 1; i + 1 < mu.size(); ++i)
+    if (const double gap = 1.0 - mu[i + 1] / mu[i]; gap > widest) {
+      widest = gap;
+      split = i;
+    }
+  if (split < 0) return false;
+  // K - s M, with the s between the two eigenvalues.
+  const double s = 1.0 / std::sqrt(mu[split] * std::max(mu[split + 1], 1e-12 * mu[split])) - sigma_;
+  SparseFactor::Values& values = ws.several;
+  values.diagonal.resize(at(n_));
+  values.lower.assign(factor_.entries(), 0.0);
+  for (Index i = 0; i < n_; ++i)
+    values.diagonal[at(i)] = ws.stiffness_diagonal[i] - s * ws.mass_diagonal[i];
+  for (const std::size_t e : used_) values.lower[e] = ws.stiffness[e] - s * ws.mass[e];
+  factor_.factorise<1>(values);
+  return std::ranges::count_if(values.diagonal, [](double d) { return d < 0.0; }) == split + 1;
+}
+
+bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
+                        VectorXd& eigenvalues, MatrixXd& shapes) const {
+  ws.solved = false;
+  ws.stiffness_diagonal = VectorXd::Zero(n_);
+  ws.mass_diagonal = VectorXd::Zero(n_);
+  ws.stiffness.assign(factor_.entries(), 0.0);
+  ws.mass.assign(factor_.entries(), 0.0);
+  for (std::size_t t = 0; t < terms_.size(); ++t)
+    add(point.scales[static_cast<Index>(t)], terms_[t], ws.stiffness_diagonal.data(),
+        ws.stiffness.data());
+  add(1.0, mass_, ws.mass_diagonal.data(), ws.mass.data());
+  if (structure_.mass_changes())
+    for (std::size_t j = 0; j < mass_slopes_.size(); ++j)
+      add(point.change[static_cast<Index>(j)], mass_slopes_[j], ws.mass_diagonal.data(),
+          ws.mass.data());
+  ws.shifted.diagonal.resize(at(n_));
+  ws.shifted.lower.assign(factor_.entries(), 0.0);
+  for (Index i = 0; i < n_; ++i)
+    ws.shifted.diagonal[at(i)] = ws.stiffness_diagonal[i] + sigma_ * ws.mass_diagonal[i];
+  for (const std::size_t e : used_) ws.shifted.lower[e] = ws.stiffness[e] + sigma_ * ws.mass[e];
+  factor_.factorise<1>(ws.shifted);
+  if (!std::ranges::all_of(ws.shifted.diagonal, [](double d) { return d > 0.0; })) return false;
+
+  const Index k = rigid_ + elastic_;
+  MatrixXd found(n_, 0);
+  VectorXd mu;
+  bool complete = false;
+  for (Index round = 0; round < kRounds && !complete; ++round) {
+    const Index wanted = round == 0 ? k : std::min<Index>(k, 2 + 2 * round);
+    if (!lanczos(ws, found, mu, wanted, round)) return false;
+    std::vector<Index> order(at(mu.size()));
+    std::iota(order.begin(), order.end(), Index{0});
+    std::ranges::stable_sort(order, std::ranges::greater{}, [&](Index i) { return mu[i]; });
+    found = MatrixXd(found(Eigen::all, order));
+    mu = VectorXd(mu(order));
+    complete = none_missing(ws, mu, k);
+  }
+  if (!complete) return false;
+  ws.modes = found.middleCols(rigid_, elastic_);
+  if (ws.mass_diagonal.minCoeff() <= 0.0) {
+    // Orthogonality in M does not control rounding errors in motions without mass, which the
+    // recurrence amplifies; (K + σM)⁻¹ M removes them (Nour-Omid, Parlett, Ericsson & Jensen 1987).
+    VectorXd momentum(n_), moved(n_);
+    for (Index i = 0; i < elastic_; ++i) {
+      times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), moved.data());
+      factor_.solve<1>(ws.shifted, moved.data());
+      times(ws.mass_diagonal.data(), ws.mass.data(), moved.data(), momentum.data());
+      ws.modes.col(i) = moved / std::sqrt(moved.dot(momentum));
+    }
+  }
+  ws.eigenvalues.resize(elastic_);
+  for (Index i = 0; i < elastic_; ++i) ws.eigenvalues[i] = energy(point, ws.modes.col(i));
+  if (!(ws.eigenvalues.minCoeff() > 0.0)) return false;
+  eigenvalues = ws.eigenvalues;
+  shapes.resize(static_cast<Index>(motions_.size()), elastic_);
+  for (Index i = 0; i < elastic_; ++i)
+    for (std::size_t s = 0; s < motions_.size(); ++s)
+      shapes(static_cast<Index>(s), i) = motions_[s].of(ws.modes.col(i));
+  ws.solved = true;
+  return true;
+}
+
+bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalues,
+                                std::vector<MatrixXd>& shapes) const {
+  if (!ws.solved) return false;
+  const Index d = structure_.parameters();
+  const MatrixXd& scale_slopes = structure_.scale_slopes();
+  constexpr std::size_t kWide = kLanes;
+  eigenvalues.resize(elastic_, d);
+  shapes.assign(at(d), MatrixXd(static_cast<Index>(motions_.size()), elastic_));
+  MatrixXd momenta(n_, elastic_);
+  for (Index i = 0; i < elastic_; ++i)
+    times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), momenta.col(i).data());
+  const auto distance = [&](Index i, Index j) {
+    return std::abs(ws.eigenvalues[i] - ws.eigenvalues[j]) / (ws.eigenvalues[j] + sigma_);
+  };
+  std::vector<double> modes(kWide * at(n_)), force(kWide * at(n_));
+  for (Index group = 0; group < elastic_; group += kLanes) {
+    std::array<Index, kWide> mode{}, first{}, last{};
+    std::array<double, kWide> lambda{}, scale{};
+    for (std::size_t w = 0; w < kWide; ++w) {
+      const Index i = std::min<Index>(group + static_cast<Index>(w), elastic_ - 1);
+      mode[w] = first[w] = last[w] = i;
+      lambda[w] = ws.eigenvalues[i];
+      while (first[w] > 0 && distance(first[w] - 1, i) < twin) --first[w];
+      while (last[w] + 1 < elastic_ && distance(last[w] + 1, i) < twin) ++last[w];
+      for (Index r = 0; r < n_; ++r) modes[kWide * at(r) + w] = ws.modes(r, i);
+    }
+    std::array<std::vector<std::size_t>, kWide> pinned;
+    if (!motions_.empty()) {
+      for (std::size_t w = 0; w < kWide; ++w) pinned[w] = pins(ws, first[w], last[w]);
+      if (!factorise_at(ws, lambda.data(), pinned.data())) return false;
+    }
+    for (Index j = 0; j < d; ++j) {
+      // ∂K y - λ ∂M y
+      std::ranges::fill(force, 0.0);
+      for (std::size_t t = 0; t < terms_.size(); ++t) {
+        const double slope = scale_slopes(static_cast<Index>(t), j);
+        if (slope == 0.0) continue;
+        scale.fill(slope);
+        multiply(terms_[t], factor_, modes.data(), scale.data(), force.data());
+      }
+      std::array<double, kWide> norm{};
+      if (structure_.mass_changes()) {
+        std::vector<double> by_mass(force.size());
+        scale.fill(1.0);
+        multiply(mass_slopes_[at(j)], factor_, modes.data(), scale.data(), by_mass.data());
+        for (std::size_t r = 0; r < force.size(); ++r) {
+          force[r] -= lambda[r % kWide] * by_mass[r];
+          norm[r % kWide] -= 0.5 * modes[r] * by_mass[r];
+        }
+      }
+      // (K - λM) ∂y = -(∂K - λ ∂M - ∂λ M) y, yᵀM ∂y = -½ yᵀ ∂M y; without rotation among twins.
+      for (std::size_t w = 0; w < kWide; ++w) {
+        const Eigen::Map<const VectorXd, 0, Eigen::InnerStride<kLanes>> mine(force.data() + w, n_);
+        eigenvalues(mode[w], j) = ws.modes.col(mode[w]).dot(mine);
+        if (motions_.empty()) continue;
+        const VectorXd right =
+            momenta.middleCols(first[w], last[w] - first[w] + 1) *
+                (ws.modes.middleCols(first[w], last[w] - first[w] + 1).transpose() * mine) -
+            mine;
+        for (Index r = 0; r < n_; ++r) force[kWide * at(r) + w] = right[r];
+        for (const std::size_t p : pinned[w]) force[kWide * p + w] = 0.0;
+      }
+      if (motions_.empty()) continue;
+      factor_.solve<kLanes>(ws.several, force.data());
+      for (std::size_t w = 0; w < kWide; ++w) {
+        const Eigen::Map<const VectorXd, 0, Eigen::InnerStride<kLanes>> mine(force.data() + w, n_);
+        VectorXd change = mine;
+        VectorXd missing =
+            -momenta.middleCols(first[w], last[w] - first[w] + 1).transpose() * change;
+        missing[mode[w] - first[w]] += norm[w];
+        change += ws.modes.middleCols(first[w], last[w] - first[w] + 1) * missing;
+        for (std::size_t s = 0; s < motions_.size(); ++s)
+          shapes[at(j)](static_cast<Index>(s), mode[w]) = motions_[s].of(change);
+      }
+    }
+  }
+  return true;
+}
+
+/// Degrees of freedom at which the motions of a mode and its twins are independent and large, in
+/// units of energy.
+std::vector<std::size_t> SparseModes::pins(const Workspace& ws, Index first, Index last) const {
+  MatrixXd left = ws.stiffness_diagonal.cwiseAbs().cwiseSqrt().asDiagonal() *
+                  ws.modes.middleCols(first, last - first + 1);
+  std::vector<std::size_t> out;
+  for (Index c = 0; c < left.cols(); ++c) {
+    Index p = 0;
+    left.col(c).cwiseAbs().maxCoeff(&p);
+    out.push_back(at(p));
+    for (Index other = c + 1; other < left.cols(); ++other)
+      left.col(other) -= left.col(c) * (left(p, other) / left(p, c));
+  }
+  return out;
+}
+
+/// Factorises K - λ_w M without the pinned degrees of freedom, in the lanes w.
+bool SparseModes::factorise_at(Workspace& ws, const double* lambda,
+                               const std::vector<std::size_t>* pinned) const {
+  constexpr std::size_t kWide = kLanes;
+  SparseFactor::Values& values = ws.several;
+  values.diagonal.resize(kWide * at(n_));
+  values.lower.assign(kWide * factor_.entries(), 0.0);
+  for (std::size_t i = 0; i < at(n_); ++i)
+    for (std::size_t w = 0; w < kWide; ++w)
+      values.diagonal[kWide * i + w] = ws.stiffness_diagonal[static_cast<Index>(i)] -
+                                       lambda[w] * ws.mass_diagonal[static_cast<Index>(i)];
+  for (const std::size_t e : used_)
+    for (std::size_t w = 0; w < kWide; ++w)
+      values.lower[kWide * e + w] = ws.stiffness[e] - lambda[w] * ws.mass[e];
+  for (std::size_t w = 0; w < kWide; ++w)
+    for (const std::size_t p : pinned[w]) {
+      values.diagonal[kWide * p + w] = std::abs(ws.stiffness_diagonal[static_cast<Index>(p)]);
+      for (const std::size_t e : touching_[p]) values.lower[kWide * e + w] = 0.0;
+    }
+  factor_.factorise<kLanes>(values);
+  return std::ranges::all_of(values.diagonal,
+                             [](double v) { return std::isfinite(v) && v != 0.0; });
+}
+
+double SparseModes::cost() const {
+  const auto n = static_cast<double>(n_), entries = static_cast<double>(factor_.entries());
+  const auto products = static_cast<double>(factor_.products());
+  const double steps = 2.0 * static_cast<double>(rigid_ + elastic_) + 12.0;
+  double sum = 2.0 * products +
+               steps * (2.0 * entries + 2.0 * static_cast<double>(used_.size()) + 2.0 * n * steps);
+  if (!motions_.empty()) {
+    const double lanes = kLanes * std::ceil(static_cast<double>(elastic_) / kLanes);
+    sum += lanes * (products + 2.0 * entries * static_cast<double>(structure_.parameters()));
+  }
+  return sum;
+}
+
+}  // namespace wheeltap::fem

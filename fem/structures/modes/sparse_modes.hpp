@@ -1,0 +1,89 @@
+// The lowest modes of a structure whose matrices are affine in its parameters, from sparse
+// matrices.
+#pragma once
+
+#include <memory>
+#include <vector>
+
+#include "base/eigen.hpp"
+#include "fem/structures/modes/parametric_structure.hpp"
+#include "fem/structures/modes/sparse_factor.hpp"
+
+namespace wheeltap::fem {
+
+/// Solves K(θ) φ = λ M(θ) φ with K = Σ q_t(θ) K_t for the lowest modes, without a reduction:
+/// Lanczos' method on (K + σM)⁻¹ M with full orthogonalisation (Saad 2011, section 6.6), begun from
+/// the modes at θ₀, and derivatives of shapes by Nelson's method (1976). All positions of the
+/// sparse matrices and of their factors are computed once, so that the cost at one θ is little more
+/// than that of the arithmetic. A Sturm count at each θ proves that no mode is missing.
+///
+/// Immutable after construction; each thread needs its own workspace.
+class SparseModes {
+ public:
+  /// `rigid` strain-free and `elastic` further modes are computed, in the shift σ, which is 0 if
+  /// there are no rigid-body motions. `start` holds modes at θ₀ (n × any number), and `motions` the
+  /// requested components of the shapes. The structure must be affine, and must outlive this
+  /// object.
+  SparseModes(const ParametricStructure& structure, Eigen::Index rigid, Eigen::Index elastic,
+              double sigma, const Eigen::MatrixXd& start, const std::vector<SparseRow>& motions);
+
+  struct Workspace {
+    Eigen::VectorXd stiffness_diagonal, mass_diagonal;  // at the last θ
+    std::vector<double> stiffness, mass;                // below the diagonal
+    SparseFactor::Values shifted, several;
+    Eigen::MatrixXd modes;  // elastic modes, mass-normalised, in the order of the factor
+    Eigen::VectorXd eigenvalues;
+    bool solved = false;
+  };
+
+  /// Computes the elastic modes at θ: eigenvalues [rad²/s²], ascending, and the requested
+  /// components of the mass-normalised shapes (motions × modes). False if there is no positive
+  /// definite stiffness, or if a mode is missing.
+  bool solve(const ParametricStructure::Point& point, Workspace& ws, Eigen::VectorXd& eigenvalues,
+             Eigen::MatrixXd& shapes) const;
+
+  /// The derivatives ∂λ/∂θ (modes × parameters) and ∂shapes/∂θ_j (motions × modes, one matrix per
+  /// parameter) at the θ of the last successful `solve`. Modes whose relative distance is below
+  /// `twin` do not rotate among each other.
+  bool differentiate(Workspace& ws, double twin, Eigen::MatrixXd& eigenvalues,
+                     std::vector<Eigen::MatrixXd>& shapes) const;
+
+  /// The number of multiplications of one solution with its derivatives, approximately.
+  [[nodiscard]] double cost() const;
+
+ private:
+  /// A sparse symmetric matrix in the pattern of the factor.
+  struct Entries {
+    std::vector<std::size_t> diagonal_at, lower_at;
+    std::vector<double> diagonal, lower;
+  };
+  [[nodiscard]] Entries entries(const Discretisation::Sparse& matrix) const;
+  static void add(double factor, const Entries& entries, double* diagonal, double* lower);
+  /// Computes A u, A given by its diagonal and the entries of `lower` that are not fill.
+  void times(const double* diagonal, const double* lower, const double* u, double* out) const;
+  static void multiply(const Entries& entries, const SparseFactor& factor, const double* u,
+                       const double* scale, double* out);
+  [[nodiscard]] std::vector<std::size_t> pins(const Workspace& ws, Eigen::Index first,
+                                              Eigen::Index last) const;
+  bool factorise_at(Workspace& ws, const double* lambda,
+                    const std::vector<std::size_t>* pinned) const;
+  bool lanczos(Workspace& ws, Eigen::MatrixXd& locked, Eigen::VectorXd& mu, Eigen::Index wanted,
+               Eigen::Index round) const;
+  [[nodiscard]] bool none_missing(Workspace& ws, const Eigen::VectorXd& mu, Eigen::Index k) const;
+  [[nodiscard]] double energy(const ParametricStructure::Point& point,
+                              const Eigen::Ref<const Eigen::VectorXd>& u) const;
+
+  const ParametricStructure& structure_;
+  Eigen::Index n_, rigid_, elastic_;
+  double sigma_;
+  SparseFactor factor_;
+  std::vector<Entries> terms_, mass_slopes_;
+  Entries mass_;
+  std::vector<std::size_t> used_;                   // entries of `lower` that are not fill
+  std::vector<std::vector<std::size_t>> touching_;  // entries of `lower` in a row or column
+  std::vector<SparseRow> motions_;                  // in the order of the factor
+  std::vector<SparseRow> strains_;                  // likewise
+  Eigen::MatrixXd start_;
+};
+
+}  // namespace wheeltap::fem
