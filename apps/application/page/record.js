@@ -2,6 +2,7 @@
 import { ask, attempt, button, element, number, svg } from './dom.js';
 import { plot } from './plot.js';
 import { written } from './schema.js';
+import { figure } from './table.js';
 import { get, post } from './server.js';
 
 const width = 900, points = 900;
@@ -72,7 +73,7 @@ export const recordView = async (place, name) => {
     });
     drawn.picture.append(svg('path', { class: 'trace', d }));
     dragged(drawn, (from, to) => zoom(from * (current().sample_rate_hz ?? 1), to * (current().sample_rate_hz ?? 1)));
-    return element('figure', {}, element('figcaption', {}, channel.name), drawn.picture);
+    return figure(channel.name, drawn.picture, `${name} ${channel.name}`);
   };
 
   const spectrumPlot = (channel, { frequencies_hz: f, density }) => {
@@ -87,7 +88,7 @@ export const recordView = async (place, name) => {
       [lowest.value, highest.value] = band.map(String);
       draw();
     });
-    return element('figure', {}, element('figcaption', {}, `Spectrum of ${channel.name} in this window. Drag across it to choose the band of the modes.`), drawn.picture);
+    return figure(`Spectrum of ${channel.name} in this window. Drag across it to choose the band of the modes.`, drawn.picture, `${name} spectrum of ${channel.name}`);
   };
 
   const lowest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Lowest frequency of the band in Hz' });
