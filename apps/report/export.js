@@ -42,7 +42,8 @@ const exporting = (() => {
     }
   };
   const styles = ['fill', 'fill-opacity', 'fill-rule', 'stroke', 'stroke-opacity', 'stroke-width', 'stroke-dasharray', 'stroke-linecap', 'stroke-linejoin',
-    'vector-effect', 'opacity', 'visibility', 'display', 'font-family', 'font-size', 'font-weight', 'font-style', 'text-anchor', 'dominant-baseline'];
+    'vector-effect', 'opacity', 'visibility', 'display'];
+  const textStyles = ['font-family', 'font-size', 'font-weight', 'font-style', 'text-anchor', 'dominant-baseline'];
   // A drawing of the page as a file of its own, with the styles that the page gives it, in light colours on white.
   const svgOf = (picture) => inLight(() => {
     const copy = picture.cloneNode(true), box = picture.viewBox.baseVal, seen = picture.getBoundingClientRect();
@@ -51,7 +52,7 @@ const exporting = (() => {
     originals.forEach((node, i) => {
       if (['title', 'desc', 'defs'].includes(node.tagName)) return;
       const style = getComputedStyle(node);
-      for (const key of styles) copies[i].setAttribute(key, style.getPropertyValue(key));
+      for (const key of ['text', 'tspan'].includes(node.tagName) ? [...styles, ...textStyles] : styles) copies[i].setAttribute(key, style.getPropertyValue(key));
     });
     copies.forEach((node) => { for (const name of ['class', 'style', 'tabindex', 'role', 'data-node', 'data-member']) node.removeAttribute(name); });
     copy.setAttribute('xmlns', 'http://www.w3.org/2000/svg');
@@ -86,25 +87,27 @@ const exporting = (() => {
   const left = 'script, style, button, nav, input, select, textarea, noscript, footer, datalist, progress, .tools, .buttons, .actions, .skip, [hidden]';
   // The parts of a page as text, tables and pictures in one file. `drawingOf(picture)` gives {text, width, height}.
   const wordOf = async (title, parts, drawingOf = svgOf) => {
-    const body = make('div'), pictures = [];
+    const inert = document.implementation.createHTMLDocument(''), pictures = []; // loads nothing
     for (const part of parts) {
-      const copy = part.cloneNode(true), originals = [...part.querySelectorAll('svg')];
+      const copy = inert.importNode(part, true), originals = [...part.querySelectorAll('svg')];
       const places = [...copy.querySelectorAll('svg')];
       for (const [i, picture] of originals.entries()) {
         if (picture.getBoundingClientRect().width < 8 || picture.closest(left)) { places[i].remove(); continue; }
         const drawing = await drawingOf(picture);
         pictures.push(await pngOf(drawing));
         const width = Math.min(drawing.width, 600);
-        places[i].replaceWith(make('img', { src: `picture-${pictures.length}.png`, width: String(width), height: String(Math.round(drawing.height * width / drawing.width)), alt: picture.getAttribute('aria-label') ?? '' }));
+        const image = inert.createElement('img');
+        for (const [key, value] of Object.entries({ src: `picture-${pictures.length}.png`, width, height: Math.round(drawing.height * width / drawing.width), alt: picture.getAttribute('aria-label') ?? '' })) image.setAttribute(key, value);
+        places[i].replaceWith(image);
       }
       for (const node of copy.querySelectorAll(left)) node.remove();
       for (const node of copy.querySelectorAll('details')) node.replaceWith(...node.childNodes);
-      body.append(copy);
+      inert.body.append(copy);
     }
-    for (const node of body.querySelectorAll('*')) for (const { name } of [...node.attributes]) if (!['src', 'width', 'height', 'alt', 'class', 'colspan', 'rowspan', 'scope', 'dir'].includes(name)) node.removeAttribute(name);
+    for (const node of inert.body.querySelectorAll('*')) for (const { name } of [...node.attributes]) if (!['src', 'width', 'height', 'alt', 'class', 'colspan', 'rowspan', 'scope', 'dir'].includes(name)) node.removeAttribute(name);
     const head = make('title', {}, title).outerHTML;
-    const page = `<!doctype html><html xmlns:w="urn:schemas-microsoft-com:office:word" lang="en"><head><meta charset="utf-8">${head}<style>${wordStyle}</style></head><body>${body.innerHTML}</body></html>`;
-    const boundary = '----=_wheeltap_part', place = 'file:///wheeltap/';
+    const page = `<!doctype html><html xmlns:w="urn:schemas-microsoft-com:office:word" lang="en"><head><meta charset="utf-8">${head}<style>${wordStyle}</style></head><body>${inert.body.innerHTML}</body></html>`;
+    const boundary = '----=_wheeltap_part', place = 'http://wheeltap.invalid/'; // a name within the file (RFC 2606)
     const piece = (type, name, text) => `--${boundary}\r\nContent-Type: ${type}\r\nContent-Transfer-Encoding: base64\r\nContent-Location: ${place}${name}\r\n\r\n${text}\r\n\r\n`;
     return `MIME-Version: 1.0\r\nContent-Type: multipart/related; type="text/html"; boundary="${boundary}"\r\n\r\n`
       + piece('text/html; charset="utf-8"', 'report.html', base64(page))

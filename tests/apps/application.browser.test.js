@@ -134,7 +134,7 @@ test('from an empty folder to a converged damage report', skip, async () => {
   await page.waitForFunction(() => /[ML].*L.*L/.test(document.querySelector('.runs .series.s0')?.getAttribute('d') ?? ''), null, { timeout: 60000 });
   assert.match(await page.textContent('.runs figure.trace'), /1 damage: \d\.\d\d/);
   assert.equal(await page.locator('.runs figure.trace .plot .series').count(), 2);
-  assert.match(await page.textContent('.runs'), /Stages: searching .*, sampling \d+ s/);
+  assert.match(await page.textContent('.runs'), /Stages: .*searching .*, sampling \d+ s/);
   await shot(page, 'run');
   await page.locator('.runs .badge.done').waitFor({ timeout: 300000 });
   assert.equal(await page.locator('.runs figure.trace').count(), 1); // the last one stays
@@ -330,7 +330,7 @@ test('figures, tables and reports as files', skip, async () => {
   assert.equal(diagram.name, 'stabilisation-diagram-of-tower-modal-modal-json.svg');
   const text = diagram.bytes.toString();
   assert.match(text, /^<svg[^>]* xmlns="http:\/\/www.w3.org\/2000\/svg"/);
-  assert.ok(!/class=|style=|var\(/.test(text) && /fill="rgb\(163, 59, 0\)"/.test(text), text.slice(0, 400)); // the light colour of a chosen pole
+  assert.ok(!/ class=| style=|var\(/.test(text) && /fill="rgb\(163, 59, 0\)"/.test(text), text.slice(0, 400)); // the light colour of a chosen pole
   const png = await picture(page, (await saved(page, () => page.click('[aria-label^="Save as PNG: Stabilisation diagram"]'))).bytes);
   assert.ok(png.width > 1500 && png.height > 700 && png.ink > 0.005 && png.ink < 0.3 && png.mean > 200, JSON.stringify(png));
   const poles = (await saved(page, () => page.click('[aria-label^="Save as CSV: Chosen poles"]'))).bytes.toString().trim().split('\r\n');
@@ -417,8 +417,8 @@ test('a cross-section from a drawing', skip, async () => {
     await chooser.setFiles(file);
   };
   // Drawings that the program cannot read are not stored.
-  for (const [name, text, words] of [['spline.dxf', drawing(['0', 'SPLINE', '8', '0']), /spline\.dxf.*line 14.*SPLINE.*explode/], ['open.dxf', drawing(['0', 'LINE', '10', '0', '20', '0', '11', '1', '21', '0']), /do not close/],
-    ['cut.dxf', tube.slice(0, -30), /truncated/], ['none.dxf', 'hello', /does not begin like a DXF/], ['hostile<b>.dxf', drawing(['0', 'CIRCLE', '10', '<img src=x>']), /'<img src=x>': must be a number/]]) {
+  for (const [name, text, words] of [['spline.dxf', drawing(['0', 'SPLINE', '8', '0']), /spline\.dxf, line 16: SPLINE.*explode/], ['open.dxf', drawing(['0', 'LINE', '10', '0', '20', '0', '11', '1', '21', '0']), /do not close/],
+    ['cut.dxf', tube.split('\n').slice(0, -5).join('\n'), /truncated/], ['none.dxf', 'hello', /does not begin like a DXF/], ['hostile<b>.dxf', drawing(['0', 'CIRCLE', '10', '<img src=x>']), /'<img src=x>': must be a number/]]) {
     await choose(put(name, text));
     await page.locator('#message.bad').waitFor();
     assert.match(await page.textContent('#message'), words);

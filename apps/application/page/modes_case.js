@@ -73,7 +73,7 @@ export const newDamageCase = (result) => attempt(async () => {
     ...projects.cases.filter((one) => ['damage', 'update'].includes(one.kind)).map((one) => ({ text: `The structure of ${one.name}`, name: one.name }))].filter(Boolean);
   const choice = element('select', {}, kinds.map((kind, i) => element('option', { value: i }, kind.text)));
   const stem = result.slice(result.lastIndexOf('/') + 1).replace(/-results$/, '');
-  const name = element('input', { value: `${stem}-damage`, required: true, spellcheck: 'false', pattern: '[^/\\\\.][^/\\\\]*', title: 'A name without slashes' });
+  const name = element('input', { value: `${stem}-damage`, required: true, spellcheck: 'false', pattern: '[^\\/\\\\.][^\\/\\\\]*', title: 'A name without slashes' });
   const given = await ask('New damage case from these modes', [{ label: 'Structure', control: choice }, { label: 'Name of the case', control: name }], 'Create');
   if (!given) return;
   const kind = kinds[Number(given[0])], file = `${result}/modes.json`, chosen = given[1].trim();
