@@ -272,6 +272,8 @@ class Application {
     if (what == "schema") return answer(response, Report(schema(parameter(request, "kind"))));
     if (what == "case") return get_case(parameter(request, "name"), response);
     if (what == "result") return get_result(request, response);
+    if (what == "checks")
+      return answer(response, records_.checked(place(parameter(request, "name"))));
     if (what == "record" || what == "window" || what == "spectrum")
       return get_record(what, request, response);
     if (what == "outline") return get_outline(request, response);

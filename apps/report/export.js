@@ -47,7 +47,8 @@ const exporting = (() => {
   // A drawing of the page as a file of its own, with the styles that the page gives it, in light colours on white.
   const svgOf = (picture) => inLight(() => {
     const copy = picture.cloneNode(true), box = picture.viewBox.baseVal, seen = picture.getBoundingClientRect();
-    const width = Math.round(seen.width) || box.width || 640, height = Math.round(box?.width ? width * box.height / box.width : seen.height) || 400;
+    const scale = box?.width ? Math.min(seen.width / box.width, seen.height / box.height) || 1 : 1; // as the page shows it
+    const width = Math.round(box?.width ? scale * box.width : seen.width) || 640, height = Math.round(box?.width ? scale * box.height : seen.height) || 400;
     const originals = [picture, ...picture.querySelectorAll('*')], copies = [copy, ...copy.querySelectorAll('*')];
     originals.forEach((node, i) => {
       if (['title', 'desc', 'defs'].includes(node.tagName)) return;
@@ -95,7 +96,7 @@ const exporting = (() => {
         if (picture.getBoundingClientRect().width < 8 || picture.closest(left)) { places[i].remove(); continue; }
         const drawing = await drawingOf(picture);
         pictures.push(await pngOf(drawing));
-        const width = Math.min(drawing.width, 600);
+        const width = Math.round(Math.min(drawing.width, 600, 420 * drawing.width / drawing.height));
         const image = inert.createElement('img');
         for (const [key, value] of Object.entries({ src: `picture-${pictures.length}.png`, width, height: Math.round(drawing.height * width / drawing.width), alt: picture.getAttribute('aria-label') ?? '' })) image.setAttribute(key, value);
         places[i].replaceWith(image);

@@ -5,6 +5,7 @@ usage: application.py PROGRAM [CHECK …]
 """
 import http.client
 import json
+import math
 import os
 import pathlib
 import re
@@ -263,7 +264,7 @@ def oversized_and_malformed_requests_are_rejected(root):
                 assert status == 400 and "error" in json.loads(text), (what, body[:20], status, text)
         status = app.ask(app.base + "api/case?name=" + "a" * 6000)[0]
         assert status in (400, 414), status
-        for query in ("window?name=beam.json", "window?name=none.csv", "record?name=beam.json", "spectrum", "schema?kind=nothing", "schema", "case",
+        for query in ("window?name=beam.json", "window?name=none.csv", "checks?name=none.csv", "checks", "record?name=beam.json", "spectrum", "schema?kind=nothing", "schema", "case",
                       "result?name=beam.json&file=../beam.json", "result?name=.&file=beam.json", "outline", "outline?name=beam.json", "nothing", ""):
             assert app.ask(f"{app.base}api/{query}")[0] in (400, 403, 404), query
         for deep in ("[" * 3000 + "]" * 3000, '{"kind": ' * 200 + "1" + "}" * 200, "{" * 50000):
@@ -408,6 +409,9 @@ def records_are_decimated_on_the_server(root):
         assert [r["name"] for r in app.get("projects")["records"]] == ["record.csv"]
         table = app.get("record", name="record.csv")["tables"][0]
         assert table["rows"] == 5000 and abs(table["sample_rate_hz"] - 100) < 1e-6 and table["channels"][0]["unit"] == "m/s^2", table
+        channel = app.get("checks", name="record.csv")["tables"][0][0]
+        rms = math.sqrt(sum(v * v for v in values) / 5000)
+        assert abs(channel["rms"] / rms - 1) < 1e-9 and any("spike" in fault for fault in channel["faults"]), channel
         coarse = app.get("window", name="record.csv", channels="0", points=50)
         assert coarse["step"] == 100 and not coarse["exact"] and len(coarse["channels"][0]["low"]) == 50
         for i in range(50):

@@ -90,7 +90,7 @@ export const newDamageCase = (result) => attempt(async () => {
   } else {
     doc.data = { from, ...makers[kind.structure](doc, { sensors, geometry }) };
     doc.notes = [`The data are the modes of ${from}. The dimensions, masses and stiffnesses are examples: replace them with yours.`];
-    doc.title = `Damage from the modes of ${modes.title || stem}`;
+    doc.title = `Damage (${modes.title || stem})`;
   }
   await post('save', { name: made, text: `${written(doc)}\n`, before: opened.version });
   location.hash = `#/case/${encodeURIComponent(made)}`;
