@@ -51,7 +51,8 @@ constexpr const char* kPagePolicy =
 // A report is a file of the user: its scripts may neither read the application nor call anyone.
 // Printing is a modal dialog.
 constexpr const char* kReportPolicy =
-    "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; style-src 'unsafe-inline'; "
+    "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; style-src "
+    "'unsafe-inline'; "
     "script-src 'unsafe-inline' 'unsafe-eval'; img-src data: blob:; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
 
@@ -337,7 +338,8 @@ class Application {
   void get_outline(const Request& request, Response& response) {
     const std::string file = parameter(request, "file");
     CaseFile holder{.path = case_place(parameter(request, "name")), .json = {}};
-    static_cast<void>(place(folder_.name_of((holder.path.parent_path() / file).lexically_normal())));
+    static_cast<void>(
+        place(folder_.name_of((holder.path.parent_path() / file).lexically_normal())));
     holder.json["section"] = {{"shape", "polygon"}, {"file", file}};
     if (request.has_param("unit")) holder.json["section"]["unit"] = parameter(request, "unit");
     const std::lock_guard lock(checking_);
@@ -462,8 +464,9 @@ class Application {
     const std::lock_guard lock(saving_);
     if (fs::exists(path)) {
       if (io::read_bytes(path, kLargestBody) != text)
-        throw Refused{409, io::printable(file) +
-                               ": another file of this name is beside the case: rename the drawing"};
+        throw Refused{409,
+                      io::printable(file) +
+                          ": another file of this name is beside the case: rename the drawing"};
     } else {
       write_text(path, text);
     }

@@ -72,7 +72,8 @@ FoundFiles visit(const fs::path& root) {
     else if (is_record(path))
       out.records.push_back(path);
   }
-  for (auto* list : {&out.json, &out.records, &out.drawings, &out.results}) std::ranges::sort(*list);
+  for (auto* list : {&out.json, &out.records, &out.drawings, &out.results})
+    std::ranges::sort(*list);
   return out;
 }
 
@@ -175,8 +176,7 @@ Report list_projects(const AppFolder& folder, const std::vector<std::string>& ki
       records.push_back({{"name", folder.name_of(path)}, {"bytes", fs::file_size(path, error)}});
   }
   Report drawings = Report::array();
-  for (const fs::path& path : found.drawings)
-    drawings.push_back({{"name", folder.name_of(path)}});
+  for (const fs::path& path : found.drawings) drawings.push_back({{"name", folder.name_of(path)}});
   return {{"folder", io::printable(folder.root().string())},
           {"truncated", found.truncated},
           {"cases", cases},

@@ -191,8 +191,7 @@ Report RunQueue::trace_of(const Run& run) {
   // In the order of the last probabilities; a model that an earlier point had is left out.
   std::vector<std::pair<std::string, double>> last(run.trace.back().probabilities.begin(),
                                                    run.trace.back().probabilities.end());
-  std::ranges::stable_sort(last, std::ranges::greater{},
-                           &std::pair<std::string, double>::second);
+  std::ranges::stable_sort(last, std::ranges::greater{}, &std::pair<std::string, double>::second);
   Report seconds = Report::array(), models = Report::array();
   for (const Point& point : run.trace) seconds.push_back(rounded(point.seconds));
   for (const auto& [name, ignored] : last) {

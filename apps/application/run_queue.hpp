@@ -44,11 +44,11 @@ class RunQueue {
   /// Removes a waiting run; a running run ends early and writes its results so far. False if there
   /// is no such run.
   bool stop(int number);
-  /// [{number, command, case, output, state, stage, stages, fraction, seconds_left, detail, message,
-  /// exit, seconds, trace}, …]: state is queued, running, stopping, done, stopped or failed. `stages`
-  /// are [{name, begin}, …] with the time since the start of the run [s]. `trace` are the model
-  /// probabilities by the draws up to each time, {seconds: […], models: [{name, probability: […]},
-  /// …]}; runs that ended have none.
+  /// [{number, command, case, output, state, stage, stages, fraction, seconds_left, detail,
+  /// message, exit, seconds, trace}, …]. A state is queued, running, stopping, done, stopped or
+  /// failed. The stages are [{name, begin}, …] with the time since the start of the run [s]. The
+  /// trace are the model probabilities by the draws up to each time: {seconds: […], models: [{name,
+  /// probability: […]}, …]}. A run that ended has no trace.
   [[nodiscard]] Report list() const;
   /// True if a run with this output folder waits or runs.
   [[nodiscard]] bool is_busy(const std::filesystem::path& output) const;
