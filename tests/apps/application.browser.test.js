@@ -289,6 +289,58 @@ test('a damage case from modes: frame, beam and the structure of another case', 
   await close();
 });
 
+// A measured frame, whose data are not shipped.
+const frameData = path.join(__dirname, '../../../shared/data/weimar-frame');
+const rowsOf = (name) => {
+  const [head, ...rows] = fs.readFileSync(path.join(frameData, name), 'utf8').trim().split(/\r?\n/).map((line) => line.split(','));
+  return rows.map((row) => Object.fromEntries(head.map((key, i) => [key.replace(/ \[.*/, ''), row[i]])));
+};
+
+test('ten modes of a measured frame are chosen in two minutes of clicks', why ? skip : { skip: fs.existsSync(frameData) ? false : 'the data of the frame are not here' }, async () => {
+  fs.mkdirSync(path.join(folder, 'measured'));
+  fs.copyFileSync(path.join(frameData, 'setup_2.mat'), path.join(folder, 'measured/setup_2.mat'));
+  const channels = rowsOf('channels.csv').filter((row) => row.setup === 'setup_2' && row.column !== '5').map((row) => ({
+    column: Number(row.column) + 1, role: 'response', node: row.node, azimuth: Number(row.azimuth), elevation: Number(row.elevation), ...(Number(row.column) > 2 ? { reference: true } : {}) }));
+  const nodes = Object.fromEntries(rowsOf('nodes.csv').map((row) => [row.node, ['x', 'y', 'z'].map((key) => Number(row[key]) / 100)]));
+  const lines = rowsOf('lines.csv').map((row) => Object.values(row).slice(0, 2));
+  fs.writeFileSync(path.join(folder, 'measured/frame.json'), JSON.stringify({ kind: 'modal', title: 'Measured frame', band: [0.5, 16], order: { max: 80 },
+    record: { file: 'setup_2.mat', sample_rate: 256, channels }, geometry: { nodes, lines } }));
+  run('modal', path.join(folder, 'measured/frame.json'), '-o', path.join(folder, 'measured/frame-results'));
+  const { page, close } = await open('#/poles/measured%2Fframe.json');
+  await page.locator('svg.plot .pole').first().waitFor();
+  const begun = performance.now(), known = [1.228, 1.436, 2.100, 4.018, 4.770, 6.682, 7.616, 9.665, 12.166, 12.598];
+  const box = await page.locator('.diagram svg').boundingBox(), scale = box.width / 900;
+  const x = (f) => box.x + scale * (52 + (900 - 64) * ((f - 0.5) / 15.5));
+  for (const [i, f] of known.entries()) {
+    await page.mouse.move(x(f - 0.09), box.y + scale * 120);
+    await page.mouse.down();
+    await page.mouse.move(x(f + 0.09), box.y + scale * 400, { steps: 4 });
+    await page.mouse.up();
+    await page.waitForFunction((n) => document.querySelectorAll('.pole.chosen').length === n, i + 1);
+  }
+  await page.click('#save-run');
+  await page.locator('.runs .badge.done').waitFor({ timeout: 60000 });
+  const took = (performance.now() - begun) / 1000;
+  console.log(`ten modes of the measured frame by ten boxes and one click, with the run: ${took.toFixed(1)} s`);
+  assert.ok(took < 120, `${took} s`);
+  const chosen = read('measured/frame-results/modes.json');
+  assert.equal(chosen.frequencies_hz.length, 10);
+  chosen.frequencies_hz.forEach((f, i) => assert.ok(Math.abs(f / known[i] - 1) < 0.01, `${f} Hz, known ${known[i]} Hz`));
+  await shot(page, 'measured-poles');
+  run('modal', path.join(folder, 'measured/frame.json'), '-o', path.join(folder, 'measured/again'));
+  const again = read('measured/again/modes.json');
+  for (const key of ['frequencies_hz', 'covariance', 'shapes']) assert.deepEqual(chosen[key], again[key]);
+  // The geometry in space as a frame.
+  await page.click('text=New damage case from these modes');
+  await page.locator('dialog select').selectOption({ label: 'A frame on the nodes and lines of the measured geometry' });
+  await page.fill('dialog input', 'frame-damage');
+  await page.click('dialog >> text=Create');
+  await page.waitForFunction(() => document.documentElement.dataset.ready?.includes('frame-damage'));
+  await status(page, 'Valid');
+  await shot(page, 'measured-frame');
+  await close();
+});
+
 // The bytes that a click saves, and the name of the file.
 const saved = async (page, click) => {
   const [download] = await Promise.all([page.waitForEvent('download'), click()]);
