@@ -74,7 +74,7 @@ std::pair<long, long> rows_of_window(const MeasuredTable& table, const RecordWin
 
 std::shared_ptr<const MeasuredFile> OpenRecords::open(const fs::path& path) {
   const std::lock_guard lock(mutex_);
-  return opened(path).file;
+  return entry_of(path).file;
 }
 
 Report OpenRecords::checked(const fs::path& path) {
@@ -82,7 +82,7 @@ Report OpenRecords::checked(const fs::path& path) {
   std::shared_ptr<MeasuredFile> file;
   {
     const std::lock_guard lock(mutex_);
-    const Opened& one = opened(path);
+    const Opened& one = entry_of(path);
     if (!one.checked.is_null()) return one.checked;
     file = one.file;
   }
@@ -97,7 +97,7 @@ Report OpenRecords::checked(const fs::path& path) {
   return out;
 }
 
-OpenRecords::Opened& OpenRecords::opened(const fs::path& path) {
+OpenRecords::Opened& OpenRecords::entry_of(const fs::path& path) {
   std::error_code error;
   Opened now{.path = path, .bytes = fs::file_size(path, error)};
   now.changed = fs::last_write_time(path, error);

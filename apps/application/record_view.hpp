@@ -32,7 +32,7 @@ class OpenRecords {
     Report checked = {};  ///< null before the check
   };
   /// The caller holds mutex_.
-  Opened& opened(const std::filesystem::path& path);
+  Opened& entry_of(const std::filesystem::path& path);
   std::mutex mutex_, checking_;
   std::list<Opened> opened_;  // last used first
 };
