@@ -5,6 +5,7 @@
 #include <stdexcept>
 
 #include "base/number.hpp"
+#include "base/parallel.hpp"
 #include "io/bytes.hpp"
 #include "io/formats/formats.hpp"
 #include "signals/units.hpp"
@@ -14,13 +15,6 @@ namespace {
 
 constexpr int kPeaks = 8;
 constexpr long kRecord = 1000;  // smallest number of rows of a record without a rate
-
-MeasuredChannel channel_of(const std::string& name, const std::string& unit,
-                           std::vector<double> values) {
-  MeasuredChannel out{.name = name, .unit = unit, .values = std::move(values)};
-  out.quality = channel_quality(out.values);
-  return out;
-}
 
 // The segment length is an eighth of the record. The spectral lines are then narrow enough for
 // peaks, and several segments are averaged.
@@ -90,9 +84,10 @@ MeasuredTable table_of(io::Columns columns, std::optional<double> stated, bool r
     io::Column& column = record.columns[c];
     std::string unit = unit_of(column);
     std::string possible = possible_unit_of(column);
-    out.channels.push_back(channel_of(column.name, unit, std::move(column.values)));
-    out.channels.back().possible_unit = std::move(possible);
-    if (out.sample_rate_hz) add_spectrum(out.channels.back(), *out.sample_rate_hz);
+    out.channels.push_back({.name = column.name,
+                            .unit = std::move(unit),
+                            .possible_unit = std::move(possible),
+                            .values = std::move(column.values)});
   }
   return out;
 }
@@ -132,7 +127,8 @@ std::vector<MeasuredTable> tables_of(const io::UniversalFile& file,
     for (const io::UniversalFunction& f : together.functions)
       for (int part = 0; part < (f.is_complex ? 2 : 1); ++part, ++c) {
         io::Column& column = columns.columns[c];
-        table.channels.push_back(channel_of(column.name, column.unit, std::move(column.values)));
+        table.channels.push_back(
+            {.name = column.name, .unit = column.unit, .values = std::move(column.values)});
         if (part > 0 || table.x.size() < 8) continue;
         Spectrum power{.frequencies_hz = table.x, .density = {}};
         for (const auto& y : f.y) power.density.push_back(std::norm(y));
@@ -173,7 +169,17 @@ MeasuredFile look_at(const std::filesystem::path& path, const MeasuredReading& r
     out.others = std::move(columns.others);
     out.tables.push_back(table_of(std::move(columns), reading.sample_rate_hz, reading.resample));
   }
+  if (reading.check) check_channels(out);
   return out;
+}
+
+void check_channels(MeasuredFile& file) {
+  for (MeasuredTable& table : file.tables)
+    base::parallel_for(static_cast<int>(table.channels.size()), 0, [&](int c) {
+      MeasuredChannel& channel = table.channels[static_cast<std::size_t>(c)];
+      channel.quality = channel_quality(channel.values);
+      if (table.is_time && table.sample_rate_hz) add_spectrum(channel, *table.sample_rate_hz);
+    });
 }
 
 }  // namespace wheeltap::signals

@@ -69,11 +69,15 @@ struct MeasuredReading {
                                               ///< HDF5 files
   bool resample = false;                      ///< interpolate records with uneven time steps at a
                                               ///< constant rate
+  bool check = true;                          ///< call check_channels
 };
 
-/// Reads a file and checks the quality of its channels. Throws io::FileError, and
-/// std::invalid_argument for a rate that is not positive.
+/// Reads a file and checks its channels. Throws io::FileError, and std::invalid_argument for a rate
+/// that is not positive.
 [[nodiscard]] MeasuredFile look_at(const std::filesystem::path& path,
                                    const MeasuredReading& reading = {});
+
+/// Computes quality, spectrum and peaks of each channel, in parallel.
+void check_channels(MeasuredFile& file);
 
 }  // namespace wheeltap::signals

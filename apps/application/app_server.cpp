@@ -21,10 +21,12 @@
 #include "apps/application/project_list.hpp"
 #include "apps/application/record_view.hpp"
 #include "apps/application/run_queue.hpp"
+#include "apps/cases/structures/section_case.hpp"
 #include "apps/cases/syntax/case_file.hpp"
 #include "apps/json_text.hpp"
 #include "apps/runs/running.hpp"
 #include "io/bytes.hpp"
+#include "io/drawings/dxf.hpp"
 #include "io/fingerprint.hpp"
 #include "io/text/text.hpp"
 
@@ -47,8 +49,10 @@ constexpr const char* kPagePolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
 // A report is a file of the user: its scripts may neither read the application nor call anyone.
+// Printing is a modal dialog.
 constexpr const char* kReportPolicy =
-    "sandbox allow-scripts allow-downloads; default-src 'none'; style-src 'unsafe-inline'; "
+    "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; style-src "
+    "'unsafe-inline'; "
     "script-src 'unsafe-inline' 'unsafe-eval'; img-src data: blob:; base-uri 'none'; "
     "form-action 'none'; frame-ancestors 'none'";
 
@@ -269,8 +273,11 @@ class Application {
     if (what == "schema") return answer(response, Report(schema(parameter(request, "kind"))));
     if (what == "case") return get_case(parameter(request, "name"), response);
     if (what == "result") return get_result(request, response);
+    if (what == "checks")
+      return answer(response, records_.checked(place(parameter(request, "name"))));
     if (what == "record" || what == "window" || what == "spectrum")
       return get_record(what, request, response);
+    if (what == "outline") return get_outline(request, response);
     throw Refused{404, "there is no such page"};
   }
 
@@ -327,6 +334,31 @@ class Application {
            what == "window" ? record_window(*file, window) : record_spectrum(*file, window));
   }
 
+  /// The outline of a section from a file beside a case: [{outline: [[y, z], …], holes: […]}, …].
+  void get_outline(const Request& request, Response& response) {
+    const std::string file = parameter(request, "file");
+    CaseFile holder{.path = case_place(parameter(request, "name")), .json = {}};
+    static_cast<void>(
+        place(folder_.name_of((holder.path.parent_path() / file).lexically_normal())));
+    holder.json["section"] = {{"shape", "polygon"}, {"file", file}};
+    if (request.has_param("unit")) holder.json["section"]["unit"] = parameter(request, "unit");
+    const std::lock_guard lock(checking_);
+    Report regions = Report::array();
+    for (const fem::Region& region :
+         parse_outline(holder, Pointer("/section"), {.poisson = 0.3}).regions) {
+      Report holes = Report::array();
+      for (const fem::Ring& hole : region.holes) holes.push_back(corners_of(hole));
+      regions.push_back({{"outline", corners_of(region.outer)}, {"holes", holes}});
+    }
+    answer(response, {{"regions", regions}});
+  }
+
+  static Report corners_of(const fem::Ring& ring) {
+    Report out = Report::array();
+    for (const Eigen::Vector2d& corner : ring) out.push_back({corner.x(), corner.y()});
+    return out;
+  }
+
   // ----------------------------------------------------------------- POST
 
   void post(const Request& request, Response& response, const httplib::ContentReader& reader) {
@@ -344,6 +376,7 @@ class Application {
       if (what == "save") return save(asked, response);
       if (what == "start") return start(asked, response);
       if (what == "copy") return copy(asked, response);
+      if (what == "drawing") return store_drawing(asked, response);
       if (what == "run") return run_case(asked, response);
       if (what == "stop")
         return answer(response, {{"stopped", runs_.stop(asked.at("number").get<int>())}});
@@ -417,6 +450,27 @@ class Application {
     if (fs::exists(path)) throw Refused{409, io::printable(to) + ": exists already"};
     write_text(path, text);
     answer(response, {{"name", to}});
+  }
+
+  /// Writes a drawing, which the program can read, beside a case.
+  void store_drawing(const Json& asked, Response& response) {
+    const std::string file = asked.at("file").get<std::string>();
+    const std::string text = asked.at("text").get<std::string>();
+    const fs::path beside = case_place(asked.at("case").get<std::string>()).parent_path();
+    if (fs::path(file).filename() != file || fs::path(file).extension() != ".dxf")
+      throw Refused{400, io::printable(file) + ": the name of a drawing must end with .dxf"};
+    const fs::path path = place(folder_.name_of(beside / file));
+    static_cast<void>(io::parse_dxf(text, file));
+    const std::lock_guard lock(saving_);
+    if (fs::exists(path)) {
+      if (io::read_bytes(path, kLargestBody) != text)
+        throw Refused{409,
+                      io::printable(file) +
+                          ": another file of this name is beside the case: rename the drawing"};
+    } else {
+      write_text(path, text);
+    }
+    answer(response, {{"file", file}});
   }
 
   void run_case(const Json& asked, Response& response) {

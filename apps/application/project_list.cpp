@@ -22,7 +22,7 @@ namespace fs = std::filesystem;
 constexpr std::uintmax_t kLargestListed = std::uintmax_t{4} << 20U;    // bytes of a case
 constexpr std::uintmax_t kLargestSummary = std::uintmax_t{64} << 20U;  // bytes of a summary
 struct FoundFiles {
-  std::vector<fs::path> json = {}, records = {}, results = {};
+  std::vector<fs::path> json = {}, records = {}, drawings = {}, results = {};
   bool truncated = false;
 };
 
@@ -67,10 +67,13 @@ FoundFiles visit(const fs::path& root) {
       out.results.push_back(path.parent_path());
     else if (path.extension() == ".json")
       out.json.push_back(path);
+    else if (path.extension() == ".dxf")
+      out.drawings.push_back(path);
     else if (is_record(path))
       out.records.push_back(path);
   }
-  for (auto* list : {&out.json, &out.records, &out.results}) std::ranges::sort(*list);
+  for (auto* list : {&out.json, &out.records, &out.drawings, &out.results})
+    std::ranges::sort(*list);
   return out;
 }
 
@@ -172,11 +175,14 @@ Report list_projects(const AppFolder& folder, const std::vector<std::string>& ki
     if (!of_run)
       records.push_back({{"name", folder.name_of(path)}, {"bytes", fs::file_size(path, error)}});
   }
+  Report drawings = Report::array();
+  for (const fs::path& path : found.drawings) drawings.push_back({{"name", folder.name_of(path)}});
   return {{"folder", io::printable(folder.root().string())},
           {"truncated", found.truncated},
           {"cases", cases},
           {"results", shown},
-          {"records", records}};
+          {"records", records},
+          {"drawings", drawings}};
 }
 
 }  // namespace wheeltap::apps

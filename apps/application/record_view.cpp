@@ -48,6 +48,20 @@ Report short_number(double x) {
   return std::isfinite(x) ? Report(compact(x)) : Report();
 }
 
+Report checks_of(const MeasuredTable& table) {
+  Report out = Report::array();
+  for (const MeasuredChannel& channel : table.channels) {
+    Report peaks = Report::array();
+    for (const signals::SpectrumPeak& peak : channel.peaks)
+      if (peaks.size() < kPeaks) peaks.push_back(finite(peak.frequency_hz));
+    const bool is_empty = channel.quality.missing == channel.quality.samples;
+    out.push_back({{"rms", is_empty ? Report() : finite(channel.quality.rms)},
+                   {"faults", oddities(table, channel)},
+                   {"peaks_hz", peaks}});
+  }
+  return out;
+}
+
 /// Rows of a window of the table.
 std::pair<long, long> rows_of_window(const MeasuredTable& table, const RecordWindow& window) {
   const long begin = std::max(0L, window.begin);
@@ -59,41 +73,54 @@ std::pair<long, long> rows_of_window(const MeasuredTable& table, const RecordWin
 }  // namespace
 
 std::shared_ptr<const MeasuredFile> OpenRecords::open(const fs::path& path) {
+  const std::lock_guard lock(mutex_);
+  return entry_of(path).file;
+}
+
+Report OpenRecords::checked(const fs::path& path) {
+  const std::lock_guard one_at_a_time(checking_);
+  std::shared_ptr<MeasuredFile> file;
+  {
+    const std::lock_guard lock(mutex_);
+    const Opened& one = entry_of(path);
+    if (!one.checked.is_null()) return one.checked;
+    file = one.file;
+  }
+  // Meanwhile, other requests read only the values of the channels.
+  signals::check_channels(*file);
+  Report tables = Report::array();
+  for (const MeasuredTable& table : file->tables) tables.push_back(checks_of(table));
+  Report out = {{"tables", tables}};
+  const std::lock_guard lock(mutex_);
+  for (Opened& one : opened_)
+    if (one.file == file) one.checked = out;
+  return out;
+}
+
+OpenRecords::Opened& OpenRecords::entry_of(const fs::path& path) {
   std::error_code error;
   Opened now{.path = path, .bytes = fs::file_size(path, error)};
   now.changed = fs::last_write_time(path, error);
-  const std::lock_guard lock(mutex_);
   const auto found = std::ranges::find_if(opened_, [&](const Opened& one) {
     return one.path == now.path && one.bytes == now.bytes && one.changed == now.changed;
   });
   if (found != opened_.end()) {
     opened_.splice(opened_.begin(), opened_, found);
-    return opened_.front().file;
+    return opened_.front();
   }
   std::erase_if(opened_, [&](const Opened& one) { return one.path == path; });
   while (opened_.size() >= kOpen) opened_.pop_back();  // before the memory of another is needed
-  now.file = std::make_shared<const MeasuredFile>(look_at(path));
+  now.file = std::make_shared<MeasuredFile>(look_at(path, {.check = false}));
   opened_.push_front(std::move(now));
-  return opened_.front().file;
+  return opened_.front();
 }
 
 Report record_contents(const MeasuredFile& file) {
   Report tables = Report::array();
   for (const MeasuredTable& table : file.tables) {
     Report channels = Report::array();
-    for (const MeasuredChannel& channel : table.channels) {
-      Report peaks = Report::array();
-      for (const signals::SpectrumPeak& peak : channel.peaks)
-        if (peaks.size() < kPeaks) peaks.push_back(finite(peak.frequency_hz));
-      double sum = 0.0, count = 0.0;
-      for (const double x : channel.values)
-        if (std::isfinite(x)) sum += x * x, count += 1.0;
-      channels.push_back({{"name", channel.name},
-                          {"unit", channel.unit},
-                          {"rms", finite(std::sqrt(sum / count))},
-                          {"faults", oddities(table, channel)},
-                          {"peaks_hz", peaks}});
-    }
+    for (const MeasuredChannel& channel : table.channels)
+      channels.push_back({{"name", channel.name}, {"unit", channel.unit}});
     Report one = {{"rows", table.rows()},
                   {"is_time", table.is_time},
                   {"time_column", table.is_time ? table.abscissa : std::string()},

@@ -16,22 +16,28 @@ namespace wheeltap::apps {
 /// The last files that were opened, by path, size and time of their last change.
 class OpenRecords {
  public:
-  /// Reads the file unless it is still in memory. Throws io::FileError, Failure.
+  /// Reads the file unless it is still in memory. The channels are not checked. Throws
+  /// io::FileError, Failure.
   [[nodiscard]] std::shared_ptr<const MeasuredFile> open(const std::filesystem::path& path);
+  /// Opens the file and checks its channels, which can take longer than reading it. Returns
+  /// {tables: [[{rms, faults, peaks_hz}, …], …]}, one object for each channel.
+  [[nodiscard]] Report checked(const std::filesystem::path& path);
 
  private:
   struct Opened {
     std::filesystem::path path;
     std::uintmax_t bytes = 0;
     std::filesystem::file_time_type changed = {};
-    std::shared_ptr<const MeasuredFile> file = {};
+    std::shared_ptr<MeasuredFile> file = {};
+    Report checked = {};  ///< null before the check
   };
-  std::mutex mutex_;
+  /// The caller holds mutex_.
+  Opened& entry_of(const std::filesystem::path& path);
+  std::mutex mutex_, checking_;
   std::list<Opened> opened_;  // last used first
 };
 
-/// {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit, rms, faults,
-/// peaks_hz}, …]}, …]}.
+/// {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit}, …]}, …]}.
 [[nodiscard]] Report record_contents(const MeasuredFile& file);
 
 /// A window of a table.

@@ -1,6 +1,7 @@
 #include "apps/application/run_queue.hpp"
 
 #include <algorithm>
+#include <cmath>
 #include <csignal>
 #include <exception>
 #include <utility>
@@ -13,7 +14,8 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kMostWaiting = 100, kMostKept = 200, kLongestLine = 4096;
+constexpr std::size_t kMostWaiting = 100, kMostKept = 200, kLongestLine = 65536;
+constexpr std::size_t kMostTracePoints = 200, kMostStages = 100;
 constexpr auto kWatchInterval = std::chrono::milliseconds(100);
 constexpr auto kPatience = std::chrono::seconds(10);  // for runs to end after a signal
 constexpr const char* kCheckpointSeconds = "5";
@@ -147,6 +149,10 @@ void RunQueue::read(Run& run, const std::string& output) {
     }
     try {
       run.stage = progress.value("stage", "");
+      if (run.stages.size() < kMostStages &&
+          (run.stages.empty() || run.stages.back().name != run.stage))
+        run.stages.push_back({run.stage, seconds_of(run)});
+      if (progress.contains("models")) note_models(run, progress.at("models"));
       run.fraction = progress.value("fraction", 0.0);
       run.detail = progress.value("detail", "");
       run.seconds_left.reset();
@@ -157,6 +163,46 @@ void RunQueue::read(Run& run, const std::string& output) {
     }
   }
   if (run.unread.size() > kLongestLine) run.unread.clear();
+}
+
+double RunQueue::seconds_of(const Run& run) {
+  if (!run.begun) return 0.0;
+  return std::chrono::duration<double>(run.ended.value_or(Clock::now()) - *run.begun).count();
+}
+
+void RunQueue::note_models(Run& run, const nlohmann::json& models) {
+  const double now = seconds_of(run);
+  if (!run.trace.empty() && now - run.trace.back().seconds < run.trace_step) return;
+  Point point{.seconds = now, .probabilities = {}};
+  for (const nlohmann::json& model : models)
+    point.probabilities[model.at("name").get<std::string>()] =
+        model.at("probability").get<double>();
+  if (run.trace.size() >= kMostTracePoints) {  // every second point, the last included
+    for (std::size_t i = 0; 2 * i + 1 < run.trace.size(); ++i)
+      run.trace[i] = std::move(run.trace[2 * i + 1]);
+    run.trace.resize(run.trace.size() / 2);
+    run.trace_step *= 2.0;
+  }
+  run.trace.push_back(std::move(point));
+}
+
+Report RunQueue::trace_of(const Run& run) {
+  const auto rounded = [](double x) { return std::round(1e4 * x) / 1e4; };
+  // In the order of the last probabilities; a model that an earlier point had is left out.
+  std::vector<std::pair<std::string, double>> last(run.trace.back().probabilities.begin(),
+                                                   run.trace.back().probabilities.end());
+  std::ranges::stable_sort(last, std::ranges::greater{}, &std::pair<std::string, double>::second);
+  Report seconds = Report::array(), models = Report::array();
+  for (const Point& point : run.trace) seconds.push_back(rounded(point.seconds));
+  for (const auto& [name, ignored] : last) {
+    Report line = Report::array();
+    for (const Point& point : run.trace) {
+      const auto found = point.probabilities.find(name);
+      line.push_back(found == point.probabilities.end() ? Report() : rounded(found->second));
+    }
+    models.push_back({{"name", io::printable(name)}, {"probability", std::move(line)}});
+  }
+  return {{"seconds", seconds}, {"models", models}};
 }
 
 Report RunQueue::list() const {
@@ -174,9 +220,10 @@ Report RunQueue::list() const {
                   {"message", run.message}};
     if (run.seconds_left) one["seconds_left"] = *run.seconds_left;
     if (run.exit) one["exit"] = *run.exit;
-    if (run.begun)
-      one["seconds"] =
-          std::chrono::duration<double>(run.ended.value_or(Clock::now()) - *run.begun).count();
+    if (run.begun) one["seconds"] = seconds_of(run);
+    for (const Stage& stage : run.stages)
+      one["stages"].push_back({{"name", io::printable(stage.name)}, {"begin", stage.begin}});
+    if (run.program && !run.trace.empty()) one["trace"] = trace_of(run);
     out.push_back(std::move(one));
   }
   return out;

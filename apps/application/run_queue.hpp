@@ -5,6 +5,7 @@
 #include <cstdint>
 #include <deque>
 #include <filesystem>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -43,14 +44,26 @@ class RunQueue {
   /// Removes a waiting run; a running run ends early and writes its results so far. False if there
   /// is no such run.
   bool stop(int number);
-  /// [{number, command, case, output, state, stage, fraction, seconds_left, detail, message, exit,
-  /// seconds}, …]: state is queued, running, stopping, done, stopped or failed.
+  /// [{number, command, case, output, state, stage, stages, fraction, seconds_left, detail,
+  /// message, exit, seconds, trace}, …]. A state is queued, running, stopping, done, stopped or
+  /// failed. The stages are [{name, begin}, …] with the time since the start of the run [s]. The
+  /// trace are the model probabilities by the draws up to each time: {seconds: […], models: [{name,
+  /// probability: […]}, …]}. A run that ended has no trace.
   [[nodiscard]] Report list() const;
   /// True if a run with this output folder waits or runs.
   [[nodiscard]] bool is_busy(const std::filesystem::path& output) const;
 
  private:
   using Clock = std::chrono::steady_clock;
+  static constexpr double kTraceStep = 0.1;
+  struct Stage {
+    std::string name;
+    double begin;  ///< [s] since the start of the run
+  };
+  struct Point {
+    double seconds;
+    std::map<std::string, double> probabilities;
+  };
   struct Run {
     int number = 0;
     RunRequest request = {};
@@ -62,11 +75,18 @@ class RunQueue {
     std::optional<Clock::time_point> begun = {}, ended = {};
     std::unique_ptr<ChildProgram> program = {};
     std::string unread = {};  ///< the begin of a line
+    std::vector<Stage> stages = {};
+    std::vector<Point> trace = {};
+    double trace_step = kTraceStep;  ///< least time between two points [s]
   };
 
   void watch(const std::stop_token& done);
   void step();
   void start(Run& run) const;
+  /// The time of the run so far [s].
+  [[nodiscard]] static double seconds_of(const Run& run);
+  static void note_models(Run& run, const nlohmann::json& models);
+  [[nodiscard]] static Report trace_of(const Run& run);
   static void read(Run& run, const std::string& output);
   [[nodiscard]] int running() const;
   [[nodiscard]] bool busy(const std::filesystem::path& output) const;

@@ -7,8 +7,8 @@ find_path(WHEELTAP_VEGA_DIR vega-parser.min.js
 set(CHART_FILES charts_kit.js charts_models.js charts_damage.js charts_chain.js charts_discovery.js
   charts_modes.js charts_records.js charts_sampling.js charts.js)
 list(TRANSFORM CHART_FILES PREPEND CHARTS:)
-foreach(part IN ITEMS TEMPLATE:report.html STYLE:report.css ${CHART_FILES} PAGE:shapes.js PAGE:page.js SHAPES:shapes.js
-    FIGURES:figures.js LICENCES:licences.txt)
+foreach(part IN ITEMS TEMPLATE:report.html STYLE:report.css ${CHART_FILES} PAGE:export.js PAGE:shapes.js PAGE:page.js
+    SHAPES:shapes.js EXPORT:export.js EXPORT:export_page.js FIGURES:figures.js LICENCES:licences.txt)
   string(REPLACE ":" ";" part "${part}")
   list(GET part 0 name)
   list(GET part 1 file)

@@ -37,7 +37,7 @@
     return element('table', {}, caption ? element('caption', {}, element('span', {}, caption)) : null,
       element('thead', {}, element('tr', {}, ...head.map((h, i) => element('th', words[i] ? { scope: 'col', class: 'words' } : { scope: 'col' }, h)))), element('tbody', {}, ...body));
   }
-  const tabSeparated = ({ head, rows }) => [head, ...rows].map((row) => row.map(plain).map((c) => (c === null || c === undefined ? '' : String(c))).join('\t')).join('\n');
+  const tabSeparated = (data) => rowsOf(data).map((row) => row.map((c) => (c === null || c === undefined ? '' : String(c))).join('\t')).join('\n');
   async function copy(text, button) {
     const label = button.textContent;
     try {
@@ -53,17 +53,12 @@
     button.textContent = 'Copied';
     setTimeout(() => { button.textContent = label; }, 1500);
   }
-  function save(name, text, type) {
-    const url = URL.createObjectURL(new Blob([text], { type }));
-    const link = element('a', { href: url, download: name });
-    link.click();
-    setTimeout(() => URL.revokeObjectURL(url), 1000);
-  }
+  const rowsOf = ({ head, rows }) => [head, ...rows].map((row) => row.map(plain));
   const scrolled = (data, tall) => element('div', { class: 'scroll' + (tall ? ' tall' : ''), tabindex: '0', role: 'region', 'aria-label': data.caption || 'table' }, table(data));
   function copyable(data) {
     const button = element('button', { type: 'button' }, 'Copy the table');
     button.addEventListener('click', () => copy(tabSeparated(data), button));
-    return element('div', {}, scrolled(data, true), button);
+    return element('div', {}, scrolled(data, true), button, ' ', exporting.csvButton(data.caption || 'table', () => rowsOf(data)));
   }
 
   // ---- figures ----------------------------------------------------------------------------
@@ -88,17 +83,19 @@
     const place = element('div', { class: 'chart', id: 'figure-' + figure.id });
     const one = { figure, place };
     drawn.push(one);
-    const saveButton = element('button', { type: 'button', 'aria-label': 'Save as SVG: ' + name, onclick: async () => {
+    one.light = async () => {
       const view = new vega.View(vega.parse(figure.spec(figure.wide ? 720 : 380, charts.themes.light)), { renderer: 'none' });
-      save(figure.id + '.svg', await view.toSVG(), 'image/svg+xml');
-    } }, 'Save as SVG');
+      const text = await view.toSVG(), [width, height] = ['width', 'height'].map((key) => Number(new RegExp(`^<svg[^>]* ${key}="([\\d.]+)"`).exec(text)[1]));
+      return { text, width, height };
+    };
+    const saveButtons = exporting.figureButtons(name, one.light);
     const numbers = element('details', {}, element('summary', { 'aria-label': 'Numbers: ' + name }, 'Numbers'));
     numbers.addEventListener('toggle', () => {
       if (numbers.childElementCount > 1) return;
       const data = figure.table();
       const button = element('button', { type: 'button' }, 'Copy the table');
       button.addEventListener('click', () => copy(tabSeparated(data), button));
-      numbers.append(scrolled({ ...data, caption: name }), button);
+      numbers.append(scrolled({ ...data, caption: name }), button, ' ', exporting.csvButton(name, () => rowsOf(data)));
     });
     const zoom = [];
     if (figure.zoom) {
@@ -115,7 +112,7 @@
     }
     return element('figure', { class: figure.wide ? 'wide' : '', 'data-figure': figure.id },
       element('h' + level, { dir: 'auto' }, figure.title), figure.caption ? element('figcaption', { dir: 'auto' }, figure.caption) : null,
-      place, element('div', { class: 'tools' }, ...zoom, saveButton, numbers));
+      place, element('div', { class: 'tools' }, ...zoom, ...saveButtons, numbers));
   }
   const grid = (list, level = 3, more = '') => element('div', { class: 'figures' + more }, ...list.map((f) => figureElement(f, level)));
   const of = (section, group) => all.filter((f) => f.section === section && (group === undefined || f.group === group));
@@ -343,6 +340,10 @@
     element('dl', {}, ...facts.filter(([, v]) => v !== undefined && v !== null && v !== '').flatMap(([k, v]) => [element('dt', {}, k), element('dd', { dir: 'auto' }, String(v))]),
       element('dt', {}, 'Command'), element('dd', {}, element('code', {}, command), ' ', again)),
     element('details', {}, element('summary', {}, 'The case'), element('pre', {}, JSON.stringify(about.case, null, 1))));
+
+  const title = document.querySelector('h1').textContent;
+  document.querySelector('header').append(element('div', { class: 'tools' }, ...exporting.pageButtons(title, () => [document.querySelector('header'), main],
+    (picture) => drawn.find((one) => one.place.contains(picture))?.light() ?? exporting.svgOf(picture))));
 
   // ---- drawing ----------------------------------------------------------------------------
   function drawAll() {

@@ -104,7 +104,7 @@ std::string page_head(const std::string& title, const std::string& headline,
 }
 
 std::string page_end() {
-  return "</main>\n</body>\n</html>\n";
+  return "</main>\n<script>\n" + std::string(assets::kExport) + "</script>\n</body>\n</html>\n";
 }
 
 Plot::Plot(double x0, double x1, double y0, double y1, double height)

@@ -220,17 +220,24 @@ std::size_t terminal_width() {
 
 }  // namespace
 
-std::string probabilities_so_far(const std::vector<double>& probabilities,
-                                 const std::vector<std::string>& names) {
-  std::string out;
+std::vector<ModelSoFar> models_so_far(const std::vector<double>& probabilities,
+                                      const std::vector<std::string>& names) {
+  std::vector<ModelSoFar> out;
   std::vector<std::size_t> order(probabilities.size());
   std::iota(order.begin(), order.end(), std::size_t{0});
   std::ranges::stable_sort(order, std::ranges::greater{},
                            [&](std::size_t m) { return probabilities[m]; });
-  for (std::size_t rank = 0; rank < std::min<std::size_t>(order.size(), 2); ++rank) {
-    const std::size_t m = order[rank];
-    if (rank > 0 && probabilities[m] < 0.005) break;
-    out += (rank == 0 ? "P(" : ", P(") + names[m] + ") = " + fixed(probabilities[m], 2);
+  order.resize(std::min(order.size(), kMostSoFar));
+  for (const std::size_t m : order) out.push_back({names[m], probabilities[m]});
+  return out;
+}
+
+std::string probabilities_so_far(const std::vector<ModelSoFar>& models) {
+  std::string out;
+  for (std::size_t rank = 0; rank < std::min<std::size_t>(models.size(), 2); ++rank) {
+    if (rank > 0 && models[rank].probability < 0.005) break;
+    out += (rank == 0 ? "P(" : ", P(") + models[rank].name +
+           ") = " + fixed(models[rank].probability, 2);
   }
   return out;
 }
@@ -258,7 +265,7 @@ ProgressBar::ProgressBar(bool quiet) : quiet_(quiet), terminal_(isatty(STDERR_FI
 }
 
 void ProgressBar::show(const std::string& stage, double fraction, const std::string& detail,
-                       std::optional<double> left) {
+                       std::optional<double> left, const std::vector<ModelSoFar>& models) {
   if (quiet_) return;
   const auto now = std::chrono::steady_clock::now();
   if (stage != stage_) stage_ = stage, began_ = now, last_ = {};
@@ -269,6 +276,8 @@ void ProgressBar::show(const std::string& stage, double fraction, const std::str
   if (!terminal_ && json_) {
     nlohmann::json line = {{"stage", stage}, {"fraction", fraction}, {"detail", detail}};
     if (left) line["seconds_left"] = *left;
+    for (const ModelSoFar& model : models)
+      line["models"].push_back({{"name", model.name}, {"probability", model.probability}});
     std::fprintf(stderr, "%s\n",
                  line.dump(-1, ' ', false, nlohmann::json::error_handler_t::replace).c_str());
     std::fflush(stderr);

@@ -62,10 +62,17 @@ void print_evidence(const Page& page, const identification::Findings& findings);
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
-/// Names the two most probable models by the draws so far, for example "P(1 damage) = 0.79,
-/// P(2 damages) = 0.21". The text is empty before the first draw.
-[[nodiscard]] std::string probabilities_so_far(const std::vector<double>& probabilities,
-                                               const std::vector<std::string>& names);
+/// The probability of a model by the draws so far.
+struct ModelSoFar {
+  std::string name;
+  double probability;
+};
+/// Returns the most probable models, most probable first. The list is empty before the first draw.
+inline constexpr std::size_t kMostSoFar = 8;
+[[nodiscard]] std::vector<ModelSoFar> models_so_far(const std::vector<double>& probabilities,
+                                                    const std::vector<std::string>& names);
+/// Names the two most probable models, for example "P(1 damage) = 0.79, P(2 damages) = 0.21".
+[[nodiscard]] std::string probabilities_so_far(const std::vector<ModelSoFar>& models);
 
 /// Selects the progress lines of a log. The log has one line at the start of a stage. A further
 /// line follows when both a tenth of the stage and 5 s have passed, or when 30 s have passed.
@@ -92,9 +99,10 @@ class ProgressBar {
   ~ProgressBar() { clear(); }
 
   /// Shows that `fraction` of `stage` is done, followed by `detail`. `left` is the remaining time
-  /// of the whole run in seconds. Without `left`, the bar extrapolates the time of the stage.
+  /// of the whole run in seconds. Without `left`, the bar extrapolates the time of the stage. Lines
+  /// of JSON also have `models`.
   void show(const std::string& stage, double fraction, const std::string& detail,
-            std::optional<double> left = {});
+            std::optional<double> left = {}, const std::vector<ModelSoFar>& models = {});
   void clear();
 
  private:

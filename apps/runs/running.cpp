@@ -128,11 +128,12 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
         seconds > 1.0
             ? rounded_count(static_cast<double>(progress.likelihood_evaluations) / seconds) + "/s"
             : std::string();
-    const std::string so_far = probabilities_so_far(progress.model_probabilities, names);
+    const auto models = models_so_far(progress.model_probabilities, names);
+    const std::string so_far = probabilities_so_far(models);
     if (!detail.empty() && !so_far.empty()) detail += "  ";
     detail += so_far;
     const TimeLeft::Shown shown = time_left.of_run(progress, seconds);
-    bar.show(progress.stage, shown.fraction, detail, shown.left);
+    bar.show(progress.stage, shown.fraction, detail, shown.left, models);
     return !interrupted();
   };
   options.stop = interrupted;

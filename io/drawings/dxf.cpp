@@ -226,6 +226,18 @@ class Reader {
     const auto apart = [](const PathCorner& a, const PathCorner& b) {
       return std::hypot(a.x - b.x, a.y - b.y);
     };
+    // Both ends of every chain, by their x.
+    struct End {
+      double x;
+      std::size_t chain;
+      bool back;
+    };
+    std::vector<End> ends;
+    for (std::size_t k = 0; k < chains_.size(); ++k) {
+      ends.push_back({chains_[k].corners.front().x, k, false});
+      ends.push_back({chains_[k].corners.back().x, k, true});
+    }
+    std::ranges::stable_sort(ends, {}, &End::x);
     std::vector<bool> used(chains_.size(), false);
     for (std::size_t start = 0; start < chains_.size(); ++start) {
       if (used[start]) continue;
@@ -235,13 +247,12 @@ class Reader {
         std::size_t best = chains_.size();
         bool turned = false;
         double gap = far;
-        for (std::size_t k = 0; k < chains_.size(); ++k) {
-          if (used[k]) continue;
-          for (const bool back : {false, true}) {
-            const ClosedPath& c = chains_[k].corners;
-            const double distance = apart(path.back(), back ? c.back() : c.front());
-            if (distance < gap) best = k, turned = back, gap = distance;
-          }
+        for (auto end = std::ranges::lower_bound(ends, path.back().x - near, {}, &End::x);
+             end != ends.end() && end->x <= path.back().x + near; ++end) {
+          if (used[end->chain]) continue;
+          const ClosedPath& c = chains_[end->chain].corners;
+          const double distance = apart(path.back(), end->back ? c.back() : c.front());
+          if (distance < gap) best = end->chain, turned = end->back, gap = distance;
         }
         if (gap > near) {
           std::string where = std::to_string(path.back().x) + ", " + std::to_string(path.back().y);

@@ -5,6 +5,7 @@ usage: application.py PROGRAM [CHECK …]
 """
 import http.client
 import json
+import math
 import os
 import pathlib
 import re
@@ -258,13 +259,13 @@ def oversized_and_malformed_requests_are_rejected(root):
         assert status in (413, 0), status
         for body in (b"", b"{", b"[]", b"null", b"\xff\xfe", b'{"name": 1}', b'{"name": "a.json"}', b'{"name": "a.json", "text": 5}',
                      b"[" * 100000, b'{"name": null, "text": null}', b"\0" * 100):
-            for what in ("check", "save", "start", "copy", "run", "stop"):
+            for what in ("check", "save", "start", "copy", "drawing", "run", "stop"):
                 status, _, text = app.ask(f"{app.base}api/{what}", body)
                 assert status == 400 and "error" in json.loads(text), (what, body[:20], status, text)
         status = app.ask(app.base + "api/case?name=" + "a" * 6000)[0]
         assert status in (400, 414), status
-        for query in ("window?name=beam.json", "window?name=none.csv", "record?name=beam.json", "spectrum", "schema?kind=nothing", "schema", "case",
-                      "result?name=beam.json&file=../beam.json", "result?name=.&file=beam.json", "nothing", ""):
+        for query in ("window?name=beam.json", "window?name=none.csv", "checks?name=none.csv", "checks", "record?name=beam.json", "spectrum", "schema?kind=nothing", "schema", "case",
+                      "result?name=beam.json&file=../beam.json", "result?name=.&file=beam.json", "outline", "outline?name=beam.json", "nothing", ""):
             assert app.ask(f"{app.base}api/{query}")[0] in (400, 403, 404), query
         for deep in ("[" * 3000 + "]" * 3000, '{"kind": ' * 200 + "1" + "}" * 200, "{" * 50000):
             answer = app.post("check", {"name": "beam.json", "text": deep})
@@ -408,6 +409,9 @@ def records_are_decimated_on_the_server(root):
         assert [r["name"] for r in app.get("projects")["records"]] == ["record.csv"]
         table = app.get("record", name="record.csv")["tables"][0]
         assert table["rows"] == 5000 and abs(table["sample_rate_hz"] - 100) < 1e-6 and table["channels"][0]["unit"] == "m/s^2", table
+        channel = app.get("checks", name="record.csv")["tables"][0][0]
+        rms = math.sqrt(sum(v * v for v in values) / 5000)
+        assert abs(channel["rms"] / rms - 1) < 1e-9 and any("spike" in fault for fault in channel["faults"]), channel
         coarse = app.get("window", name="record.csv", channels="0", points=50)
         assert coarse["step"] == 100 and not coarse["exact"] and len(coarse["channels"][0]["low"]) == 50
         for i in range(50):
@@ -419,6 +423,66 @@ def records_are_decimated_on_the_server(root):
         assert len(spectrum["frequencies_hz"]) == len(spectrum["density"]) > 100
         for bad in ({"channels": "1"}, {"channels": "x"}, {"channels": "0,"}, {"table": 5}, {"begin": 6000}, {"begin": "-1"}, {"points": "1e3"}):
             app.get("window", 400, name="record.csv", **bad)
+
+
+def drawing(*entities):
+    return "\n".join(["0", "SECTION", "2", "HEADER", "9", "$INSUNITS", "70", "4", "0", "ENDSEC", "0", "SECTION", "2", "ENTITIES", *entities,
+                      "0", "ENDSEC", "0", "EOF", ""])
+
+
+def drawings_are_stored_beside_a_case(root):
+    folder = folder_with_case(root)
+    ring = drawing("0", "CIRCLE", "10", "0", "20", "0", "40", "20", "0", "CIRCLE", "10", "0", "20", "0", "40", "15")
+    with App(folder) as app:
+        asked = {"case": "beam.json", "file": "ring.dxf", "text": ring}
+        assert app.post("drawing", asked) == {"file": "ring.dxf"}
+        assert app.post("drawing", asked) == {"file": "ring.dxf"}
+        assert (folder / "ring.dxf").read_text() == ring
+        assert app.get("projects")["drawings"] == [{"name": "ring.dxf"}]
+        app.post("drawing", asked | {"text": drawing("0", "CIRCLE", "10", "0", "20", "0", "40", "1")}, 409)
+        for bad, status in ((".ring.dxf", 403), ("ring.txt", 400), ("a/ring.dxf", 400), ("../ring.dxf", 400), ("", 400), ("x\n.dxf", 403)):
+            app.post("drawing", asked | {"file": bad}, status)
+        app.post("drawing", asked | {"case": "../beam.json"}, 403)
+        said = app.post("drawing", asked | {"file": "bad.dxf", "text": drawing("0", "CIRCLE", "10", "x")}, 400)["error"]
+        assert "bad.dxf" in said and "'x': must be a number" in said and "\n" not in said, said
+        assert not (folder / "bad.dxf").exists() and (folder / "ring.dxf").read_text() == ring
+        # The program's own reader gives the picture, in metres.
+        region, = app.get("outline", name="beam.json", file="ring.dxf")["regions"]
+        assert len(region["holes"]) == 1 and abs(max(y for y, _ in region["outline"]) - 0.02) < 2e-4, region
+        app.get("outline", 400, name="beam.json", file="ring.dxf", unit="m")  # the file states millimetres
+        app.get("outline", 400, name="beam.json", file="beam.json")
+        pathlib.Path(root, "outside.dxf").write_text(ring)
+        (folder / "link.dxf").symlink_to(pathlib.Path(root, "outside.dxf"))
+        for name in ("../outside.dxf", str(pathlib.Path(root, "outside.dxf")), "link.dxf", "x/../../outside.dxf"):
+            app.get("outline", 403, name="beam.json", file=name)
+        assert "no such file" in app.get("outline", 400, name="beam.json", file="none.dxf")["error"]
+        section = {"shape": "polygon", "file": "ring.dxf"}
+        case = damage_case()
+        case["beam"]["section"] = section
+        assert app.post("check", {"name": "beam.json", "text": json.dumps(case)}) == {"valid": True}
+
+
+def a_run_has_a_trace_of_its_probabilities(root):
+    folder = folder_with_case(root, case=damage_case(damage={
+        "count": {"min": 0, "max": 2, "prior": "uniform"}, "location": {"uniform": [0, 1]}, "reduction": {"uniform": [0, 0.6]}}))
+    with App(folder) as app:
+        number = app.post("run", {"name": "beam.json"})["number"]
+        for _ in range(1200):
+            run = next(r for r in app.get("runs")["runs"] if r["number"] == number)
+            assert run["state"] in ("queued", "running"), run
+            if len(run.get("trace", {}).get("seconds", [])) > 3:
+                break
+            time.sleep(0.05)
+        seconds, models = run["trace"]["seconds"], run["trace"]["models"]
+        assert seconds == sorted(seconds) and 3 < len(seconds) <= 200, seconds
+        assert {m["name"] for m in models} == {"0 damages", "1 damage", "2 damages"}, models
+        for i in range(len(seconds)):
+            assert abs(sum(m["probability"][i] for m in models) - 1) < 1e-3, run["trace"]
+        stages = [s["name"] for s in run["stages"]]
+        assert stages[-1] == run["stage"] == "sampling" and len(stages) == len(set(stages)) > 1, stages
+        assert [s["begin"] for s in run["stages"]] == sorted(s["begin"] for s in run["stages"])
+        app.post("stop", {"number": number})
+        assert "trace" not in app.wait(number, "stopped", "done")
 
 
 def poles_of_a_case_are_its_modes(root):
@@ -458,7 +522,7 @@ CHECKS = [only_the_token_opens_it, other_sites_are_rejected, answers_have_strict
           other_files_are_not_replaced, oversized_and_malformed_requests_are_rejected, slow_connections_do_not_block_it,
           hostile_names_are_text, checks_are_those_of_the_program, a_run_gives_the_bits_of_the_command_line,
           commands_of_a_case_do_not_run, a_killed_server_leaves_a_checkpoint, records_are_decimated_on_the_server,
-          poles_of_a_case_are_its_modes]
+          poles_of_a_case_are_its_modes, drawings_are_stored_beside_a_case, a_run_has_a_trace_of_its_probabilities]
 
 if __name__ == "__main__":
     for check in CHECKS:

@@ -32,12 +32,26 @@ TEST(ProgressLines, SpeakAfterHalfAMinuteAnyway) {
 }
 
 TEST(ProgressLines, NameTheLikeliestOfManyModels) {
-  EXPECT_EQ(probabilities_so_far({}, {}), "");
-  EXPECT_EQ(probabilities_so_far({0.25, 0.75}, {"a", "b"}), "P(b) = 0.75, P(a) = 0.25");
+  const auto so_far = [](const std::vector<double>& p, const std::vector<std::string>& names) {
+    return probabilities_so_far(models_so_far(p, names));
+  };
+  EXPECT_EQ(so_far({}, {}), "");
+  EXPECT_EQ(so_far({0.25, 0.75}, {"a", "b"}), "P(b) = 0.75, P(a) = 0.25");
   const std::vector<std::string> names = {"a", "b", "c", "d", "e", "f", "g"};
-  EXPECT_EQ(probabilities_so_far({0, 0, 0, 0.02, 0, 0.975, 0.005}, names),
-            "P(f) = 0.97, P(d) = 0.02");
-  EXPECT_EQ(probabilities_so_far({0, 0, 0, 0, 0, 0.998, 0.002}, names), "P(f) = 1.00");
+  EXPECT_EQ(so_far({0, 0, 0, 0.02, 0, 0.975, 0.005}, names), "P(f) = 0.97, P(d) = 0.02");
+  EXPECT_EQ(so_far({0, 0, 0, 0, 0, 0.998, 0.002}, names), "P(f) = 1.00");
+}
+
+TEST(ProgressLines, ListTheMostProbableModelsOfMany) {
+  std::vector<double> probabilities(20, 0.01);
+  std::vector<std::string> names;
+  for (int i = 0; i < 20; ++i) names.push_back("model " + std::to_string(i));
+  probabilities[17] = 0.81;
+  const auto models = models_so_far(probabilities, names);
+  ASSERT_EQ(models.size(), kMostSoFar);
+  EXPECT_EQ(models[0].name, "model 17");
+  EXPECT_EQ(models[0].probability, 0.81);
+  EXPECT_EQ(models[1].name, "model 0");
 }
 
 }  // namespace

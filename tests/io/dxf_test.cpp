@@ -3,6 +3,8 @@
 #include <gtest/gtest.h>
 
 #include <cmath>
+#include <string>
+#include <vector>
 
 #include "io/file_error.hpp"
 
@@ -85,6 +87,32 @@ TEST(Dxf, LinesAndArcsInAnyOrderAndDirection) {
   // Across 0°, and more than half a turn: a disc of three quarters.
   const Drawing d = parsed("0\nARC\n10\n0\n20\n0\n40\n1\n50\n180\n51\n90\n" + line(0, 1, -1, 0));
   EXPECT_NEAR(std::abs(area(d.outlines[0])), 0.75 * M_PI + 0.5, 1e-6);
+}
+
+TEST(Dxf, JoinsManyLinesInAnyOrder) {
+  // A comb: many ends share their x or their y.
+  constexpr int kTeeth = 2000;
+  std::vector<std::string> lines;
+  const auto add = [&](double x1, double y1, double x2, double y2) {
+    lines.push_back(lines.size() % 3 == 0 ? line(x2, y2, x1, y1) : line(x1, y1, x2, y2));
+  };
+  for (int i = 0; i < kTeeth; ++i) {
+    const double x = 2.0 * i;
+    add(x, 0, x, 1);
+    add(x, 1, x + 1, 1);
+    add(x + 1, 1, x + 1, 0);
+    if (i + 1 < kTeeth) add(x + 1, 0, x + 2, 0);
+  }
+  const double width = 2.0 * kTeeth - 1.0;
+  add(width, 0, width, -1);
+  add(width, -1, 0, -1);
+  add(0, -1, 0, 0);
+  std::string text;
+  for (std::size_t i = 0; i < lines.size(); ++i) text += lines[(i * 3571) % lines.size()];
+  const Drawing d = parsed(text);
+  ASSERT_EQ(d.outlines.size(), 1u);
+  EXPECT_EQ(d.outlines[0].size(), lines.size());
+  EXPECT_NEAR(std::abs(area(d.outlines[0])), kTeeth + width, 1e-6);
 }
 
 TEST(Dxf, CirclesAndSeveralOutlines) {

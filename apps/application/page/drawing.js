@@ -293,7 +293,7 @@ export class Drawing {
       picture.append(svg('path', { class: 'spring', d: `M${side} ${y(a)}V${y(b)}` }, svg('title', {}, link.name ?? `link ${i + 1}`)),
         svg('text', { x: side + 10, y: (y(a) + y(b)) / 2 + 5, 'font-size': 13 }, String(link.name ?? '')));
     });
-    masses.slice(0, count).forEach((mass, i) => picture.append(svg('rect', { class: 'mass', x: 90, y: y(i + 1) - 12, width: 80, height: 24 }),
+    masses.slice(0, count).forEach((mass, i) => picture.append(svg('rect', { class: 'mass solid', x: 90, y: y(i + 1) - 12, width: 80, height: 24 }),
       svg('text', { x: 130, y: y(i + 1) + 5, 'font-size': 13, 'text-anchor': 'middle', class: 'onmass' }, typeof mass === 'number' ? `${number(mass)} kg` : String(mass))));
     this.place.replaceChildren(picture);
   }

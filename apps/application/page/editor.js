@@ -1,9 +1,11 @@
 // The editor of a case: form, drawing and JSON text of one document, checked by the program while it is edited.
 import { attempt, button, element, say } from './dom.js';
 import { Drawing } from './drawing.js';
+import { exporting } from './export.js';
 import { Form } from './form.js';
+import { folderOf, relative } from './modes_case.js';
 import { copyCase } from './projects.js';
-import { Rules, written } from './schema.js';
+import { at, Rules, written } from './schema.js';
 import { follow, runList, start } from './runs.js';
 import { get, post, schema } from './server.js';
 
@@ -28,11 +30,20 @@ export const editorView = async (place, name) => {
     if (key === 'section') return Object.keys(s.sections ?? {});
     if (key === 'node' || up === 'nodes') return Object.keys(s.nodes ?? doc.geometry?.nodes ?? {});
     if (key === 'member') return (s.members ?? []).map((m) => m.name).filter(Boolean);
+    if (key === 'file' && at(doc, path.slice(0, -1))?.shape) return projects.drawings.map((one) => relative(folderOf(name), one.name));
     if (key === 'file') return projects.records.map((one) => one.name.slice(one.name.lastIndexOf('/') + 1));
     return Object.keys(doc.parameters ?? {});
   };
 
-  const form = new Form(formPlace, { changed: (structural) => edited({ from: 'form', structural }), choices });
+  const drawings = {
+    read: async (file, unit) => (await get('outline', { name, file, ...(unit ? { unit } : {}) })).regions,
+    store: async (file, content) => {
+      const stored = (await post('drawing', { case: name, file, text: content })).file;
+      projects.drawings = (await get('projects')).drawings;
+      return stored;
+    },
+  };
+  const form = new Form(formPlace, { changed: (structural) => edited({ from: 'form', structural }), choices, drawings });
   const drawing = new Drawing(drawingPlace, { changed: () => edited({ from: 'drawing' }), chosen: (pointer) => form.go(pointer) });
 
   const buttons = {
@@ -172,7 +183,12 @@ export const editorView = async (place, name) => {
     element('div', { class: 'panes' },
       element('section', { class: 'pane', 'aria-label': 'Form' }, element('div', { class: 'head' }, element('h2', {}, 'Form'), element('label', { class: 'inline' }, units, ' mm, kN, GPa'), element('label', { class: 'inline' }, help, ' Help texts')), formPlace),
       element('div', { class: 'side' },
-        element('section', { class: 'pane', 'aria-label': 'Drawing' }, element('h2', {}, 'Structure'), drawingPlace),
+        element('section', { class: 'pane', 'aria-label': 'Drawing' }, element('h2', {}, 'Structure'), drawingPlace,
+          element('p', { class: 'tools' }, exporting.figureButtons(`Structure of ${name}`, () => {
+            const picture = drawingPlace.querySelector('svg');
+            if (!picture) throw new Error('There is no drawing.');
+            return exporting.svgOf(picture);
+          }))),
         element('section', { class: 'pane', 'aria-label': 'Runs' }, element('h2', {}, 'Runs of this case'), list.place),
         element('section', { class: 'pane', 'aria-label': 'JSON' }, element('h2', {}, 'JSON'), area))));
   await take(text);

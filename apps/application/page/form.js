@@ -1,5 +1,5 @@
 // A form of a case from its JSON Schema. Each control shows its unit, range and meaning; a fault is shown at its field.
-import { button, element, svg } from './dom.js';
+import { attempt, button, element, svg } from './dom.js';
 import { at, listOf, numberText, pointerOf, shownUnits, tableOf } from './schema.js';
 
 const lazyFrom = 3; // lists this long show their items on request
@@ -24,11 +24,12 @@ export const sectionDrawing = (section, label) => {
       [w / 2, h / 2], [-w / 2, h / 2], [-w / 2, h / 2 - f], [-t, h / 2 - f], [-t, -h / 2 + f], [-w / 2, -h / 2 + f]]);
     box = [w, h];
   }
-  if (section.shape === 'polygon' && Array.isArray(section.outline) && section.outline.length > 2) {
-    const all = section.outline;
+  const regions = section.regions_of_file ?? (Array.isArray(section.outline) && section.outline.length > 2 ? [{ outline: section.outline, holes: section.holes }] : []);
+  if (section.shape === 'polygon' && regions.length) {
+    const all = regions.flatMap((region) => region.outline);
     const low = [0, 1].map((k) => Math.min(...all.map((p) => p[k]))), high = [0, 1].map((k) => Math.max(...all.map((p) => p[k])));
     const shifted = (points) => ring(points.map((p) => [p[0] - (low[0] + high[0]) / 2, -(p[1] - (low[1] + high[1]) / 2)]));
-    path = shifted(all) + (section.holes ?? []).map(shifted).join('');
+    path = regions.map((region) => shifted(region.outline) + (region.holes ?? []).map(shifted).join('')).join('');
     box = [high[0] - low[0], high[1] - low[1]];
   }
   if (!path || path.includes('NaN')) return null;
@@ -46,7 +47,9 @@ const examples = {
 
 export class Form {
   // `changed(structural)` is called after each edit of `doc`; `choices(path)` gives names for a text, or none.
-  constructor(place, { changed, choices }) {
+  // `drawings.read(file, unit)` gives the regions of a drawing, `drawings.store(file, text)` stores one beside the case.
+  constructor(place, { changed, choices, drawings }) {
+    this.drawings = drawings;
     this.place = place;
     this.changed = changed;
     this.choices = choices;
@@ -166,10 +169,30 @@ export class Form {
     if (Array.isArray(value)) return this.shortList(found, value, path, id) ?? { node: this.list(found, value, path, id), block: true };
     if (value && typeof value === 'object') {
       const keys = this.keys(found, value, path);
-      const drawing = found.properties?.shape ? sectionDrawing(value, `Cross-section: ${value.shape}`) : null;
+      const drawing = !found.properties?.shape ? null : value.shape === 'polygon' ? this.outline(value, path, id) : sectionDrawing(value, `Cross-section: ${value.shape}`);
       return { node: element('div', { class: 'keys', id, tabindex: -1 }, drawing, keys), block: true };
     }
     return this.scalar(rule, value, path, id);
+  }
+
+  // The picture of an outline, and a button that takes it from a drawing.
+  outline(section, path, id) {
+    const picture = element('span', {}, sectionDrawing(section, 'Cross-section: polygon'));
+    if (typeof section.file === 'string' && section.file) {
+      this.drawings.read(section.file, section.unit).then((regions) => {
+        const drawn = sectionDrawing({ shape: 'polygon', regions_of_file: regions }, `Cross-section of ${section.file}`);
+        if (drawn) picture.replaceChildren(drawn);
+      }, () => { /* the check of the case names the fault */ });
+    }
+    const input = element('input', { type: 'file', accept: '.dxf', hidden: true, id: `${id}^`, 'aria-label': 'Drawing in the format DXF', onchange: () => attempt(async () => {
+      const [file] = input.files;
+      if (!file) return;
+      const stored = await this.drawings.store(file.name, await file.text());
+      const now = at(this.doc, path);
+      for (const key of ['outline', 'holes', 'unit']) delete now[key];
+      this.set([...path, 'file'], stored, true);
+    }) });
+    return element('div', { class: 'outline' }, picture, input, button('Import a drawing (DXF) …', () => { input.value = ''; input.click(); }));
   }
 
   // A number or a text. Text that is no number stays a text where the schema allows names.
@@ -208,7 +231,7 @@ export class Form {
   reshape(path, shape) {
     const section = at(this.doc, path.slice(0, -1));
     const size = section.width ?? section.diameter ?? section.outer_diameter ?? 0.1;
-    const kept = Object.fromEntries(Object.entries(section).filter(([key]) => !(key in examples.i || ['diameter', 'outer_diameter', 'thickness', 'outline', 'holes'].includes(key))));
+    const kept = Object.fromEntries(Object.entries(section).filter(([key]) => !(key in examples.i || ['diameter', 'outer_diameter', 'thickness', 'outline', 'holes', 'file', 'unit', 'regions'].includes(key))));
     const made = { ...structuredClone(examples[shape]) };
     const scale = typeof size === 'number' ? size / 4 : 0.025;
     for (const key of Object.keys(made)) {

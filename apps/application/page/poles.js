@@ -3,6 +3,8 @@ import { attempt, button, element, number, say, svg } from './dom.js';
 import { plot } from './plot.js';
 import { start, runList } from './runs.js';
 import { written } from './schema.js';
+import { exporting } from './export.js';
+import { newDamageCase } from './modes_case.js';
 import { get, post } from './server.js';
 import { shapeView } from './shapes.js';
 import { table } from './table.js';
@@ -192,6 +194,7 @@ export const polesView = async (place, name) => {
     const shapes = summary.geometry && setUp.sensors.some((s) => s.direction && s.node) ? shapeView(drawingOf(summary.geometry, setUp.sensors, list), element) : bars(list);
     below.replaceChildren(element('div', { class: 'columns' },
       element('div', {}, table('Chosen poles, with one standard deviation', ['mode', 'order', 'f [Hz]', 'damping [%]', 'action'], rows),
+        element('p', { class: 'tools' }, exporting.csvButton(`Chosen poles of ${name}`, () => [['mode', 'order', 'frequency [Hz]', 'sd [Hz]', 'damping', 'sd'], ...list.map((p, k) => [k + 1, p.order, p.f, p.sd, p.damping, p.dampingSd])])),
         table('MAC between the chosen shapes', ['mode', ...list.map((p, k) => String(k + 1))], mac)), shapes));
   };
   const bars = (list) => element('div', {}, element('h3', {}, 'Shapes'), list.map((p) => {
@@ -223,8 +226,10 @@ export const polesView = async (place, name) => {
       button('Automatic choice', () => set((about.modes ?? []).map((m) => nearest(m.order, m.frequency_hz)).filter(Boolean))), button('Clear', () => set([])),
       button('Undo', () => { if (undo.length) { const old = undo.pop(); chosen.clear(); old.forEach((i) => chosen.add(i)); tell(); draw(); } }),
       element('label', { class: 'inline' }, 'From ', limit(0, 'Lowest frequency shown'), ' to ', limit(1, 'Highest frequency shown'), ' Hz'),
-      element('a', { href: `#/case/${encodeURIComponent(name)}` }, 'Edit the case'), element('a', { href: `#/result/${encodeURIComponent(own.result)}` }, 'Results')),
-    readout, diagram, element('p', { class: 'quiet' }, 'Large dots are chosen; blue dots form a mode of the automatic choice and have 95 % intervals. The line is the spectrum of the record in decibels.'), below, runsPlace.place);
+      element('a', { href: `#/case/${encodeURIComponent(name)}` }, 'Edit the case'), element('a', { href: `#/result/${encodeURIComponent(own.result)}` }, 'Results'),
+      button('New damage case from these modes …', () => newDamageCase(own.result), { title: 'From the modes of the last run' })),
+    readout, diagram, element('p', { class: 'tools' }, exporting.figureButtons(`Stabilisation diagram of ${name}`, () => exporting.svgOf(diagram.querySelector('svg')))),
+    element('p', { class: 'quiet' }, 'Large dots are chosen; blue dots form a mode of the automatic choice and have 95 % intervals. The line is the spectrum of the record in decibels.'), below, runsPlace.place);
   tell();
   draw();
   return runsPlace.close;

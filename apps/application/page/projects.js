@@ -1,5 +1,7 @@
 // The folder: cases with their states, results, records; new cases and comparisons.
 import { ask, attempt, button, element, number } from './dom.js';
+import { exporting } from './export.js';
+import { newDamageCase } from './modes_case.js';
 import { get, post } from './server.js';
 import { follow, runList, start } from './runs.js';
 import { badge, table } from './table.js';
@@ -51,7 +53,7 @@ const comparison = async (names) => {
     })]),
     ['converged', ...all.map((one) => (one.diagnostics?.converged === undefined ? '–' : String(one.diagnostics.converged)))],
   ];
-  return element('section', {}, element('h2', {}, 'Comparison'), table('Medians, with 95 % intervals in brackets; modes with one standard deviation', ['quantity', ...names], rows));
+  return element('section', {}, element('h2', {}, 'Comparison'), table('Medians, with 95 % intervals in brackets; modes with one standard deviation', ['quantity', ...names], rows, rows));
 };
 
 export const projectsView = async (place) => {
@@ -102,10 +104,10 @@ export const resultView = async (place, name) => {
   const [summary, projects] = await Promise.all([get('result', { name }), get('projects')]);
   const kept = projects.results.find((one) => one.name === name);
   const own = projects.cases.find((one) => one.result === name);
+  const title = summary.title ?? own?.title ?? name;
   const answer = Array.isArray(summary.answer) ? summary.answer : [summary.answer?.headline, summary.answer?.detail, summary.answer?.caution].filter(Boolean);
-  const csv = (rows) => `data:text/csv;charset=utf-8,${encodeURIComponent(rows.map((row) => row.map((x) => (typeof x === 'string' ? `"${x.replaceAll('"', '""')}"` : x ?? '')).join(',')).join('\n'))}`;
   const tables = [];
-  const add = (caption, heads, rows, raw) => tables.push(table(caption, heads, rows), element('p', {}, element('a', { href: csv([heads, ...raw]), download: `${caption.toLowerCase().replaceAll(' ', '-')}.csv` }, 'Save as CSV')));
+  const add = (caption, heads, rows, raw) => tables.push(table(caption, heads, rows, raw));
   if (summary.models?.length > 1)
     add('Models', ['model', 'prior', 'probability', 'Monte Carlo error'], summary.models.map((m) => [m.name, number(m.prior, 3), number(m.probability, 3), number(m.mcse, 1)]),
       summary.models.map((m) => [m.name, m.prior, m.probability, m.mcse]));
@@ -114,19 +116,21 @@ export const resultView = async (place, name) => {
     if (rows.length) add(`Parameters of ${model}`, ['parameter', 'mean', 'sd', '2.5 %', '50 %', '97.5 %'], rows.map(([p, v]) => [p, number(v.mean), number(v.sd, 2), number(v['q2.5']), number(v.q50), number(v['q97.5'])]),
       rows.map(([p, v]) => [p, v.mean, v.sd, v['q2.5'], v.q50, v['q97.5']]));
   }
-  if (summary.modes)
+  if (Array.isArray(summary.modes))
     add('Modes', ['mode', 'f [Hz]', 'sd [Hz]', 'damping [%]', 'sd [%]'], summary.modes.map((m, i) => [String(i + 1), number(m.frequency_hz, 6), number(m.frequency_sd, 2), number(100 * m.damping, 3), number(100 * m.damping_sd, 2)]),
       summary.modes.map((m, i) => [i + 1, m.frequency_hz, m.frequency_sd, 100 * m.damping, 100 * m.damping_sd]));
   if (summary.monitor?.alarms?.length)
     add('Alarms', ['time', 'onset from', 'to'], summary.monitor.alarms.map((a) => [String(a.time), String(a.onset?.['q2.5'] ?? '–'), String(a.onset?.['q97.5'] ?? '–')]),
       summary.monitor.alarms.map((a) => [a.time, a.onset?.['q2.5'], a.onset?.['q97.5']]));
   place.replaceChildren(
-    element('h1', {}, summary.title ?? own?.title ?? name), element('p', {}, badge(kept?.state ?? 'done'), ` ${name}`),
+    element('h1', {}, title), element('p', {}, badge(kept?.state ?? 'done'), ` ${name}`),
     answer.length ? element('section', { class: 'answer' }, answer.map((text, i) => element('p', { class: i ? '' : 'headline' }, text))) : '',
     element('p', { class: 'actions' },
       kept?.report && element('a', { class: 'main', href: projects.reports + name.split('/').map(encodeURIComponent).join('/') + '/report.html', target: '_blank', rel: 'noopener noreferrer' }, 'Open the report'),
       own && link('case', own.name, 'Edit the case'),
-      own && kept?.command === 'modal' && link('poles', own.name, 'Choose poles')),
+      own && kept?.command === 'modal' && link('poles', own.name, 'Choose poles'),
+      summary.modes?.length && button('New damage case from these modes …', () => newDamageCase(name)),
+      exporting.pageButtons(title, () => [place])),
     ...(summary.diagnostics?.warnings ?? []).map((text) => element('p', { class: 'caution' }, text)), ...tables);
   return undefined;
 };

@@ -2,6 +2,7 @@
 import { ask, attempt, button, element, number, svg } from './dom.js';
 import { plot } from './plot.js';
 import { written } from './schema.js';
+import { figure } from './table.js';
 import { get, post } from './server.js';
 
 const width = 900, points = 900;
@@ -72,7 +73,7 @@ export const recordView = async (place, name) => {
     });
     drawn.picture.append(svg('path', { class: 'trace', d }));
     dragged(drawn, (from, to) => zoom(from * (current().sample_rate_hz ?? 1), to * (current().sample_rate_hz ?? 1)));
-    return element('figure', {}, element('figcaption', {}, channel.name), drawn.picture);
+    return figure(channel.name, drawn.picture, `${name} ${channel.name}`);
   };
 
   const spectrumPlot = (channel, { frequencies_hz: f, density }) => {
@@ -87,7 +88,7 @@ export const recordView = async (place, name) => {
       [lowest.value, highest.value] = band.map(String);
       draw();
     });
-    return element('figure', {}, element('figcaption', {}, `Spectrum of ${channel.name} in this window. Drag across it to choose the band of the modes.`), drawn.picture);
+    return figure(`Spectrum of ${channel.name} in this window. Drag across it to choose the band of the modes.`, drawn.picture, `${name} spectrum of ${channel.name}`);
   };
 
   const lowest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Lowest frequency of the band in Hz' });
@@ -99,6 +100,14 @@ export const recordView = async (place, name) => {
     draw();
   });
 
+  // The quality of the channels, when it is known.
+  const showChecks = () => current().channels.forEach((channel, c) => {
+    if (!channel.faults) return;
+    const row = channels.querySelectorAll('tbody tr')[c];
+    row.classList.toggle('faulty', channel.faults.length > 0);
+    row.querySelector('.rms').textContent = number(channel.rms, 3);
+    row.querySelector('.long').textContent = channel.faults.join('; ');
+  });
   const listChannels = () => {
     channels.replaceChildren(element('div', { class: 'scroll' }, element('table', {}, element('caption', {}, 'Channels'),
       element('thead', {}, element('tr', {}, ['show', 'channel', 'unit', 'rms', 'role', 'node', 'direction', 'reference', 'faults'].map((head) => element('th', { scope: 'col' }, head)))),
@@ -107,13 +116,14 @@ export const recordView = async (place, name) => {
         const use = uses.get(`${table}/${c}`);
         const text = (key) => element('input', { class: 'short', value: use[key], 'aria-label': `${key} of ${channel.name}`, oninput: (event) => { use[key] = event.target.value.trim(); } });
         const role = element('select', { 'aria-label': `Role of ${channel.name}`, onchange: () => { use.role = role.value; } }, ['response', 'force', 'ignore'].map((one) => element('option', { selected: use.role === one }, one)));
-        return element('tr', { class: channel.faults.length ? 'faulty' : '' },
+        return element('tr', {},
           element('td', {}, element('input', { type: 'checkbox', 'aria-label': `Show ${channel.name}`, checked: shown.has(c), onchange: (event) => { if (event.target.checked) shown.add(c); else shown.delete(c); draw(); } })),
-          element('th', { scope: 'row' }, channel.name), element('td', {}, channel.unit), element('td', {}, number(channel.rms, 3)), element('td', {}, role),
+          element('th', { scope: 'row' }, channel.name), element('td', {}, channel.unit), element('td', { class: 'rms' }, '…'), element('td', {}, role),
           element('td', {}, text('node')), element('td', {}, text('direction')),
           element('td', {}, element('input', { type: 'checkbox', 'aria-label': `${channel.name} is a reference`, checked: use.reference, onchange: (event) => { use.reference = event.target.checked; } })),
-          element('td', { class: 'long' }, channel.faults.join('; ')));
+          element('td', { class: 'long' }, 'checking …'));
       })))));
+    showChecks();
   };
 
   const makeCase = () => attempt(async () => {
@@ -161,5 +171,12 @@ export const recordView = async (place, name) => {
     element('p', {}, button('New modal case from this record …', makeCase, { class: 'main' })));
   listChannels();
   await draw();
-  return undefined;
+  // The quality of all channels can take longer than reading and drawing. What was typed meanwhile is in `uses`.
+  let open = true;
+  attempt(async () => {
+    const { tables: checks } = await get('checks', { name });
+    contents.tables.forEach((one, i) => one.channels.forEach((channel, c) => Object.assign(channel, checks[i][c])));
+    if (open) showChecks();
+  });
+  return () => { open = false; };
 };

@@ -2,9 +2,11 @@
 import { attempt, button, element, number, seconds } from './dom.js';
 import { get, post } from './server.js';
 import { badge } from './table.js';
+import { stagesOf, traceView } from './trace.js';
 
 const listeners = new Set();
 let list = [], timer, known = new Map();
+const traced = new Map(); // the last trace of each run; the server has it only during the run
 
 const busy = (run) => ['queued', 'running', 'stopping'].includes(run.state);
 
@@ -12,6 +14,10 @@ const poll = async () => {
   clearTimeout(timer);
   try {
     list = (await get('runs')).runs;
+    for (const run of list) {
+      if (run.trace) traced.set(run.number, run);
+      else if (traced.has(run.number)) run.trace = traced.get(run.number).trace;
+    }
     const ended = list.filter((run) => known.has(run.number) && !busy(run) && known.get(run.number));
     known = new Map(list.map((run) => [run.number, busy(run)]));
     document.getElementById('activity').textContent = list.some(busy)
@@ -38,7 +44,7 @@ export const start = async (name, options = {}) => {
 const words = (run) => {
   if (run.state === 'running' || run.state === 'stopping') {
     const left = run.seconds_left !== undefined ? `, about ${seconds(run.seconds_left)} left` : '';
-    return `${run.stage || 'starting'}: ${Math.round(100 * run.fraction)} %, ${seconds(run.seconds ?? 0)} so far${left}${run.detail ? `. ${run.detail}` : ''}`;
+    return `${run.stage || 'starting'}: ${Math.round(100 * run.fraction)} %, ${seconds(run.seconds ?? 0)} so far${left}${run.detail && !run.trace ? `. ${run.detail}` : ''}`;
   }
   if (run.state === 'failed') return run.message;
   return run.seconds !== undefined ? `${number(run.seconds, 3)} s` : '';
@@ -54,7 +60,9 @@ export const runList = (name) => {
         busy(run) && run.state !== 'stopping' && button('Stop', () => attempt(async () => { await post('stop', { number: run.number }); await poll(); }), { 'aria-label': `Stop ${run.case}` }),
         ['done', 'stopped'].includes(run.state) && element('a', { href: `#/result/${encodeURIComponent(run.output)}` }, 'Results')),
       run.state === 'running' && element('progress', { max: 1, value: run.fraction, 'aria-label': `${run.case}: ${run.stage}` }),
-      element('p', { class: run.state === 'failed' ? 'fault' : 'quiet' }, words(run))))
+      element('p', { class: run.state === 'failed' ? 'fault' : 'quiet' }, words(run)),
+      run.stages?.length > 1 && element('p', { class: 'quiet' }, `Stages: ${stagesOf(run)}`),
+      run.trace?.seconds.length > 1 && (busy(run) || run === shown[0]) && traceView(run)))
       : [element('li', { class: 'quiet' }, 'No runs since the application was started.')]));
   };
   return { place, close: follow(show) };

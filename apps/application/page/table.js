@@ -1,11 +1,20 @@
 // Tables of the page.
 import { element } from './dom.js';
+import { exporting } from './export.js';
 
-export const table = (caption, heads, rows) => element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption },
-  element('table', {}, element('caption', {}, caption),
-    element('thead', {}, element('tr', {}, heads.map((head) => element('th', { scope: 'col' }, head)))),
-    element('tbody', {}, rows.map((cells) => element('tr', {}, cells.map((cell, i) =>
-      (i ? element('td', {}, cell) : element('th', { scope: 'row' }, cell))))))));
+// A table with its caption; `raw`, if given, are the rows that its button saves as CSV.
+export const table = (caption, heads, rows, raw) => {
+  const shown = element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': caption },
+    element('table', {}, element('caption', {}, caption),
+      element('thead', {}, element('tr', {}, heads.map((head) => element('th', { scope: 'col' }, head)))),
+      element('tbody', {}, rows.map((cells) => element('tr', {}, cells.map((cell, i) =>
+        (i ? element('td', {}, cell) : element('th', { scope: 'row' }, cell))))))));
+  return raw ? element('div', {}, shown, element('p', { class: 'tools' }, exporting.csvButton(caption, () => [heads, ...raw]))) : shown;
+};
+
+// A figure with buttons that save it.
+export const figure = (caption, picture, title = caption) => element('figure', {}, element('figcaption', {}, caption), picture,
+  element('p', { class: 'tools' }, exporting.figureButtons(title, () => exporting.svgOf(picture))));
 
 export const states = {
   draft: ['Draft', 'its keys are not valid yet'], ready: ['Ready', 'not run yet'], running: ['Running', ''],
