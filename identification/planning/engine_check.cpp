@@ -141,8 +141,7 @@ EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source, const
                        std::uint64_t number, const inference::Options& options) {
   PlannedStructure::Solver solver(source.structure());
   const Scenario scenario = source.draw(number, solver);
-  const auto problem =
-      make_damage_problem(simulated_case(plan, source, design, scenario), {});
+  const auto problem = make_damage_problem(simulated_case(plan, source, design, scenario), {});
   const inference::Posterior posterior = inference::reversible_jump(problem->problem, options);
   EngineOutcome out;
   double most = -1.0;
@@ -177,10 +176,9 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
     const std::vector<Scenario> scenario = {source.draw(number, solver)};
     inference::Options own = options;
     own.seed = options.seed + number;
-    CheckedTest test{
-        .number = number,
-        .approximate = simulate_tests(source, prepared, scenario, plan.tolerance)[0],
-        .engine = identify(plan, source, design.design, number, own)};
+    CheckedTest test{.number = number,
+                     .approximate = simulate_tests(source, prepared, scenario, plan.tolerance)[0],
+                     .engine = identify(plan, source, design.design, number, own)};
     const double p = 1.0 / (1.0 + std::exp(-test.approximate.log_odds));
     // Each model has as many tests as any other.
     const auto truth = index(scenario[0].truth.model);

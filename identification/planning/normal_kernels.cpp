@@ -53,12 +53,12 @@ template <class V>
   return x < high ? x : high;
 }
 
-/// Slices of constant x: ∫ exp(q(x, y) - q_best) dy = √(π/2h) exp(e) (erf(α) + erf(β)), with h = hyy,
-/// μ the best y, α = √(h/2) (y1 - μ), β = √(h/2) (μ - y0) and e = q(x, μ) - q_best. Products of exp
-/// and erfc replace the differences of two values near 1.
+/// Slices of constant x: ∫ exp(q(x, y) - q_best) dy = √(π/2h) exp(e) (erf(α) + erf(β)), with h =
+/// hyy, μ the best y, α = √(h/2) (y1 - μ), β = √(h/2) (μ - y0) and e = q(x, μ) - q_best. Products
+/// of exp and erfc replace the differences of two values near 1.
 struct Slices {
   double middle, half;   // of the interval of x
-  double bx, hxx;        // of q(x, μ), as a function of x
+  double bx, hxx;        // coefficients in q(x, μ)
   double shift, slope;   // μ = shift - slope x
   double scale, y0, y1;  // √(h/2)
   double best;           // q_best without its constant
@@ -87,8 +87,7 @@ WHEELTAP_VECTOR_CLONES double sum_of_slices(const Slices& s) {
 }
 
 /// See screen_pairs.
-WHEELTAP_VECTOR_CLONES float screen(const PairRow& row, float square, float* weight,
-                                    float* extra) {
+WHEELTAP_VECTOR_CLONES float screen(const PairRow& row, float square, float* weight, float* extra) {
   using V [[gnu::vector_size(4 * kPairLanes)]] = float;
   const V zero = V{};
   V most = zero - std::numeric_limits<float>::infinity();
@@ -131,8 +130,9 @@ double best_on_line(double b, double h, double low, double high) {
 }
 
 /// The interval of x around the best point outside which the integral is negligible: there the
-/// largest exponent over y, a concave function of x, is lower by more than kReach²/2. Newton's method
-/// approaches each end from outside, where the drop by the marginal curvature is exact or too small.
+/// largest exponent over y, a concave function of x, is lower by more than kReach²/2. Newton's
+/// method approaches each end from outside, where the drop by the marginal curvature is exact or
+/// too small.
 std::array<double, 2> relevant(const Quadratic& q, const Rectangle& r,
                                const std::array<double, 2>& best) {
   constexpr double kDrop = 0.5 * kReach * kReach;

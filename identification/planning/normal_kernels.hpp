@@ -33,19 +33,19 @@ inline constexpr std::size_t kPairLanes = 8;
 
 /// Pairs of one place a with several places b. All arrays have a multiple of kPairLanes entries.
 struct PairRow {
-  float amplitude;            ///< y · v_a, v_a the unit direction of place a
-  const float* amplitudes;    ///< y · v_b
-  const float* correlation;   ///< ρ = v_a · v_b
-  const float* inverse;       ///< 1 / (1 - ρ²)
-  const float* log_weight;    ///< added to the largest exponent
-  const float* interaction;   ///< |I| / (|Δ_a| |Δ_b|), 0 for no interaction
+  float amplitude;           ///< y · v_a, v_a the unit direction of place a
+  const float* amplitudes;   ///< y · v_b
+  const float* correlation;  ///< ρ = v_a · v_b
+  const float* inverse;      ///< 1 / (1 - ρ²)
+  const float* log_weight;   ///< added to the largest exponent
+  const float* interaction;  ///< |I| / (|Δ_a| |Δ_b|), 0 for no interaction
   std::size_t size;
 };
 
 /// weight = ln of the approximate weight of each pair without the interaction: the largest exponent
-/// of amplitudes c_a, c_b >= 0 along both directions, plus log_weight. With κ = |I| c_a c_b / (|Δ_a|
-/// |Δ_b|) the size of the interaction and r the norm of the residual, the interaction may increase
-/// the exponent by
+/// of amplitudes c_a, c_b >= 0 along both directions, plus log_weight. With κ = |I| c_a c_b /
+/// (|Δ_a| |Δ_b|) the size of the interaction and r the norm of the residual, the interaction may
+/// increase the exponent by
 ///
 ///   extra = min(r²/2, κ²/2 + 4 κ),
 ///

@@ -141,7 +141,8 @@ std::shared_ptr<const NormalTest::PairList> NormalTest::list_pairs(
   for (std::size_t a = 0; a < places_.size(); ++a) {
     if (places_[a].kind != kinds[0]) continue;
     if (kinds[0] == kinds[1]) ++before;
-    PairList::Row row{.a = static_cast<int>(a), .first = list->correlation.size(), .second = before};
+    PairList::Row row{
+        .a = static_cast<int>(a), .first = list->correlation.size(), .second = before};
     for (std::size_t k = before; k < list->places.size(); ++k) {
       const auto b = index(list->places[k]);
       const double prior = places_[a].prior * places_[b].prior;
@@ -289,12 +290,12 @@ double NormalTest::pair_evidence(const double* products, int a, int b, double mi
     const Position at = position(products, a, pa), bt = position(products, b, pb);
     const double g00 = gram_(bt.node, at.node), g10 = gram_(bt.node, at.next),
                  g01 = gram_(bt.next, at.node), g11 = gram_(bt.next, at.next);
-    const double slope_node = g10 - g00, slope_next = g11 - g01;  // A' · nodes of b
-    const double slopes = slope_next - slope_node;                // A' · B'
-    const double slope_b = slope_node + bt.t * slopes;            // A' · B
-    const double b_slope = g01 - g00 + at.t * slopes;             // A · B'
+    const double slope_node = g10 - g00, slope_next = g11 - g01;   // A' · nodes of b
+    const double slopes = slope_next - slope_node;                 // A' · B'
+    const double slope_b = slope_node + bt.t * slopes;             // A' · B
+    const double b_slope = g01 - g00 + at.t * slopes;              // A · B'
     const double both = g00 + at.t * slope_node + bt.t * b_slope;  // A · B
-    double ia = 0.0, ib = 0.0, ia_slope = 0.0, ib_slope = 0.0;    // products with I
+    double ia = 0.0, ib = 0.0, ia_slope = 0.0, ib_slope = 0.0;     // products with I
     if (column >= 0) {
       ia_slope = with_a[at.segment + index(at.next - at.node)] - with_a[at.segment];
       ib_slope = with_b[bt.segment + index(bt.next - bt.node)] - with_b[bt.segment];
@@ -304,8 +305,8 @@ double NormalTest::pair_evidence(const double* products, int a, int b, double mi
     // The mean is A + B + w I, with slopes A' + α I and B' + β I.
     const double w = at.u * bt.u, alpha = at.u_slope * bt.u, beta = at.u * bt.u_slope;
     const double i_rest = mixed - ia - ib - w * square;  // I · (y - mean)
-    q = {.constant = at.y + bt.y + w * mixed -
-                     0.5 * (at.square + bt.square + w * w * square) - both - w * (ia + ib),
+    q = {.constant = at.y + bt.y + w * mixed - 0.5 * (at.square + bt.square + w * w * square) -
+                     both - w * (ia + ib),
          .bx = at.y_slope - at.mixed - slope_b - w * ia_slope + alpha * i_rest,
          .by = bt.y_slope - bt.mixed - b_slope - w * ib_slope + beta * i_rest,
          .hxx = std::max(0.0, at.slope_square + alpha * (2.0 * ia_slope + alpha * square)),
@@ -325,8 +326,8 @@ double NormalTest::pair_evidence(const double* products, int a, int b, double mi
 }
 
 /// The largest exponent of the amplitudes of one defect or, with the interaction, of two.
-double NormalTest::interacting_exponent(int a, int b, Index column, double ga, double gb, double rho,
-                                        double mixed) const {
+double NormalTest::interacting_exponent(int a, int b, Index column, double ga, double gb,
+                                        double rho, double mixed) const {
   const double na = typical_norm_[index(a)], nb = typical_norm_[index(b)];
   const double* const with_a = interaction_nodes_.data() + interaction_first_[index(column)];
   const double* const with_b = with_a + along_[index(a)].size();
@@ -366,15 +367,15 @@ void NormalTest::add_pairs(const Measured& measured, const PairList& list,
       Eigen::Map<const Eigen::VectorXd>(measured.data, nodes_.rows()).squaredNorm());
   float most = -std::numeric_limits<float>::infinity();
   for (const PairList::Row& row : list.rows)
-    most = std::max(
-        most, screen_pairs({.amplitude = amplitude[index(row.a)],
-                            .amplitudes = second.data() + row.second,
-                            .correlation = list.correlation.data() + row.first,
-                            .inverse = list.inverse.data() + row.first,
-                            .log_weight = list.log_weight.data() + row.first,
-                            .interaction = list.interaction.data() + row.first,
-                            .size = (row.count + kPairLanes - 1) / kPairLanes * kPairLanes},
-                           square, weight.data() + row.first, extra.data() + row.first));
+    most = std::max(most,
+                    screen_pairs({.amplitude = amplitude[index(row.a)],
+                                  .amplitudes = second.data() + row.second,
+                                  .correlation = list.correlation.data() + row.first,
+                                  .inverse = list.inverse.data() + row.first,
+                                  .log_weight = list.log_weight.data() + row.first,
+                                  .interaction = list.interaction.data() + row.first,
+                                  .size = (row.count + kPairLanes - 1) / kPairLanes * kPairLanes},
+                                 square, weight.data() + row.first, extra.data() + row.first));
   // The pairs with a relevant weight; where the interaction matters, the weight includes it.
   struct Candidate {
     int a = 0, b = 0;

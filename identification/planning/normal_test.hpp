@@ -124,7 +124,7 @@ class NormalTest {
   std::vector<std::vector<double>> along_;  // nodes of each place along that direction
   std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
   Eigen::MatrixXd interactions_;                        // data × pairs with an interaction
-  Eigen::MatrixXi column_of_;                           // of a pair of places; -1: no interaction
+  Eigen::MatrixXi column_of_;                           // per pair of places; -1: no interaction
   std::vector<double> interaction_square_;              // per column: |I|²
   std::vector<std::size_t> interaction_first_;          // per column: its part of the next list
   std::vector<double> interaction_nodes_;  // I · nodes of place a, then I · nodes of place b

@@ -127,8 +127,7 @@ std::vector<TestScores> score_designs(const ScenarioSource& source,
     for (int i = block * kBlock; i < std::min(options.scenarios, (block + 1) * kBlock); ++i)
       scenarios.push_back(source.draw(first + static_cast<std::uint64_t>(i), solver));
     for (std::size_t d = 0; d < prepared.size(); ++d)
-      found[d][index(block)] =
-          simulate_tests(source, prepared[d], scenarios, options.tolerance);
+      found[d][index(block)] = simulate_tests(source, prepared[d], scenarios, options.tolerance);
     ++done;
     if (!options.progress) return;
     const std::lock_guard lock(telling);

@@ -19,8 +19,8 @@ struct Scenario {
   TestNumbers numbers;
 };
 
-/// Draws true damage from the priors, and noise. (seed, number) determines the draw; number n has the model n
-/// modulo the number of models.
+/// Draws true damage from the priors, and noise. (seed, number) determines the draw; number n has
+/// the model n modulo the number of models.
 class ScenarioSource {
  public:
   ScenarioSource(const PlannedStructure& structure, std::uint64_t seed);

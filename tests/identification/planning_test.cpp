@@ -253,8 +253,7 @@ TEST(PlannedTest, DataAgreeWithTheLikelihoodOfADamageRun) {
     for (std::uint64_t number = 1; number < 60; number += 2) {
       const Scenario scenario = source.draw(number, solver);
       ASSERT_EQ(scenario.defects.size(), 1u);
-      const auto problem =
-          make_damage_problem(simulated_case(plan, source, design, scenario), {});
+      const auto problem = make_damage_problem(simulated_case(plan, source, design, scenario), {});
       const auto likelihood = problem->problem.likelihood();
       const std::vector<double> x = {scenario.defects[0].location, scenario.defects[0].severity};
       const double gain = likelihood->log_likelihood(1, x) - likelihood->log_likelihood(0, {});

@@ -4,7 +4,8 @@
 //   planning_study agreement beam|frame|space TESTS [quick]   one line of JSON a test, then the
 //                                                             comparison; quick runs of the engine
 //   planning_study layouts STRUCTURES [FIRST]         one line of JSON a random plane frame
-//   planning_study time [SCENARIOS [THREADS]]         search and scores of a frame with 60 candidates
+//   planning_study time [SCENARIOS [THREADS]]         search and scores of a frame with 60
+//   candidates
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
@@ -275,15 +276,15 @@ int time_it(int scenarios, int threads) {
   const PlanOptions options{.scenarios = scenarios,
                             .threads = base::thread_count(threads),
                             .progress = [&](const char* stage, double f) {
-                              std::fprintf(stderr, "%6.1f s, processor %6.1f s: %s %.0f %%\n", now(),
-                                           processor(), stage, 100.0 * f);
+                              std::fprintf(stderr, "%6.1f s, processor %6.1f s: %s %.0f %%\n",
+                                           now(), processor(), stage, 100.0 * f);
                             }};
   const PlanModel model(plan, options);
   std::printf("%zu candidates, %zu places, model ready after %.1f s\n",
               plan.structure.candidates.size(), model.structure().places().size(), now());
   const PlanFindings findings = make_plan(plan, model, options);
-  std::printf("all after %.1f s, processor %.1f s; compared %ld designs with up to %d scenarios\n", now(),
-              processor(), findings.search.compared, findings.search.scenarios);
+  std::printf("all after %.1f s, processor %.1f s; compared %ld designs with up to %d scenarios\n",
+              now(), processor(), findings.search.compared, findings.search.scenarios);
   for (const ScoredDesign& d : findings.designs)
     std::printf("%s: information %.4f +- %.4f, detection %.4f, right place %.4f\n", d.name.c_str(),
                 d.scores.information.value, d.scores.information.mcse, d.scores.detection.value,
