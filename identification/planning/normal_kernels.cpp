@@ -57,7 +57,7 @@ template <class V>
 /// hyy, μ the best y, α = √(h/2) (y1 - μ), β = √(h/2) (μ - y0) and e = q(x, μ) - q_best. Products
 /// of exp and erfc replace the differences of two values near 1.
 struct Slices {
-  double middle, half;   // of the interval of x
+  double middle, half;   // centre and half width in x
   double bx, hxx;        // coefficients in q(x, μ)
   double shift, slope;   // μ = shift - slope x
   double scale, y0, y1;  // √(h/2)
