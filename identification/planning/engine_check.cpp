@@ -91,10 +91,9 @@ TestEstimate weighted_difference(const std::vector<NormalModel>& models,
 }  // namespace
 
 DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
-                          const TestDesign& design, const Scenario& scenario,
-                          std::uint64_t number) {
+                          const TestDesign& design, const Scenario& scenario) {
   const PlannedStructure& structure = source.structure();
-  const TestNumbers numbers = TestNumbers::draw(structure, source.seed(), number);
+  const TestNumbers& numbers = scenario.numbers;
   const TestData data(structure, plan.noise, design);
   DamageCase out = plan.damage_case;
   const Index n = structure.modes();
@@ -142,8 +141,7 @@ EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source, const
                        std::uint64_t number, const inference::Options& options) {
   PlannedStructure::Solver solver(source.structure());
   const Scenario scenario = source.draw(number, solver);
-  const auto problem =
-      make_damage_problem(simulated_case(plan, source, design, scenario, number), {});
+  const auto problem = make_damage_problem(simulated_case(plan, source, design, scenario), {});
   const inference::Posterior posterior = inference::reversible_jump(problem->problem, options);
   EngineOutcome out;
   double most = -1.0;
@@ -178,10 +176,9 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
     const std::vector<Scenario> scenario = {source.draw(number, solver)};
     inference::Options own = options;
     own.seed = options.seed + number;
-    CheckedTest test{
-        .number = number,
-        .approximate = simulate_tests(source, prepared, scenario, number, plan.tolerance)[0],
-        .engine = identify(plan, source, design.design, number, own)};
+    CheckedTest test{.number = number,
+                     .approximate = simulate_tests(source, prepared, scenario, plan.tolerance)[0],
+                     .engine = identify(plan, source, design.design, number, own)};
     const double p = 1.0 / (1.0 + std::exp(-test.approximate.log_odds));
     // Each model has as many tests as any other.
     const auto truth = index(scenario[0].truth.model);

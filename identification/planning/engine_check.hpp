@@ -12,8 +12,7 @@ namespace wheeltap::identification::planning {
 /// The damage case of one simulated test of a design, with the measured modes and their
 /// uncertainty.
 [[nodiscard]] DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
-                                        const TestDesign& design, const Scenario& scenario,
-                                        std::uint64_t number);
+                                        const TestDesign& design, const Scenario& scenario);
 
 /// The result of the full engine for one simulated test.
 struct EngineOutcome {

@@ -4,27 +4,23 @@
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numbers>
+#include <numeric>
 #include <stdexcept>
 #include <string>
 
 #include "base/constants.hpp"
 #include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
+#include "identification/planning/normal_kernels.hpp"
 
 namespace wheeltap::identification::planning {
 namespace {
 
 using Eigen::Index;
 
-/// Terms this far below the largest in ln p are neglected: e^-32.
+/// Terms this far below the largest in ln p are neglected: e^-32 of places, e^-18 of pairs.
 constexpr double kNegligible = 32.0;
-
-/// exp(x²) erfc(x), x >= 0.
-double scaled_erfc(double x) {
-  if (x < 20.0) return std::exp(x * x) * std::erfc(x);
-  return std::numbers::inv_sqrtpi / x * (1.0 - 0.5 / (x * x));
-}
+constexpr float kNegligiblePair = 18.0F;
 
 double log_sum(const std::vector<double>& terms) {
   double most = -kInfinity, sum = 0.0;
@@ -34,103 +30,39 @@ double log_sum(const std::vector<double>& terms) {
   return most + std::log(sum);
 }
 
-/// Nodes and weights of Gauss and Legendre on [-1, 1], the positive half of 16.
-constexpr std::array<double, 8> kNodes = {
-    0.0950125098376374, 0.2816035507792589, 0.4580167776572274, 0.6178762444026438,
-    0.7554044083550030, 0.8656312023878318, 0.9445750230732326, 0.9894009349916499};
-constexpr std::array<double, 8> kWeights = {
-    0.1894506104550685, 0.1826034150449236, 0.1691565193950025, 0.1495959888165767,
-    0.1246289712555339, 0.0951585116824928, 0.0622535239386479, 0.0271524594117541};
-
-/// b x + c y - (hxx x² + 2 hxy x y + hyy y²) / 2 + constant over a rectangle.
-struct Quadratic {
-  double constant, bx, by, hxx, hxy, hyy;
-
-  /// The best y for an x.
-  [[nodiscard]] double best_y(double x, double low, double high) const {
-    const double b = by - hxy * x;
-    if (hyy > 0.0) return std::clamp(b / hyy, low, high);
-    return b > 0.0 ? high : low;
-  }
-  [[nodiscard]] double best_x(double y, double low, double high) const {
-    const double b = bx - hxy * y;
-    if (hxx > 0.0) return std::clamp(b / hxx, low, high);
-    return b > 0.0 ? high : low;
-  }
-  [[nodiscard]] double at(double x, double y) const {
-    return constant + bx * x + by * y - 0.5 * (hxx * x * x + hyy * y * y) - hxy * x * y;
-  }
-  /// The best point of the rectangle.
-  [[nodiscard]] std::array<double, 2> best(double x0, double x1, double y0, double y1) const {
-    const double det = hxx * hyy - hxy * hxy;
-    if (det > 1e-12 * hxx * hyy) {
-      const double x = (bx * hyy - by * hxy) / det, y = (by * hxx - bx * hxy) / det;
-      if (x >= x0 && x <= x1 && y >= y0 && y <= y1) return {x, y};
-    }
-    std::array<double, 2> found = {x0, best_y(x0, y0, y1)};
-    for (const auto& [x, y] :
-         {std::array{x1, best_y(x1, y0, y1)}, std::array{best_x(y0, x0, x1), y0},
-          std::array{best_x(y1, x0, x1), y1}})
-      if (at(x, y) > at(found[0], found[1])) found = {x, y};
-    return found;
-  }
-  /// ln of the integral of its exponential, about the best point.
-  [[nodiscard]] double log_integral(double x0, double x1, double y0, double y1,
-                                    double best_x) const {
-    if (x1 <= x0) return constant + log_normal_integral(by, hyy, y0, y1);
-    const double curvature = std::max(hyy > 0.0 ? hxx - hxy * hxy / hyy : hxx, 1e-300);
-    const double reach = 6.0 / std::sqrt(curvature);
-    const double low = std::max(x0, best_x - reach), high = std::min(x1, best_x + reach);
-    const double mid = 0.5 * (low + high), half = 0.5 * (high - low);
-    std::array<double, 16> terms;
-    double most = -kInfinity;
-    for (std::size_t i = 0; i < 16; ++i) {
-      const double x = mid + (i < 8 ? half : -half) * kNodes[i % 8];
-      terms[i] = bx * x - 0.5 * hxx * x * x + log_normal_integral(by - hxy * x, hyy, y0, y1);
-      most = std::max(most, terms[i]);
-    }
-    double sum = 0.0;
-    for (std::size_t i = 0; i < 16; ++i) sum += kWeights[i % 8] * std::exp(terms[i] - most);
-    return constant + most + std::log(half * sum);
-  }
-};
+/// Pairs whose interaction may change the exponent by less than this are weighted without it.
+constexpr float kSmallInteraction = 0.3F;
 
 }  // namespace
 
-double log_normal_integral(double b, double h, double low, double high) {
-  const double width = high - low;
-  if (width <= 0.0) return b * low - 0.5 * h * low * low;
-  // The exponent at both ends, and its slope there.
-  const double slope = b - h * low, end_slope = b - h * high;
-  if (h * width * width < 1e-9) {
-    const double rise = 0.5 * (slope + end_slope) * width;
-    const double from = b * low - 0.5 * h * low * low;
-    return from + std::log(width) +
-           (std::abs(rise) < 1e-6 ? 0.5 * rise
-            : rise > 0.0          ? rise + std::log(-std::expm1(-rise) / rise)
-                                  : std::log(std::expm1(rise) / rise));
-  }
-  const double root = std::sqrt(0.5 * h), scale = 0.5 * std::log(0.5 * kPi / h);
-  if (slope > 0.0 && end_slope < 0.0)
-    return 0.5 * b * b / h + scale +
-           std::log(std::erf(-end_slope / h * root) + std::erf(slope / h * root));
-  // The maximum is at one end.
-  const double near = slope <= 0.0 ? -slope / h * root : end_slope / h * root;
-  const double far = near + width * root;
-  const double end = slope <= 0.0 ? low : high;
-  return b * end - 0.5 * h * end * end + scale +
-         std::log(scaled_erfc(near) - std::exp(near * near - far * far) * scaled_erfc(far));
-}
-
-/// The pairs of a model with two defects, with constants of their approximate weights.
+/// The pairs of a model with two defects, with constants of their approximate weights. A row holds
+/// the pairs of one place a; its entries are padded to a multiple of kPairLanes.
 struct NormalTest::PairList {
-  std::vector<std::int32_t> a, b;
+  struct Row {
+    int a = 0;
+    std::size_t first = 0;   // in the lists of pairs
+    std::size_t count = 0;   // without the padding
+    std::size_t second = 0;  // first place b in `places`
+  };
+  std::vector<int> kinds;
+  std::vector<Row> rows;
+  std::vector<int> places;                  // places b
   std::vector<float> correlation, inverse;  // ρ of their directions, 1 / (1 - ρ²)
   std::vector<float> log_weight;            // prior, and share of the prior that fits
-  /// Column of the interaction (-1: none), its square and its components along both directions.
-  std::vector<std::int32_t> column;
-  std::vector<float> square, along_a, along_b;
-  std::vector<double> log_prior;
+  std::vector<float> interaction;           // |I| / (|Δ_a| |Δ_b|)
+  double log_prior = 0.0;                   // ln Σ P(a) P(b) over the pairs
+};
+
+/// A defect at position p along the nodes of a place: its effect A = A_i + t (A_{i+1} - A_i), the
+/// slope A' of the effect, their products with the data and with each other, and the component u of
+/// A along the typical node, with slope u'.
+struct NormalTest::Position {
+  Index node = 0, next = 0;
+  std::size_t segment = 0;
+  double t = 0.0;
+  double y = 0.0, y_slope = 0.0;
+  double square = 0.0, mixed = 0.0, slope_square = 0.0;  // A·A, A·A', A'·A'
+  double u = 0.0, u_slope = 0.0;
 };
 
 NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs,
@@ -163,83 +95,102 @@ NormalTest::NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel>
     squares_.push_back(nodes_.col(i).squaredNorm());
     next_products_.push_back(i + 1 < columns ? nodes_.col(i).dot(nodes_.col(i + 1)) : 0.0);
   }
-  interactions_.resize(rows, static_cast<Index>(interactions.size()));
-  for (std::size_t i = 0; i < interactions.size(); ++i) {
-    interactions_.col(static_cast<Index>(i)) = interactions[i].data;
-    interaction_of_[{interactions[i].a, interactions[i].b}] = static_cast<Index>(i);
-  }
+  set_interactions(interactions);
   for (std::size_t m = 0; m < models_.size(); ++m) {
-    int total = 0;
     std::vector<int> kinds;
-    for (std::size_t k = 0; k < models_[m].counts.size(); ++k) {
-      total += models_[m].counts[k];
-      for (int c = 0; c < models_[m].counts[k]; ++c) kinds.push_back(static_cast<int>(k));
-    }
-    if (total > 2) throw std::invalid_argument("a model has more than two defects");
-    if (total == 0) intact_ = static_cast<int>(m);
-    pairs_.push_back(nullptr);
+    for (std::size_t k = 0; k < models_[m].counts.size(); ++k)
+      kinds.insert(kinds.end(), index(models_[m].counts[k]), static_cast<int>(k));
+    if (kinds.size() > 2) throw std::invalid_argument("a model has more than two defects");
+    if (kinds.empty()) intact_ = static_cast<int>(m);
     for (const int kind : kinds)
       if (std::ranges::none_of(places_, [&](const auto& p) { return p.kind == kind; }))
         throw std::invalid_argument("kind " + std::to_string(kind) + " has no place");
-    if (total < 2) continue;
-    auto list = std::make_shared<PairList>();
-    double sum = 0.0;
-    for (std::size_t a = 0; a < places_.size(); ++a) {
-      if (places_[a].kind != kinds[0]) continue;
-      for (std::size_t b = kinds[0] == kinds[1] ? a + 1 : 0; b < places_.size(); ++b) {
-        if (places_[b].kind != kinds[1]) continue;
-        const double prior = places_[a].prior * places_[b].prior;
-        const double norms = typical_norm_[a] * typical_norm_[b];
-        const double rho =
-            norms > 0.0 ? nodes_.col(typical_[a]).dot(nodes_.col(typical_[b])) / norms : 0.0;
-        const double room = std::max(1.0 - rho * rho, 1e-4);
-        const auto share = [&](double top) {
-          return std::log(std::min(1.0, 2.5 / std::max(top, 1e-9)));
-        };
-        list->a.push_back(static_cast<std::int32_t>(a));
-        list->b.push_back(static_cast<std::int32_t>(b));
-        list->correlation.push_back(static_cast<float>(rho));
-        list->inverse.push_back(static_cast<float>(1.0 / room));
-        list->log_weight.push_back(static_cast<float>(std::log(prior) + share(along_[a].back()) +
-                                                      share(along_[b].back() * std::sqrt(room))));
-        list->log_prior.push_back(std::log(prior));
-        const auto found = interaction_of_.find({static_cast<int>(a), static_cast<int>(b)});
-        list->column.push_back(-1);
-        list->square.push_back(0.0F);
-        list->along_a.push_back(0.0F);
-        list->along_b.push_back(0.0F);
-        if (found != interaction_of_.end() && norms > 0.0) {
-          const auto both = interactions_.col(found->second);
-          list->column.back() = static_cast<std::int32_t>(found->second);
-          list->square.back() = static_cast<float>(both.squaredNorm());
-          list->along_a.back() =
-              static_cast<float>(both.dot(nodes_.col(typical_[a])) / typical_norm_[a]);
-          list->along_b.back() =
-              static_cast<float>(both.dot(nodes_.col(typical_[b])) / typical_norm_[b]);
-        }
-        sum += prior;
-      }
-    }
-    if (list->a.empty()) throw std::invalid_argument("two defects need two places; there is one");
-    for (double& p : list->log_prior) p -= std::log(sum);
-    pairs_.back() = std::move(list);
+    if (kinds.size() == 2 && gram_.size() == 0) gram_.noalias() = nodes_.transpose() * nodes_;
+    pairs_.push_back(kinds.size() == 2 ? list_pairs(kinds) : nullptr);
   }
   if (intact_ < 0) throw std::invalid_argument("no model is without defects");
 }
 
+void NormalTest::set_interactions(const std::vector<NormalInteraction>& interactions) {
+  const auto n = static_cast<Index>(places_.size());
+  column_of_.setConstant(n, n, -1);
+  interactions_.resize(nodes_.rows(), static_cast<Index>(interactions.size()));
+  int column = 0;
+  for (const NormalInteraction& one : interactions) {
+    const double norms = typical_norm_[index(one.a)] * typical_norm_[index(one.b)];
+    if (!(norms > 0.0)) continue;
+    column_of_(one.a, one.b) = column;
+    interactions_.col(column) = one.data;
+    interaction_square_.push_back(one.data.squaredNorm());
+    interaction_first_.push_back(interaction_nodes_.size());
+    for (const int place : {one.a, one.b})
+      for (Index i = first_[index(place)]; i < first_[index(place) + 1]; ++i)
+        interaction_nodes_.push_back(one.data.dot(nodes_.col(i)));
+    ++column;
+  }
+}
+
+std::shared_ptr<const NormalTest::PairList> NormalTest::list_pairs(
+    const std::vector<int>& kinds) const {
+  auto list = std::make_shared<PairList>();
+  list->kinds = kinds;
+  for (std::size_t b = 0; b < places_.size(); ++b)
+    if (places_[b].kind == kinds[1]) list->places.push_back(static_cast<int>(b));
+  double sum = 0.0;
+  std::size_t before = 0;  // places of kind 1 that come before place a, or are place a
+  for (std::size_t a = 0; a < places_.size(); ++a) {
+    if (places_[a].kind != kinds[0]) continue;
+    if (kinds[0] == kinds[1]) ++before;
+    PairList::Row row{
+        .a = static_cast<int>(a), .first = list->correlation.size(), .second = before};
+    for (std::size_t k = before; k < list->places.size(); ++k) {
+      const auto b = index(list->places[k]);
+      const double prior = places_[a].prior * places_[b].prior;
+      const double norms = typical_norm_[a] * typical_norm_[b];
+      const double rho = norms > 0.0 ? gram_(typical_[a], typical_[b]) / norms : 0.0;
+      const double room = std::max(1.0 - rho * rho, 1e-4);
+      const auto share = [&](double top) {
+        return std::log(std::min(1.0, 2.5 / std::max(top, 1e-9)));
+      };
+      list->correlation.push_back(static_cast<float>(rho));
+      list->inverse.push_back(static_cast<float>(1.0 / room));
+      list->log_weight.push_back(static_cast<float>(std::log(prior) + share(along_[a].back()) +
+                                                    share(along_[b].back() * std::sqrt(room))));
+      const int column = column_of_(static_cast<Index>(a), static_cast<Index>(b));
+      list->interaction.push_back(
+          column < 0 ? 0.0F
+                     : static_cast<float>(std::sqrt(interaction_square_[index(column)]) / norms));
+      sum += prior;
+      ++row.count;
+    }
+    while (list->correlation.size() % kPairLanes != 0) {
+      list->correlation.push_back(0.0F);
+      list->inverse.push_back(1.0F);
+      list->log_weight.push_back(-std::numeric_limits<float>::infinity());
+      list->interaction.push_back(0.0F);
+    }
+    if (row.count > 0) list->rows.push_back(row);
+  }
+  if (list->rows.empty()) throw std::invalid_argument("two defects need two places; there is one");
+  list->log_prior = std::log(sum);
+  return list;
+}
+
 Eigen::MatrixXd NormalTest::products(const Eigen::MatrixXd& data) const {
-  Eigen::MatrixXd out(nodes_.cols() + interactions_.cols(), data.cols());
-  out.topRows(nodes_.cols()).noalias() = nodes_.transpose() * data;
-  if (interactions_.cols() > 0)
-    out.bottomRows(interactions_.cols()).noalias() = interactions_.transpose() * data;
-  return out;
+  return nodes_.transpose() * data;
+}
+
+double NormalTest::interaction_product(const Measured& measured, Index column) const {
+  return column < 0 ? 0.0
+                    : interactions_.col(column).dot(
+                          Eigen::Map<const Eigen::VectorXd>(measured.data, nodes_.rows()));
 }
 
 double NormalTest::log_pair_prior(int model, int a, int b) const {
   const PairList& list = *pairs_[index(model)];
-  for (std::size_t i = 0; i < list.a.size(); ++i)
-    if (list.a[i] == a && list.b[i] == b) return list.log_prior[i];
-  return -kInfinity;
+  if (places_[index(a)].kind != list.kinds[0] || places_[index(b)].kind != list.kinds[1])
+    return -kInfinity;
+  return std::log(places_[index(a)].prior) + std::log(places_[index(b)].prior) - list.log_prior;
 }
 
 double NormalTest::log_place(const double* products, int a) const {
@@ -264,39 +215,52 @@ double NormalTest::log_place(const double* products, int a) const {
 }
 
 double NormalTest::log_pair(const Measured& measured, int a, int b) const {
-  const Index n = data();
+  return pair_evidence(measured.products, a, b, interaction_product(measured, column_of_(a, b)));
+}
+
+NormalTest::Position NormalTest::position(const double* products, int place, double p) const {
+  const std::vector<double>& along = along_[index(place)];
+  const double norm = typical_norm_[index(place)];
+  const std::size_t last = along.size() - 1;
+  Position out;
+  out.segment = std::min(static_cast<std::size_t>(std::max(p, 0.0)), last > 0 ? last - 1 : 0);
+  out.node = first_[index(place)] + static_cast<Index>(out.segment);
+  out.next = last > 0 ? out.node + 1 : out.node;  // one node: the slope is 0
+  out.t = p - static_cast<double>(out.segment);
+  const double square = squares_[index(out.node)], cross = gram_(out.node, out.next);
+  out.y_slope = products[out.next] - products[out.node];
+  out.y = products[out.node] + out.t * out.y_slope;
+  out.slope_square = std::max(0.0, squares_[index(out.next)] + square - 2.0 * cross);
+  out.mixed = cross - square + out.t * out.slope_square;
+  out.square = square + out.t * (cross - square + out.mixed);
+  if (norm > 0.0) {
+    out.u_slope = last > 0 ? (along[out.segment + 1] - along[out.segment]) / norm : 0.0;
+    out.u = along[out.segment] / norm + out.t * out.u_slope;
+  }
+  return out;
+}
+
+/// `mixed` = y · I. All quantities follow from products of nodes, interaction and data.
+double NormalTest::pair_evidence(const double* products, int a, int b, double mixed) const {
   const auto segments = [&](int place) {
-    return static_cast<double>(first_[index(place) + 1] - first_[index(place)] - 1);
+    return static_cast<double>(along_[index(place)].size() - 1);
   };
   const double sa = segments(a), sb = segments(b);
-  const auto position = [&](int place, double value) {
-    const std::vector<double>& along = along_[index(place)];
-    for (std::size_t i = 1; i < along.size(); ++i)
-      if (along[i] >= value)
-        return static_cast<double>(i - 1) +
-               std::clamp((value - along[i - 1]) / std::max(along[i] - along[i - 1], 1e-300), 0.0,
-                          1.0);
-    return static_cast<double>(along.size() - 1);
-  };
+  const int column = column_of_(a, b);
+  const double* const with_a =
+      column < 0 ? nullptr : interaction_nodes_.data() + interaction_first_[index(column)];
+  const double* const with_b = column < 0 ? nullptr : with_a + along_[index(a)].size();
+  const double square = column < 0 ? 0.0 : interaction_square_[index(column)];
   // Begin at the amplitudes along the typical directions, with the interaction.
   const double na = typical_norm_[index(a)], nb = typical_norm_[index(b)];
-  const auto found = interaction_of_.find({a, b});
-  const bool interacts = found != interaction_of_.end() && na > 0.0 && nb > 0.0;
-  const double* both = interacts ? interactions_.col(found->second).data() : nullptr;
-  const Eigen::Map<const Eigen::VectorXd> y(measured.data, n);
   double ca = 0.0, cb = 0.0;
   if (na > 0.0 && nb > 0.0) {
-    const auto va = nodes_.col(typical_[index(a)]), vb = nodes_.col(typical_[index(b)]);
-    const double rho = va.dot(vb) / (na * nb), room = std::max(1.0 - rho * rho, 1e-4);
-    const double ga = measured.products[typical_[index(a)]] / na;
-    const double gb = measured.products[typical_[index(b)]] / nb;
-    double ia = 0.0, ib = 0.0;
-    if (interacts) {
-      const Eigen::Map<const Eigen::VectorXd> mixed(both, n);
-      ia = mixed.dot(va) / na;
-      ib = mixed.dot(vb) / nb;
-    }
-    for (int step = 0; step < (interacts ? 4 : 1); ++step) {
+    const Index va = typical_[index(a)], vb = typical_[index(b)];
+    const double rho = gram_(va, vb) / (na * nb), room = std::max(1.0 - rho * rho, 1e-4);
+    const double ga = products[va] / na, gb = products[vb] / nb;
+    const double ia = column < 0 ? 0.0 : with_a[va - first_[index(a)]] / na;
+    const double ib = column < 0 ? 0.0 : with_b[vb - first_[index(b)]] / nb;
+    for (int step = 0; step < (column < 0 ? 1 : 4); ++step) {
       const double by = ca / na * cb / nb, fa = ga - by * ia, fb = gb - by * ib;
       ca = (fa - rho * fb) / room;
       cb = (fb - rho * fa) / room;
@@ -309,146 +273,174 @@ double NormalTest::log_pair(const Measured& measured, int a, int b) const {
       }
     }
   }
-  double pa = position(a, ca), pb = position(b, cb);
-  thread_local Eigen::VectorXd mean, slope_a, slope_b;
-  mean.resize(n);
-  slope_a.resize(n);
-  slope_b.resize(n);
-  const auto at = [&](int place, double p, double most, Eigen::VectorXd& slope, double& u,
-                      double& du) {
-    const double segment = std::clamp(std::floor(p), 0.0, std::max(most - 1.0, 0.0));
-    const Index node = first_[index(place)] + static_cast<Index>(segment);
-    const double t = p - segment, norm = typical_norm_[index(place)];
+  const auto start = [&](int place, double value) {
     const std::vector<double>& along = along_[index(place)];
-    const auto i = static_cast<std::size_t>(segment);
-    if (most > 0.0)
-      slope = nodes_.col(node + 1) - nodes_.col(node);
-    else
-      slope.setZero();
-    mean += nodes_.col(node) + t * slope;
-    du = most > 0.0 && norm > 0.0 ? (along[i + 1] - along[i]) / norm : 0.0;
-    u = norm > 0.0 ? along[i] / norm + t * du : 0.0;
+    for (std::size_t i = 1; i < along.size(); ++i)
+      if (along[i] >= value)
+        return static_cast<double>(i - 1) +
+               std::clamp((value - along[i - 1]) / std::max(along[i] - along[i - 1], 1e-300), 0.0,
+                          1.0);
+    return static_cast<double>(along.size() - 1);
   };
+  double pa = start(a, ca), pb = start(b, cb);
   Quadratic q{};
-  for (int step = 0; step < 6; ++step) {
-    double ua = 0.0, ub = 0.0, dua = 0.0, dub = 0.0;
-    mean.setZero();
-    at(a, pa, sa, slope_a, ua, dua);
-    at(b, pb, sb, slope_b, ub, dub);
-    if (interacts) {
-      const Eigen::Map<const Eigen::VectorXd> mixed(both, n);
-      mean += ua * ub * mixed;
-      slope_a += dua * ub * mixed;
-      slope_b += ua * dub * mixed;
+  Rectangle r{};
+  std::array<double, 2> best{};
+  for (int step = 0;; ++step) {
+    const Position at = position(products, a, pa), bt = position(products, b, pb);
+    const double g00 = gram_(bt.node, at.node), g10 = gram_(bt.node, at.next),
+                 g01 = gram_(bt.next, at.node), g11 = gram_(bt.next, at.next);
+    const double slope_node = g10 - g00, slope_next = g11 - g01;   // A' · nodes of b
+    const double slopes = slope_next - slope_node;                 // A' · B'
+    const double slope_b = slope_node + bt.t * slopes;             // A' · B
+    const double b_slope = g01 - g00 + at.t * slopes;              // A · B'
+    const double both = g00 + at.t * slope_node + bt.t * b_slope;  // A · B
+    double ia = 0.0, ib = 0.0, ia_slope = 0.0, ib_slope = 0.0;     // products with I
+    if (column >= 0) {
+      ia_slope = with_a[at.segment + index(at.next - at.node)] - with_a[at.segment];
+      ib_slope = with_b[bt.segment + index(bt.next - bt.node)] - with_b[bt.segment];
+      ia = with_a[at.segment] + at.t * ia_slope;
+      ib = with_b[bt.segment] + bt.t * ib_slope;
     }
-    q = {.constant = y.dot(mean) - 0.5 * mean.squaredNorm(),
-         .bx = slope_a.dot(y - mean),
-         .by = slope_b.dot(y - mean),
-         .hxx = slope_a.squaredNorm(),
-         .hxy = slope_a.dot(slope_b),
-         .hyy = slope_b.squaredNorm()};
-    const auto [x, z] = q.best(-pa, sa - pa, -pb, sb - pb);
+    // The mean is A + B + w I, with slopes A' + α I and B' + β I.
+    const double w = at.u * bt.u, alpha = at.u_slope * bt.u, beta = at.u * bt.u_slope;
+    const double i_rest = mixed - ia - ib - w * square;  // I · (y - mean)
+    q = {.constant = at.y + bt.y + w * mixed - 0.5 * (at.square + bt.square + w * w * square) -
+                     both - w * (ia + ib),
+         .bx = at.y_slope - at.mixed - slope_b - w * ia_slope + alpha * i_rest,
+         .by = bt.y_slope - bt.mixed - b_slope - w * ib_slope + beta * i_rest,
+         .hxx = std::max(0.0, at.slope_square + alpha * (2.0 * ia_slope + alpha * square)),
+         .hxy = slopes + beta * ia_slope + alpha * ib_slope + alpha * beta * square,
+         .hyy = std::max(0.0, bt.slope_square + beta * (2.0 * ib_slope + beta * square))};
+    r = {-pa, sa - pa, -pb, sb - pb};
+    best = best_point(q, r);
     // At most one segment a step: slopes change between segments.
-    const double to_a = std::clamp(pa + std::clamp(x, -1.0, 1.0), 0.0, sa);
-    const double to_b = std::clamp(pb + std::clamp(z, -1.0, 1.0), 0.0, sb);
+    const double to_a = std::clamp(pa + std::clamp(best[0], -1.0, 1.0), 0.0, sa);
+    const double to_b = std::clamp(pb + std::clamp(best[1], -1.0, 1.0), 0.0, sb);
     const double moved = std::max(std::abs(to_a - pa), std::abs(to_b - pb));
     if (moved < 0.02 || step == 5) break;
     pa = to_a;
     pb = to_b;
   }
-  const auto best = q.best(-pa, sa - pa, -pb, sb - pb);
-  return q.log_integral(-pa, sa - pa, -pb, sb - pb, best[0]) - std::log(std::max(sa, 1.0)) -
-         std::log(std::max(sb, 1.0));
+  return log_integral(q, r, best) - std::log(std::max(sa, 1.0) * std::max(sb, 1.0));
+}
+
+/// The largest exponent of the amplitudes of one defect or, with the interaction, of two.
+double NormalTest::interacting_exponent(int a, int b, Index column, double ga, double gb,
+                                        double rho, double mixed) const {
+  const double na = typical_norm_[index(a)], nb = typical_norm_[index(b)];
+  const double* const with_a = interaction_nodes_.data() + interaction_first_[index(column)];
+  const double* const with_b = with_a + along_[index(a)].size();
+  const double ia = with_a[typical_[index(a)] - first_[index(a)]] / na;
+  const double ib = with_b[typical_[index(b)] - first_[index(b)]] / nb;
+  const double room = std::max(1.0 - rho * rho, 1e-4);
+  double ca = std::max(0.0, (ga - rho * gb) / room), cb = std::max(0.0, (gb - rho * ga) / room);
+  for (int step = 0; step < 3; ++step) {
+    const double by = ca / na * cb / nb, fa = ga - by * ia, fb = gb - by * ib;
+    ca = std::max(0.0, (fa - rho * fb) / room);
+    cb = std::max(0.0, (fb - rho * fa) / room);
+  }
+  const double by = ca / na * cb / nb;
+  const double two = ca * ga + cb * gb + by * mixed -
+                     0.5 * (ca * ca + cb * cb + by * by * interaction_square_[index(column)]) -
+                     rho * ca * cb - by * (ca * ia + cb * ib);
+  const double one = std::max({0.0, ga, gb});
+  return std::max(0.5 * one * one, two);
 }
 
 void NormalTest::add_pairs(const Measured& measured, const PairList& list,
                            std::vector<Pair>& out) const {
   out.clear();
-  const std::size_t n = list.a.size();
-  thread_local std::vector<float> amplitude, norm, weight;
+  const std::size_t n = list.correlation.size();
+  thread_local std::vector<float> amplitude, second, weight, extra;
   amplitude.resize(places_.size());
-  norm.resize(places_.size());
+  second.assign(list.places.size() + kPairLanes, 0.0F);
   weight.resize(n);
-  for (std::size_t a = 0; a < places_.size(); ++a) {
-    norm[a] = static_cast<float>(std::max(typical_norm_[a], 1e-30));
+  extra.resize(n);
+  for (std::size_t a = 0; a < places_.size(); ++a)
     amplitude[a] =
         typical_norm_[a] > 0.0
             ? static_cast<float>(measured.products[index(typical_[a])] / typical_norm_[a])
             : 0.0F;
-  }
-  const double* with_both = measured.products + nodes_.cols();
+  for (std::size_t k = 0; k < list.places.size(); ++k) second[k] = amplitude[index(list.places[k])];
+  const auto square = static_cast<float>(
+      Eigen::Map<const Eigen::VectorXd>(measured.data, nodes_.rows()).squaredNorm());
   float most = -std::numeric_limits<float>::infinity();
-  for (std::size_t i = 0; i < n; ++i) {
-    const auto a = static_cast<std::size_t>(list.a[i]), b = static_cast<std::size_t>(list.b[i]);
-    const float ga = amplitude[a], gb = amplitude[b], rho = list.correlation[i];
-    const float one = std::max(0.0F, std::max(ga, gb));
-    float best = 0.5F * one * one;
-    float ca = (ga - rho * gb) * list.inverse[i], cb = (gb - rho * ga) * list.inverse[i];
-    if (ca > 0.0F && cb > 0.0F) {
-      const auto gain = [&](float by) {
-        const float mixed =
-            list.column[i] < 0 ? 0.0F : static_cast<float>(with_both[list.column[i]]);
-        return ca * ga + cb * gb + by * mixed -
-               0.5F * (ca * ca + cb * cb + by * by * list.square[i]) - rho * ca * cb -
-               by * (ca * list.along_a[i] + cb * list.along_b[i]);
-      };
-      float by = 0.0F;
-      if (list.column[i] >= 0)
-        for (int step = 0; step < 3; ++step) {
-          by = ca / norm[a] * cb / norm[b];
-          const float fa = ga - by * list.along_a[i], fb = gb - by * list.along_b[i];
-          ca = std::max(0.0F, (fa - rho * fb) * list.inverse[i]);
-          cb = std::max(0.0F, (fb - rho * fa) * list.inverse[i]);
-        }
-      by = list.column[i] < 0 ? 0.0F : ca / norm[a] * cb / norm[b];
-      best = std::max(best, gain(by));
-    }
-    weight[i] = best + list.log_weight[i];
-    most = std::max(most, weight[i]);
-  }
-  double sum = 0.0;
-  std::size_t alive = 0;
-  for (std::size_t i = 0; i < n; ++i) {
-    weight[i] = weight[i] < most - 24.0F ? 0.0F : std::exp(weight[i] - most);
-    sum += static_cast<double>(weight[i]);
-    alive += weight[i] > 0.0F;
-  }
-  const auto add = [&](std::size_t i, double log_factor) {
-    const int a = list.a[i], b = list.b[i];
-    out.push_back({a, b, log_pair(measured, a, b) + list.log_prior[i] + log_factor});
+  for (const PairList::Row& row : list.rows)
+    most = std::max(most,
+                    screen_pairs({.amplitude = amplitude[index(row.a)],
+                                  .amplitudes = second.data() + row.second,
+                                  .correlation = list.correlation.data() + row.first,
+                                  .inverse = list.inverse.data() + row.first,
+                                  .log_weight = list.log_weight.data() + row.first,
+                                  .interaction = list.interaction.data() + row.first,
+                                  .size = (row.count + kPairLanes - 1) / kPairLanes * kPairLanes},
+                                 square, weight.data() + row.first, extra.data() + row.first));
+  // The pairs with a relevant weight; where the interaction matters, the weight includes it.
+  struct Candidate {
+    int a = 0, b = 0;
+    double weight = 0.0;  // first its logarithm
+    double mixed = kNaN;  // y · I, if known
   };
-  if (alive <= most_pairs_) {
-    for (std::size_t i = 0; i < n; ++i)
-      if (weight[i] > 0.0F) add(i, 0.0);
+  thread_local std::vector<Candidate> alive;
+  alive.clear();
+  for (const PairList::Row& row : list.rows)
+    for (std::size_t k = 0; k < row.count; ++k) {
+      const std::size_t i = row.first + k;
+      if (!(weight[i] + extra[i] > most - kNegligiblePair)) continue;
+      Candidate c{.a = row.a, .b = list.places[row.second + k], .weight = weight[i]};
+      if (extra[i] > kSmallInteraction) {
+        const Index column = column_of_(c.a, c.b);
+        c.mixed = interaction_product(measured, column);
+        c.weight = list.log_weight[i] +
+                   interacting_exponent(c.a, c.b, column, amplitude[index(c.a)],
+                                        amplitude[index(c.b)], list.correlation[i], c.mixed);
+      }
+      most = std::max(most, static_cast<float>(c.weight));
+      alive.push_back(c);
+    }
+  std::erase_if(alive, [&](const Candidate& c) { return c.weight < most - kNegligiblePair; });
+  double sum = 0.0;
+  for (Candidate& c : alive) {
+    c.weight = std::exp(c.weight - static_cast<double>(most));
+    sum += c.weight;
+  }
+  const auto add = [&](const Candidate& c, double log_factor) {
+    const double mixed =
+        std::isnan(c.mixed) ? interaction_product(measured, column_of_(c.a, c.b)) : c.mixed;
+    const double log_prior = std::log(places_[index(c.a)].prior * places_[index(c.b)].prior);
+    out.push_back({c.a, c.b,
+                   pair_evidence(measured.products, c.a, c.b, mixed) + log_prior - list.log_prior +
+                       log_factor});
+  };
+  if (alive.size() <= most_pairs_) {
+    for (const Candidate& c : alive) add(c, 0.0);
     return;
   }
   // Pairs above the threshold count fully; the others stand for several.
-  double threshold = sum / static_cast<double>(most_pairs_), rest = sum;
-  std::size_t full = 0;
+  double threshold = sum / static_cast<double>(most_pairs_);
   for (int pass = 0; pass < 4; ++pass) {
-    full = 0;
-    rest = 0.0;
-    for (std::size_t i = 0; i < n; ++i) {
-      if (static_cast<double>(weight[i]) >= threshold)
+    std::size_t full = 0;
+    double rest = 0.0;
+    for (const Candidate& c : alive) {
+      if (c.weight >= threshold)
         ++full;
       else
-        rest += static_cast<double>(weight[i]);
+        rest += c.weight;
     }
     if (full >= most_pairs_) break;
     threshold = rest / static_cast<double>(most_pairs_ - full);
   }
   double passed = 0.5 * threshold;
-  for (std::size_t i = 0; i < n; ++i) {
-    if (!(weight[i] > 0.0F)) continue;
-    const auto w = static_cast<double>(weight[i]);
-    if (w >= threshold) {
-      add(i, 0.0);
+  for (const Candidate& c : alive) {
+    if (c.weight >= threshold) {
+      add(c, 0.0);
       continue;
     }
-    passed += w;
+    passed += c.weight;
     if (passed < threshold) continue;
     passed -= threshold;
-    add(i, std::log(threshold / w));
+    add(c, std::log(threshold / c.weight));
   }
 }
 

@@ -1,9 +1,7 @@
 // Evidences for the number and the places of damages, for a test with normally distributed data.
 #pragma once
 
-#include <map>
 #include <memory>
-#include <utility>
 #include <vector>
 
 #include "base/eigen.hpp"
@@ -83,7 +81,7 @@ class NormalTest {
     const double* data = nullptr;
     const double* products = nullptr;
   };
-  /// Products of the columns of `data` with all nodes and interactions.
+  /// Products of the columns of `data` with all nodes.
   [[nodiscard]] Eigen::MatrixXd products(const Eigen::MatrixXd& data) const;
   /// Computes the evidences; reuses the memory of `out`.
   void answer(const Measured& measured, Answer& out) const;
@@ -100,8 +98,16 @@ class NormalTest {
 
  private:
   struct PairList;
+  struct Position;
 
+  [[nodiscard]] std::shared_ptr<const PairList> list_pairs(const std::vector<int>& kinds) const;
+  void set_interactions(const std::vector<NormalInteraction>& interactions);
   [[nodiscard]] double log_place(const double* products, int a) const;
+  [[nodiscard]] double interaction_product(const Measured& measured, Eigen::Index column) const;
+  [[nodiscard]] Position position(const double* products, int place, double p) const;
+  [[nodiscard]] double pair_evidence(const double* products, int a, int b, double mixed) const;
+  [[nodiscard]] double interacting_exponent(int a, int b, Eigen::Index column, double ga, double gb,
+                                            double rho, double mixed) const;
   void add_pairs(const Measured& measured, const PairList& list, std::vector<Pair>& out) const;
 
   std::vector<NormalPlace> places_;
@@ -109,18 +115,19 @@ class NormalTest {
   int intact_ = -1;
   std::size_t most_pairs_;
   Eigen::MatrixXd nodes_;                   // data × all nodes
+  Eigen::MatrixXd gram_;                    // products of all nodes
   std::vector<Eigen::Index> first_;         // first node of each place, and the end
   std::vector<double> squares_;             // |node|²
   std::vector<double> next_products_;       // node · next node of the place
   std::vector<Eigen::Index> typical_;       // a node of each place that represents its direction
   std::vector<double> typical_norm_;        // its norm, 0 for a place without effect
   std::vector<std::vector<double>> along_;  // nodes of each place along that direction
-  std::vector<std::shared_ptr<const PairList>> pairs_;          // per model, or null
-  Eigen::MatrixXd interactions_;                                // data × pairs with an interaction
-  std::map<std::pair<int, int>, Eigen::Index> interaction_of_;  // column
+  std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
+  Eigen::MatrixXd interactions_;                        // data × pairs with an interaction
+  Eigen::MatrixXi column_of_;                           // per pair of places; -1: no interaction
+  std::vector<double> interaction_square_;              // per column: |I|²
+  std::vector<std::size_t> interaction_first_;          // per column: its part of the next list
+  std::vector<double> interaction_nodes_;  // I · nodes of place a, then I · nodes of place b
 };
-
-/// ln ∫ exp(b x - h x²/2) dx from `low` to `high`, h >= 0.
-[[nodiscard]] double log_normal_integral(double b, double h, double low, double high);
 
 }  // namespace wheeltap::identification::planning

@@ -51,6 +51,7 @@ Scenario ScenarioSource::draw(std::uint64_t number, PlannedStructure::Solver& so
                          "no structure with the damages of " + std::to_string(kMostDraws) +
                              " draws of the prior has modes: narrow the prior of the severity");
   }
+  out.numbers = TestNumbers::draw(structure_, seed_, number);
   out.truth.defects.clear();
   for (const PlacedDefect& d : out.defects)
     out.truth.defects.push_back({.place = std::max(0, structure_.place_of(d.kind, d.location)),
@@ -90,13 +91,11 @@ PreparedDesign prepare(const PlannedStructure& structure, const PlacePredictions
 }
 
 std::vector<TestOutcome> simulate_tests(const ScenarioSource& source, const PreparedDesign& design,
-                                        const std::vector<Scenario>& scenarios, std::uint64_t first,
-                                        double tolerance) {
+                                        std::span<const Scenario> scenarios, double tolerance) {
   const TestScorer scorer(design.test, source.spans(), tolerance);
   Eigen::MatrixXd measured(design.data.size(), static_cast<Index>(scenarios.size()));
   for (std::size_t i = 0; i < scenarios.size(); ++i)
-    design.data.measured(scenarios[i].modes,
-                         TestNumbers::draw(source.structure(), source.seed(), first + i),
+    design.data.measured(scenarios[i].modes, scenarios[i].numbers,
                          measured.col(static_cast<Index>(i)));
   const Eigen::MatrixXd products = design.test.products(measured);
   std::vector<TestOutcome> out;
@@ -124,13 +123,11 @@ std::vector<TestScores> score_designs(const ScenarioSource& source,
   std::mutex telling;
   base::parallel_for(blocks, options.threads, [&](int block) {
     PlannedStructure::Solver solver(source.structure());
-    const auto from = first + static_cast<std::uint64_t>(block) * kBlock;
     std::vector<Scenario> scenarios;
     for (int i = block * kBlock; i < std::min(options.scenarios, (block + 1) * kBlock); ++i)
       scenarios.push_back(source.draw(first + static_cast<std::uint64_t>(i), solver));
     for (std::size_t d = 0; d < prepared.size(); ++d)
-      found[d][index(block)] =
-          simulate_tests(source, prepared[d], scenarios, from, options.tolerance);
+      found[d][index(block)] = simulate_tests(source, prepared[d], scenarios, options.tolerance);
     ++done;
     if (!options.progress) return;
     const std::lock_guard lock(telling);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <functional>
+#include <span>
 #include <vector>
 
 #include "identification/planning/test_design.hpp"
@@ -10,15 +11,16 @@
 
 namespace wheeltap::identification::planning {
 
-/// One simulated structure.
+/// One simulated structure, and the noise of its test.
 struct Scenario {
   TestTruth truth;
   std::vector<PlacedDefect> defects;
   TestModes modes;
+  TestNumbers numbers;
 };
 
-/// Draws true damage from the priors. (seed, number) determines the draw; number n has the model n
-/// modulo the number of models.
+/// Draws true damage from the priors, and noise. (seed, number) determines the draw; number n has
+/// the model n modulo the number of models.
 class ScenarioSource {
  public:
   ScenarioSource(const PlannedStructure& structure, std::uint64_t seed);
@@ -47,12 +49,12 @@ struct PreparedDesign {
                                      const PlacePredictions& predictions, const TestNoise& noise,
                                      const TestDesign& design);
 
-/// The outcomes of simulated tests of a design, from scenario number `first` on. All designs use
-/// the same true damage and the same random numbers.
+/// The outcomes of simulated tests of a design. All designs use the same true damage and the same
+/// random numbers.
 [[nodiscard]] std::vector<TestOutcome> simulate_tests(const ScenarioSource& source,
                                                       const PreparedDesign& design,
-                                                      const std::vector<Scenario>& scenarios,
-                                                      std::uint64_t first, double tolerance);
+                                                      std::span<const Scenario> scenarios,
+                                                      double tolerance);
 
 struct ScoringOptions {
   int scenarios = 100'000;

@@ -88,11 +88,10 @@ class Race {
       std::vector<double>& information = *field[index(i)].information;
       if (information.size() >= index(to)) return;
       const std::size_t from = information.size();
-      const std::vector<Scenario> part(truths_.begin() + static_cast<std::ptrdiff_t>(from),
-                                       truths_.begin() + to);
+      const auto part = std::span(truths_).subspan(from, index(to) - from);
       const PreparedDesign design =
           prepare(source_.structure(), predictions_, noise_, field[index(i)].design);
-      for (const TestOutcome& o : simulate_tests(source_, design, part, from, options_.tolerance))
+      for (const TestOutcome& o : simulate_tests(source_, design, part, options_.tolerance))
         information.push_back(o.information);
     });
   }

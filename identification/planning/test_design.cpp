@@ -85,7 +85,7 @@ void TestData::place(const Shape& shape, const VectorXd& measured, Eigen::Ref<Ve
   if (shape.turned.size() > 0) to += (shape.shrink - 1.0) * to.dot(shape.turned) * shape.turned;
 }
 
-void TestData::mean(const TestModes& modes, Eigen::Ref<VectorXd> out) const {
+void TestData::frequencies(const TestModes& modes, Eigen::Ref<VectorXd> out) const {
   const TestModes& intact = structure_.intact();
   const Index n = cov_.size();
   const VectorXd& f = with_shapes() ? modes.log_frequencies : modes.in_order;
@@ -94,6 +94,10 @@ void TestData::mean(const TestModes& modes, Eigen::Ref<VectorXd> out) const {
   if (design_.mass >= 0)
     out.segment(n, n) = (modes.with_mass.col(design_.mass) - intact.with_mass.col(design_.mass))
                             .cwiseQuotient(cov_);
+}
+
+void TestData::mean(const TestModes& modes, Eigen::Ref<VectorXd> out) const {
+  frequencies(modes, out);
   for (const Shape& shape : shapes_)
     place(shape, modes.shapes.col(shape.mode)(design_.sensors), out);
 }
@@ -110,7 +114,7 @@ VectorXd TestData::measured_shape(const TestModes& modes, const TestNumbers& num
 
 void TestData::measured(const TestModes& modes, const TestNumbers& numbers,
                         Eigen::Ref<VectorXd> out) const {
-  mean(modes, out);
+  frequencies(modes, out);
   const Index n = cov_.size();
   out.head(n) += numbers.frequencies;
   if (design_.mass >= 0) out.segment(n, n) += numbers.with_mass;

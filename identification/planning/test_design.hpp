@@ -78,6 +78,7 @@ class TestData {
     Eigen::VectorXd turned;  // unit vector along w; empty: no close mode
     double shrink = 1.0;     // factor on the data in this direction
   };
+  void frequencies(const TestModes& modes, Eigen::Ref<Eigen::VectorXd> out) const;
   void place(const Shape& shape, const Eigen::VectorXd& measured,
              Eigen::Ref<Eigen::VectorXd> out) const;
 

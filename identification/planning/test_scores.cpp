@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <map>
 #include <stdexcept>
 
 #include "base/constants.hpp"
@@ -30,19 +29,22 @@ double TestScorer::information(const TestTruth& truth, const NormalTest::Measure
 }
 
 bool TestScorer::near(const std::vector<double>& weights, const TestTruth::Defect& defect) const {
-  std::map<int, double> sites;
-  for (std::size_t a = 0; a < weights.size(); ++a)
-    if (weights[a] > 0.0) sites[spans_[a].site] += weights[a];
-  if (sites.empty()) return false;
-  const auto best = std::ranges::max_element(sites, {}, [](const auto& s) { return s.second; });
-  if (best->first != spans_[index(defect.place)].site) return false;
+  std::vector<double> sites;
+  for (std::size_t a = 0; a < weights.size(); ++a) {
+    const auto site = index(spans_[a].site);
+    if (site >= sites.size()) sites.resize(site + 1, 0.0);
+    sites[site] += weights[a];
+  }
+  const auto best = std::ranges::max_element(sites);
+  const auto site = static_cast<int>(best - sites.begin());
+  if (!(*best > 0.0) || site != spans_[index(defect.place)].site) return false;
   double sum = 0.0;
   for (std::size_t a = 0; a < weights.size(); ++a) {
-    if (!(weights[a] > 0.0) || spans_[a].site != best->first) continue;
+    if (!(weights[a] > 0.0) || spans_[a].site != site) continue;
     const double before = sum;
     sum += weights[a];
-    if (sum < 0.5 * best->second) continue;
-    const double share = (0.5 * best->second - before) / weights[a];
+    if (sum < 0.5 * *best) continue;
+    const double share = (0.5 * *best - before) / weights[a];
     const double median = spans_[a].start + share * (spans_[a].end - spans_[a].start);
     return std::abs(median - defect.at) <= tolerance_;
   }

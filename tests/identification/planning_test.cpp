@@ -253,13 +253,12 @@ TEST(PlannedTest, DataAgreeWithTheLikelihoodOfADamageRun) {
     for (std::uint64_t number = 1; number < 60; number += 2) {
       const Scenario scenario = source.draw(number, solver);
       ASSERT_EQ(scenario.defects.size(), 1u);
-      const auto problem =
-          make_damage_problem(simulated_case(plan, source, design, scenario, number), {});
+      const auto problem = make_damage_problem(simulated_case(plan, source, design, scenario), {});
       const auto likelihood = problem->problem.likelihood();
       const std::vector<double> x = {scenario.defects[0].location, scenario.defects[0].severity};
       const double gain = likelihood->log_likelihood(1, x) - likelihood->log_likelihood(0, {});
       data.mean(scenario.modes, mean);
-      data.measured(scenario.modes, TestNumbers::draw(structure, 11, number), measured);
+      data.measured(scenario.modes, scenario.numbers, measured);
       const double by_plan = 0.5 * measured.squaredNorm() - 0.5 * (measured - mean).squaredNorm();
       // To first order in the noise and in the relative change of the frequencies.
       EXPECT_NEAR(by_plan, gain, 0.3 + 0.05 * std::abs(gain)) << "test " << number;

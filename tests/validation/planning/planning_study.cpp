@@ -4,11 +4,12 @@
 //   planning_study agreement beam|frame|space TESTS [quick]   one line of JSON a test, then the
 //                                                             comparison; quick runs of the engine
 //   planning_study layouts STRUCTURES [FIRST]         one line of JSON a random plane frame
-//   planning_study time                               search and scores of a frame with 60
+//   planning_study time [SCENARIOS [THREADS]]         search and scores of a frame with 60
 //   candidates
 #include <chrono>
 #include <cstdio>
 #include <cstdlib>
+#include <ctime>
 #include <iostream>
 
 #include "base/index.hpp"
@@ -264,23 +265,26 @@ int layouts(int structures, int first) {
   return 0;
 }
 
-int time_it() {
+int time_it(int scenarios, int threads) {
   const PlanCase plan =
       of_structure(plane_frame({0.0, 4.0, 9.0, 13.0}, {0.0, 3.0, 6.5}, 6), 2, 8, 10, true, 60);
   const auto begun = std::chrono::steady_clock::now();
   const auto now = [&] {
     return std::chrono::duration<double>(std::chrono::steady_clock::now() - begun).count();
   };
-  const PlanOptions options{.threads = base::thread_count(0),
+  const auto processor = [] { return static_cast<double>(std::clock()) / CLOCKS_PER_SEC; };
+  const PlanOptions options{.scenarios = scenarios,
+                            .threads = base::thread_count(threads),
                             .progress = [&](const char* stage, double f) {
-                              std::fprintf(stderr, "%6.1f s %s %.0f %%\n", now(), stage, 100.0 * f);
+                              std::fprintf(stderr, "%6.1f s, processor %6.1f s: %s %.0f %%\n",
+                                           now(), processor(), stage, 100.0 * f);
                             }};
   const PlanModel model(plan, options);
   std::printf("%zu candidates, %zu places, model ready after %.1f s\n",
               plan.structure.candidates.size(), model.structure().places().size(), now());
   const PlanFindings findings = make_plan(plan, model, options);
-  std::printf("all after %.1f s; compared %ld designs with up to %d scenarios\n", now(),
-              findings.search.compared, findings.search.scenarios);
+  std::printf("all after %.1f s, processor %.1f s; compared %ld designs with up to %d scenarios\n",
+              now(), processor(), findings.search.compared, findings.search.scenarios);
   for (const ScoredDesign& d : findings.designs)
     std::printf("%s: information %.4f +- %.4f, detection %.4f, right place %.4f\n", d.name.c_str(),
                 d.scores.information.value, d.scores.information.mcse, d.scores.detection.value,
@@ -299,9 +303,10 @@ int main(int argc, char** argv) {
   if (what == "agreement" && argc > 3) return agreement(argv[2], std::atoi(argv[3]), argc > 4);
   if (what == "layouts" && argc > 2)
     return layouts(std::atoi(argv[2]), argc > 3 ? std::atoi(argv[3]) : 0);
-  if (what == "time") return time_it();
+  if (what == "time")
+    return time_it(argc > 2 ? std::atoi(argv[2]) : 100'000, argc > 3 ? std::atoi(argv[3]) : 0);
   std::cerr << "usage: planning_study agreement beam|frame|space TESTS [quick] | layouts "
                "STRUCTURES [FIRST] | "
-               "time\n";
+               "time [SCENARIOS [THREADS]]\n";
   return 64;
 }
