@@ -25,11 +25,11 @@ inline constexpr int kTuningSteps = 32000;  ///< tuning steps per chain
 inline constexpr int kDefaultDraws = 25000;
 inline constexpr int kDefaultThin = 4;
 inline constexpr int kCostlyDraws = 5000;  ///< default draws if an evaluation is costly
-/// True if the likelihood is expensive: the data are a long record or the problem says so, and the
-/// engine chooses the number of draws. Tuning steps and thinning, which reduce the autocorrelation
-/// of the draws, are then halved. The reason is that each MCMC step takes about a hundred times as
-/// long as with a likelihood given by a formula. The run continues in any case until it has enough
-/// draws.
+/// True if the likelihood is expensive: the data are a long record or the problem is costly, and
+/// the engine chooses the number of draws. Tuning steps and thinning, which reduce the
+/// autocorrelation of the draws, are then halved. The reason is that each MCMC step takes about a
+/// hundred times as long as with a likelihood given by a formula. The run continues in any case
+/// until it has enough draws.
 [[nodiscard]] inline bool is_expensive(const Problem& problem, const Options& options) {
   return (problem.samples > 0 || problem.costly) && options.draws == 0;
 }

@@ -55,7 +55,7 @@ class SparseFactor {
  private:
   std::vector<std::size_t> to_;              // position of each unknown
   std::vector<std::size_t> start_;           // first entry of each column, and the end
-  std::vector<std::size_t> rows_, columns_;  // of each entry
+  std::vector<std::size_t> rows_, columns_;  // the row and column of an entry
   std::vector<std::size_t> targets_;         // for column j, rows b < a of it: the entry (a, b)
 };
 
