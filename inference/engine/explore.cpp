@@ -112,8 +112,7 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
         .budget = problem.space.size() > kFewModels && !nested ? kLeastBudget : budget,
         .effort = nested ? effort_for(state, m) : 1.0,
         .anneal = anneal,
-        .particles = static_cast<int>(
-            std::clamp(brief * 12000.0 / static_cast<double>(with_parameters + 1), 400.0, 1200.0)),
+        .particles = annealing_particles(problem, brief, static_cast<double>(with_parameters)),
         .threads = run.options.threads,
         .progress = [&](double share) { return run.monitor.advance(share); },
         .stop = [&] { return run.monitor.stopped(); }};

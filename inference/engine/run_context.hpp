@@ -38,6 +38,13 @@ inline constexpr int kCostlyDraws = 5000;  ///< default draws if an evaluation i
   if (options.draws > 0) return options.draws;
   return problem.costly ? kCostlyDraws : kDefaultDraws;
 }
+/// The number of particles that explore each of several models by annealing, in a run that is
+/// `brief` times as long as by default.
+[[nodiscard]] inline int annealing_particles(const Problem& problem, double brief, double models) {
+  constexpr double kAll = 12000.0, kFewest = 400.0, kMost = 1200.0;
+  if (problem.costly) return static_cast<int>(kFewest);
+  return static_cast<int>(std::clamp(brief * kAll / (models + 1.0), kFewest, kMost));
+}
 [[nodiscard]] inline int default_thin(const Problem& problem, const Options& options) {
   return is_expensive(problem, options) ? kDefaultThin / 2 : kDefaultThin;
 }

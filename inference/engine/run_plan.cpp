@@ -86,7 +86,7 @@ RunPlan plan_of(const Problem& problem, const Options& asked) {
     if (!sets && !options.quick && problem.space.size() <= kFewModels) {
       const Sizes all = sizes_of(problem.space);
       const double particles =
-          std::clamp(brevity(options) * 12000.0 / (all.models + 1.0), 400.0, 1200.0);
+          annealing_particles(problem, brevity(options), static_cast<double>(all.models));
       const double stages = kStages * all.models + kStagesADimension * all.dimensions;
       plan.explore += particles * stages * kCallsAParticle + kWeighingRounds * all.in_draws;
     }

@@ -31,8 +31,8 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& pattern) {
   // tree.
   for (std::size_t j = 0; j < n; ++j) {
     start_.push_back(rows_.size());
-    rows_.insert(rows_.end(), below[j].begin(), below[j].end());
-    columns_.resize(rows_.size(), j);
+    for (const std::size_t row : below[j]) rows_.push_back(static_cast<std::uint32_t>(row));
+    columns_.resize(rows_.size(), static_cast<std::uint32_t>(j));
     if (below[j].size() > 1)
       below[*below[j].begin()].insert(std::next(below[j].begin()), below[j].end());
   }
@@ -40,7 +40,7 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& pattern) {
   for (std::size_t j = 0; j < n; ++j)
     for (std::size_t b = start_[j]; b < start_[j + 1]; ++b)
       for (std::size_t a = b + 1; a < start_[j + 1]; ++a)
-        targets_.push_back(index(rows_[a], rows_[b]));
+        targets_.push_back(static_cast<std::uint32_t>(index(rows_[a], rows_[b])));
 }
 
 std::size_t SparseFactor::index(std::size_t a, std::size_t b) const {
@@ -64,11 +64,11 @@ template <int W>
 void SparseFactor::factorise(Values& values) const {
   double* const diagonal = values.diagonal.data();
   double* const lower = values.lower.data();
-  const std::size_t* target = targets_.data();
+  const std::uint32_t* target = targets_.data();
   for (std::size_t j = 0; j < size(); ++j)
     for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
       double* const at = lower + b * W;
-      double* const below = diagonal + rows_[b] * W;
+      double* const below = diagonal + std::size_t{rows_[b]} * W;
       double l[W];
       for (int w = 0; w < W; ++w) {
         l[w] = at[w] / diagonal[j * W + static_cast<std::size_t>(w)];
@@ -77,7 +77,7 @@ void SparseFactor::factorise(Values& values) const {
       }
       for (std::size_t a = b + 1; a < start_[j + 1]; ++a, ++target) {
         const double* const other = lower + a * W;
-        double* const entry = lower + *target * W;
+        double* const entry = lower + std::size_t{*target} * W;
         for (int w = 0; w < W; ++w) entry[w] -= other[w] * l[w];
       }
     }
@@ -89,7 +89,7 @@ void SparseFactor::solve(const Values& factor, double* x) const {
   for (std::size_t j = 0; j < size(); ++j) {
     const double* const xj = x + j * W;
     for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
-      double* const to = x + rows_[b] * W;
+      double* const to = x + std::size_t{rows_[b]} * W;
       for (int w = 0; w < W; ++w) to[w] -= lower[b * W + static_cast<std::size_t>(w)] * xj[w];
     }
   }
@@ -98,7 +98,7 @@ void SparseFactor::solve(const Values& factor, double* x) const {
     double sum[W];
     for (int w = 0; w < W; ++w) sum[w] = x[j * W + static_cast<std::size_t>(w)];
     for (std::size_t b = start_[j]; b < start_[j + 1]; ++b) {
-      const double* const from = x + rows_[b] * W;
+      const double* const from = x + std::size_t{rows_[b]} * W;
       for (int w = 0; w < W; ++w) sum[w] -= lower[b * W + static_cast<std::size_t>(w)] * from[w];
     }
     for (int w = 0; w < W; ++w) x[j * W + static_cast<std::size_t>(w)] = sum[w];

@@ -3,6 +3,7 @@
 
 #include <Eigen/SparseCore>
 #include <cstddef>
+#include <cstdint>
 #include <vector>
 
 #include "base/eigen.hpp"
@@ -56,7 +57,7 @@ class SparseFactor {
   std::vector<std::size_t> to_;              // position of each unknown
   std::vector<std::size_t> start_;           // first entry of each column, and the end
   std::vector<std::size_t> rows_, columns_;  // the row and column of an entry
-  std::vector<std::size_t> targets_;         // for column j, rows b < a of it: the entry (a, b)
+  std::vector<std::uint32_t> targets_;       // for column j, rows b < a of it: the entry (a, b)
 };
 
 extern template void SparseFactor::factorise<1>(Values&) const;
