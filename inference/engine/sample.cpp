@@ -275,7 +275,7 @@ void refit_to_draws(RunContext& run, RunState& state, const std::vector<Eigen::M
   forget_draws(state);
   count_as_tuning(state);
   state.at.sample = Position::Sample::prepare;
-  state.at.goal = kDefaultDraws;
+  state.at.goal = first_draws(run.problem, run.options);
 }
 
 // Starts again with a ladder after the chains disagreed, since each had visited other modes. The
@@ -287,7 +287,7 @@ void restart_tempered(const RunContext& run, RunState& state) {
   forget_draws(state);
   if (run.options.thin == 0) posterior.thin = 1;  // a scan already steps every rung
   state.at.sample = Position::Sample::ladder;
-  state.at.goal = kDefaultDraws;
+  state.at.goal = first_draws(run.problem, run.options);
 }
 
 }  // namespace

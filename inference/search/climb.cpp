@@ -20,6 +20,7 @@ constexpr double kLeastDamping = 1e-6;
 constexpr double kStrongerDamping = 10.0;                    // factor between trials
 constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};  // check points on a long step
 constexpr double kSameHeight = 0.5;  // ln: difference of the heights of one mode
+constexpr double kSameTop = 0.05;    // squared distance of the places of one mode, in its widths
 constexpr double kCreeping = 1.0;    // ln: gain below which another method is not worth its cost
 
 using Vector = Eigen::VectorXd;
@@ -33,6 +34,7 @@ class Climber {
     ClimbEnd end{.z = start, .value = f_(start), .inverse_hessian = {}, .known = -1};
     if (end.value == -kInfinity) return end;
     end.possible = true;
+    overlooked_ = false;
     if (!known.empty() && arrives(end, known)) return end;
     if (!ascend_by_residuals(end, known)) ascend(end);
     end.possible = !f_.stopped();  // a stopped climb has not reached a mode
@@ -68,7 +70,8 @@ class Climber {
       if (f_.stopped()) return false;
       if (!(gain > 0.3 * expected - 0.5 && gain < 3.0 * expected + 0.5)) return false;
       const auto looks = static_cast<long>(iteration == 0 ? kOnTheWay.size() : 0);
-      if (iteration == 0 && overlooked(z, value, g, to, there, mode, end)) return false;
+      overlooked_ = iteration == 0 && overlooked(z, value, g, to, there, mode, end);
+      if (overlooked_) return false;
       end.way += step.norm();
       end.points += 1 + looks;
       z = to;
@@ -130,9 +133,11 @@ class Climber {
       }
       const Eigen::LLT<Matrix> llt(information);
       const double promise = 0.5 * g.dot(llt.solve(g));
-      for (std::size_t k = 0; k < known.size(); ++k)
+      // A mode within a wide known one, which `arrives` has met, needs the whole climb.
+      const Vector top = end.z + llt.solve(g);
+      for (std::size_t k = 0; k < known.size() && !overlooked_ && llt.info() == Eigen::Success; ++k)
         if (std::abs(end.value + promise - known[k].value) < kSameHeight &&
-            square_distance(known[k], end.z) <= 1.0) {
+            square_distance(known[k], end.z) <= 1.0 && square_distance(known[k], top) <= kSameTop) {
           end.known = static_cast<int>(k);
           return true;
         }
@@ -306,6 +311,7 @@ class Climber {
   Surface& f_;
   Eigen::Index d_;
   bool fine_;
+  bool overlooked_ = false;  // the first step towards a known mode passed over something
 };
 
 }  // namespace

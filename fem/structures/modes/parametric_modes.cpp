@@ -36,6 +36,9 @@ constexpr Index kBlocks = 3;
 constexpr double kTwin = 1e-6;
 /// Time of a multiplication in sparse matrices relative to that in dense ones.
 constexpr double kIrregular = 2.0;
+/// Largest number of degrees of freedom for sparse matrices; the factor of a larger space frame may
+/// have more products than fit in memory.
+constexpr Index kMostSparse = 2000;
 /// The basis is trained to bounds this factor below the tolerance.
 constexpr double kSubspaceMargin = 0.25;
 
@@ -57,7 +60,7 @@ struct ParametricModes::Workspace::Impl {
   MatrixXd stiffness, mass, shifted;  // in the basis
   ReducedModes reduced;
   SparseModes::Workspace sparse;
-  bool in_basis = false;      // `reduced` holds mass-normalised modes of the last θ
+  bool in_basis = false;      // `reduced` or `sparse` holds mass-normalised modes of the last θ
   std::vector<double> theta;  // parameters of the last solution, `last`; or empty
   Modes last;
   long solved = 0, in_full = 0;
@@ -247,6 +250,30 @@ struct ParametricModes::Impl {
     return (ldlt.vectorD().array() < 0.0).count() == at + 1;
   }
 
+  /// The error bounds of the header from the residuals η of the lowest elastic modes, their λ, and
+  /// all known 1/(λ + σ).
+  void bound_by_residuals(const VectorXd& eta, const VectorXd& mu, const VectorXd& lambda,
+                          Modes& out) const {
+    const Index checked = eta.size(), known = mu.size();
+    out.bounds.resize(wanted);
+    out.shape_bounds.resize(wanted);
+    for (Index i = 0; i < wanted; ++i) {
+      Index from = i, to = i;
+      while (from > 0 && mu[from - 1] - mu[from] < kCluster * mu[from]) --from;
+      while (to + 1 < checked && mu[to] - mu[to + 1] < kCluster * mu[to]) ++to;
+      double squares = 0.0;
+      for (Index j = from; j <= to; ++j) squares += eta[j] * eta[j];
+      double gap = 1.0;
+      if (from > 0) gap = std::min(gap, (mu[from - 1] - mu[from]) / mu[i] - eta[from - 1]);
+      if (to + 1 < known)
+        gap = std::min(gap, (mu[to] - mu[to + 1]) / mu[i] - (to + 1 < checked ? eta[to + 1] : 0.0));
+      const double shift = mu[i] > 0.0 ? (lambda[i] + sigma) / lambda[i] : 1.0;
+      const double common = std::sqrt(squares);
+      out.bounds[i] = shift * (gap > 0.0 ? std::min(common, squares / gap) : common);
+      out.shape_bounds[i] = gap > 0.0 ? std::min(1.0, common / gap) : 1.0;
+    }
+  }
+
   /// The error bounds of the header for the requested elastic modes.
   bool bound(const ParametricStructure::Point& point, const Workspace::Impl& ws, Modes& out) const {
     out.bounds = VectorXd::Zero(wanted);
@@ -282,21 +309,7 @@ struct ParametricModes::Impl {
       for (Index i = 0; i < checked; ++i)
         eta[i] = std::sqrt(std::max(0.0, residuals.col(i).dot(moved.col(i))));
     }
-    for (Index i = 0; i < wanted; ++i) {
-      Index from = i, to = i;
-      while (from > 0 && mu[from - 1] - mu[from] < kCluster * mu[from]) --from;
-      while (to + 1 < checked && mu[to] - mu[to + 1] < kCluster * mu[to]) ++to;
-      double squares = 0.0;
-      for (Index j = from; j <= to; ++j) squares += eta[j] * eta[j];
-      double gap = 1.0;
-      if (from > 0) gap = std::min(gap, (mu[from - 1] - mu[from]) / mu[i] - eta[from - 1]);
-      if (to + 1 < known)
-        gap = std::min(gap, (mu[to] - mu[to + 1]) / mu[i] - (to + 1 < checked ? eta[to + 1] : 0.0));
-      const double shift = mu[i] > 0.0 ? (lambda[i] + sigma) / lambda[i] : 1.0;
-      const double common = std::sqrt(squares);
-      out.bounds[i] = shift * (gap > 0.0 ? std::min(common, squares / gap) : common);
-      out.shape_bounds[i] = gap > 0.0 ? std::min(1.0, common / gap) : 1.0;
-    }
+    bound_by_residuals(eta, mu, lambda, out);
     return out.bounds.allFinite();
   }
 
@@ -306,11 +319,10 @@ struct ParametricModes::Impl {
     if (point.scales.size() > 0 && !(point.scales.minCoeff() > 0.0)) return false;
     if (sparse) {
       if (!sparse->solve(point, ws.sparse, out.eigenvalues, out.shapes)) return false;
-      out.bounds = VectorXd::Zero(wanted);
-      out.shape_bounds = VectorXd::Zero(wanted);
+      bound_by_residuals(ws.sparse.residuals, ws.sparse.mu, ws.sparse.eigenvalues, out);
       out.in_full = false;
       ws.in_basis = true;
-      return true;
+      return out.bounds.allFinite();
     }
     reduce(point, ws);
     solve_reduced(ws);
@@ -358,10 +370,10 @@ struct ParametricModes::Impl {
     const StructureModes nominal = structure_modes(d, static_cast<int>(rigid + snapshot));
     if (rigid > 0) sigma = nominal.eigenvalues[rigid];
     std::unique_ptr<const SparseModes> candidate;
-    if (structure->form() == ParametricStructure::Form::affine &&
+    if (structure->form() == ParametricStructure::Form::affine && rigid == 0 && n <= kMostSparse &&
         options.solver != ParametricSolver::basis)
-      candidate = std::make_unique<const SparseModes>(*structure, rigid, wanted, sigma,
-                                                      nominal.shapes, options.motions);
+      candidate = std::make_unique<const SparseModes>(*structure, available, wanted, nominal.shapes,
+                                                      options.motions);
     if (n <= options.complete) {
       if (take_sparse(n, candidate)) return;
       training.complete = true;

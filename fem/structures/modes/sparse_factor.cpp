@@ -53,13 +53,6 @@ std::size_t SparseFactor::index(std::size_t a, std::size_t b) const {
   return static_cast<std::size_t>(at - rows_.begin());
 }
 
-std::vector<std::size_t> SparseFactor::indices_of(std::size_t position) const {
-  std::vector<std::size_t> out;
-  for (std::size_t e = 0; e < rows_.size(); ++e)
-    if (rows_[e] == position || columns_[e] == position) out.push_back(e);
-  return out;
-}
-
 template <int W>
 void SparseFactor::factorise(Values& values) const {
   double* const diagonal = values.diagonal.data();

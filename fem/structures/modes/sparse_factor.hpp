@@ -39,8 +39,6 @@ class SparseFactor {
   /// The index in `lower` of the entry at two different positions. Throws std::out_of_range if L
   /// has no such entry.
   [[nodiscard]] std::size_t index(std::size_t a, std::size_t b) const;
-  /// The indices in `lower` of all entries in the row and in the column of a position.
-  [[nodiscard]] std::vector<std::size_t> indices_of(std::size_t position) const;
   /// The row and the column of an entry of `lower`.
   [[nodiscard]] std::size_t row(std::size_t index) const { return rows_[index]; }
   [[nodiscard]] std::size_t column(std::size_t index) const { return columns_[index]; }

@@ -18,17 +18,20 @@ using Sparse = Discretisation::Sparse;
 constexpr int kLanes = 4;
 /// Residual of a Ritz pair relative to its value at convergence. The error of the value is of
 /// second order in the residual.
-constexpr double kRitzConverged = 1e-8;
+constexpr double kRitzConverged = 1e-7;
 /// Relative size of a new Lanczos vector that counts as an invariant subspace.
 constexpr double kInvariant = 1e-13;
 /// Share of a vector without symmetry in the first Lanczos vector.
 constexpr double kGeneric = 0.05;
-/// Relative distance of 1/(λ + σ) in which modes can be counted.
-constexpr double kCountGap = 1e-6;
+/// Relative distance of 1/λ in which modes can be counted.
+constexpr double kCountGap = 1e-6, kClearGap = 1e-3;
+/// Relative residual of a solution for the derivatives of shapes, and of a product within rounding.
+constexpr double kSolved = 1e-6, kRounding = 1e-6;
 /// Lanczos' method finds one mode of a pair of equal ones; each further round finds another.
 constexpr Index kRounds = 4;
-/// Steps between two checks of convergence, and steps beyond three per mode until the last one.
-constexpr Index kBetweenChecks = 3, kSpareSteps = 60;
+/// Steps beyond two per mode until the first check of convergence, between two checks, and beyond
+/// three per mode until the last one.
+constexpr Index kBeforeChecks = 4, kBetweenChecks = 3, kSpareSteps = 60;
 
 std::size_t at(Index i) {
   return static_cast<std::size_t>(i);
@@ -50,13 +53,12 @@ Sparse pattern_of(const ParametricStructure& structure, const std::vector<Sparse
 
 }  // namespace
 
-SparseModes::SparseModes(const ParametricStructure& structure, Index rigid, Index elastic,
-                         double sigma, const MatrixXd& start, const std::vector<SparseRow>& motions)
+SparseModes::SparseModes(const ParametricStructure& structure, Index massive, Index elastic,
+                         const MatrixXd& start, const std::vector<SparseRow>& motions)
     : structure_(structure),
       n_(structure.nominal().size()),
-      rigid_(rigid),
+      massive_(massive),
       elastic_(elastic),
-      sigma_(sigma),
       factor_(pattern_of(structure, structure.term_matrices())),
       touching_(at(n_)),
       start_(n_, start.cols()) {
@@ -138,35 +140,73 @@ void SparseModes::multiply(const Entries& entries, const SparseFactor& factor, c
   }
 }
 
-double SparseModes::energy(const ParametricStructure::Point& point,
-                           const Eigen::Ref<const VectorXd>& u) const {
-  double sum = 0.0;
+/// K u for the columns u, from the strains, so that nothing cancels in smooth shapes.
+MatrixXd SparseModes::stiffness_times(const ParametricStructure::Point& point,
+                                      const MatrixXd& u) const {
+  MatrixXd out = MatrixXd::Zero(n_, u.cols());
   const auto terms = structure_.term_of_strain();
-  for (std::size_t i = 0; i < strains_.size(); ++i) {
-    const double strain = strains_[i].of(u);
-    sum += structure_.nominal().strains[i].factor * point.scales[terms[i]] * strain * strain;
-  }
-  for (std::size_t t = terms_.size() - structure_.matrix_terms(); t < terms_.size(); ++t) {
-    const Entries& e = terms_[t];
-    double part = 0.0;
-    for (std::size_t i = 0; i < e.diagonal.size(); ++i) {
-      const double v = u[static_cast<Index>(e.diagonal_at[i])];
-      part += e.diagonal[i] * v * v;
+  for (Index c = 0; c < u.cols(); ++c) {
+    for (std::size_t i = 0; i < strains_.size(); ++i) {
+      const SparseRow& row = strains_[i];
+      const double stress =
+          structure_.nominal().strains[i].factor * point.scales[terms[i]] * row.of(u.col(c));
+      for (std::size_t k = 0; k < row.dofs.size(); ++k)
+        out(row.dofs[k], c) += row.coefficients[k] * stress;
     }
-    for (std::size_t i = 0; i < e.lower.size(); ++i)
-      part += 2.0 * e.lower[i] * u[static_cast<Index>(factor_.row(e.lower_at[i]))] *
-              u[static_cast<Index>(factor_.column(e.lower_at[i]))];
-    sum += point.scales[static_cast<Index>(t)] * part;
+    for (std::size_t term = terms_.size() - structure_.matrix_terms(); term < terms_.size();
+         ++term) {
+      const Entries& e = terms_[term];
+      const double scale = point.scales[static_cast<Index>(term)];
+      for (std::size_t i = 0; i < e.diagonal.size(); ++i) {
+        const auto d = static_cast<Index>(e.diagonal_at[i]);
+        out(d, c) += scale * e.diagonal[i] * u(d, c);
+      }
+      for (std::size_t i = 0; i < e.lower.size(); ++i) {
+        const auto row = static_cast<Index>(factor_.row(e.lower_at[i]));
+        const auto column = static_cast<Index>(factor_.column(e.lower_at[i]));
+        out(row, c) += scale * e.lower[i] * u(column, c);
+        out(column, c) += scale * e.lower[i] * u(row, c);
+      }
+    }
   }
-  return sum;
+  return out;
 }
 
-/// Adds Ritz vectors to the M-orthonormal `locked` and their values to `mu`, until the `wanted`
-/// largest values have converged. The further values in `mu` are estimates.
-bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, Index wanted,
-                          Index round) const {
+/// The best modes in the span of `ws.modes`, whose errors are of second order, and the norms of
+/// their residuals.
+bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspace& ws) const {
+  MatrixXd momenta(n_, elastic_);
+  const auto mass_times = [&] {
+    for (Index i = 0; i < elastic_; ++i)
+      times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), momenta.col(i).data());
+  };
+  mass_times();
+  MatrixXd forces = stiffness_times(point, ws.modes);
+  const MatrixXd energy = ws.modes.transpose() * forces, gram = ws.modes.transpose() * momenta;
+  const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> ritz(
+      MatrixXd(0.5 * (energy + energy.transpose())), MatrixXd(0.5 * (gram + gram.transpose())));
+  if (ritz.info() != Eigen::Success || !(ritz.eigenvalues()[0] > 0.0)) return false;
+  ws.eigenvalues = ritz.eigenvalues();
+  ws.modes = ws.modes * ritz.eigenvectors();
+  momenta = momenta * ritz.eigenvectors();
+  forces = forces * ritz.eigenvectors();
+  ws.residuals.resize(elastic_);
+  VectorXd moved(n_);
+  for (Index i = 0; i < elastic_; ++i) {
+    const VectorXd residual = forces.col(i) - ws.eigenvalues[i] * momenta.col(i);
+    moved = residual;
+    factor_.solve<1>(ws.shifted, moved.data());
+    ws.residuals[i] = std::sqrt(std::max(0.0, residual.dot(moved)) / ws.eigenvalues[i]);
+  }
+  return ws.residuals.allFinite();
+}
+
+/// Adds the `wanted` Ritz vectors of the largest values to the M-orthonormal `locked`, after their
+/// convergence, and their values to `mu`. `beyond` receives estimates of the next values.
+bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, VectorXd& beyond,
+                          Index wanted, Index round) const {
   const Index known = locked.cols();
-  const Index most = std::min(n_ - known, 3 * wanted + kSpareSteps);
+  const Index most = std::min(massive_ - known, 3 * wanted + kSpareSteps);
   if (most < 1) return false;
   // Columns: the locked vectors, then the Lanczos vectors; and M times each.
   MatrixXd v(n_, known + most), momenta(n_, known + most);
@@ -187,6 +227,7 @@ bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, Index w
   next = moved;
   if (round == 0) next = start_.rowwise().sum() + kGeneric * moved;
 
+  const Index first_check = 2 * wanted + kBeforeChecks;
   VectorXd alpha = VectorXd::Zero(most), beta = VectorXd::Zero(most);
   const auto orthogonalise = [&](Index columns, VectorXd& shares) {
     shares = VectorXd::Zero(columns);
@@ -217,9 +258,11 @@ bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, Index w
     const bool full = j + 1 == most;
     if (!full) beta[j] = append(known + j + 1);
     const bool invariant = full || beta[j] <= kInvariant * std::abs(alpha[0]);
-    if (!invariant && (j + 1 < wanted || (j - wanted) % kBetweenChecks != 0)) continue;
+    if (!invariant && (j < first_check || (j - first_check) % kBetweenChecks != 0)) continue;
     Eigen::SelfAdjointEigenSolver<MatrixXd> ritz;
+    if (!alpha.head(j + 1).allFinite() || !beta.head(j + 1).allFinite()) return false;
     ritz.computeFromTridiagonal(alpha.head(j + 1), beta.head(j), Eigen::ComputeEigenvectors);
+    if (ritz.info() != Eigen::Success) return false;
     const Index k = std::min(wanted, j + 1);
     Index converged = 0;
     while (converged < k &&
@@ -227,8 +270,9 @@ bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, Index w
                              kRitzConverged * ritz.eigenvalues()[j - converged]))
       ++converged;
     if (converged < k) continue;
-    if (full && j + 1 < n_ - known) return false;  // did not converge
-    const Index kept = std::min<Index>(j + 1, wanted + 3);
+    if (full && j + 1 < massive_ - known) return false;  // did not converge
+    const Index kept = k, more = std::min<Index>(j + 1 - k, 3);
+    beyond = ritz.eigenvalues().head(j + 1 - k).tail(more).reverse();
     locked.conservativeResize(n_, known + kept);
     locked.rightCols(kept) =
         v.middleCols(known, j + 1) * ritz.eigenvectors().rightCols(kept).rowwise().reverse();
@@ -239,20 +283,21 @@ bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, Index w
   return false;
 }
 
-/// True if `mu`, in descending order, holds the largest values: by inertia, in the widest gap from
-/// the k-th one on.
+/// True if `mu`, in descending order, holds the largest values: by inertia, in the first clear gap
+/// from the k-th one on, or in the widest.
 bool SparseModes::none_missing(Workspace& ws, const VectorXd& mu, Index k) const {
-  if (mu.size() == n_) return true;
+  if (mu.size() >= massive_) return true;
   Index split = -1;
   double widest = kCountGap;
   for (Index i = k - 1; i + 1 < mu.size(); ++i)
     if (const double gap = 1.0 - mu[i + 1] / mu[i]; gap > widest) {
       widest = gap;
       split = i;
+      if (gap > kClearGap) break;
     }
   if (split < 0) return false;
   // K - s M, with the s between the two eigenvalues.
-  const double s = 1.0 / std::sqrt(mu[split] * std::max(mu[split + 1], 1e-12 * mu[split])) - sigma_;
+  const double s = 1.0 / std::sqrt(mu[split] * std::max(mu[split + 1], 1e-12 * mu[split]));
   SparseFactor::Values& values = ws.several;
   values.diagonal.resize(at(n_));
   values.lower.assign(factor_.entries(), 0.0);
@@ -260,7 +305,8 @@ bool SparseModes::none_missing(Workspace& ws, const VectorXd& mu, Index k) const
     values.diagonal[at(i)] = ws.stiffness_diagonal[i] - s * ws.mass_diagonal[i];
   for (const std::size_t e : used_) values.lower[e] = ws.stiffness[e] - s * ws.mass[e];
   factor_.factorise<1>(values);
-  return std::ranges::count_if(values.diagonal, [](double d) { return d < 0.0; }) == split + 1;
+  return std::ranges::all_of(values.diagonal, [](double d) { return std::isfinite(d); }) &&
+         std::ranges::count_if(values.diagonal, [](double d) { return d < 0.0; }) == split + 1;
 }
 
 bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
@@ -280,42 +326,42 @@ bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
           ws.mass.data());
   ws.shifted.diagonal.resize(at(n_));
   ws.shifted.lower.assign(factor_.entries(), 0.0);
-  for (Index i = 0; i < n_; ++i)
-    ws.shifted.diagonal[at(i)] = ws.stiffness_diagonal[i] + sigma_ * ws.mass_diagonal[i];
-  for (const std::size_t e : used_) ws.shifted.lower[e] = ws.stiffness[e] + sigma_ * ws.mass[e];
+  for (Index i = 0; i < n_; ++i) ws.shifted.diagonal[at(i)] = ws.stiffness_diagonal[i];
+  for (const std::size_t e : used_) ws.shifted.lower[e] = ws.stiffness[e];
   factor_.factorise<1>(ws.shifted);
   if (!std::ranges::all_of(ws.shifted.diagonal, [](double d) { return d > 0.0; })) return false;
 
-  const Index k = rigid_ + elastic_;
   MatrixXd found(n_, 0);
-  VectorXd mu;
+  VectorXd mu, beyond;
   bool complete = false;
   for (Index round = 0; round < kRounds && !complete; ++round) {
-    const Index wanted = round == 0 ? k : std::min<Index>(k, 2 + 2 * round);
-    if (!lanczos(ws, found, mu, wanted, round)) return false;
+    const Index wanted = round == 0 ? elastic_ : std::min<Index>(elastic_, 2 + 2 * round);
+    if (!lanczos(ws, found, mu, beyond, wanted, round)) return false;
     std::vector<Index> order(at(mu.size()));
     std::iota(order.begin(), order.end(), Index{0});
     std::ranges::stable_sort(order, std::ranges::greater{}, [&](Index i) { return mu[i]; });
     found = MatrixXd(found(Eigen::all, order));
     mu = VectorXd(mu(order));
-    complete = none_missing(ws, mu, k);
+    // A mode that has not converged may be among the lowest.
+    if (beyond.size() > 0 && beyond[0] >= mu[elastic_ - 1]) continue;
+    ws.mu.resize(mu.size() + beyond.size());
+    ws.mu << mu, beyond;
+    std::ranges::sort(ws.mu, std::ranges::greater{});
+    complete = none_missing(ws, ws.mu, elastic_);
   }
   if (!complete) return false;
-  ws.modes = found.middleCols(rigid_, elastic_);
-  if (ws.mass_diagonal.minCoeff() <= 0.0) {
+  ws.modes = found.leftCols(elastic_);
+  if (massive_ < n_) {
     // Orthogonality in M does not control rounding errors in motions without mass, which the
-    // recurrence amplifies; (K + σM)⁻¹ M removes them (Nour-Omid, Parlett, Ericsson & Jensen 1987).
-    VectorXd momentum(n_), moved(n_);
+    // recurrence amplifies; K⁻¹ M removes them (Nour-Omid, Parlett, Ericsson & Jensen 1987).
+    VectorXd moved(n_);
     for (Index i = 0; i < elastic_; ++i) {
       times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), moved.data());
       factor_.solve<1>(ws.shifted, moved.data());
-      times(ws.mass_diagonal.data(), ws.mass.data(), moved.data(), momentum.data());
-      ws.modes.col(i) = moved / std::sqrt(moved.dot(momentum));
+      ws.modes.col(i) = moved / mu[i];
     }
   }
-  ws.eigenvalues.resize(elastic_);
-  for (Index i = 0; i < elastic_; ++i) ws.eigenvalues[i] = energy(point, ws.modes.col(i));
-  if (!(ws.eigenvalues.minCoeff() > 0.0)) return false;
+  if (!rayleigh_ritz(point, ws)) return false;
   eigenvalues = ws.eigenvalues;
   shapes.resize(static_cast<Index>(motions_.size()), elastic_);
   for (Index i = 0; i < elastic_; ++i)
@@ -337,7 +383,7 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
   for (Index i = 0; i < elastic_; ++i)
     times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), momenta.col(i).data());
   const auto distance = [&](Index i, Index j) {
-    return std::abs(ws.eigenvalues[i] - ws.eigenvalues[j]) / (ws.eigenvalues[j] + sigma_);
+    return std::abs(ws.eigenvalues[i] - ws.eigenvalues[j]) / ws.eigenvalues[j];
   };
   std::vector<double> modes(kWide * at(n_)), force(kWide * at(n_));
   for (Index group = 0; group < elastic_; group += kLanes) {
@@ -388,10 +434,15 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
         for (const std::size_t p : pinned[w]) force[kWide * p + w] = 0.0;
       }
       if (motions_.empty()) continue;
+      const std::vector<double> right_sides = force;
       factor_.solve<kLanes>(ws.several, force.data());
       for (std::size_t w = 0; w < kWide; ++w) {
         const Eigen::Map<const VectorXd, 0, Eigen::InnerStride<kLanes>> mine(force.data() + w, n_);
         VectorXd change = mine;
+        const Eigen::Map<const VectorXd, 0, Eigen::InnerStride<kLanes>> right(
+            right_sides.data() + w, n_);
+        if (!solves(ws, lambda[w], pinned[w], change, right))
+          change = dense_change(ws, lambda[w], pinned[w], right);
         VectorXd missing =
             -momenta.middleCols(first[w], last[w] - first[w] + 1).transpose() * change;
         missing[mode[w] - first[w]] += norm[w];
@@ -444,12 +495,45 @@ bool SparseModes::factorise_at(Workspace& ws, const double* lambda,
                              [](double v) { return std::isfinite(v) && v != 0.0; });
 }
 
+/// True if x solves (K - λM) x = b apart from the constrained degrees of freedom. Without pivoting,
+/// a part of the structure whose own eigenvalue is λ spoils the factor.
+bool SparseModes::solves(const Workspace& ws, double lambda, const std::vector<std::size_t>& pinned,
+                         const VectorXd& x, const VectorXd& b) const {
+  VectorXd stiff(n_), heavy(n_);
+  times(ws.stiffness_diagonal.data(), ws.stiffness.data(), x.data(), stiff.data());
+  times(ws.mass_diagonal.data(), ws.mass.data(), x.data(), heavy.data());
+  VectorXd miss = stiff - lambda * heavy - b;
+  for (const std::size_t p : pinned) miss[static_cast<Index>(p)] = 0.0;
+  return miss.norm() <= kSolved * (b.norm() + kRounding * stiff.norm());
+}
+
+/// The same with pivoting, by dense matrices.
+VectorXd SparseModes::dense_change(const Workspace& ws, double lambda,
+                                   const std::vector<std::size_t>& pinned,
+                                   const VectorXd& b) const {
+  MatrixXd a = MatrixXd::Zero(n_, n_);
+  for (Index i = 0; i < n_; ++i) a(i, i) = ws.stiffness_diagonal[i] - lambda * ws.mass_diagonal[i];
+  for (const std::size_t e : used_) {
+    const auto row = static_cast<Index>(factor_.row(e));
+    const auto column = static_cast<Index>(factor_.column(e));
+    a(row, column) = a(column, row) = ws.stiffness[e] - lambda * ws.mass[e];
+  }
+  for (const std::size_t p : pinned) {
+    const auto i = static_cast<Index>(p);
+    a.row(i).setZero();
+    a.col(i).setZero();
+    a(i, i) = ws.stiffness_diagonal[i];
+  }
+  return a.partialPivLu().solve(b);
+}
+
 double SparseModes::cost() const {
   const auto n = static_cast<double>(n_), entries = static_cast<double>(factor_.entries());
   const auto products = static_cast<double>(factor_.products());
-  const double steps = 2.0 * static_cast<double>(rigid_ + elastic_) + 12.0;
+  const double steps = 2.0 * static_cast<double>(elastic_) + 12.0;
   double sum = 2.0 * products +
                steps * (2.0 * entries + 2.0 * static_cast<double>(used_.size()) + 2.0 * n * steps);
+  sum += 5.0 * steps * steps * steps;  // Ritz values
   if (!motions_.empty()) {
     const double lanes = kLanes * std::ceil(static_cast<double>(elastic_) / kLanes);
     sum += lanes * (products + 2.0 * entries * static_cast<double>(structure_.parameters()));

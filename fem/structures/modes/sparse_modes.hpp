@@ -12,7 +12,7 @@
 namespace wheeltap::fem {
 
 /// Solves K(θ) φ = λ M(θ) φ with K = Σ q_t(θ) K_t for the lowest modes, without a reduction:
-/// Lanczos' method on (K + σM)⁻¹ M with full orthogonalisation (Saad 2011, section 6.6), begun from
+/// Lanczos' method on K⁻¹ M with full orthogonalisation (Saad 2011, section 6.6), begun from
 /// the modes at θ₀, and derivatives of shapes by Nelson's method (1976). All positions of the
 /// sparse matrices and of their factors are computed once, so that the cost at one θ is little more
 /// than that of the arithmetic. A Sturm count at each θ proves that no mode is missing.
@@ -20,12 +20,11 @@ namespace wheeltap::fem {
 /// Immutable after construction; each thread needs its own workspace.
 class SparseModes {
  public:
-  /// `rigid` strain-free and `elastic` further modes are computed, in the shift σ, which is 0 if
-  /// there are no rigid-body motions. `start` holds modes at θ₀ (n × any number), and `motions` the
-  /// requested components of the shapes. The structure must be affine, and must outlive this
-  /// object.
-  SparseModes(const ParametricStructure& structure, Eigen::Index rigid, Eigen::Index elastic,
-              double sigma, const Eigen::MatrixXd& start, const std::vector<SparseRow>& motions);
+  /// `elastic` modes are computed, of the `massive` modes of the structure (`mode_count`). `start`
+  /// holds modes at θ₀ (n × any number), and `motions` the requested components of the shapes. The
+  /// structure must be affine, without rigid-body motions, and must outlive this object.
+  SparseModes(const ParametricStructure& structure, Eigen::Index massive, Eigen::Index elastic,
+              const Eigen::MatrixXd& start, const std::vector<SparseRow>& motions);
 
   struct Workspace {
     Eigen::VectorXd stiffness_diagonal, mass_diagonal;  // at the last θ
@@ -33,6 +32,8 @@ class SparseModes {
     SparseFactor::Values shifted, several;
     Eigen::MatrixXd modes;  // elastic modes, mass-normalised, in the order of the factor
     Eigen::VectorXd eigenvalues;
+    Eigen::VectorXd residuals;  // η of each mode, as in ParametricModes
+    Eigen::VectorXd mu;         // 1/λ, descending, with estimates beyond the modes
     bool solved = false;
   };
 
@@ -67,15 +68,21 @@ class SparseModes {
                                               Eigen::Index last) const;
   bool factorise_at(Workspace& ws, const double* lambda,
                     const std::vector<std::size_t>* pinned) const;
-  bool lanczos(Workspace& ws, Eigen::MatrixXd& locked, Eigen::VectorXd& mu, Eigen::Index wanted,
-               Eigen::Index round) const;
+  bool lanczos(Workspace& ws, Eigen::MatrixXd& locked, Eigen::VectorXd& mu, Eigen::VectorXd& beyond,
+               Eigen::Index wanted, Eigen::Index round) const;
   [[nodiscard]] bool none_missing(Workspace& ws, const Eigen::VectorXd& mu, Eigen::Index k) const;
-  [[nodiscard]] double energy(const ParametricStructure::Point& point,
-                              const Eigen::Ref<const Eigen::VectorXd>& u) const;
+  [[nodiscard]] Eigen::MatrixXd stiffness_times(const ParametricStructure::Point& point,
+                                                const Eigen::MatrixXd& u) const;
+  bool rayleigh_ritz(const ParametricStructure::Point& point, Workspace& ws) const;
+  [[nodiscard]] bool solves(const Workspace& ws, double lambda,
+                            const std::vector<std::size_t>& pinned, const Eigen::VectorXd& x,
+                            const Eigen::VectorXd& b) const;
+  [[nodiscard]] Eigen::VectorXd dense_change(const Workspace& ws, double lambda,
+                                             const std::vector<std::size_t>& pinned,
+                                             const Eigen::VectorXd& b) const;
 
   const ParametricStructure& structure_;
-  Eigen::Index n_, rigid_, elastic_;
-  double sigma_;
+  Eigen::Index n_, massive_, elastic_;
   SparseFactor factor_;
   std::vector<Entries> terms_, mass_slopes_;
   Entries mass_;
