@@ -17,7 +17,9 @@ namespace wheeltap::fem {
 enum class ParametricSolver {
   cheaper,  ///< the one of the two below that costs less
   basis,    ///< in a basis of modes at selected θ
-  sparse    ///< from the sparse matrices, if the structure is affine; otherwise in a basis
+  /// From the sparse matrices, if the structure is affine and has no rigid-body motions and at most
+  /// 2000 degrees of freedom; otherwise in a basis.
+  sparse
 };
 
 struct ParametricModesOptions {
@@ -55,8 +57,9 @@ struct ParametricModesOptions {
 ///
 /// The error bounds prove that a mode lies near each result. The error bounds do not prove that no
 /// mode is missing. Sturm counts check for missing modes at every training point during the
-/// training; later solutions have no such check. Degrees of freedom without mass need no special
-/// treatment, because V includes the static response of these degrees of freedom.
+/// training; later solutions in a basis have no such check, those from sparse matrices have one
+/// each. Degrees of freedom without mass need no special treatment, because V includes the static
+/// response of these degrees of freedom.
 ///
 /// The object is immutable after construction; each thread needs its own workspace.
 class ParametricModes {
@@ -96,10 +99,11 @@ class ParametricModes {
   /// valid structure exists at θ.
   void solve(std::span<const double> theta, Workspace& workspace, Modes& out) const;
   /// Computes the modes and their derivatives at θ. The derivatives of eigenvalues are ∂λ = φᵀ(∂K -
-  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976) in the basis. If the relative
+  /// λ ∂M)φ; those of shapes follow from Nelson's method (1976). If the relative
   /// distance of modes is below 1e-6, the derivatives of their shapes exclude the rotation among
   /// these modes, which is not determined. If the full structure was solved, the derivatives are
-  /// those of the basis. Returns false without derivatives if the matrices are not affine in θ.
+  /// those of the basis. Returns false without derivatives if the matrices are not affine in θ or
+  /// the faster solution failed.
   bool differentiate(std::span<const double> theta, Workspace& workspace, Modes& out,
                      Slopes& slopes) const;
 
@@ -107,7 +111,7 @@ class ParametricModes {
   struct Training {
     int basis = 0;          ///< number of columns of the basis; the number of degrees of freedom
                             ///< for a complete basis
-    bool complete = false;  ///< true if the basis is complete, that is without reduction
+    bool complete = false;  ///< true without reduction: complete basis, or sparse matrices
     int points = 0;         ///< number of training points with a valid structure
     int solved = 0;         ///< number of full solutions for the basis
     double largest_bound = 0.0;  ///< largest error bound of an eigenvalue over the training set

@@ -15,9 +15,8 @@ namespace wheeltap::fem {
 /// a factorisation. Immutable after construction.
 ///
 /// `Values` and the vectors of `solve` hold W matrices or vectors together: entry i of matrix w is
-/// at i W + w, so that one pass over the pattern treats W matrices. The pattern has no other cost
-/// for small structures, where the search for the entries of a sparse matrix takes longer than the
-/// arithmetic.
+/// at i W + w, so that one pass over the pattern treats W matrices. No search for
+/// positions remains at run time; in small structures it would take longer than the arithmetic.
 class SparseFactor {
  public:
   /// Throws std::invalid_argument if the matrix is not square. The values of the matrix are not
@@ -32,7 +31,8 @@ class SparseFactor {
   /// The position of an unknown in the order of the factor.
   [[nodiscard]] std::size_t position(std::size_t unknown) const { return to_[unknown]; }
 
-  /// The diagonal and the entries of L below, column by column.
+  /// The diagonal and the entries below, column by column in the pattern of L: of A before
+  /// `factorise`, of D and L after.
   struct Values {
     std::vector<double> diagonal, lower;
   };
