@@ -23,23 +23,32 @@ struct Spot {
   double at = 0.0;
 };
 
-/// Whether the most probable stretch, and the median place on it, agree with the truth.
-bool agrees(const std::vector<Spot>& draws, const Spot& truth, double tolerance) {
-  std::map<int, int> counts;
-  for (const Spot& s : draws) ++counts[s.stretch];
+/// Whether the most probable stretches, and the median places on them, agree with the truth.
+bool agree(const std::vector<std::vector<Spot>>& draws, const std::vector<Spot>& truth,
+           double tolerance) {
+  const auto stretches = [](const std::vector<Spot>& spots) {
+    std::vector<int> out;
+    for (const Spot& s : spots) out.push_back(s.stretch);
+    return out;
+  };
+  std::map<std::vector<int>, int> counts;
+  for (const auto& draw : draws) ++counts[stretches(draw)];
   if (counts.empty()) return false;
   const auto best = std::ranges::max_element(counts, {}, [](const auto& c) { return c.second; });
-  if (best->first != truth.stretch) return false;
-  std::vector<double> there;
-  for (const Spot& s : draws)
-    if (s.stretch == best->first) there.push_back(s.at);
-  std::ranges::nth_element(there, there.begin() + static_cast<std::ptrdiff_t>(there.size() / 2));
-  return std::abs(there[there.size() / 2] - truth.at) <= tolerance;
+  if (best->first != stretches(truth)) return false;
+  for (std::size_t k = 0; k < truth.size(); ++k) {
+    std::vector<double> at;
+    for (const auto& draw : draws)
+      if (stretches(draw) == best->first) at.push_back(draw[k].at);
+    std::ranges::nth_element(at, at.begin() + static_cast<std::ptrdiff_t>(at.size() / 2));
+    if (std::abs(at[at.size() / 2] - truth[k].at) > tolerance) return false;
+  }
+  return true;
 }
 
 bool right_places(const DamageProblem& problem, const inference::Posterior& posterior, int model,
                   const std::vector<PlacedDefect>& truth, double tolerance) {
-  std::vector<std::vector<Spot>> draws(truth.size());
+  std::vector<std::vector<Spot>> draws;
   const auto spot_of = [&](const PlacedDefect& d) {
     const SiteLine::Spot s = problem.kinds[index(d.kind)].line.spot(d.location);
     return Spot{s.stretch, s.s};
@@ -54,11 +63,12 @@ bool right_places(const DamageProblem& problem, const inference::Posterior& post
         return std::pair(a.kind, a.location) < std::pair(b.kind, b.location);
       });
       if (defects.size() != truth.size()) continue;
-      for (std::size_t k = 0; k < truth.size(); ++k) draws[k].push_back(spot_of(defects[k]));
+      std::vector<Spot>& spots = draws.emplace_back();
+      for (const PlacedDefect& d : defects) spots.push_back(spot_of(d));
     }
-  for (std::size_t k = 0; k < truth.size(); ++k)
-    if (!agrees(draws[k], spot_of(truth[k]), tolerance)) return false;
-  return true;
+  std::vector<Spot> true_spots;
+  for (const PlacedDefect& d : truth) true_spots.push_back(spot_of(d));
+  return agree(draws, true_spots, tolerance);
 }
 
 TestEstimate difference_of(const std::vector<int>& differences) {
@@ -125,10 +135,13 @@ DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
   modal.shapes.resize(n, m);
   for (const int s : design.sensors) modal.sensors.push_back(structure.candidates()[index(s)]);
   for (Index i = 0; i < n; ++i) {
-    modal.shapes.row(i) =
-        data.measured_shape(scenario.modes, numbers, static_cast<int>(i)).transpose();
-    if (!structure.has_shape(static_cast<int>(i))) modal.shapes.row(i).setConstant(kNaN);
-    const double shape_sd = plan.noise.shape_sd_now();
+    const Eigen::VectorXd shape =
+        data.measured_shape(scenario.modes, numbers, static_cast<int>(i));
+    // The likelihood expects the covariance for a largest measured entry of 1.
+    const double largest = std::max(shape.cwiseAbs().maxCoeff(), 1e-300);
+    const double shape_sd = plan.noise.shape_sd_now() / largest;
+    modal.shapes.row(i) = shape.transpose() / largest;
+    if (!data.has_shape(static_cast<int>(i))) modal.shapes.row(i).setConstant(kNaN);
     modal.shape_covariances.push_back(shape_sd * shape_sd * Eigen::MatrixXd::Identity(m, m));
   }
   out.data.frequencies_hz = hz;
@@ -144,6 +157,16 @@ EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source, const
   const auto problem = make_damage_problem(simulated_case(plan, source, design, scenario), {});
   const inference::Posterior posterior = inference::reversible_jump(problem->problem, options);
   EngineOutcome out;
+  std::vector<double> x;
+  for (const PlacedDefect& d : scenario.defects) {
+    x.push_back(d.location);
+    if (source.structure().kinds()[index(d.kind)].severity_prior()) x.push_back(d.severity);
+  }
+  const auto likelihood = problem->problem.likelihood();
+  const auto [chain, best] = posterior.best_draw();
+  const auto draw = posterior.draw(chain, best);
+  out.truth_gain = likelihood->log_likelihood(scenario.truth.model, x) -
+                   likelihood->log_likelihood(draw.model, draw.theta);
   double most = -1.0;
   for (int m = 0; m < static_cast<int>(source.models().size()); ++m) {
     const double p = posterior.probability(m).value;

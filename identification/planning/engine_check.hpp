@@ -19,6 +19,9 @@ struct EngineOutcome {
   double probability_damaged = 0.0;
   int model = 0;       ///< most probable model
   bool right = false;  ///< true if count and all places are correct by the criteria of TestScorer
+  /// ln of the likelihood of the true damage, minus that of the best draw. A value of several units
+  /// means that the run did not find the true damage.
+  double truth_gain = 0.0;
 };
 [[nodiscard]] EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source,
                                      const TestDesign& design, std::uint64_t number,

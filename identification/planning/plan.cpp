@@ -18,6 +18,8 @@ constexpr int kSegments = 8, kCoarseSegments = 4;
 /// Places in the search for sensors.
 constexpr int kCoarsePlaces = 60;
 constexpr int kRandomLayouts = 5;
+const std::string kEffectiveIndependence = "effective independence", kKineticEnergy = "kinetic energy",
+                  kRandom = "random ";
 
 /// Throws for counts that a plan cannot treat.
 const DamageCase& checked(const DamageCase& damage_case) {
@@ -45,6 +47,10 @@ double probability_damaged(const std::vector<NormalModel>& models) {
   for (const NormalModel& m : models)
     if (std::reduce(m.counts.begin(), m.counts.end()) > 0) out += m.prior;
   return out;
+}
+
+std::string modes_name(int modes) {
+  return std::to_string(modes) + (modes == 1 ? " mode" : " modes");
 }
 
 /// Scores variations with fewer scenarios than the best designs.
@@ -87,7 +93,7 @@ class Variations {
     if (model.structure().modes() != modes) return {};
     const auto scores =
         score_designs(model.source(), model.predictions(), plan_.noise, {design}, scoring());
-    return ScoredDesign{.name = std::to_string(modes) + (modes == 1 ? " mode" : " modes"),
+    return ScoredDesign{.name = modes_name(modes),
                         .design = design,
                         .seconds = plan_.noise.seconds,
                         .modes = modes,
@@ -157,17 +163,17 @@ std::pair<double, double> interaction_error(const PlanModel& model, const Prepar
 
 void compare_criteria(const PlanCase& plan, const PlanModel& model, const PlanOptions& options,
                       PlanFindings& out) {
-  const auto& shapes = model.structure().intact().shapes;
+  const Eigen::MatrixXd shapes = model.structure().intact_shapes();
   const int candidates = static_cast<int>(shapes.rows());
   const auto add = [&](std::string name, std::vector<int> sensors) {
     out.others.push_back({.name = std::move(name), .design = {.sensors = std::move(sensors)}});
   };
   if (plan.choose >= 2 && plan.choose < candidates) {  // otherwise there is one layout
-    add("effective independence", effective_independence(shapes, plan.choose));
-    add("kinetic energy", kinetic_energy(shapes, plan.choose));
+    add(kEffectiveIndependence, effective_independence(shapes, plan.choose));
+    add(kKineticEnergy, kinetic_energy(shapes, plan.choose));
     int number = 0;
     for (auto& layout : random_layouts(candidates, plan.choose, kRandomLayouts, options.seed))
-      add("random " + std::to_string(++number), std::move(layout));
+      add(kRandom + std::to_string(++number), std::move(layout));
   }
   int number = 0;
   for (const auto& layout : plan.layouts) add("layout " + std::to_string(++number), layout);
@@ -211,7 +217,10 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
   if (plan.noise.cov > 0.0) out.by_length.clear();  // the noise does not depend on the length
   const int modes = model.structure().modes();
   for (const int n : {modes - 2, modes - 1, modes, modes + 1, modes + 2})
-    if (n >= 1)
+    if (n == modes)
+      out.by_modes.push_back(variations.score({{.name = modes_name(n), .design = best}},
+                                              plan.noise.seconds)[0]);
+    else if (n >= 1)
       if (auto scored = variations.with_modes(best, n)) out.by_modes.push_back(std::move(*scored));
   std::vector<ScoredDesign> masses;
   for (std::size_t m = 0; m < model.structure().masses().size(); ++m)
@@ -228,18 +237,34 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
                              .scores = d.scores});
 }
 
-/// Sensors by a search with fewer places and severities.
-SensorChoice search(const PlanCase& plan, const PlanOptions& options) {
-  PlanCase coarse = plan;
-  coarse.structure.most_places = kCoarsePlaces;
-  const PlannedStructure structure(coarse.damage_case, coarse.structure);
-  const PlacePredictions predictions = predict_places(structure, kCoarseSegments, options.threads);
-  const ScenarioSource source(structure, options.seed + 1);
-  ChoiceOptions how{.choose = plan.choose, .threads = options.threads, .tolerance = plan.tolerance};
-  how.most_scenarios = std::clamp(options.scenarios / 24, 256, 4096);
-  if (options.progress)
-    how.progress = [&](double fraction) { options.progress("choice of sensors", fraction); };
-  return choose_sensors(source, predictions, plan.noise, how);
+/// Scores the designs: random layouts, which only show what the choice of sensors is worth, with the
+/// scenarios of a variation, the others with all.
+void score_all(const PlanCase& plan, const PlanModel& model, const PlanOptions& options,
+               std::vector<ScoredDesign>& all) {
+  for (const bool random : {false, true}) {
+    std::vector<TestDesign> designs;
+    std::vector<ScoredDesign*> scored;
+    for (ScoredDesign& d : all)
+      if (d.name.starts_with(kRandom) == random) {
+        designs.push_back(d.design);
+        scored.push_back(&d);
+      }
+    ScoringOptions scoring{
+        .scenarios = random ? variation_tests(options.scenarios) : options.scenarios,
+        .false_alarm = plan.false_alarm,
+        .tolerance = plan.tolerance,
+        .threads = options.threads};
+    if (options.progress && !random)
+      scoring.progress = [&](double fraction) { options.progress("simulated tests", fraction); };
+    if (designs.empty()) continue;
+    const auto scores =
+        score_designs(model.source(), model.predictions(), plan.noise, designs, scoring);
+    for (std::size_t i = 0; i < scored.size(); ++i) {
+      scored[i]->scores = scores[i];
+      scored[i]->seconds = plan.noise.seconds;
+      scored[i]->modes = model.structure().modes();
+    }
+  }
 }
 
 }  // namespace
@@ -257,6 +282,19 @@ PlanCheck check_plan(const PlanCase& plan) {
   return out;
 }
 
+SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options) {
+  PlanCase coarse = plan;
+  coarse.structure.most_places = kCoarsePlaces;
+  const PlannedStructure structure(coarse.damage_case, coarse.structure);
+  const PlacePredictions predictions = predict_places(structure, kCoarseSegments, options.threads);
+  const ScenarioSource source(structure, options.seed + 1);
+  ChoiceOptions how{.choose = plan.choose, .threads = options.threads, .tolerance = plan.tolerance};
+  how.most_scenarios = std::clamp(options.scenarios / 24, 256, 2048);
+  if (options.progress)
+    how.progress = [&](double fraction) { options.progress("choice of sensors", fraction); };
+  return choose_sensors(source, predictions, plan.noise, how);
+}
+
 PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanOptions& options) {
   const PlannedStructure& structure = model.structure();
   PlanFindings out;
@@ -267,36 +305,30 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
   for (int i = 0; i < structure.modes(); ++i)
     if (!structure.has_shape(i)) out.without_shapes.push_back(i);
   out.probability_damaged = probability_damaged(model.source().models());
-  out.search = search(plan, options);
+  out.search = search_sensors(plan, options);
   std::vector<ScoredDesign> all;
   for (const RankedDesign& ranked : out.search.best)
-    all.push_back({.name = "expected information", .design = ranked.design});
+    all.push_back({.name = "right location", .design = ranked.design});
   const std::size_t chosen = all.size();
   compare_criteria(plan, model, options, out);
   all.insert(all.end(), out.others.begin(), out.others.end());
   all.push_back({.name = "frequencies alone", .design = {}});
-  std::vector<TestDesign> designs;
-  for (const ScoredDesign& d : all) designs.push_back(d.design);
-  ScoringOptions scoring{.scenarios = options.scenarios,
-                         .false_alarm = plan.false_alarm,
-                         .tolerance = plan.tolerance,
-                         .threads = options.threads};
-  if (options.progress)
-    scoring.progress = [&](double fraction) { options.progress("simulated tests", fraction); };
-  const auto scores =
-      score_designs(model.source(), model.predictions(), plan.noise, designs, scoring);
+  score_all(plan, model, options, all);
   out.scenarios = options.scenarios;
-  for (std::size_t i = 0; i < all.size(); ++i) {
-    all[i].scores = scores[i];
-    all[i].seconds = plan.noise.seconds;
-    all[i].modes = structure.modes();
-  }
   const auto first_other = all.begin() + static_cast<std::ptrdiff_t>(chosen);
   out.designs.assign(all.begin(), first_other);
   out.others.assign(first_other, all.end() - 1);
   out.frequencies_alone = all.back();
+  // A classical layout that the search did not improve on is recommended.
+  for (const ScoredDesign& other : out.others)
+    if ((other.name == kEffectiveIndependence || other.name == kKineticEnergy) &&
+        std::ranges::all_of(out.designs, [&](const ScoredDesign& d) {
+          return d.scores.right_place.value < other.scores.right_place.value;
+        }))
+      out.designs.push_back(other);
   std::ranges::stable_sort(out.designs, [](const ScoredDesign& a, const ScoredDesign& b) {
-    return a.scores.information.value > b.scores.information.value;
+    return std::pair(a.scores.right_place.value, a.scores.information.value) >
+           std::pair(b.scores.right_place.value, b.scores.information.value);
   });
   const ScoredDesign& best = out.designs.front();
   const auto report = [&](const char* stage, double fraction) {

@@ -6,6 +6,7 @@
 // findings.
 #pragma once
 
+#include <algorithm>
 #include <functional>
 #include <optional>
 #include <string>
@@ -52,7 +53,9 @@ struct PlanFindings {
   double shape_sd = 0.0;
   std::vector<int> without_shapes;    ///< modes (from 0) so close that only frequencies are used
   double probability_damaged = 0.0;   ///< prior probability of damage
-  std::vector<ScoredDesign> designs;  ///< chosen by expected information, best first
+  /// Designs of the search, by the probability of the right count and place, best first. A classical
+  /// layout that is better than all of these comes first.
+  std::vector<ScoredDesign> designs;
   std::vector<ScoredDesign> others;   ///< designs by other criteria, and layouts of the user
   ScoredDesign frequencies_alone;
   SensorChoice search;
@@ -76,7 +79,7 @@ struct PlanFindings {
 inline constexpr int kFewestVariationTests = 1000;
 /// Number of simulated tests for each variation of the recommended design.
 [[nodiscard]] constexpr int variation_tests(int scenarios) {
-  return scenarios < 10 * kFewestVariationTests ? kFewestVariationTests : scenarios / 10;
+  return std::clamp(scenarios / 10, kFewestVariationTests, 5 * kFewestVariationTests);
 }
 
 struct PlanCheck {
@@ -101,6 +104,9 @@ class PlanModel {
   PlacePredictions predictions_;
   ScenarioSource source_;
 };
+
+/// Chooses sensors for the case, with fewer places and severities than PlanModel has.
+[[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);
 
 /// Throws InvalidInput for a case that cannot be planned: with more than two simultaneous defects,
 /// without the intact structure among the counts, or without damage.

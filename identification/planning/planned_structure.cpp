@@ -130,16 +130,24 @@ void PlannedStructure::choose_modes() try {
                                                                 rigid + chosen_.back() + 1, rigid));
   close_.assign(chosen_.size(), -1);
   turns_.resize(chosen_.size());
-  for (std::size_t i = 0; i + 1 < chosen_.size(); ++i) {
-    const double tau = turn_between(eigenvalues[chosen_[i]], eigenvalues[chosen_[i + 1]]);
-    if (chosen_[i + 1] != chosen_[i] + 1 || tau == 0.0) continue;
-    const int a = static_cast<int>(i), b = a + 1;
+  const int first = chosen_.front(), count = static_cast<int>(chosen_.size());
+  for (int j = std::max(first - 1, 0); j < first + count && j + 1 < eigenvalues.size(); ++j) {
+    const double tau = turn_between(eigenvalues[j], eigenvalues[j + 1]);
+    if (tau == 0.0) continue;
+    // One of the two modes may lie outside the measured ones: below or above them.
+    const int a = j - first, b = a + 1;
+    const bool has_a = a >= 0, has_b = b < count;
     if (tau > kLargestTurn) {
-      if (close_[i] < 0) close_[i] = a;
-      close_[i + 1] = close_[i];
+      if (has_a && close_[index(a)] < 0) close_[index(a)] = a;
+      if (has_b) close_[index(b)] = has_a ? close_[index(a)] : b;
     }
-    if (tau > turns_[i].tau) turns_[i] = {b, tau};
-    if (tau > turns_[i + 1].tau) turns_[i + 1] = {a, tau};
+    int other_a = a, other_b = b;  // columns of the shapes
+    if (!has_a || !has_b) {
+      neighbours_.push_back(has_a ? j + 1 : j);
+      (has_a ? other_b : other_a) = count + static_cast<int>(neighbours_.size()) - 1;
+    }
+    if (has_a && tau > turns_[index(a)].tau) turns_[index(a)] = {other_b, tau};
+    if (has_b && tau > turns_[index(b)].tau) turns_[index(b)] = {other_a, tau};
   }
 } catch (const fem::InvalidStructure& error) {
   throw InvalidInput(InvalidInput::Part::beam, error.what());
@@ -213,7 +221,10 @@ void PlannedStructure::label(const fem::ParametricModes::Modes& modes, TestModes
   const auto candidates = static_cast<Index>(options_.candidates.size());
   out.in_order.resize(n);
   out.log_frequencies.resize(n);
-  out.shapes.resize(candidates, n);
+  const auto further = static_cast<Index>(neighbours_.size());
+  out.shapes.resize(candidates, n + further);
+  for (Index i = 0; candidates > 0 && i < further; ++i)
+    out.shapes.col(n + i) = modes.shapes.col(neighbours_[index(i)]);
   for (Index i = 0; i < n; ++i) {
     const int j = chosen_[index(i)];
     out.in_order[i] = log_frequency(modes.eigenvalues[j]);

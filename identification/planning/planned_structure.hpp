@@ -23,7 +23,9 @@ struct AddedMass {
 struct TestModes {
   Eigen::VectorXd log_frequencies;  ///< ln f, each mode identified by its shape
   Eigen::VectorXd in_order;         ///< ln f of the same number of modes, ascending
-  Eigen::MatrixXd shapes;           ///< candidate sensors × modes, mass-normalised
+  /// Candidate sensors × modes, mass-normalised; after the measured modes, modes outside them that
+  /// are close to one of them.
+  Eigen::MatrixXd shapes;
   Eigen::MatrixXd with_mass;        ///< modes × added masses: ln f, ascending
 };
 
@@ -79,6 +81,8 @@ class PlannedStructure {
   /// The place of a location on a kind's line; -1 if its prior probability is 0.
   [[nodiscard]] int place_of(int kind, double location) const;
   [[nodiscard]] const TestModes& intact() const { return intact_; }
+  /// Candidate sensors × measured modes: shapes of the intact structure.
+  [[nodiscard]] Eigen::MatrixXd intact_shapes() const { return intact_.shapes.leftCols(modes()); }
   /// Number of measured modes.
   [[nodiscard]] int modes() const { return static_cast<int>(chosen_.size()); }
   /// Indices of the measured elastic modes, from 0.
@@ -107,6 +111,7 @@ class PlannedStructure {
   std::vector<int> chosen_;
   std::vector<int> close_;  // group of modes without shapes; -1: has a shape
   std::vector<Turn> turns_;
+  std::vector<int> neighbours_;  // unmeasured modes that are close to a measured one
   std::vector<TestPlace> places_;
   std::vector<std::vector<int>> place_of_cell_;  // per kind
   TestModes intact_;

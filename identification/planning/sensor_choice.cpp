@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <memory>
 #include <numeric>
 #include <set>
 #include <span>
@@ -25,19 +26,27 @@ using Eigen::VectorXd;
 constexpr int kMostPairs = 120;
 /// Rounds of exchanges.
 constexpr int kMostPasses = 10;
+/// Scenarios of a comparison on the way to a design: a wrong choice between nearly equal designs is
+/// repaired by later exchanges.
+constexpr int kMostOnTheWay = 512;
+/// Largest number of designs whose normal tests are kept between two rounds of a comparison.
+constexpr std::size_t kKeptTests = 64;
 
 /// Compares designs by the same simulated tests.
 class Race {
  public:
   Race(const ScenarioSource& source, const PlacePredictions& predictions, const TestNoise& noise,
        const ChoiceOptions& options)
-      : source_(source), predictions_(predictions), noise_(noise), options_(options) {}
+      : source_(source), predictions_(predictions), noise_(noise), options_(options) {
+    for (const NormalModel& m : source.models())
+      damaged_ += std::ranges::all_of(m.counts, [](int c) { return c == 0; }) ? 0.0 : m.prior;
+  }
 
   [[nodiscard]] long compared() const { return compared_; }
   [[nodiscard]] int scenarios() const { return scenarios_; }
 
-  /// The `keep` best designs, best first.
-  std::vector<RankedDesign> run(const std::vector<TestDesign>& designs, int keep) {
+  /// The `keep` best designs, best first, by at most `most` scenarios.
+  std::vector<RankedDesign> run(const std::vector<TestDesign>& designs, int keep, int most) {
     std::vector<Runner> field;
     std::set<Key> seen;  // two runners of one design would write to the same values
     for (const TestDesign& design : designs)
@@ -54,23 +63,24 @@ class Race {
         std::erase_if(field,
                       [&](const Runner& r) { return &r > &last && is_worse(r, last, count); });
       }
-      if (field.size() <= places || to >= options_.most_scenarios) break;
+      if (field.size() <= places || to >= most) break;
     }
     scenarios_ = std::max(scenarios_, count);
     std::vector<RankedDesign> out;
     for (const Runner& r : field)
       if (out.size() < static_cast<std::size_t>(keep))
-        out.push_back({r.design, {weighted_mean(r.first(count)), standard_error(r.first(count))}});
+        out.push_back({r.design, estimate(r.first(count))});
     return out;
   }
 
  private:
   struct Runner {
     TestDesign design;
-    std::vector<double>* information;  // one value per scenario that the design was scored with
+    std::vector<double>* scores;  // one value per scenario that the design was scored with
+    std::shared_ptr<const PreparedDesign> test = {};
 
     [[nodiscard]] std::span<const double> first(int count) const {
-      return std::span(*information).first(index(count));
+      return std::span(*scores).first(index(count));
     }
   };
   using Key = std::pair<std::vector<int>, int>;
@@ -78,62 +88,62 @@ class Race {
 
   /// Scores every design of the field with the first `to` scenarios. Values of earlier comparisons
   /// are used again.
-  void extend(const std::vector<Runner>& field, int to) {
-    if (static_cast<int>(truths_.size()) < to) {
-      std::vector<Scenario> more =
-          source_.draw(truths_.size(), to - static_cast<int>(truths_.size()), options_.threads);
-      std::ranges::move(more, std::back_inserter(truths_));
+  void extend(std::vector<Runner>& field, int to) {
+    while (static_cast<int>(truths_.size()) < to) {
+      const int more = to - static_cast<int>(truths_.size());
+      for (Scenario& s : source_.draw(drawn_, more, options_.threads))
+        if (!s.truth.defects.empty()) truths_.push_back(std::move(s));
+      drawn_ += static_cast<std::uint64_t>(more);
     }
     base::parallel_for(static_cast<int>(field.size()), options_.threads, [&](int i) {
-      std::vector<double>& information = *field[index(i)].information;
-      if (information.size() >= index(to)) return;
-      const std::size_t from = information.size();
+      Runner& runner = field[index(i)];
+      if (runner.scores->size() >= index(to)) return;
+      const std::size_t from = runner.scores->size();
       const auto part = std::span(truths_).subspan(from, index(to) - from);
-      const PreparedDesign design =
-          prepare(source_.structure(), predictions_, noise_, field[index(i)].design);
-      for (const TestOutcome& o : simulate_tests(source_, design, part, options_.tolerance))
-        information.push_back(o.information);
+      if (!runner.test)
+        runner.test = std::make_shared<const PreparedDesign>(
+            prepare(source_.structure(), predictions_, noise_, runner.design));
+      for (const TestOutcome& o : simulate_tests(source_, *runner.test, part, options_.tolerance))
+        runner.scores->push_back(location_score(o));
+      if (field.size() > kKeptTests) runner.test.reset();
     });
   }
 
-  /// Under the prior of models: scenario n has model n mod the number of models.
-  [[nodiscard]] double weighted_mean(std::span<const double> values) const {
-    const auto& models = source_.models();
-    std::vector<double> sum(models.size(), 0.0), n(models.size(), 0.0);
+  /// Mean and variance of the mean, under the prior of models with damage.
+  [[nodiscard]] TestEstimate estimate(std::span<const double> values) const {
+    struct Sums {
+      double n = 0.0, sum = 0.0, squares = 0.0;
+    };
+    std::vector<Sums> sums(source_.models().size());
     for (std::size_t i = 0; i < values.size(); ++i) {
-      sum[i % models.size()] += values[i];
-      n[i % models.size()] += 1.0;
+      Sums& s = sums[index(truths_[i].truth.model)];
+      s.n += 1.0;
+      s.sum += values[i];
+      s.squares += values[i] * values[i];
     }
-    double out = 0.0;
-    for (std::size_t m = 0; m < models.size(); ++m) out += models[m].prior * sum[m] / n[m];
-    return out;
-  }
-  [[nodiscard]] double standard_error(std::span<const double> values) const {
-    const auto& models = source_.models();
-    const std::size_t k = models.size();
+    TestEstimate out;
     double variance = 0.0;
-    for (std::size_t m = 0; m < k; ++m) {
-      double sum = 0.0, squares = 0.0, n = 0.0;
-      for (std::size_t i = m; i < values.size(); i += k) {
-        sum += values[i];
-        squares += values[i] * values[i];
-        n += 1.0;
-      }
-      variance +=
-          models[m].prior * models[m].prior * std::max(0.0, squares / n - sum * sum / (n * n)) / n;
+    for (std::size_t m = 0; m < sums.size(); ++m) {
+      const Sums& s = sums[m];
+      if (s.n == 0.0) continue;
+      const double share = source_.models()[m].prior / damaged_, mean = s.sum / s.n;
+      out.value += share * mean;
+      variance += share * share * std::max(0.0, s.squares / s.n - mean * mean) / s.n;
     }
-    return std::sqrt(variance);
+    out.mcse = std::sqrt(variance);
+    return out;
   }
   [[nodiscard]] bool is_worse(const Runner& r, const Runner& than, int count) const {
     std::vector<double> difference(index(count));
     for (std::size_t i = 0; i < difference.size(); ++i)
-      difference[i] = (*than.information)[i] - (*r.information)[i];
-    return weighted_mean(difference) > 3.0 * standard_error(difference);
+      difference[i] = (*than.scores)[i] - (*r.scores)[i];
+    const TestEstimate d = estimate(difference);
+    return d.value > 3.0 * d.mcse;
   }
   void sort(std::vector<Runner>& field, int count) const {
     std::vector<std::pair<double, std::size_t>> order;
     for (std::size_t i = 0; i < field.size(); ++i)
-      order.emplace_back(-weighted_mean(field[i].first(count)), i);
+      order.emplace_back(-estimate(field[i].first(count)).value, i);
     std::ranges::sort(order);
     std::vector<Runner> sorted;
     for (const auto& [value, i] : order) sorted.push_back(std::move(field[i]));
@@ -144,7 +154,9 @@ class Race {
   const PlacePredictions& predictions_;
   const TestNoise& noise_;
   const ChoiceOptions& options_;
-  std::vector<Scenario> truths_;
+  double damaged_ = 0.0;          // prior probability of damage
+  std::vector<Scenario> truths_;  // with damage
+  std::uint64_t drawn_ = 0;       // scenarios that were drawn
   std::map<Key, std::vector<double>> known_;  // values of every design that was scored
   long compared_ = 0;
   int scenarios_ = 0;
@@ -192,6 +204,17 @@ std::vector<TestDesign> longer(const TestDesign& design, int candidates) {
   return out;
 }
 
+/// The designs with one sensor fewer.
+std::vector<TestDesign> shorter(const TestDesign& design) {
+  std::vector<TestDesign> out;
+  for (std::size_t i = 0; i < design.sensors.size(); ++i) {
+    std::vector<int> sensors = design.sensors;
+    sensors.erase(sensors.begin() + static_cast<std::ptrdiff_t>(i));
+    out.push_back({.sensors = std::move(sensors)});
+  }
+  return out;
+}
+
 /// The design and those with one sensor exchanged.
 std::vector<TestDesign> exchanged(const TestDesign& design, int candidates) {
   std::vector<TestDesign> out = {design};
@@ -205,7 +228,24 @@ std::vector<TestDesign> exchanged(const TestDesign& design, int candidates) {
   return out;
 }
 
+/// Removes the least useful sensor and adds the best other one, until the design does not change.
+TestDesign with_exchanges(Race& race, TestDesign design, int candidates, int most) {
+  for (int pass = 0; pass < kMostPasses && design.sensors.size() > 2; ++pass) {
+    std::vector<TestDesign> next = longer(race.run(shorter(design), 1, most)[0].design, candidates);
+    next.push_back(design);
+    TestDesign best = race.run(next, 1, most)[0].design;
+    if (best == design) break;
+    design = std::move(best);
+  }
+  return design;
+}
+
 }  // namespace
+
+double location_score(const TestOutcome& outcome) {
+  const double s = outcome.located, rest = 1.0 - s;
+  return s * s / (s * s + rest * rest);
+}
 
 double layout_count(int candidates, int choose) {
   double out = 1.0;
@@ -225,31 +265,36 @@ SensorChoice choose_sensors(const ScenarioSource& source, const PlacePredictions
   SensorChoice out;
   Race race(source, predictions, noise, options);
   if (options.choose < 2) {
-    out.best = race.run({TestDesign{}}, 1);
+    out.best = race.run({TestDesign{}}, 1, options.most_scenarios);
     out.exhaustive = true;
   } else {
-    const auto& shapes = source.structure().intact().shapes;
-    std::vector<RankedDesign> best = race.run(pairs_of(shapes, source.seed()), 1);
+    const MatrixXd shapes = source.structure().intact_shapes();
+    const int on_the_way = std::min(options.most_scenarios, kMostOnTheWay);
+    std::vector<RankedDesign> best = race.run(pairs_of(shapes, source.seed()), 1, on_the_way);
     out.path = best;
     for (int n = 3; n <= options.choose; ++n) {
       report(0.5 * (n - 2) / options.choose);
-      best = race.run(longer(best[0].design, candidates), n == options.choose ? options.keep : 1);
+      best = race.run(longer(best[0].design, candidates), 1, on_the_way);
       out.path.push_back(best[0]);
     }
     if (layout_count(candidates, options.choose) <= options.exhaustive) {
       out.exhaustive = true;
-      best = race.run(all_layouts(candidates, options.choose), options.keep);
+      best = race.run(all_layouts(candidates, options.choose), options.keep, options.most_scenarios);
     } else {
-      best = race.run({best[0].design, with(effective_independence(shapes, options.choose)),
-                       with(kinetic_energy(shapes, options.choose))},
-                      1);
+      std::vector<TestDesign> starts = {best[0].design,
+                                        with(effective_independence(shapes, options.choose)),
+                                        with(kinetic_energy(shapes, options.choose))};
+      for (TestDesign& start : starts) {
+        report(0.5 + 0.1 * static_cast<double>(&start - starts.data()));
+        start = with_exchanges(race, start, candidates, on_the_way);
+      }
+      best = race.run(starts, 1, options.most_scenarios);
       for (int pass = 0; pass < kMostPasses; ++pass) {
-        report(0.5 + 0.5 * pass / kMostPasses);
+        report(0.8 + 0.2 * pass / kMostPasses);
         const TestDesign before = best[0].design;
-        best = race.run(exchanged(before, candidates), 1);
+        best = race.run(exchanged(before, candidates), options.keep, options.most_scenarios);
         if (best[0].design == before) break;
       }
-      best = race.run(exchanged(best[0].design, candidates), options.keep);
     }
     out.best = std::move(best);
   }

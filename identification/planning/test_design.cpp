@@ -57,7 +57,7 @@ TestData::TestData(const PlannedStructure& structure, const TestNoise& noise, Te
     if (!(norm > 1e-9 * intact.shapes.col(i).norm())) continue;
     Shape shape{.mode = static_cast<int>(i),
                 .first = size_,
-                .kappa = norm / (shape_sd_ * at.cwiseAbs().maxCoeff()),
+                .kappa = norm / (shape_sd_ * intact.shapes.col(i).cwiseAbs().maxCoeff()),
                 .unit = at / norm,
                 .turned = {}};
     if (const auto& turn = structure.turn(static_cast<int>(i)); turn.mode >= 0) {
@@ -72,6 +72,10 @@ TestData::TestData(const PlannedStructure& structure, const TestNoise& noise, Te
     size_ += m;
     shapes_.push_back(std::move(shape));
   }
+}
+
+bool TestData::has_shape(int mode) const {
+  return std::ranges::any_of(shapes_, [mode](const Shape& s) { return s.mode == mode; });
 }
 
 void TestData::place(const Shape& shape, const VectorXd& measured, Eigen::Ref<VectorXd> out) const {
@@ -105,7 +109,7 @@ void TestData::mean(const TestModes& modes, Eigen::Ref<VectorXd> out) const {
 VectorXd TestData::measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                   int mode) const {
   VectorXd shape = modes.shapes.col(mode)(design_.sensors);
-  const double largest = std::max(shape.cwiseAbs().maxCoeff(), 1e-300);
+  const double largest = std::max(modes.shapes.col(mode).cwiseAbs().maxCoeff(), 1e-300);
   if (const auto& turn = structure_.turn(mode); turn.mode >= 0)
     shape += turn.tau * numbers.turns[mode] * modes.shapes.col(turn.mode)(design_.sensors);
   shape /= largest;

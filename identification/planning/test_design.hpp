@@ -23,8 +23,8 @@ struct TestDesign {
 ///
 ///   cov(f)² = ζ / (2π f T) + discrepancy²,
 ///
-/// The sd of shape entries, for a largest measured entry of 1, is given for `reference_seconds` and
-/// is proportional to 1/√T, as in this formula.
+/// The sd of shape entries, for a largest entry of 1 over all candidate sensors, is given for
+/// `reference_seconds` and is proportional to 1/√T, as in this formula.
 struct TestNoise {
   double seconds = 600.0;
   double damping = 0.01;
@@ -49,7 +49,7 @@ struct TestNumbers {
 
 /// Converts modes to whitened data relative to the intact structure. Frequencies: (ln f - ln f₀) /
 /// cov. Shapes: the unit vector û = φ_S / |φ_S| at the sensors S with the sign of û₀, as κ (û -
-/// û₀), κ = |φ₀| / (sd max |φ₀|): for small angles, |κ (û - û')|² is the χ² of ShapeDensity. Model
+/// û₀), κ = |φ₀| / (sd M), M = max |φ₀| over all candidates: for small angles, |κ (û - û')|² is the χ² of ShapeDensity. Model
 /// errors may rotate a shape towards a close mode, with the sd τ of the angle. In this direction,
 /// the data are divided by √(1 + (κ τ |w|)²), with w the component of the close mode's shape normal
 /// to û₀, relative to φ₀.
@@ -64,9 +64,13 @@ class TestData {
   /// Simulated data of a test with these modes.
   void measured(const TestModes& modes, const TestNumbers& numbers,
                 Eigen::Ref<Eigen::VectorXd> out) const;
-  /// The measured shape (sensors) of a mode, with a largest entry of 1 before the noise.
+  /// The measured shape (sensors) of a mode; its largest entry over all candidates is 1 before the
+  /// noise.
   [[nodiscard]] Eigen::VectorXd measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                                int mode) const;
+  /// Whether the data hold the shape of a mode: modes without a shape of their own, and modes with a
+  /// node at every sensor, have none.
+  [[nodiscard]] bool has_shape(int mode) const;
   [[nodiscard]] bool with_shapes() const { return design_.sensors.size() >= 2; }
 
  private:

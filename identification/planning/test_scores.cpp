@@ -1,7 +1,9 @@
 #include "identification/planning/test_scores.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <map>
 #include <stdexcept>
 
 #include "base/constants.hpp"
@@ -28,23 +30,17 @@ double TestScorer::information(const TestTruth& truth, const NormalTest::Measure
   return std::log((1.0 - kFloor) * std::exp(ratio) + kFloor);
 }
 
-bool TestScorer::near(const std::vector<double>& weights, const TestTruth::Defect& defect) const {
-  std::vector<double> sites;
+/// Whether the median location, by the weights of places on the true site, is within the tolerance.
+bool TestScorer::is_near(const std::vector<double>& weights,
+                         const TestTruth::Defect& defect) const {
+  double all = 0.0, sum = 0.0;
+  for (const double w : weights) all += w;
   for (std::size_t a = 0; a < weights.size(); ++a) {
-    const auto site = index(spans_[a].site);
-    if (site >= sites.size()) sites.resize(site + 1, 0.0);
-    sites[site] += weights[a];
-  }
-  const auto best = std::ranges::max_element(sites);
-  const auto site = static_cast<int>(best - sites.begin());
-  if (!(*best > 0.0) || site != spans_[index(defect.place)].site) return false;
-  double sum = 0.0;
-  for (std::size_t a = 0; a < weights.size(); ++a) {
-    if (!(weights[a] > 0.0) || spans_[a].site != site) continue;
+    if (!(weights[a] > 0.0)) continue;
     const double before = sum;
     sum += weights[a];
-    if (sum < 0.5 * *best) continue;
-    const double share = (0.5 * *best - before) / weights[a];
+    if (sum < 0.5 * all) continue;
+    const double share = (0.5 * all - before) / weights[a];
     const double median = spans_[a].start + share * (spans_[a].end - spans_[a].start);
     return std::abs(median - defect.at) <= tolerance_;
   }
@@ -61,28 +57,72 @@ bool TestScorer::is_right(const TestTruth& truth, const NormalTest::Answer& answ
   if (truth.defects.empty()) return true;
   const auto& places = test_.places();
   const std::size_t slots = truth.defects.size();
-  std::vector<std::vector<double>> weights(slots, std::vector<double>(places.size(), 0.0));
+  using Sites = std::array<int, 2>;
+  struct Weighted {
+    Sites at;  // places
+    double weight;
+  };
+  std::vector<Weighted> list;
+  double most = -kInfinity;
   if (slots == 1) {
     const int kind = places[index(truth.defects[0].place)].kind;
-    double most = -kInfinity;
-    for (std::size_t a = 0; a < places.size(); ++a)
-      if (places[a].kind == kind) most = std::max(most, answer.log_places[a]);
-    for (std::size_t a = 0; a < places.size(); ++a)
-      if (places[a].kind == kind)
-        weights[0][a] = places[a].prior * std::exp(answer.log_places[a] - most);
+    for (std::size_t a = 0; a < places.size(); ++a) {
+      if (places[a].kind != kind || !(places[a].prior > 0.0)) continue;
+      list.push_back({{static_cast<int>(a), static_cast<int>(a)},
+                      answer.log_places[a] + std::log(places[a].prior)});
+    }
   } else {
-    const auto& pairs = answer.pairs[index(truth.model)];
-    double most = -kInfinity;
-    for (const auto& pair : pairs) most = std::max(most, pair.log_weight);
-    for (const auto& pair : pairs) {
-      const double w = std::exp(pair.log_weight - most);
-      weights[0][index(std::min(pair.a, pair.b))] += w;
-      weights[1][index(std::max(pair.a, pair.b))] += w;
+    for (const auto& pair : answer.pairs[index(truth.model)])
+      list.push_back({{std::min(pair.a, pair.b), std::max(pair.a, pair.b)}, pair.log_weight});
+  }
+  const auto sites_of = [&](const Sites& at) {
+    return Sites{spans_[index(at[0])].site, spans_[index(at[1])].site};
+  };
+  for (const Weighted& w : list) most = std::max(most, w.weight);
+  std::map<Sites, double> sites;
+  for (Weighted& w : list) sites[sites_of(w.at)] += w.weight = std::exp(w.weight - most);
+  const auto best = std::ranges::max_element(sites, {}, [](const auto& s) { return s.second; });
+  const Sites true_places = {truth.defects.front().place, truth.defects.back().place};
+  if (best == sites.end() || best->first != sites_of(true_places)) return false;
+  for (std::size_t i = 0; i < slots; ++i) {
+    std::vector<double> weights(places.size(), 0.0);
+    for (const Weighted& w : list)
+      if (sites_of(w.at) == best->first) weights[index(w.at[i])] += w.weight;
+    if (!is_near(weights, truth.defects[i])) return false;
+  }
+  return true;
+}
+
+/// The share of a place within the tolerance of the true location.
+double TestScorer::within_tolerance(int place, const TestTruth::Defect& defect) const {
+  const PlaceSpan& span = spans_[index(place)];
+  if (span.site != spans_[index(defect.place)].site) return 0.0;
+  const double length = span.end - span.start;
+  if (!(length > 0.0)) return std::abs(span.start - defect.at) <= tolerance_ ? 1.0 : 0.0;
+  const double inside = std::min(span.end, defect.at + tolerance_) -
+                        std::max(span.start, defect.at - tolerance_);
+  return std::clamp(inside / length, 0.0, 1.0);
+}
+
+double TestScorer::located(const TestTruth& truth, const NormalTest::Answer& answer) const {
+  const double prior = test_.models()[index(truth.model)].prior;
+  if (truth.defects.empty()) return prior * std::exp(-answer.log_all);
+  const auto& places = test_.places();
+  double sum = 0.0;
+  if (truth.defects.size() == 1) {
+    const TestTruth::Defect& defect = truth.defects[0];
+    for (std::size_t a = 0; a < places.size(); ++a)
+      if (places[a].kind == places[index(defect.place)].kind)
+        if (const double share = within_tolerance(static_cast<int>(a), defect); share > 0.0)
+          sum += share * places[a].prior * std::exp(answer.log_places[a] - answer.log_all);
+  } else {
+    for (const auto& pair : answer.pairs[index(truth.model)]) {
+      const double share = within_tolerance(std::min(pair.a, pair.b), truth.defects[0]) *
+                           within_tolerance(std::max(pair.a, pair.b), truth.defects[1]);
+      if (share > 0.0) sum += share * std::exp(pair.log_weight - answer.log_all);
     }
   }
-  for (std::size_t i = 0; i < slots; ++i)
-    if (!near(weights[i], truth.defects[i])) return false;
-  return true;
+  return std::min(1.0, prior * sum);
 }
 
 TestOutcome TestScorer::score(const TestTruth& truth, const NormalTest::Measured& measured,
@@ -90,7 +130,8 @@ TestOutcome TestScorer::score(const TestTruth& truth, const NormalTest::Measured
   return {.model = truth.model,
           .log_odds = answer.log_odds,
           .information = information(truth, measured, answer),
-          .right = is_right(truth, answer)};
+          .right = is_right(truth, answer),
+          .located = located(truth, answer)};
 }
 
 TestScores summarise(const std::vector<TestOutcome>& outcomes,

@@ -36,11 +36,14 @@ struct TestOutcome {
   /// floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;
   bool right = false;  ///< true if the most probable number and all locations are right
+  /// P(true number, and every location within the tolerance of its true location | y).
+  double located = 0.0;
 };
 
 /// Scores the results of a NormalTest. The count is right if the most probable model is the true
-/// model. A place is right if the most probable site of the defect is the true site, and the
-/// posterior median of the location on this site is within `tolerance` [m] of the true location.
+/// model. The places are right if the most probable sites of the defects are the true sites, and
+/// given these sites, the posterior median of each location is within `tolerance` [m] of the true
+/// location.
 class TestScorer {
  public:
   TestScorer(const NormalTest& test, std::vector<PlaceSpan> spans, double tolerance)
@@ -55,8 +58,10 @@ class TestScorer {
   [[nodiscard]] double information(const TestTruth& truth, const NormalTest::Measured& measured,
                                    const NormalTest::Answer& answer) const;
   [[nodiscard]] bool is_right(const TestTruth& truth, const NormalTest::Answer& answer) const;
-  [[nodiscard]] bool near(const std::vector<double>& weights,
-                          const TestTruth::Defect& defect) const;
+  [[nodiscard]] bool is_near(const std::vector<double>& weights,
+                             const TestTruth::Defect& defect) const;
+  [[nodiscard]] double within_tolerance(int place, const TestTruth::Defect& defect) const;
+  [[nodiscard]] double located(const TestTruth& truth, const NormalTest::Answer& answer) const;
 
   const NormalTest& test_;
   std::vector<PlaceSpan> spans_;

@@ -3,6 +3,7 @@
 //
 //   planning_study agreement beam|frame|space TESTS [quick]   one line of JSON a test, then the
 //                                                             comparison; quick runs of the engine
+//   planning_study truths beam|frame|space TESTS [SEARCHES]  does the engine find two damages?
 //   planning_study layouts STRUCTURES [FIRST]         one line of JSON a random plane frame
 //   planning_study time [SCENARIOS [THREADS]]         search and scores of a frame with 60
 //   candidates
@@ -11,6 +12,8 @@
 #include <cstdlib>
 #include <ctime>
 #include <iostream>
+#include <numeric>
+#include <span>
 
 #include "base/index.hpp"
 #include "base/parallel.hpp"
@@ -201,6 +204,46 @@ int agreement(const std::string& name, int tests, bool quick) {
   return 0;
 }
 
+/// Does the engine find the true damage? One line a test: ln of the likelihood of the truth minus
+/// that of the engine's best draw, by the model that the engine uses. A large positive value means
+/// that the search missed the true damage.
+int truths(const std::string& name, int tests, int searches) {
+  const PlanCase plan = named(name);
+  const PlanOptions options{.scenarios = 4000, .threads = base::thread_count(0)};
+  const PlanModel model(plan, options);
+  const TestDesign design = search_sensors(plan, options).best.front().design;
+  const PreparedDesign prepared =
+      prepare(model.structure(), model.predictions(), plan.noise, design);
+  PlannedStructure::Solver solver(model.structure());
+  int both = 0, by_plan = 0, by_engine = 0, missed = 0;
+  for (int i = 0; i < tests; ++i) {
+    const std::uint64_t number = (std::uint64_t{1} << 40) + static_cast<std::uint64_t>(i);
+    const std::vector<Scenario> scenario = {model.source().draw(number, solver)};
+    if (scenario[0].defects.size() < 2) continue;
+    const TestOutcome outcome =
+        simulate_tests(model.source(), prepared, scenario, plan.tolerance)[0];
+    inference::Options own{.seed = number, .threads = options.threads, .quick = true};
+    if (searches > 0) own.searches = searches;
+    const auto begun = std::clock();
+    const EngineOutcome engine =
+        identify(plan, model.source(), design, number, own);
+    ++both;
+    by_plan += outcome.right;
+    by_engine += engine.right;
+    missed += engine.truth_gain > 3.0;
+    std::printf(
+        "{\"test\": %d, \"plan right\": %d, \"located\": %.3f, \"engine right\": %d, \"model\": %d, "
+        "\"truth minus best\": %.2f, \"processor seconds\": %.1f}\n",
+        i, outcome.right, outcome.located, engine.right, engine.model, engine.truth_gain,
+        static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC);
+    std::fflush(stdout);
+  }
+  std::printf("%s: %d tests with two damages; right by the plan %d, by the engine %d; truth missed "
+              "in %d\n",
+              name.c_str(), both, by_plan, by_engine, missed);
+  return 0;
+}
+
 /// A random plane frame with a noise level at which about half the damages are found.
 PlanCase random_plan(int number) {
   base::Random random(20'26, 0, static_cast<std::uint64_t>(number), base::Purpose::test);
@@ -208,11 +251,63 @@ PlanCase random_plan(int number) {
   const int bays = 1 + random.index(2), storeys = 1 + random.index(3);
   for (int b = 0; b < bays; ++b) x.push_back(x.back() + 3.0 + 3.0 * random.uniform());
   for (int s = 0; s < storeys; ++s) y.push_back(y.back() + 2.8 + 1.5 * random.uniform());
-  PlanCase plan = of_structure(plane_frame(x, y, 4), 1 + random.index(2), 3 + random.index(3),
+  PlanCase plan = of_structure(plane_frame(x, y, 6), 1 + random.index(2), 3 + random.index(3),
                                4 + random.index(4), true, 60);
   plan.noise.seconds = plan.noise.reference_seconds = std::exp(4.0 + 3.5 * random.uniform());
   plan.noise.shape_sd = 0.01 + 0.03 * random.uniform();
   return plan;
+}
+
+/// Outcomes of two designs for the same simulated tests.
+struct Paired {
+  TestScores scores[2];
+  double difference = 0.0, error = 0.0;  // of the probabilities of the right place
+};
+
+Paired compare(const PlanCase& plan, const PlanModel& model, const TestDesign& one,
+               const TestDesign& other, int scenarios, std::uint64_t first, int threads) {
+  const PreparedDesign designs[2] = {
+      prepare(model.structure(), model.predictions(), plan.noise, one),
+      prepare(model.structure(), model.predictions(), plan.noise, other)};
+  const std::vector<Scenario> drawn = model.source().draw(first, scenarios, threads);
+  constexpr int kBlock = 250;
+  const int blocks = (scenarios + kBlock - 1) / kBlock;
+  std::vector<std::vector<TestOutcome>> found(index(2 * blocks));
+  base::parallel_for(2 * blocks, threads, [&](int b) {
+    const int begin = b / 2 * kBlock, size = std::min(kBlock, scenarios - begin);
+    found[index(b)] =
+        simulate_tests(model.source(), designs[b % 2],
+                       std::span(drawn).subspan(index(begin), index(size)), plan.tolerance);
+  });
+  std::vector<TestOutcome> all[2];
+  for (int b = 0; b < 2 * blocks; ++b)
+    all[b % 2].insert(all[b % 2].end(), found[index(b)].begin(), found[index(b)].end());
+  Paired out;
+  for (int d : {0, 1})
+    out.scores[d] = summarise(all[d], model.source().models(), plan.false_alarm);
+  const auto& models = model.source().models();
+  std::vector<double> n(models.size()), sum(models.size()), squares(models.size());
+  for (std::size_t i = 0; i < drawn.size(); ++i) {
+    const auto m = index(drawn[i].truth.model);
+    double right[2];
+    for (int d : {0, 1})
+      right[d] = all[d][i].right && all[d][i].log_odds > out.scores[d].threshold ? 1.0 : 0.0;
+    n[m] += 1.0;
+    sum[m] += right[0] - right[1];
+    squares[m] += std::abs(right[0] - right[1]);
+  }
+  double damaged = 0.0, variance = 0.0;
+  for (std::size_t m = 0; m < models.size(); ++m)
+    if (std::reduce(models[m].counts.begin(), models[m].counts.end()) > 0)
+      damaged += models[m].prior;
+  for (std::size_t m = 0; m < models.size(); ++m) {
+    if (std::reduce(models[m].counts.begin(), models[m].counts.end()) == 0) continue;
+    const double share = models[m].prior / damaged, mean = sum[m] / n[m];
+    out.difference += share * mean;
+    variance += share * share * (squares[m] / n[m] - mean * mean) / n[m];
+  }
+  out.error = std::sqrt(variance);
+  return out;
 }
 
 int layouts(int structures, int first) {
@@ -223,41 +318,45 @@ int layouts(int structures, int first) {
     const PlanOptions options{.scenarios = 20'000, .seed = 5, .threads = base::thread_count(0)};
     const PlanModel model(plan, options);
     const TestDesign classical{
-        .sensors = effective_independence(model.structure().intact().shapes, plan.choose)};
-    const ScoringOptions how{.scenarios = 20'000,
-                             .false_alarm = plan.false_alarm,
-                             .tolerance = plan.tolerance,
-                             .threads = options.threads};
+        .sensors = effective_independence(model.structure().intact_shapes(), plan.choose)};
+    const auto scored = [&](const std::vector<TestDesign>& designs, int scenarios,
+                            std::uint64_t from) {
+      return score_designs(model.source(), model.predictions(), plan.noise, designs,
+                           {.scenarios = scenarios,
+                            .false_alarm = plan.false_alarm,
+                            .tolerance = plan.tolerance,
+                            .threads = options.threads},
+                           from);
+    };
     // Structures in which effective independence gives between 20 and 80 %.
-    const double quick = score_designs(model.source(), model.predictions(), plan.noise, {classical},
-                                       {.scenarios = 3000,
-                                        .false_alarm = plan.false_alarm,
-                                        .tolerance = plan.tolerance,
-                                        .threads = options.threads},
-                                       1u << 30)[0]
-                             .right_place.value;
+    const double quick = scored({classical}, 3000, 1u << 30)[0].right_place.value;
     if (!(quick > 0.2 && quick < 0.8)) continue;
-    const PlanModel search(plan, {.seed = 6, .threads = options.threads});
-    const SensorChoice choice = choose_sensors(search.source(), search.predictions(), plan.noise,
-                                               {.choose = plan.choose,
-                                                .threads = options.threads,
-                                                .tolerance = plan.tolerance,
-                                                .most_scenarios = 2048});
-    const auto scores = score_designs(model.source(), model.predictions(), plan.noise,
-                                      {choice.best.front().design, classical}, how);
-    const double difference = scores[0].right_place.value - scores[1].right_place.value;
-    const double error = std::hypot(scores[0].right_place.mcse, scores[1].right_place.mcse);
-    better += difference > 2.0 * error ? 1.0 : difference > -2.0 * error ? 0.5 : 0.0;
-    mean += difference;
+    // As the program: the best design of the search by further simulated tests. The comparison uses
+    // other tests.
+    const SensorChoice choice = search_sensors(plan, options);
+    std::vector<TestDesign> designs = {classical};
+    for (const RankedDesign& d : choice.best) designs.push_back(d.design);
+    const auto scores = scored(designs, 10'000, 0);
+    std::size_t best = 0;
+    for (std::size_t d = 1; d < designs.size(); ++d)
+      if (scores[d].right_place.value > scores[best].right_place.value) best = d;
+    const Paired pair =
+        compare(plan, model, designs[best], classical, 20'000, 1u << 20, options.threads);
+    better += pair.difference > 2.0 * pair.error                                    ? 1.0
+              : best == 0 || std::abs(pair.difference) <= 2.0 * pair.error ? 0.5
+                                                                                    : 0.0;
+    mean += pair.difference;
     ++used;
     std::printf(
         "{\"structure\": %d, \"candidates\": %zu, \"choose\": %d, \"modes\": %d, \"most\": %d, "
         "\"chosen\": %.4f, \"effective independence\": %.4f, \"difference\": %.4f, \"se\": %.4f, "
-        "\"detected\": %.4f, \"detected by effective independence\": %.4f}\n",
+        "\"detected\": %.4f, \"detected by effective independence\": %.4f, \"information\": %.4f, "
+        "\"information by effective independence\": %.4f}\n",
         number, plan.structure.candidates.size(), plan.choose, model.structure().modes(),
-        plan.damage_case.kinds[0].max_count, scores[0].right_place.value,
-        scores[1].right_place.value, difference, error, scores[0].detection.value,
-        scores[1].detection.value);
+        plan.damage_case.kinds[0].max_count, pair.scores[0].right_place.value,
+        pair.scores[1].right_place.value, pair.difference, pair.error,
+        pair.scores[0].detection.value, pair.scores[1].detection.value,
+        pair.scores[0].information.value, pair.scores[1].information.value);
     std::fflush(stdout);
   }
   std::printf("%d structures: better in %.1f %%, mean difference %.4f\n", used,
@@ -303,10 +402,12 @@ int main(int argc, char** argv) {
   if (what == "agreement" && argc > 3) return agreement(argv[2], std::atoi(argv[3]), argc > 4);
   if (what == "layouts" && argc > 2)
     return layouts(std::atoi(argv[2]), argc > 3 ? std::atoi(argv[3]) : 0);
+  if (what == "truths" && argc > 3)
+    return truths(argv[2], std::atoi(argv[3]), argc > 4 ? std::atoi(argv[4]) : 0);
   if (what == "time")
     return time_it(argc > 2 ? std::atoi(argv[2]) : 100'000, argc > 3 ? std::atoi(argv[3]) : 0);
-  std::cerr << "usage: planning_study agreement beam|frame|space TESTS [quick] | layouts "
-               "STRUCTURES [FIRST] | "
+  std::cerr << "usage: planning_study agreement beam|frame|space TESTS [quick] | "
+               "truths beam|frame|space TESTS [SEARCHES] | layouts STRUCTURES [FIRST] | "
                "time [SCENARIOS [THREADS]]\n";
   return 64;
 }
