@@ -73,7 +73,9 @@ struct MovedNode {
       y.row(row) << entry.real(), entry.imag();
     }
     const Eigen::MatrixXd u =
-        d.jacobiSvd(Eigen::ComputeThinU | Eigen::ComputeThinV).setThreshold(1e-3).solve(y);
+        Eigen::BDCSVD<Eigen::MatrixXd>(d, Eigen::ComputeThinU | Eigen::ComputeThinV)
+            .setThreshold(1e-3)
+            .solve(y);
     Eigen::Vector3cd out;
     out.real() = u.col(0);
     out.imag() = u.col(1);
