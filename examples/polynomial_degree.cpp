@@ -37,7 +37,7 @@ class Readings : public Likelihood {
       const double predicted = x[0] + x[1] * t + (x.size() > 3 ? x[3] * t * t : 0.0);
       const double r = (y_[i] - predicted) / x[2];
       sum +=
-          -0.5 * r * r - std::log(x[2] * 2.50662827463100050242);  // with normalising constant
+          -0.5 * r * r - std::log(x[2] * 2.50662827463100050242);  // with the normalising constant
     }
     return sum;
   }
