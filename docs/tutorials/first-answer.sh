@@ -22,7 +22,7 @@ wheeltap damage my-beam/damage.json -o results/my-beam --seed 1 --quiet
 # %% [markdown]
 # The first lines are the result: the number of damages with its probability, and the location and severity of each damage with
 # 95 % intervals. Warnings follow. The last lines show whether the run has converged (`Converged`). They also state the
-# resolution: the run may have missed a solution that only a small share of the prior leads to.
+# resolution: the run may have missed a solution that the searches reach only from a small share of the prior.
 #
 # The folder contains all results: the report `report.html`, all numbers in `summary.json`, and all draws in `posterior.nc`.
 # %%
