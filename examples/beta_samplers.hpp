@@ -1,4 +1,4 @@
-// Five ways to sample Beta(2, 3), each as short as it can be: importance, rejection, Gibbs,
+// Minimal implementations of five methods to sample Beta(2, 3): importance, rejection, Gibbs,
 // Metropolis-Hastings and slice sampling.
 #pragma once
 
@@ -27,13 +27,13 @@ inline double proposal_density(double mu) {
   return std::exp(-0.5 * u * u) / (std::sqrt(2.0 * std::numbers::pi) * kProposalSd);
 }
 
-/// The function whose expectation is wanted: μ³ + μ² + 4μ + 0.2, 2.1142857 under Beta(2, 3).
+/// The function f(μ) = μ³ + μ² + 4μ + 0.2. Its expectation under Beta(2, 3) is 2.1142857.
 inline double polynomial(double mu) {
   return ((mu + 1.0) * mu + 4.0) * mu + 0.2;
 }
 
-/// The least j with p <= j · proposal everywhere. It exists though the proposal's density lies
-/// below p's in places: what an envelope needs is a bounded ratio, and on [0, 1] this one is.
+/// The smallest j with p <= j · proposal density on [0, 1]. The ratio of the two densities is
+/// bounded on [0, 1], so j exists, although the proposal density is below p at some points.
 inline double envelope_factor() {
   constexpr int kPoints = 100000;
   double most = 0.0;
@@ -41,14 +41,14 @@ inline double envelope_factor() {
     const double mu = static_cast<double>(i) / kPoints;
     most = std::max(most, beta_density(mu) / proposal_density(mu));
   }
-  return most * (1.0 + 1e-8);  // the grid misses the top by a share of this order at most
+  return most * (1.0 + 1e-8);  // the maximum on the grid is too small by at most this order
 }
 
 struct WeightedMean {
   double mean, standard_error, effective_draws;
 };
 
-/// E[f] = Σ w f / Σ w over draws of the proposal, w = p / proposal. Gives expectations, not draws.
+/// E[f] = Σ w f / Σ w over draws of the proposal, with the weights w = p / proposal density.
 inline WeightedMean importance(const std::function<double(double)>& f, int n,
                                base::Random& random) {
   double sum = 0.0, squares = 0.0, weighted = 0.0;
@@ -62,13 +62,13 @@ inline WeightedMean importance(const std::function<double(double)>& f, int n,
     weighted += w.back() * value.back();
   }
   const double mean = weighted / sum;
-  double variance = 0.0;  // of a ratio, by the delta method
+  double variance = 0.0;  // variance of the ratio, by the delta method
   for (std::size_t i = 0; i < w.size(); ++i)
     variance += std::pow(w[i] / sum * (value[i] - mean), 2.0);
   return {mean, std::sqrt(variance), sum * sum / squares};
 }
 
-/// Draws from the proposal, kept with probability p / (j · proposal): independent draws of p.
+/// Accepts draws of the proposal with probability p / (j · proposal density): independent draws.
 inline std::vector<double> rejection(int n, base::Random& random) {
   const double j = envelope_factor();
   std::vector<double> draws;
@@ -79,13 +79,13 @@ inline std::vector<double> rejection(int n, base::Random& random) {
   return draws;
 }
 
-/// Two coordinates of Dirichlet(2, 1, 2), each drawn in turn given the other; the first is Beta(2,
-/// 3):
+/// Draws two components of Dirichlet(2, 1, 2) in turn, each given the other. The first component
+/// has the distribution Beta(2, 3):
 ///
 ///   μ₁ | μ₂ ~ (1 - μ₂) Beta(2, 2),   μ₂ | μ₁ ~ (1 - μ₁) Beta(1, 2).
 ///
-/// (With K = 2, one component determines the other, because they sum to one, so no update would be
-/// possible.)
+/// (With two components in total, one component would determine the other, because both sum to
+/// one. No update would then be possible.)
 inline std::vector<double> gibbs(int n, base::Random& random) {
   const auto beta = [&](double a, double b) {
     const double x = random.gamma(a), y = random.gamma(b);
@@ -101,7 +101,7 @@ inline std::vector<double> gibbs(int n, base::Random& random) {
   return draws;
 }
 
-/// A normal random walk of this width; a proposal that is refused repeats the state.
+/// Normal random walk with standard deviation `width`; a rejection repeats the state as a draw.
 inline std::vector<double> metropolis_hastings(const std::function<double(double)>& density,
                                                double start, double width, int n,
                                                base::Random& random) {
@@ -115,9 +115,9 @@ inline std::vector<double> metropolis_hastings(const std::function<double(double
   return draws;
 }
 
-/// Slice sampling (Neal 2003, Annals of Statistics 31:705): draws a height below the density, steps
-/// out an interval until the density is below this height at both ends, and draws from the
-/// interval. A draw with a density below the height shrinks the interval towards the current point.
+/// Slice sampling (Neal 2003, Annals of Statistics 31:705). The function draws a height below the
+/// density, widens an interval until the density is below this height at both ends, and draws from
+/// the interval. After a draw with a density below the height, this draw becomes an interval end.
 inline std::vector<double> slice(const std::function<double(double)>& density, double start,
                                  double width, int n, base::Random& random) {
   std::vector<double> draws;

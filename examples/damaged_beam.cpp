@@ -1,5 +1,5 @@
-// How many damages does this cantilever have, where and how bad? Its five lowest frequencies were
-// measured with 0.1 % noise; in truth the element at 0.33 m has lost 30 % of its stiffness.
+// Identifies number, locations and severities of the damages of a cantilever from its five lowest
+// frequencies with 0.1 % noise. True damage: the element at 0.33 m has lost 30 % of its stiffness.
 #include <cstdio>
 
 #include "fem/sections/section.hpp"
@@ -18,7 +18,7 @@ int main() {
       .material = {.young = 70e9, .poisson = 0.3, .density = 2700.0},
       .section = fem::section(fem::Rectangle{.width = 0.025, .height = 0.006}, 0.3)};
 
-  // What may be wrong: none, one or two elements that lost stiffness, anywhere.
+  // The possible damage: zero to two elements with reduced stiffness, at any location.
   const DefectKind damage = {.type = &defects::kReduction,
                              .name = "damage",
                              .plural = "damages",
@@ -26,7 +26,7 @@ int main() {
                              .location = inference::Uniform{0.0, 1.0},
                              .severity = inference::Prior(inference::Uniform{0.0, 0.9})};
 
-  // What was measured; here, what the model says of the truth.
+  // The measured frequencies; in this example, the frequencies of the model with the true damage.
   FrequencyData data;
   data.frequencies_hz = elastic_frequencies(beam, {.damages = {{0.33, 0.3}}}, 5);
   for (const double f : data.frequencies_hz) data.sd_hz.push_back(0.001 * f);

@@ -1,11 +1,11 @@
-// How many groups? A mixture of normal distributions with an unknown number of components, each
-// with a place and a share, beside the exact answer.
+// Infers the number k of components of a mixture of normal densities. Each component j has a mean
+// μ_j and a weight w_j. The program prints P(k) by sampling and by exact computation.
 //
-//   y_i ~ Σ_j w_j N(μ_j, 1),   μ_j ~ N(0, 3²),   w ~ Dirichlet(1, …, 1),   k = 1 … 4 alike.
+//   y_i ~ Σ_j w_j N(μ_j, 1),   μ_j ~ N(0, 3²),   w ~ Dirichlet(1, …, 1),   P(k) = 1/4, k = 1 … 4.
 //
-// Shares that sum to one are no independent parameters. Gamma's are: with a_j ~ Gamma(1, 1), the
-// ratios w_j = a_j / Σ a are Dirichlet's, whatever their number, so that a component brings its own
-// a_j and a birth needs no others to make room.
+// The weights sum to one, so they are not independent parameters. The program therefore samples
+// independent a_j ~ Gamma(1, 1); the ratios w_j = a_j / Σ a then have the Dirichlet distribution
+// for any k. A birth adds one a_j and does not change the a_j of the other components.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -18,10 +18,10 @@ using namespace wheeltap::inference;
 
 const std::vector<double> kReadings = {-3.4, -2.6, -2.1, -1.9, 1.4, 1.9, 2.2, 2.7, 3.5};
 constexpr int kMost = 4;
-constexpr double kPlaces = 3.0;  // sd of the μ_j
+constexpr double kPlaces = 3.0;  // prior sd of the means μ_j
 constexpr double kLogSqrt2Pi = 0.91893853320467274178;
 
-// x holds the components one after the other, (μ, a) each.
+// x contains μ_1, a_1, μ_2, a_2, …
 class Mixture : public Likelihood {
  public:
   double log_likelihood(int /*model*/, std::span<const double> x) override {
@@ -38,7 +38,7 @@ class Mixture : public Likelihood {
   }
 };
 
-// The readings of one component, its place integrated out.
+// The readings of one component. The evidence integrates over the mean of the component.
 struct Group {
   int n = 0;
   double sum = 0.0, squares = 0.0;
@@ -50,8 +50,8 @@ struct Group {
   }
 };
 
-// Σ over all ways to give readings i, i+1, … to the groups. Γ(1 + n_j) is what Dirichlet's average
-// of ∏ w_j^n_j makes of each group, up to Γ(k)/Γ(k + n).
+// Sum of the evidence over all assignments of the readings i, i + 1, … to the groups. The mean of
+// ∏ w_j^n_j over the Dirichlet prior is Γ(k)/Γ(k + n) ∏ Γ(1 + n_j), for n readings, n_j in group j.
 double all_ways(std::size_t i, std::vector<Group>& groups) {
   double sum = 0.0;
   if (i == kReadings.size()) {

@@ -1,8 +1,8 @@
-// Which polynomial? The smallest complete use of the engine: say what the models are, what is
-// believed of their parameters, and what the data's probability is; everything else is chosen for
-// you.
+// Selects the degree of a polynomial. This is a minimal complete use of the engine: define the
+// models, the priors of their parameters, and the likelihood. The engine chooses all other
+// settings.
 //
-//   y_i = a + b t_i (+ c t_i²) + noise,   t in [-1, 1], noise sd unknown.
+//   y_i = a + b t_i (+ c t_i²) + noise,   t in [-1, 1], unknown standard deviation of the noise.
 #include <cmath>
 #include <cstdio>
 #include <memory>
@@ -14,7 +14,7 @@
 using namespace wheeltap::inference;
 namespace base = wheeltap::base;
 
-// Twelve readings of -0.2 + 0.9 t + 0.35 t² with noise of sd 0.2 (Philox stream of seed 2016).
+// Twelve readings of -0.2 + 0.9 t + 0.35 t² with noise of standard deviation 0.2 (seed 2016).
 std::vector<double> readings() {
   base::Random random(2016, 0, 0, base::Purpose::simulation);
   std::vector<double> y;
@@ -25,7 +25,7 @@ std::vector<double> readings() {
   return y;
 }
 
-// x holds a model's parameters in the order in which the model lists them: a, b, noise, and c.
+// x contains the parameters in the order of the model: a, b, noise and, for the parabola, c.
 class Readings : public Likelihood {
  public:
   explicit Readings(std::vector<double> y) : y_(std::move(y)) {}
@@ -37,7 +37,7 @@ class Readings : public Likelihood {
       const double predicted = x[0] + x[1] * t + (x.size() > 3 ? x[3] * t * t : 0.0);
       const double r = (y_[i] - predicted) / x[2];
       sum +=
-          -0.5 * r * r - std::log(x[2] * 2.50662827463100050242);  // the normaliser belongs in it
+          -0.5 * r * r - std::log(x[2] * 2.50662827463100050242);  // with the normalising constant
     }
     return sum;
   }

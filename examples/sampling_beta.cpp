@@ -1,12 +1,12 @@
-// Sampling Beta(2, 3) five ways (chapter 3 of Tiboaca 2016), and what each costs.
+// Samples Beta(2, 3) by five methods (chapter 3 of Tiboaca 2016) and compares their accuracy.
 //
-//   sampling_beta                     a table: each sampler's mean against the exact one
+//   sampling_beta                     a table: the mean by each sampler and the exact mean
 //   sampling_beta --figure 3.1        the density                                   (CSV)
 //   sampling_beta --figure 3.2        density, proposal, polynomial                 (CSV)
 //   sampling_beta --figure 3.3        density under its envelope                    (CSV)
 //   sampling_beta --figure 3.4        Metropolis-Hastings histogram of N(0, 1)      (CSV)
-//   sampling_beta --figure samples    every sampler's draws                         (CSV)
-// with --samples N (10000) and --seed N (1).
+//   sampling_beta --figure samples    the draws of every sampler                    (CSV)
+// Further options, with defaults: --samples N (10000) and --seed N (1).
 #include <cstdio>
 #include <cstdlib>
 #include <string>
@@ -23,7 +23,7 @@ using wheeltap::inference::ess_mean, wheeltap::inference::mcse_mean, wheeltap::i
 
 constexpr double kStart = 0.5, kWalk = 0.4, kSlice = 0.3;
 
-// Each sampler has a stream of its own, so that one does not disturb the next.
+// Each sampler has a separate random stream, so its draws do not depend on the other samplers.
 base::Random stream(std::uint64_t seed, std::uint64_t sampler) {
   return {seed, sampler, 0, base::Purpose::simulation};
 }

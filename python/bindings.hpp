@@ -1,4 +1,4 @@
-// The parts of the module, one per file.
+// Functions that define the parts of the module. Each function has its own source file.
 #pragma once
 
 #include <pybind11/pybind11.h>

@@ -15,8 +15,8 @@ namespace {
 
 using Array = py::array_t<double, py::array::c_style | py::array::forcecast>;
 
-/// A model's function: maps an (n, d) array to n log likelihoods or, if `batch` is false, a vector
-/// of d values to one.
+/// The likelihood of a model: maps an (n, d) array to n log likelihoods or, if `batch` is false,
+/// a vector of d values to one log likelihood.
 struct Function {
   std::string model;
   py::object function;
@@ -78,7 +78,7 @@ class PythonLikelihood : public inference::Likelihood {
                          "\": must return an array of numbers, returned " + described(returned));
   }
 
-  /// "str", "ndarray of shape (50,)".
+  /// Description of a result for messages: "str", "ndarray of shape (50,)".
   static std::string described(const py::object& returned) {
     auto text = py::str(py::type::of(returned).attr("__name__")).cast<std::string>();
     if (py::hasattr(returned, "shape"))
@@ -98,7 +98,7 @@ std::vector<Function> functions_of(const apps::ProblemFile& parsed, const py::li
   return out;
 }
 
-/// Converts {name: function of an array of probabilities}.
+/// Converts {name: quantile function} from Python.
 std::vector<apps::QuantilePrior> quantile_priors(const py::dict& quantiles) {
   std::vector<apps::QuantilePrior> out;
   for (const auto& [key, function] : quantiles) {

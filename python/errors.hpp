@@ -12,12 +12,12 @@ namespace wheeltap::python {
 
 namespace py = pybind11;
 
-/// Defines CaseError (a ValueError: invalid case or data) and FileError (an OSError: missing,
-/// unreadable, cannot be written), and translates Failure to them by its exit code.
+/// Defines CaseError (a ValueError, for an invalid case or data) and FileError (an OSError, for a
+/// file that cannot be read or written), and translates Failure to them by its exit code.
 void bind_errors(py::module_& module);
 
 /// Calls work() and converts its exceptions to Failure, except Python errors and
-/// std::invalid_argument (misuse: a ValueError).
+/// std::invalid_argument (wrong use of a function: a ValueError).
 template <class Work>
 auto guarded(const std::filesystem::path& case_path, const Work& work) {
   try {

@@ -26,7 +26,7 @@ struct Progress {
   std::vector<double> probabilities = {};  ///< model probabilities so far; empty before sampling
 };
 
-/// A job, from the perspective of its thread.
+/// The interface of a job for the thread that runs the job.
 class Job {
  public:
   /// True if the job should stop. Thread-safe.

@@ -22,7 +22,7 @@ struct Modal {
   apps::CommonOptions common;
 };
 
-/// Identifies on a separate thread. It takes seconds and cannot be stopped.
+/// Identifies modes on a separate thread. This takes seconds and cannot be stopped.
 template <class Make>
 std::shared_ptr<Modal> identified(const std::string& path, const py::dict& said, const Make& make) {
   apps::CommonOptions common = run_options(said).common;

@@ -15,7 +15,7 @@
 namespace wheeltap::python {
 namespace {
 
-/// Plans on a separate thread. It takes a minute and cannot be stopped.
+/// Computes a plan on a separate thread. This takes about a minute and cannot be stopped.
 std::shared_ptr<apps::PlanRun> planned(const std::string& path, const py::object& text,
                                        const std::vector<std::string>& overrides,
                                        const py::dict& said, int scenarios, int checks) {

@@ -69,7 +69,7 @@ class Integrator {
   }
 
  private:
-  // At the share t of the way from sample i to the next.
+  // Accelerations at sample i + t, with linearly interpolated excitation.
   void accelerations(Eigen::Index i, double t, const Motions& z, const Motions& v, Motions& out) {
     const Eigen::Index next = std::min(i + 1, base_.size() - 1);
     const Eigen::ArrayXd push = ((1.0 - t) * push_.row(i) + t * push_.row(next)).transpose();

@@ -11,7 +11,7 @@
 namespace wheeltap::python {
 namespace {
 
-/// One chain of a posterior, which it keeps alive.
+/// One chain of a posterior. The object keeps the posterior alive.
 struct ChainOfRun {
   std::shared_ptr<const inference::Posterior> posterior;
   std::size_t number = 0;

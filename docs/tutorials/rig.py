@@ -1,11 +1,11 @@
 # %% [markdown]
 # # Equation of motion of a mass on a spring
 #
-# A known force excites a test rig, and a sensor measures its displacement. Is the spring linear, or does it harden? Define both
-# models as chains of masses and links, with priors for the unknown parameters. The run returns the probability of each model.
-#
-# This example simulates the record: 0.5 kg on a spring of k = 50 N/m with a cubic hardening of k₃ = 1000 N/m³. The force is
-# white noise, the sampling rate is 100 Hz, and the measurement noise is 0.05 m.
+# A known force excites a mass on a spring, and a sensor measures the displacement. Is the spring linear, or does it harden?
+# Define both models as chains of masses and links, with priors for the unknown parameters. The run returns the probability of
+# each model. This example simulates the record of a mass of 0.5 kg on a spring with the stiffness k = 50 N/m and the cubic
+# hardening k₃ = 1000 N/m³. The force is white noise, the sampling rate is 100 Hz, and the standard deviation of the
+# measurement noise is 0.05 m.
 # %%
 import matplotlib.pyplot as plt
 
@@ -30,9 +30,9 @@ figure, axis = plt.subplots(figsize=(7, 2.5), layout="constrained")
 axis.plot(record["displacement"], linewidth=1)
 axis.set(xlabel="sample", ylabel="displacement [m]");
 # %% [markdown]
-# How long must the record be? While both models predict nearly the same motion, the data cannot distinguish them, and the
-# simpler model has the higher probability, because it has fewer free parameters. In a longer record, the hardening becomes
-# visible.
+# How long must the record be? In a short record, both models predict nearly the same motion, and the data cannot distinguish
+# them. The simpler model then has the higher probability, because it has fewer free parameters. A longer record shows the
+# hardening.
 # %%
 for samples in (50, 100, 300, 500):
     result = wt.sid(case, changes={"truth.samples": samples}, seed=1, warmup=1000, draws=1000)
@@ -45,8 +45,8 @@ assert result.probabilities["duffing"] > 0.99
 # On average, one in twenty 95 % intervals does not contain the true value (here k = 50). The interval from 300 samples of this
 # record is such a case.
 #
-# The most probable model is only the best model of the list. Check whether it explains the record before you accept it. The
-# band contains 95 % of the model's predictions, including noise.
+# The most probable model is only the best model of the list. Check whether this model explains the record before you use its
+# results. The band in the figure contains 95 % of the posterior predictions, including noise.
 # %%
 wt.plot.record(result)
 print("fit:", result.summary["fit"]["ok"])
@@ -54,6 +54,6 @@ for name in ("k", "k3"):
     told = result.summary["parameters"]["duffing"][name]
     print(f"{name:>3}: {told['q50']:.4g}   95 %: {told['q2.5']:.4g} to {told['q97.5']:.4g}")
 # %% [markdown]
-# [Force laws](../laws.md) describes all other properties of a link, from friction to gaps. [Selection of force-law
-# terms](../system-identification.md#selection-of-force-law-terms) describes how to find the terms of a law without writing a
-# model for each.
+# [Force laws](../laws.md) describes all force laws of a link, from friction to gaps. [Selection of force-law
+# terms](../system-identification.md#selection-of-force-law-terms) describes how to find the terms of a force law without
+# writing one model for each combination of terms.

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""A model of someone else's: natural frequencies of a steel strip under tension, between two hinges.
+"""Example of an external model: natural frequencies of a steel strip under tension between two hinges.
 
 usage: strip.py PARAMETERS PREDICTIONS
 

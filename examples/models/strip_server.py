@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""The same model as a UM-Bridge server, with Python's own library alone.
+"""The model of strip.py as a UM-Bridge server. It needs only Python's standard library.
 
 usage: strip_server.py [PORT]
 
-It says where it listens; without PORT, at one that is free.
+The server prints its address. Without PORT, it uses a free port.
 """
 import http.server
 import json
@@ -13,8 +13,8 @@ from strip import MODES, frequencies
 
 
 class Handler(http.server.BaseHTTPRequestHandler):
-    protocol_version = "HTTP/1.1"  # connections are kept
-    wbufsize = -1  # an answer in one piece
+    protocol_version = "HTTP/1.1"  # keeps connections open
+    wbufsize = -1  # sends each response in one piece
 
     def log_message(self, *_):
         pass

@@ -1,5 +1,5 @@
-"""From raw accelerations to a posterior of damage: a tower of four storeys is shaken by the wind, before and after
-its second storey lost 15 % of its stiffness. Its modes are identified from the records, and the modes say which.
+"""Identifies damage of a tower with four storeys from raw accelerations under wind, simulated before and after the
+second storey lost 15 % of its stiffness. The program identifies the modes of both records, and then the damage.
 
     python3 examples/python/accelerations_to_damage.py [FOLDER]
 """
@@ -13,7 +13,7 @@ STOREYS, MASS, STIFFNESS = range(1, 5), 5000.0, 8e6
 
 
 def accelerations(stiffness, seed):
-    """Fifteen minutes of the floors' accelerations at 50 Hz, with the sensors' noise; k1 … k4 in N/m."""
+    """Simulates noisy accelerations of the floors, 15 minutes at 50 Hz; stiffness: k1 … k4 in N/m."""
     return wt.simulate({
         "kind": "sid",
         "record": {"channels": [

@@ -1,5 +1,5 @@
-"""Case A of the source: one element of a simply supported beam has lost 30 % of its stiffness. Twenty frequencies,
-simulated with 0.1 % noise: how many damages are there, where, and how bad?
+"""Case A of Tiboaca's thesis (2016): one element of a simply supported beam has lost 30 % of its stiffness. The program
+identifies number, locations and severities of damages from 20 frequencies, simulated with 0.1 % noise.
 
     python3 examples/python/case_a.py [FIGURE]
 """

@@ -23,7 +23,7 @@ def _plain(value: Any) -> Any:
 
 
 def text_of(case: Mapping[str, Any], name: str = "case") -> str:
-    """A dictionary as JSON."""
+    """Converts a dictionary to JSON text."""
     try:
         return json.dumps(case, default=_plain, allow_nan=False)
     except ValueError as error:
@@ -31,7 +31,7 @@ def text_of(case: Mapping[str, Any], name: str = "case") -> str:
 
 
 def located(case: Case, folder: Optional[Union[str, "os.PathLike[str]"]]) -> Tuple[str, Optional[str]]:
-    """A case as (path, text). For a file, text is None; for a dictionary, the path is "case" in `folder`."""
+    """Returns a case as (path, text). For a file, text is None; for a dictionary, the path is "case" in `folder`."""
     if isinstance(case, Mapping):
         path = "case" if folder is None else os.path.join(os.fspath(folder), "case")
         return path, text_of(case, path)
@@ -45,7 +45,7 @@ def overriding(changes: Optional[Mapping[str, Any]]) -> Sequence[str]:
 
 def beam(length: float, *, section: Mapping[str, Any], young: float, density: float, poisson: float = 0.3,
          elements: int = 100, supports: Any = "simply-supported") -> dict:
-    """A straight Timoshenko beam: length [m], Young's modulus [Pa], density [kg/m³]; `supports` as in a case."""
+    """A straight Timoshenko beam: length [m], Young's modulus [Pa], density [kg/m³], `supports` as in a case file."""
     return {"length": length, "elements": elements, "supports": supports,
             "material": {"young": young, "poisson": poisson, "density": density}, "section": dict(section)}
 
@@ -86,7 +86,7 @@ def gamma(shape: float, scale: float) -> dict:
 
 
 def beta(a: float, b: float, on: Sequence[float] = (0.0, 1.0)) -> dict:
-    """A beta prior, scaled to `on`."""
+    """A beta prior, scaled to the interval `on`."""
     return {"beta": [a, b], "on": list(on)}
 
 
@@ -96,21 +96,21 @@ def truncated_normal(mean: float, sd: float, lower: float, upper: float) -> dict
 
 
 def inverse_gamma(shape: float, scale: float) -> dict:
-    """An inverse-gamma prior: 1/x has mean shape / scale, x has mean scale / (shape - 1) for shape > 1."""
+    """An inverse-gamma prior: the mean of 1/x is shape / scale; for shape > 1, the mean of x is scale / (shape - 1)."""
     return {"inverse_gamma": [shape, scale]}
 
 
 def student_t(nu: float, location: float, scale: float) -> dict:
-    """A Student t prior with `nu` degrees of freedom: heavy tails; nu = 1 is the Cauchy distribution."""
+    """A Student t prior with `nu` degrees of freedom and heavy tails; nu = 1 is the Cauchy distribution."""
     return {"student_t": [nu, location, scale]}
 
 
 def table(x: Sequence[float], density: Sequence[float]) -> dict:
-    """A piecewise linear density through (x, density), in any unit: an expert's estimate, or an earlier study's
-    histogram. `x` increases; `density` is positive, or 0 at an end."""
+    """A prior with a piecewise linear density through the points (x, density), for example an expert's estimate or a
+    histogram. The unit of `density` is arbitrary. `x` increases; `density` is positive, or 0 at the ends."""
     return {"table": {"x": [float(v) for v in x], "density": [float(v) for v in density]}}
 
 
 def schema(kind: str = "damage") -> dict:
-    """The JSON Schema of a kind of case: "damage", "update", "sid", "modal", …"""
+    """Returns the JSON Schema of a kind of case: "damage", "update", "sid", "modal", …"""
     return json.loads(_core.schema(kind))

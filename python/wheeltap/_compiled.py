@@ -5,7 +5,7 @@ import sys
 
 
 def require_compiled_module():
-    """Raises ImportError, with the command that builds _core, if it is missing for this interpreter."""
+    """If _core is missing for this interpreter, raises ImportError with the command that builds _core."""
     folder = pathlib.Path(__file__).parent
     if any((folder / ("_core" + suffix)).exists() for suffix in importlib.machinery.EXTENSION_SUFFIXES):
         return

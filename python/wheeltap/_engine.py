@@ -20,7 +20,7 @@ class Quantiles:
 
 
 def from_quantiles(function: Callable[[np.ndarray], Any]) -> Quantiles:
-    """The prior of x = function(u), u uniform on [0, 1]. `function` maps arrays to arrays and must not decrease."""
+    """The prior of x = function(u), with u uniform on [0, 1]. `function` accepts arrays and must not decrease."""
     return Quantiles(function)
 
 
@@ -29,11 +29,11 @@ class Model:
     """A competing model.
 
     parameters      priors by name. The same name in two models is the same parameter. A prior is a dictionary as in
-                    a case (wt.uniform, …), or an object with a method `ppf`, its quantile function for arrays of
-                    probabilities: a distribution of scipy.stats, or wt.from_quantiles(function)
-    log_likelihood  function that returns ln p(data | parameters) with all normalisers, -inf for impossible
-                    parameters. Its argument is an (n, d) array, one row per parameter vector in the order of
-                    `parameters`; it returns n numbers. With batch=False: one vector, one number
+                    a case (wt.uniform, …), a distribution of scipy.stats, or wt.from_quantiles(function). Any object
+                    with a method `ppf` is allowed: its quantile function, for arrays of probabilities
+    log_likelihood  function that returns ln p(data | parameters) with all normalising constants, and -inf for zero
+                    likelihood. Its argument is an (n, d) array with one parameter vector per row, in the order of
+                    `parameters`; it returns n numbers. With batch=False, it takes one vector and returns one number
     prior           prior weight relative to the other models
     """
 
@@ -45,7 +45,7 @@ class Model:
 
 
 def _in_place(quantiles: Mapping[int, Callable[..., Any]], log_likelihood: Callable[..., Any]) -> Callable[..., Any]:
-    """Wraps a likelihood: converts columns of probabilities in x (a copy for this call) to quantiles."""
+    """Returns a likelihood that first converts columns of probabilities in x (a copy for this call) to quantiles."""
     if not quantiles:
         return log_likelihood
 
@@ -62,9 +62,9 @@ def sample(models: Union[Model, Sequence[Model]], *, title: str = "Which model?"
            progress: Watcher = True, **options: Any) -> Result:
     """Samples competing models and their parameters, after a mode search and an evidence estimate of each model.
 
-    The mode search and the evidence estimate call the functions with many rows. Sampling calls them with one row per
-    step, because the next state of a chain depends on the current one. All calls hold the GIL, so more `threads` help
-    only if the functions release it. An exception in a function ends the run and is raised here.
+    The mode search and the evidence estimate call the likelihoods with many rows. Sampling calls them with one row per
+    step, because the next state of a chain depends on the current state. All calls hold the GIL, so more `threads` help
+    only if the likelihoods release the GIL. An exception in a likelihood ends the run; `sample` raises this exception.
     """
     models = [models] if isinstance(models, Model) else list(models)
     for model in models:

@@ -44,12 +44,12 @@ class Modal(HasReport):
 
     @property
     def covariance(self) -> np.ndarray:
-        """Covariance of all frequencies [Hz], then all damping ratios."""
+        """Covariance matrix: all frequencies [Hz], followed by all damping ratios."""
         return self._core.covariance
 
     @property
     def shapes(self) -> np.ndarray:
-        """Complex mode shapes, sensors × modes, each with largest entry 1."""
+        """Complex mode shapes (sensors × modes); the largest component of each shape is 1."""
         return self._core.shapes
 
     @property
@@ -80,11 +80,11 @@ def modal(case: Optional[Case] = None, *, channels: Optional[Mapping[str, Any]] 
           sample_rate: Optional[float] = None, band: Optional[Sequence[float]] = None,
           references: Sequence[str] = (), title: Optional[str] = None, threads: Optional[int] = None,
           changes: Optional[Mapping[str, Any]] = None, folder: Optional[Path] = None) -> Modal:
-    """Identifies frequencies, damping ratios and shapes from a modal case, or from {name: samples} in `channels`.
+    """Identifies frequencies, damping ratios and shapes from a modal case, or from `channels` = {name: samples}.
 
     sample_rate  sampling rate of `channels` [Hz]
     band         [lowest, highest] frequency of the modes [Hz]
-    references   names of the reference channels of the covariances; default: all
+    references   names of the reference channels for the covariances of the responses; default: all channels
     """
     options = {"threads": threads}
     if (case is None) == (channels is None):

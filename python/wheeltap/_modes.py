@@ -17,7 +17,7 @@ class Modes:
 
     frequencies_hz: np.ndarray
     rigid_body_modes: int
-    certified: bool  #: no mode below the last is missing
+    certified: bool  #: True if it is certain that no mode is missing below the last mode
     x: Optional[np.ndarray]  #: positions of a beam's nodes [m]
     shapes: Any  #: beam: (mode, node) deflections; structure: a list of {node: {direction: motion}}
     report: Dict[str, Any]  #: the output of `wheeltap modes --json --shapes`
@@ -28,7 +28,7 @@ class Modes:
 
 def modes(case: Case, n: Optional[int] = None, *, truth: bool = False, changes: Optional[Mapping[str, Any]] = None,
           folder: Optional[str] = None) -> Modes:
-    """Computes the n lowest modes of the case's structure: intact, or with the defects of the case's truth."""
+    """Computes the n lowest modes of the structure of a case: intact, or (`truth=True`) with the true defects."""
     path, text = located(case, folder)
     report = json.loads(_core.modes(path, text, overriding(changes), n, truth))
     x = np.array(report["x_m"]) if "x_m" in report else None

@@ -1,4 +1,4 @@
-"""Monitoring of features under weather: onset of a change, and alarms."""
+"""Monitoring of features, such as natural frequencies, under changing weather: onset of a change, and alarms."""
 from __future__ import annotations
 
 import csv
@@ -17,7 +17,7 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 class Monitored(HasReport):
-    """A finished call of monitoring."""
+    """The results of a call of `monitor`."""
 
     def __init__(self, summary: str, text: str, folder: str, temporary: Any):
         self.summary: Dict[str, Any] = json.loads(summary)  #: as in summary.json
@@ -37,7 +37,7 @@ class Monitored(HasReport):
 
     @property
     def probability_changed(self) -> float:
-        """P(at least one change since the end of learning)."""
+        """P(at least one change since the end of the learning period)."""
         return float(self.summary["monitor"]["probability_changed"])
 
     def columns(self, name: str = "series.csv") -> Dict[str, np.ndarray]:
@@ -54,8 +54,8 @@ class Monitored(HasReport):
         return out
 
     def to_xarray(self) -> Any:
-        """series.csv as an xarray Dataset over time and feature: measured, predicted, sd, corrected, log_statistic,
-        probability_changed, alarm. Needs xarray."""
+        """Returns series.csv as an xarray Dataset over time and feature, with the variables measured, predicted, sd,
+        corrected, log_statistic, probability_changed and alarm. Needs xarray."""
         import xarray
         columns = self.columns()
         names = [name[:-len(" predicted")] for name in columns if name.endswith(" predicted")]
@@ -84,10 +84,10 @@ def monitor(case: Case, *, series: Optional[Mapping[str, Any]] = None, output: O
             changes: Optional[Mapping[str, Any]] = None, folder: Optional[Path] = None) -> Monitored:
     """Monitors the series of a monitor case.
 
-    series  {column: values} in place of the case's table; NaN: missing
-    output  folder of the results; default: a temporary one, which is removed with the returned object
+    series  {column: values} in place of the table of the case; NaN: missing value
+    output  folder of the results; default: a temporary folder that exists as long as the returned object
     resume  process only the rows that are new since the last call with this `output`
-    charts  also run the usual control charts, to compare
+    charts  for comparison, also run the usual control charts
     """
     temporary = tempfile.TemporaryDirectory(prefix="wheeltap-") if output is None else None
     where = os.fspath(output) if output is not None else temporary.name  # type: ignore[union-attr]

@@ -31,12 +31,12 @@ class Plan(HasReport):
 
     @property
     def smallest_detectable(self) -> List[Dict[str, Any]]:
-        """The smallest severity of every place that the best design finds with probability 0.9; None if there is none."""
+        """For every place, the smallest severity that the best design detects with probability 0.9, or None."""
         return self.summary["plan"]["smallest_detectable"]
 
     @property
     def damage_case(self) -> Dict[str, Any]:
-        """The damage case of the best design. Its truth simulates a test."""
+        """The damage case of the best design. Its key `truth` simulates the data of a test."""
         return json.loads(self._core.damage_case)
 
     @property
@@ -59,10 +59,10 @@ class Plan(HasReport):
 def plan(case: Case, *, seed: Optional[int] = None, scenarios: int = 100_000, checks: int = 10,
          threads: Optional[int] = None, changes: Optional[Mapping[str, Any]] = None,
          folder: Optional[Path] = None) -> Plan:
-    """Plans a test: a damage case with "plan" in place of data.
+    """Plans a test for a damage case with the key "plan" in place of "data".
 
-    scenarios  simulated tests of each of the best designs
-    checks     simulated tests that the full engine identifies
+    scenarios  number of simulated tests for each of the best designs
+    checks     number of simulated tests that the full engine also analyses
     """
     path, text = located(case, folder)
     return Plan(_core.plan(path, text, overriding(changes), {"seed": seed, "threads": threads}, scenarios, checks))

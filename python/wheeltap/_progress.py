@@ -13,7 +13,7 @@ Watcher = Union[bool, Callable[[Progress], Any], None]
 
 @contextmanager
 def watching(progress: Watcher) -> Iterator[Optional[Callable[[Progress], Any]]]:
-    """Yields the progress function for the core: None, the caller's, or one that updates a line on standard error."""
+    """Yields a progress function: None, the function of the caller, or a display of one line on standard error."""
     if callable(progress):
         yield progress
         return

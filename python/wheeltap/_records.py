@@ -14,12 +14,12 @@ Path = Union[str, "os.PathLike[str]"]
 
 
 class Record(Mapping[str, np.ndarray]):
-    """Simultaneously sampled columns by name: read-only arrays without copies of the data read."""
+    """Simultaneously sampled columns by name. The columns are read-only views of the data in memory."""
 
     def __init__(self, columns: Mapping[str, Any], units: Mapping[str, str], sample_rate: Optional[float]):
         self._columns = dict(columns)
         self.units = dict(units)  #: unit per column; empty if unknown
-        self.sample_rate = sample_rate  #: [Hz]; None without a time column and a given rate
+        self.sample_rate = sample_rate  #: [Hz]; None if there is neither a time column nor a given rate
 
     def __getitem__(self, name: str) -> np.ndarray:
         if name not in self._columns:
@@ -46,9 +46,9 @@ def _record(found: Dict[str, Any]) -> Record:
 
 
 def read_record(path: Path, columns: Sequence[str] = (), sample_rate: Optional[float] = None) -> Record:
-    """Reads a measured file (delimited text, MATLAB, universal): the given columns and time, or all columns.
+    """Reads all columns of a measured file (delimited text, MATLAB, universal), or time and the given columns.
 
-    `sample_rate` [Hz] is for files without a time column.
+    Give `sample_rate` [Hz] for files without a time column.
     """
     return _record(_core.read_record(os.fspath(path), list(columns), sample_rate))
 
@@ -60,7 +60,7 @@ def data(path: Path, sample_rate: Optional[float] = None) -> Dict[str, Any]:
 
 def simulate(case: Case, *, seed: Optional[int] = None, changes: Optional[Mapping[str, Any]] = None,
              folder: Optional[Path] = None) -> Union[Record, Dict[str, Any]]:
-    """Simulates noisy measurements of the case's truth: a Record for a sid case, else the case with its data."""
+    """Simulates noisy data from the `truth` of a case. Returns a Record for a sid case, else the case with its data."""
     path, text = located(case, folder)
     made = _core.simulate(path, text, overriding(changes), {"seed": seed})
     return json.loads(made) if isinstance(made, str) else _record(made)

@@ -1,4 +1,4 @@
-"""Chains of masses with force laws of the links as Python functions."""
+"""Chains of masses whose links have Python functions as force laws."""
 from __future__ import annotations
 
 from dataclasses import dataclass, field
@@ -18,8 +18,8 @@ Coefficient = Union[float, str]
 class Link:
     """A link from mass a to mass b (0: the ground, or the moving base); `between` is (a, b).
 
-    tension(e, rate, p) returns the force [N] that pulls a towards b, for the extension e = y_b - y_a [m] and its rate
-    [m/s]. Both are arrays of n motions, p["name"] is the array of n values of a parameter, and it returns n tensions.
+    tension(e, rate, p) returns n tensions [N], which pull a towards b. The arguments are arrays of n values: extensions
+    e = y_b - y_a [m], extension rates [m/s], and the parameters p["name"], one value per parameter vector of a batch.
     """
 
     between: Tuple[int, int]
@@ -28,7 +28,7 @@ class Link:
 
 @dataclass(frozen=True)
 class Response:
-    """The record of a sensor on a mass, with normal noise whose standard deviation is a number or a parameter.
+    """The record of a sensor on a mass. The standard deviation of its normal noise is a number or a parameter.
 
     quantity    "displacement", "velocity" (both relative to a moving base) or "acceleration" (absolute)
     """
@@ -40,7 +40,7 @@ class Response:
 
 
 class _Named(Mapping[str, Array]):
-    """Columns of x by parameter name; records which were accessed."""
+    """Columns of x by parameter name. The set `asked` holds the names that were accessed."""
 
     def __init__(self, names: Sequence[str], x: Array):
         self._columns = {name: x[:, i] for i, name in enumerate(names)}
@@ -74,13 +74,13 @@ def _series(values: Any, what: str, samples: Optional[int]) -> Array:
 
 @dataclass
 class Rig:
-    """A chain of masses 1, 2, …, joined by links, with measured excitations and responses.
+    """A chain of masses 1, 2, …, connected by links, with measured excitations and responses.
 
-        m_i z̈_i = f_i(t) - m_i ÿ_b(t) - Σ tensions of the links that begin at i, reversed, and end at i
+        m_i z̈_i = f_i(t) - m_i ÿ_b(t) + Σ tensions of links that begin at i - Σ tensions of links that end at i
 
-    z is the motion relative to the base, from rest (absolute motion without base excitation). Forces and ÿ_b are
-    linear between samples. The classical Runge-Kutta method takes `steps` steps per sample, for all parameter vectors
-    of a batch together. The number of steps is fixed: check it with `step_error`.
+    z is the motion relative to the base (without base excitation, the absolute motion), starting at rest. Forces and
+    ÿ_b are linear between samples. The classical Runge-Kutta method takes `steps` time steps per sample, for all
+    parameter vectors of a batch together. The number of time steps is fixed; `step_error` returns their error.
 
     masses             [kg]: numbers or names of parameters
     links              Link(between, tension)
@@ -130,20 +130,20 @@ class Rig:
         """Computes {quantity: (samples, masses, n)} by _core.integrate."""
         mass = np.array([np.broadcast_to(p.of(m), n) for m in self.masses], dtype=float)
         laws = [lambda e, rate, tension=link.tension: tension(e, rate, p) for link in self.links]
-        with np.errstate(all="ignore"):  # a diverging motion is impossible, not an error
+        with np.errstate(all="ignore"):  # a diverging motion has zero likelihood and is not an error
             found = _core.integrate(mass, [tuple(link.between) for link in self.links], laws, self._push, self._base,
                                     1.0 / (self.sample_rate * steps), steps)
         return dict(zip(("displacement", "velocity", "acceleration"), found))
 
     def simulate(self, parameters: Optional[Mapping[str, float]] = None, *, steps: Optional[int] = None) -> Dict[
             str, Array]:
-        """Returns {"displacement", "velocity", "acceleration": (samples, masses) array} for these parameters."""
+        """Returns the computed "displacement", "velocity" and "acceleration", each a (samples, masses) array."""
         names = list(parameters or {})
         p = _Named(names, np.array([[float((parameters or {})[name]) for name in names]]))
         return {name: values[:, :, 0] for name, values in self._simulate(p, 1, steps or self.steps).items()}
 
     def step_error(self, parameters: Mapping[str, float]) -> float:
-        """The largest RMS change of a response, relative to its RMS, if the steps are halved."""
+        """Returns the largest RMS change of a response, relative to its RMS, for time steps half as long."""
         one, two = self.simulate(parameters), self.simulate(parameters, steps=2 * self.steps)
         worst = 0.0
         for response in self.responses:
@@ -154,7 +154,7 @@ class Rig:
     def model(self, name: str, parameters: Mapping[str, Any], prior: float = 1.0) -> Model:
         """Returns this chain as a model for wt.sample; `parameters` are priors by name, as in wt.Model.
 
-        Raises CaseError for a parameter that no mass, law or noise uses, or that is used but not given.
+        Raises CaseError for a parameter that no mass, force law or noise uses, and for a missing parameter.
         """
         names = list(parameters)
 

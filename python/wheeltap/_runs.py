@@ -18,8 +18,8 @@ Path = Union[str, "os.PathLike[str]"]
 class Draws(Mapping[str, np.ndarray]):
     """The draws by name, as in posterior.nc: read-only arrays (chain, draw) or (chain, draw, slot).
 
-    An array is a view of the run's memory; access makes no copy. A parameter is NaN in draws of models that do not
-    have it, and in slots that a draw does not use.
+    An array is a view of the memory of the run, without a copy. A parameter is NaN in the draws of models that do not
+    have this parameter. If a parameter has one slot per damage, the slots that a draw does not use are NaN.
     """
 
     def __init__(self, columns: Dict[str, Tuple[np.ndarray, Tuple[str, ...], str, str]]):
@@ -41,7 +41,7 @@ class Draws(Mapping[str, np.ndarray]):
         return self._columns[name][1]
 
     def unit(self, name: str) -> str:
-        """Unit of a parameter; empty if it has none or is unknown."""
+        """Unit of a parameter; empty if the parameter has no unit or an unknown unit."""
         return self._columns[name][2]
 
     @property
@@ -55,7 +55,7 @@ class Draws(Mapping[str, np.ndarray]):
 
 
 class Result(HasReport):
-    """A finished run. It can be pickled."""
+    """The results of a finished run. You can pickle a Result."""
 
     def __init__(self, run: "_core.Run"):
         self._run: Optional["_core.Run"] = run
@@ -67,13 +67,13 @@ class Result(HasReport):
         self._posterior: Optional[bytes] = None
         self.summary: Dict[str, Any] = json.loads(summary)  #: all numbers, as in summary.json
         self.text = text  #: the terminal output of the program
-        self.run_id = run_id  #: the same for the same case, seed and options
+        self.run_id = run_id  #: runs of the same case with the same seed and options have the same name
         self.stopped_early = stopped_early
         self.notes = lines  #: messages issued during the run
 
     @property
     def answer(self) -> str:
-        """The first sentences of the report, preceded by a caution if the run has not converged."""
+        """The first sentences of the report, with a warning at the beginning if the run has not converged."""
         said = self.summary.get("answer") or {}
         return " ".join(part for part in (said.get(key) for key in ("caution", "headline", "detail")) if part)
 
@@ -99,7 +99,7 @@ class Result(HasReport):
 
     @property
     def draws(self) -> Draws:
-        """Draws of every parameter, and of the model, by name."""
+        """Draws of every parameter, and of the model index ("model"), by name."""
         if self._draws is None:
             assert self._run is not None
             self._draws = Draws(self._run.columns())
@@ -113,9 +113,9 @@ class Result(HasReport):
         return self._run.chains()
 
     def draws_of(self, parameter: str, model: Optional[str] = None) -> np.ndarray:
-        """All draws of a parameter in one vector, e.g. draws_of("location[2]", "2 damages"); a copy.
+        """Returns a copy of all draws of a parameter in one vector, e.g. draws_of("location[2]", "2 damages").
 
-        Without a model: the draws of all models that have it.
+        If `model` is not given, the vector contains the draws of all models that have the parameter.
         """
         name, _, slot = parameter.partition("[")
         name = name.replace(" ", "_") if name not in self.draws else name
@@ -131,15 +131,15 @@ class Result(HasReport):
 
     @property
     def posterior_nc(self) -> bytes:
-        """The bytes of posterior.nc."""
+        """The content of posterior.nc as bytes."""
         if self._posterior is None:
             assert self._run is not None
             self._posterior = self._run.posterior_nc()
         return self._posterior
 
     def to_xarray(self) -> Any:
-        """The groups of posterior.nc (posterior, sample_stats, …) as an xarray DataTree or, in older versions of
-        xarray, a dictionary of Datasets. Needs xarray and netCDF4."""
+        """Returns the groups of posterior.nc (posterior, sample_stats, …) as an xarray DataTree, or as a dictionary of
+        Datasets if xarray has no DataTree. Needs xarray and netCDF4."""
         import netCDF4
         import xarray
 
@@ -155,7 +155,7 @@ class Result(HasReport):
         return groups
 
     def save(self, folder: Path) -> None:
-        """Writes summary.json, posterior.nc, report.html and summary.txt, like the program: all files or none."""
+        """Writes the files of the program: summary.json, posterior.nc, report.html, summary.txt; all or none."""
         _core.keep(os.fspath(folder), self._summary_json, self.text, self.run_id, self.posterior_nc)
 
     def _page(self) -> str:
@@ -186,21 +186,21 @@ def _run(work: Callable[..., "_core.Run"], case: Case, folder: Optional[Path], c
 def damage(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = None, warmup: Optional[int] = None,
            draws: Optional[int] = None, progress: Watcher = True, changes: Optional[Mapping[str, Any]] = None,
            folder: Optional[Path] = None, **options: Any) -> Result:
-    """Identifies the number, places and severities of damages.
+    """Identifies the number, locations and severities of damages.
 
-    case      a file, or a dictionary of the same content
-    seed      of the chains (default 1); the same seed gives the same draws, with any number of threads
+    case      path of a case file, or a dictionary of the same content
+    seed      seed of the Markov chains (default 1); the same seed gives the same draws for any number of threads
     chains, warmup, draws
-              as the program's options; chosen by the engine by default
-    progress  True: a line on standard error; False: nothing; a function of a Progress: called a few times per second;
-              if it returns False, the run stops early and returns the draws so far
+              numbers of chains, of warm-up iterations and of draws per chain; by default, the engine chooses them
+    progress  True: a line on standard error; False: nothing. A function of a Progress: called a few times per second;
+              if the function returns False, the run stops early and returns the draws so far
     changes   changes of the case: {"data.cov": 0.002}
     folder    folder of the files that a dictionary names (default: the current folder)
     options   threads, search, quick, prior_only, evidence ("tmcmc+bridge"), max_memory_gb, max_hours, allow_commands,
               allow_hosts (a list of names)
 
-    Ctrl-C ends the run immediately with KeyboardInterrupt; its draws are lost. Raises CaseError for an invalid case,
-    with the program's message, and FileError for a file that cannot be read.
+    Ctrl-C ends the run immediately with KeyboardInterrupt, and the draws are lost. An invalid case raises CaseError
+    with the message of the program. A file that cannot be read raises FileError.
     """
     return _run(_core.damage, case, folder, changes, progress,
                 {"seed": seed, "chains": chains, "warmup": warmup, "draws": draws, **options})
@@ -209,7 +209,7 @@ def damage(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = No
 def update(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = None, warmup: Optional[int] = None,
            draws: Optional[int] = None, progress: Watcher = True, changes: Optional[Mapping[str, Any]] = None,
            folder: Optional[Path] = None, **options: Any) -> Result:
-    """Identifies a structure's parameters from its measured modes. Arguments as for `damage`."""
+    """Infers the parameters of a structure from its measured modes. The arguments are those of `damage`."""
     return _run(_core.update, case, folder, changes, progress,
                 {"seed": seed, "chains": chains, "warmup": warmup, "draws": draws, **options})
 
@@ -217,7 +217,7 @@ def update(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = No
 def sid(case: Case, *, seed: Optional[int] = None, chains: Optional[int] = None, warmup: Optional[int] = None,
         draws: Optional[int] = None, progress: Watcher = True, changes: Optional[Mapping[str, Any]] = None,
         folder: Optional[Path] = None, **options: Any) -> Result:
-    """Identifies the equation of motion from a record. Arguments as for `damage`."""
+    """Identifies the equation of motion from a record. The arguments are those of `damage`."""
     return _run(_core.sid, case, folder, changes, progress,
                 {"seed": seed, "chains": chains, "warmup": warmup, "draws": draws, **options})
 

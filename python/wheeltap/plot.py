@@ -1,4 +1,4 @@
-"""The standard figures, with matplotlib: `wheeltap.plot.models(result)`, …
+"""Standard figures of results with matplotlib, for example `wheeltap.plot.models(result)`.
 
 Every function draws into `ax`, or into a new figure, and returns the axes.
 """
@@ -68,8 +68,8 @@ def inclusion(result: Any, ax: Any = None) -> Any:
 
 
 def where(result: Any, ax: Any = None) -> Any:
-    """Places of the defects: for a beam as `inclusion`; for other structures the posterior expected number of defects
-    at each named place (member, joint, storey, spring, group), the 30 largest. Dots: the truth of simulated data."""
+    """Places of defects. For a beam, the figure is that of `inclusion`. For other structures: the 30 largest expected
+    numbers of defects at named places (member, joint, storey, spring, group). Dots show the true places, if known."""
     summary = result.summary
     if "beam" in summary:
         return inclusion(result, ax)
@@ -100,7 +100,7 @@ def where(result: Any, ax: Any = None) -> Any:
 
 
 def pairs(result: Any, model: Optional[str] = None, parameters: Optional[Sequence[str]] = None) -> np.ndarray:
-    """Scatter plots of all pairs of parameters of a model (default: the most probable one)."""
+    """Scatter plots of the posterior of all pairs of parameters of a model (default: the most probable model)."""
     model = model or _probable(result)
     names: List[str] = list(parameters or result.summary["parameters"].get(model, {}))
     if not names:
@@ -132,7 +132,7 @@ def pairs(result: Any, model: Optional[str] = None, parameters: Optional[Sequenc
 
 
 def traces(result: Any, names: Optional[Sequence[str]] = None) -> np.ndarray:
-    """Trace plots of all chains: the model, and each parameter."""
+    """Trace plots of all chains: the model index, and each parameter."""
     names = list(names or result.draws)
     columns = []
     for name in names:
@@ -153,7 +153,7 @@ def traces(result: Any, names: Optional[Sequence[str]] = None) -> np.ndarray:
 
 
 def frequencies(result: Any, ax: Any = None) -> Any:
-    """Measured minus predicted frequency of each mode, in standard deviations of the measurement; bars are 95 %
+    """Measured minus predicted frequency of each mode, in standard deviations of the measurement. Bars are the 95 %
     intervals of the prediction."""
     found = result.summary.get("data", {}).get("modes")
     if not isinstance(found, list):
@@ -194,7 +194,7 @@ def record(result: Any, response: Optional[str] = None, ax: Any = None) -> Any:
 
 
 def stabilisation(modal: Any, ax: Any = None) -> Any:
-    """Poles of all model orders over frequency, with their standard deviations, and the modes as lines."""
+    """Stabilisation diagram: poles of all model orders with their standard deviations, and lines at the modes."""
     found = modal.summary["stabilisation"]
     at = {name: i for i, name in enumerate(found["columns"])}
     poles = np.array([[np.nan if x is None else x for x in pole] for pole in found["poles"]], dtype=float)
