@@ -17,7 +17,7 @@ struct Ladder {
   std::vector<State> states;        ///< state of the replica at each rung
   std::vector<double> rejection{};  ///< Σ (1 - α) over the swaps, one sum per pair of neighbours
   std::vector<long> tried{};        ///< swaps tried by each pair
-  /// One per replica: +1 if its last end of the ladder was β = 0, -1 if β = 1
+  /// Per replica: +1 if the end of the ladder visited last is β = 0, -1 if it is β = 1
   std::vector<int> direction{};
   std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
