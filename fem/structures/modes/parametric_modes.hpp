@@ -82,9 +82,9 @@ class ParametricModes {
     Eigen::VectorXd
         shape_bounds;      ///< bounds of the sines of the angles between computed and true shapes
     bool in_full = false;  ///< true if the full problem was solved
-    /// For each part p of the structure, the matrix (modes × modes) of modal stiffnesses φ_jᵀ K_p
-    /// φ_k; then, for each part, the derivatives of φ_jᵀ K φ_k with respect to the relative error
-    /// of the stiffness that damage removes. The caller fills this list.
+    /// The matrix (modes × modes) of modal stiffnesses φ_jᵀ K_p φ_k of each part p of the
+    /// structure; then, for each part, the matrix of derivatives of φ_jᵀ K φ_k with respect to the
+    /// relative error of the stiffness that damage removes. The caller fills this list.
     std::vector<Eigen::MatrixXd> pieces = {};
   };
   /// Derivatives ∂λ/∂θ (modes × parameters), and ∂shapes/∂θ_j (one matrix, motions × modes, per

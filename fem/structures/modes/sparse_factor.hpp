@@ -55,7 +55,7 @@ class SparseFactor {
   std::vector<std::size_t> to_;              // position of each unknown
   std::vector<std::size_t> start_;           // first entry of each column, and the end
   std::vector<std::size_t> rows_, columns_;  // the row and column of an entry
-  std::vector<std::uint32_t> targets_;       // the entry (a, b) for rows b < a of a column
+  std::vector<std::uint32_t> targets_;       // entry (a, b) for rows b < a of each column
 };
 
 extern template void SparseFactor::factorise<1>(Values&) const;
