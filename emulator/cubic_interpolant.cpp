@@ -50,7 +50,7 @@ Stencil stencil(const GridAxis& axis, AxisRule rule, double at) {
     for (std::size_t i : {1, 2, 3}) ++a.at[i];
     const double h_left = s[0] - s[-1];
     a.inverse[0] = 1.0 / h_left;
-    // Slope of the parabola at its middle node. The weight of a secant is the length of the other.
+    // Slope of the parabola at its middle node; the shorter interval has the larger weight.
     a.d0[0] = a.h / (a.h + h_left);
     a.d0[1] = h_left / (a.h + h_left);
   }

@@ -40,7 +40,7 @@ struct Ladder {
 ///
 /// The replica at β = 0 draws model and parameters independently from the prior (w_0 = 0).
 /// Neighbouring replicas swap, alternately in the even and in the odd pairs. This deterministic
-/// scheme (Syed et al. 2022, section 2) keeps the round-trip rate as the ladder grows.
+/// scheme (Syed et al. 2022, section 2) keeps its round-trip rate for longer ladders.
 ///
 /// The weights w_i(m) let the chain visit every model at every temperature. Without weights, no
 /// chain would find a model whose tempered evidence is low at intermediate temperatures, even if it

@@ -24,7 +24,7 @@ std::span<const double> values_of(const Eigen::VectorXd& z) {
 
 using Function = std::function<double(const Eigen::VectorXd&)>;
 
-// Steps along each coordinate that lower f by about `drop`, at most 1.
+// The step along each coordinate, at most 1, that lowers f by about `drop`.
 Eigen::VectorXd steps(const Function& f, const Eigen::VectorXd& z, double value, double drop) {
   Eigen::VectorXd h(z.size());
   for (Eigen::Index i = 0; i < z.size(); ++i) {

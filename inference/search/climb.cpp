@@ -20,7 +20,7 @@ constexpr double kLeastDamping = 1e-6;
 constexpr double kStrongerDamping = 10.0;                    // factor between trials
 constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};  // check points on a long step
 constexpr double kSameHeight = 0.5;  // largest difference in ln π of two ends at the same mode
-constexpr double kSameTop = 0.05;    // squared distance of such ends, in widths of the mode
+constexpr double kSameTop = 0.05;    // largest squared distance of such ends, in widths of the mode
 constexpr double kCreeping = 1.0;    // gain in ln π below which no other method is tried
 
 using Vector = Eigen::VectorXd;
@@ -342,7 +342,7 @@ Vector Surface::values(const Matrix& zs, double level) {
 }
 
 bool Surface::gradient(const Vector& z, Vector& g) {
-  // A likelihood may lack a gradient only at a few points.
+  // Some likelihoods have no gradient at a few points, but at all others.
   if (gradients_ == 0 && refusals_ >= kRefusals) return false;
   const auto n = static_cast<std::size_t>(z.size());
   const bool found = posterior_.gradient({z.data(), n}, {g.data(), n});

@@ -19,7 +19,7 @@ namespace {
 
 constexpr int kSlices = 8;  // slices of a batch, each with its own likelihood object
 constexpr long kFirstBatch = 8, kMostBatch = 256;
-constexpr long kFirstOfRecord = 2;    // few climbs use the full growth before a mode is known
+constexpr long kFirstOfRecord = 2;    // number of climbs in the first batch for a growing record
 constexpr long kScreened = 256;       // draws of the prior on a whole record
 constexpr int kScreenedClimbs = 4;    // climbs from the most probable of these draws
 constexpr double kValley = 2.0;       // smallest depth in ln π between two modes

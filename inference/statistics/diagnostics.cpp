@@ -247,7 +247,7 @@ double basic_ess(const Split& s) {
     return 1.0 - (v.within - autocovariance(t) * n / (n - 1.0)) / total;
   };
   double sum = 0.0;        // sum over the pairs
-  double last_even = 0.0;  // at the end of the positive sequence: improves antithetic chains
+  double last_even = 0.0;  // last even correlation, for antithetic chains
   double previous = kInfinity;
   for (std::size_t t = 0; t + 1 < s.length; t += 2) {
     const double even = t == 0 ? 1.0 : correlation(t);

@@ -16,9 +16,9 @@ namespace wheeltap::fem {
 /// Method for the modes at one θ.
 enum class ParametricSolver {
   cheaper,  ///< the cheaper of `basis` and `sparse`
-  basis,    ///< in a basis of modes at selected θ
-  /// From the sparse matrices, if the structure is affine and has no rigid-body motions and at most
-  /// 2000 degrees of freedom; otherwise in a basis.
+  basis,    ///< reduction to a basis of modes at selected θ
+  /// Sparse matrices, if the structure is affine and has no rigid-body motions and at most 2000
+  /// degrees of freedom; otherwise a basis.
   sparse
 };
 
