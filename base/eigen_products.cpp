@@ -28,7 +28,7 @@ ConstMap<Scalar, Order> mapped(const Dense<const Scalar>& m) {
   return {m.data, m.rows, m.cols, Stride(m.outer)};
 }
 
-// Distance of the entries of a column vector.
+// Distance between the entries of a column vector in memory.
 template <class Scalar>
 Index increment(const Dense<Scalar>& v) {
   return v.by_rows ? v.outer : v.inner;
@@ -43,7 +43,7 @@ void multiply_stored(const Dense<const Scalar>& a, const Dense<const Scalar>& b,
   const B right = mapped<Scalar, Right>(b);
   Eigen::Map<Matrix<Scalar, ColMajor>, Eigen::Unaligned, Stride> result(c.data, c.rows, c.cols,
                                                                         Stride(c.outer));
-  // Eigen's choice between sums by coefficient and products of panels.
+  // Chooses between sums by coefficient and products of panels like Eigen.
   if (b.rows > 0 && b.rows + c.rows + c.cols < EIGEN_GEMM_TO_COEFFBASED_THRESHOLD) {
     const auto sums = scale * left.lazyProduct(right);
     if (add)
@@ -107,7 +107,7 @@ void multiply_vector_plain(const Dense<const Scalar>& a, const Dense<const Scala
   if (increment(c) != 1) result = packed_result;
 }
 
-// The entries of a factor as complex numbers, conjugated if the factor asks for it.
+// The entries of a factor as complex numbers, conjugated if `conjugate` of the factor is true.
 template <class Scalar>
 struct ComplexFactor {
   Matrix<Complex, ColMajor> entries;

@@ -2,14 +2,14 @@
 //
 // Eigen compiles a product C = A B anew for each combination of types of A, B and C: the product of
 // panels (Goto & van de Geijn 2008), the loop for small matrices, and the product for matrices that
-// turn out to be vectors. Each combination needs dozens of expression types; they took half of the
-// build time. Here Eigen is told to pass the products of real and complex matrices of any type to
-// the functions `multiply` and `multiply_vector`, which only eigen_products.cpp compiles. They take
-// addresses, sizes and strides. The results are those of Eigen, because eigen_products.cpp calls
-// Eigen's products for matrices with the same storage order.
+// turn out to be vectors. Each combination needs dozens of expression types, whose compilation took
+// half of the build time. This header makes Eigen pass products of real and complex matrices of any
+// type to the functions `multiply` and `multiply_vector`, which only eigen_products.cpp compiles.
+// These functions take addresses, sizes and strides. Their results are those of Eigen, because
+// eigen_products.cpp calls Eigen's products for matrices with the same storage order.
 //
-// There is one difference: in a product of a real and a complex matrix, the real matrix is
-// converted first, so that an infinite entry gives NaN and not an infinite result.
+// In a product of a real and a complex matrix, the real matrix is converted to complex first: an
+// infinite entry then gives NaN, and not an infinite result as in Eigen.
 //
 // Products of small matrices of fixed size are not changed: Eigen compiles them in place.
 //
@@ -50,7 +50,7 @@ struct Dense {
   Dense transposed() const { return {data, cols, rows, outer, inner, !by_rows}; }
 };
 
-// A factor of a product: `conjugate` asks for the complex conjugate of the entries.
+// A factor of a product. If `conjugate` is true, the complex conjugates of the entries are used.
 template <class Scalar>
 struct Factor {
   Dense<const Scalar> matrix;
@@ -59,8 +59,8 @@ struct Factor {
   Factor transposed() const { return {matrix.transposed(), conjugate}; }
 };
 
-// C = scale A B, or C += scale A B with `add`. The inner strides of all matrices are 1.
-// Matrices without entries are allowed; C must not overlap A or B.
+// Computes C = scale A B, or C += scale A B if `add` is true. The inner strides of all matrices are
+// 1. Matrices without entries are allowed; C must not overlap A or B.
 void multiply(const Factor<double>& a, const Factor<double>& b, double scale, bool add,
               const Dense<double>& c);
 void multiply(const Factor<Complex>& a, const Factor<Complex>& b, Complex scale, bool add,
@@ -70,7 +70,7 @@ void multiply(const Factor<double>& a, const Factor<Complex>& b, Complex scale, 
 void multiply(const Factor<Complex>& a, const Factor<double>& b, Complex scale, bool add,
               const Dense<Complex>& c);
 
-// The same if b and c are column vectors, which may have inner strides.
+// Computes the same product for column vectors b and c, which may have inner strides.
 void multiply_vector(const Factor<double>& a, const Factor<double>& b, double scale, bool add,
                      const Dense<double>& c);
 void multiply_vector(const Factor<Complex>& a, const Factor<Complex>& b, Complex scale, bool add,
@@ -93,8 +93,8 @@ template <class A, class B>
 concept Passed =
     Multiplied<typename A::Scalar> && Multiplied<typename B::Scalar> && !(is_map<A> && is_map<B>);
 
-// Takes an operand apart: op(X) = scale X, conj(X) or Xᵀ of a matrix X in memory. Other expressions
-// are evaluated.
+// The parts of an operand scale X, conj(X) or Xᵀ, where X is a matrix in memory. Any other
+// expression is evaluated first.
 template <class Expression>
 struct Operand {
   using Traits = Eigen::internal::blas_traits<Expression>;
@@ -149,7 +149,7 @@ void pass_product(Result& result, const A& a, const B& b, Scalar scale, bool add
   });
 }
 
-// The same if B is a column vector or the factor A is one row: cᵀ = Bᵀ aᵀ.
+// Computes the same product if B is a column vector, or if A is one row a: cᵀ = Bᵀ aᵀ.
 template <class Result, class A, class B, class Scalar>
 void pass_vector_product(Result& result, const A& a, const B& b, Scalar scale, bool add) {
   const Operand<A> left(a);

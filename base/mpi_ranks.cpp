@@ -1,6 +1,6 @@
-// Implementation of Ranks with MPI (C interface; MPI 3.1). Only this file calls MPI. It is built as
-// a module. The program loads the module only if mpirun has started the program, so that the
-// program also runs without MPI.
+// Implementation of Ranks with MPI (C interface; MPI 3.1). Only this file calls MPI. The file is
+// built as a module. The program loads the module only if mpirun has started the program, so that
+// the program also runs without MPI.
 //
 // During shared work, the thread that joined the ranks communicates, and other threads compute. A
 // rank requests a unit of work from rank 0 whenever one of its threads is free. At the end, each
@@ -37,7 +37,7 @@ struct Message {
 };
 
 /// Sleeps increasingly long while a rank has no work and no messages. If ranks share processors, a
-/// waiting rank must not occupy a processor.
+/// waiting rank must leave the processor free.
 class Backoff {
  public:
   void reset() { wait_ = kFirst; }
@@ -78,7 +78,7 @@ class Workers {
 
   Workers(int threads, const std::function<void(int)>& job, const Carriage& carriage)
       : job_(job), carriage_(carriage) {
-    const std::scoped_lock lock(mutex_);  // threads wait until the number of threads is known
+    const std::scoped_lock lock(mutex_);  // the threads wait until `working_` is known
     enlist(pool_, threads, [this] { work(); });
     working_ = static_cast<int>(pool_.size());
   }

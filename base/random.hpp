@@ -2,8 +2,8 @@
 // its position in the stream. A random number does not depend on threads or on other streams.
 #pragma once
 
-// Philox is integer arithmetic. Without this setting Random123 includes the headers of all vector
-// instructions, which every source file would parse.
+// Philox uses only integer arithmetic. Without this setting, Random123 includes the headers of all
+// vector instructions, which every source file would parse.
 #ifndef R123_USE_SSE
 #define R123_USE_SSE 0
 #endif

@@ -30,7 +30,7 @@ std::array<double, kMaxLawCoefficients> values(const Law& law, std::span<const d
   return c;
 }
 
-/// Whether the law's constant coefficients are feasible for some values of the others.
+/// True if the constant coefficients are feasible for some values of the other coefficients.
 bool constants_feasible(const Law& law) {
   const LawInfo& info = law_infos()[static_cast<std::size_t>(law.kind)];
   std::array<double, kMaxLawCoefficients> c{};
@@ -154,8 +154,8 @@ LinearMatrices linear_matrices(const Chain& chain, std::span<const double> theta
 
 Rates stiffest_rates(const Chain& chain, std::span<const double> theta,
                      std::span<const double> extension) {
-  // Row i of M⁻¹ K has absolute sum (Σ k over links at i + Σ k over links to other masses) / m_i.
-  // The memory is thread-local, so that a likelihood does not allocate.
+  // Row i of M⁻¹ K has the absolute sum (Σ k over links at i + Σ k over links to other masses) /
+  // m_i. The memory is thread-local, so that a likelihood does not allocate.
   thread_local std::vector<Slopes> rows;
   rows.assign(chain.masses.size() + 1, {});
   for (std::size_t l = 0; l < chain.links.size(); ++l) {

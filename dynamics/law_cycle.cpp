@@ -11,7 +11,7 @@ std::vector<CyclePoint> follow(const Law& law, const Cycle& cycle) {
   constexpr int kSteps = 20;
   double c[kMaxLawCoefficients];
   for (std::size_t i = 0; i < kMaxLawCoefficients; ++i) c[i] = law.coefficients[i].value;
-  // One-sided laws are defined for opening: closing is T(e, ė) = -T_open(-e, -ė).
+  // One-sided laws define T_open for opening. For closing, T(e, ė) = -T_open(-e, -ė).
   const double side = L::kInfo.one_sided && law.side == Side::closing ? -1.0 : 1.0;
   const double omega = 2.0 * std::numbers::pi / cycle.period;
   const auto extension = [&](double t) { return side * cycle.amplitude * std::sin(omega * t); };

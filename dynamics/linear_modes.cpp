@@ -12,7 +12,7 @@ std::vector<LinearMode> linear_modes(const Chain& chain, std::span<const double>
   const LinearMatrices m = linear_matrices(chain, theta);
   const Eigen::Index n = m.mass.rows();
   const Eigen::VectorXd inverse_mass = m.mass.diagonal().cwiseInverse();
-  // In a unit of time that makes stiffness and damping of order 1.
+  // 1 / rate is the unit of time. In this unit, M⁻¹ K and M⁻¹ C are of order 1.
   const double rate = std::max(std::sqrt((inverse_mass.asDiagonal() * m.stiffness).norm()),
                                (inverse_mass.asDiagonal() * m.damping).norm());
   if (!(rate > 0.0)) return {};
@@ -22,7 +22,7 @@ std::vector<LinearMode> linear_modes(const Chain& chain, std::span<const double>
   state.bottomRightCorner(n, n) = -(inverse_mass.asDiagonal() * m.damping) / rate;
   const Eigen::VectorXcd eigenvalues = state.eigenvalues();
   constexpr double kRounding =
-      1e-6;  // rounding splits a defective double zero by √ε of the fastest rate
+      1e-6;  // rounding splits a defective double eigenvalue 0 by √ε · rate
   std::vector<LinearMode> modes;
   for (const std::complex<double>& lambda : eigenvalues) {
     if (!(lambda.imag() > kRounding)) continue;

@@ -9,7 +9,7 @@ double tension(const Link& link, std::span<const double> theta, double e, double
       if constexpr (!L::kInfo.memory) {
         double c[kMaxLawCoefficients];
         for (std::size_t i = 0; i < kMaxLawCoefficients; ++i) c[i] = law.coefficients[i].at(theta);
-        // One-sided laws are defined for opening: closing is T(e, ė) = -T_open(-e, -ė).
+        // One-sided laws define T_open for opening. For closing, T(e, ė) = -T_open(-e, -ė).
         const double side = L::kInfo.one_sided && law.side == Side::closing ? -1.0 : 1.0;
         sum += side * L::tension(c, side * e, side * rate);
       }

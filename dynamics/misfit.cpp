@@ -1,4 +1,4 @@
-// The misfit of a simulated response to a measured one; declared in simulate.hpp.
+// The misfit of a simulated response to a measured response (class Misfit of simulate.hpp).
 #include <algorithm>
 #include <cmath>
 #include <limits>

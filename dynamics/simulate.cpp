@@ -16,7 +16,7 @@ using detail::fail, detail::Key, detail::kInfeasible, detail::kTooManySteps,
 
 namespace {
 
-/// 64-byte aligned memory that grows and stays with its thread.
+/// Memory of one thread, aligned to 64 bytes; it grows as required.
 class Scratch {
  public:
   double* take(std::size_t doubles) {
@@ -35,7 +35,7 @@ class Scratch {
   std::size_t size_ = 0;
 };
 
-/// Memory of one thread to evaluate a batch.
+/// Memory of one thread for the simulation of several parameter vectors.
 struct ThreadMemory {
   Scratch coefficients, exact, trajectory;
   std::vector<double> values;  ///< [set][slot]
@@ -48,7 +48,7 @@ ThreadMemory& thread_memory() {
   return memory;
 }
 
-/// The longest piece of a series [1/ω], at the usual or a higher step limit.
+/// The longest piece of a series [1/ω] for step limits of at least kUsualStepLimit.
 constexpr double kLongestPiece = 0.7;
 
 /// Degree of a series for a piece of length x/ω: the truncation error of a velocity is at most
@@ -58,8 +58,8 @@ int degree_of_series(double x) {
   return x <= 0.15 ? 7 : x <= 0.35 ? 9 : kernel::kMaxDegree;
 }
 
-/// The next of 1, 2, 3, 4, 6, 8, 12, …: few different counts, so that parameter vectors share
-/// lanes.
+/// Rounds up to 1, 2, 3, 4, 6, 8, 12, …. With few different counts, more parameter vectors can be
+/// integrated together.
 int ladder(double steps) {
   for (int power = 1; power <= kMaxSubsteps; power *= 2) {
     if (steps <= power) return power;
@@ -74,7 +74,7 @@ Outcome outcome_of(double failed) {
                                            : Outcome::diverged;
 }
 
-/// `frequency` and `damping` per sample.
+/// Sets key.halvings. `frequency` and `damping` are ω h and γ h for the time h between samples.
 Key with_halvings(Key key, double frequency, double damping) {
   const double norm = std::max(1.0, frequency * frequency + damping);
   key.halvings = 1 + static_cast<int>(std::ceil(std::log2(norm)));
@@ -101,8 +101,8 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
   if (!std::isfinite(frequency) || !std::isfinite(damping)) return kInfeasible;
   if (exact) return with_halvings({}, frequency, damping);
   const double fastest = std::max(frequency, damping);
-  // A refined simulator takes `refinement` times the steps of the coarse one, even if rounding to
-  // the allowed counts would give fewer.
+  // A refined simulator makes at least `refinement` times as many steps as the coarse simulator,
+  // even if rounding to the allowed counts would give fewer steps.
   const auto at_least_refined = [&](const auto& steps) {
     const int coarse = ladder(steps(options.step_limit * options.refinement));
     const int count = std::max(ladder(steps(options.step_limit)), options.refinement * coarse);
@@ -119,7 +119,7 @@ Key Simulator::Impl::key(std::span<const double> theta) const {
   });
   if (pieces < 0) return kTooManySteps;
   int degree = degree_of_series(fastest / pieces);
-  // The tension of a sticking link is a series with two terms less.
+  // The series of the tension of a sticking link has two terms fewer.
   if (task.frictions > 0) degree = std::min(degree + 2, kernel::kMaxDegree);
   const Key key{.substeps = pieces, .degree = degree};
   return integrator == Integrator::series ? key : with_halvings(key, frequency, damping);
@@ -184,7 +184,7 @@ void Simulator::Impl::run(std::span<const double> thetas, int sets,
     const Key group = memory.order[begin].first;
     std::size_t end = begin;
     while (end < count && end - begin < most && memory.order[end].first == group) ++end;
-    // The narrowest kernel that holds the group, since wider vectors cost more.
+    // The narrowest kernel with enough lanes for the group. Wider vectors take more time.
     const kernel::Kernel& kernel = **std::find_if(
         kernels.begin(), kernels.end() - 1,
         [&](const kernel::Kernel* k) { return static_cast<std::size_t>(k->lanes) >= end - begin; });

@@ -31,10 +31,10 @@ struct Force {
 
 /// Motion of the base (mass 0): acceleration, displacement or both. If the acceleration [m/s²] is
 /// not given, the acceleration is the second derivative of the natural cubic spline through the
-/// displacement. This acceleration, like every excitation, is linear between samples, and the
-/// displacement is its exact double integral. The displacement [m] and the velocity of the spline
-/// also serve to convert relative to absolute motion. The offset of a displacement affects only
-/// absolute displacements.
+/// displacement. This acceleration is linear between samples, like every excitation. The
+/// displacement is the exact double integral of this acceleration. The displacement [m] and the
+/// velocity of the spline also serve to convert relative to absolute motion. The offset of a
+/// displacement affects only absolute displacements.
 struct BaseMotion {
   Signal acceleration = {};
   Signal displacement = {};
@@ -65,8 +65,8 @@ enum class Integrator {
   /// sticks and slips, or prefer_series is set. Otherwise, or if the number of substeps is fixed,
   /// selects `runge_kutta`.
   automatic,
-  /// The classical fourth-order Runge-Kutta scheme. Steps end at the time at which a link with
-  /// exact friction comes to rest or breaks away.
+  /// The classical fourth-order Runge-Kutta scheme. A step ends when a link with exact friction
+  /// comes to rest or breaks away.
   runge_kutta,
   exact,  ///< exact discrete solution of linear chains
   /// For chains with at most four nonlinear force laws, all bilinear or contact: the exact solution
@@ -96,15 +96,15 @@ struct SimulatorOptions {
   /// the speed of the link (LawInfo::paced), the steps are shorter in fast motion: the product of
   /// the rate and a step is at most 1 and at most 5 step_limit. The number of these steps per
   /// sample is at most kMaxPacedSubsteps. The simulation of a parameter vector that needs more
-  /// steps fails. For `series` and `piecewise`, the number is that of series expansions per sample,
-  /// with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
+  /// steps fails. For `series` and `piecewise`, this option is the number of series expansions per
+  /// sample, with ω h and γ h <= 0.7 (and <= 3.5 step_limit).
   int substeps = 0;
   /// Limit of ω h for a time step h. A time step of this length multiplies a frequency ω by the
   /// factor 1 - (ω h)⁴/120 and adds the damping ratio (ω h)⁵/144. For ω h = 0.2, these errors are
   /// 1.3e-5 and 2.2e-6.
   double step_limit = 0.2;
-  /// Factor set by Simulator::refined. The number of steps is at least `refinement` times the
-  /// number for a step limit that is `refinement` times as large.
+  /// Factor set by Simulator::refined. With this factor, the simulator makes at least `refinement`
+  /// times as many steps as with a step limit that is `refinement` times as large.
   int refinement = 1;
   /// Largest extension [m] of each link for which stiffest_rates considers nonlinear force laws;
   /// empty: 0.

@@ -30,8 +30,8 @@ void require_parameters(std::span<const double> thetas, int sets, int parameters
 /// pair, the smaller number is first.
 [[nodiscard]] std::vector<std::pair<int, int>> frictions(const Chain& chain);
 
-/// Step limit at which damping rates γ satisfy γ h <= 1; for a lower step limit, the limit of γ h
-/// is proportionally lower.
+/// Step limit for which the limit of γ h is 1, where γ is a damping rate. For a lower step limit,
+/// the limit of γ h is proportionally lower.
 inline constexpr double kUsualStepLimit = 0.2;
 
 /// Step parameters that are equal for all parameter vectors of a group.

@@ -52,7 +52,7 @@ std::vector<const kernel::Kernel*> make_kernels(Instructions instructions) {
 #endif
   auto kernels = base::runnable(compiled, instructions);
   if (kernels.empty()) fail("this processor lacks the requested vector instructions");
-  // If four lanes are available, two cost as much as four.
+  // If four lanes are available, the kernel with two lanes takes as long as that with four.
   if (kernels.size() > 1) kernels.erase(kernels.begin());
   return kernels;
 }
@@ -70,7 +70,7 @@ void require_finite(const std::vector<double>& samples, const std::string& name)
     fail(name + ", sample " + std::to_string(bad - samples.begin()) + " is not finite");
 }
 
-/// Whether kernel::piecewise can integrate the chain.
+/// True if kernel::piecewise can integrate the chain.
 bool is_piecewise_linear(const Chain& chain) {
   int laws = 0;
   for (const Link& link : chain.links) laws += static_cast<int>(link.laws.size());

@@ -8,7 +8,7 @@ namespace wheeltap::dynamics {
 
 namespace {
 
-/// Factor on the number of steps for a retry after a failed run.
+/// Factor by which the number of steps increases after a failed simulation.
 constexpr int kMuchFiner = 4;
 constexpr int kMostRetries = 3;
 
@@ -44,8 +44,8 @@ double change(const Eigen::MatrixXd& coarse, const Eigen::MatrixXd& fine) {
   return largest;
 }
 
-/// A first pass with the motion of all masses. Returns options with which the chain can be
-/// integrated and the extensions of its links, or the reason for failure.
+/// Simulates the motion of all masses. Returns options with which the chain can be integrated, with
+/// the extensions of its links, or the reason for the failure.
 std::pair<SimulatorOptions, Outcome> first_pass(const Simulator& simulator,
                                                 std::span<const double> theta) {
   std::vector<Sensor> masses;
@@ -62,7 +62,7 @@ std::pair<SimulatorOptions, Outcome> first_pass(const Simulator& simulator,
   }
   SimulatorOptions options = motion.options();
   if (response.failed) return {options, response.outcome};
-  if (simulator.options().substeps > 0)  // the user fixed the steps, so report them as too long
+  if (simulator.options().substeps > 0)  // the user fixed the number of steps
     return {simulator.options(), first == Outcome::complete ? first : Outcome::steps_too_long};
   if (!simulator.chain().is_linear())
     options.extension = extensions(simulator.chain(), response.values);
@@ -89,8 +89,8 @@ CheckedResponse checked_response(const Simulator& simulator, std::span<const dou
     Simulator finer = can_refine(now.options(), 2) ? now.refined(2) : now;
     Response better = finer.simulate(theta);
     if (better.failed || !can_refine(now.options(), 2)) {
-      // The maximum number of steps is exceeded: the change from steps twice as long is an upper
-      // bound.
+      // More steps are not possible. The change from steps twice as long is then an upper bound of
+      // the change.
       if (halvings > 0) break;
       const Response worse = coarsened(now).simulate(theta);
       if (worse.failed) return fail(Outcome::steps_too_long);

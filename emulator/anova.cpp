@@ -80,7 +80,7 @@ void AnovaEmulator::evaluate(std::span<const double> x, std::span<double> out) c
   if (count == 1) return single_(x, out);
   if (count == 2) return pair_(x, out);
 
-  // Thread-local storage of one prediction and the two components of its arguments.
+  // Thread-local memory for the prediction of one term, and for its argument of two components.
   thread_local std::vector<double> part, both;
   part.resize(responses());
   both.resize(2 * factors_);

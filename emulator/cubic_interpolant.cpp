@@ -13,13 +13,13 @@ namespace {
 /// Number of responses that are processed together: one cache line of doubles.
 constexpr std::size_t kBlock = 8;
 
-/// The contribution of one factor to an evaluation: the levels used and their weights. Slopes are
-/// linear in the secants of the cell and of its two neighbours; a neighbour outside the range
-/// repeats the cell's secant with weight 0.
+/// The levels of one factor that an evaluation uses, and their weights. Slopes are linear in the
+/// secants of the cell and of its two neighbours. Instead of a neighbour outside the range, the
+/// cell's secant enters with weight 0.
 struct Stencil {
   std::ptrdiff_t first;  // offset of the first node used
   std::ptrdiff_t stride;
-  std::size_t nodes = 1;             // 1 on a level, 2 if linear, else up to 4
+  std::size_t nodes = 1;             // 1 at a level, 2 for linear, else up to 4
   std::size_t at[4] = {0, 0, 1, 1};  // indices of the nodes left of, in, and right of the cell
   double inverse[3] = {0, 0, 0};     // 1 / spacing: left, cell, right; 0 outside the range
   double d0[3] = {0, 1, 0}, d1[3] = {0, 1, 0};  // weights of the three secants in the end slopes
@@ -50,7 +50,7 @@ Stencil stencil(const GridAxis& axis, AxisRule rule, double at) {
     for (std::size_t i : {1, 2, 3}) ++a.at[i];
     const double h_left = s[0] - s[-1];
     a.inverse[0] = 1.0 / h_left;
-    // A parabola's slope at its middle node: the two secants with crossed weights.
+    // Slope of the parabola at its middle node; the shorter interval has the larger weight.
     a.d0[0] = a.h / (a.h + h_left);
     a.d0[1] = h_left / (a.h + h_left);
   }
@@ -62,7 +62,7 @@ Stencil stencil(const GridAxis& axis, AxisRule rule, double at) {
     a.d1[2] = a.h / (a.h + h_right);
     a.d1[1] = h_right / (a.h + h_right);
   }
-  // At an end of the range, the slope of the only parabola: its mean over the cell is the secant.
+  // Slope of the parabola at an end of the range; its mean slope over the cell is the secant.
   if (!has_left && has_right)
     for (std::size_t i : {1, 2}) a.d0[i] = (i == 1 ? 2.0 : 0.0) - a.d1[i];
   if (has_left && !has_right)
@@ -77,7 +77,7 @@ inline double limit(double d, double left, double right) {
   return (left * right > 0.0) & (d * left > 0.0) ? limited : 0.0;
 }
 
-/// Combines the stencil's nodes, one block of responses each, into out. Not used for a single node.
+/// Interpolates a block of responses between the nodes of a stencil of at least two nodes.
 WHEELTAP_VECTOR_CLONES void join(const Stencil& a, const double (*__restrict y)[kBlock],
                                  double* __restrict out) {
   const double *const y_left = y[a.at[0]], *const y0 = y[a.at[1]], *const y1 = y[a.at[2]],
@@ -134,7 +134,7 @@ void CubicInterpolant::evaluate(std::span<const double> x, std::span<double> out
   std::size_t count = 1, active = 0;
   for (std::size_t j = 0; j < axes_.size(); ++j) {
     const Stencil a = stencil(axes_[j], rules_[j], to_scale(axes_[j].scale, x[j]));
-    // The loop runs backwards, so that a node is overwritten after its last use.
+    // The loop runs backwards, so that each node is overwritten only after its last use.
     for (std::size_t c = count; c-- > 0;)
       for (std::size_t n = a.nodes; n-- > 0;)
         nodes[c * a.nodes + n] = nodes[c] + a.first + static_cast<std::ptrdiff_t>(n) * a.stride;

@@ -22,8 +22,8 @@ using Simplex = CGAL::Triangulation_full_cell<Geometry, std::int32_t>;
 using Triangulation = CGAL::Delaunay_triangulation<
     Geometry, CGAL::Triangulation_data_structure<CGAL::Dynamic_dimension_tag, Vertex, Simplex>>;
 
-/// Tolerance in barycentric coordinates. A point outside a simplex within this tolerance is on the
-/// face of the simplex, apart from rounding.
+/// Tolerance in barycentric coordinates. A point outside a simplex by less than this tolerance
+/// counts as a point on the face of the simplex.
 constexpr double kOnFace = 1e-9;
 
 std::string describe(const std::vector<Factor>& factors, std::span<const double> x) {
@@ -127,7 +127,7 @@ DelaunayInterpolant::DelaunayInterpolant(std::vector<Factor> factors, const RowM
         edges.fullPivLu().inverse();
   }
 
-  // About one simplex per cell; the walk for a cell starts at its neighbour's simplex.
+  // About one simplex per cell. The search for a cell starts at the simplex of the previous cell.
   cells_a_side_ = std::max<std::size_t>(
       1,
       static_cast<std::size_t>(std::pow(static_cast<double>(all), 1.0 / static_cast<double>(d))));
@@ -151,8 +151,8 @@ void DelaunayInterpolant::to_unit(std::span<const double> x, Coordinates& u) con
     u[j] = (to_scale(factors_[j].scale, x[j]) - low_[j]) / range_[j];
 }
 
-/// Computes barycentric coordinates. One refinement step with the vertices keeps the accuracy for
-/// thin simplices: x = Σ λ_i v_i is satisfied to rounding.
+/// Computes barycentric coordinates. After one refinement step, x = Σ λ_i v_i holds to rounding
+/// even for thin simplices.
 void DelaunayInterpolant::weights(std::size_t simplex, const Coordinates& u,
                                   Weights& lambda) const {
   const std::size_t d = dimension();
@@ -179,8 +179,8 @@ void DelaunayInterpolant::weights(std::size_t simplex, const Coordinates& u,
 }
 
 /// Steps from `simplex` to adjacent simplices, each time through the face beyond which x is
-/// farthest. Returns false if x is outside the convex hull; `simplex` is then the last simplex
-/// inside.
+/// farthest. Returns false if x is outside the convex hull; `simplex` is then the last visited
+/// simplex.
 bool DelaunayInterpolant::locate(const Coordinates& u, std::size_t& simplex,
                                  Weights& lambda) const {
   const std::size_t d = dimension();

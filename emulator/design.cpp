@@ -14,7 +14,7 @@ namespace wheeltap::emulator {
 namespace {
 
 /// Draws a number with the uniform distribution on [0, 1) from the top 53 bits. The number is the
-/// same on every platform; numbers of the standard library's distributions are not.
+/// same on every platform, unlike numbers from the distributions of the standard library.
 double unit_uniform(std::mt19937_64& generator) {
   return static_cast<double>(generator() >> 11) * 0x1p-53;
 }

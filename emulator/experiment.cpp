@@ -88,7 +88,7 @@ class Experiment {
     return {result_.row(run).data(), static_cast<std::size_t>(result_.cols())};
   }
 
-  // Takes the runs of the journal (in a run with several ranks, the journal of rank 0).
+  // Takes over the runs of the journal (with several ranks, of the journal of rank 0).
   void remember() {
     base::Packer packer;
     if (base::is_first_rank()) {

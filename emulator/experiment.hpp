@@ -24,8 +24,8 @@ struct ExperimentOptions {
   std::filesystem::path journal = {};
   /// Identity of the journal in addition to the design, for example the case as text.
   std::string identity = {};
-  /// Callback after each run with the number of finished runs and the number of all runs. Only one
-  /// thread calls it at a time. Runs of other ranks are counted after each twentieth of the design.
+  /// Callback after each run with the number of finished runs and the number of all runs. Calls do
+  /// not overlap. Runs of other ranks are counted after each twentieth of the design.
   std::function<void(Eigen::Index done, Eigen::Index total)> progress = {};
 };
 

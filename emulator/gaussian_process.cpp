@@ -22,7 +22,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 /// Returns the smallest nugget of a kernel. The eigenvalues of the squared exponential kernel
-/// decrease fast; with a smaller nugget, large weights of opposite sign would cancel.
+/// decrease fast. With a smaller nugget, large weights of opposite sign would cancel.
 double least_nugget(Kernel kernel) {
   return kernel == Kernel::squared_exponential ? 1e-8 : 1e-12;
 }
@@ -125,7 +125,7 @@ LogLikelihood log_likelihood(const RowMatrix& unit_points, const RowMatrix& valu
     const Index below = n - i - 1;
     const ArrayXd common =
         slope(c.kernel, squared_distances(z, i, i + 1)) * w.col(i).tail(below).array();
-    for (Index j = 0; j < d; ++j)  // twice ½, since the matrix is symmetric
+    for (Index j = 0; j < d; ++j)  // factor 2 · ½, because the matrix is symmetric
       out.gradient(j) += (common * (z.col(j).tail(below).array() - z(i, j)).square()).sum();
   }
   out.gradient(d) = 0.5 * c.nugget * w.trace();
@@ -188,7 +188,7 @@ struct GaussianProcess::Impl {
     offset = y.colwise().mean();
     values = y.rowwise() - offset;
     size = values.colwise().norm() / std::sqrt(static_cast<double>(y.rows()));
-    // A constant response, to rounding, gets variance 0.
+    // A response that is constant to rounding gets the variance 0.
     for (Index k_response = 0; k_response < size.size(); ++k_response)
       if (!(size(k_response) > 1e-14 * std::abs(offset(k_response)))) {
         size(k_response) = 0.0;
@@ -228,9 +228,9 @@ struct GaussianProcess::Impl {
 
 namespace {
 
-/// Maximises ln L over ln ℓ (and ln η) inside a box by BFGS, with steps projected on the box and
-/// halved until they gain enough (Nocedal & Wright 2006, Numerical Optimization, chapter 6). Eigen
-/// has no optimiser for scalar functions, and d + 1 unknowns do not justify a dependency.
+/// Maximises ln L over ln ℓ (and ln η) inside a box by BFGS. Steps are projected onto the box, and
+/// halved until ln L increases sufficiently (Nocedal & Wright 2006, Numerical Optimization, chapter
+/// 6). Eigen has no optimiser for scalar functions, and d + 1 unknowns do not justify a dependency.
 class Search {
  public:
   Search(const RowMatrix& points, const RowMatrix& values, const GaussianProcessOptions& options)
@@ -257,7 +257,7 @@ class Search {
     };
     const std::vector<double> nuggets =
         options_.infer_nugget ? std::vector{1e-6, 1e-3, 0.1} : std::vector{nugget_};
-    // Clusters of runs may need more than the smallest nugget at any length.
+    // Runs close to each other may need a larger nugget at all correlation lengths.
     for (; nugget_ < kLargestNugget; nugget_ *= 10.0) {
       for (double length : kLadder)
         for (double nugget : nuggets) {
@@ -268,8 +268,8 @@ class Search {
       if (best.size() > 0) break;
     }
     if (best.size() == 0) return correlation(VectorXd::Zero(unknowns_));
-    // Then each length separately: a response may oscillate along one factor and vary little along
-    // another, and the likelihood has a local maximum for each number of waves.
+    // Then varies each length separately. A response may oscillate along one factor and vary little
+    // along another factor; the likelihood has a local maximum for each number of waves.
     for (bool moved = true; std::exchange(moved, false);)
       for (Index j = 0; j < points_.cols(); ++j) {
         const double before = best_value;
@@ -306,7 +306,7 @@ class Search {
     MatrixXd h = MatrixXd::Identity(unknowns_, unknowns_);  // inverse Hessian of -ln L
     bool fresh = true;
     for (int iteration = 0; iteration < options_.most_iterations; ++iteration) {
-      // Unknowns at a bound whose gradient points outwards stay there in this step.
+      // An unknown at a bound stays there in this step if its gradient points outwards.
       VectorXd gradient = at.gradient;
       for (Index j = 0; j < unknowns_; ++j)
         if ((p(j) <= low_(j) && gradient(j) < 0) || (p(j) >= high_(j) && gradient(j) > 0))
@@ -478,7 +478,7 @@ LeaveOneOut GaussianProcess::leave_one_out() const {
     for (Index k = 0; k < g.count; ++k) {
       const Index response = g.first + k;
       const double size = impl_->size(response);
-      // Q y = R⁻¹ (y - β), since β is fitted to y.
+      // Q y = R⁻¹ (y - β), because β is fitted to y.
       const VectorXd residual = g.fit.alpha.col(k).cwiseQuotient(q);
       out.mean.col(response) =
           (impl_->offset(response) + size * (impl_->values.col(response) - residual).array())

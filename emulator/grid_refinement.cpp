@@ -78,7 +78,7 @@ class Memory {
   std::map<std::vector<double>, std::vector<double>> known_;
 };
 
-/// The level that halves the interval between levels i and i + 1; none if no candidate is left.
+/// The level that halves the interval between levels i and i + 1; std::nullopt without candidates.
 std::optional<double> middle(const Factor& factor, std::size_t i,
                              const std::vector<double>& candidates) {
   const double low = factor.levels[i], high = factor.levels[i + 1];
@@ -86,7 +86,7 @@ std::optional<double> middle(const Factor& factor, std::size_t i,
       from_scale(factor.scale, 0.5 * (to_scale(factor.scale, low) + to_scale(factor.scale, high)));
   if (candidates.empty()) {
     if (wanted > low && wanted < high) return wanted;
-    return std::nullopt;  // the neighbours are adjacent numbers
+    return std::nullopt;  // no number lies between the levels
   }
   std::optional<double> best;
   for (double candidate : candidates)
@@ -142,7 +142,7 @@ RefinedGrid refine_grid(const std::vector<Factor>& initial, Eigen::Index respons
         table, {.threads = options.experiment.threads, .waves = options.waves});
     const auto answer = [&f](std::span<const double> x, std::span<double> y) { f->evaluate(x, y); };
 
-    // One test of an interval: its middle, with the other factors on random levels.
+    // One test of an interval: a point at its middle, with the other factors at random levels.
     struct Trial {
       std::size_t factor;
       double level;

@@ -15,8 +15,8 @@ struct HoldoutError {
 
   /// Returns rmse / spread: 0 for an exact emulator, 1 for a prediction by the mean.
   [[nodiscard]] double relative_rmse() const { return spread > 0 ? rmse / spread : 0.0; }
-  /// True if Q² < 0.9, that is rmse/spread > 0.32. The error is then at least a third of the
-  /// standard deviation of the response. If the responses at two points differ by one standard
+  /// True if Q² < 0.9, that is rmse/spread > 0.32. The error is then about a third of the standard
+  /// deviation of the response, or more. If the responses at two points differ by one standard
   /// deviation, this difference is then only two to three standard errors of the emulator.
   /// Sensitivity studies also require Q² ≥ 0.9 of metamodels.
   [[nodiscard]] bool cannot_be_predicted() const { return !(q2 >= 0.9); }

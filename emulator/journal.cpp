@@ -48,8 +48,8 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   if (fs::exists(there) && !fs::is_regular_file(there))
     throw io::FileError(Kind::unwritable, path_, "is not a regular file");
   if (use == Use::alone) {
-    // Creates the file first if it does not exist, so that of two simultaneous runs only one gets
-    // it.
+    // Creates a missing file before locking it, so that only one of two simultaneous runs gets the
+    // lock.
     if (!std::ofstream(path_, std::ios::binary | std::ios::app))
       throw io::FileError(Kind::unwritable, path_, "cannot be written");
     lock_ = held_alone(path_);
@@ -57,8 +57,8 @@ Journal::Journal(fs::path path, std::string_view identity, std::size_t responses
   if (std::ifstream existing(path_, std::ios::binary); existing)
     bytes.assign(std::istreambuf_iterator<char>(existing), {});
 
-  // If a process was killed while writing the first line, only a part of it exists; the journal
-  // then starts anew.
+  // If a process was killed while writing the first line, the file holds only a part of this line.
+  // The journal then starts anew.
   const bool fresh = bytes.size() < header.size() && header.starts_with(bytes);
   if (!fresh && !bytes.starts_with(kMagic))
     throw io::FileError(Kind::foreign, path_, "is not a journal of runs");
@@ -86,7 +86,7 @@ void Journal::remove(const fs::path& path) {
   const auto there = fs::symlink_status(path, error);
   if (!fs::exists(there)) return;
   const bool ours = fs::is_regular_file(there) && [&] {
-    // Accepts a partial first line, from a process killed while writing it.
+    // Accepts an incomplete first line, from a process that was killed while writing.
     const std::string beginning = io::first_bytes(path, kMagic.size());
     return kMagic.starts_with(beginning);
   }();

@@ -29,9 +29,9 @@ class Journal {
   enum class Use { alone, shared };
 
   /// Opens or creates the journal of an experiment with this identity and number of responses.
-  /// Throws FileError: foreign if the file is not a journal, mismatch if it belongs to another
-  /// experiment, unwritable if the file cannot be written or another process uses the journal
-  /// exclusively.
+  /// Throws FileError. Its kind is foreign if the file is not a journal, and mismatch if the
+  /// journal belongs to another experiment. The kind is unwritable if the file cannot be written or
+  /// another process uses the journal exclusively.
   Journal(std::filesystem::path path, std::string_view identity, std::size_t responses,
           Use use = Use::alone);
 

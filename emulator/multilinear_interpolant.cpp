@@ -9,8 +9,8 @@
 namespace wheeltap::emulator {
 namespace {
 
-/// out_k = Σ_c weight_c · corner_c[k] for k < responses. Blocks of responses stay in registers
-/// while the loop reads the corners.
+/// Computes out_k = Σ_c weight_c · corner_c[k] for k < responses. Blocks of responses stay in
+/// registers while the loop reads the corners.
 WHEELTAP_VECTOR_CLONES void weighted_sum(const double* __restrict weights,
                                          const double* const* __restrict corners, std::size_t count,
                                          double* __restrict out, std::size_t responses) {

@@ -7,7 +7,7 @@
 namespace wheeltap::emulator {
 namespace {
 
-/// Names of variables, dimensions and attributes reserved by the file format.
+/// Names of variables, dimensions and attributes that the file format reserves.
 constexpr std::string_view kOwnNames[] = {"response", "run", "response_name"};
 constexpr std::string_view kOwnPrefixes[] = {"holdout_", "parameter_"};
 
@@ -22,7 +22,7 @@ bool same(const std::vector<Factor>& a, const std::vector<Factor>& b) {
   });
 }
 
-/// Removes from `a` the entries that differ in `b` or are missing there.
+/// Removes the entries of `a` that are missing in `b`, or have another value there.
 template <class Map, class Same>
 void keep_common(Map& a, const Map& b, Same alike) {
   std::erase_if(a, [&](const auto& item) {
@@ -31,7 +31,7 @@ void keep_common(Map& a, const Map& b, Same alike) {
   });
 }
 
-/// Copies b's run into a row that may already have it. `where` names the run in the message.
+/// Copies a run of `b` into a row that may already contain it; `where` names the run in errors.
 void put_run(RowMatrix& values, Eigen::Index row, const Table& b, Eigen::Index from,
              const std::string& where) {
   if (b.values.row(from).hasNaN()) return;

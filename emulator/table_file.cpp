@@ -30,7 +30,7 @@ constexpr struct {
                          {"holdout_spread", &HoldoutError::spread},
                          {"holdout_q2", &HoldoutError::q2}};
 
-/// Covers the complete content, so that damage anywhere in the file is detected.
+/// The checksum covers the complete content, so that it detects any change of the file.
 std::string checksum(const TableFile& file) {
   std::uint64_t hash = io::fnv1a("");
   const auto text = [&](std::string_view s) { hash = io::fnv1a("\n", io::fnv1a(s, hash)); };
@@ -133,7 +133,7 @@ struct Writer {
       const int columns = dimension(group, full + "_columns", matrix.cols());
       check(nc_put_var_double(group, variable(group, full, {rows, columns}), matrix.data()));
     }
-    // Stores which variable is the response. Callers cannot set this attribute.
+    // Stores the name of the response variable. Callers cannot set this attribute.
     text(group, NC_GLOBAL, kResponseName, t.response_name);
     for (const auto& [key, value] : t.attributes) text(group, NC_GLOBAL, key.c_str(), value);
   }
@@ -344,7 +344,7 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
       file.tables[name] = in.table(group);
     } catch (const io::FileError&) {
       throw;
-    } catch (const std::exception& contradiction) {  // also std::bad_alloc for an absurd size
+    } catch (const std::exception& contradiction) {  // also std::bad_alloc for an invalid size
       in.fail("damaged table file: group " + std::string(name) + ": " + contradiction.what());
     }
   }
@@ -359,7 +359,7 @@ TableFile read(const fs::path& path, int id, const TableReadOptions& options) {
   return file;
 }
 
-/// Reads in a child process first: some damaged files crash HDF5.
+/// Reads the file in a child process first, because some damaged files crash HDF5.
 template <class Read>
 TableFile twice(const fs::path& path, const Read& read_it) {
   const io::NetcdfLock lock;

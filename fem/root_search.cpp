@@ -16,18 +16,18 @@ namespace {
 constexpr double kRootError = 2e-13;
 /// Rounding error of a Rayleigh quotient, relative to the λ of the evaluation.
 constexpr double kRounding = 1e-15;
-/// After this many evaluations, every second one bisects by the inertia count.
+/// After this number of evaluations, every second evaluation bisects by the inertia count.
 constexpr int kPatience = 20;
-/// Number of evaluations after which even bisection has found only singular blocks: the bracket is
-/// then the answer.
+/// After this number of evaluations, even bisection has found only singular blocks. The result is
+/// then the bracket.
 constexpr int kGiveUp = 500;
-/// Below this relative size of a pivot of A, rounding dominates the later pivots.
+/// If a pivot of A has a smaller relative size, rounding errors dominate the later pivots.
 constexpr double kSmallestPivot = 1e-10;
-/// Relative to λ: error of a shape's own Rayleigh quotient and residual.
+/// Largest error of a shape's Rayleigh quotient, and largest residual, relative to λ.
 constexpr double kShapeResidual = 1e-5;
-/// Smallest contribution of the two modes to a shape's |a|² = 1 that is not rounding.
+/// Smallest contribution of the two modes to |a|² = 1 of a shape that is not a rounding error.
 constexpr double kShapeShare = 1e-6;
-/// Rounding of the intact eigenvalues that bound the damaged ones.
+/// Relative rounding error of the intact eigenvalues that bound the damaged eigenvalues.
 constexpr double kBracketMargin = 1e-12;
 
 }  // namespace
@@ -53,7 +53,7 @@ void RootSearch::set(const SecularProblem& problem, const SecularKernel& kernel)
                     window.series_end.data(), product_.data(), pairs_.data());
 }
 
-/// Divides the memory that `secular_` needs.
+/// Assigns memory to the arrays that `secular_` needs.
 void RootSearch::reserve() {
   const std::size_t m = index(secular_.columns), rows = index(secular_.rows());
   const std::size_t pairs = index(secular_.chunks()) * kPairChunk;
@@ -77,8 +77,8 @@ RootSearch::Search RootSearch::begin(int root) const {
   search.root = root;
   const double own = problem_.eigenvalues[root];
   const double scale = secular_.scales[root + problem_.added_poles];
-  // Interlacing: each support raises a root at most to the next intact eigenvalue, and springs by
-  // at most what they add to K. The same holds for each negative mass.
+  // Interlacing: each support or negative mass raises a root at most to the next intact eigenvalue.
+  // Springs raise a root by at most the stiffness that they add to K.
   const int lifted = root + problem_.supports + problem_.negative_poles;
   const int held = root + problem_.held + problem_.negative_poles;
   double top = std::numeric_limits<double>::infinity();
@@ -90,7 +90,7 @@ RootSearch::Search RootSearch::begin(int root) const {
     search.z = std::clamp(problem_.starts[index(root)], search.low, search.high);
     return search;
   }
-  // 1 / κ = eᵀ J e if the mode does not couple with others: first order in added compliance.
+  // If the mode does not couple with others, 1 / κ = eᵀ J e: first order in added compliance.
   double softer = 1.0, stiffer = 0.0;
   for (int a = 0; a < secular_.columns; ++a) {
     const double c = secular_.c[index(a) * problem_.stride + index(root)];
@@ -112,10 +112,10 @@ RootSearch::Search RootSearch::confirm(int root) const {
   return search;
 }
 
-/// The two modes nearest to z.
+/// Returns the lower of the two modes nearest to z.
 int RootSearch::lower_pole(double z, int guess) const {
   const double* value = secular_.eigenvalues;
-  const int first = secular_.negative;  // a pole of negative mass is at zero, away from all roots
+  const int first = secular_.negative;  // poles of negative masses are at 0, far from all roots
   int p = std::clamp(guess, first, secular_.near - 2);
   while (p > first && z - value[p - 1] < value[p + 1] - z) --p;
   while (p + 2 < secular_.near && value[p + 2] - z < z - value[p]) ++p;
@@ -126,20 +126,20 @@ void RootSearch::evaluate(const Pack& z, const int (&poles)[kLanes]) {
   kernel_->evaluate(secular_, z, poles, scratch_, steps_);
 }
 
-/// The number of damaged eigenvalues below the two that H follows. `below`: number of intact modes,
-/// among those that H excludes, below z; those nearest to z are counted by their order.
+/// The number of damaged eigenvalues below both eigenvalues that H approximates. `below` is the
+/// number of intact modes below z, without the two modes of H.
 int RootSearch::first_followed(int below, int lane) const {
   return below + static_cast<int>(steps_.negative.lane[lane]) - secular_.supports -
          secular_.negative;
 }
 
-/// The number of damaged eigenvalues below the lane's λ.
+/// The number of damaged eigenvalues below the λ of the lane.
 int RootSearch::count_below(int pole, int lane) const {
   return first_followed(pole, lane) + (steps_.low.lane[lane] < 0.0) +
          (steps_.high.lane[lane] < 0.0);
 }
 
-/// True if the lane's inertia is reliable.
+/// True if the inertia in this lane is reliable.
 bool RootSearch::counts(int lane) const {
   return std::isfinite(steps_.low.lane[lane]) && std::isfinite(steps_.high.lane[lane]) &&
          !(steps_.smallest_pivot.lane[lane] < kSmallestPivot);
@@ -151,8 +151,8 @@ int RootSearch::left_out_below(double z, int pole) const {
   return static_cast<int>(below) - (value[pole] < z) - (value[pole + 1] < z);
 }
 
-/// True if the two modes of H contribute to the root's mode. If they do not, as for rigid motions
-/// that the change does not affect, A is singular at the root and H gives no information.
+/// True if the two modes of H contribute to the mode of the root. Otherwise A is singular at the
+/// root and H gives no information, for example for rigid motions that the change does not affect.
 bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const {
   const int first = first_followed(left_out_below(lambda, pole), lane);
   if (root != first && root != first + 1) return false;
@@ -166,8 +166,8 @@ bool RootSearch::tells_shape(int root, double lambda, int pole, int lane) const 
          a1 * a1 + a2 * a2 >= kShapeShare;
 }
 
-/// The pair of modes with the largest share in the root's mode. With η from S(λ) η = 0, its
-/// component along mode j is a_j = c_jᵀ η / (λ_j - λ).
+/// The pair of modes with the largest share in the mode of the root. With η from S(λ) η = 0, the
+/// component along intact mode j is a_j = c_jᵀ η / (λ_j - λ).
 int RootSearch::pole_of_shape(double lambda) const {
   const Eigen::Index m = secular_.columns;
   const auto modes = static_cast<Eigen::Index>(problem_.stride);
@@ -200,9 +200,9 @@ void RootSearch::narrow(Search& search, double z, int below) {
     search.low = std::max(search.low, z);
 }
 
-/// Divides the bracket of `search` into parts, equal ones in its logarithm if it is wide. The
-/// logarithmic division starts at 1/64 of its end, because most brackets have no lower bound at
-/// first.
+/// Divides the bracket of `search` into equal parts, or into parts of equal logarithmic length if
+/// the bracket is wide. The logarithmic division starts at 1/64 of the upper end, because most
+/// brackets have no lower bound at first.
 double RootSearch::cut(const Search& search, int part, int parts) {
   const double share = static_cast<double>(part) / parts;
   const double low = std::max(search.low, search.high / 64.0);
@@ -210,7 +210,7 @@ double RootSearch::cut(const Search& search, int part, int parts) {
                                  : low + share * (search.high - low);
 }
 
-/// Processes one evaluation; true once the root is found.
+/// Processes one evaluation; returns true if the root is found.
 bool RootSearch::advance(Search& search, int pole, int lane) {
   const double low_sign = steps_.low.lane[lane], high_sign = steps_.high.lane[lane];
   const double* value = secular_.eigenvalues;
@@ -222,7 +222,7 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
   };
   const bool finite = std::isfinite(low_sign) && std::isfinite(high_sign);
   if (!finite || (steps_.smallest_pivot.lane[lane] < kSmallestPivot && search.evaluations < 4)) {
-    // A leading block of A was singular here: retry nearby.
+    // If a leading block of A is singular at this λ, retries nearby.
     if (search.evaluations > kGiveUp) {
       found(search.root) = {.lambda = 0.5 * (search.low + search.high),
                             .radius = 0.5 * (search.high - search.low),
@@ -261,7 +261,7 @@ bool RootSearch::advance(Search& search, int pole, int lane) {
     return true;
   }
   if (followed && next >= search.low && next <= search.high) {
-    // Other eigenvalues are hardly closer than the second one here and the modes next to the poles.
+    // Other eigenvalues are hardly closer than the other one of H and the modes beside the poles.
     double gap = std::abs(other - step);
     if (pole > 0) gap = std::min(gap, std::abs(next - value[pole - 1]));
     if (pole + 2 < secular_.near) gap = std::min(gap, std::abs(value[pole + 2] - next));
@@ -319,7 +319,7 @@ void RootSearch::run(bool confirming) {
   int poles[kLanes] = {};
   Pack z;
   while (active > 0) {
-    // Idle lanes divide the bracket of the slowest root.
+    // Idle lanes evaluate points in the bracket of the root with the most evaluations.
     const auto longest = std::ranges::max_element(
         lanes, {}, [](const Search& s) { return s.root < 0 ? -1 : s.evaluations; });
     const bool helped = std::isfinite(longest->high);
@@ -341,16 +341,16 @@ void RootSearch::run(bool confirming) {
   }
 }
 
-/// Queues the roots that r² / gap does not prove, out of `total` eigenvalues.
+/// Queues the roots whose error bound r² / gap is too large, out of `total` eigenvalues.
 void RootSearch::queue_unproven(int first, int count, int total) {
   const auto low = [&](int i) { return i < first ? 0.0 : found(i).lambda - found(i).radius; };
   const auto high = [&](int i) { return i < first ? 0.0 : found(i).lambda + found(i).radius; };
-  // b disjoint intervals below a place with b eigenvalues below it: each contains one.
+  // If b disjoint intervals lie below a λ that has b eigenvalues below, each contains one of them.
   const int known = std::min(count + 1, total);
   int disjoint = first;
   while (disjoint < known && low(disjoint) > (disjoint == 0 ? 0.0 : high(disjoint - 1))) ++disjoint;
   int located = first;
-  double above = 0.0;  // nothing between the last located root and this one
+  double above = 0.0;  // no eigenvalue lies between the last located root and this root
   const auto anchor = [&](double at, int below) {
     if (below < located || below > disjoint || (below > 0 && high(below - 1) > at)) return;
     above = below > located ? at : std::max(above, at);

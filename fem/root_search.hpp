@@ -29,7 +29,7 @@ struct SecularProblem {
   std::size_t stride;         ///< distance between columns: number of modes, at least two
   int modes;
   const Window* window;
-  int added_poles = 0;           ///< number of leading `eigenvalues` that `window` does not count
+  int added_poles = 0;           ///< number of floating masses: leading `eigenvalues`
   int negative_poles = 0;        ///< number of leading added poles with negative mass
   double residual_factor = 1.0;  ///< Secular::residual_factor
   int columns;

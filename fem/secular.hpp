@@ -62,9 +62,9 @@ struct Secular {
 ///   a_j = c_jᵀ η / (λ_j - λ), j ≠ p, p + 1,   a_p = (√s_p / (s_p - λ_p + λ)) v_p - (H v)_p / √s_p,
 ///
 /// This shape satisfies the eigenvalue problem of the damaged structure apart from the residual g_p
-/// = (s_p - λ_p + λ) (H v)_p / √s_p on the two modes p and p + 1 (1/θ is `residual_factor`). The
-/// Rayleigh quotient of φ is λ + aᵀ g / |a|², correct to second order. An eigenvalue lies within r
-/// of the Rayleigh quotient, r² = |g|² / (θ |a|²) - (aᵀ g / |a|²)² (Parlett 1998, theorem 4.5.1).
+/// = (s_p - λ_p + λ) (H v)_p / √s_p on the two modes p and p + 1. The Rayleigh quotient of φ is λ +
+/// aᵀ g / |a|², correct to second order. An eigenvalue lies within r of the Rayleigh quotient, r² =
+/// |g|² / (θ |a|²) - (aᵀ g / |a|²)² (Parlett 1998, theorem 4.5.1; 1/θ: `residual_factor`).
 struct SecularSteps {
   Pack negative;                        ///< negative inertia of A
   Pack smallest_pivot;                  ///< smallest pivot of the factorisation of A, relative to

@@ -10,15 +10,15 @@
 namespace wheeltap::fem::detail {
 namespace {
 
-/// Modes above kFarRatio · cap enter through the Chebyshev series.
+/// The Chebyshev series represents the modes above kFarRatio · cap.
 constexpr double kFarRatio = 3.0;
-/// Truncation of that series, relative.
+/// Relative truncation error of the Chebyshev series.
 constexpr double kSeriesError = 1e-17;
 
 }  // namespace
 
-/// 1/(ξ - x) = (1 + 2 Σ_p ρ^-p T_p(x)) / √(ξ² - 1), ρ = ξ + √(ξ² - 1), for |x| <= 1 < ξ; the terms
-/// are of κ_j e_j e_jᵀ / λ = c_j c_jᵀ / (λ_j (λ_j - λ)).
+/// 1/(ξ - x) = (1 + 2 Σ_p ρ^-p T_p(x)) / √(ξ² - 1), ρ = ξ + √(ξ² - 1), for |x| <= 1 < ξ, gives the
+/// series of κ_j e_j e_jᵀ / λ = c_j c_jᵀ / (λ_j (λ_j - λ)).
 Window::Window(const std::vector<double>& eigenvalues, int modes, int highest_root) {
   if (highest_root + 2 >= modes) {
     near = std::max(modes, 2);

@@ -115,7 +115,7 @@ void find_spikes(std::span<const double> x, ChannelQuality& out) {
         std::abs(at(i + 1) - at(i - 1)) < 0.5 * std::abs(jump) && is_single(i, jump))
       out.spikes.push_back(i);
   }
-  // Frequent outliers belong to the signal.
+  // If outliers are frequent, they belong to the signal.
   if (static_cast<double>(out.spikes.size()) > kMostSpikes * static_cast<double>(n))
     out.spikes.clear();
 }

@@ -34,7 +34,7 @@ void add_spectrum(MeasuredChannel& channel, double rate) {
   channel.peaks = spectrum_peaks(rest, kPeaks);
 }
 
-// Columns that are not channels: texts and additional time stamps.
+// Lists the columns that are not channels: texts and additional time stamps.
 std::vector<LeftOutColumn> left_out(const Record& record, int time) {
   std::vector<LeftOutColumn> out;
   for (std::size_t c = 0; c < record.columns.size(); ++c) {

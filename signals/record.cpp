@@ -14,7 +14,7 @@ namespace {
 using io::Column;
 using io::FileError;
 
-constexpr double kLongestGap = 5.0;  // largest interpolated time step, in median steps
+constexpr double kLongestGap = 5.0;  // largest time step that is interpolated, in median steps
 
 [[noreturn]] void fail(const Record& record, io::Place place, const std::string& reason) {
   throw FileError(FileError::Kind::corrupt, record.file, std::move(place), reason);
@@ -73,7 +73,7 @@ bool is_time(const Column& column) {
   return name.starts_with("zeit") || name.starts_with("elapsedtime");
 }
 
-/// "Date" or "Datum" above days since 1900 or since year 0, with fractions.
+/// True for a column "Date" or "Datum" with days since 1900 or since year 0, with fractions.
 bool is_serial_date(const Column& column) {
   std::string name = column.name;
   for (char& c : name)
@@ -230,7 +230,7 @@ Sampling sampling_of(const Record& record, int time_column, std::optional<double
   });
   uneven = uneven || (odd > 0 && 50 * odd < std::ssize(sorted));
   if (uneven) {
-    // Stamps of whole seconds with faster samples: a stated rate must agree with the number of
+    // Time stamps of whole seconds for faster samples: a stated rate must agree with the number of
     // rows.
     if (median == 0.0 && mean > 0.0) {
       const double all = t.back() - t.front(), coarse = *std::ranges::max_element(sorted);

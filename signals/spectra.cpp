@@ -30,7 +30,7 @@ double variance(std::span<const double> x) {
   return sum / static_cast<double>(x.size());
 }
 
-/// Averaged one-sided auto- and cross-spectra of x and y (the same signal for a PSD).
+/// Averaged one-sided auto- and cross-spectra of x and y (x = y for a PSD).
 struct CrossSpectra {
   std::vector<double> frequencies_hz, xx, yy;
   std::vector<Complex> xy;
@@ -232,7 +232,7 @@ std::vector<double> upsample(std::span<const double> record, int begin, int end,
       sum += weights[static_cast<std::size_t>(k)] =
           sinc(distance) * kaiser(distance / kReach, kBeta);
     }
-    for (double& w : weights) w /= sum;  // a constant is preserved exactly
+    for (double& w : weights) w /= sum;  // preserves a constant exactly
     for (std::size_t n = static_cast<std::size_t>(phase), m = 0; n < size;
          n += static_cast<std::size_t>(factor), ++m) {
       const std::ptrdiff_t centre = begin + static_cast<std::ptrdiff_t>(m);

@@ -118,7 +118,7 @@ void replace(std::string& text, std::string_view from, std::string_view to) {
     text.replace(at, from.size(), to);
 }
 
-/// Converts equivalent spellings to one.
+/// Converts all equivalent spellings of a unit to one spelling.
 std::string canonical(std::string_view text) {
   std::string out(text);
   for (const std::string_view micro : {"\xC2\xB5", "\xCE\xBC"}) replace(out, micro, "u");  // µ, μ
@@ -182,7 +182,7 @@ std::string known_units(Dimension dimension) {
 
 Conversion conversion_of(std::string_view unit, std::optional<Dimension> wanted) {
   Conversion out{.unit = std::string(unit), .dimension = wanted};
-  // "1" means no conversion, "-" an unknown unit.
+  // Numbers without a unit, or with the unit "1" or "-", are not converted.
   if (unit.empty() || unit == "-" || unit == "1") {
     if (unit == "-") out.unit.clear();
     return out;
@@ -215,14 +215,14 @@ std::string unit_of(const io::Column& column) {
     const std::string_view unit = without_brackets(name.substr(at + before.size()));
     if (find_unit(unit)) return std::string(unit);
   }
-  // "a{g}", "a <g>".
+  // Unit in brackets: "a{g}", "a <g>".
   for (const std::string_view brackets : {"{}", "<>"}) {
     const std::size_t open = name.rfind(brackets[0]);
     if (open == std::string_view::npos || open == 0 || name.back() != brackets[1]) continue;
     const std::string_view unit = without_brackets(name.substr(open));
     if (find_unit(unit)) return std::string(unit);
   }
-  // "a m/s^2": a quotient as the last word.
+  // A quotient as the last word: "a m/s^2".
   const std::size_t blank = name.rfind(' ');
   if (blank == std::string_view::npos || blank == 0) return {};
   const std::string_view word = name.substr(blank + 1);
@@ -233,7 +233,7 @@ std::string unit_of(const io::Column& column) {
 std::string possible_unit_of(const io::Column& column) {
   if (!unit_of(column).empty() || column.unit == "-") return {};
   const std::string_view name = column.name;
-  // "acc_m_s2", "acc_mps2".
+  // Endings as in "acc_m_s2", "acc_mps2".
   static constexpr std::pair<std::string_view, std::string_view> kEndings[] = {
       {"m_s2", "m/s^2"}, {"m_s^2", "m/s^2"}, {"mps2", "m/s^2"},   {"m_per_s2", "m/s^2"},
       {"ms2", "m/s^2"},  {"mm_s", "mm/s"},   {"mm_s2", "mm/s^2"}, {"cm_s2", "cm/s^2"},
@@ -250,7 +250,7 @@ std::string possible_unit_of(const io::Column& column) {
       }
     }
   if (!best.empty()) return std::string(best);
-  // "F/N", as in DIN 461, could be a path in another file.
+  // "F/N" may be a quantity and its unit (DIN 461), but also a path.
   const std::size_t mark = name.find_last_of("_ ./");
   if (mark == std::string_view::npos || mark == 0) return {};
   const std::string_view last = name.substr(mark + 1);
@@ -263,7 +263,7 @@ std::string possible_unit_of(const io::Column& column) {
 
 std::string time_unit_of(const io::Column& column) {
   if (std::string unit = unit_of(column); !unit.empty()) return unit;
-  // The last word, also one that begins with a capital.
+  // The last word of the name; it may begin with a capital letter.
   const std::string_view name = column.name;
   const auto is_time = [](std::string_view word) {
     const std::optional<Unit> unit = find_unit(word);
@@ -273,7 +273,7 @@ std::string time_unit_of(const io::Column& column) {
   const std::string_view last = mark == std::string_view::npos ? name : name.substr(mark + 1);
   if (mark != std::string_view::npos && is_time(last)) return std::string(last);
   if (mark == std::string_view::npos && last.size() > 1 && is_time(last)) return std::string(last);
-  // "timems", "TimeMS", "tms", "epochus": without a separator.
+  // Names without a separator: "timems", "TimeMS", "tms", "epochus".
   std::string low(last);
   for (char& c : low)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');

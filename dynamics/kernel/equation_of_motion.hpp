@@ -70,7 +70,7 @@ class EquationOfMotion {
     for (int i = 1; i <= n; ++i) drive[i] = force[i] * inverse_mass_[i] - base;
   }
 
-  /// Computes the accelerations of chains without memory and without exact friction.
+  /// Computes the accelerations of a chain without internal states and without exact friction.
   WHEELTAP_INLINE void accelerations(std::int64_t sample, const V* y, const V* v, V* a) const {
     const int n = masses();
     V pull[M];

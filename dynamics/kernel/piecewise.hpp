@@ -8,11 +8,11 @@
 namespace wheeltap::dynamics::kernel::WHEELTAP_KERNEL {
 
 /// Integrates chains whose force laws are all springs beyond a threshold. A chain with such springs
-/// is linear between two switches. For a sample interval without a switch, the exact solution of
-/// the current regime is used; for an interval with a switch, Taylor series. A switch is detected
-/// by the sign of e - threshold at the end of the interval, or if the tangents of e - threshold at
-/// both ends cross zero. If the sample interval is long relative to the shortest period, series are
-/// used for all samples.
+/// is linear between two switches. A sample interval without a switch uses the exact solution of
+/// the current regime. An interval with a switch uses Taylor series. A switch is detected by the
+/// sign of e - threshold at the end of the interval, or if the tangents of e - threshold at both
+/// ends cross zero. If the sample interval is long relative to the shortest period, all samples use
+/// Taylor series.
 template <int N, bool kSerial>
 class Piecewise : private Exact<N> {
  public:

@@ -329,7 +329,7 @@ class Series {
     for (int f = 0; f < links; ++f) {
       was[f] = friction_.state(f);
       const V broken = was[f] == 0.0 ? change[f] : V{};
-      // From ė, ë = 0 at break-away; an event in between keeps the current value.
+      // 2 at break-away (ė = ë = 0). Without elapsed time, other links keep their value.
       const V kept = was[f] == 0.0 ? V{} : fresh_slip_[f];
       fresh_slip_[f] = broken > 0.0 ? V{} + 2.0 : until > 0.0 ? V{} : kept;
       stopping = lanes::max(stopping, was[f] == 0.0 ? V{} : change[f]);
@@ -385,7 +385,7 @@ class Series {
     for (int k = 0; k < degree; ++k) falls[k] = -(k + 1) * g[k + 1];
     const V end = horner(g, degree, length), fall = horner(falls, degree - 1, length);
     V high = length, at_high = end, found = end < 0.0 ? V{} + 1.0 : V{};
-    // For two positive ends, a root is possible if the tangents at both ends become negative.
+    // If g is positive at both ends, a root is possible if both end tangents become negative.
     const V tangents = lanes::max(g[0] + length * g[1], end + length * fall);
     const V dips = found > 0.0 ? V{} : tangents < 0.0 ? V{} + 1.0 : V{};
     if (any(dips)) {

@@ -9,7 +9,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// One restrained motion: a spring, or rigid if the stiffness is infinite.
+/// One restrained motion: by a spring, or rigidly if the stiffness is infinite.
 struct Hold {
   double at;
   bool rotation;
@@ -36,13 +36,13 @@ void require_inside(const char* name, double x, double length) {
   throw std::invalid_argument(message.str());
 }
 
-/// Rigid supports R u = 0 in reduced echelon form: each row expresses one dof by the others.
+/// Rigid supports R u = 0 in reduced echelon form. Each row gives one dof in terms of the others.
 template <class Real>
 class Constraints {
  public:
   using Row = std::map<int, Real>;
 
-  /// Adds a row; drops it if it depends on the earlier rows.
+  /// Adds a row, unless the row depends on the earlier rows.
   void add(const MotionRow<Real>& motion, Real element_length) {
     Row row;
     Real size = 0;
@@ -65,13 +65,13 @@ class Constraints {
     solved_[pivot] = std::move(row);
   }
 
-  /// Pivot dof → its row (pivot entry 1): u_pivot = -Σ others.
+  /// The row of each pivot dof: u_pivot = -Σ coefficient · u of the other entries.
   [[nodiscard]] const std::map<int, Row>& solved() const { return solved_; }
 
  private:
   static constexpr Real kDependent = static_cast<Real>(1e-10);
 
-  /// A rotation moves an element's end by θ l, so its coefficient is divided by a length.
+  /// A rotation θ moves an end of the element by θ l. Its coefficient is therefore divided by l.
   static Real weight(const Row& row, int dof, Real element_length) {
     const auto found = row.find(dof);
     if (found == row.end()) return 0;
@@ -136,8 +136,8 @@ Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
 }
 
 int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added) {
-  // Rank of the held motions over the rigid motions w = α + β (x/L), θ L = β. A rotation, or
-  // deflections at two places, hold β; one deflection holds α or couples it to β.
+  // Rank of the restraints over the rigid motions w = α + β (x/L), θ L = β. A rotation, or
+  // deflections at two locations, restrain β. One deflection restrains α or couples α to β.
   double first_at = -1.0;
   bool deflection = false, second = false;
   const auto hold = [&](double at, bool rotation) {

@@ -29,9 +29,9 @@ template <class Real>
 [[nodiscard]] MotionRow<Real> motion_row(const Beam& beam, const TimoshenkoElement<Real>& element,
                                          double x, bool rotation);
 
-/// Computes the remaining stiffness Π (1 - r) of each element for the given stiffness reductions r.
-/// The computation uses the product, because 1 minus the lost share has no correct digits if little
-/// stiffness remains.
+/// Computes the remaining share Π (1 - r) of the stiffness of each element, for its stiffness
+/// reductions r. The product is used, because 1 minus the lost share has no correct digits if
+/// little stiffness remains.
 template <class Real>
 [[nodiscard]] Eigen::Matrix<Real, Eigen::Dynamic, 1> remaining_stiffness(const Beam& beam,
                                                                          const Defects& defects);
@@ -41,7 +41,7 @@ template <class Real>
 [[nodiscard]] int rigid_body_freedom(const Beam& beam, std::span<const SpringSupport> added);
 
 /// The eigenvalue problem in the free degrees of freedom q, with u = T q. A rigid support N(x) · u
-/// = 0 eliminates one degree of freedom. The other degrees of freedom of the element express the
+/// = 0 eliminates one degree of freedom. The other degrees of freedom of the element determine the
 /// eliminated one, so K and M remain sparse.
 template <class Real>
 struct Assembly {

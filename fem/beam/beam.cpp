@@ -11,7 +11,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// Places closer than this fraction of the length coincide.
+/// Locations closer than this fraction of the length count as equal.
 constexpr double kSamePlace = 1e-9;
 
 [[noreturn]] void refuse(const std::string& name, double value, const std::string& allowed) {
@@ -25,7 +25,7 @@ void require_positive(const std::string& name, double value) {
   if (!(value > 0.0) || !std::isfinite(value)) refuse(name, value, "must be positive and finite");
 }
 
-// The solver forms squares and products of these values, and their ratios control its convergence.
+// The solver computes squares and products of these values. Their ratios affect its convergence.
 void require_computable(const std::string& name, double value) {
   if (!(value >= 1e-60 && value <= 1e60))
     refuse(name, value, "must be between 1e-60 and 1e60; check the units, which are SI");
@@ -65,7 +65,7 @@ std::vector<Support> named_supports(std::string_view name, double length) {
 }
 
 bool is_mirror_symmetric(const Beam& beam) {
-  // One entry per held motion: the grid place, the motion, its stiffness.
+  // One entry per restrained motion: grid position, true for a rotation, stiffness.
   using Hold = std::tuple<long, bool, double>;
   const double grid = kSamePlace * beam.length;
   std::vector<Hold> as_is, mirrored;
@@ -81,7 +81,7 @@ bool is_mirror_symmetric(const Beam& beam) {
     return std::abs(std::get<0>(a) - std::get<0>(b)) <= 1 && std::get<1>(a) == std::get<1>(b) &&
            std::get<2>(a) == std::get<2>(b);
   };
-  // A rigid support given twice counts once; springs at one place add up and must match.
+  // Compares the supports as multisets. Several supports may have the same location.
   return std::is_permutation(as_is.begin(), as_is.end(), mirrored.begin(), mirrored.end(), same);
 }
 

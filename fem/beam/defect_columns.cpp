@@ -9,9 +9,9 @@
 namespace wheeltap::fem::detail {
 namespace {
 
-/// Rigid supports whose rows are nearly dependent (relative remaining norm) count once.
+/// A rigid support does not count if less than this share of its row is independent of other rows.
 constexpr double kDependentRow = 1e-9;
-/// A spring stiffer than this multiple of the beam's own stiffness at its place is rigid.
+/// A spring stiffer than this multiple of the beam's stiffness at its location counts as rigid.
 constexpr double kRigidSpring = 1e14;
 
 }  // namespace
@@ -66,8 +66,8 @@ double* DefectColumns::add_column(const IntactModes& intact, double inverse_gamm
   return columns_.data() + m * intact.stride;
 }
 
-/// Appends one row of L_s by the modified Gram-Schmidt process on the columns [c / √s_j; 1/√k],
-/// whose Gram matrix is L_s L_sᵀ. Returns false and adds nothing if the motion is held already.
+/// Appends one row of L_s by modified Gram-Schmidt on the columns [c / √s_j; 1/√k], whose Gram
+/// matrix is L_s L_sᵀ. Returns false without a new row if the motion is already restrained.
 bool DefectColumns::add_support(const IntactModes& intact, const SecularKernel& kernel,
                                 const SpringSupport& s, bool rigid_ones) {
   const std::size_t mine = inverse_gamma_.size(), n = intact.stride;
@@ -116,7 +116,7 @@ bool DefectColumns::add_support(const IntactModes& intact, const SecularKernel& 
   return true;
 }
 
-/// Updates R to that of RᵀR + row rowᵀ by rotations; overwrites `row`.
+/// Updates R by rotations, so that RᵀR increases by row rowᵀ. Overwrites `row`.
 void DefectColumns::rotate_in(double* row) {
   const std::size_t first = index(support_columns_), last = first + index(damage_columns_);
   for (std::size_t a = first; a < last; ++a) {
@@ -169,7 +169,7 @@ void DefectColumns::add_damages(const IntactModes& intact, const SecularKernel& 
         row_[index(d)] = share * columns_[(first + index(d)) * n + j];
       rotate_in(row_.data());
     }
-  // L⁻¹ C by forward substitution.
+  // Computes L⁻¹ C by forward substitution.
   for (std::size_t a = first; a < inverse_gamma_.size(); ++a) {
     double* c = columns_.data() + a * n;
     const double* row = factor_.data() + a * most_;

@@ -19,8 +19,8 @@ namespace wheeltap::fem::detail {
 ///
 ///   det [Γ⁻¹ - Cᵀ (K - λ M)⁻¹ C] = 0.
 ///
-/// This matrix is scaled by its static part G = Γ⁻¹ - Σ_j c_j c_jᵀ / s_j. With supports first, G =
-/// L J Lᵀ, J = diag(-1, 1), L = [L_s 0; W Rᵀ],
+/// This matrix is scaled by its static part G = Γ⁻¹ - Σ_j c_j c_jᵀ / s_j (s_j:
+/// `IntactModes::scales`). With supports first, G = L J Lᵀ, J = diag(-1, 1), L = [L_s 0; W Rᵀ],
 ///
 ///   L_s L_sᵀ = 1/k + Σ_j c_j c_jᵀ / s_j (supports),   W = Σ_j c_j (L_s⁻¹ c_j)ᵀ / s_j,
 ///   Rᵀ R = q / (1 - q) + Q Qᵀ + W Wᵀ (damages),   q = Π (1 - r),
@@ -38,7 +38,7 @@ class DefectColumns {
 
   [[nodiscard]] int count() const { return support_columns_ + damage_columns_; }
   [[nodiscard]] int supports() const { return support_columns_; }
-  /// Number of rigid supports among the defects; each rigid support removes one degree of freedom.
+  /// Number of rigid supports among the defects. Each rigid support removes one degree of freedom.
   [[nodiscard]] int held() const { return held_; }
   /// Number of rigid-body modes of the damaged beam.
   [[nodiscard]] int rigid_body_modes() const { return rigid_; }

@@ -15,13 +15,13 @@
 namespace wheeltap::fem::detail {
 namespace {
 
-/// Added supports may raise root i up to intact eigenvalue i + their number. Up to this number, S
-/// uses a short sum over the near modes; beyond, the sum over all modes.
+/// With n added supports, root i is at most intact eigenvalue i + n. Up to this n, S is a short sum
+/// over the near modes; for more supports, S is the sum over all modes.
 constexpr int kFewSupports = 8;
-/// The share of the strain energy in the elements (not in springs) above which a mode bends the
-/// beam.
+/// If the elements (not the springs) have more than this share of the strain energy, a mode bends
+/// the beam.
 constexpr double kBends = 0.1;
-/// Relative position of an artificial second mode for a beam with one mode; no spring raises the
+/// For a beam with one mode: relative eigenvalue of an artificial second mode. No spring raises the
 /// first mode this far.
 constexpr double kOutOfReach = 1e30;
 
@@ -40,7 +40,7 @@ IntactModes::IntactModes(const Beam& intact_beam, int wanted_modes)
   eigenvalues.resize(stride);
   for (int j = 0; j < modes; ++j)
     eigenvalues[index(j)] = static_cast<double>(spectrum.eigenvalues[j]);
-  // Not moved by any defect.
+  // Defects do not change the artificial second mode.
   if (modes < 2) eigenvalues[1] = kOutOfReach * eigenvalues[0];
   for (int j = 0; j < wanted; ++j)
     frequencies.push_back(std::sqrt(eigenvalues[index(j)]) / (2.0 * std::numbers::pi));
@@ -53,8 +53,8 @@ IntactModes::IntactModes(const Beam& intact_beam, int wanted_modes)
     for (Eigen::Index row = 0; row < spectrum.strains.rows(); ++row)
       element_rows[index(row) * stride + index(j)] = spectrum.strains(row, j);
   }
-  // On soft springs the lowest modes are nearly rigid. Their contribution to the compliance of a
-  // support would dominate the beam's own in rounding.
+  // On soft springs, the lowest modes are nearly rigid. The rounding errors of their contribution
+  // to the compliance of a support would exceed the contribution of bending.
   stiff = rigid;
   const auto bends = [&](int j) {
     return spectrum.strains.col(j).squaredNorm() > kBends * eigenvalues[index(j)];
@@ -70,7 +70,7 @@ IntactModes::IntactModes(const Beam& intact_beam, int wanted_modes)
   self_stresses = static_cast<int>(stresses.cols());
   for (Eigen::Index row = 0; row < stresses.rows(); ++row)
     for (Eigen::Index k = 0; k < stresses.cols(); ++k) stress_rows.push_back(stresses(row, k));
-  // One more root than requested: its position proves the last requested one.
+  // One root more than requested: it proves the error bound of the last requested root.
   for (const int supports : {0, kFewSupports, modes})
     windows.emplace_back(eigenvalues, modes, std::min(wanted + supports, modes));
 }

@@ -12,13 +12,13 @@
 namespace wheeltap::fem {
 namespace {
 
-/// Eigenvalues closer than this fraction are treated as equal; their vectors are made orthogonal.
+/// Eigenvalues with a smaller relative distance count as equal; their vectors are orthogonalised.
 constexpr double kTwins = 1e-13;
-/// Below this distance, long double may have mixed two modes.
+/// Below this relative distance, long double may have mixed the vectors of two modes.
 constexpr double kClose = 1e-4;
 
-/// Isolates the positive eigenvalues by Sturm counts and refines each by Rayleigh quotient
-/// iteration.
+/// Isolates the positive eigenvalues by Sturm counts, and refines each eigenvalue by Rayleigh
+/// quotient iteration.
 template <class Real>
 class Bisection {
  public:
@@ -41,8 +41,8 @@ class Bisection {
   }
 
   std::vector<Vector> run() {
-    // Gershgorin's bound is loose in mixed units; doubling from the scale of the mesh finds the
-    // upper end.
+    // Gershgorin's bound is far too large in mixed units. Doubling a typical value of the mesh
+    // gives an upper bound.
     Real top = assembly_.stiffness.diagonal().cwiseQuotient(assembly_.mass.diagonal()).maxCoeff();
     const int n = ldlt_.size();
     for (int doubling = 0; count_below(top, top) < n; ++doubling) {
@@ -55,7 +55,7 @@ class Bisection {
   }
 
  private:
-  /// Factors at σ; moves σ by a small share of `room` if the factorisation is unstable.
+  /// Factors at σ. If the factorisation is unstable, changes σ by a small share of `room`.
   int count_below(Real& sigma, Real room) {
     int below = ldlt_.factor(sigma);
     for (int attempt = 1; !ldlt_.stable() && attempt < 8; ++attempt) {
@@ -65,7 +65,7 @@ class Bisection {
     return below;
   }
 
-  /// Eigenvalues number `below_low` … `below_high` - 1 lie in (low, high).
+  /// Isolates the eigenvalues `below_low` … `below_high` - 1, which lie in (low, high).
   void isolate(Real low, int below_low, Real high, int below_high) {
     if (below_low >= count_) return;
     while (below_high - below_low > 1) {
@@ -86,8 +86,8 @@ class Bisection {
     if (below_high > below_low) single(low, high, below_low);
   }
 
-  /// Rayleigh quotient iteration for the only eigenvalue in (low, high), with bisection until it
-  /// stays inside.
+  /// Rayleigh quotient iteration for the only eigenvalue in (low, high), with bisection until the
+  /// iteration stays in this interval.
   void single(Real low, Real high, int index) {
     using std::abs;
     Vector q(ldlt_.size());
@@ -98,16 +98,16 @@ class Bisection {
       start(q, index);
       Real quotient = improve(q);
       for (int step = 0; step < 12; ++step) {
-        // An end of the interval may be the eigenvalue itself, often so in meshes of one or two
-        // elements.
+        // An end of the interval may be the eigenvalue itself, in particular for meshes of one or
+        // two elements.
         const Real slack = Real{kTwins} * high;
         if (!(quotient >= low - slack && quotient <= high + slack)) break;
         shift = quotient;
-        // Slightly off the eigenvalue if it makes a leading block singular too.
+        // If the quotient makes a leading block singular, too, factors slightly beside it.
         Real stable = shift;
         count_below(stable, Real{1e-6} * shift);
         quotient = improve(q);
-        // Cubic convergence: the vector now has the cube of a smaller change as error.
+        // Convergence is cubic: the error of the vector is now the cube of a smaller change.
         if (abs(quotient - shift) <= Real{kTwins} * shift) {
           modes_[static_cast<std::size_t>(index)] = q;
           return;
@@ -117,7 +117,7 @@ class Bisection {
     throw std::runtime_error("lowest_modes: mode " + std::to_string(index) + " did not converge");
   }
 
-  /// Inverse iteration on a block for eigenvalues begin … end - 1 next to `shift`.
+  /// Block inverse iteration for the eigenvalues begin … end - 1 next to `shift`.
   void cluster(int begin, int end, Real shift) {
     using std::sqrt;
     ldlt_.factor(shift);
@@ -133,13 +133,13 @@ class Bisection {
     for (std::size_t c = 0; c < q.size(); ++c) modes_[static_cast<std::size_t>(begin) + c] = q[c];
   }
 
-  /// A start vector with components in every mode, different for each index.
+  /// Sets a start vector with components in every mode; the vector differs for each index.
   static void start(Vector& q, int index) {
     for (Eigen::Index i = 0; i < q.size(); ++i)
       q[i] = std::sin(static_cast<double>(1 + i) * (1.2 + 0.7 * (index % 97)));
   }
 
-  /// One inverse iteration, normalised; returns the Rayleigh quotient.
+  /// Makes one inverse iteration, normalises q and returns the Rayleigh quotient.
   Real improve(Vector& q) {
     using std::sqrt;
     Vector next = assembly_.mass * q;
@@ -169,7 +169,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
   using Real = DoubleDouble;
   const std::size_t count = starts.size();
   const std::size_t rigid = std::min(count, pencil.rigid_modes().size());
-  // The start vectors with the most rigid motion are replaced by the exact motions.
+  // The exact rigid motions replace the start vectors with the largest shares of rigid motion.
   std::sort(starts.begin(), starts.end(), [&](const auto& a, const auto& b) {
     return pencil.rigid_share(a) > pencil.rigid_share(b);
   });
@@ -177,7 +177,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
   for (std::size_t i = rigid; i < count; ++i) {
     WidePencil::Vector q = starts[i];
     auto lambda = pencil.refine(q);
-    // Mixtures of close modes may all converge to the same one; then exclude those already found.
+    // Mixtures of close modes may all converge to one mode: then excludes the modes found so far.
     std::vector<WidePencil::Vector> close;
     if (lambda) {
       const WidePencil::Vector momentum = pencil.assembly().mass * q;
@@ -216,7 +216,7 @@ std::optional<LowestModes> finish(WidePencil& pencil, std::vector<WidePencil::Ve
     for (std::size_t k = 0; k < twins; ++k) q -= momenta[k].dot(q) * result.modes[i - twins + k];
     WidePencil::Vector momentum = pencil.assembly().mass * q;
     const Real size = sqrt(momentum.dot(q));
-    if (!(size > Real(1e-6))) return std::nullopt;  // the same mode again
+    if (!(size > Real(1e-6))) return std::nullopt;  // the same mode was found twice
     momenta.push_back(momentum / size);
     result.eigenvalues.push_back(lambda);
     result.modes.emplace_back(q / size);

@@ -40,7 +40,7 @@ class ShiftInvert {
   Eigen::CholmodSimplicialLDLT<Sparse> ldlt_;
 };
 
-/// The `count` lowest eigenvectors, in any order; nothing if Spectra fails.
+/// The `count` lowest eigenvectors, in any order; std::nullopt if Spectra fails.
 std::optional<Eigen::MatrixXd> sparse_vectors(const Assembly<double>& a, double shift,
                                               Eigen::Index count) {
   ShiftInvert inverse(a.stiffness, a.mass);
@@ -56,15 +56,15 @@ std::optional<Eigen::MatrixXd> sparse_vectors(const Assembly<double>& a, double 
   return solver.eigenvectors(count);
 }
 
-/// All eigenvectors, lowest first. M φ = μ (K - σ M) φ keeps the low modes accurate because their μ
-/// are the largest. In K φ = λ M φ, rounding of the highest λ would dominate them.
+/// All eigenvectors, lowest first. M φ = μ (K - σ M) φ keeps the low modes accurate, because their
+/// μ are the largest. In K φ = λ M φ, rounding of the highest λ would dominate.
 Eigen::MatrixXd dense_vectors(const Assembly<double>& a, double shift) {
   const Eigen::MatrixXd mass(a.mass), shifted(a.stiffness - shift * a.mass);
   const Eigen::GeneralizedSelfAdjointEigenSolver<Eigen::MatrixXd> solver(mass, shifted);
   return solver.eigenvectors().rowwise().reverse();
 }
 
-/// The start vectors in 106 bits.
+/// Converts start vectors to 106 bits.
 std::vector<WidePencil::Vector> widened(const Eigen::MatrixXd& vectors) {
   std::vector<WidePencil::Vector> wide;
   for (const auto& column : vectors.colwise()) wide.emplace_back(column.cast<DoubleDouble>());
@@ -86,7 +86,7 @@ Modes rounded(const LowestModes& lowest, const WidePencil& pencil) {
   }
   for (auto shape : modes.shapes.colwise()) {
     const Eigen::VectorXd deflections = shape(Eigen::seq(0, Eigen::last, 2));
-    // Of equal extremes, as in antisymmetric shapes, the first determines the sign.
+    // If several extremes are equal, as in antisymmetric shapes, the first determines the sign.
     const double almost_largest = (1.0 - 1e-6) * deflections.cwiseAbs().maxCoeff();
     for (const double w : deflections)
       if (std::abs(w) >= almost_largest) {
@@ -107,8 +107,8 @@ Modes modal_analysis(const Beam& beam, const Defects& defects, const ModalOption
     throw std::invalid_argument("modes = " + std::to_string(options.modes) +
                                 ": must be between 1 and " + std::to_string(n) +
                                 ", the free degrees of freedom of the mesh");
-  // The lowest elastic eigenvalues are a few times this value, from bending and shear in series. As
-  // the unit of λ it keeps 1 / (λ - σ) near 1: Spectra accepts values below 4e-11 as converged.
+  // The lowest elastic eigenvalues are a few times this value, from bending and shear in series. In
+  // this unit, 1 / (λ - σ) is near 1; Spectra would accept values below 4e-11 as converged.
   const double flexural = beam.material.young * beam.section.second_moment;
   const double shear =
       beam.section.shear_coefficient * beam.material.shear_modulus() * beam.section.area;

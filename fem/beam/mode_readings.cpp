@@ -58,8 +58,8 @@ void ModeReadings::read_unchanged(int root) {
   coordinates_[index(root)] = 1.0;
   const int rigid = columns_->rigid_body_modes();
   if (root < rigid && rigid < intact_->rigid) {
-    // One of two rigid motions is held: the remaining one is a rotation about the held place, or a
-    // translation.
+    // The supports restrain one of two rigid motions. The other is a rotation about the restrained
+    // location, or a translation.
     double held0 = 0.0, held1 = 0.0;
     for (int a = 0; a < columns_->supports(); ++a) {
       const double* c = columns_->columns() + index(a) * intact_->stride;

@@ -18,7 +18,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// Half the step, in elements, of the difference for a support's slope.
+/// Half the step of the difference quotient for the slope of a support, in element lengths.
 constexpr double kSupportStep = 1e-3;
 
 }  // namespace
@@ -151,7 +151,7 @@ void Reanalysis::location_slopes(std::span<const Damage> damages,
   Defects& moved = work.moved;
   moved.damages.assign(damages.begin(), damages.end());
   moved.supports.assign(supports.begin(), supports.end());
-  // One column of `out`, from the frequencies with `place` at low and at high.
+  // Writes one column of `out` from the frequencies with `place` = low and `place` = high.
   const auto differ = [&](double& place, double low, double high, std::size_t columns,
                           double* out) {
     const double here = place;

@@ -120,13 +120,13 @@ class Reanalysis {
              Workspace& workspace, const Results& results) const;
 
   /// Computes the slope of the frequencies with respect to the location of each defect, with the
-  /// other defects fixed [Hz/m]. The slope is a difference of exact frequencies, from two solutions
-  /// per location. A damage covers a whole element. Frequencies are therefore piecewise constant in
-  /// the location of the damage, and ∂f/∂x is zero almost everywhere. The slope is therefore taken
-  /// between the midpoints of the two neighbouring elements. At an end of the beam, the slope is
-  /// taken between the element and its only neighbour. The slope is 0 for a beam of one element. A
-  /// support acts at a point. The slope for a support is the difference quotient over ± 10⁻³
-  /// element lengths about the support, without points outside the beam. Throws the exceptions of
+  /// other defects fixed [Hz/m]. Each slope is a difference quotient of exact frequencies at two
+  /// locations. A damage covers a whole element. Frequencies are therefore piecewise constant in
+  /// the location of the damage, and ∂f/∂x is zero almost everywhere. For a damage, the two
+  /// locations are the midpoints of the two neighbouring elements. At an end of the beam, they
+  /// are the midpoints of the element and its only neighbour. The slope is 0 for a beam of one
+  /// element. A support acts at a point. For a support, the two locations are 10⁻³ element
+  /// lengths before and behind the support, but not outside the beam. Throws the exceptions of
   /// `solve`.
   void location_slopes(std::span<const Damage> damages, std::span<const SpringSupport> supports,
                        Workspace& workspace, const LocationSlopes& slopes) const;

@@ -12,11 +12,11 @@ namespace {
 using Extended = long double;
 using Vector = Eigen::Matrix<Extended, Eigen::Dynamic, 1>;
 
-/// Effect of a unit reaction at one held motion on the beam, clamped at its right end.
+/// Effect of a unit reaction at one restrained motion, on the beam clamped at its right end.
 struct Reaction {
   Vector stresses;         // elements, then springs
   Extended force, moment;  // residual at the right end, in units of the shear and bending stresses
-  Extended size;           // magnitude of all contributions to these
+  Extended size;           // magnitude of all contributions to force and moment
 };
 
 }  // namespace
@@ -25,7 +25,7 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
   const TimoshenkoElement<Extended> element(beam);
   struct Hold {
     MotionRow<Extended> row;
-    Extended stiffness;  // infinite where rigid
+    Extended stiffness;  // infinite for a rigid restraint
   };
   std::vector<Hold> holds;
   Eigen::Index springs = 0;
@@ -49,7 +49,7 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
     Vector load = Vector::Zero(2 * beam.nodes());
     for (int i = 0; i < 4; ++i)
       if (hold.row.coefficients[i] != 0) load[hold.row.first_dof + i] = hold.row.coefficients[i];
-    // Bᵀ t + load = 0, node by node: b = bending (0, -1, 0, 1), a = (shear, turn, -shear, turn).
+    // Solves Bᵀ t + load = 0 by nodes; b = bending (0, -1, 0, 1), a = (shear, turn, -shear, turn).
     Extended shear_before = 0, bending_before = 0;
     for (Eigen::Index node = 0; node <= elements; ++node) {
       const Extended here = shear_before - load[2 * node] / shear;
@@ -68,9 +68,9 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
     r.size = r.stresses.norm() + std::abs(r.force) + std::abs(r.moment);
     reactions.push_back(std::move(r));
   }
-  constexpr Extended kDependent = 1e-10L;  // relative to `size`: rounding
+  constexpr Extended kDependent = 1e-10L;  // limit of rounding errors, relative to `size`
 
-  // Combinations in equilibrium: eliminates one reaction for the force, one for the moment.
+  // Combines reactions to states in equilibrium: force and moment eliminate one reaction each.
   for (Extended Reaction::*const left : {&Reaction::force, &Reaction::moment}) {
     std::size_t pivot = reactions.size();
     Extended largest = kDependent;
@@ -91,8 +91,8 @@ Eigen::MatrixXd self_stresses(const Beam& beam) {
     }
   }
 
-  // Orthonormalises twice; a column that depends on the others (a motion held twice) carries no
-  // stress.
+  // Orthonormalises twice. A column that depends on the others (a motion restrained twice) carries
+  // no stress.
   std::vector<Vector> basis;
   for (Reaction& r : reactions) {
     for (int pass = 0; pass < 2; ++pass)

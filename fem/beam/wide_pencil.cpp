@@ -12,8 +12,8 @@ Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> rigid_modes(const Beam& beam
   Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic> modes(dofs, count);
   if (count == 0) return modes;
   const TimoshenkoElement<Real> element(beam);
-  // About the middle of the beam, translation and rotation are orthogonal. About a held place only
-  // the rotation remains, and if a rotation is held only the translation.
+  // Translation and rotation about the middle of the beam are orthogonal. A restrained deflection
+  // leaves only the rotation about its location, and a restrained rotation only the translation.
   bool rotation_held = false;
   std::optional<double> held_at;
   const auto hold = [&](double at, bool rotation) {
@@ -73,7 +73,7 @@ std::optional<int> WidePencil::count_below(Real sigma) {
 bool WidePencil::holds(int index, Real lambda, double error) {
   const auto count = [&](double side) {
     auto below = count_below(lambda * (Real(1) + Real(side * error)));
-    // σ is an eigenvalue of a leading block: retry slightly closer.
+    // If σ is an eigenvalue of a leading block, retries slightly closer to λ.
     for (const double part : {0.7, 0.5, 0.3})
       if (!below) below = count_below(lambda * (Real(1) + Real(side * part * error)));
     return below;
@@ -91,7 +91,7 @@ double WidePencil::rigid_share(const Vector& q) const {
   return static_cast<double>(sum / q.dot(assembly_.mass * q));
 }
 
-/// Returns the Rayleigh quotient.
+/// Orthogonalises q to rigid motions and `others`, normalises q, returns the Rayleigh quotient.
 Real WidePencil::normalise(Vector& q, const std::vector<Vector>& others) const {
   for (std::size_t i = 0; i < rigid_.size(); ++i) q -= rigid_momentum_[i].dot(q) * rigid_[i];
   for (const Vector& other : others) q -= other.dot(assembly_.mass * q) * other;
@@ -100,14 +100,14 @@ Real WidePencil::normalise(Vector& q, const std::vector<Vector>& others) const {
 }
 
 std::optional<Real> WidePencil::refine(Vector& q, const std::vector<Vector>& others) {
-  // A vector with error δ towards a mode at relative distance g moves the quotient by g δ². The
-  // step that found this leaves δ³: 3e-14 where g is 1e-13, and closer modes are treated as equal.
+  // A vector error δ towards a mode at the relative distance g changes the quotient by g δ². The
+  // step that shows this change leaves δ³, 3e-14 for g = 1e-13; closer modes count as equal.
   constexpr double kDone = 1e-22;
-  constexpr double kRounding = 1e-14;  // on very soft springs no further improvement is possible
+  constexpr double kRounding = 1e-14;  // limit of accuracy for very soft springs
   Real quotient = normalise(q, others);
   for (int step = 0; step < 12; ++step) {
     ldlt_.factor(quotient);
-    // Shift slightly if the eigenvalue makes a leading block singular too.
+    // If the quotient makes a leading block singular, too, shifts it slightly.
     for (int attempt = 1; !ldlt_.stable() && attempt < 4; ++attempt)
       ldlt_.factor(quotient * (Real(1) + Real(1e-9 * attempt)));
     Vector next = assembly_.mass * q;

@@ -23,7 +23,7 @@ std::string text(const Point& p) {
   return "(" + text(p.x()) + ", " + text(p.y()) + ")";
 }
 
-/// "regions[0].holes[1][4]".
+/// Name of a faulty part: "regions[0].holes[1][4]".
 std::string text(const OutlinePlace& place) {
   static constexpr const char* kParts[] = {"",         ".outer",   ".holes",
                                            ".modulus", ".poisson", ".density"};
@@ -41,7 +41,7 @@ double cross_product(const Point& a, const Point& b) {
   return a.x() * b.y() - a.y() * b.x();
 }
 
-/// The side of a → b on which the point lies; 0 on the line, to rounding.
+/// The side of a → b on which p lies; 0 if p lies on the line within rounding.
 int side(const Point& a, const Point& b, const Point& p) {
   const double left = (b.x() - a.x()) * (p.y() - a.y()), right = (b.y() - a.y()) * (p.x() - a.x());
   const double difference = left - right;
@@ -61,7 +61,7 @@ bool meet(const Point& a, const Point& b, const Point& c, const Point& d) {
          (ac == 0 && within_box(c, d, a)) || (bc == 0 && within_box(c, d, b));
 }
 
-/// True if two segments cross at a point inside both, further than `near` from every end.
+/// True if two segments cross at a point inside both, farther than `near` from all four ends.
 bool cross_properly(const Point& a, const Point& b, const Point& c, const Point& d, double near) {
   const auto height = [](const Point& p, const Point& q, const Point& r) {
     return cross_product(q - p, r - p) / (q - p).norm();
@@ -105,7 +105,7 @@ void refuse_infinite(const Ring& ring, OutlinePlace place) {
   }
 }
 
-/// The ring without corners that repeat the one before, to `near`.
+/// The ring without corners whose distance from the previous corner is below `near`.
 Ring cleaned(const Ring& given, const OutlinePlace& name, double near) {
   const auto same = [&](const Point& a, const Point& b) { return (a - b).norm() <= near; };
   Ring ring;
@@ -129,7 +129,7 @@ Ring cleaned(const Ring& given, const OutlinePlace& name, double near) {
   return ring;
 }
 
-/// Turns the ring the given way round.
+/// Makes the ring counter-clockwise or clockwise.
 void orient(Ring& ring, const OutlinePlace& name, bool counter_clockwise) {
   double size = 0.0;
   for (const Point& p : ring) size = std::max(size, (p - ring[0]).norm());
@@ -177,8 +177,8 @@ bool inside(const Region& region, const Point& p) {
          std::ranges::none_of(region.holes, [&](const Ring& hole) { return contains(hole, p); });
 }
 
-/// Points at distance `by` inside the region's edges: one for each piece of an edge between corners
-/// of `other` that lie on it.
+/// Points at the distance `by` inside the edges of the region. Corners of `other` divide an edge
+/// into pieces; each piece has one point.
 std::vector<Point> just_inside(const Region& region, const Region& other, double near, double by) {
   std::vector<Point> points;
   const auto visit = [&](const Ring& ring) {
@@ -336,12 +336,12 @@ Ring arc(const Point& from, const Point& to, double turn, int per_turn) {
                                 ": must not be 0, and its magnitude must be below 2 pi");
   const Point chord = to - from;
   const double radius = 0.5 * chord.norm() / std::abs(std::sin(0.5 * turn));
-  // The centre lies to the left of the chord, seen from `from`, for a turn below π.
+  // For a turn below π, the centre lies to the left of the chord, seen from `from`.
   const Point normal(-chord.y(), chord.x());
   const Point centre = from + 0.5 * chord + 0.5 / std::tan(0.5 * turn) * normal;
   const int n = std::max(2, static_cast<int>(std::ceil(std::abs(turn) / whole * per_turn)));
   const double step = turn / n;
-  // The sector's area ½ r² |turn| = ½ |sin step| ((n - 2) R² + 2 r R) for the inner corners' R.
+  // The radius R of the inner corners follows from ½ r² |turn| = ½ |sin step| ((n - 2) R² + 2 r R).
   const double sine = std::abs(std::sin(step)), sector = radius * radius * std::abs(turn) / sine;
   const double inner = n == 2 ? 0.5 * sector / radius
                               : (-radius + std::sqrt(radius * radius + (n - 2) * sector)) / (n - 2);

@@ -23,14 +23,14 @@ void require_poisson(double poisson) {
   throw std::invalid_argument(message.str());
 }
 
-/// A b × h rectangle's I = b h³ / 12.
+/// I = b h³ / 12 of a rectangle b × h.
 double second_moment(double b, double h) {
   return b * h * h * h / 12.0;
 }
 
 /// Cowper's formulas for the thin-walled I and box have the same form; the box has two webs, each
-/// half of `webs`. With b, h between wall centrelines, m = (area of both flanges) / (area of the
-/// webs), n = b / h.
+/// half of `webs`. b and h are distances between wall centrelines, m = (area of both flanges) /
+/// (area of the webs), n = b / h.
 double cowper_thin_walled(double poisson, double m, double n, bool box) {
   const double plain = 10.0 * (1.0 + poisson) * (1.0 + 3.0 * m) * (1.0 + 3.0 * m);
   const double base = 12.0 + 72.0 * m + 150.0 * m * m + 90.0 * m * m * m;

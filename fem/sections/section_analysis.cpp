@@ -17,7 +17,7 @@ using Eigen::Vector2d;
 using Vector6 = Eigen::Matrix<double, 6, 1>;
 using Matrix6x2 = Eigen::Matrix<double, 6, 2>;
 
-/// Six points, exact to degree 4 (Dunavant 1985, Int. J. Numer. Meth. Eng. 21:1129, table II).
+/// Six-point rule, exact to degree 4 (Dunavant 1985, Int. J. Numer. Meth. Eng. 21:1129, table II).
 struct Rule {
   std::array<Eigen::Vector3d, 6> at;  ///< barycentric
   std::array<double, 6> weight;       ///< share of the triangle's area
@@ -84,14 +84,14 @@ struct Moduli {
   double e, g, poisson;
 };
 
-/// ν/2 d for c = (c_y, c_z): in-plane deformation of the section as curvature grows along x.
+/// ν/2 d for c = (c_y, c_z): in-plane deformation of the section if the curvature varies along x.
 Vector2d in_plane(const Vector2d& c, const Vector2d& r, double poisson) {
   const double difference = r.x() * r.x() - r.y() * r.y(), product = 2.0 * r.x() * r.y();
   return 0.5 * poisson *
          Vector2d(c.x() * difference + c.y() * product, c.x() * product - c.y() * difference);
 }
 
-/// The problem in units of √A from the centroid, so that all quantities are dimensionless.
+/// The problem in coordinates from the centroid in units of √A; all quantities are dimensionless.
 class Scaled {
  public:
   Scaled(const TriangleMesh& mesh, std::span<const Region> regions, double reference_poisson)
@@ -99,7 +99,7 @@ class Scaled {
     for (const Region& r : regions)
       moduli_.push_back(
           {r.modulus, r.modulus * (1.0 + reference_poisson) / (1.0 + r.poisson), r.poisson});
-    // Relative to a point of the mesh, so that a distant origin does not reduce accuracy.
+    // Uses a point of the mesh as origin, because a distant origin would reduce the accuracy.
     origin_ = mesh.points[static_cast<std::size_t>(mesh.triangles[0][0])];
     double weight = 0.0, plain = 0.0;
     Vector2d first = Vector2d::Zero();
@@ -129,7 +129,7 @@ class Scaled {
     double j = 0.0, work = 0.0, rest = 0.0;
     Vector2d along = Vector2d::Zero();  // ∫ e ω (y, z)
     Eigen::Matrix2d alpha = Eigen::Matrix2d::Zero();
-    Vector2d moment = Vector2d::Zero();  // about x, by the stresses of a unit force along y, z
+    Vector2d moment = Vector2d::Zero();  // about x, from the stresses of a unit force along y, z
     each([&](const Triangle& t, const Moduli& m, std::size_t i) {
       const Eigen::Matrix<double, 6, 3> local = values_(nodes(i), Eigen::all);
       for (std::size_t q = 0; q < 6; ++q) {
@@ -199,7 +199,7 @@ class Scaled {
     return {c[0], c[1], c[2], n + e[0], n + e[1], n + e[2]};
   }
 
-  /// Node 0 is fixed at zero; the loads are in equilibrium, so its reaction is zero.
+  /// The values at node 0 are set to 0. The loads are in equilibrium, so its reaction is 0.
   void solve() {
     const int n = unknowns();
     std::vector<Eigen::Triplet<double>> entries;
@@ -253,7 +253,7 @@ class Scaled {
   Eigen::MatrixX3d values_;  // ω, ψ_y, ψ_z at the nodes
 };
 
-/// Refinement around re-entrant corners before the first solution.
+/// Number of rings around re-entrant corners in the first mesh.
 constexpr int kRings = 3;
 
 int nodes_of(const TriangleMesh& mesh) {
@@ -278,11 +278,11 @@ SectionErrors change(const SectionProperties& coarse, const SectionProperties& f
 }
 
 /// True if the last two changes, extrapolated to the largest allowed mesh, stay far above the
-/// tolerance. Its solution takes most of a minute and would not converge either.
+/// tolerance. The solution on this mesh would take most of a minute without convergence.
 bool cannot_converge(double before, double now, int nodes, const SectionAnalysisOptions& options) {
   constexpr double kFar = 10.0;
   const double left = std::floor(std::log(options.most_nodes / static_cast<double>(nodes)) /
-                                 std::log(4.0));  // halvings
+                                 std::log(4.0));  // number of halvings of the element size
   return now * std::pow(std::min(now / before, 1.0), left) > kFar * options.tolerance;
 }
 
@@ -336,7 +336,7 @@ SectionAnalysis analyse_section(TriangleMesh mesh, std::span<const Region> regio
   for (int rings = kRings; rings > 0; --rings) {
     std::vector<double> more = shares;
     TriangleMesh finer = ringed(mesh, more, rings);
-    // Outlines with very many such corners keep enough nodes for two refinements.
+    // Uses fewer rings if too few nodes would be left for two refinements.
     if (16.0 * nodes_of(finer) > options.most_nodes) continue;
     mesh = std::move(finer);
     shares = std::move(more);

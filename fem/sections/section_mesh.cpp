@@ -21,10 +21,10 @@ namespace {
 /// Data of a corner of the outline.
 struct Corner {
   bool sharp = false;  ///< two constrained edges meet at less than 60°
-  int number = -1;     ///< in the mesh
+  int number = -1;     ///< number of the point in the mesh
 };
 constexpr int kOutside = -1, kUnknown = -2;
-/// Edges shorter than this, relative to the section's size, are not split: rounding is near.
+/// Edges shorter than this share of the section's size are not split, because of rounding errors.
 constexpr double kShortest = 1e-10;
 
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
@@ -44,7 +44,7 @@ Point point(const Eigen::Vector2d& p) {
   return {p.x(), p.y()};
 }
 
-/// All rings, with edges split where corners of others touch them, and close corners merged.
+/// All rings. Corners of other rings that lie on an edge split the edge; close corners are merged.
 std::vector<Ring> joined_rings(const Outline& outline, double near) {
   std::vector<Ring> rings;
   for (const Region& region : outline.regions) {
@@ -173,7 +173,7 @@ class Refinement {
     }
   }
 
-  /// Faces that no constrained edge separates lie in one region, or outside.
+  /// Assigns a region to all faces. Constrained edges separate the regions.
   void mark_regions(const Outline& outline) {
     for (Face face : triangulation_.all_face_handles()) face->info() = kUnknown;
     for (Face seed : triangulation_.all_face_handles()) {
@@ -236,8 +236,8 @@ class Refinement {
     return {a, b};
   }
 
-  /// True if p and q lie on two edges that meet at a sharp corner: no point added between them
-  /// would widen its angle.
+  /// True if p and q lie on two edges that meet at a sharp corner. A new point between p and q
+  /// would not widen the angle of this corner.
   bool across_a_sharp_corner(Vertex p, Vertex q) const {
     const auto reaches = [&](Vertex v, Vertex apex) {
       const auto found = on_.find(v);
@@ -253,7 +253,7 @@ class Refinement {
     return false;
   }
 
-  /// True if the edge is too long, or its diametral circle contains the corner of a triangle.
+  /// True if the diametral circle of the edge contains the opposite corner of an adjacent triangle.
   bool encroached(const Edge& edge) const {
     if (too_short(edge)) return false;
     const Edge mirror = triangulation_.mirror_edge(edge);
@@ -271,7 +271,7 @@ class Refinement {
     const auto [shortest, longest] = std::minmax_element(sides, sides + 3);
     if (*longest > longest_squared_) return true;
     if (*shortest < shortest_squared_) return false;
-    // No refinement removes the angle of a sharp corner or the angles between the shells around it.
+    // No refinement removes the angles at a sharp corner, or those of triangles across this corner.
     const auto opposite = static_cast<int>(shortest - sides);
     if (face->vertex(opposite)->info().sharp) return false;
     if (face->vertex((opposite + 1) % 3)->info().sharp ||
@@ -333,7 +333,7 @@ class Refinement {
     watch_around(v);
   }
 
-  /// Walks from `start` to the face that contains `target`, or to the constrained edge in between.
+  /// Steps from `start` to the face that contains `target`, or to a constrained edge in between.
   Face walk(Face start, const Point& target, std::optional<Edge>& in_the_way) const {
     const Point from = CGAL::centroid(triangulation_.triangle(start));
     Face face = start, before;
@@ -416,8 +416,8 @@ class Refinement {
   double longest_squared_ = 0.0, shortest_squared_ = 0.0, ratio_squared_ = 0.0;
   std::set<std::pair<Vertex, Vertex>> given_;       ///< the outline's edges
   std::map<Vertex, std::pair<Vertex, Vertex>> on_;  ///< the edge on which each point was inserted
-  std::deque<std::pair<Vertex, Vertex>> edges_, forced_;  ///< to be split: if encroached; always
-  std::deque<std::array<Vertex, 3>> faces_;               ///< possibly bad
+  std::deque<std::pair<Vertex, Vertex>> edges_, forced_;  ///< to split: if encroached; always
+  std::deque<std::array<Vertex, 3>> faces_;               ///< faces to check for bad angles
 };
 
 }  // namespace

@@ -109,7 +109,7 @@ TriangleMesh ringed(TriangleMesh mesh, std::vector<double>& shares, int rings) {
   for (int v = 0; v < corners; ++v) {
     if (shares[index(v)] >= 0.5) continue;
     for (int ring = 0; ring < rings; ++ring) {
-      // Only edges that end at v are split; everything beyond its triangles stays unchanged.
+      // Splits only edges that end at v. All triangles without the corner v stay unchanged.
       std::unordered_map<int, int> nearer;
       const auto towards = [&](int corner) {
         const auto [place, added] =

@@ -27,10 +27,10 @@ struct EdgeNumbers {
 
 /// Returns one share per point. Refinement splits an edge at this share of the edge's length,
 /// measured from the point. The share is ½, but smaller at re-entrant corners of the domain and of
-/// interfaces. At these corners, a function behaves as r^λ, λ = π / angle. With quadratic elements,
-/// energies keep the order of convergence h⁴ if the shares are at most 2^(-2/λ) (Babuška, Kellogg &
-/// Pitkäranta 1979, Numer. Math. 33:447). At corners and ends of an interface, λ depends on the
-/// moduli. There the share is that of the smallest possible value, λ = ½.
+/// interfaces. At these corners, the solution behaves as r^λ, λ = π / angle. With quadratic
+/// elements, energies keep the order of convergence h⁴ if the shares are at most 2^(-2/λ) (Babuška,
+/// Kellogg & Pitkäranta 1979, Numer. Math. 33:447). At corners and ends of an interface, λ depends
+/// on the moduli. There, the share is that for λ = ½, the smallest possible value.
 [[nodiscard]] std::vector<double> split_shares(const TriangleMesh& mesh);
 
 /// Splits every triangle into four triangles. Existing points keep their numbers; `shares` gets the

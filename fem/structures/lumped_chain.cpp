@@ -42,7 +42,7 @@ Discretisation discretise(const LumpedChain& chain) {
     mass.emplace_back(i, i, chain.masses[static_cast<std::size_t>(i)]);
     d.names.push_back({"mass " + std::to_string(i + 1), "x"});
   }
-  // Connected groups of masses, and the groups connected to ground: 0 is the ground's group.
+  // Connected groups of masses. Group 0 is the group of the ground.
   std::vector<int> group(static_cast<std::size_t>(n) + 1);
   std::iota(group.begin(), group.end(), 0);
   // Disjoint sets as trees, each rooted at its lowest member, with path halving.

@@ -7,7 +7,7 @@ namespace {
 
 using Part = InvalidStructure::Part;
 
-/// Asymmetry from the rounding of another program, relative to the largest entry.
+/// Largest asymmetry from rounding in another program, relative to the largest entry.
 constexpr double kSymmetric = 1e-8;
 
 void validate_matrix(const Discretisation::Sparse& a, Eigen::Index n, const std::string& name,

@@ -16,11 +16,11 @@ using Sparse = Discretisation::Sparse;
 
 constexpr double kMechanismShift = 1e-11;
 constexpr int kSteps = 12;
-/// Directions beyond the rigid motions: the largest number of mechanisms that can be separated.
+/// Largest number of mechanisms that the iteration can separate.
 constexpr Index kMostApart = 12;
 constexpr std::size_t kNamed = 3;
 
-/// Makes columns D-orthonormal in two passes; drops dependent ones.
+/// Makes columns D-orthonormal in two passes; omits columns that depend on other columns.
 MatrixXd orthonormal_in(const VectorXd& weight, const MatrixXd& columns) {
   MatrixXd out(columns.rows(), columns.cols());
   Index n = 0;
@@ -37,7 +37,7 @@ MatrixXd orthonormal_in(const VectorXd& weight, const MatrixXd& columns) {
   return out.leftCols(n);
 }
 
-/// Each motion has an entry of 1 where the others have 0, and is scaled to a largest entry of 1.
+/// Scales each motion to a largest entry of 1, at a degree of freedom where the others have 0.
 std::vector<VectorXd> separated(const MatrixXd& motions) {
   const Index k = motions.cols();
   const Eigen::ColPivHouseholderQR<MatrixXd> qr(motions.transpose());
@@ -92,7 +92,7 @@ std::vector<VectorXd> mechanisms(const Discretisation& d) {
     if (std::abs(d.energy(motion)) <= no_strain(d) * d.uncancelled_energy(motion))
       unresisted.push_back(c);
   }
-  // The remaining motions after removal of the rigid ones.
+  // The remaining motions after removal of the rigid motions.
   MatrixXd all(n, d.rigid_motions.cols() + static_cast<Index>(unresisted.size()));
   all << d.rigid_motions, motions(Eigen::all, unresisted);
   const MatrixXd independent = orthonormal_in(weight, all);
@@ -105,13 +105,13 @@ std::vector<VectorXd> mechanisms(const Discretisation& d) {
 std::string motion_in_words(const Discretisation& d, const VectorXd& motion) {
   const auto name = [&](Index i) -> const DofName& { return d.names[static_cast<std::size_t>(i)]; };
   const auto turns = [&](Index i) { return name(i).direction.starts_with('r'); };
-  // Rotations have other units; they are named only without any displacement.
+  // Rotations have another unit. They are named only if no node is displaced.
   constexpr double kDisplaced = 1e-6;
   double displaced = 0.0, turned = 0.0;
   for (Index i = 0; i < motion.size(); ++i)
     (turns(i) ? turned : displaced) = std::max(turns(i) ? turned : displaced, std::abs(motion[i]));
   const bool rotations = displaced < kDisplaced * turned;
-  // Nodes have the first names: among equal motions, the first is named.
+  // Nodes precede other locations: the first of several nearly equal motions is named.
   constexpr double kAsMuch = 0.95;
   std::string text;
   std::size_t named = 0;

@@ -18,7 +18,7 @@ using detail::plane_motions;
 using detail::RowSum;
 using Triplets = std::vector<Eigen::Triplet<double>>;
 
-/// Relative size to which every strain of a rigid motion must cancel.
+/// Largest strain of a rigid motion, relative to the terms of the strain.
 constexpr double kUnstrained = 1e-9;
 
 void add_product(Triplets& matrix, double factor, const SparseRow& a, const SparseRow& b) {
@@ -78,12 +78,12 @@ class MeshBuilder {
   }
 
  private:
-  /// Definition of a degree of freedom: a motion along or about `axis` at a place.
+  /// Definition of a degree of freedom: a motion along or about `axis` at a location.
   struct Dof {
     Vector3 axis;
     Vector3 at;
     bool rotation;
-    int part;  // node or station, for connectivity
+    int part;  // node or element boundary, for connectivity
     DofName name;
   };
 
@@ -163,7 +163,7 @@ class MeshBuilder {
     mesh_.station_motions_.push_back(std::move(stations));
   }
 
-  /// u = u_node + θ_node × offset. The rotation is that of the node, except about axes with a
+  /// u = u_node + θ_node × offset. The rotation is that of the node, except about the axes of a
   /// joint.
   Motions end_motions(int m, std::size_t end) {
     const Member& member = s_.members[index(m)];
@@ -217,7 +217,7 @@ class MeshBuilder {
     return static_cast<int>(mesh_.discretisation_.strains.size()) - 1;
   }
 
-  /// A row in an element's plane of bending, (w₁, θ₁, w₂, θ₂).
+  /// A row in terms of the bending motions (w₁, θ₁, w₂, θ₂) of an element.
   static SparseRow in_plane(const Eigen::Vector4d& coefficients,
                             const std::array<SparseRow, 4>& motions, double factor = 1.0) {
     RowSum sum;
@@ -299,7 +299,7 @@ class MeshBuilder {
     mesh_.elements_.push_back(element);
   }
 
-  /// Of linear shape functions: m/6 [2 1; 1 2].
+  /// Adds the mass matrix of linear shape functions, m/6 [2 1; 1 2].
   void add_bar_mass(const SparseRow& a, const SparseRow& b, double mass) {
     add_product(mass_, mass / 3.0, a, a);
     add_product(mass_, mass / 3.0, b, b);
@@ -378,7 +378,7 @@ class MeshBuilder {
       }
       row = std::move(out);
     };
-    // A spring whose motions are all held has no strain: its row remains, empty.
+    // A spring whose motions are all restrained has no strain. Its row remains as an empty row.
     for (Strain& strain : d.strains) renumber(strain.row);
     for (Motions& motions : mesh_.node_motions_)
       for (SparseRow& row : motions) renumber(row);
@@ -402,8 +402,8 @@ class MeshBuilder {
     find_rigid_motions(kept);
   }
 
-  /// In each connected part, the combinations of translations and rotations that move no held dof
-  /// and cause no strain.
+  /// Finds, for each connected part, the combinations of translations and rotations that move no
+  /// restrained dof and cause no strain.
   void find_rigid_motions(const std::vector<Dof>& kept) {
     Discretisation& d = mesh_.discretisation_;
     const auto n = static_cast<Eigen::Index>(kept.size());
@@ -483,7 +483,7 @@ class MeshBuilder {
   Mesh& mesh_;
   const Structure& s_;
   std::vector<Dof> dofs_, holds_;
-  std::vector<int> parts_;  // union-find over nodes, then stations
+  std::vector<int> parts_;  // union-find over nodes, then element boundaries
   Triplets mass_;
 };
 

@@ -39,8 +39,8 @@ class MapSearch {
   }
   [[nodiscard]] bool same(double a, double b) const { return std::abs(a - b) <= tolerance_; }
 
-  // Nodes that span the structure together with the centroid. The first is at the radius with the
-  // fewest nodes.
+  // Chooses nodes that span the structure together with the centroid. The distance of the first
+  // node from the centroid is that of the fewest nodes.
   void choose_references() {
     std::optional<int> first;
     std::ptrdiff_t fewest = 0;
@@ -76,7 +76,7 @@ class MapSearch {
     if (off_plane(third) > 1e-3 * tolerance_ / kSameCoordinate) references_.push_back(third);
   }
 
-  // Finds images of the reference nodes in turn, then of all nodes.
+  // Finds images of one reference node after the other, then of all nodes.
   void extend(std::vector<int>& images) {
     if (static_cast<int>(found_.size()) >= kMostSelfMaps) return;
     if (images.size() == references_.size()) {
@@ -151,7 +151,7 @@ std::vector<SelfMap> self_maps(const Structure& structure) {
 
 std::vector<SelfMap> self_maps(const LumpedChain& chain) {
   const auto n = static_cast<int>(chain.masses.size());
-  // Between grounds, or free at both ends; 0, the ground, stays.
+  // The map does not change number 0, the ground.
   const auto image = [n](int mass) { return mass == 0 ? 0 : n + 1 - mass; };
   SelfMap map;
   for (int i = 0; i < n; ++i) map.node.push_back(n - 1 - i);

@@ -71,7 +71,7 @@ struct Member {
                      ///< boundaries, too
   std::vector<Piece> pieces = {};  ///< at least one segment
   /// For structures in space: the z axis of the section is the component of `up` normal to the
-  /// member. For `up` = 0, global z is used, or global y if the member is parallel to z.
+  /// member. `up` = 0 means global z, or global y if the member is parallel to z.
   Vector3 up = {};
   std::array<MemberEnd, 2> ends = {};
   double axial_force = 0.0;  ///< axial force N, positive in tension [N]: geometric stiffness N ∫

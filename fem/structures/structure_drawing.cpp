@@ -11,7 +11,7 @@ using On = StructureDrawing::Point::On;
 constexpr std::array<Direction, 3> kTranslations = {Direction::x, Direction::y, Direction::z};
 constexpr std::array<Direction, 3> kRotations = {Direction::rx, Direction::ry, Direction::rz};
 
-/// Straight pieces of a member's line, at least.
+/// Smallest number of straight pieces of the line of a member.
 constexpr int kSegments = 16;
 
 /// Fills in names and size.

@@ -14,7 +14,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// Opens an unnamed file, or one whose name is deleted; -1 if the folder allows neither.
+// Opens an unnamed file, or a file whose name is deleted at once; -1 if both are impossible.
 int nameless_file(const std::filesystem::path& folder) {
 #ifdef O_TMPFILE
   if (const int file = ::open(folder.c_str(), O_TMPFILE | O_RDWR | O_CLOEXEC, 0600); file >= 0)
@@ -28,9 +28,9 @@ int nameless_file(const std::filesystem::path& folder) {
   return file;
 }
 
-// Reserves disk space. A full disk is reported here; otherwise access to a mapped page without disk
-// space would kill the process. If the file system cannot reserve space, zeros are written and
-// synchronised.
+// Reserves disk space. Returns false for a full disk; without disk space, access to a mapped page
+// would kill the process. If the file system cannot reserve space, this function writes and
+// synchronises zeros.
 bool take_room(int file, std::size_t from, std::size_t to) {
   int error = EINTR;
   while (error == EINTR)
@@ -114,7 +114,7 @@ void DrawMemory::settle() const {
 
 void DrawMemory::let_go() const {
 #ifdef __linux__
-  // For a shared mapping, pages stay in the system's cache and dirty ones are written.
+  // In a shared mapping, changed pages are not lost: they remain in the cache and are written.
   if (file_ >= 0) ::madvise(data_, capacity_, MADV_DONTNEED);
 #endif
 }

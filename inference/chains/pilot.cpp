@@ -34,8 +34,8 @@ bool is_list(const ModelSpace& space) {
   return space.kinds().empty();
 }
 
-// Adds the kernels common to both stages, scaled by `share`; the caller adds random walks. `pilot`
-// may be null.
+// Adds the kernels of both stages, with weights scaled by `share`. The caller adds random walks.
+// `pilot` may be null.
 void add_component_moves(KernelMixture& kernels, const Problem& problem, const Options& options,
                          const Atlases& atlases, double share,
                          const std::shared_ptr<const PilotFit>& pilot) {
@@ -44,8 +44,8 @@ void add_component_moves(KernelMixture& kernels, const Problem& problem, const O
   for (std::size_t j = 0; j < space.kinds().size(); ++j) {
     const int kind = static_cast<int>(j);
     if (options.moves.birth_death) {
-      // Without an atlas, plain births replace informed ones, and blind relocations are rarely
-      // accepted.
+      // Without an atlas, births from the prior replace informed births, and relocations from the
+      // prior are rarely accepted.
       add_move<BirthDeath>(kernels, share * (atlases[j] ? 0.3 : 0.9) / kinds, "birth and death",
                            kind, std::make_unique<PriorProposal>(), pilot);
     }
@@ -114,7 +114,7 @@ void PilotSamples::add(const State& state) {
   if (visits_[m]++ % model.stride != 0 || model.dimension == 0) return;
   model.values.insert(model.values.end(), state.z.begin(), state.z.end());
   if (model.values.size() >= 2 * kKeep * model.dimension) {
-    // Deletes every second state; from now on only every second one is added.
+    // Deletes every second stored state. From now on, only every second state is added.
     const auto d = static_cast<std::ptrdiff_t>(model.dimension);
     for (std::ptrdiff_t i = 0; i < static_cast<std::ptrdiff_t>(kKeep); ++i) {
       std::copy_n(model.values.begin() + 2 * i * d, d, model.values.begin() + i * d);
@@ -148,8 +148,8 @@ Eigen::MatrixXd PilotSamples::states(int model) const {
 
 namespace {
 
-// The coldest samples of a model, and warmer ones until there are enough; thinned to at most
-// `most`.
+// The coldest samples of a model, and warmer samples until the number is sufficient; thinned to at
+// most `most` samples.
 Eigen::MatrixXd coldest_states(const std::vector<PilotSamples>& by_rung, int model, Eigen::Index d,
                                Eigen::Index most) {
   Eigen::MatrixXd states(d, 0);
@@ -183,10 +183,10 @@ void fit_scales(const Eigen::MatrixXd& states, std::vector<RandomWalk::Block>& b
   }
 }
 
-// Adds the modes at whose maxima the mixture density is far below that of their own normals.
+// Adds the modes at whose maxima the mixture density is far below the density of their normals.
 void cover(const std::vector<NormalMixture::Component>& modes, NormalMixture& mixture) {
-  constexpr double kThin = 5.0;    // ln
-  constexpr double kShare = 0.05;  // share of all added modes together in the mixture
+  constexpr double kThin = 5.0;    // in ln density
+  constexpr double kShare = 0.05;  // weight of all added modes in the mixture
   std::vector<NormalMixture::Component> missing;
   double weight = 0.0;
   for (const NormalMixture::Component& mode : modes) {
@@ -221,7 +221,7 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
   pilot.scales = RandomWalk::initial_scales(space);
   fit->density.resize(models);
 
-  // Share of the cold visits, with a lower limit so that the model is still proposed.
+  // Share of the visits at β = 1, with a lower limit so that the model is still proposed.
   const PilotSamples& cold = by_rung.back();
   double visits = 0.0;
   for (std::size_t m = 0; m < models; ++m) {
@@ -255,14 +255,14 @@ Pilot fit_pilot(const ModelSpace& space, const std::vector<PilotSamples>& by_run
     }
     base::Random random(options.seed, at, static_cast<std::uint64_t>(options.round),
                         base::Purpose::fit);
-    // A model that no chain will visit: fitted only for its evidence. (Models of component sets use
-    // each other's fits.)
+    // The fit of a model that no chain will visit serves only for its evidence. (Models of
+    // component sets use each other's fits.)
     const bool negligible = is_list(space) && !options.probability.empty() &&
                             options.probability[at] < kNegligibleProbability;
     const Eigen::Index used = negligible ? std::min(states.cols(), kFewSamples) : states.cols();
     Eigen::MatrixXd fitted(d, used);
     for (Eigen::Index i = 0; i < used; ++i) fitted.col(i) = states.col(i * states.cols() / used);
-    // As many components as the samples require: a curved ridge takes hundreds.
+    // Uses as many components as the samples require; a curved ridge requires hundreds.
     int most = negligible ? kFewComponents : options.most_components;
     while (true) {
       fit->density[at] = std::make_unique<NormalMixture>(NormalMixture::fit(
@@ -295,14 +295,14 @@ std::unique_ptr<KernelMixture> sampling_kernels(const Problem& problem, const Op
   const ModelSpace& space = problem.space;
   auto kernels = std::make_unique<KernelMixture>();
   if (options.moves.random_walk) {
-    // Before the mixture fits the posterior, steps of all lengths and along its components must
-    // find the missing regions. In the final draws they replace most of the random walk.
+    // While the mixture does not fit the posterior, steps of all lengths and along its components
+    // must find the missing regions. For the draws, they replace most of the random walk.
     add_move<RandomWalk>(*kernels, tuning ? 0.1 : 0.02, "random walk", pilot.scales);
     add_move<MultiscaleWalk>(*kernels, tuning ? 0.3 : 0.05, "multiscale walk", pilot.scales);
     add_move<RegionalWalk>(*kernels, tuning ? 0.2 : 0.03, "regional walk", pilot.fit);
     add_move<DifferentialEvolution>(*kernels, 0.05, "differential evolution", pilot.archive);
   }
-  // Without an atlas, only blind births and pilot births change the count; these get more steps.
+  // Without an atlas, only births from the prior or the pilot change the count: more such steps.
   const bool blind = std::none_of(atlases.begin(), atlases.end(), [](const auto& a) { return a; });
   add_component_moves(*kernels, problem, options, atlases, blind && !is_list(space) ? 0.6 : 0.3,
                       options.moves.independence ? pilot.fit : nullptr);

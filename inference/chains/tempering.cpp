@@ -9,16 +9,16 @@ namespace wheeltap::inference {
 
 namespace {
 constexpr long kMaxRungs = 1 << 10;  // random streams per scan
-// Draws from the prior before giving up. A feasible region of 1e-4 of the prior is missed with a
-// probability of e^-10, and a zero likelihood is mostly cheap.
+// Largest number of draws from the prior. These draws miss a feasible region of 1e-4 of the prior
+// with a probability of e^-10. The evaluation of a zero likelihood usually takes little time.
 constexpr int kTries = 100'000;
-// Tries for a long record; all after the first kTriesOfWhole are tested on its first samples.
+// Number of draws for a long record; after kTriesOfWhole draws, its first samples test a draw.
 constexpr int kTriesOfRecord = 5000;
 constexpr int kTriesOfWhole = 200;
-// Record length of these tests, since a long record is expensive for each draw.
+// Number of samples in these tests, because each draw is expensive for a long record.
 constexpr long kFirstSamples = 50;
-constexpr int kFirstOfCheck = 1000;   // random streams of the check, after those of the rungs
-constexpr double kFirstScans = 60.0;  // t₀: scans of full gain in learning weights
+constexpr int kFirstOfCheck = 1000;   // first random stream of the check, after those of the rungs
+constexpr double kFirstScans = 60.0;  // t₀: number of scans with γ_t = 1
 }  // namespace
 
 std::vector<double> geometric_ladder(int rungs) {
@@ -54,9 +54,9 @@ std::vector<int> check_models(Target& target, std::uint64_t seed,
   }
   for (int m = 0; m < target.space().size(); ++m) {
     if (!std::isfinite(target.space()[m].log_prior)) continue;
-    // The first samples of a long record show at lower cost that a draw is impossible. The first
-    // kTriesOfWhole draws use the whole record, so that LikelihoodError never depends on the first
-    // samples alone.
+    // Most impossible draws of a long record are impossible for its first samples, which take less
+    // time. The first kTriesOfWhole draws use the whole record, so that LikelihoodError never
+    // depends on the first samples alone.
     const int tries = shortened ? kTriesOfRecord : kTries;
     State state;
     bool finite = false;
@@ -154,8 +154,8 @@ bool TemperedChain::scan(int steps, bool adapting, base::Purpose purpose, const 
       State draw;
       target_.draw_prior(random, draw);
       target_.evaluate(draw);
-      // With a prior factor, the draw is an independence proposal; without one, a draw from the
-      // prior.
+      // Without a prior factor, this is a draw from the prior; otherwise, an independence
+      // proposal.
       const double log_ratio = draw.log_prior_factor - ladder_.states[r].log_prior_factor;
       if (std::isfinite(draw.log_likelihood) && std::log(random.uniform()) < log_ratio) {
         ladder_.states[r] = std::move(draw);
@@ -214,7 +214,7 @@ double TemperedChain::barrier() const {
 }
 
 void TemperedChain::adapt_ladder(int count) {
-  // Λ(β), piecewise linear in ln(β + β_1) between the current rungs, divided into equal parts.
+  // Divides Λ(β), piecewise linear in ln(β + β_1) between the current rungs, into equal parts.
   const std::size_t n = ladder_.betas.size();
   std::vector<double> cumulative(n, 0.0);
   for (std::size_t i = 0; i + 1 < n; ++i) {
@@ -247,7 +247,7 @@ void TemperedChain::adapt_ladder(int count) {
   ladder_.states = std::move(states);
   kernels_ = std::move(kernels);
   ladder_.weights = std::move(weights);
-  ladder_.weights.front().assign(ladder_.weights.front().size(), 0.0);  // those of the prior
+  ladder_.weights.front().assign(ladder_.weights.front().size(), 0.0);  // weights of the prior
   ladder_.reset_swaps();
 }
 

@@ -17,7 +17,7 @@ struct Ladder {
   std::vector<State> states;        ///< state of the replica at each rung
   std::vector<double> rejection{};  ///< Σ (1 - α) over the swaps, one sum per pair of neighbours
   std::vector<long> tried{};        ///< swaps tried by each pair
-  /// One per replica: +1 if its last end of the ladder was β = 0, -1 if β = 1
+  /// Per replica: +1 if the end of the ladder visited last is β = 0, -1 if it is β = 1
   std::vector<int> direction{};
   std::vector<int> replica{};                ///< index of the replica at each rung
   std::vector<std::vector<double>> weights;  ///< log weights of each rung, one per model
@@ -40,7 +40,7 @@ struct Ladder {
 ///
 /// The replica at β = 0 draws model and parameters independently from the prior (w_0 = 0).
 /// Neighbouring replicas swap, alternately in the even and in the odd pairs. This deterministic
-/// scheme (Syed et al. 2022, section 2) keeps the round-trip rate as the ladder grows.
+/// scheme (Syed et al. 2022, section 2) keeps its round-trip rate for longer ladders.
 ///
 /// The weights w_i(m) let the chain visit every model at every temperature. Without weights, no
 /// chain would find a model whose tempered evidence is low at intermediate temperatures, even if it

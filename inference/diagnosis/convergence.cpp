@@ -8,7 +8,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// Applies to models that are neither certain nor impossible according to the draws.
+// True if `passes` holds for all models that the draws show neither as certain nor as impossible.
 template <class Passes>
 bool every_open_model(const Posterior& posterior, const Passes& passes) {
   for (int m = 0; m < posterior.space->size(); ++m) {

@@ -64,7 +64,7 @@ Mixing mixing(const Posterior& posterior, const ModelShares& shares,
   const auto known = [](double error) { return error <= kLimits.known; };
   if (!space.kinds().empty()) {
     for (std::size_t k = 0; k < space.kinds().size(); ++k) {
-      std::map<int, double> errors;  // by count, summed over its models
+      std::map<int, double> errors;  // per count, the sum over its models
       for (int m = 0; m < space.size(); ++m) {
         errors[space[m].counts[k]] += shares.error[static_cast<std::size_t>(m)];
       }

@@ -21,7 +21,7 @@ std::string share_of(double share) {
   return base::readable(100.0 * share, 2) + " %";
 }
 
-// For a model without draws: a jump may have entered it between two kept draws.
+// Text for a model without draws; a jump may have entered the model between two kept draws.
 std::string jumps(long proposed) {
   return proposed > 0 ? "has no draws after " + base::grouped(proposed) + " proposals"
                       : "has no draws";
@@ -31,7 +31,7 @@ std::string implied(const Estimate& p) {
   return "; its evidence puts it at P ≈ " + plus_minus(p);
 }
 
-// Returns a sentence; for ChainsDisagree and TooFewEffectiveDraws a clause.
+// Returns a sentence, or a clause for ChainsDisagree and TooFewEffectiveDraws.
 struct VerdictSentence {
   const ModelSpace& space;
 

@@ -60,12 +60,12 @@ class Weigher {
     }
   }
 
-  // Excess of the SMC draws outside the mixture over those of the chains: the model's probability
-  // and evidence may be larger by this share.
+  // Excess of the share of SMC draws outside the mixture over that of the chains' draws. The
+  // probability and evidence of the model may be larger by this share.
   [[nodiscard]] double unseen(std::size_t m) const {
     return m < posterior_.found.size() ? annealed_excess(posterior_.found[m]) : 0.0;
   }
-  // The same as a share of all draws.
+  // Effect of this excess on the model's share of all draws.
   [[nodiscard]] double unseen_share(std::size_t m) const {
     double sum = 0.0;
     for (std::size_t k = 0; k < models_; ++k)
@@ -103,12 +103,12 @@ class Weigher {
     }
   }
 
-  // Probabilities by the evidences. A visited model of unknown evidence gets the probability of its
-  // draws relative to the known models.
+  // Computes the probabilities from the evidences. A visited model without evidence gets the share
+  // of its draws relative to the models with evidence.
   void imply() {
     evidences_ = out_.evidence;
-    // With a heavy tail, the scatter of the weights is not the error: a longer sample would add
-    // more.
+    // With a heavy tail, the scatter of the weights is smaller than the error, because a longer
+    // sample would give larger weights.
     for (std::size_t m = 0; m < std::min(models_, posterior_.found.size()); ++m) {
       const ModelFindings& found = posterior_.found[m];
       if (!std::isfinite(found.bridged.log_evidence) && found.pareto.shape > kHeavyTail)
@@ -137,11 +137,11 @@ class Weigher {
                        .standard_error = drawn ? shares_.error[m] / shares_.share[m] : 0.0};
     }
     out_.implied = implied_probabilities(space_, evidences_);
-    // In numbers of draws: more for models weighted up.
+    // Expected shares of draws before normalisation; they are larger for models with small weights.
     for (std::size_t k = 0; k < models_; ++k) drawn_ += out_.implied.mean[k] / shares_.weight[k];
   }
 
-  // Whether a model that some chain did not visit should have been visited by every chain.
+  // True if some chain did not visit the model, although every chain should have visited it.
   [[nodiscard]] bool missed(std::size_t m) const {
     const auto visited = static_cast<std::size_t>(out_.models[m].visited);
     if (visited == chains_) return false;
@@ -149,7 +149,7 @@ class Weigher {
     if (visited == 0) return expected * mixing_.effective(chains_) > kLimits.expected_visits;
     const double looks = mixing_.ess_log_posterior / static_cast<double>(chains_);
     if (!(expected * looks > kLimits.expected_visits)) return false;
-    // A few long visits are fewer effective ones, as the chains with visits show.
+    // A few long visits are few effective visits. Chains with visits show their effective number.
     double own = 0.0;
     for (std::size_t c = 0; c < chains_; ++c) {
       if (shares_.counts[c][m] == 0) continue;
@@ -162,7 +162,7 @@ class Weigher {
     return expected * std::min(looks, own) > kLimits.expected_visits;
   }
 
-  // Change due to one effective visit more or less of any model.
+  // Change of the share of the model due to one effective visit more or less of any model.
   [[nodiscard]] double least_error(std::size_t m) const {
     const double one = 1.0 / (mixing_.ess_model + 2.0);
     if (posterior_.log_weight.empty()) return one;
@@ -217,8 +217,8 @@ class Weigher {
   Standings out_;
   std::size_t models_ = 0, chains_ = 0;
   bool prior_only_ = false;
-  bool comparable_ = false;          ///< some model has both draws and evidence
-  std::vector<Evidence> evidences_;  ///< filled in for models without evidence
+  bool comparable_ = false;          ///< true if some model has both draws and evidence
+  std::vector<Evidence> evidences_;  ///< also for models without evidence, from draws
   double drawn_ = 0.0;
 };
 
@@ -237,7 +237,7 @@ Estimate log_bayes_factor(const Posterior& posterior, int a, int b) {
   const ModelStanding &one = all.models[i], &other = all.models[j];
   if (a == b) return {.value = 0.0, .mcse = 0.0};
   if (one.basis == Basis::evidence || other.basis == Basis::evidence) {
-    // Evidences keep the ratio if the probabilities underflow.
+    // The evidences give the ratio even if the probabilities underflow.
     return {.value = one.log_evidence - other.log_evidence,
             .mcse = std::hypot(one.log_evidence_se, other.log_evidence_se)};
   }

@@ -12,10 +12,10 @@
 namespace wheeltap::inference {
 namespace {
 
-// Probability that chains of the same distribution scatter more: `between` over `within` are the
-// variance of the sequences' means and the mean variance within them, with each sequence equivalent
-// to `effective` independent draws. Their ratio is then χ² with one degree of freedom less than the
-// number of sequences.
+// Probability that sequences of the same distribution have a larger ratio of the variance of
+// their means to the mean variance within a sequence. Each sequence is equivalent to
+// `effective` independent draws. The ratio then has a χ² distribution with sequences - 1
+// degrees of freedom.
 double chance(double between_to_within, double effective, std::size_t sequences) {
   const auto freedom = static_cast<double>(sequences - 1);
   const double chi2 = freedom * between_to_within * effective;
@@ -114,7 +114,7 @@ class Judge {
             .model = static_cast<int>(m), .modes = found.left_out, .share = found.left_out_share});
       const auto& modes = posterior_.found[m].modes;
       if (modes.size() < 2 || standing(m).visited == 0) continue;
-      // Effective draws of this model in each chain, at most its draws.
+      // Effective draws of this model in each chain, at most the number of its draws.
       std::vector<double> effective;
       for (std::size_t c = 0; c < chains_; ++c) {
         const auto n = static_cast<double>(shares_.counts[c][m]);
@@ -173,7 +173,7 @@ class Judge {
       const Evidence& drawn = standings_.evidence[m];
       const double excess = annealed.log_evidence - drawn.log_evidence;
       const double error = std::hypot(annealed.standard_error, drawn.standard_error);
-      // The evidence of a model that is negligible in both estimates does not matter.
+      // The evidence is not judged if both estimates give the model a negligible probability.
       const bool matters =
           implied(m).value * std::exp(std::min(excess, 700.0)) > kLimits.slack_probability;
       if (!matters || !(excess > kLimits.sigmas * error + kLimits.slack_nats)) continue;
@@ -184,7 +184,7 @@ class Judge {
     }
     for (std::size_t m = 0; m < std::min(models_, posterior_.found.size()); ++m) {
       const ModelFindings& found = posterior_.found[m];
-      // Enough draws of a probable model show what lies outside its mixture (judge_mixtures).
+      // With enough draws of a probable model, judge_mixtures judges regions outside its mixture.
       const bool drawn = std::isfinite(found.bridged.log_evidence) &&
                          standing(m).probability > kLimits.judged_model;
       const double factor = std::exp(found.pareto.log_excess);
@@ -252,8 +252,8 @@ class Judge {
 
   // ---- parameters ----------------------------------------------------------------------------
 
-  // value(draw) of the draws of a model, chains thinned to one length; empty if a chain has too
-  // few.
+  // value(draw) of all draws of a model. The chains are thinned to the same length; the result is
+  // empty if a chain has too few draws.
   template <class Value>
   [[nodiscard]] ChainsOf within(std::size_t m, const Value& value) const {
     std::size_t n = std::numeric_limits<std::size_t>::max();
@@ -276,7 +276,7 @@ class Judge {
     return chains;
   }
 
-  // Reports the first insufficiently known parameter of each model.
+  // Reports the first parameter of each model that does not meet the limits.
   void judge_parameters() {
     for (std::size_t at = 0; at < models_; ++at) {
       if (standing(at).probability < kLimits.judged_model || standing(at).visited == 0) continue;
@@ -316,7 +316,7 @@ class Judge {
         std::clamp(2.0 * kLimits.ess * standing(m).probability, kLimits.ess_within, kLimits.ess);
     const double ess = found.ess_bulk;
     if (!(r < kLimits.rhat)) {
-      double effective = 0.0;  // effective draws of a half chain, to compare single chains
+      double effective = 0.0;  // effective draws of half a chain, for the comparison of chains
       for (const auto& chain : draws) effective += ess_bulk({chain});
       const std::size_t halves = 2 * draws.size();
       effective /= static_cast<double>(halves);
@@ -328,7 +328,7 @@ class Judge {
         return;
       }
     }
-    // With few draws in few visits, the estimate itself is too noisy.
+    // For few draws in few visits, the estimated effective sample size has too large an error.
     const bool enough = standing(m).probability > kLimits.probable_model ||
                         draws[0].size() >= kLimits.fewest_for_ess;
     if (enough && !(ess > needed)) {
@@ -346,7 +346,7 @@ class Judge {
 
   // ---- resolution ----------------------------------------------------------------------------
 
-  // (1 - p)^n = 0.01, with p the share of a basin that n climbs miss with probability 0.01.
+  // Computes p from (1 - p)^n = 0.01: n climbs miss a basin of share p with probability 0.01.
   void resolve() {
     double resolution = 0.0;
     for (std::size_t m = 0; m < models_; ++m) {

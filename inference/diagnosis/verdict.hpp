@@ -72,17 +72,17 @@ struct Verdict {
 ///   the variability expected for the number of effective draws (1e-6).
 /// - Draws are outside the fitted mixture if the mixture has less than a thousandth of the
 ///   posterior density there. If more than 5 % of the draws of a model with a probability above 1 %
-///   are outside, their share is known to a relative error of 0.1, that is from 100 effective
-///   visits. Only local moves reach draws outside the mixture. In the neck of a funnel, all chains
-///   may agree although they have visited only half of the neck.
+///   are outside, their share must be known to a relative error of 0.1. This error requires 100
+///   effective visits. Only local moves reach draws outside the mixture. In the neck of a funnel,
+///   all chains may agree although they have visited only half of the neck.
 /// - The log posterior and `watched` have R-hat < 1.01 and effective sample sizes above 400. Counts
 ///   (or model indicators) satisfy the same limits, unless their probabilities are known to 0.001.
 /// - The parameters of every model with a probability P above 1 % have an R-hat below 1.01, or
 ///   within the variability expected for the number of draws (1e-6). For components of a kind, the
 ///   sums of their parameters are judged, because the numbers of the components are arbitrary. The
 ///   effective sample size of each parameter is above 800 P, but this limit is at least 20 and at
-///   most 400. R-hat is judged from 100 draws per chain. The effective sample size of a model below
-///   5 % is judged from 400 draws per chain.
+///   most 400. R-hat is judged from 100 draws per chain on. For a model below 5 %, the effective
+///   sample size is judged from 400 draws per chain on.
 /// - With tempered draws, the replicas completed 10 round trips of the ladder.
 /// - The run was not stopped early and is not a quick run. For a quick run, no other rule is
 ///   applied.

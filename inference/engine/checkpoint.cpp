@@ -12,7 +12,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// CheckpointFields lists the members once, for writing and reading.
+// CheckpointFields lists the members once for both writing and reading.
 template <class Archive, class T>
 using In = std::conditional_t<Archive::kReads, T, const T>;
 
@@ -159,7 +159,7 @@ struct CheckpointFields {
       "round", p.round, "tuned", p.tuned, "sample", p.sample, "goal", p.goal, "refits", p.refits,
       "first_part", p.first_part, "part_chains", p.part_chains);
   }
-  // Mixtures are immutable; they are stored by their components.
+  // A mixture is immutable, so a checkpoint stores its components.
   struct Mixture {
     double degrees_of_freedom = 0.0;
     std::vector<NormalMixture::Component> components;  // empty: no mixture
@@ -239,7 +239,7 @@ void expect(bool holds, const char* what) {
   if (!holds) throw CheckpointError(std::string("it belongs to a problem with other ") + what);
 }
 
-// Checks that all indices used by the run are in range.
+// Checks that all indices of the run state are in range.
 void check(const RunState& state, const ModelSpace& space, int chains) {
   const auto models = static_cast<std::size_t>(space.size());
   const auto fits = [&](const State& at) {

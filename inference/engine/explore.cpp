@@ -21,24 +21,24 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr int kExplorationScans = 1260;  // 20 + 40 + … + 640
-constexpr long kLongRecord = 20000;  // samples; exploration from the prior is too expensive above
-constexpr int kManyModels = 3000;    // searched by climbs
-constexpr long kClimbsInMany = 2;    // in each of these models
-// Number of models of a nested list, on a record, above which climbs replace SMC: climbs from the
-// modes of nested models find more at a tenth of the likelihood evaluations.
+constexpr long kLongRecord = 20000;      // samples from which explore_growing is used
+constexpr int kManyModels = 3000;        // largest number of models for a search by climbs
+constexpr long kClimbsInMany = 2;        // climbs in each of many models
+// For a record: number of models of a nested list from which climbs replace SMC. Climbs from the
+// modes of nested models find more modes with a tenth of the likelihood evaluations.
 constexpr int kManyNested = 8;
-constexpr int kSearchedModels = 60;  // upper limit of the fully searched models among those
+constexpr int kSearchedModels = 60;  // largest number of fully searched models among them
 constexpr int kSearchRounds = 4;
 constexpr std::size_t kNestedStarts = 3;  // nested models whose modes serve as starting points
 constexpr std::size_t kReachedModels =
-    12;                            // of many: models searched separately if tempering visits them
-constexpr double kReached = 0.01;  // share of the visits
-constexpr long kSearchBudget = 300000;       // likelihood evaluations, climbs of all models
-constexpr long kRecordBudget = 50000;        // if a record grows: its modes are also followed
-constexpr long kLeastBudget = 3000;          // per model
-constexpr double kBriefAnnealing = 50000.0;  // likelihood evaluations per model, approximately
-constexpr double kNegligibleModel = 50.0;    // ln: no SMC for models this far below the best
-constexpr double kLive = 30.0;  // ln: chains start in models up to this far below the best
+    12;                            // largest number of models searched separately after tempering
+constexpr double kReached = 0.01;  // smallest share of the visits for such a search
+constexpr long kSearchBudget = 300000;       // likelihood evaluations of the climbs of all models
+constexpr long kRecordBudget = 50000;        // the same for a record, whose modes are followed
+constexpr long kLeastBudget = 3000;          // smallest budget per model
+constexpr double kBriefAnnealing = 50000.0;  // approximate likelihood evaluations per model
+constexpr double kNegligibleModel = 50.0;    // no SMC in models with ln (P Z) below best - 50
+constexpr double kLive = 30.0;               // chains start in models with ln P above best - 30
 
 std::vector<int> every_model(const RunContext& run) {
   std::vector<int> all(run.models());
@@ -46,7 +46,7 @@ std::vector<int> every_model(const RunContext& run) {
   return all;
 }
 
-// Of many models, those with a probability above the limit according to tempering.
+// All of a few models; of many models, those that tempering visits with a share above kReached.
 std::vector<int> reached(const RunContext& run, const RunState& state) {
   std::vector<int> list = every_model(run);
   if (run.space().size() <= kFewModels) return list;
@@ -69,9 +69,9 @@ void count(RunContext& run, RunState& state, const ModelExploration& found,
   run.monitor.evaluated(more);
 }
 
-// Search effort for a model of a nested list. An improbable model whose mode was missed can be
-// reached from the modes of related models, so that it needs fewer climbs than a model that may
-// hold the probability.
+// Search effort for a model of a nested list. If the search misses a mode of an improbable model,
+// later searches can find it from the modes of related models. Improbable models therefore need
+// fewer climbs.
 double effort_for(const RunState& state, int m) {
   constexpr double kLeast = 0.2;
   const double p = state.probability[static_cast<std::size_t>(m)];
@@ -86,10 +86,10 @@ void search_next(RunState& state, std::vector<int> models) {
   state.at.best = -kInfinity;
 }
 
-// Explores each model of the list separately. All models are surveyed before SMC runs for any,
-// since an improbable model of a record, with an expensive likelihood, needs no more than a survey.
-// Models of a nested list have the full budget each, and also start from the modes of models nested
-// in them.
+// Explores each model of the list separately. A survey of all models precedes SMC, because
+// improbable models need only a survey if the likelihood is that of a record and expensive. In a
+// nested list, each model has the full budget, and its climbs also start from the modes of models
+// nested in it.
 void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = false) {
   const Problem& problem = run.problem;
   Position& at = state.at;
@@ -118,7 +118,7 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
         .stop = [&] { return run.monitor.stopped(); }};
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
     if (nested) how.starts = nested_starts(problem.space, m, state.explorations, kNestedStarts);
-    // Includes the modes of the earlier climbs, which this search need not find again.
+    // Starts also from the modes of earlier climbs, so that this search need not find them again.
     for (const Mode& mode : state.explorations[static_cast<std::size_t>(m)].modes)
       how.starts.push_back(mode.z);
     return how;
@@ -129,7 +129,7 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   };
   const double parts = static_cast<double>(std::max<long>(1, with_parameters));
   const double later = planned_tuning(run) + planned_draws(run) + planned_evidence(run);
-  // Calls body(m) for the remaining models, with safe points in between; false: stopped.
+  // Calls body(m) for the remaining models, with safe points in between; false if stopped.
   const auto each_left = [&](auto&& body) {
     for (; at.model < static_cast<int>(list.size()); ++at.model) {
       run.safe_points.pass(state);
@@ -173,9 +173,9 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
   each_left(anneal_one);
 }
 
-// Searches one of many models by climbs only. In a nested list (`lattice`), these start from the
-// best mode of the models within it, from that of the most probable model one step around it, and
-// from its own earlier modes.
+// Searches one of many models by climbs only. In a nested list (`lattice`), climbs start from the
+// best mode of the models within m, from the mode of the most probable model one step from m, and
+// from earlier modes of m.
 void climb_only(RunContext& run, RunState& state, int m, const ModelLattice* lattice) {
   const Problem& problem = run.problem;
   const bool nested = lattice != nullptr;
@@ -189,7 +189,7 @@ void climb_only(RunContext& run, RunState& state, int m, const ModelLattice* lat
       .climbs_only = true,
       .threads = run.options.threads,
       .stop = [&] { return run.monitor.stopped(); }};
-  // The smallest model of a nested list provides the first starts of the others.
+  // Without starts in a nested list, m is the smallest model, from which other models get starts.
   if (nested && how.starts.empty() && run.options.searches == 0) how.climbs = 0;
   if (nested) {
     std::vector<double> around = start_from_around(problem.space, *lattice, m, state.explorations);
@@ -201,7 +201,7 @@ void climb_only(RunContext& run, RunState& state, int m, const ModelLattice* lat
   count(run, state, found, {});
 }
 
-// ln π at the highest mode of each model. Evidences would also change with a better integral.
+// ln π at the highest mode of each model. Evidences also depend on the accuracy of the integral.
 std::vector<double> heights(const RunState& state) {
   std::vector<double> out;
   for (const ModelExploration& found : state.explorations) {
@@ -211,8 +211,8 @@ std::vector<double> heights(const RunState& state) {
   return out;
 }
 
-// Searches the models in Occam's window by climbs until it admits no more. Stores them in
-// at.models, so that a resumed run continues. False: stopped.
+// Searches the models in Occam's window by climbs until the window has no further models. Stores
+// the models in at.models, so that a resumed run continues. Returns false if stopped.
 bool climb_in_window(RunContext& run, RunState& state, const ModelLattice& lattice) {
   Position& at = state.at;
   for (;;) {
@@ -227,7 +227,7 @@ bool climb_in_window(RunContext& run, RunState& state, const ModelLattice& latti
   }
 }
 
-// Repeats the climbs in models around a model with a better mode, which may help them, too.
+// Repeats the climbs in models that contain a model with a better mode than before.
 void repeat_climbs(RunContext& run, RunState& state, const ModelLattice& lattice,
                    const std::vector<double>& before) {
   constexpr double kBetter = 3.0;  // ln
@@ -266,8 +266,8 @@ std::vector<int> probable(const RunContext& run, const RunState& state, double l
   return list;
 }
 
-// Searches very many models by climbs, in order of size, or, for a nested list, those in Occam's
-// window. Then fully searches the probable ones.
+// Searches very many models by climbs: in order of size, or for a nested list, the models in
+// Occam's window. Then searches the probable models fully.
 void explore_many(RunContext& run, RunState& state) {
   using Part = Position::Explore;
   const Problem& problem = run.problem;
@@ -308,8 +308,8 @@ void explore_many(RunContext& run, RunState& state) {
     }
     return explore_each(run, state, false);
   }
-  // Searches the probable models fully, in order of size, since their modes are starts of larger
-  // models. A full search may change the probabilities, so that other models become probable.
+  // Searches the probable models fully, in order of size, because their modes are starts for larger
+  // models. After a full search, other models may become probable.
   for (; at.look < kSearchRounds; ++at.look) {
     if (at.explore == Part::look) {
       std::vector<int> list = probable(run, state, kLimits.searched_model);
@@ -331,7 +331,7 @@ void explore_many(RunContext& run, RunState& state) {
   for (ModelExploration& found : state.explorations) found.passed_over = !found.is_explored();
 }
 
-// For long records, on which exploration from the prior is too expensive.
+// Explores models for a long record, for which exploration from the prior is too expensive.
 void explore_growing(RunContext& run, RunState& state) {
   const std::vector<Laplace> modes = climb_with_record(run.problem, run.options, run.monitor);
   bool any = false;

@@ -16,11 +16,11 @@ constexpr int kWalks = 64;
 constexpr int kSteps = 1000;
 constexpr int kApart = 10;  // steps between two checks
 
-constexpr double kLowest = 0.01;  // share of the chains' draws with a lower density
+constexpr double kLowest = 0.01;  // share of the chains' draws below the limit of ln π
 
 // Region outside a mixture: ln (π / q) above `ratio`, and ln π at least that of nearly all draws.
-// The second condition excludes SMC samples that, in many dimensions, descend from a few draws in
-// the tails.
+// The second condition excludes SMC samples that descend from a few draws in the tails, as may
+// occur in many dimensions.
 struct Beyond {
   const NormalMixture& mixture;
   double ratio, log_posterior;
@@ -55,7 +55,7 @@ struct Walk {
   long evaluations = 0;
 };
 
-// Runs a chain from z with the kernels of tuning, most of whose steps are small.
+// Runs a chain from `from` with the kernels of tuning, which make mostly small steps.
 Walk walk(const RunContext& run, const RunState& state, int model, const Beyond& is_beyond,
           int number, const Eigen::VectorXd& from) {
   const auto kernels = sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true);
@@ -73,7 +73,7 @@ Walk walk(const RunContext& run, const RunState& state, int model, const Beyond&
     Kernel::Outcome outcome;
     kernels->step(at, {target, random, 1.0, false}, outcome);
     if (i % kApart != 0) continue;
-    // The first half is burn-in, in which the chain may return to the mixture.
+    // The first half of the steps is burn-in, in which the chain may return to the mixture.
     const bool late = i >= kSteps / 2;
     out.looks += late ? 1 : 0;
     if (at.model != model) continue;

@@ -10,7 +10,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr double kTrustedDraws = 50.0;  // effective draws of an importance sample
-constexpr long kLadderVisits = 50;      // per chain, of a model that others are compared with
+constexpr long kLadderVisits = 50;      // smallest number per chain, for a reference model
 constexpr double kLeastLog = -700.0;    // ln of a negligible probability
 
 double visits_of(const ChainState& chain, std::size_t model) {
@@ -25,8 +25,8 @@ void normalise(RunState& state) {
   for (double& p : state.probability) p /= sum;
 }
 
-// ln Z of each model along the ladder, relative to a model that importance sampling knows well.
-// Each chain has its own weights and visits; their scatter gives the standard error.
+// Estimates ln Z of each model from the ladder, relative to a model with an accurate ln Z by
+// importance sampling. The scatter of the estimates of the chains gives the standard error.
 void anneal_by_ladder(const RunContext& run, RunState& state) {
   const std::size_t models = run.models();
   std::vector<ModelExploration>& explorations = state.explorations;
@@ -55,7 +55,7 @@ void anneal_by_ladder(const RunContext& run, RunState& state) {
       squares += difference * difference;
     }
     const double mean = sum / chains;
-    if (!std::isfinite(mean)) continue;  // some chain did not visit it
+    if (!std::isfinite(mean)) continue;  // some chain did not visit the model
     const double variance = std::max(0.0, squares / chains - mean * mean) / (chains - 1.0);
     Evidence& annealed = explorations[m].annealed;
     annealed.log_evidence = explorations[anchor].sampled.log_evidence + mean;
@@ -76,7 +76,7 @@ void estimate_probabilities(const RunContext& run, RunState& state) {
       by_evidence[m] = run.space()[static_cast<int>(m)].log_prior + evidence;
   }
   if (laddered) {
-    // Visits corrected for the learned weights.
+    // The numbers of visits, corrected for the adapted weights.
     for (std::size_t m = 0; m < models; ++m) {
       double sum = -kInfinity;
       for (const ChainState& chain : state.chains) {

@@ -18,7 +18,7 @@ namespace wheeltap::inference {
 
 namespace {
 
-// Prepends the draws that were saved separately to those of the checkpoint.
+// Inserts the draws that were saved separately before the draws of the checkpoint.
 void prepend_saved_draws(const Options::Checkpoints& from, const std::filesystem::path& folder,
                          RunState& state) {
   const Position& at = state.at;
@@ -75,7 +75,7 @@ Posterior reversible_jump(const Problem& problem, const Options& options) {
     resume(run, state);
   } else {
     state = begin(run);
-    if (run.monitor.stopped()) return finish(run, state);  // as if the run had not started
+    if (run.monitor.stopped()) return finish(run, state);  // like a run without steps
     run.safe_points.pass(state);
   }
   for (Chain& chain : state.posterior.chains) chain.keep_in(options.draws_folder);

@@ -28,8 +28,8 @@ RunState begin(RunContext& run) {
   RunState state;
   {
     Target target(run.problem, run.options.prior_only);
-    // If no prior draw has a finite likelihood, a slow likelihood takes long to show it; report
-    // progress meanwhile. With ranks, each one checks alone and none may stop alone.
+    // This check can take long for a slow likelihood; report progress meanwhile. With several
+    // ranks, each rank makes the whole check, and no rank may stop alone.
     const auto began = std::chrono::steady_clock::now();
     double before = 0.0;
     run.monitor.begin("starting", 1.0);

@@ -38,8 +38,8 @@ inline constexpr int kCostlyDraws = 5000;  ///< default draws if an evaluation i
   if (options.draws > 0) return options.draws;
   return problem.costly ? kCostlyDraws : kDefaultDraws;
 }
-/// The number of particles that explore each of several models by annealing, in a run that is
-/// `brief` times as long as by default.
+/// The number of SMC particles for the exploration of each of several models, in a run that is
+/// `brief` times as long as a default run.
 [[nodiscard]] inline int annealing_particles(const Problem& problem, double brief, double models) {
   constexpr double kAll = 12000.0, kFewest = 400.0, kMost = 1200.0;
   if (problem.costly) return static_cast<int>(kFewest);

@@ -14,8 +14,8 @@ namespace {
 constexpr double kWarmup = 20'000;  // iterations per chain chosen by the engine
 constexpr double kThin = 4;
 
-// Processor time besides likelihoods [s], per likelihood evaluation, per dimension and per run:
-// proposals, mixtures and storage. Measured on a core of 2.5 GHz (docs/scale.md).
+// Processor time without likelihoods [s], for proposals, mixtures and storage: per likelihood
+// evaluation, per evaluation and dimension, and per run. Core of 2.5 GHz (docs/scale.md).
 constexpr double kBesidesACall = 3e-6, kBesidesADimension = 2e-7, kBesidesARun = 0.3;
 constexpr double kSearchSlices = 8.0;  // slices of a search that run at the same time
 
@@ -24,8 +24,8 @@ constexpr double kSearchSlices = 8.0;  // slices of a search that run at the sam
 RunCost cost_of_sampling(const ProblemSize& size, const Options& options, double most_in_memory) {
   const double draws = options.draws > 0 ? options.draws : (options.quick ? 1000.0 : kDefaultDraws);
   const double warmup = options.warmup > 0 ? options.warmup : (options.quick ? 1000.0 : kWarmup);
-  // Sizes as in Chain. Lists beyond kOnHeap, the parts of a checkpoint and posterior.nc are on the
-  // disk. The memory then holds only the values to sort, one parameter at a time.
+  // Sizes as in Chain. Lists above kOnHeap, parts of a checkpoint and posterior.nc are on the disk.
+  // The memory then contains only the values of one parameter at a time, for sorting.
   constexpr double kProgram = 3e7, kLists = 7.0;
   const double predictions = options.prior_only ? 0.0 : size.predictions;
   const double draw = 23.0 + 8.0 * size.largest + 4.0 * predictions;

@@ -8,20 +8,20 @@
 namespace wheeltap::inference {
 namespace {
 
-// Counted on the shipped cases and on the test problems (docs/scale.md).
+// Numbers counted for the example cases and the test problems (docs/scale.md).
 constexpr double kCallsAClimb = 40.0, kCallsAClimbAndDimension = 12.0;
 constexpr double kWeighingRounds = 3.0;
-constexpr double kStagesADimension = 2.0, kStages = 4.0;  // of SMC
-constexpr double kCallsAParticle = 12.0;                  // per stage
+constexpr double kStagesADimension = 2.0, kStages = 4.0;  // stages of SMC
+constexpr double kCallsAParticle = 12.0;                  // in each stage
 constexpr double kScans = 800.0, kQuickScans = 60.0, kRungs = 10.0, kStepsOfAScan = 3.0;
 constexpr double kSettlingSteps = 500.0;
-constexpr double kShortRecords = 0.25;  // mean cost of a call in exploration / on the whole record
-constexpr double kSearchedSets = 12.0;  // upper limit of the component-set models that are searched
+constexpr double kShortRecords = 0.25;  // mean run time of a call in exploration / for the record
+constexpr double kSearchedSets = 12.0;  // most models of component sets that are searched
 
 struct Sizes {
-  double models = 0.0;      // number with parameters and a prior probability
-  double dimensions = 0.0;  // sum over these
-  double in_draws = 0.0;    // in one round of importance sampling, all models
+  double models = 0.0;      // number of models with parameters and a prior probability
+  double dimensions = 0.0;  // sum over these models
+  double in_draws = 0.0;    // draws of all models in a round of importance sampling
 };
 
 Sizes sizes_of(const ModelSpace& space) {

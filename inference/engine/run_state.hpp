@@ -63,7 +63,7 @@ struct Position {
   bool tempering = false;  ///< the chains are inside temper()
 
   Explore explore = Explore::begin;
-  /// Models to be searched, or to be searched by local optimisations alone
+  /// Models to be searched fully, or by local optimisations alone
   std::vector<int> models{};
   int model = 0;  ///< index of the next model in `models`
   /// ln (P Z) of the best model searched so far.

@@ -36,7 +36,7 @@ void SafePoints::clock(RunState& state) {
   clocked_ = now;
 }
 
-// A part belongs to one chain, since only a few chains draw at a time.
+// A part belongs to one chain, because only a few chains draw at a time.
 std::vector<std::size_t> SafePoints::hand_over_draws(RunState& state) const {
   if (!options_.save_draws) return {};
   const auto part = static_cast<std::size_t>(options_.part);

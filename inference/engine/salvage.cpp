@@ -13,8 +13,8 @@
 namespace wheeltap::inference {
 namespace {
 
-// The user waits after stopping a run. After kPatience, a chain repeats the draws that it has;
-// without any, it continues until kMostPatience.
+// The user waits after a request to stop. After kPatience, a chain repeats its draws. A chain
+// without draws continues until kMostPatience.
 constexpr std::chrono::milliseconds kPatience{400}, kMostPatience{2000};
 
 // The best available approximation of each model's posterior, dimension × n.

@@ -15,11 +15,11 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr int kSettling = 500;     // burn-in iterations
-constexpr int kLadderScans = 620;  // if proposals were fitted before
+constexpr int kLadderScans = 620;  // number of scans if proposals were fitted before
 constexpr int kMaxDraws = 200000;
 // Share of a model's draws outside its mixture above which the mixture is fitted to the draws and
-// the draws are repeated. Lower than the verdict's limit, since refitting often makes a run
-// converge.
+// the draws are repeated. The limit is lower than that of the diagnosis, because a run often
+// converges after this fit.
 constexpr double kWorthRefitting = 0.003;
 constexpr int kMostRefits = 4;
 constexpr int kScansTogether = 256;          // draws between two progress reports
@@ -30,9 +30,9 @@ std::unique_ptr<KernelMixture> kernels_of(const RunContext& run, const RunState&
   return sampling_kernels(run.problem, run.options, run.atlases, state.pilot);
 }
 
-// The modes whose shares are counted, for models with several.
+// Chooses the posterior modes whose shares of the draws are counted.
 void choose_modes(RunState& state) {
-  constexpr double kLeast = 1e-3;  // share of a model's probability
+  constexpr double kLeast = 1e-3;  // smallest share of a model's probability
   state.weighty_modes.assign(state.explorations.size(), {});
   for (std::size_t m = 0; m < state.explorations.size(); ++m) {
     const ModelExploration& found = state.explorations[m];
@@ -46,7 +46,7 @@ void choose_modes(RunState& state) {
   }
 }
 
-// Runs one chain through a round of draws: with the fixed kernel at β = 1, or on its ladder.
+// Runs a round of draws of one chain, with the fixed kernel at β = 1 or on the chain's ladder.
 class Sampler {
  public:
   Sampler(const RunContext& run, const RunState& state, int c, ChainState& chain, Target& target)
@@ -64,7 +64,7 @@ class Sampler {
     if (tempered_) chain_.ladder = tempered_->ladder();
   }
 
-  // If the run was stopped, it skips the remaining iterations.
+  // Makes the burn-in iterations; a stop of the run skips the remaining iterations.
   void settle(int iterations) {
     for (int i = 0; i < iterations && !run_.monitor.stopped(); ++i) {
       if (tempered_) {
@@ -85,7 +85,7 @@ class Sampler {
     const auto observe = [&](int kernel, const Kernel::Outcome& outcome, int from_model) {
       move = kernel;
       accepted = outcome.accepted;
-      if (!outcome.proposed) return;  // and so kernel >= 0
+      if (!outcome.proposed) return;  // hence kernel >= 0
       MoveStatistics& statistics = chain_.moves[static_cast<std::size_t>(kernel)];
       ++statistics.proposed;
       statistics.accepted += outcome.accepted ? 1 : 0;
@@ -148,9 +148,9 @@ void collect(RunState& state) {
       any.model.empty() ? 0 : static_cast<int>(any.prediction.size() / any.size());
 }
 
-// Reserves memory for draws like `at`.
+// Reserves memory for draws of the same size as `at`.
 void reserve(Chain& chain, int goal, std::size_t dimension, const State& at) {
-  constexpr int kMost = 4'000'000;  // upper limit: a larger goal may not be reached
+  constexpr int kMost = 4'000'000;  // limit, because a run may not reach a larger goal
   const std::size_t predictions = at.prediction.size();
   chain.reserve(static_cast<std::size_t>(std::min(goal, kMost)), dimension,
                 predictions <= kMaxPredictions ? predictions : 0);
@@ -180,7 +180,7 @@ void draw_on(RunContext& run, RunState& state) {
     }
     return static_cast<int>(out.size()) == goal;
   });
-  // After an early stop, truncates all chains to the shortest.
+  // After an early stop, truncates all chains to the length of the shortest chain.
   std::vector<Chain>& chains = state.posterior.chains;
   std::size_t common = chains.front().size();
   for (const Chain& chain : chains) common = std::min(common, chain.size());
@@ -226,7 +226,7 @@ void forget_draws(RunState& state) {
   state.at.part_chains.clear();
 }
 
-// Books all likelihood evaluations so far under tuning.
+// Counts all likelihood evaluations so far as evaluations of the tuning.
 void count_as_tuning(RunState& state) {
   Calls& calls = state.posterior.calls;
   state.posterior.warmup_evaluations = likelihood_evaluations(state);
@@ -244,8 +244,8 @@ double share_outside_mixtures(const Posterior& posterior) {
   return most;
 }
 
-// Fits the mixtures to the draws outside them and to the states of chains started at SMC draws. The
-// draws so far become warm-up.
+// Fits the mixtures to the draws so far and to the states of chains started at SMC draws. The draws
+// so far become warm-up.
 void refit_to_draws(RunContext& run, RunState& state, const std::vector<Eigen::MatrixXd>& met) {
   for (ChainState& chain : state.chains) {
     chain.by_rung.assign(1, PilotSamples(run.space()));
@@ -278,14 +278,14 @@ void refit_to_draws(RunContext& run, RunState& state, const std::vector<Eigen::M
   state.at.goal = first_draws(run.problem, run.options);
 }
 
-// Starts again with a ladder after the chains disagreed, since each had visited other modes. The
-// draws so far become warm-up.
+// Restarts with a tempering ladder after the chains disagreed, because they visited different
+// modes. The draws so far become warm-up.
 void restart_tempered(const RunContext& run, RunState& state) {
   Posterior& posterior = state.posterior;
   posterior.tempered_draws = true;
   posterior.choices.push_back(Choice::restarted_tempered);
   forget_draws(state);
-  if (run.options.thin == 0) posterior.thin = 1;  // a scan already steps every rung
+  if (run.options.thin == 0) posterior.thin = 1;  // a scan makes several steps at each rung
   state.at.sample = Position::Sample::ladder;
   state.at.goal = first_draws(run.problem, run.options);
 }

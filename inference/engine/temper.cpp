@@ -13,10 +13,10 @@ constexpr int kExplorationRungs = 10;
 constexpr int kStageMaxRungs = 30;
 constexpr int kFewestScans = 620;
 constexpr int kStageFirstScans = 20;
-// A scan that takes longer may be interrupted; it is then repeated from the saved state before it.
+// A longer scan may be interrupted. A resumed run repeats the scan from the state before it.
 constexpr std::chrono::milliseconds kLongScan{100};
 
-// Everything that a scan changes.
+// All data that a scan changes.
 struct BeforeScan {
   Ladder ladder;
   std::vector<std::vector<double>> learnt;
@@ -97,11 +97,11 @@ void temper(RunContext& run, RunState& state, const TemperOptions& how) {
       at.steps = 0;
       at.round_scans *= 2;
       at.barrier = tempered.barrier();
-      // A round trip takes about 2 + 2 Λ scans (Syed et al. 2022, section 3.5); a hundred of them
+      // A round trip takes about 2 + 2 Λ scans (Syed et al. 2022, section 3.5); 100 trips
       // suffice.
       at.ended = at.scans >= scans || (chosen && at.scans >= kFewestScans &&
                                        at.scans >= 100.0 * (2.0 + 2.0 * at.barrier));
-      // Two rungs per unit of the barrier (ibid., section 4.3), while scans remain.
+      // Two rungs per unit of the barrier Λ (Syed et al. 2022, section 4.3), while scans remain.
       if (tempered.rungs() > 1 && !at.ended) {
         tempered.adapt_ladder(
             std::clamp(static_cast<int>(std::ceil(2.0 * at.barrier)) + 2, 6, kStageMaxRungs));

@@ -14,23 +14,23 @@ namespace {
 constexpr int kBetweenLooks = 4;                          // steps between two clock readings
 constexpr std::array<int, 3> kTuning{4000, 8000, 20000};  // steps before each fit
 static_assert(kTuning[0] + kTuning[1] + kTuning[2] == kTuningSteps);
-// Length of an additional last round if the effective draws of the model index were fewer than
-// kEnoughModelDraws. A run should have about 15 000 of them (a probability of ½ known to 0.004),
-// and mixtures fitted to few samples give them slowly.
+// Length of an additional last round if the model index has fewer effective draws than
+// kEnoughModelDraws. A run needs about 15 000 effective draws to know a probability of ½ to 0.004.
+// Mixtures fitted to few samples give effective draws slowly.
 constexpr int kLongTuning = 80000;
 constexpr double kEnoughModelDraws = 4000.0;
-// Population draws of an exploration in the first fit.
+// Number of draws of a model's population (ModelExploration) in the first fit.
 constexpr Eigen::Index kFirstPopulation = 1000;
-constexpr Eigen::Index kLastPopulation = 4000;  // the same in the last fit
+constexpr Eigen::Index kLastPopulation = 4000;  // the same for the last fit
 constexpr int kManyPeaks = 80;                  // mixture components for posteriors with many modes
-// For a long record: components of the mixtures before the last fit, and the tolerance of the fits.
-// Fits as close as in other problems took a quarter of such a run.
+// For a long record: number of components before the last fit, and tolerance of the fits. With the
+// values for other problems, the fits took a quarter of the run time.
 constexpr int kFewPeaks = 7;
 constexpr double kRoughly = 1e-5;
-// Models below this probability get fewer visits than the others in tuning, since no draw is
-// expected in them.
+// In tuning, less probable models get fewer visits than the others, because no draws of these
+// models are expected.
 constexpr double kLeastTuned = 1e-4;
-constexpr double kNoLeast = 1e-12;  // of models with balanced draws
+constexpr double kNoLeast = 1e-12;  // the same limit for balanced draws
 
 Eigen::MatrixXd thinned(const Eigen::MatrixXd& columns, Eigen::Index most) {
   if (columns.cols() <= most) return columns;
@@ -48,7 +48,7 @@ std::vector<double> efficiencies(const RunContext& run, const RunState& state) {
       *sampling_kernels(run.problem, run.options, run.atlases, state.pilot, true), sums);
 }
 
-// Runs a round of this length, or the rest of it, then the fit; the next round is then due.
+// Runs a round of `steps` steps, or the rest of the round, and fits the proposals.
 void tune_once(RunContext& run, RunState& state, int steps) {
   state.tuning_bias = equal_visits_bias(state.probability, kLeastTuned);
   run.complete_each_chain(state, [&](int c, ChainState& chain, Target& target) {
@@ -93,9 +93,9 @@ void tune_once(RunContext& run, RunState& state, int steps) {
   run.safe_points.pass(state);
 }
 
-// Effective draws of the least certain model's indicator in the last round of tuning; infinite if
-// one model has all the probability. Unless the draws will be as even as tuning (`evenly`), models
-// that are nearly certain or negligible among the draws do not count.
+// The fewest effective draws of a model's indicator in the last round of tuning; infinite if one
+// model has all the probability. Unless the draws will visit models as evenly as tuning (`evenly`),
+// models that are nearly certain or negligible do not count.
 double tuned_model_draws(const RunState& state, bool evenly) {
   constexpr double kMatters = 1e-3;
   double least = kInfinity;
@@ -124,7 +124,7 @@ void fit_proposals(RunContext& run, RunState& state, int round) {
       for (const ChainState& chain : state.chains) pooled.back().append(chain.by_rung.back());
   }
   if (round > 0) learn_probabilities(state, pooled.back());
-  // Only the last fit is used for the draws; the first two prepare it.
+  // The draws use only the last fit; the earlier fits prepare it.
   const bool last = round >= static_cast<int>(kTuning.size());
   const bool dear = is_expensive(run.problem, run.options);
   PilotOptions how{.seed = run.options.seed,
@@ -192,7 +192,7 @@ void tune(RunContext& run, RunState& state) {
       tune_once(run, state, longest);
     }
   }
-  // Model weights of the draws: none, or those that balance the models.
+  // Model weights of the draws: 0, or weights with which the chains visit all models equally often.
   state.sampling_bias = options.balance ? equal_visits_bias(state.probability, kNoLeast)
                                         : std::vector<double>(run.models(), 0.0);
   if (options.balance) {

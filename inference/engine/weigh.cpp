@@ -14,7 +14,7 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kWorthWeighing = 1e-4;  // probability of a model searched by climbs only
+constexpr double kWorthWeighing = 1e-4;  // smallest probability of a model searched by climbs only
 
 Evidence by_importance(const std::vector<double>& log_ratios) {
   Evidence evidence = kNoEvidence;
@@ -34,7 +34,7 @@ Evidence by_importance(const std::vector<double>& log_ratios) {
 
 // ln (π / q) at a model's draws, an equal number of each chain.
 ChainsOf log_ratios_at_draws(const RunState& state, int model) {
-  constexpr std::size_t kLeast = 100;  // draws per chain
+  constexpr std::size_t kLeast = 100;  // smallest number of draws per chain
   std::size_t least = std::numeric_limits<std::size_t>::max();
   for (const ChainState& chain : state.chains) {
     const std::size_t n = chain.kept->of(model).size();
@@ -126,11 +126,11 @@ void weigh(RunContext& run, RunState& state) {
       found.bridged = explored.sampled;
       continue;
     }
-    // A model that was not evaluated has no fitted mixture. Draws about the middle of its prior
-    // would give a far too low evidence with a small error.
+    // A model that was not evaluated has no fitted mixture. Draws near the median of its prior
+    // would give an evidence that is far too low, with a small error.
     if (explored.passed_over && log_ratios_at_draws(state, m).empty()) continue;
     found.sampled = explored.sampled;
-    // Most of many models were searched by climbs only; they stay as improbable as that showed.
+    // Most of many models were searched by climbs only; their low probability is not refined.
     const bool matters =
         (explored.population.cols() > 0 || run.space().size() <= kFewModels) &&
         !(explored.glanced && !explored.modes.empty() && state.probability[at] < kWorthWeighing);
@@ -150,7 +150,7 @@ void weigh(RunContext& run, RunState& state) {
         continue;
       }
     }
-    // The exploration's sample may be better.
+    // The importance sample of the exploration may have a smaller error.
     const ParetoTail tail = pareto_tail(at_mixture);
     const Evidence sampled = by_importance(at_mixture);
     const auto rank = [](const ParetoTail& of, const Evidence& evidence) {

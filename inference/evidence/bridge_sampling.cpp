@@ -29,7 +29,7 @@ Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_propos
   Bridge result;
   const auto n2 = static_cast<double>(at_proposal.size());
   const std::size_t chains = at_posterior.size();
-  // All ratios relative to a typical one.
+  // The median of all ratios is the unit of the ratios.
   std::vector<double> pooled;
   for (const auto& chain : at_posterior) pooled.insert(pooled.end(), chain.begin(), chain.end());
   std::ranges::nth_element(pooled, pooled.begin() + static_cast<std::ptrdiff_t>(pooled.size() / 2));
@@ -88,7 +88,7 @@ Evidence bridge_sampling(const Problem& problem, int model, const ModelSamples& 
                                 std::to_string(options.proposal_draws) + ", must be >= 0");
   const Eigen::Index fit_draws = draws / 2, used = draws - fit_draws, d = samples.z.front().cols();
 
-  // At most as many draws as a mixture can use, equally spaced.
+  // Equally spaced draws, at most as many as a mixture can use.
   const auto all = fit_draws * static_cast<Eigen::Index>(chains);
   const Eigen::Index stride = std::max<Eigen::Index>(1, all / 5000);
   Eigen::MatrixXd training((all + stride - 1) / stride, d);
@@ -134,10 +134,10 @@ Evidence bridge_sampling(const Problem& problem, int model, const BridgeOptions&
 
 Evidence bridge_sampling(const Problem& problem, int model, const Tmcmc& first,
                          const BridgeOptions& options) {
-  if (first.z.size() == 0) return first.evidence;  // exact if there are no parameters, or NaN
+  if (first.z.size() == 0) return first.evidence;  // exact for a model without parameters, or NaN
   base::Random random(options.seed, 1, static_cast<std::uint64_t>(model), base::Purpose::fit);
   const NormalMixture pilot = NormalMixture::fit(first.z, options.fit, random);
-  // Longer chains while a warning remains. Each attempt starts anew, so that no result is selected.
+  // Lengthens the chains while a warning remains. Each attempt starts anew; no result is selected.
   Evidence evidence;
   long spent = 0;
   for (int draws = 5000; draws <= kMostDraws; draws *= 4) {

@@ -30,9 +30,9 @@ struct Bridge {
 /// comment of the next function gives the formula.
 [[nodiscard]] Bridge bridge(const ChainsOf& at_posterior, const std::vector<double>& at_proposal);
 
-/// Meng & Wong (1996, Statistica Sinica 6:831) with their optimal bridge. With q a normal mixture
-/// fitted to the first half of each chain, and l = π/q at the draws of the second half (1) and at
-/// draws of q (2),
+/// Bridge sampling with the optimal bridge of Meng & Wong (1996, Statistica Sinica 6:831). q is a
+/// normal mixture fitted to the first half of each chain. With l = π/q at the draws of the second
+/// half (1) and at draws of q (2),
 ///
 ///   Z ← Σ₂ l / (s₁ l + s₂ Z) / n₂  ÷  Σ₁ 1 / (s₁ l + s₂ Z) / n₁
 ///

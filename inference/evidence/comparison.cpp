@@ -27,7 +27,7 @@ ImpliedProbabilities implied_probabilities(const ModelSpace& space,
     double variance = 0.0;
     for (std::size_t k = 0; k < n; ++k) {
       const double slope = result.mean[m] * ((m == k ? 1.0 : 0.0) - result.mean[k]);
-      // The error of an impossible model does not matter.
+      // The error of a model with P = 0 has no effect, even if the error is NaN.
       if (slope != 0.0) variance += std::pow(slope * evidences[k].standard_error, 2.0);
     }
     result.standard_error[m] = std::sqrt(variance);
@@ -43,7 +43,7 @@ std::vector<Disagreement> disagreements(const std::vector<double>& sampled,
   for (std::size_t m = 0; m < sampled.size(); ++m) {
     const double error = std::hypot(sampled_error[m], implied.standard_error[m]);
     const double difference = std::fabs(sampled[m] - implied.mean[m]);
-    if (!(difference > least && difference > sigmas * error)) continue;  // also for NaN
+    if (!(difference > least && difference > sigmas * error)) continue;  // true for NaN, too
     out.push_back({.model = static_cast<int>(m),
                    .sampled = sampled[m],
                    .sampled_error = sampled_error[m],

@@ -15,7 +15,7 @@ std::vector<double> log_importance_ratios(const Problem& problem, int model,
                                           const NormalMixture& proposal, int n, std::uint64_t seed,
                                           int threads, long& evaluations,
                                           const std::function<bool()>& stop) {
-  // Draws per job: the random stream belongs to the block, not to the thread.
+  // Draws per job (block). Random streams belong to blocks, not to threads.
   constexpr int kBlock = 1000;
   const int blocks = (n + kBlock - 1) / kBlock;
   std::vector<double> ratios(static_cast<std::size_t>(n));
@@ -56,12 +56,12 @@ ParetoTail pareto_tail(std::span<const double> log_weights) {
   const auto n = static_cast<double>(sorted.size());
   const auto tail = static_cast<std::size_t>(std::min(0.2 * n, 3.0 * std::sqrt(n)));
   if (tail < 5 || sorted[tail] == -std::numeric_limits<double>::infinity()) return kNone;
-  // Exceedances over the threshold, ascending, in units of the largest weight.
+  // Excesses of the largest weights over the threshold, ascending, in units of the largest weight.
   std::vector<double> x;
   for (std::size_t i = tail; i-- > 0;)
     x.push_back(std::exp(sorted[i] - sorted[0]) - std::exp(sorted[tail] - sorted[0]));
   if (!(x.back() > 0.0) || !(x[x.size() / 4] > 0.0)) return kNone;
-  // Profile likelihood over θ = -k/σ on a grid set by the quartile, averaged by its weight.
+  // Mean of θ = -k/σ, weighted by the profile likelihood, on a grid that the quartile determines.
   const auto m = static_cast<double>(x.size());
   const double quartile = x[static_cast<std::size_t>(m / 4.0 + 0.5) - 1];
   const int points = 30 + static_cast<int>(std::sqrt(m));
@@ -85,9 +85,9 @@ ParetoTail pareto_tail(std::span<const double> log_weights) {
     sum += w;
   }
   const double fitted = shape(mean / sum), scale = -fitted * sum / mean;
-  const double k = (m * fitted + 10.0 * 0.5) / (m + 10.0);  // towards ½, as in their appendix
-  // With w(p) = u + σ/k ((p/q)^-k - 1), exceeded with probability p, q that of u: the part of the
-  // mean between p = 1/100n and 1/n, which n draws typically lack.
+  const double k = (m * fitted + 10.0 * 0.5) / (m + 10.0);  // shrinkage to ½ (ibid., appendix)
+  // A weight exceeds w(p) = u + σ/k ((p/q)^-k - 1) with probability p, and u with probability q. n
+  // draws typically lack the part of the mean between p = 1/100n and 1/n.
   const double q = m / n, threshold = std::exp(sorted[tail] - sorted[0]);
   const double high = 1.0 / n, low = 0.01 / n;
   const double power = std::abs(k - 1.0) > 1e-9

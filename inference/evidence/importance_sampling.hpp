@@ -45,7 +45,7 @@ struct ImportanceSampling {
 /// finite moments. The result is -∞ if the fit has fewer than 5 weights.
 [[nodiscard]] double pareto_shape(std::span<const double> log_weights);
 
-/// Above this shape the sample variance of the weights does not give the error of their mean
+/// Above this shape k̂, the sample variance of the weights does not give the error of their mean
 /// (Vehtari et al. 2024).
 inline constexpr double kHeavyTail = 0.7;
 

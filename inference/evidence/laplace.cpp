@@ -24,7 +24,7 @@ std::span<const double> values_of(const Eigen::VectorXd& z) {
 
 using Function = std::function<double(const Eigen::VectorXd&)>;
 
-// Steps along each coordinate that lower f by about `drop`, at most 1.
+// The step along each coordinate, at most 1, that lowers f by about `drop`.
 Eigen::VectorXd steps(const Function& f, const Eigen::VectorXd& z, double value, double drop) {
   Eigen::VectorXd h(z.size());
   for (Eigen::Index i = 0; i < z.size(); ++i) {
@@ -35,7 +35,7 @@ Eigen::VectorXd steps(const Function& f, const Eigen::VectorXd& z, double value,
       down[i] -= step;
       const double fall = value - 0.5 * (f(up) + f(down));
       if (fall > 2.0 * drop) {
-        // From the parabola, with a lower limit so that a cliff does not decide.
+        // Step from the parabola, with a lower limit in case of a discontinuity.
         step *= std::max(0.1, std::sqrt(drop / fall));
       } else if (fall < 0.5 * drop && step < 1.0) {
         step = std::min(1.0, step * (fall > 0.0 ? std::min(4.0, std::sqrt(drop / fall)) : 4.0));
@@ -76,14 +76,14 @@ Derivatives derivatives(const Function& f, const Eigen::VectorXd& z, double valu
   return result;
 }
 
-// Newton's method with step halving; each pass uses shorter differences than the last.
+// Newton's method with step halving. The differences become shorter from pass to pass.
 void polish(const Function& f, Eigen::VectorXd& z, double& value) {
   double drop = 0.05;
   for (int iteration = 0; iteration < 20; ++iteration, drop = std::max(1e-4, 0.5 * drop)) {
     const Derivatives at = derivatives(f, z, value, steps(f, z, value, drop));
     if (!at.gradient.allFinite() || !at.hessian.allFinite()) return;
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(Eigen::MatrixXd(-at.hessian));
-    // Ascends along every direction, whatever the sign of the curvature.
+    // Ascends along every direction, for both signs of the curvature.
     const Eigen::VectorXd curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(1e-6);
     const Eigen::VectorXd step =
         eigen.eigenvectors() *
@@ -103,7 +103,7 @@ void polish(const Function& f, Eigen::VectorXd& z, double& value) {
   }
 }
 
-// Newton steps from `best`.
+// Refines `best` by Newton steps.
 void climb_to_mode(const Objective& objective, const std::string& name, Optimum& best) {
   if (best.value == -kInfinity)
     throw LikelihoodError("model '" + name + "': no point of the search has a finite likelihood");
@@ -119,7 +119,7 @@ void climb_to_mode(const Objective& objective, const std::string& name, Optimum&
   best.z.assign(z.begin(), z.end());
 }
 
-// Differential evolution from several seeds; refines the best.
+// Differential evolution with several seeds; Newton steps refine the best result.
 Optimum search(const Objective& objective, int dimension, const ModeOptions& options,
                const std::string& name, const std::vector<std::vector<double>>& start = {}) {
   if (options.restarts < 1)
@@ -144,7 +144,7 @@ Optimum search(const Objective& objective, int dimension, const ModeOptions& opt
   return best;
 }
 
-// Importance sampling from t₅ about the mode checks whether the posterior resembles Laplace's
+// Checks by importance sampling from t₅ at the mode whether the posterior is nearly
 // normal.
 void check_shape(const Problem& problem, int model, std::uint64_t seed, const Eigen::VectorXd& z,
                  Laplace& result) {
@@ -173,7 +173,7 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
   const int d = posterior.dimension();
   ModeOptions once = options;
   once.restarts = 1;
-  once.generations = 60;  // the next search starts wider than this result
+  once.generations = 60;  // the next search starts from a wider population
   once.tolerance = 1.0;
   const auto log_posterior = [&](std::span<const double> z) {
     return posterior(z).log_posterior();
@@ -183,10 +183,10 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
   const Eigen::VectorXd z = Eigen::Map<const Eigen::VectorXd>(mode.z.data(), d);
   const Eigen::MatrixXd h = -derivatives(f, z, mode.value, steps(f, z, mode.value, 0.5)).hessian;
   evaluations += posterior.evaluations();
-  // Width unknown: a population of one, which the next search completes.
+  // If the width is unknown, the population has one member; the next search completes it.
   if (!h.allFinite()) return {mode.z};
   const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> eigen(h);
-  // No direction is wider than the prior.
+  // No direction of the population is wider than the prior.
   const Eigen::VectorXd sd =
       eigen.eigenvalues().cwiseAbs().cwiseMax(1.0).cwiseSqrt().cwiseInverse();
   base::Random random(options.seed, static_cast<std::uint64_t>(problem.samples),
@@ -201,9 +201,9 @@ std::vector<std::vector<double>> about_mode(const Problem& problem, int model,
   return population;
 }
 
-// Whether the population still contains the best points after the record grew: the added samples
-// have about the same average log likelihood as the earlier ones. A chaotic response suddenly loses
-// its dependence on the parameters.
+// True if the population still contains the best points of the longer record. Then the mean log
+// likelihood of the added samples is about that of the earlier samples. The fit of a chaotic
+// response is suddenly lost.
 bool holds(const Problem& problem, int model, const std::vector<std::vector<double>>& population,
            double per_sample, double before, long& evaluations) {
   ModelPosterior posterior(problem, model);

@@ -34,7 +34,7 @@ class Walker {
     start();
   }
 
-  // With a pilot, every second step is a draw from it.
+  // Makes one step; with a pilot, every second step is a draw from the pilot.
   bool step(int iteration, bool adapt) {
     return pilot_ != nullptr && iteration % 2 == 1 ? renew() : walk(adapt ? iteration : -1);
   }
@@ -48,7 +48,7 @@ class Walker {
   static constexpr double kSmallestLogRate = -7.0;  // lower limit of log α in adaptation: α = 1e-3
 
   void start() {
-    // Starts at the best of the first draws, or at the first possible one of many.
+    // Starts at the best of kGood draws with a positive likelihood, or at the first after kTries.
     constexpr int kGood = 50, kTries = 2000, kMostTries = 100'000;
     Eigen::VectorXd z(d_);
     int good = 0;
@@ -76,12 +76,12 @@ class Walker {
     value_ = value;
   }
 
-  // Negative iterations do not adapt.
+  // Makes a random-walk step; for negative iterations, without adaptation.
   bool walk(int iteration) {
     Eigen::VectorXd u(d_);
     for (double& v : u) v = random_.normal();
-    // With a pilot, the step has the covariance of a random component of the pilot, independent of
-    // the state: a mixture of symmetric steps is symmetric.
+    // With a pilot, the step has the covariance of a random component of the pilot. The component
+    // is independent of the state, so the step remains symmetric.
     const Eigen::MatrixXd& factor =
         pilot_ != nullptr ? (*pilot_)[pilot_->sample_component(random_)].factor : factor_;
     const Eigen::VectorXd to = z_ + std::exp(log_scale_) * (factor * u);

@@ -58,7 +58,7 @@ void MultipleImportanceSampler::add(const NormalMixture& proposal, int n) {
                counted[static_cast<std::size_t>(block)]);
       }));
   for (const long c : counted) evaluations_ += c;
-  // The density of the mixture of all proposals, at old and new draws.
+  // Computes the density of the mixture of all proposals at the old and the new draws.
   log_proposals_.resize(total, -kInfinity);
   for (std::size_t i = 0; i < before; ++i)
     accumulate(log_proposals_[i], std::log(n) + proposal.log_density({z_.data() + i * d, d}));
@@ -117,7 +117,7 @@ void MultipleImportanceSampler::weigh(std::size_t total) {
   weights_.assign(total, 0.0);
   double top = -kInfinity;
   for (std::size_t i = 0; i < total; ++i) {
-    // π / ((1/N) Σ n_r q_r), up to N
+    // π / ((1/N) Σ n_r q_r), apart from the factor N
     weights_[i] =
         log_posterior_[i] == -kInfinity ? -kInfinity : log_posterior_[i] - log_proposals_[i];
     top = std::max(top, weights_[i]);
@@ -136,7 +136,7 @@ void MultipleImportanceSampler::weigh(std::size_t total) {
   }
   for (double& w : weights_) w /= sum;
   effective_ = sum * sum / squares;
-  // Σ π / Σ_r n_r q_r: the balance heuristic's estimate of Z
+  // Σ π / Σ_r n_r q_r is the estimate of Z by the balance heuristic.
   log_mean_ = top + std::log(sum);
 }
 

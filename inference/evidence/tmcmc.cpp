@@ -31,8 +31,8 @@ struct Weights {
   double log_mean, cov;
 };
 
-// ln mean and coefficient of variation of exp(step · gain). A step of 0 gives weight 1 to possible
-// samples and 0 to impossible ones.
+// ln mean and coefficient of variation of the weights exp(step · gain). For a step of 0, the weight
+// is 1 for samples with a positive likelihood, otherwise 0.
 Weights weights(const std::vector<Particle>& particles, double step) {
   double top = -kInfinity;
   for (const Particle& p : particles) top = std::max(top, p.log_gain);
@@ -57,7 +57,7 @@ class Replicate {
         index_(static_cast<std::uint64_t>(index)),
         to_(open(growing ? kStageSamples : problem.samples)) {}
 
-  // ln Z; NaN if the run was stopped or did not reach β = 1.
+  // Returns ln Z; NaN if the run was stopped or did not reach β = 1.
   double run() {
     double log_evidence = draw_prior();
     log_evidence += anneal();
@@ -80,13 +80,13 @@ class Replicate {
 
  private:
   static constexpr int kMostStages = 1000, kMostSweeps = 30;
-  // Limits of the draws from the prior.
+  // Required number of draws with a positive likelihood, and largest number of prior draws.
   static constexpr std::size_t kLeastPossible = 20, kMostDraws = 100'000;
   static constexpr long kLeastGrowth = 10;
   static constexpr std::size_t kBatch = 32;  // likelihoods per batch: a few vectors full
 
   [[nodiscard]] base::Random stream(std::uint64_t stage) const {
-    // The high bit separates these streams from other users of this purpose.
+    // The high bit separates these streams from other streams of this purpose.
     return {options_.seed, index_ | (std::uint64_t{1} << 63U),
             stage << 32U | static_cast<std::uint64_t>(model_), base::Purpose::evidence};
   }
@@ -117,10 +117,10 @@ class Replicate {
            evaluations() >= options_.most_evaluations / options_.replicates;
   }
 
-  // Draws the initial samples from the prior; returns the log of the share of possible draws. If
-  // fewer than kLeastPossible of the first `samples` draws are possible, drawing continues until r
-  // = kLeastPossible are, N in all. The estimate of the share is then (r - 1)/(N - 1), otherwise
-  // the share of all N draws. Both are unbiased for this stopping rule (Girshick, Mosteller &
+  // Draws the initial samples from the prior. Returns ln of the share of draws with a positive
+  // likelihood (hits). If the first `samples` draws have fewer than kLeastPossible hits, drawing
+  // continues up to r = kLeastPossible hits in N draws. The estimate is then (r - 1)/(N - 1),
+  // otherwise hits / N. Both estimates are unbiased for this stopping rule (Girshick, Mosteller &
   // Savage 1946, Annals of Mathematical Statistics 17:13, theorem 5).
   double draw_prior() {
     base::Random random = stream(0);
@@ -152,9 +152,9 @@ class Replicate {
                     (static_cast<double>(drawn) - known));
   }
 
-  // Goes from the posterior of the current record to that of twice as many samples, or fewer if
-  // these are very informative: the posterior becomes irregular when the response loses its
-  // dependence on the parameters.
+  // Moves from the posterior of the current record to that of twice as many samples, or of fewer if
+  // the new samples are very informative. The posterior can then be irregular, because the response
+  // loses its dependence on the parameters.
   void lengthen() {
     if (from_) before_ += from_->posterior.evaluations();
     from_ = std::move(to_);
@@ -169,7 +169,7 @@ class Replicate {
     }
   }
 
-  // Goes from β = 0 (`from_` or the prior) to β = 1 (`to_`); returns the log of the ratio of their
+  // Moves from β = 0 (`from_` or the prior) to β = 1 (`to_`). Returns ln of the ratio of the two
   // evidences.
   double anneal() {
     bool possible = particles_.size() == static_cast<std::size_t>(options_.samples) &&
@@ -193,7 +193,7 @@ class Replicate {
     return log_ratio;
   }
 
-  // Reports the completed share of the path: of the samples, if these enter in parts.
+  // Reports the completed share of the path, or of the samples if the data enter in parts.
   void report(double beta) {
     if (!options_.progress) return;
     const double whole = std::max(1.0, static_cast<double>(problem_.samples));
@@ -234,7 +234,7 @@ class Replicate {
     }
   }
 
-  // The step whose weights have the required coefficient of variation, by bisection.
+  // Finds by bisection the step whose weights have the required coefficient of variation.
   [[nodiscard]] double next_step(double rest) const {
     if (weights(particles_, rest).cov <= options_.weight_cov) return rest;
     double low = 0.0, high = rest;
@@ -245,7 +245,7 @@ class Replicate {
     return high;
   }
 
-  // Systematic resampling: one uniform number, equally spaced pointers.
+  // Systematic resampling: equally spaced pointers with one uniform random offset.
   void resample(double step, base::Random& random) {
     double top = -kInfinity;
     for (const Particle& p : particles_) top = std::max(top, p.log_gain);
@@ -266,7 +266,7 @@ class Replicate {
   }
 
   // A mixture fitted to one half of the samples moves the other half. A proposal fitted to the
-  // samples that it moves favours keeping them, which biases ln Z.
+  // samples that it moves tends to keep them, which biases ln Z.
   void move(double beta, base::Random& random) {
     const auto middle = static_cast<std::ptrdiff_t>(particles_.size() / 2);
     const std::span<Particle> first(particles_.begin(), particles_.begin() + middle);
@@ -350,7 +350,7 @@ class Replicate {
   std::uint64_t index_;
   std::unique_ptr<Record> from_;  // null: the prior
   std::unique_ptr<Record> to_;
-  long before_ = 0;  // evaluations of earlier records
+  long before_ = 0;  // likelihood evaluations of earlier records
   std::vector<ModelPosterior::Value> shorter_;
   std::vector<Particle> particles_;
   double log_scale_ = 0.0;
@@ -359,15 +359,15 @@ class Replicate {
   double reported_ = 0.0;
   bool stopped_ = false;
   bool cut_ = false;
-  // Exponent where the run stalled; NaN: it did not.
+  // Exponent β at which the run stalled; NaN if the run reached β = 1.
   double stalled_at_ = std::numeric_limits<double>::quiet_NaN();
 };
 
-// Whether the data should enter in parts. If a model cannot explain them, its best fit to the first
-// samples may be far from its best fit to all, and the samples would not follow.
+// True if the data should enter in parts. If a model cannot explain the data, its best fit to the
+// first samples may be far from its best fit to all samples, which the draws then do not reach.
 bool better_growing(const Problem& problem, int model, const TmcmcOptions& options,
                     long& evaluations) {
-  constexpr int kPilots = 2;  // pilot runs of each kind
+  constexpr int kPilots = 2;  // number of pilot runs with each path
   constexpr double kClearly = 3.0;
   if (!problem.shortened || problem.samples <= 2 * kStageSamples) return false;
   if (options.path != TmcmcPath::better) return options.path == TmcmcPath::growing;

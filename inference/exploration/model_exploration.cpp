@@ -19,27 +19,27 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kExplorations = 4;             // of SMC
-constexpr int kClimbsFromDraws = 8;          // from SMC draws
-constexpr std::size_t kClimbsOnTheWay = 24;  // from the draws of an SMC run that was cut short
-constexpr std::size_t kLaplace = 40;         // modes whose normals enter the mixture
+constexpr int kExplorations = 4;             // replicates of SMC
+constexpr int kClimbsFromDraws = 8;          // climbs from SMC draws
+constexpr std::size_t kClimbsOnTheWay = 24;  // climbs from draws of an incomplete SMC run
+constexpr std::size_t kLaplace = 40;         // largest number of modes in the mixture
 constexpr double kDefensive = 0.05;          // weight of the prior in the mixture
 constexpr double kWider = 1.5;  // factor on the variances of the modes' normals in a proposal
-// Effective share of the draws above which no further round is needed.
+// If the effective number of draws exceeds this share of the draws, no further round follows.
 constexpr double kGoodShare = 0.5;
 constexpr Eigen::Index kPopulation = 4000;
-constexpr Eigen::Index kFitted = 2000;  // draws in the fit of a proposal
-// Components of the fit in the first and the second attempt.
+constexpr Eigen::Index kFitted = 2000;  // number of draws in the fit of a proposal
+// Number of components of the fit in the first and the second attempt.
 constexpr std::array<int, 2> kComponents{8, 20};
-// Share of the SMC draws outside all proposals above which the proposals have missed a part of the
-// posterior, such as a curved ridge; the next round then uses more components.
+// If a larger share of the SMC draws is outside all proposals, the proposals have missed a part of
+// the posterior, such as a curved ridge. The next round then uses more components.
 constexpr double kLacking = 0.003;
 constexpr int kOfRidges = 80;
 constexpr int kMoreRounds = 4;
 constexpr double kOneMode = 0.99;     // share of a single dominant mode
 constexpr int kBriefParticles = 200;  // SMC samples per replicate if one mode dominates
 constexpr long kBriefCalls = 20'000;
-constexpr double kFar = 8.0;  // standard deviations of χ² above its mean: a draw of no known mode
+constexpr double kFar = 8.0;  // a draw of no known mode: standard deviations of χ² above the mean
 
 using Matrix = Eigen::MatrixXd;
 using Vector = Eigen::VectorXd;
@@ -59,7 +59,7 @@ Matrix cholesky(const Matrix& covariance) {
   return Eigen::LLT<Matrix>(covariance).matrixL();
 }
 
-// Weights of the modes by their Laplace masses, each at least a tenth of an equal share.
+// Weights of the modes by Laplace's method, each at least a tenth of an equal share.
 std::vector<double> mode_weights(const std::vector<Mode>& modes, std::size_t n) {
   std::vector<double> weights;
   double sum = 0.0;
@@ -82,7 +82,7 @@ void add_modes(const std::vector<Mode>& modes, double share, Components& compone
   }
 }
 
-// At most `most` components; a first proposal does not improve beyond kFitted draws.
+// Adds a fit of at most `most` components. More than kFitted draws do not improve a proposal.
 void add_fit(const Matrix& draws, int most, double share, base::Random& random,
              Components& components) {
   if (draws.rows() < 4 * (draws.cols() + 1)) return;
@@ -126,8 +126,8 @@ Matrix draws_and_modes(const Matrix& draws, const std::vector<Mode>& modes, base
   return out;
 }
 
-// Each mode's share of the probability: from the importance sample if that is reliable and the mode
-// has more than a few of its draws, else Laplace's.
+// The share of the probability of each mode: from the importance sample if this sample is reliable
+// and contains more than a few draws of the mode, otherwise by Laplace's method.
 std::vector<double> shares(const ModelExploration& found, const MultipleImportanceSampler& sampler,
                            bool trusted) {
   constexpr double kFew = 5.0;  // effective draws
@@ -191,7 +191,7 @@ bool ModelExploration::settled() const {
 
 namespace {
 
-// Reports progress to the caller and stores whether to continue.
+// Reports progress to the caller, and stores whether the caller wants to continue.
 class Reporter {
  public:
   explicit Reporter(const ExplorationOptions& options) : options_(options) {}
@@ -220,7 +220,7 @@ class OtherDraws {
     evaluations_ = posterior.evaluations();
   }
   [[nodiscard]] long evaluations() const { return evaluations_; }
-  /// The draws outside the mixture of a sample's proposals, as in the verdict.
+  /// The draws outside the mixture of all proposals of `sampler`, as in the diagnosis.
   [[nodiscard]] Matrix beyond(const MultipleImportanceSampler& sampler) const {
     const double level = sampler.evidence().log_evidence + std::log(kLimits.beyond_mixture);
     std::vector<Eigen::Index> rows;
@@ -237,8 +237,8 @@ class OtherDraws {
   long evaluations_ = 0;
 };
 
-// Importance sampling from all findings: evidence, shares and population. Returns false if stopped;
-// `found` is then unchanged.
+// Computes evidence, shares and population by importance sampling from all findings. Returns false
+// if stopped; `found` is then unchanged.
 bool weigh_model(const Problem& problem, int model, const ExplorationOptions& options,
                  const Matrix& draws, ModelExploration& found) {
   const Eigen::Index d = problem.space[model].dimension;
@@ -265,7 +265,7 @@ bool weigh_model(const Problem& problem, int model, const ExplorationOptions& op
     const int most = lacks() ? kOfRidges : kComponents[round < 2 ? 0 : 1];
     if (round > 0 && sampler.efficiency() > kGoodShare && !lacks()) break;
     if (sampler.effective_draws() < 8.0 * static_cast<double>(d + 1)) {
-      // Too few draws to fit: repeats the same proposal.
+      // With too few draws for a fit, repeats the same proposal.
       add_modes(found.modes, 0.5, components);
       add_fit(draws, most, 0.5, random, components);
       continue;
@@ -294,8 +294,8 @@ bool weigh_model(const Problem& problem, int model, const ExplorationOptions& op
   return true;
 }
 
-// Results without importance sampling: Laplace's evidence, assumed to be good to a nat, and draws
-// of the normals about the modes.
+// Results without importance sampling: evidence by Laplace's method, with an assumed error of one
+// nat, and draws from the normals at the modes.
 void take_laplace(int model, const ExplorationOptions& options, ModelExploration& found) {
   if (found.modes.empty() || !found.shares.empty()) return;
   base::Random random(options.seed, static_cast<std::uint64_t>(model), 0, base::Purpose::fit);
@@ -318,8 +318,8 @@ std::vector<std::vector<double>> some_of(const Matrix& draws) {
   return starts;
 }
 
-// Each draw is the one farthest from those before it, in standard deviations of the draws, so that
-// a small separate group is represented.
+// Selects draws in turn. Each is the draw farthest from all earlier selected draws, in standard
+// deviations of the draws, so that a small separate group is represented.
 std::vector<std::vector<double>> far_apart(Matrix draws) {
   std::vector<std::vector<double>> starts;
   if (draws.rows() == 0) return starts;
@@ -337,7 +337,7 @@ std::vector<std::vector<double>> far_apart(Matrix draws) {
   return starts;
 }
 
-// Draws that the normals about the known modes would hardly produce.
+// Draws that are improbable under the normals at the known modes.
 Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
   const auto precisions = precisions_of(modes);
   const auto d = static_cast<double>(draws.cols());
@@ -353,7 +353,7 @@ Matrix outlying(const Matrix& draws, const std::vector<Mode>& modes) {
   return draws(rows, Eigen::indexing::all);
 }
 
-// Climbs from `starts`; true if they lead to a new mode.
+// Climbs from `starts`. Returns true if the climbs lead to a new mode.
 bool climb_from(const Problem& problem, int model, const ExplorationOptions& options,
                 std::vector<std::vector<double>> starts, ModelExploration& found) {
   ModeSearch known{.modes = found.modes, .climbs = found.climbs, .likelihood_evaluations = 0};
@@ -395,10 +395,10 @@ void search_from_prior(const Problem& problem, int model, const ExplorationOptio
 
 struct Annealed {
   Matrix draws;
-  bool cut = false;  // draws come from tempered posteriors
+  bool cut = false;  // true if the draws come from tempered posteriors
 };
 
-// Sequential Monte Carlo from the prior; no draws if it fails.
+// Runs SMC from the prior. Returns no draws if SMC fails.
 Annealed anneal(const Problem& problem, int model, const ExplorationOptions& options, bool brief,
                 Reporter& report, ModelExploration& found) {
   const int particles = brief ? std::min(kBriefParticles, options.particles) : options.particles;
@@ -408,7 +408,7 @@ Annealed anneal(const Problem& problem, int model, const ExplorationOptions& opt
                            {.seed = options.seed,
                             .replicates = kExplorations,
                             .samples = std::max(particles / kExplorations, 50),
-                            // Sufficient for a start; a requested evidence uses less.
+                            // Sufficient for an exploration; a requested evidence needs less.
                             .weight_cov = 1.0,
                             .acceptances = brief ? 1.0 : 4.0,
                             .path = brief ? TmcmcPath::growing : TmcmcPath::better,
@@ -427,13 +427,13 @@ Annealed anneal(const Problem& problem, int model, const ExplorationOptions& opt
       found.annealed_log_posterior = std::move(annealed.log_posterior);
     }
     return {.draws = std::move(annealed.z), .cut = annealed.cut};
-  } catch (const LikelihoodError&) {  // the climbs may suffice
+  } catch (const LikelihoodError&) {  // the results of the climbs may suffice
     return {.draws = Matrix(0, problem.space[model].dimension)};
   }
 }
 
-// Whether SMC found no more than the mixture has, by the verdict's rule. An SMC run that was cut
-// short counts by the results of climbs from its draws.
+// True if SMC found no more probability mass than the mixture has, by the rule of the diagnosis.
+// For an incomplete SMC run, climbs from its draws decide.
 bool confirmed(const Annealed& annealed, bool another, const ModelExploration& found) {
   if (annealed.cut) return !another;
   if (!std::isfinite(found.annealed.log_evidence)) return false;
@@ -476,7 +476,7 @@ void anneal_model(const Problem& problem, int model, const ExplorationOptions& o
   if (problem.space[model].dimension == 0) return;
   Reporter report(options);
   Matrix draws = options.draws;
-  // If likelihoods are cheap, SMC runs in full, since it may find modes that the climbs missed.
+  // With a cheap likelihood, SMC runs fully, because it may find modes that the climbs missed.
   const bool settled = problem.shortened && found.settled();
   if (settled || how == Annealing::brief) {
     const Annealed brief = anneal(problem, model, options, true, report, found);

@@ -95,7 +95,7 @@ struct ModelExploration {
 ///
 /// The local optimisations run first, because they need the fewest likelihood evaluations. If the
 /// local optimisations determine the posterior (settled), a brief SMC run tests whether they missed
-/// probability mass. Missed probability mass shows itself in two ways. First, the evidence by SMC
+/// probability mass. Two results indicate missed probability mass. First, the evidence by SMC
 /// exceeds the evidence by the mixture significantly, by the criterion of the convergence
 /// diagnosis. Second, SMC draws lie far from every known mode, and a local optimisation from these
 /// draws leads to another mode. On a record, SMC may fail on the first samples. SMC then ends after

@@ -9,8 +9,8 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kWindow = 12.0;  // ln: below the most probable model
-constexpr double kHigher = 10.0;  // ln: a mode above that of the most probable model
+constexpr double kWindow = 12.0;  // ln (P Z), below the most probable model
+constexpr double kHigher = 10.0;  // ln π of a mode above that of the most probable model
 constexpr int kAllUpTo = 2;       // steps from the smallest model
 
 double log_mass(const ModelSpace& space, int m, const ModelExploration& found) {
@@ -31,7 +31,7 @@ ModelLattice::ModelLattice(const ModelSpace& space)
   std::ranges::stable_sort(order, {}, [&](int m) { return space[m].parameters.size(); });
   for (const int m : order) {
     Place& place = places_[static_cast<std::size_t>(m)];
-    // The larger models first: a model within an accepted one is not one step from m.
+    // Larger models first: a model within an accepted model is not one step from m.
     for (auto other = order.rbegin(); other != order.rend(); ++other) {
       const int s = *other;
       if (space[s].parameters.size() >= space[m].parameters.size() ||
@@ -51,7 +51,7 @@ std::vector<int> next_in_window(const ModelSpace& space, const ModelLattice& lat
                                 const std::vector<ModelExploration>& explorations) {
   const auto models = static_cast<std::size_t>(space.size());
   std::vector<bool> open(models), asked(models, false);
-  double most = -kInfinity, top = -kInfinity;  // mass and height of the most probable model
+  double most = -kInfinity, top = -kInfinity;  // ln (P Z) and ln π of the most probable model
   for (std::size_t at = 0; at < models; ++at) {
     const int m = static_cast<int>(at);
     const ModelExploration& found = explorations[at];

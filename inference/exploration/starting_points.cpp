@@ -14,11 +14,11 @@ namespace wheeltap::inference {
 
 namespace {
 
-constexpr int kReplicates = 4;        // of TMCMC
+constexpr int kReplicates = 4;        // replicates of TMCMC
 constexpr long kStartSamples = 5000;  // samples of a long record at the beginning of a search
-constexpr int kParticles = 100;       // per replicate, for the posterior of these
+constexpr int kParticles = 100;       // samples per replicate, for the posterior of kStartSamples
 
-/// One mode of one model, or none: other models may have one.
+/// Finds one mode of one model. Failure is not an error, because other models may have a mode.
 template <typename Search>
 Laplace find_mode(ProgressMonitor& monitor, Search&& search) {
   Laplace none;

@@ -30,8 +30,8 @@ struct Cluster {
 
 class Fitter {
   static constexpr Eigen::Index kOnTheWay = 3000;
-  // Above this number, a tenth of the components is merged between two maximisations: the number
-  // need not be exact.
+  // Above this number, a tenth of the components is merged between two maximisations, because the
+  // number need not be exact.
   static constexpr std::size_t kOneByOne = 40;
 
  public:
@@ -54,12 +54,12 @@ class Fitter {
       return components({one});
     }
     int most = std::max(1, static_cast<int>(distinct / (2.0 * parameters_of_one())));
-    // Twice as many centres as components, since k-means++ may put two into one mode.
+    // Twice as many centres as components, because k-means++ may put two centres into one mode.
     most = std::min(most, 2 * options_.max_components);
     std::vector<Cluster> clusters = initial(most), best;
     double best_score = kInfinity;
-    // A subset of the samples selects the number of components, weighted as if they were all: the
-    // search over all numbers costs more than the fit itself.
+    // A subset of the samples selects the number of components; it has the total weight of all
+    // samples. The search over all numbers takes longer than the fit.
     const Eigen::Index part = std::max<Eigen::Index>(kOnTheWay, 200 * (d_ + 1));
     const bool thinned = z_.rows() > 2 * part;
     if (thinned) thin(part);
@@ -90,7 +90,7 @@ class Fitter {
     return 1.0 + d + 0.5 * d * (d + 1.0);
   }
 
-  // Distinct rows, weighted so that their mean weight is 1.
+  // Replaces equal rows by one row. The weights of the rows have a mean of 1.
   void merge_repeated(const Eigen::MatrixXd& samples) {
     const RowMatrix rows = samples;
     std::vector<Eigen::Index> order(static_cast<std::size_t>(rows.rows()));
@@ -120,8 +120,8 @@ class Fitter {
     }
   }
 
-  // The rows are sorted, so that equally spaced rows form a stratified subset. The weights keep
-  // their sum.
+  // Keeps equally spaced rows. The rows are sorted, so these rows form a stratified subset. The sum
+  // of the weights does not change.
   void thin(Eigen::Index n) {
     thinned_z_.resize(n, d_);
     thinned_weight_.resize(n);
@@ -189,8 +189,8 @@ class Fitter {
     return clusters;
   }
 
-  // Drops clusters with too few distinct samples for a covariance; their samples go to the others
-  // in the next iteration.
+  // Deletes clusters with too few distinct samples for a covariance. The next iteration assigns
+  // their samples to other clusters.
   void drop_starved(std::vector<Cluster>& clusters) const {
     const double least = 2.0 * static_cast<double>(d_ + 1);
     std::vector<Cluster> kept;
@@ -207,8 +207,8 @@ class Fitter {
   }
 
   // A covariance estimated from N points fits these points too well: for a *new* point the expected
-  // quadratic form is d N / (N - d - 2), up to terms of order 1/N. Widening by that factor commutes
-  // with any linear map, unlike shrinkage to a diagonal, and so preserves narrow ridges.
+  // quadratic form is d N / (N - d - 2), up to terms of order 1/N. Multiplication by this factor
+  // commutes with any linear map, unlike shrinkage to a diagonal, and thus preserves narrow ridges.
   void widen(std::vector<Cluster>& clusters) const {
     for (Cluster& c : clusters)
       c.covariance *=
@@ -251,7 +251,7 @@ class Fitter {
       std::vector<double> moments(groups * (stride + kLanes), 0.0);
       const double log_likelihood =
           routines().em_pass(packed.data(), means.data(), groups, stride, samples, moments.data());
-      // Relative to the mean gain per sample, as in the criterion.
+      // The tolerance is that of the mean log density per sample, as in the criterion.
       if (iteration >= iterations ||
           std::fabs(log_likelihood - previous) < tolerance * static_cast<double>(samples.n))
         return log_likelihood;

@@ -40,7 +40,7 @@ std::vector<double> pack(const std::vector<NormalMixture::Component>& components
   for (std::size_t k = 0; k < groups_of(components.size()) * kLanes; ++k) {
     double* p = packed.data() + (k / kLanes) * stride + k % kLanes;
     if (k >= components.size()) {
-      *p = -kInfinity;  // a lane without a component
+      *p = -kInfinity;  // density 0 in a lane without a component
       continue;
     }
     const auto& c = components[k];

@@ -13,7 +13,7 @@ inline constexpr std::size_t kMaxComponents = 512;
 /// Components are stored in groups of eight, so that one instruction processes several components.
 /// A group of a packed mixture holds, eight numbers each,
 ///   c;  b_1, A_11;  b_2, A_21, A_22;  …
-/// and component k's log density is c_k - ½ |A_k z - b_k|². Numbers per group:
+/// Component k has the log density c_k - ½ |A_k z - b_k|². Returns the number of doubles per group.
 [[nodiscard]] constexpr std::size_t group_stride(std::size_t d) {
   return kLanes * (1 + d + d * (d + 1) / 2);
 }

@@ -12,7 +12,7 @@ namespace wheeltap::inference {
 namespace {
 
 constexpr long kMostCalls = 2000;
-constexpr double kProbePatience = 10.0;  // largest time, in units of the requested one
+constexpr double kProbePatience = 10.0;  // largest time, relative to the requested time
 
 double processor_seconds() {
   timespec now{};
@@ -44,7 +44,7 @@ LikelihoodTime probe(const Problem& problem, double seconds) {
     (std::isfinite(state.log_likelihood) ? possible : impossible).push_back(now - before);
   }
   std::vector<double>& took = possible.empty() ? impossible : possible;
-  if (took.size() > 4) took.erase(took.begin());  // it fills caches and allocates
+  if (took.size() > 4) took.erase(took.begin());  // the first call fills caches and allocates
   std::ranges::sort(took);
   return {.mean = std::accumulate(took.begin(), took.end(), 0.0) / static_cast<double>(took.size()),
           .middle = took[took.size() / 2],

@@ -38,8 +38,8 @@ ModelPosterior::Value ModelPosterior::above(double level, double beta, std::span
   for (const double v : z) square += v * v;
   if (!std::isfinite(square) || !target_.is_sorted(state_)) return kImpossible;
   const double base = constant_ - 0.5 * square;
-  // Tempers the prior factor, which the target does not. With a factor, no early rejection is
-  // possible.
+  // This class tempers the prior factor, but Target does not. With a prior factor, early rejection
+  // is therefore not possible.
   target_.screen_above(
       target_.problem().log_prior_factor ? kNever : level - base + target_.log_prior(state_), beta,
       state_);
@@ -51,7 +51,7 @@ ModelPosterior::Value ModelPosterior::above(double level, double beta, std::span
 
 void ModelPosterior::evaluate(std::span<const double> zs, std::span<Value> out, double level) {
   constexpr double kNever = -std::numeric_limits<double>::infinity();
-  constexpr double kRounding = 1e-6;  // far above the rounding error of a log likelihood
+  constexpr double kRounding = 1e-6;  // much larger than the rounding error of a log likelihood
   const auto base_of = [&](const State& state) {
     double base = constant_;
     for (const double v : state.z) base -= 0.5 * v * v;

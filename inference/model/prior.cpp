@@ -20,7 +20,7 @@
 namespace wheeltap::inference {
 namespace {
 
-// double is sufficient. A quantile that underflows is a bound of the support, not an error.
+// No promotion to long double. A quantile that underflows is a bound of the support, not an error.
 namespace bmp = boost::math::policies;
 using Policy =
     bmp::policy<bmp::promote_double<false>, bmp::domain_error<bmp::ignore_error>,
@@ -62,7 +62,7 @@ void require_interval(const char* family, double lower, double upper) {
   if (!std::isfinite(upper - lower)) refuse(family, "upper", upper, "within range of lower");
 }
 
-// z from the lower and upper tail probabilities: the smaller one is accurate.
+// Computes z from the lower and upper tail probabilities. The smaller probability is accurate.
 double from_tails(double p, double q) {
   return p < q ? normal_quantile(p) : -normal_quantile(q);
 }
@@ -91,7 +91,7 @@ struct UnitQuantile {
   double t, rest;  // rest = 1 - t
 };
 
-// Computed from the nearer end of [0, 1], so that small distances stay accurate at both.
+// Computed from the nearer end of [0, 1], so that small distances from both ends are accurate.
 UnitQuantile beta_quantile(const Beta& f, double z) {
   double rest = 0.0;
   const double t = z < 0.0 ? boost::math::ibeta_inv(f.a, f.b, normal_cdf(z), &rest, Policy{})
@@ -99,8 +99,8 @@ UnitQuantile beta_quantile(const Beta& f, double z) {
   return {t, rest};
 }
 
-/// N(0, 1) truncated to [a, b], reflected so that a + b <= 0: all tail probabilities are then
-/// accurate lower ones.
+/// N(0, 1) truncated to [a, b], reflected so that a + b <= 0. All tail probabilities are then lower
+/// tail probabilities, which are accurate.
 struct StandardTruncated {
   double a, b;
   bool reflected;
@@ -114,8 +114,8 @@ struct StandardTruncated {
     }
   }
 
-  // On so short or so remote an interval the density is exponential, e^{-m t}. The relative error
-  // is (b-a)²/8 for a short interval, and 1/b² for a remote one, where differences of ln Φ cancel.
+  // True if the density is nearly exponential, e^{-m t}: on a short interval (relative error
+  // (b-a)²/8) or a remote interval (relative error 1/b²), where differences of ln Φ cancel.
   [[nodiscard]] bool exponential() const { return b - a < 1e-5 || b < -1e4; }
   [[nodiscard]] double rate() const { return b - a < 1e-5 ? -0.5 * (a + b) : -b; }  // >= 0
 
@@ -216,7 +216,7 @@ Moments moments_by_quadrature(const Prior& prior, double step = 0.1) {
 
 }  // namespace
 
-// Bisection over the doubles between the bounds: ends at the nearest double.
+// Bisection over all doubles between the bounds; ends at the nearest double.
 double Distribution::quantile(Tails t) const {
   if (t.below == 0.0) return lower();
   if (t.above == 0.0) return upper();
@@ -272,14 +272,14 @@ Prior::Prior(Family family) : family_(std::move(family)) {
             constexpr const char* kName = "truncated_normal";
             require_finite(kName, "mean", f.mean);
             require_positive(kName, "sd", f.sd);
-            // The density remains proper with one or two infinite bounds.
+            // The density is proper even with one or two infinite bounds.
             if (std::isnan(f.lower) || f.lower == kInfinity)
               refuse(kName, "lower", f.lower, "a number below upper");
             if (std::isnan(f.upper) || f.upper == -kInfinity)
               refuse(kName, "upper", f.upper, "a number above lower");
             if (!(f.lower < f.upper))
               refuse(kName, "lower", f.lower, ("< upper = " + base::number(f.upper)).c_str());
-            // Farther away, the squares overflow.
+            // For larger distances, the squares overflow.
             const double remote = std::max({f.lower - f.mean, f.mean - f.upper, 0.0}) / f.sd;
             if (!(remote <= 1e100))
               refuse(kName, "sd", f.sd,
@@ -413,7 +413,7 @@ double Prior::from_standard_normal(double z) const {
 double Prior::slope(double z) const {
   const double log_phi = -0.5 * z * z - kLogSqrt2Pi;
   const double x = from_standard_normal(z);
-  // In logs, since φ and p are both small in the tails. The density is 0 or ∞ only at a bound.
+  // Uses logarithms, because φ and p are small in the tails. The density is 0 or ∞ only at a bound.
   const auto by_density = [&](double log_p) {
     const double slope = std::exp(log_phi - log_p);
     return std::isfinite(log_p) && std::isfinite(slope) ? slope : 0.0;
@@ -462,7 +462,7 @@ double Prior::to_standard_normal(double x) const {
           [x](const Beta& f) {
             const double width = f.upper - f.lower;
             const double t = (x - f.lower) / width, rest = (f.upper - x) / width;
-            // I_t(a, b) = 1 - I_{1-t}(b, a): the smaller argument is accurate.
+            // I_t(a, b) = 1 - I_{1-t}(b, a). The smaller argument is accurate.
             if (t < 0.5)
               return from_tails(boost::math::ibeta(f.a, f.b, t, Policy{}),
                                 boost::math::ibetac(f.a, f.b, t, Policy{}));

@@ -15,8 +15,8 @@ namespace {
                               "] = " + base::number(value) + ", must be " + bound);
 }
 
-// u in [0, 1] with first u + ½ (last - first) u² = mass, in the form that is accurate for small
-// mass. The densities at both ends of a cell are relative to the mass of the cell, so that nothing
+// Solves first u + ½ (last - first) u² = mass for u in [0, 1], accurately for small mass. The
+// densities at both ends of a cell are relative to the mass of the cell, so that nothing
 // underflows.
 double share_of_cell(double first, double last, double mass) {
   const double root = std::sqrt(std::fmax(0.0, first * first + 2.0 * (last - first) * mass));
@@ -43,7 +43,7 @@ TabulatedPrior::TabulatedPrior(std::vector<double> x, std::vector<double> densit
     if (p_[i] == 0.0 && ((i > 0 && i < last) || last == 1))
       refuse_table("density", i, p_[i], "> 0 (only the first or last value may be 0)");
   }
-  // Scaled before summation, so that densities of 1e300 do not overflow.
+  // Densities are scaled before the summation, so that densities of 1e300 do not overflow.
   const double top = *std::ranges::max_element(p_);
   const double extent = x_[last] - x_[0];
   if (!std::isfinite(extent))
@@ -94,7 +94,7 @@ double TabulatedPrior::quantile(Tails t) const {
     const double width = x_[i + 1] - x_[i];
     return x_[i] + width * share_of_cell(p_[i] * width, p_[i + 1] * width, t.below - below_[i]);
   }
-  // `above_` decreases: the last entry above t.above.
+  // `above_` decreases. Finds the last entry above t.above.
   const auto left = std::ranges::partition_point(above_, [&](double a) { return a > t.above; });
   const std::size_t i =
       static_cast<std::size_t>(std::max<std::ptrdiff_t>(left - above_.begin(), 1)) - 1;

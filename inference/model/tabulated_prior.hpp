@@ -7,8 +7,8 @@
 
 namespace wheeltap::inference {
 
-/// p(x) ∝ piecewise linear interpolation of (x_i, density_i), from the first x to the last; e.g.
-/// from expert elicitation or the histogram of an earlier study.
+/// p(x) ∝ piecewise linear interpolation of (x_i, density_i), from the first x to the last x. The
+/// table may come from expert elicitation or from the histogram of an earlier study.
 class TabulatedPrior : public Distribution {
  public:
   /// `x` increases strictly. `density` may have any unit, because the constructor normalises it.

@@ -13,7 +13,7 @@ namespace wheeltap::inference {
 
 namespace {
 
-constexpr long kAtOnce = 20;     // values, not all of which may be NaN or +∞
+constexpr long kAtOnce = 20;     // number of first values that must not all be NaN or +∞
 constexpr long kEnough = 1000;   // smallest number of values for the share to count
 constexpr double kShare = 1e-2;  // largest share of NaN and +∞
 
@@ -111,7 +111,7 @@ void Target::screen_above(double level, double beta, State& state) {
   }
   ++memory_.evaluations;
   Likelihood& cheapest = screen_ ? *screen_ : *likelihood_;
-  // The margin is far above the rounding of a log likelihood.
+  // The margin is much larger than the rounding error of a log likelihood.
   const double floor = beta > 0.0 ? (level - log_prior(state)) / beta - 1e-6 : -kInfinity;
   state.log_screen = call(cheapest, screen_ ? memory_.stand_in : memory_.proper, state,
                           std::isnan(floor) ? -kInfinity : floor);
@@ -205,8 +205,8 @@ bool Target::gauss_newton(State& state, std::span<const double> dz, std::span<do
       entry = entry / (dz[i] * dz[j]) + (i == j ? 1.0 : 0.0);
       if (!std::isfinite(entry)) return false;
     }
-    // The map x(z) contributes -∂ ln p/∂x x''(z) to the Hessian; used only where it is concave. It
-    // keeps a parameter away from the bound of its prior.
+    // The map x(z) contributes -∂ ln p/∂x x''(z) to the information. This term is used only where
+    // it is positive; it keeps a parameter away from the bound of its prior.
     constexpr double kApart = 1e-3;
     const Prior& prior = space().prior(state.model, static_cast<int>(i));
     const double slope = prior.slope(state.z[i]);
@@ -271,7 +271,7 @@ bool Target::sort_components(State& state) const {
     const auto component = [&](int c) {
       return space().component(state.model, kind, c).of(state.z);
     };
-    // Insertion sort of whole components: k is small and nearly sorted.
+    // Insertion sort of whole components, because the few components are nearly sorted.
     for (int c = 1; c < counts[static_cast<std::size_t>(kind)]; ++c) {
       for (int b = c; b > 0 && component(b)[0] < component(b - 1)[0]; --b) {
         std::ranges::swap_ranges(component(b), component(b - 1));

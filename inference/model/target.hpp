@@ -86,10 +86,10 @@ class Likelihood {
   }
 
   /// Optional: writes ∂ ln p(data | model, x)/∂x_i to out[i], in the units of 1/x_i, for any x with
-  /// a positive likelihood, evaluated before or not. Returns false, with `out` undefined, if there
-  /// is no gradient. Searches and proposals use the gradient; acceptance ratios do not depend on
-  /// the gradient. If the likelihood is a step function of x_i, its derivative is zero, and the
-  /// function should return the slope across the steps.
+  /// a positive likelihood, even if x was not evaluated before. Returns false, with `out`
+  /// undefined, if there is no gradient. Searches and proposals use the gradient; acceptance ratios
+  /// do not depend on the gradient. If the likelihood is a step function of x_i, its derivative is
+  /// zero, and the function should return the slope across the steps.
   virtual bool gradient(int /*model*/, std::span<const double> /*x*/, std::span<double> /*out*/) {
     return false;
   }
@@ -240,8 +240,8 @@ class Target {
   /// given, one per state, a log likelihood below its floor may be -∞.
   void evaluate(std::span<State> states, std::span<const double> floors = {});
 
-  /// Computes the members of `state` that moves may use: if the problem has an approximation, all
-  /// except the full likelihood and its prediction; otherwise all.
+  /// Computes the members of `state` that moves may use. These are all members, but without the
+  /// full likelihood and its prediction if the problem has an approximation.
   void screen(State& state);
   /// Screens `state` if only states with beta · log_screen + log_prior >= `level` are needed:
   /// log_screen of other states may be -∞.

@@ -38,7 +38,7 @@ Kernel::Outcome DelayedRejection::step(State& state, const Step& step) {
     outcome.accepted = true;
     return outcome;
   }
-  if (step.adapting) return outcome;  // the second stage would need S before this adaptation
+  if (step.adapting) return outcome;  // the second stage would need S from before this step
   const Eigen::VectorXd u_first = u;
   propose(kShrink, second_);
   if (second_.log_likelihood == kImpossible) return outcome;

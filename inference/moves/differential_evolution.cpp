@@ -12,7 +12,7 @@ std::optional<double> DifferentialEvolution::propose(const State& from, const St
   if (n < 3 || states.rows() == 0) return std::nullopt;
   const ModelSpace& space = step.target.space();
   const Model& model = space[from.model];
-  // The block: all coordinates, the model's own parameters, or one component.
+  // Chooses a block: all coordinates, the model's own parameters, or one component.
   Eigen::Index first = 0;
   Eigen::Index size = states.rows();
   int components = 0;

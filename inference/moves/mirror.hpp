@@ -5,8 +5,8 @@
 
 namespace wheeltap::inference {
 
-/// The image under one symmetry, which reflects a parameter of some kinds' components: x → 2 c - x
-/// about the centre c, its own inverse.
+/// The image under a reflection x → 2 c - x about the centre c, of one parameter of some kinds'
+/// components. The reflection is its own inverse.
 class Mirror : public Image {
  public:
   Mirror(const std::vector<Reflection>& reflections, bool whole)

@@ -39,7 +39,7 @@ Kernel::Outcome MetropolisHastings::step(State& state, const Step& step) {
   if (!log_hastings) return {};
   const double log_u = std::log(step.random.uniform());
   if (!proposal_.screened) {
-    // Below this level the proposal is rejected for any likelihood.
+    // A proposal with a lower value of beta · log_screen + log_prior is rejected.
     const double level = (step.adapting ? std::min(log_u, kSmallestLogAlpha) : log_u) -
                          *log_hastings + step.beta * state.log_screen +
                          step.target.log_prior(state);
@@ -48,14 +48,14 @@ Kernel::Outcome MetropolisHastings::step(State& state, const Step& step) {
   const double log_first =
       log_screen_ratio(step.target, step.beta, state, proposal_) + *log_hastings;
   Outcome outcome{.proposed = true, .accepted = false, .to_model = proposal_.model};
-  // Strictly less, so that a ratio of zero (or NaN from ∞ - ∞) is never accepted.
+  // "Less" instead of "less or equal": a ratio of zero (or NaN from ∞ - ∞) is never accepted.
   outcome.accepted = log_u < log_first;
   double log_second = 0.0;
   if (outcome.accepted && step.target.has_screen()) {
     step.target.complete(proposal_);
     log_second = step.beta * (proposal_.log_likelihood - proposal_.log_screen -
                               state.log_likelihood + state.log_screen);
-    // A beta of 0 must not make an impossible state possible.
+    // A state with zero likelihood is impossible, even for beta = 0.
     if (!std::isfinite(proposal_.log_likelihood)) log_second = proposal_.log_likelihood;
     outcome.accepted = std::log(step.random.uniform()) < log_second;
   }
@@ -83,7 +83,7 @@ void KernelMixture::reweigh(const std::vector<double>& factors) {
 
 std::vector<double> kernel_efficiencies(const KernelMixture& kernels,
                                         const std::vector<KernelRecord>& records) {
-  constexpr long kEnough = 100;  // proposals
+  constexpr long kEnough = 100;  // smallest number of proposals
   constexpr double kLeast = 0.1;
   const auto jumps = [&](std::size_t k) { return records[k].jumps_proposed > 0; };
   std::vector<double> rate(records.size(), -1.0);

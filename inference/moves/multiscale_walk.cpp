@@ -13,7 +13,7 @@ std::optional<double> MultiscaleWalk::propose(const State& from, const Step& ste
   const double f = kShortest * std::pow(kLongest / kShortest, step.random.uniform());
   if (step.random.uniform() < 0.5) {
     const Eigen::Index i = step.random.index(static_cast<int>(d));
-    // S holds 2.38/√d standard deviations.
+    // S contains 2.38/√d standard deviations.
     const double width = all.factor.row(i).head(i + 1).norm() * std::sqrt(static_cast<double>(d));
     to.z[static_cast<std::size_t>(all.first + i)] += f * width * step.random.normal();
   } else {

@@ -42,8 +42,8 @@ std::optional<double> RandomWalk::propose(const State& from, const Step& step, S
     for (Eigen::Index k = 0; k <= i; ++k) sum += block_->factor(i, k) * u_[k];
     to.z[static_cast<std::size_t>(block_->first + i)] += factor_ * sum;
   }
-  // Each position in the order has its own scale, so a step that changes the order would not be
-  // symmetric.
+  // Each position in the order has its own scale. A step that changes the order would therefore not
+  // be symmetric.
   if (!step.target.is_sorted(to)) {
     if (step.adapting) adapt(0.0, from);
     return std::nullopt;

@@ -13,7 +13,7 @@ double squared_norm(std::span<const double> u) {
   return sum;
 }
 
-// Writes (z - μ_k) standardised by every component, and ln r_k up to a constant; returns that
+// Writes L_k⁻¹ (z - μ_k) of every component k, and ln r_k up to a constant. Returns this
 // constant.
 double responsibilities(const NormalMixture& mixture, std::span<const double> z,
                         std::vector<double>& standardised, std::vector<double>& log_r) {

@@ -16,7 +16,7 @@ namespace wheeltap::inference {
 ///   A_k = exp(-½ d |L_k⁻¹ (z' - z)|² / (2.38 f)²) / |L_k|,
 ///   r_k(z) ∝ w_k / |L_k| · (1 + |L_k⁻¹ (z - μ_k)|²)^{-(d+1)/2}.
 ///
-/// The responsibilities have Cauchy tails, so that the nearest component is chosen outside the
+/// The responsibilities have Cauchy tails, so that the nearest component is chosen even outside the
 /// mixture. No single covariance fits a thin curved ridge. The steps of this walk follow the
 /// curvature of the ridge. These steps also lead into regions outside the mixture, which the next
 /// fit then covers.

@@ -18,21 +18,21 @@ std::string at(double z, double x) {
   return "at z = " + base::number(z) + ", x = " + base::significant(x, 6) + ": ";
 }
 
-// Change of z due to the rounding of x, or of its distance from 0, to a double.
+// Change of z if x, or its distance from 0, is rounded to a double.
 double resolution(const Prior& prior, double x) {
   const double step = 4e-16 * (std::fabs(x) + 1e-300);
   return prior.to_standard_normal(x + step) - prior.to_standard_normal(x - step);
 }
 
-// p(x(z)) dx/dz / φ(z), with dx/dz by fourth-order differences; nothing where x does not resolve
-// them.
+// p(x(z)) dx/dz / φ(z), with dx/dz by fourth-order differences. std::nullopt if x does not resolve
+// the differences.
 struct Ratio {
-  double value, error;  // due to rounding
+  double value, error;  // error due to rounding
 };
 std::optional<Ratio> density_over_slope(const Prior& prior, double z, double x) {
   constexpr double kStep = 5e-3, kSmallest = 5e-6, kMost = 0.04;
   const auto beside = [&](double d) { return prior.from_standard_normal(z + d); };
-  // Short steps where x spans orders of magnitude, which no polynomial approximates.
+  // Uses short steps if x spans orders of magnitude, because no polynomial approximates x there.
   const double spread = beside(2 * kStep) - beside(-2 * kStep);
   const double step = std::clamp(kStep * kMost * std::fabs(x) / spread, kSmallest, kStep);
   const double slope =
@@ -68,7 +68,7 @@ struct Wave {
   }
 };
 
-// Sums of w (g(x) h(y) - h(x) g(y)).
+// Sums of w (g(x) h(y) - h(x) g(y)) and of its square.
 struct Balance {
   Wave g, h;
   bool invariance;  // h = 1
@@ -132,7 +132,7 @@ std::string in_words(const MoveCheck& check, double false_alarm) {
 PriorCheck check_prior(const Prior& prior) {
   constexpr double kStep = 1.0 / 64.0;
   constexpr int kHalf = 6 * 64;
-  constexpr int kKink = 3;  // consecutive positions that a kink of the density affects
+  constexpr int kKink = 3;  // number of positions that a kink of the density affects
   PriorCheck check;
   double previous = -kInfinity, smallest = kInfinity, largest = 0.0, weight = 0.0;
   int in_a_row = 0, most = 0;
@@ -206,7 +206,7 @@ MoveCheck check_move(const Problem& problem, const std::function<std::unique_ptr
   while (check.beta > 0.0 && carried() < 0.05 * options.draws)
     check.beta = check.beta > 1e-12 ? 0.5 * check.beta : 0.0;
 
-  constexpr int kPairs = 32;  // at each of two powers
+  constexpr int kPairs = 32;  // pairs of functions at each of two powers β
   const int models = problem.space.size(), dimension = problem.space.max_dimension();
   const std::unique_ptr<Move> move = make();
   for (const double beta : {0.0, check.beta}) {
@@ -222,7 +222,7 @@ MoveCheck check_move(const Problem& problem, const std::function<std::unique_ptr
       const auto log_hastings = move->propose(states[n], {target, random, beta, false}, next);
       if (!log_hastings) continue;
       if (!next.evaluated) target.evaluate(next);
-      // The expectation over accepting or not, since rare acceptances would get too much weight.
+      // Takes the expectation over acceptance, because rare acceptances would get too much weight.
       const double log_alpha = log_target_ratio(target, beta, states[n], next) + *log_hastings;
       const double alpha = std::isnan(log_alpha) ? 0.0 : std::exp(std::min(0.0, log_alpha));
       const bool accepted = random.uniform() < alpha, jump = next.model != states[n].model;

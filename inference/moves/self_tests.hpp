@@ -29,8 +29,8 @@ struct PriorCheck {
 ///
 ///   p(x(z)) dx/dz = φ(z)
 ///
-/// to 1e-5 by finite differences, where x resolves them and except at kinks of the density. If only
-/// the normalisation of the density is wrong, the result gives the integral of the density.
+/// to 1e-5 by finite differences, except at kinks of the density and where x does not resolve them.
+/// If only the normalisation of the density is wrong, the result gives the integral of the density.
 [[nodiscard]] PriorCheck check_prior(const Prior& prior);
 
 struct MoveCheckOptions {

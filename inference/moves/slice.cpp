@@ -5,10 +5,10 @@
 namespace wheeltap::inference {
 
 Kernel::Outcome Slice::step(State& state, const Step& step) {
-  constexpr int kMostSteps = 30;  // of stepping out, for both ends together
+  constexpr int kMostSteps = 30;  // largest number of extensions, for both ends together
   if (state.z.empty()) return {};
   base::Random& random = step.random;
-  // One coordinate, or all of them in a random direction.
+  // The direction is that of one coordinate, or a random direction in all coordinates.
   direction_.assign(state.z.size(), 0.0);
   const double length = width_ * std::exp(random.normal());
   if (random.uniform() < 0.5) {
@@ -19,7 +19,7 @@ Kernel::Outcome Slice::step(State& state, const Step& step) {
   const auto log_ratio_at = [&](double t) {
     trial_ = state;
     for (std::size_t i = 0; i < direction_.size(); ++i) trial_.z[i] += t * direction_[i];
-    // The target has support only on vectors in order.
+    // The target density is zero for vectors that are not in order.
     if (!step.target.is_sorted(trial_)) return -std::numeric_limits<double>::infinity();
     step.target.evaluate(trial_);
     return log_target_ratio(step.target, step.beta, state, trial_);

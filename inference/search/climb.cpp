@@ -10,18 +10,18 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kBound = 8.3;        // |z|
-constexpr double kDifference = 0.05;  // step of derivatives, in widths
-constexpr double kArrived = 0.01;     // ln: expected gain of a further step at convergence
-constexpr long kRefusals = 4;  // failures after which a likelihood counts as without gradient
+constexpr double kBound = 8.3;        // largest |z_i|
+constexpr double kDifference = 0.05;  // step of differences, in widths of the mode
+constexpr double kArrived = 0.01;     // expected gain in ln π of a further step at convergence
+constexpr long kRefusals = 4;  // failures after which a likelihood counts as one without gradient
 constexpr int kMostSteps = 100;
 constexpr int kMostDampedSteps = 40;
 constexpr double kLeastDamping = 1e-6;
 constexpr double kStrongerDamping = 10.0;                    // factor between trials
 constexpr std::array<double, 3> kOnTheWay{0.25, 0.5, 0.75};  // check points on a long step
-constexpr double kSameHeight = 0.5;  // ln: difference of the heights of one mode
-constexpr double kSameTop = 0.05;    // squared distance of the places of one mode, in its widths
-constexpr double kCreeping = 1.0;    // ln: gain below which another method is not worth its cost
+constexpr double kSameHeight = 0.5;  // largest difference in ln π of two ends at the same mode
+constexpr double kSameTop = 0.05;    // largest squared distance of such ends, in widths of the mode
+constexpr double kCreeping = 1.0;    // gain in ln π below which no other method is tried
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
@@ -42,8 +42,8 @@ class Climber {
   }
 
  private:
-  // Newton steps with the curvature of the nearest known mode, as long as its quadratic model
-  // predicts the gains.
+  // Makes Newton steps with the curvature of the nearest known mode, as long as the quadratic model
+  // of this mode predicts the gains.
   bool arrives(ClimbEnd& end, const std::vector<KnownMode>& known) {
     int nearest = 0;
     double least = kInfinity;
@@ -86,8 +86,8 @@ class Climber {
     return false;
   }
 
-  // Whether a long step has passed over something: points on the way that lie above the cubic
-  // through values and slopes of its two ends. The climb then continues from the highest of them.
+  // True if a long step passed over another mode: points on the step lie above the cubic through
+  // the values and slopes of its ends. The climb then continues from the highest of these points.
   bool overlooked(const Vector& from, double f0, const Vector& gradient, const Vector& to,
                   double f1, const KnownMode& mode, ClimbEnd& end) {
     const Vector step = to - from;
@@ -110,15 +110,15 @@ class Climber {
     return most > 0.0;
   }
 
-  // By Levenberg & Marquardt's method, with steps
+  // Climbs by Levenberg & Marquardt's method with steps s,
   //
   //   (I + λ diag I) s = g,
   //
-  // and the smallest damping λ whose gain agrees with the quadratic model, within limits as in
-  // ascend(), since a step beyond the region where the model holds may leave the basin. False if
-  // the likelihood offers no such model or the method does not converge; `end` is then the last
-  // point. Ends early within one standard deviation of a known mode whose height the model
-  // predicts.
+  // where I approximates -∇² ln π, and λ is the smallest damping whose gain agrees with the
+  // quadratic model within the limits of ascend(). A step beyond the region in which the model is
+  // valid may leave the basin. Returns false if the likelihood has no Gauss-Newton approximation or
+  // the method does not converge; `end` is then the last point. Ends early within one standard
+  // deviation of a known mode whose height the model predicts.
   bool ascend_by_residuals(ClimbEnd& end, const std::vector<KnownMode>& known) {
     Vector g(d_), width = Vector::Ones(d_);
     Matrix information(d_, d_);
@@ -128,12 +128,12 @@ class Climber {
         if (!f_.gauss_newton(end.z, kDifference * width, g, information)) return false;
         const Vector before = width;
         adapt(width, information.diagonal());
-        // Near a mode, differences that suit a draw of the prior give a wrong direction.
+        // Near a mode, the differences for a draw of the prior give a wrong direction.
         if (iteration > 0 || !fine_ || (width.array() > 0.5 * before.array()).all()) break;
       }
       const Eigen::LLT<Matrix> llt(information);
       const double promise = 0.5 * g.dot(llt.solve(g));
-      // A mode within a wide known one, which `arrives` has met, needs the whole climb.
+      // A mode within a wide known mode, found by `arrives`, needs the whole climb.
       const Vector top = end.z + llt.solve(g);
       for (std::size_t k = 0; k < known.size() && !overlooked_ && llt.info() == Eigen::Success; ++k)
         if (std::abs(end.value + promise - known[k].value) < kSameHeight &&
@@ -154,9 +154,9 @@ class Climber {
     return false;
   }
 
-  // Tries steps with increasing damping, from `damping` on, and moves `end` by the first one whose
-  // gain agrees with the model. Returns that gain; 0 if there is none. Evaluates the most likely
-  // step alone, the others together.
+  // Tries steps with increasing damping, from `damping` on. Moves `end` by the first step whose
+  // gain agrees with the model. Returns this gain, or 0 if no step succeeds. The first step is
+  // evaluated alone, the other steps together.
   double damped_step(ClimbEnd& end, const Vector& g, const Matrix& information, double& damping) {
     const double reach = 2.0 * std::sqrt(static_cast<double>(d_));
     const Vector diagonal = information.diagonal();
@@ -177,7 +177,7 @@ class Climber {
         dampings[k] = next;
         next = next > 0.0 ? kStrongerDamping * next : kLeastDamping;
       }
-      // Steps without a gain are not evaluated further.
+      // The evaluation of a step ends as soon as it shows no gain.
       const Vector values = f_.values(to, end.value);
       for (Eigen::Index k = 0; k < n; ++k) {
         const double gain = values[k] - end.value;
@@ -217,7 +217,7 @@ class Climber {
       if (above && below) {
         s.gradient[i] = (up - down) / (2.0 * h);
         s.curvature[i] = (2.0 * value - up - down) / (h * h);
-      } else {  // beside a cliff: one-sided, away from it
+      } else {  // beside a discontinuity: one-sided, away from it
         s.gradient[i] = above ? (up - value) / h : below ? (value - down) / h : 0.0;
         s.curvature[i] = 1.0 / (h * h);
       }
@@ -257,7 +257,7 @@ class Climber {
         step *= reach / length;
         slope *= reach / length;
       }
-      // Along the line, f(t) ≈ f + t slope - ½ t² slope.
+      // Along the step, f(t) ≈ f + t slope - ½ t² slope.
       double t = 1.0, there = -kInfinity;
       Vector to;
       bool moved = false;
@@ -342,7 +342,7 @@ Vector Surface::values(const Matrix& zs, double level) {
 }
 
 bool Surface::gradient(const Vector& z, Vector& g) {
-  // A likelihood may have no gradient at a few points only.
+  // Some likelihoods have no gradient at a few points, but at all others.
   if (gradients_ == 0 && refusals_ >= kRefusals) return false;
   const auto n = static_cast<std::size_t>(z.size());
   const bool found = posterior_.gradient({z.data(), n}, {g.data(), n});
@@ -381,7 +381,7 @@ ClimbEnd climb(Surface& f, const Vector& start, const std::vector<KnownMode>& kn
 
 namespace {
 
-// No direction is much wider than the prior.
+// Sets the covariance of a mode from its Hessian; no direction is much wider than the prior.
 void take_hessian(const Matrix& hessian, KnownMode& mode) {
   const Eigen::SelfAdjointEigenSolver<Matrix> eigen(hessian);
   const Vector curvature = eigen.eigenvalues().cwiseAbs().cwiseMax(0.25);
@@ -390,7 +390,7 @@ void take_hessian(const Matrix& hessian, KnownMode& mode) {
                     eigen.eigenvectors().transpose();
 }
 
-// By central differences of exact gradients; false if there is no gradient at one of the points.
+// Computes the Hessian by differences of exact gradients; false if a point has no gradient.
 bool measure_by_gradients(Surface& f, const ClimbEnd& end, KnownMode& mode) {
   const Eigen::Index d = end.z.size();
   if (!f.has_exact_derivatives() || end.inverse_hessian.rows() != d) return false;
@@ -423,7 +423,7 @@ KnownMode measure(Surface& f, const ClimbEnd& end) {
     if (end.inverse_hessian.rows() == d && end.inverse_hessian(i, i) > 0.0)
       h[i] = std::min(1.0, 0.3 * std::sqrt(end.inverse_hessian(i, i)));
   }
-  if (f.stopped()) {  // keep what the climb estimated so far
+  if (f.stopped()) {  // keeps the estimate of the climb
     const bool known = end.inverse_hessian.rows() == d;
     mode.covariance = known ? end.inverse_hessian : Matrix(Matrix::Identity(d, d));
     const Eigen::LLT<Matrix> llt(mode.covariance);

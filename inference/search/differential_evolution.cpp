@@ -11,19 +11,19 @@
 namespace wheeltap::inference {
 namespace {
 
-// Recent success of the strategies and crossover rates.
+// Success of the strategies and of crossover rates in the last generations.
 struct Learning {
   static constexpr int kPeriod = 25;  // generations
 
   std::array<double, 2> tried{}, succeeded{};
   double crossover_sum = 0.0, crossover_count = 0.0;
 
-  double second_strategy = 0.5;  // its probability
+  double second_strategy = 0.5;  // probability of the second strategy
   double crossover_mean = 0.5;
 
   void learn() {
     const auto rate = [&](std::size_t s) { return (succeeded[s] + 1.0) / (tried[s] + 2.0); };
-    // Never drops a strategy completely.
+    // Each strategy keeps a probability of at least 0.05.
     second_strategy = std::clamp(rate(1) / (rate(0) + rate(1)), 0.05, 0.95);
     if (crossover_count > 0.0) crossover_mean = crossover_sum / crossover_count;
     tried = succeeded = {};
@@ -88,7 +88,7 @@ Optimum maximise_by_differential_evolution(const Objective& objective, int dimen
       while (c == i || c == a || c == b) c = other();
       const std::size_t strategy = random.uniform() < learning.second_strategy ? 1 : 0;
       const double f = std::clamp(0.5 + 0.3 * random.normal(), 0.01, 2.0);
-      const auto kept = static_cast<std::size_t>(random.index(dimension));  // always crossed
+      const auto kept = static_cast<std::size_t>(random.index(dimension));  // crossed in any case
       for (std::size_t j = 0; j < d; ++j) {
         if (j != kept && random.uniform() >= crossover[i]) {
           trial[j] = members[i][j];

@@ -19,15 +19,15 @@ namespace {
 
 constexpr int kSlices = 8;  // slices of a batch, each with its own likelihood object
 constexpr long kFirstBatch = 8, kMostBatch = 256;
-constexpr long kFirstOfRecord = 2;    // few climbs use the full growth before a mode is known
+constexpr long kFirstOfRecord = 2;    // number of climbs in the first batch for a growing record
 constexpr long kScreened = 256;       // draws of the prior on a whole record
-constexpr int kScreenedClimbs = 4;    // from the most probable of these
-constexpr double kValley = 2.0;       // ln: depth between two modes
-constexpr double kNegligible = 25.0;  // ln: below the mode with the largest mass
+constexpr int kScreenedClimbs = 4;    // climbs from the most probable of these draws
+constexpr double kValley = 2.0;       // smallest depth in ln π between two modes
+constexpr double kNegligible = 25.0;  // ln mass below that of the mode with the largest mass
 constexpr std::size_t kMostModes = 60, kMostLeftOut = 300;
 constexpr long kSearchSamples = 50;  // first length of a growing record
 constexpr double kDrawsAMode = 4.0;  // starts per mode as a record grows
-constexpr double kFollowed = 30.0;   // modes followed as a record grows
+constexpr double kFollowed = 30.0;   // number of modes followed as a record grows
 constexpr double kFewestFollowed = 6.0;
 constexpr std::size_t kThreads = 3;  // lost modes that are followed in small steps
 // A record grows by these numbers of time steps.
@@ -46,7 +46,7 @@ double laplace_mass(const KnownMode& mode) {
          factor.diagonal().array().log().sum();
 }
 
-// Whether there is no valley between the two.
+// True if ln π has no valley between a and b.
 bool joined(Surface& f, const Vector& a, double value_a, const Vector& b, double value_b) {
   for (const double t : {0.5, 0.25, 0.75})
     if (f(a + t * (b - a)) < std::min(value_a, value_b) - kValley) return false;
@@ -79,7 +79,7 @@ class Search {
         surface.draw_prior(random, z);
       }));
       begun += n;
-      // As many climbs as without exact derivatives, at less cost.
+      // Makes as many climbs as without exact derivatives, in less time.
       const double spent = static_cast<double>(evaluations() + saved()) /
                            (options_.effort * static_cast<double>(std::max(options_.budget, 1L)));
       const double share = options_.climbs > 0
@@ -99,8 +99,8 @@ class Search {
         options_.fine));
   }
 
-  // Looks for much narrower modes at the maxima of the known ones. There is no valley between the
-  // two; both are kept, since each may have probability mass.
+  // Searches much narrower modes at the maxima of the known modes. No valley separates the two
+  // modes; both are kept, because each may have probability mass.
   void search_summits() {
     const long each = summit_calls(dimension());
     const double affordable = kSummitShare * static_cast<double>(options_.budget);
@@ -124,7 +124,7 @@ class Search {
   }
 
   // Climbs from the most probable of many draws of the prior. If a model cannot explain the data,
-  // its mode on a short record may be far from that on the whole record.
+  // its mode for a short record may be far from its mode for the whole record.
   void run_most_probable() {
     Surface& surface = *surfaces_.front();
     Matrix draws(surface.dimension(), kScreened);
@@ -248,7 +248,7 @@ class Search {
     return ends;
   }
 
-  // In the order of the starts, independent of the threads.
+  // Adds the ends in the order of the starts, so that the result does not depend on the threads.
   void merge(const std::vector<ClimbEnd>& ends) {
     Surface& f = *surfaces_.front();
     for (const ClimbEnd& end : ends) {
@@ -267,7 +267,7 @@ class Search {
         if (end.value > known_[k].value + 0.5) known_[k] = measure(f, ordered(f, end));
         continue;
       }
-      // A mode far below the best matters only if it is wide, and no mode is wider than the prior.
+      // A mode far below the best mode must be wide to be relevant, but the prior limits its width.
       double best = -kInfinity;
       for (const KnownMode& k : known_) best = std::max(best, k.value);
       const double slack = kNegligible + 12.0 * static_cast<double>(end.z.size());
@@ -275,7 +275,7 @@ class Search {
       known_.push_back(measure(f, ordered(f, end)));
       hits_.push_back(1);
     }
-    // Deletes the lowest if there are too many. Not earlier, since ends refer to modes by index.
+    // Deletes the lowest modes if the list is too long; only now, as ends refer to modes by index.
     while (known_.size() > kMostModes) {
       const auto least = std::ranges::min_element(known_, {}, &KnownMode::value) - known_.begin();
       leave_out(known_[static_cast<std::size_t>(least)]);
@@ -284,7 +284,7 @@ class Search {
     }
   }
 
-  // Counts a mode once, however often it is found again.
+  // Counts a mode only once, even if it is found again.
   void leave_out(const KnownMode& mode) {
     for (const KnownMode& other : left_out_)
       if (square_distance(other, mode.z) < 1.0) return;
@@ -326,8 +326,8 @@ class Search {
   double way_ = 0.0;
 };
 
-// Whether the mode of a shorter record was lost: it predicts the added samples far worse than the
-// earlier ones, judged by Gaussian residuals and a margin in nats.
+// True if the mode of a shorter record was lost, that is if it predicts the added samples far worse
+// than the earlier samples. The limit follows from Gaussian residuals and a margin in nats.
 bool lost(const ModeSearch& before, long n, const ModeSearch& after, long grown) {
   if (after.modes.empty()) return true;
   const double was = before.modes.front().log_posterior;
@@ -336,9 +336,9 @@ bool lost(const ModeSearch& before, long n, const ModeSearch& after, long grown)
   return after.modes.front().log_posterior < was + was * more / all - kNegligible - chance;
 }
 
-// Follows the best modes of n samples to a longer record in as small steps as necessary. If the
-// motion nearly leaves its well, or strikes a stop, n samples do not predict the next n, and the
-// mode of twice the record cannot be found from that of the record.
+// Follows the best modes of n samples to a longer record, in steps that are as small as necessary.
+// If the motion nearly leaves a potential well, or hits a stop, the mode for n samples does not
+// predict the next n samples. Climbs from this mode then do not find the mode for 2 n samples.
 std::vector<std::vector<double>> followed_closely(const Problem& problem, int model,
                                                   ModeSearchOptions options, ModeSearch found,
                                                   long n, long to, long& evaluations) {
@@ -416,7 +416,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     evaluations += found.likelihood_evaluations;
     if ((options.progress && !options.progress(1.0)) || (options.stop && options.stop())) break;
   }
-  // All of the few climbs from the prior may begin at impossible points; use the other starts then.
+  // All of the few climbs from the prior may begin at impossible points; then uses other starts.
   if (found.modes.empty() && !options.starts.empty()) {
     Search whole(problem, model, options);
     whole.run(options.starts);

@@ -8,9 +8,9 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr double kStep = 3e-5;      // standard deviations: the step of first differences
-constexpr double kSettled = 1e-10;  // standard deviations: the step at convergence
-constexpr double kNear = 3.0;  // standard deviations: a farther maximum belongs to another mode
+constexpr double kStep = 3e-5;      // step of first differences, in standard deviations
+constexpr double kSettled = 1e-10;  // step at convergence, in standard deviations
+constexpr double kNear = 3.0;  // largest distance of a maximum of this mode, in standard deviations
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
@@ -20,8 +20,8 @@ class Summit {
   Summit(Surface& f, const KnownMode& mode)
       : f_(f), mode_(mode), d_(mode.z.size()), level_(mode.value + kAboveSummit) {}
 
-  // The maximum of ln π + ½ |z|² · of_prior. Near it, minus the Hessian is the inverse of
-  // `covariance`; a secant update (BFGS) corrects this in each step.
+  // Finds the maximum of ln π + ½ |z|² · of_prior. Near the maximum, `covariance` is the inverse of
+  // minus the Hessian; a secant update (BFGS) corrects `covariance` in each step.
   std::optional<Vector> maximise(double of_prior, Matrix covariance) {
     Vector z = mode_.z, g(d_), before_g, step;
     for (int iteration = 0; iteration < kSummitSteps && !f_.stopped(); ++iteration) {
@@ -45,7 +45,7 @@ class Summit {
     if (value > level_) found_ = z, level_ = value;
   }
 
-  // False if a point above the mode was found, or no finite value exists there.
+  // Returns false if a point above the mode was found, or if no finite value exists at z.
   bool gradient(const Vector& z, Vector& g) {
     if (f_.gradient(z, g)) return g.allFinite();
     const Vector h = kStep * mode_.covariance.diagonal().cwiseSqrt();
@@ -78,7 +78,7 @@ class Summit {
 std::optional<Vector> above_summit(Surface& f, const KnownMode& mode) {
   Summit summit(f, mode);
   if (auto found = summit.maximise(0.0, mode.covariance)) return found;
-  // Minus the Hessian of the likelihood alone is smaller by the prior's, which is 1.
+  // Without the prior, minus the Hessian is smaller by 1, the contribution of the prior.
   const Eigen::Index d = mode.z.size();
   const Matrix precision = mode.precision - Matrix::Identity(d, d);
   const Eigen::LLT<Matrix> llt(precision);

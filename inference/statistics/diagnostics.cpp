@@ -18,8 +18,8 @@
 namespace wheeltap::inference {
 namespace {
 
-/// Half chains, end to end: `sequences` of them, each of `length`. An odd chain loses its middle
-/// draw.
+/// Half chains, one after the other: `sequences` half chains of `length` draws. A chain with an odd
+/// number of draws loses its middle draw.
 struct Split {
   std::size_t sequences = 0, length = 0;
   std::vector<double> values;
@@ -53,7 +53,7 @@ struct Entry {
   std::uint32_t index;
 };
 
-// Ascending, by least-significant-digit radix sort: a few times faster than by comparison.
+// Ascending order by least-significant-digit radix sort, which is faster than a comparison sort.
 std::vector<Entry> sorted(std::span<const double> values) {
   constexpr int kBits = 11;
   constexpr std::uint64_t kMask = (1U << kBits) - 1;
@@ -67,7 +67,7 @@ std::vector<Entry> sorted(std::span<const double> values) {
   counts.fill(std::vector<std::uint32_t>(kMask + 1, 0));
   constexpr std::uint64_t kSign = std::uint64_t{1} << 63U;
   for (std::size_t i = 0; i < n; ++i) {
-    // IEEE doubles sort like integers after negative ones are flipped; + 0.0 makes -0 and 0 equal.
+    // Doubles with flipped negative numbers sort like integers; + 0.0 makes -0 and 0 equal.
     const auto bits = std::bit_cast<std::uint64_t>(values[i] + 0.0);
     const std::uint64_t key = (bits & kSign) != 0 ? ~bits : bits | kSign;
     from[i] = {key, static_cast<std::uint32_t>(i)};
@@ -95,7 +95,7 @@ double quantile(const std::vector<Entry>& ascending, double p) {
   return a == b ? a : a + fraction * (b - a);
 }
 
-// |x - median|, ascending: both sides of the median are already monotone and only need merging.
+// |x - median| in ascending order. Both sides of the median are monotone and only need merging.
 std::vector<Entry> folded(const std::vector<Entry>& ascending) {
   const double median = quantile(ascending, 0.5);
   std::vector<Entry> result;
@@ -103,7 +103,7 @@ std::vector<Entry> folded(const std::vector<Entry>& ascending) {
   std::size_t up = ascending.size() / 2, down = up;
   const auto distance = [&](std::size_t i) {
     const double d = std::fabs(ascending[i].value - median);
-    return std::isnan(d) ? 0.0 : d;  // both infinite
+    return std::isnan(d) ? 0.0 : d;  // both are infinite
   };
   while (result.size() < ascending.size()) {
     const bool take_up = down == 0 || (up < ascending.size() && distance(up) <= distance(down - 1));
@@ -113,7 +113,7 @@ std::vector<Entry> folded(const std::vector<Entry>& ascending) {
   return result;
 }
 
-// Normal scores Φ⁻¹((rank - 3/8) / (S + 1/4)), ties sharing their average rank.
+// Normal scores Φ⁻¹((rank - 3/8) / (S + 1/4)). Equal values get their average rank.
 Split normal_scores(const Split& like, const std::vector<Entry>& ascending) {
   Split scores{like.sequences, like.length, std::vector<double>(ascending.size()), true};
   const auto size = static_cast<double>(ascending.size());
@@ -127,7 +127,7 @@ Split normal_scores(const Split& like, const std::vector<Entry>& ascending) {
   return scores;
 }
 
-// Relative to the first value, so that the mean of a constant is exact.
+// Sums differences from the first value, so that the mean of a constant is exact.
 double mean_of(std::span<const double> x) {
   double sum = 0.0;
   for (const double v : x) sum += v - x.front();
@@ -168,8 +168,8 @@ bool constant(const Split& s) {
   return std::ranges::all_of(s.values, [&](double x) { return x == s.values.front(); });
 }
 
-/// Autocovariances averaged over the sequences, lag by lag: short lags directly, the others by FFT
-/// when required.
+/// Autocovariances for each lag, averaged over the sequences. Short lags are computed directly,
+/// longer lags by FFT if required.
 class Autocovariance {
  public:
   Autocovariance(const Split& s, const std::vector<double>& means)
@@ -178,7 +178,7 @@ class Autocovariance {
       for (std::size_t i = 0; i < length_; ++i) centred_[c * length_ + i] -= means[c];
   }
 
-  /// (1/n) Σ x_i x_{i+t}, averaged over the sequences.
+  /// Returns (1/n) Σ x_i x_{i+t}, averaged over the sequences.
   double operator()(std::size_t lag) {
     while (lag >= known_.size()) {
       if (known_.size() < kDirect)
@@ -209,8 +209,8 @@ class Autocovariance {
       known_[t] /= static_cast<double>(length_) * static_cast<double>(sequences_);
   }
 
-  // Wiener-Khinchin. One complex transform processes two real sequences: |Z(f)|² + |Z(-f)|² is
-  // twice the sum of their power spectra.
+  // Uses the Wiener-Khinchin theorem. One complex transform processes two real sequences, because
+  // |Z(f)|² + |Z(-f)|² is twice the sum of their power spectra.
   void compute_all() {
     const std::size_t size = std::bit_ceil(2 * length_);
     Eigen::FFT<double> fft;
@@ -233,8 +233,8 @@ class Autocovariance {
   std::vector<double> known_;
 };
 
-// N / (1 + 2 Σ ρ_t): the sum of correlations is truncated by Geyer's initial positive sequence of
-// pairs (ρ_2j + ρ_2j+1 > 0) and made monotone (Vehtari et al. 2021, section 3.2).
+// N / (1 + 2 Σ ρ_t), where Geyer's initial positive sequence of pairs (ρ_2j + ρ_2j+1 > 0) truncates
+// the sum of correlations, made monotone (Vehtari et al. 2021, section 3.2).
 double basic_ess(const Split& s) {
   const auto n = static_cast<double>(s.length);
   const double draws = n * static_cast<double>(s.sequences);
@@ -246,8 +246,8 @@ double basic_ess(const Split& s) {
   const auto correlation = [&](std::size_t t) {
     return 1.0 - (v.within - autocovariance(t) * n / (n - 1.0)) / total;
   };
-  double sum = 0.0;        // over the pairs
-  double last_even = 0.0;  // at the end of the positive sequence: improves antithetic chains
+  double sum = 0.0;        // sum over the pairs
+  double last_even = 0.0;  // last even correlation, for antithetic chains
   double previous = kInfinity;
   for (std::size_t t = 0; t + 1 < s.length; t += 2) {
     const double even = t == 0 ? 1.0 : correlation(t);
@@ -282,7 +282,7 @@ double mcse(const Split& s, double ess) {
 }
 
 // The stationary vector of a stochastic matrix by state reduction (Grassmann, Taksar & Heyman
-// 1985): without subtraction, hence without cancellation even for slow chains.
+// 1985): without subtraction, and thus without cancellation even for slow chains.
 Eigen::VectorXd stationary_vector(Eigen::MatrixXd p) {
   const Eigen::Index n = p.rows();
   for (Eigen::Index k = n - 1; k > 0; --k) {
@@ -411,7 +411,7 @@ long round_trips(const std::vector<std::vector<int>>& chains, int lowest, int hi
   if (lowest == highest) return 0;
   long trips = 0;
   for (const auto& chain : chains) {
-    int last_end = 0;  // -1 lowest, +1 highest, 0 neither yet
+    int last_end = 0;  // last visited end: -1 lowest, +1 highest, 0 none yet
     long crossings = 0;
     for (const int value : chain) {
       const int end = value == lowest ? -1 : (value == highest ? 1 : 0);

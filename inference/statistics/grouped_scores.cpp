@@ -14,8 +14,8 @@ namespace {
 
 using Eigen::MatrixXd, Eigen::VectorXd;
 
-/// s² of each component for a resample of the groups whose estimate is z* + `moved`: `times` is how
-/// often each group was drawn, `information` is the sum of P and their information.
+/// s² of each component, for a resample with the estimate z* + `moved`. `times` is the number of
+/// draws of each group. `information` is the sum of P and the information of the resample.
 VectorXd jackknife(std::span<const GroupScore> groups, const std::vector<int>& times,
                    const MatrixXd& information, const VectorXd& moved) {
   const auto n = static_cast<double>(groups.size());
@@ -24,7 +24,7 @@ VectorXd jackknife(std::span<const GroupScore> groups, const std::vector<int>& t
     if (times[w] == 0) continue;
     const VectorXd score = groups[w].score - groups[w].information * moved;
     const Eigen::LLT<MatrixXd> rest(information - groups[w].information);
-    // If the other groups have no mode, the step is that of all groups.
+    // If the posterior of the other groups has no mode, the information of all groups is used.
     const VectorXd step = rest.info() == Eigen::Success ? rest.solve(score).eval()
                                                         : information.ldlt().solve(score).eval();
     sum += times[w] * step.cwiseAbs2();
@@ -89,7 +89,7 @@ std::vector<GroupedError> grouped_errors(std::span<const GroupScore> groups,
       const auto w = static_cast<std::size_t>(random.index(n));
       ++times[w], drawn += groups[w].information, pull += groups[w].score;
     }
-    if (std::ranges::count(times, 0) == n - 1) continue;  // a single group has no scatter
+    if (std::ranges::count(times, 0) == n - 1) continue;  // one repeated group has no scatter
     const Eigen::LLT<MatrixXd> fit(drawn);
     if (fit.info() != Eigen::Success) continue;
     const VectorXd moved = fit.solve(pull);

@@ -45,14 +45,14 @@ struct GroupedErrorOptions {
 /// If a few influential groups dominate, the distribution of scores is skewed, and z* and s are
 /// both too small if the record contains no influential group by chance. The confidence interval
 /// from Student's t is then too low and too short. Quantiles are therefore computed by the
-/// bootstrap-t (Efron 1981; Hall 1988): N groups drawn with replacement, b, have
+/// bootstrap-t (Efron 1981; Hall 1988): a resample b of N groups drawn with replacement has
 ///
 ///   z*_b - z* = (P + Σ_b H_w)⁻¹ (Σ_b g_w - Σ_w g_w),   and an s_b by the formula above;
 ///
 ///   P(z∞ - z* < s x) = P((z*_b - z*) / s_b > -x).
 ///
 /// The quantiles are at least as far from z* as the quantiles of Student's t with N - 1 degrees of
-/// freedom, because few groups rarely include the most influential ones. The result is empty if A
+/// freedom, because few groups rarely include the most influential groups. The result is empty if A
 /// is not positive definite. Throws std::invalid_argument for fewer than two groups or different
 /// sizes.
 [[nodiscard]] std::vector<GroupedError> grouped_errors(std::span<const GroupScore> groups,

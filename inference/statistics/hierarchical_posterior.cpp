@@ -11,8 +11,8 @@
 namespace wheeltap::inference {
 namespace {
 
-constexpr int kNodes = 600;                  // of τ
-constexpr double kNegligibleWeight = 1e-10;  // weight of a node
+constexpr int kNodes = 600;                  // number of nodes of τ
+constexpr double kNegligibleWeight = 1e-10;  // smallest weight of a node
 
 /// Σ w, y̅ = Σ w y / Σ w and Σ w (y - y̅)², w = 1 / (s² + τ²), over the groups with information.
 struct Pooled {
@@ -52,7 +52,7 @@ double LineMixture::quantile(double p) const {
     low = std::min(low, c.mean + z * c.sd);
     high = std::max(high, c.mean + z * c.sd);
   }
-  // Starts between the components' own quantiles.
+  // The start interval is that of the components' quantiles.
   for (int halving = 0; halving < 60 && high > low; ++halving) {
     const double middle = 0.5 * (low + high);
     (cdf(middle) < p ? low : high) = middle;

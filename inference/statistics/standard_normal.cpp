@@ -39,7 +39,7 @@ double centre(double q) {
           1.0);
 }
 
-// The magnitude of the quantile, r = √(-ln p), p <= 0.075; r <= 27.
+// The magnitude of the quantile for p <= 0.075 with r = √(-ln p), r <= 27.
 double tail(double r) {
   if (r <= 5.0) {
     r -= 1.6;

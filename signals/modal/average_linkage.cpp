@@ -41,7 +41,7 @@ std::vector<std::vector<int>> average_linkage(const std::vector<int>& groups,
     for (std::size_t k = 0; k < n; ++k) {
       if (!alive[k] || k == a) continue;
       const double joined = (na * d[a][k] + nb * d[b][k]) / (na + nb);
-      d[a][k] = d[k][a] = joined;  // infinite if either is
+      d[a][k] = d[k][a] = joined;  // infinite if either distance is infinite
       d[b][k] = d[k][b] = kNever;
     }
     d[a][b] = d[b][a] = kNever;

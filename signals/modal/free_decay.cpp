@@ -26,9 +26,9 @@ using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
 constexpr int kSurrogates = 200;
-constexpr int kMostHankelRows = 500;  // and columns, of the Hankel matrix
+constexpr int kMostHankelRows = 500;  // largest number of rows or columns of the Hankel matrix
 constexpr int kSmallestOrders = 20, kLargestOrders = 60;
-constexpr double kKeptBand = 0.4;  // share of the new rate kept by decimate()
+constexpr double kKeptBand = 0.4;  // decimate() keeps frequencies up to this share of the new rate
 constexpr double kHankelRows = 1.2;
 constexpr double kMovedPole = 0.05;  // distance of a refined pole from that of the diagram
 
@@ -52,7 +52,7 @@ std::vector<MatrixXd> prepared(const std::vector<MatrixXd>& decays, int factor) 
   return out;
 }
 
-/// Samples in the layout of OutputCovariances (R_1 over R_2 over …), one decay per reference.
+/// Samples in the layout of OutputCovariances (R_1, R_2, … as block rows), one decay per reference.
 MatrixXd stacked(const std::vector<MatrixXd>& decays, Index lags) {
   const Index channels = decays.front().rows();
   MatrixXd out(lags * channels, static_cast<Index>(decays.size()));
@@ -61,8 +61,8 @@ MatrixXd stacked(const std::vector<MatrixXd>& decays, Index lags) {
   return out;
 }
 
-/// All channels of all decays as sums over modes and a constant, y(t) = Re Σ c e^{λt} + c₀, with c
-/// by least squares.
+/// Model of all channels of all decays: sums over modes and a constant, y(t) = Re Σ c e^{λt} + c₀.
+/// c and c₀ follow from least squares.
 struct DecayModel {
   std::vector<Complex> poles;
   MatrixXd basis;     ///< samples × (2 · modes + 1): Re e^{λt}, -Im e^{λt}, 1
@@ -70,7 +70,7 @@ struct DecayModel {
   MatrixXd residual;  ///< samples × (channels · decays)
   Eigen::ColPivHouseholderQR<MatrixXd> qr;
 
-  /// The part of x that no c explains.
+  /// The part of x that is orthogonal to the basis.
   [[nodiscard]] MatrixXd across(const MatrixXd& x) const { return x - basis * qr.solve(x); }
   [[nodiscard]] double squares() const { return residual.squaredNorm(); }
 };
@@ -105,8 +105,8 @@ MatrixXd slope(const DecayModel& model, std::size_t mode, bool imaginary, double
   return pair * model.factors.middleRows(column, 2);
 }
 
-/// Columns of ∂y/∂λ (real, imaginary part of each mode), each over all of y; `across`: the part
-/// that no c explains.
+/// Columns ∂y/∂λ for the real and the imaginary part of each mode, each column over all of y. With
+/// `across`, only their parts that are orthogonal to the basis.
 MatrixXd decay_slopes(const DecayModel& model, double step, bool across) {
   MatrixXd out(model.residual.size(), 2 * static_cast<Index>(model.poles.size()));
   for (std::size_t m = 0; m < model.poles.size(); ++m)
@@ -118,7 +118,7 @@ MatrixXd decay_slopes(const DecayModel& model, double step, bool across) {
   return out;
 }
 
-/// Least squares over poles and factors by descent from these poles: variable projection (Golub &
+/// Fits poles and factors by least squares, starting from `poles`: variable projection (Golub &
 /// Pereyra 1973) with Kaufman's Jacobian (1975).
 DecayModel refine_decays(const MatrixXd& y, const std::vector<Complex>& poles, double step) {
   DecayModel out = fit(y, poles, step);
@@ -150,10 +150,10 @@ DecayModel refine_decays(const MatrixXd& y, const std::vector<Complex>& poles, d
   return out;
 }
 
-/// Selects the clusters that explain more of the decays than noise would. Without one of them, the
-/// residual squares grow by a χ² of 2 · channels · decays numbers. The limit is the largest such χ²
-/// among as many as there are samples, because the frequency was searched. Clusters are removed one
-/// by one, the smallest first.
+/// Selects the clusters that explain more of the decays than noise would. For a cluster of noise,
+/// the residual sum of squares increases by a χ² of 2 · channels · decays numbers if the cluster is
+/// removed. Because the frequency is free, the limit is the largest of as many such χ² as samples.
+/// Clusters are removed one by one, the smallest first.
 void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
   const auto numbers = static_cast<double>(2 * y.cols());
   const double least =
@@ -181,9 +181,9 @@ void drop_noise(Stabilisation& diagram, const MatrixXd& y, double step) {
   }
 }
 
-/// Noise like the residual: normal, with its spectra and cross-spectra as the mean over
-/// neighbouring lines. The modes' own lines are excluded, because the fit has reduced their
-/// residuals.
+/// Surrogates of the residual: normal noise with the spectra and cross-spectra of the residual,
+/// averaged over neighbouring lines. Lines of the modes are excluded, because the fit has reduced
+/// their residuals.
 class Surrogates {
  public:
   /// `noise`: one channel per row. `fitted`: the modes' frequencies, in lines.
@@ -210,7 +210,7 @@ class Surrogates {
       const Index from = std::max<Index>(1, k - reach_), to = std::min(last, k + reach_);
       const auto begin = left_.begin();
       const auto used = std::count(begin + from, begin + to + 1, true);
-      const bool all = 2 * used < to - from + 1;  // modes at almost all lines
+      const bool all = 2 * used < to - from + 1;  // most lines are lines of modes
       const double share = 1.0 / std::sqrt(2.0 * static_cast<double>(all ? to - from + 1 : used));
       for (Index j = from; j <= to; ++j) {
         if (!all && !left_[index(j)]) continue;
@@ -232,7 +232,7 @@ class Surrogates {
 
  private:
   static constexpr Index kReach = 10;
-  static constexpr double kFitted = 1.5;  // lines
+  static constexpr double kFitted = 1.5;  // distance of excluded lines from a mode, in lines
   std::vector<bool> left_;
   MatrixXcd lines_;
   Index samples_ = 0, reach_ = 0;
@@ -249,7 +249,7 @@ VectorXcd decay_shape_of(const MatrixXd& factors, std::size_t mode, Index channe
   return Eigen::JacobiSVD<MatrixXcd>(table, Eigen::ComputeThinU).matrixU().col(0);
 }
 
-/// The modes with their changes by surrogates of the residuals: Δλ = J⁺e, Δc = B⁺(e - ∂y/∂λ Δλ).
+/// Computes the modes and their changes by surrogates e: Δλ = J⁺e, Δc = B⁺(e - ∂y/∂λ Δλ).
 void describe_decay(ModalResult& out, const DecayModel& model, Index channels, double step,
                     std::uint64_t seed) {
   const auto count = static_cast<Index>(model.poles.size());
@@ -343,7 +343,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   const std::vector<MatrixXd> y = prepared(decays, out.decimated);
   const auto events = static_cast<Index>(y.size());
   const Index length = y.front().cols();
-  // As many samples as make H square within its limit.
+  // The number of samples for which H is square, within the limit of its size.
   const Index room = kMostHankelRows / channels + kMostHankelRows / events;
   const Index lags = std::min<Index>(length, options.lags > 0 ? options.lags : room);
   if (lags < 8)
@@ -367,7 +367,7 @@ ModalResult identify_decays(const std::vector<MatrixXd>& decays, const ModalOpti
   samples.scale = samples.zero_lag = VectorXd::Ones(channels);
   samples.mean = stacked(y, lags);
   for (Index e = 0; e < events; ++e) samples.references.push_back(static_cast<int>(e));
-  // Without blocks the diagram has no standard deviations.
+  // The diagram has no standard deviations, because there are no data blocks.
   samples.blocks.assign(2, samples.mean);
   const StochasticSubspace subspace(samples, {.step = step,
                                               .columns = static_cast<int>(columns),

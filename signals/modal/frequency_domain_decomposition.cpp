@@ -27,13 +27,13 @@ using Eigen::VectorXd;
 
 constexpr int kSegments = 40, kFewestSegments = 8, kSpectrumBlocks = 20, kFewestSpectrumBlocks = 4;
 constexpr int kPadding = 2;
-constexpr double kOwn = 0.8;                  // MAC with the peak for lines of the mode
-constexpr int kFewestLines = 3;               // with a common shape, unpadded
+constexpr double kOwn = 0.8;                  // smallest MAC with the peak for lines of the mode
+constexpr int kFewestLines = 3;               // smallest number of lines of a peak, unpadded
 constexpr double kUpper = 0.9, kLower = 0.3;  // range of |c| for the fit of the decay
 constexpr int kFewestCorrelationLags = 8;
 constexpr double kLeastDecibels = 3.0;
 
-/// S(f) of the lines from `first` on, summed over the segments of a part of the record.
+/// S(f) at the lines from `first` on, summed over the segments of a part of the record.
 struct Part {
   std::vector<MatrixXcd> lines;
   int segments = 0;
@@ -48,7 +48,7 @@ struct Spectra {
   [[nodiscard]] double frequency(Index line) const {
     return static_cast<double>(first + line) * spacing_hz;
   }
-  /// The mean without one part; with -1, of all parts.
+  /// The mean of all parts except `without`; -1: of all parts.
   [[nodiscard]] MatrixXcd mean(Index line, int without) const {
     const Index n = parts.front().lines.front().rows();
     MatrixXcd sum = MatrixXcd::Zero(n, n);
@@ -115,12 +115,12 @@ First first_of(const MatrixXcd& s) {
   return {.value = std::max(solver.eigenvalues()[n], 0.0), .shape = solver.eigenvectors().col(n)};
 }
 
-/// A peak and the lines with its shape.
+/// A peak and the neighbouring lines with the same shape.
 struct Peak {
   Index line = 0, begin = 0, end = 0;
 };
 
-/// Lines around `line` in [begin, end) with its shape.
+/// Finds the lines [begin, end) around `line` with the same shape as `line`.
 Peak domain_of(const std::vector<First>& firsts, Index line) {
   const auto own = [&](Index l) {
     return modal_assurance(firsts[index(l)].shape, firsts[index(line)].shape) > kOwn;
@@ -131,7 +131,7 @@ Peak domain_of(const std::vector<First>& firsts, Index line) {
   return out;
 }
 
-/// Prominence [dB] of a line: its height above the lowest line on the way to a higher one.
+/// Prominence [dB] of a line: its height above the lowest line between it and a higher line.
 double prominence(const std::vector<First>& firsts, Index line) {
   const double own = firsts[index(line)].value;
   const auto least_to = [&](Index step) {
@@ -160,14 +160,14 @@ std::vector<Peak> peaks_of(const std::vector<First>& firsts, int segments) {
   return out;
 }
 
-/// λ from the lines of one mode; NaN if they give no decay.
+/// Computes λ from the lines of one mode; NaN if the correlation function does not decay.
 Complex decay_of(const VectorXd& bell, Index first, double step, int segment) {
   const int padded = kPadding * segment;
   VectorXcd in = VectorXcd::Zero(padded), c;
   in.segment(first, bell.size()) = bell.cast<Complex>();
   Eigen::FFT<double> fft;
   fft.inv(c, in);
-  // The correlation of the window itself.
+  // The correlation function of the window.
   VectorXcd w = VectorXcd::Zero(padded), spectrum, own;
   w.head(segment) = hann(segment).cast<Complex>();
   fft.fwd(spectrum, w);
@@ -221,7 +221,7 @@ VectorXcd scaled(const VectorXcd& shape, Index top) {
   return shape / shape[top];
 }
 
-/// Frequency, damping and covariances of the peaks with a decay; other peaks are dropped.
+/// Computes frequency, damping and covariances of peaks with a decay. Omits all other peaks.
 void enhance(ModalResult& out, const Spectra& spectra, std::vector<Peak>& peaks, int threads) {
   const auto parts = static_cast<int>(spectra.parts.size());
   std::vector<std::vector<Estimate>> all(peaks.size());

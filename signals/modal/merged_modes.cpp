@@ -59,14 +59,14 @@ VectorXcd part(const VectorXcd& shape, const std::vector<int>& channels) {
   return out;
 }
 
-/// x̄ with its weights, which sum to 1, and the variance between set-ups.
+/// The mean x̄, its weights (their sum is 1), and the variance τ² between set-ups.
 struct Mean {
   double value = 0.0, sd = 0.0, between = 0.0, chi_square = 0.0;
   VectorXd weights;
 };
 
 Mean weighted_mean(const VectorXd& x, const VectorXd& stated) {
-  // Values stated as exact are still subject to rounding.
+  // A variance of 0 is replaced by the variance of rounding errors.
   const VectorXd variance = stated.cwiseMax(1e-30 + 1e-24 * x.cwiseAbs2().maxCoeff());
   VectorXd w = variance.cwiseInverse();
   Mean out;
@@ -82,7 +82,7 @@ Mean weighted_mean(const VectorXd& x, const VectorXd& stated) {
   return out;
 }
 
-/// The shapes of one mode in all set-ups that found it.
+/// The shapes of one mode in all set-ups in which the mode was identified.
 struct Pieces {
   struct Piece {
     std::vector<int> sensors;
@@ -93,14 +93,14 @@ struct Pieces {
   };
   std::vector<Piece> list;
   int sensors = 0;
-  std::size_t base = 0;  ///< the part to which the others are scaled first
-  Index top = -1;        ///< the entry that becomes 1
+  std::size_t base = 0;  ///< index of the part to which all others are scaled first
+  Index top = -1;        ///< index of the entry that becomes 1
 
   [[nodiscard]] VectorXcd glued() const {
     std::vector<VectorXcd> r;
     for (const Piece& p : list) r.push_back(part(p.shape, p.references));
     const auto factor = [](const VectorXcd& own, const VectorXcd& to) -> std::complex<double> {
-      return own.dot(to) / own.squaredNorm();  // Eigen's dot conjugates the first
+      return own.dot(to) / own.squaredNorm();  // dot() of Eigen conjugates the first vector
     };
     VectorXcd mean = VectorXcd::Zero(r.front().size());
     double all = 0.0;
@@ -129,7 +129,7 @@ struct Pieces {
   }
 };
 
-/// Relative uncertainty of a part's references: 1/u before scaling.
+/// Relative variance of the references of a part: 1/u before scaling.
 double relative_variance(const Pieces::Piece& p) {
   const auto n = static_cast<Index>(p.sensors.size());
   double variance = 0.0;
@@ -140,7 +140,7 @@ double relative_variance(const Pieces::Piece& p) {
 void glue(MergedMode& out, Pieces& pieces) {
   double best = kNeverMerged;
   for (std::size_t s = 0; s < pieces.list.size(); ++s) {
-    // A part whose only reference is its largest entry has no scatter there; limits its weight.
+    // The variance is 0 if the only reference is the largest entry. The limit bounds the weight.
     const double variance = std::max(relative_variance(pieces.list[s]), 1e-8);
     pieces.list[s].weight = 1.0 / variance;
     if (variance < best) {
@@ -163,7 +163,7 @@ void glue(MergedMode& out, Pieces& pieces) {
     MatrixXd derivative(2 * n, 2 * own);
     for (Index j = 0; j < 2 * own; ++j) {
       const std::complex<double> held = p.shape[j % own];
-      const double h = 1e-5;  // for a largest entry of 1: differences are accurate to about 1e-10
+      const double h = 1e-5;  // largest entry 1: differences are accurate to about 1e-10
       const std::complex<double> step =
           j < own ? std::complex<double>(h, 0.0) : std::complex(0.0, h);
       p.shape[j % own] = held + step;
@@ -206,7 +206,7 @@ double distance_between(const FoundMode& a, const FoundMode& b) {
   return apart / larger + 1.0 - modal_assurance(a.at_references, b.at_references);
 }
 
-/// The values of one mode in all set-ups that found it.
+/// The values of one mode in all set-ups in which the mode was identified.
 struct Sightings {
   VectorXd f, zeta, f_variance, zeta_variance;
   Pieces pieces;
@@ -252,7 +252,7 @@ class ModeMerger {
   }
 
  private:
-  /// Merged modes with only their indices.
+  /// Matches the modes of the set-ups. The merged modes contain only indices so far.
   void match() {
     std::vector<FoundMode> found;
     std::vector<int> groups;
@@ -359,9 +359,9 @@ class ModeMerger {
   MergedModes out_;
   std::vector<std::vector<int>> channels_;  ///< channels of the references, by set-up
   Index count_ = 0;                         ///< number of merged modes
-  /// Derivatives of the merged values to every set-up's frequencies and damping ratios.
+  /// Derivatives of merged values with respect to frequencies and damping ratios of set-ups.
   std::vector<MatrixXd> weights_;
-  VectorXd between_;  ///< variance of the merged values in addition to that of the set-ups
+  VectorXd between_;  ///< additional variance τ² of the merged values
 };
 
 }  // namespace

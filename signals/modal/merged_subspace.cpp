@@ -16,7 +16,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kKeptRatio =
-    2.0;  // smallest ratio of a component's variance to that of its scatter
+    2.0;  // smallest ratio of the variance of a component to that of its scatter
 
 /// Extracts the rows of some channels from every block row.
 MatrixXd rows_of(const MatrixXd& h, Index channels, const std::vector<int>& which) {
@@ -28,7 +28,7 @@ MatrixXd rows_of(const MatrixXd& h, Index channels, const std::vector<int>& whic
   return out;
 }
 
-/// Adds rows of some sensors to those of every block row.
+/// Adds `rows` to the rows of some sensors in every block row.
 void add_rows(MatrixXd& into, Index sensors, const std::vector<int>& which, const MatrixXd& rows) {
   const Index count = static_cast<Index>(which.size());
   for (Index b = 0; b < into.rows() / sensors; ++b)
@@ -36,7 +36,7 @@ void add_rows(MatrixXd& into, Index sensors, const std::vector<int>& which, cons
       into.row(b * sensors + which[index(c)]) += rows.row(b * count + c);
 }
 
-/// A set-up in parts, with its references in units common to all set-ups.
+/// The parts of a set-up. All set-ups have the same units of the references.
 struct Piece {
   Index channels = 0;
   VectorXd row_scale = {}, column_scale = {};
@@ -59,7 +59,7 @@ MatrixXd times_inverse(const MatrixXd& b, const Eigen::LLT<MatrixXd>& a) {
   return a.solve(b.transpose()).transpose();
 }
 
-/// (ΔH Zᵀ + H ΔZᵀ - O (ΔZ Zᵀ + Z ΔZᵀ)), to be multiplied by the inverse of Z Zᵀ.
+/// Computes ΔH Zᵀ + H ΔZᵀ - O (ΔZ Zᵀ + Z ΔZᵀ). The product with (Z Zᵀ)⁻¹ is ΔO.
 MatrixXd numerator(const MatrixXd& dh, const MatrixXd& h, const MatrixXd& o, const MatrixXd& z,
                    const MatrixXd& dz) {
   const MatrixXd cross = dz * z.transpose();
@@ -96,7 +96,7 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
       piece.row_scale[c] = piece.column_scale[r] =
           own.scale[c] / out.scale[reference_sensors[index(r)]];
     }
-    // Gives set-ups equal weight regardless of their excitation; Z_s absorbs any factor.
+    // All set-ups get the same weight, regardless of their excitation; Z_s contains any factor.
     const double level = piece.column_scale.norm() / std::sqrt(static_cast<double>(references));
     piece.column_scale /= level * level;
     for (Index c = 0; c < piece.channels; ++c) {
@@ -124,8 +124,8 @@ HankelFactor merge_covariances(const std::vector<SetUpCovariances>& set_ups, int
   const MatrixXd turn = svd.matrixV().leftCols(rank) * std::sqrt(share);
   const VectorXd weight = svd.singularValues().head(rank) * std::sqrt(share);
 
-  // The changes by each block, and thus the components of Z that exceed their scatter. The moved
-  // sensors are regressed on these components only; the others would fit noise by noise.
+  // The changes by each block show which components of Z exceed their scatter. The moved sensors
+  // are regressed only on these components; regression on other components would fit noise.
   std::vector<std::vector<MatrixXd>> moves(pieces.size());
   VectorXd scatter = VectorXd::Zero(rank);
   for (std::size_t s = 0; s < pieces.size(); ++s) {

@@ -24,15 +24,15 @@ using Eigen::MatrixXd;
 constexpr int kBlocks = 50, kFewBlocks = 20, kFewestBlocks = 8;
 constexpr long kLagsPerBlock = 5;
 constexpr int kFewestLags = 4;
-constexpr int kRoom = 2;        // ratio of columns to the order, for regressions on references
+constexpr int kRoom = 2;        // smallest ratio of columns to order, for regressions on references
 constexpr double kRows = 1.2;   // ratio of rows and columns of H to the minimum for the order
-constexpr int kMostRows = 900;  // of H
-constexpr double kKept = 0.4;   // share of the new rate kept by decimate()
-constexpr double kTone = 1.3;   // amplitude kurtosis below
+constexpr int kMostRows = 900;  // largest number of rows of H
+constexpr double kKept = 0.4;   // decimate() keeps frequencies up to this share of the new rate
+constexpr double kTone = 1.3;   // for a tone, the amplitude kurtosis is lower
 constexpr double kToneDamping = 0.002;
 constexpr double kAlike = 1.0 - 1e-9;
 
-/// Two identical channels would create a mode of their difference.
+/// Rejects proportional channels; identical channels would create a mode of their difference.
 void refuse_copies(const MatrixXd& y) {
   const MatrixXd centred = y.colwise() - y.rowwise().mean();
   const MatrixXd product = centred * centred.transpose();
@@ -50,7 +50,7 @@ MatrixXd decimated(const Eigen::Ref<const MatrixXd>& records, int factor, int th
   base::parallel_for(static_cast<int>(records.rows()), threads, [&](int c) {
     std::vector<double> x(static_cast<std::size_t>(records.cols()));
     Eigen::Map<Eigen::RowVectorXd>(x.data(), records.cols()) = records.row(c);
-    detrend(x, 1);  // the ends are continued by reflection
+    detrend(x, 1);  // decimate() continues the record by reflection at its ends
     rows[static_cast<std::size_t>(c)] = decimate(x, factor);
   });
   MatrixXd out(records.rows(), static_cast<Index>(rows.front().size()));
@@ -65,7 +65,7 @@ struct Shape {
   [[nodiscard]] int lags() const { return rows + columns; }
 };
 
-/// p and q for an order and a span [samples], limited by the record.
+/// Chooses p and q for a model order and a time span [samples], limited by the record.
 Shape shape_of(int order, double span, int channels, int references, long samples, int lags) {
   Shape out{.order = order};
   out.rows = static_cast<int>(std::ceil(kRows * order / channels));
@@ -73,7 +73,7 @@ Shape shape_of(int order, double span, int channels, int references, long sample
   const int least = lags > 0 ? lags : static_cast<int>(std::ceil(span));
   if (out.lags() < least) {
     const int more = least - out.lags();
-    // Divides the lags so that H is nearly square.
+    // Divides the lags into p and q so that H is nearly square.
     for (int i = 0; i < more; ++i)
       ++(out.rows * channels <= out.columns * references ? out.rows : out.columns);
   }
@@ -99,8 +99,8 @@ int blocks_of(int requested, long samples, int lags) {
       std::clamp<long>((samples - lags) / (kLagsPerBlock * lags), kFewestBlocks, kBlocks));
 }
 
-/// True if a mode could be the other one: closer than both standard deviations, or within both
-/// half-power widths and known less well; with the same shape.
+/// True if p may be the same mode as `other`: the shapes are the same, and the distance is below
+/// three standard deviations, or below the half-power widths if p is less certain.
 bool is_twin(const Pole& p, const Pole& other) {
   const double apart = std::abs(other.frequency_hz - p.frequency_hz);
   const double width =
@@ -114,8 +114,8 @@ bool near(double a, double b) {
   return std::abs(a - b) <= 0.05 * b;
 }
 
-/// For the channel with the largest motion in the mode, in each record; the largest value, so that
-/// a tone must appear in all records. Records that are too short give 2.
+/// Largest amplitude kurtosis over the records, each for the channel with the largest motion in the
+/// mode. A tone must thus appear in all records. Records that are too short give 2.
 double largest_kurtosis(const std::vector<MatrixXd>& records,
                         const std::vector<std::vector<int>>& sensors, const Pole& pole,
                         double sample_rate_hz) {
@@ -134,8 +134,8 @@ double largest_kurtosis(const std::vector<MatrixXd>& records,
   return out;
 }
 
-/// The modes of the diagram with all their uncertainty. `records`, `sensors`: for each set-up, with
-/// the sensors of its channels.
+/// Describes the modes of the diagram with their uncertainty. `records` has the record of each
+/// set-up, and `sensors` the sensors of its channels.
 void describe(ModalResult& out, const StochasticSubspace& subspace,
               const std::vector<MatrixXd>& records, const std::vector<std::vector<int>>& sensors) {
   std::map<int, std::vector<std::size_t>> by_order;
@@ -180,7 +180,7 @@ void doubt_modes(ModalResult& out) {
     if (2 * mode.present < mode.orders) add(ModeDoubt::few_orders);
     const bool spectral =
         out.method == ModalMethod::decomposition || out.method == ModalMethod::enhanced;
-    // A peak of a spectrum has no damping, or one affected by its window.
+    // A peak of a spectrum has no damping ratio, or a ratio that the window changes.
     const bool tone = (spectral && mode.amplitude_kurtosis < kTone) ||
                       (out.method == ModalMethod::subspace &&
                        p.damping < std::max(kToneDamping, 2.0 * p.damping_sd) &&
@@ -242,15 +242,15 @@ MatrixXd records_of_band(const Eigen::Ref<const MatrixXd>& records, double sampl
 
 namespace {
 
-/// Numbers of channels that determine orders and lags: rows and columns of H.
+/// Numbers that determine model orders and lags: channels per block row and block column of H.
 struct Counted {
   int rows = 0, references = 0;
-  int requested = 0;  ///< largest order for the size of H
-  int order = 0;      ///< requested
+  int requested = 0;  ///< largest model order for the size of H
+  int order = 0;      ///< requested largest order
 };
 
-/// Identifies twice: with the lags of a period of the band's lower end and, if that is shorter, of
-/// the lowest mode. `subspace_of(shape)` sets lags, blocks and their length.
+/// Identifies the modes with lags over a period of the band's lower end, then, if it is shorter, of
+/// the lowest mode. `subspace_of(shape)` sets lags, blocks and block length.
 template <class Make>
 void identify_by_lags(ModalResult& out, const ModalOptions& options, const Counted& counted,
                       const std::vector<MatrixXd>& records,
@@ -335,8 +335,8 @@ ModalResult identify_set_ups(const std::vector<MatrixXd>& records,
   const auto common = static_cast<int>(references.front().size());
   const int requested =
       options.largest_order > 0 ? options.largest_order / 2 * 2 : std::clamp(10 * common, 20, 80);
-  // The references alone must support the order, in rows and in columns. Moved sensors are
-  // regressed on them; with as many columns as the order, noise would fit noise.
+  // The references alone must give enough rows and columns for the order. Moved sensors are
+  // regressed on them; with only as many columns as the order, noise would be fitted.
   identify_by_lags(
       out, options, {common, common, kRoom * requested, requested}, y, sensors,
       [&](const Shape& shape) {

@@ -21,10 +21,10 @@ using Eigen::VectorXd;
 
 constexpr Complex kI{0.0, 1.0};
 constexpr int kMostSteps = 30, kMostHalvings = 8;
-constexpr double kSettled = 1e-12;  // relative change of the squares
+constexpr double kSettled = 1e-12;  // relative change of the sum of squares at convergence
 
-/// The linear problem for given poles: rows are lines × inputs, real over imaginary; columns are ψ
-/// (real, imaginary) of each mode and L, U, V of each input.
+/// The linear problem for given poles. Rows are lines × inputs, first real parts, then imaginary
+/// parts. Columns are ψ (real, imaginary) of each mode, and L, U, V of each input.
 struct Linear {
   MatrixXd matrix, right;
   VectorXd sizes;
@@ -32,7 +32,7 @@ struct Linear {
   MatrixXd residual;
   Eigen::HouseholderQR<MatrixXd> qr;
 
-  /// The part of x that no linear parameter explains.
+  /// The part of x that is orthogonal to the columns of the linear parameters.
   [[nodiscard]] MatrixXd across(const MatrixXd& x) const {
     MatrixXd turned = qr.householderQ().transpose() * x;
     turned.topRows(matrix.cols()).setZero();
@@ -88,7 +88,7 @@ Linear solve(const FrequencyResponses& f, const std::vector<Complex>& lambda,
   return out;
 }
 
-/// The real parameters in λ (relative to |λ|) and in l without its largest entries, in this order.
+/// The real parameters of λ (relative to |λ|), then of l except the largest entries.
 struct Free {
   Index mode, input;  ///< input -1: λ
   bool imaginary;
@@ -107,7 +107,7 @@ std::vector<Free> free_of(const MatrixXcd& participation) {
   return out;
 }
 
-/// ∂ residual/∂p by Kaufman's approximation, all outputs stacked.
+/// Computes ∂ residual/∂p by Kaufman's approximation, for all outputs one after the other.
 MatrixXd jacobian(const FrequencyResponses& f, Linear& linear, const std::vector<Complex>& lambda,
                   const MatrixXcd& participation, const std::vector<Free>& free) {
   const Index lines = f.lines(), inputs = f.inputs(), outputs = f.outputs(),
@@ -148,7 +148,7 @@ MatrixXd orthonormal(const MatrixXd& columns) {
   return qr.householderQ() * MatrixXd::Identity(columns.rows(), qr.rank());
 }
 
-/// After jacobian(), its columns are already orthogonal to the linear ones.
+/// Call this function after jacobian(), whose columns are orthogonal to the linear columns.
 VectorXd leverage(const FrequencyResponses& f, const Linear& linear, const MatrixXd& by_free) {
   const Index inputs = f.inputs(), outputs = f.outputs(), rows = linear.matrix.rows();
   const MatrixXd shared = orthonormal(linear.matrix * linear.sizes.cwiseInverse().asDiagonal());

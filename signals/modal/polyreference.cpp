@@ -25,11 +25,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXcd;
 using Eigen::VectorXd;
 
-constexpr double kTurn = 0.9;  // angle of Ω over the band
+constexpr double kTurn = 0.9;  // angle of Ω over the band, as a share of 2π
 constexpr double kLowestDamping = -5e-4, kHighestDamping = 0.3;
 constexpr int kLargestOrder = 80;
 constexpr double kLeastLeft = 0.05;  // smallest remaining share of a line's residual
-constexpr double kMoved = 0.05;      // distance of a refined pole from that of the diagram
+constexpr double kMoved = 0.05;      // largest distance of a refined pole from that of the diagram
 
 /// The matrix fraction of one polynomial order.
 struct Fraction {
@@ -49,7 +49,7 @@ Fraction fraction(const FrequencyResponses& f, int n) {
   const MatrixXcd q =
       Eigen::HouseholderQR<MatrixXcd>(powers).householderQ() * MatrixXcd::Identity(lines, n + 1);
   const Index size = inputs * (n + 1), unknown = inputs * n;
-  // Rows of the outputs, without the part that their numerators explain.
+  // Sums the normal equations of all outputs, without the part that the numerators explain.
   MatrixXcd normal = MatrixXcd::Zero(size, size);
   for (Index o = 0; o < f.outputs(); ++o) {
     MatrixXcd y(lines, size);
@@ -87,7 +87,7 @@ Roots roots(const Fraction& fit, double lowest, double highest) {
   for (Index r = 0; r < n * inputs; ++r) {
     const Complex omega = eigen.eigenvalues()[r];
     if (!(std::abs(omega) > 0.0)) continue;
-    // Over the band, Ω rotates by -0.9 · 2π; angles count from slightly before its beginning.
+    // Over the band, Ω rotates by -0.9 · 2π. The angle is counted from slightly before the band.
     double turned = -std::arg(omega);
     if (turned < -0.5 * (1.0 - kTurn) * kTwoPi) turned += kTwoPi;
     const Complex lambda =
@@ -96,7 +96,7 @@ Roots roots(const Fraction& fit, double lowest, double highest) {
     if (!(lambda.imag() > 0.0 && size >= lowest && size <= highest) || damping < kLowestDamping ||
         damping > kHighestDamping)
       continue;
-    // H = B A⁻¹: the residue of A⁻¹ is v l_rᵀ, l_rᵀ A(Ω_r) = 0.
+    // In H = B A⁻¹, the residue of A⁻¹ is v l_rᵀ with l_rᵀ A(Ω_r) = 0.
     out.lambda.push_back(lambda);
     MatrixXcd whole = MatrixXcd::Zero(inputs, inputs);
     Complex power = 1.0;
@@ -154,7 +154,7 @@ PolyreferenceFit polyreference(const FrequencyResponses& f, int n) {
 
 namespace {
 
-/// The modes' values in each replicate of the refined fit.
+/// Computes the covariance of the modes from replicates of the refined fit.
 void bootstrap(ModalResult& out, const FrequencyResponses& f, const ModalModel& fit,
                const PolyreferenceOptions& options) {
   const auto count = static_cast<Index>(out.modes.size());
@@ -175,7 +175,7 @@ void bootstrap(ModalResult& out, const FrequencyResponses& f, const ModalModel& 
       const Complex lambda = model.eigenvalues[index(m)];
       values(m, b) = std::abs(lambda) / kTwoPi;
       values(count + m, b) = -lambda.real() / std::abs(lambda);
-      // Scaled like the mode itself, by its largest entry.
+      // The shapes of replicates are scaled by the same entry as the shape of the mode.
       Index top = 0;
       out.modes[index(m)].pole.shape.cwiseAbs().maxCoeff(&top);
       const VectorXcd shape = model.shapes.col(m) / model.shapes(top, m);

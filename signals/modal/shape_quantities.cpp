@@ -14,7 +14,7 @@ using Eigen::Index;
 using Eigen::MatrixXcd;
 using Eigen::MatrixXd;
 
-/// A complex matrix acting on real parts, then imaginary parts.
+/// The real matrix of a complex matrix m, for vectors of real parts, then imaginary parts.
 MatrixXd in_parts(const MatrixXcd& m) {
   MatrixXd out(2 * m.rows(), 2 * m.cols());
   out << m.real(), -m.imag(), m.imag(), m.real();

@@ -14,15 +14,15 @@ namespace wheeltap::signals {
 namespace {
 
 constexpr double kNeverJoined = std::numeric_limits<double>::infinity();
-// Limits of the threshold, independent of the distances.
+// Limits of the distance threshold for all diagrams.
 constexpr double kLeastThreshold = 0.005, kLargestThreshold = 0.08;
 constexpr std::size_t kLeastMembers = 3;
 constexpr double kGoodScatter = 1.1, kLucky = 1.25;
 constexpr double kWorse = 2.0, kSameShape = 0.9;
 constexpr double kUncertain = 3.0;  // standard deviations
 constexpr double kSteady =
-    0.5;  // share of orders of a mode that must be resolved before others count
-constexpr double kOverlap = 5.0;  // half-power half widths, for modes that overlap
+    0.5;  // a mode that occurs in at least this share of its orders counts as steady
+constexpr double kOverlap = 5.0;  // distance of overlapping modes, in half-power half widths
 
 double scatter(const Pole& p) {
   return std::sqrt(p.frequency_sd / p.frequency_hz * p.damping_sd / std::abs(p.damping));
@@ -34,7 +34,7 @@ double median(std::vector<double> x) {
   return *half;
 }
 
-/// Mean + 2 standard deviations of the distances to the previous order, in the class of stable
+/// Mean + 2 standard deviations of the distances to the previous order, over the class of stable
 /// poles.
 double threshold_of(const std::vector<Pole>& poles) {
   std::vector<double> logs;
@@ -54,14 +54,14 @@ double threshold_of(const std::vector<Pole>& poles) {
   return std::clamp(mean + 2.0 * std::sqrt(square), kLeastThreshold, kLargestThreshold);
 }
 
-/// The scatter up to which orders count: about that of the best tenth, unless one order is much
-/// better than all others.
+/// Largest scatter of candidates: about that of the best tenth, unless one order is much better
+/// than all others.
 double good_scatter(const std::vector<double>& sorted) {
   return kGoodScatter * std::min(sorted[sorted.size() / 10], kLucky * sorted.front());
 }
 
-/// Members of orders from `from` on, if some of these scatter little enough, or else if there are
-/// enough of them.
+/// The representative of the members of orders >= `from`, if some of these have a small scatter or
+/// if their number is sufficient. Otherwise, the representative of all members.
 int representative(const std::vector<Pole>& poles, const std::vector<int>& members, int from = 0) {
   std::vector<double> all;
   for (const int m : members) {
@@ -89,8 +89,8 @@ int representative(const std::vector<Pole>& poles, const std::vector<int>& membe
     best.push_back(members[i]);
     frequencies.push_back(poles[static_cast<std::size_t>(members[i])].frequency_hz);
   }
-  // A mode that distorts a shape may be missing from the diagram. Lower orders are therefore
-  // skipped if their scatter shows that higher ones are as good.
+  // A mode that distorts a shape may be missing in the diagram. Lower orders are therefore omitted
+  // if the scatter of higher orders is as small.
   if (!std::isnan(poles[static_cast<std::size_t>(members.front())].frequency_sd)) {
     const auto half = static_cast<std::ptrdiff_t>((best.size() - 1) / 2);
     best.erase(best.begin(), best.begin() + half);
@@ -101,8 +101,8 @@ int representative(const std::vector<Pole>& poles, const std::vector<int>& membe
                                        frequencies.begin())];
 }
 
-/// The lowest order that resolves all modes that could distort this one: the steady modes, and all
-/// modes within its skirts.
+/// The lowest order that resolves all modes that could distort this mode: all steady modes, and all
+/// modes whose peaks overlap.
 int settled_order(const Stabilisation& of, const ModeCluster& cluster) {
   const auto pole = [&](int m) -> const Pole& { return of.poles[static_cast<std::size_t>(m)]; };
   const Pole& own = pole(cluster.chosen);
@@ -134,7 +134,7 @@ bool is_splinter(const Stabilisation& of, const ModeCluster& c, const ModeCluste
          modal_assurance(a.shape, b.shape) > kSameShape;
 }
 
-/// Orders that are too large split a mode in two; the less certain part is not a mode.
+/// Too large orders split a mode into two clusters; the less certain cluster is not a mode.
 void drop_splinters(Stabilisation& of) {
   const std::vector<ModeCluster> all = of.modes;
   std::erase_if(of.modes, [&](const ModeCluster& c) {
@@ -145,8 +145,8 @@ void drop_splinters(Stabilisation& of) {
   });
 }
 
-/// True if two clusters explain one peak of the spectrum: poles with the same shape, closer than
-/// both standard deviations, within their half-power widths, and with equal damping.
+/// True if two clusters belong to one peak of the spectrum: the shapes are the same, the half-power
+/// widths overlap, and frequencies and damping ratios agree within three standard deviations.
 bool explain_one_peak(const std::vector<Pole>& poles, const ModeCluster& one,
                       const ModeCluster& other) {
   const Pole &a = poles[static_cast<std::size_t>(one.chosen)],
@@ -158,7 +158,7 @@ bool explain_one_peak(const std::vector<Pole>& poles, const ModeCluster& one,
          modal_assurance(a.shape, b.shape) > kSameShape;
 }
 
-/// The poles of both; if an order has two, the one known better.
+/// The poles of both clusters. If an order has two poles, the more certain pole is kept.
 ModeCluster joined(const std::vector<Pole>& poles, const ModeCluster& one,
                    const ModeCluster& other) {
   ModeCluster out{.members = one.members, .orders = std::max(one.orders, other.orders)};
@@ -176,8 +176,8 @@ ModeCluster joined(const std::vector<Pole>& poles, const ModeCluster& one,
   return out;
 }
 
-/// A pole that changes between orders by more than its neighbours, but within its uncertainty,
-/// falls into several clusters. These are joined, the nearest first.
+/// If a pole changes between orders more than other poles, but within its uncertainty, it belongs
+/// to several clusters. This function joins these clusters, the nearest first.
 void join_clusters_of_one_peak(const std::vector<Pole>& poles, std::vector<ModeCluster>& clusters) {
   while (true) {
     std::size_t first = 0, second = 0;
@@ -298,7 +298,7 @@ double pole_distance(const Pole& a, const Pole& b) {
 std::size_t two_classes(const std::vector<double>& sorted) {
   const std::size_t n = sorted.size();
   const double total = std::accumulate(sorted.begin(), sorted.end(), 0.0);
-  // Minimum variance within the classes = maximum between them: (Σ low)² / n_low + (Σ high)² /
+  // The variance within the classes is smallest for the largest (Σ low)² / n_low + (Σ high)² /
   // n_high.
   double low = 0.0, most = -1.0;
   std::size_t place = 1;
@@ -326,7 +326,7 @@ Stabilisation stabilise(const StochasticSubspace& subspace, const StabilisationO
                           .highest_hz = std::numeric_limits<double>::infinity(),
                           .lowest_damping = options.lowest_damping,
                           .highest_damping = options.highest_damping};
-  // Largest orders first, because they take longest.
+  // Computes the largest orders first, because they take the longest time.
   base::parallel_for(orders, options.threads, [&](int i) {
     const int k = orders - 1 - i;
     by_order[static_cast<std::size_t>(k)] = subspace.poles(smallest + 2 * k, window);

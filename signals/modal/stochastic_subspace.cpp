@@ -33,7 +33,7 @@ Slopes slopes(Complex lambda) {
 
 }  // namespace
 
-/// The realisation of one order n, with the rows of U↑ and U↓ as `up` and `down`.
+/// The realisation of one order n. `up` and `down` contain the rows of U↑ and U↓.
 struct StochasticSubspace::Realisation {
   int order = 0;
   MatrixXd a = {}, pseudo_inverse = {}, gram_inverse = {};  // A; U₁↑⁺; (U₁↑ᵀU₁↑)⁻¹
@@ -57,7 +57,7 @@ StochasticSubspace::StochasticSubspace(const OutputCovariances& covariances,
       blocks_(static_cast<int>(covariances.blocks.size())),
       scale_(covariances.scale) {
   const int columns = options.columns > 0 ? options.columns : covariances.lags / 2;
-  const int p = covariances.lags - columns;  // R_{p+q} is the last
+  const int p = covariances.lags - columns;  // R_{p+q} is the last covariance
   if (columns < 1 || p < 1)
     refuse("columns", columns, "must leave rows of " + std::to_string(covariances.lags) + " lags");
   const MatrixXd h = block_hankel(covariances.mean, channels_, columns);
@@ -90,7 +90,7 @@ template <class Move>
 void StochasticSubspace::decompose(const MatrixXd& h, const Move& move,
                                    const SubspaceOptions& options) {
   if (!(step_ > 0.0)) refuse("step", step_, "must be positive");
-  // Without the last block row.
+  // The largest even order for U₁ without its last block row.
   const int most = static_cast<int>(std::min(h.rows() - channels_, h.cols())) / 2 * 2;
   largest_ = options.largest_order > 0 ? options.largest_order / 2 * 2 : most;
   if (largest_ < 2 || largest_ > most)
@@ -126,7 +126,7 @@ StochasticSubspace::Realisation StochasticSubspace::realise(int order) const {
   const Index p = u_.rows() - channels_;
   const auto up = u_.topLeftCorner(p, order), down = u_.bottomLeftCorner(p, order);
   Realisation out{.order = order};
-  // Columns of U are orthonormal, and U↑ lacks only one block row.
+  // The columns of U are orthonormal, and U↑ lacks only one block row.
   const MatrixXd gram = up.transpose() * up;
   out.gram_inverse = gram.ldlt().solve(MatrixXd::Identity(order, order));
   out.pseudo_inverse = out.gram_inverse * up.transpose();

@@ -23,7 +23,7 @@ double tada_factor(double s) {
   return root * (0.923 + 0.199 * std::pow(1.0 - std::sin(angle), 4)) / std::cos(angle);
 }
 
-/// Panels in u = -ln(1 - s), in which the growth of F² towards s = 1 is smooth.
+/// Integrates over panels in u = -ln(1 - s), because F² is smooth in u near s = 1.
 double tada(double depth_ratio) {
   const double end = -std::log1p(-depth_ratio), half = 0.5 * end / kPanels;
   double sum = 0.0;

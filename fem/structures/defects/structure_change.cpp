@@ -13,7 +13,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Relative remaining part of a held motion below which other supports hold it already.
+/// If less than this share of a restrained motion remains, the other supports restrain the motion.
 constexpr double kDependentColumn = 1e-12;
 
 void require_change(bool holds, const char* name, double value, const char* allowed) {
@@ -21,10 +21,10 @@ void require_change(bool holds, const char* name, double value, const char* allo
     throw std::invalid_argument(std::string(name) + " = " + std::to_string(value) + ": " + allowed);
 }
 
-/// The row with each eliminated degree of freedom expressed by the others.
+/// Expresses eliminated degrees of freedom by the remaining degrees of freedom.
 class Elimination {
  public:
-  /// r · u = 0 for every row r. Dependent rows are dropped.
+  /// Restrains r · u = 0 for every row r of `held`. Rows that depend on other rows are omitted.
   Elimination(Index n, const std::vector<SparseRow>& held) {
     Eigen::MatrixXd rows = Eigen::MatrixXd::Zero(static_cast<Index>(held.size()), n);
     for (std::size_t i = 0; i < held.size(); ++i)
@@ -90,7 +90,7 @@ class Elimination {
   Discretisation::Sparse map_;  // n × kept
 };
 
-/// Eliminates the motions held by rigid springs; the remaining degrees of freedom keep their names.
+/// Eliminates motions that rigid springs restrain; the other degrees of freedom keep their names.
 void hold(Discretisation& d, const std::vector<SparseRow>& held, std::span<SparseRow> motions) {
   const Elimination left(d.size(), held);
   std::vector<DofName> names;
@@ -111,7 +111,7 @@ void hold(Discretisation& d, const std::vector<SparseRow>& held, std::span<Spars
   d.mass = left.of(d.mass);
 }
 
-/// factor · r rᵀ.
+/// Adds factor · r rᵀ.
 void add_square(std::vector<Eigen::Triplet<double>>& to, const SparseRow& r, double factor) {
   for (std::size_t i = 0; i < r.dofs.size(); ++i)
     for (std::size_t j = 0; j < r.dofs.size(); ++j)
@@ -203,7 +203,7 @@ Discretisation changed(const Discretisation& d, const StructureChange& change,
                        std::span<SparseRow> motions) {
   validate(d, change);
   Discretisation out = d;
-  // row + weight · other
+  // Returns row + weight · other.
   const auto plus = [&](const SparseRow& row, double weight, const SparseRow& other) {
     Eigen::SparseVector<double> sum(d.size());
     for (std::size_t i = 0; i < row.dofs.size(); ++i)
@@ -218,7 +218,7 @@ Discretisation changed(const Discretisation& d, const StructureChange& change,
     return out_row;
   };
   std::vector<Eigen::Triplet<double>> k;
-  // I - (1 - q) v vᵀ is the square of I - (1 - √q) v vᵀ. Applying that to the rows avoids
+  // I - (1 - q) v vᵀ is the square of S = I - (1 - √q) v vᵀ. The product of S and the rows has no
   // cancellation.
   for (const StructureChange::Softening& s : change.softenings) {
     const double lost = 1.0 - std::sqrt(s.remaining);
@@ -251,7 +251,7 @@ Discretisation changed(const Discretisation& d, const StructureChange& change,
   require_mass_left(d, change);
   out.mass = changed_mass(d, change);
   if (out.rigid_motions.cols() > 0 && !change.springs.empty()) {
-    // The rigid motions that the springs leave free.
+    // The rigid motions that the springs do not restrain.
     Eigen::MatrixXd holds(static_cast<Index>(change.springs.size()), out.rigid_motions.cols());
     for (std::size_t s = 0; s < change.springs.size(); ++s)
       for (Index r = 0; r < out.rigid_motions.cols(); ++r)

@@ -13,7 +13,7 @@
 namespace wheeltap::fem {
 namespace {
 
-/// On [0, 1]; exact for polynomials of degree seven.
+/// Gauss rule on [0, 1], exact for polynomials of degree seven.
 struct GaussPoint {
   double at, weight;
 };
@@ -22,7 +22,7 @@ constexpr std::array<GaussPoint, 4> kFourGaussPoints = {
      {0.33000947820757187, 0.3260725774312731},
      {0.66999052179242813, 0.3260725774312731},
      {0.93056815579702629, 0.1739274225687269}}};
-/// Relative to the largest mass that a kink moves: below it, rounding.
+/// Masses below this share of the largest mass that a kink moves are rounding errors.
 constexpr double kNoMass = 1e-13;
 
 using Flexibility = Eigen::Matrix<double, kElementStrains, kElementStrains>;
@@ -62,7 +62,7 @@ class Gathered {
     stretches_[mesh_.element_at(d.member, d.at)].push_back({0.0, 1.0, d.reduction});
   }
 
-  /// A hinge of compliance c per moment about the section's y (bending along z), or about z.
+  /// Adds a hinge of rotational compliance c about the section's y (deflection along z) or z.
   void add_hinge(int member, double at, double compliance, bool along_z) {
     if (!(compliance > 0.0)) return;
     const int e = mesh_.element_at(member, at);
@@ -74,7 +74,7 @@ class Gathered {
     hinges_.push_back({e, along_z, xi, compliance, v});
   }
 
-  /// Changes of the elements' mass matrices by kinks.
+  /// Changes of the mass matrices of elements with kinks (hinges).
   [[nodiscard]] std::vector<StructureChange::Mass> masses() {
     std::vector<StructureChange::Mass> out;
     if (mesh_.structure().mass == Structure::Mass::lumped) return out;
@@ -89,7 +89,7 @@ class Gathered {
     std::vector<StructureChange::Softening> out;
     for (const auto& [e, added] : added_) {
       const auto& strains = mesh_.elements()[index(e)].strains;
-      // Block by block: axial, (moment, shear) along z, torsion, (moment, shear) along y.
+      // By blocks: axial, (moment, shear) along z, torsion, (moment, shear) along y.
       for (const auto& [first, size] : {std::pair{0, 1}, {1, 2}, {3, 1}, {4, 2}}) {
         if (strains[index(first)] < 0) continue;
         const Eigen::MatrixXd block = added.block(first, first, size, size);
@@ -97,7 +97,7 @@ class Gathered {
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> solver(block);
         for (int k = 0; k < size; ++k) {
           const double more = std::max(0.0, solver.eigenvalues()[k]);
-          // Rounding of the other eigenvalue, not a softening.
+          // An eigenvalue of 0 within rounding is not a softening.
           if (more <= 1e-14 * solver.eigenvalues()[size - 1]) continue;
           StructureChange::Softening s{.direction = {}, .remaining = 1.0 / (1.0 + more)};
           for (int i = 0; i < size; ++i)
@@ -109,7 +109,7 @@ class Gathered {
     return out;
   }
 
-  /// 12 EI / (l³ (1 + Φ)) and related values of the element's piece.
+  /// Bending properties of an element.
   struct Bending {
     double stiffness;  // EI
     double phi;        // Φ
@@ -139,10 +139,10 @@ class Gathered {
     bool along_z;
     double xi;
     double compliance;
-    Eigen::Vector2d v;  // moment there, per stress
+    Eigen::Vector2d v;  // bending moment at the hinge per unit stress
   };
 
-  /// The hinges in one element and plane.
+  /// Adds the changes of mass due to the hinges of one element in one plane.
   void add_masses(const std::vector<const Hinge*>& hinges,
                   std::vector<StructureChange::Mass>& out) {
     const int e = hinges[0]->element;
@@ -157,7 +157,7 @@ class Gathered {
     if (!(bending.mass > 0.0) || moment_row < 0 || shear_row < 0) return;
     const TimoshenkoElement<double> shapes(bending);
     const Eigen::Matrix4d mass = shapes.mass();
-    // Kinks from the strains, θ = P B u; m of each; ∫ g_i g_j.
+    // Rotations θ = P B u of the hinges, the vector m of each hinge, and G = ∫ g_i g_j.
     const auto n = static_cast<Eigen::Index>(hinges.size());
     const Eigen::Matrix2d flexible =
         Eigen::Matrix2d::Identity() + flexibility(e).block<2, 2>(at, at);
@@ -187,8 +187,8 @@ class Gathered {
         g(i, j) = bending.mass * square + bending.rotary * l * rest - d[a].dot(f[b]) -
                   d[b].dot(f[a]) + d[a].dot(mass * d[b]);
       }
-    // On the two strains and the element's four motions, each divided by its contribution per unit
-    // rotation, so that none dominates: [Pᵀ G P, Pᵀ m; mᵀ P, 0].
+    // Change [Pᵀ G P, Pᵀ m; mᵀ P, 0] in the two strains and the four motions of the element. Each
+    // is scaled by its value for a unit rotation, so that all have the same order of magnitude.
     Eigen::Matrix<double, 6, 6> change = Eigen::Matrix<double, 6, 6>::Zero();
     change.topLeftCorner<2, 2>() = p.transpose() * g * p;
     change.topRightCorner<2, 4>() = p.transpose() * m;
@@ -331,7 +331,7 @@ StructureChange change_of(const Mesh& mesh, const StructureDefects& defects, Str
   for (const StructureDefects::AddedMass& d : defects.masses) {
     if (!std::isfinite(d.mass))
       throw std::invalid_argument("added mass = " + std::to_string(d.mass) + ": must be finite");
-    // Along the member's own axes, along which the stiffnesses differ most.
+    // Uses the member's own axes, because its stiffnesses along these axes differ most.
     for (const std::size_t k : {0, 1, 2})
       if (k != 1 || mesh.structure().dimension == 3)
         out.masses.push_back(

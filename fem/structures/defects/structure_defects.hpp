@@ -79,9 +79,9 @@ struct StructureDefects {
 /// mass matrix becomes M + m pᵀB + Bᵀp mᵀ + g² Bᵀp pᵀB, m = ∫ ρA N g + ρI N_θ g'. The change is the
 /// sum of a positive and a negative mass.
 ///
-/// `change` is the initial change; the defects are added to this change, and the remaining
-/// stiffnesses of softenings of the same strain multiply. Throws std::invalid_argument for
-/// locations outside a member and values out of range.
+/// The defects are added to the initial change `change`. The remaining stiffnesses of softenings of
+/// the same strain are multiplied. Throws std::invalid_argument for locations outside a member and
+/// values out of range.
 [[nodiscard]] StructureChange change_of(const Mesh& mesh, const StructureDefects& defects,
                                         StructureChange change = {});
 

@@ -19,27 +19,27 @@ using Eigen::VectorXd;
 using Sparse = Discretisation::Sparse;
 using SimplicialFactor = Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>>;
 
-/// Modes whose 1/(λ + σ) are closer than this, relative, share one bound.
+/// Modes with a smaller relative distance of 1/(λ + σ) share one error bound.
 constexpr double kCluster = 0.02;
-/// Smallest relative new component for a column to join the basis.
+/// Smallest relative component of a column outside the basis for which the column is added.
 constexpr double kNotNew = 1e-6;
-/// Modes computed beyond those requested, for the gap above them.
+/// Number of modes above the requested modes, for the gap above the requested modes.
 constexpr Index kBeyond = 3;
-/// Reduced problems up to this size are solved densely.
+/// Largest size of a reduced problem that a dense solver solves.
 constexpr Index kDenseCondensed = 40;
-/// Relative residual of the iteration in the basis, well below the tolerances.
+/// Relative residual at which the iteration in the basis ends, well below the tolerances.
 constexpr double kConverged = 1e-7;
 constexpr int kMostCycles = 12;
-/// Blocks of a Krylov subspace.
+/// Number of blocks of a Krylov subspace.
 constexpr Index kBlocks = 3;
-/// Relative distance of 1/(λ + σ) below which shapes are differentiated as a subspace.
+/// Shapes with a smaller relative distance of 1/(λ + σ) are differentiated as a subspace.
 constexpr double kTwin = 1e-6;
-/// Time of a multiplication in sparse matrices relative to that in dense ones.
+/// Time of a multiplication in sparse matrices, relative to that in dense matrices.
 constexpr double kIrregular = 2.0;
 /// Largest number of degrees of freedom for sparse matrices; the factor of a larger space frame may
 /// have more products than fit in memory.
 constexpr Index kMostSparse = 2000;
-/// The basis is trained to bounds this factor below the tolerance.
+/// The training ends when all error bounds are below this share of the tolerance.
 constexpr double kSubspaceMargin = 0.25;
 
 MatrixXd orthonormalised(const MatrixXd& a) {
@@ -57,7 +57,7 @@ struct ReducedModes {
 }  // namespace
 
 struct ParametricModes::Workspace::Impl {
-  MatrixXd stiffness, mass, shifted;  // in the basis
+  MatrixXd stiffness, mass, shifted;  // projected onto the basis
   ReducedModes reduced;
   SparseModes::Workspace sparse;
   bool in_basis = false;      // `reduced` or `sparse` holds mass-normalised modes of the last θ
@@ -90,7 +90,7 @@ struct ParametricModes::Impl {
 
   // ---- the basis
 
-  /// Adds the new components of the columns; orthonormal in K₀ + σM₀.
+  /// Adds the components of the columns outside the basis, orthonormal in K₀ + σM₀.
   void extend(const MatrixXd& columns) {
     const Discretisation& d = structure->nominal();
     const auto times = [&](const VectorXd& v) -> VectorXd {
@@ -124,14 +124,14 @@ struct ParametricModes::Impl {
     for (Index c = 0; c < basis.cols(); ++c)
       for (std::size_t s = 0; s < options.motions.size(); ++s)
         motions(static_cast<Index>(s), c) = options.motions[s].of(basis.col(c));
-    // In the basis K₀ + σM₀ is the identity matrix.
+    // In the basis, K₀ + σM₀ is the identity matrix.
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(0.5 * (mass + mass.transpose())));
     start = solver.eigenvectors().rightCols(followed()).rowwise().reverse();
   }
 
-  /// The number of multiplications of one solution in the basis with its derivatives,
-  /// approximately: the factor of K + σM, two cycles of the iteration, and one factor per mode for
-  /// the derivatives of shapes.
+  /// Approximate number of multiplications of one solution in the basis with its derivatives. These
+  /// are the factor of K + σM, two cycles of the iteration, and one factor per mode for the
+  /// derivatives of shapes.
   [[nodiscard]] double basis_cost(Index columns) const {
     const auto m = static_cast<double>(columns);
     const auto p = static_cast<double>(std::min(rigid + wanted + kBeyond, columns));
@@ -143,7 +143,7 @@ struct ParametricModes::Impl {
     return sum;
   }
 
-  /// Uses the sparse matrices instead of a basis of so many columns if they cost less.
+  /// Uses the sparse matrices if they take less time than a basis with this number of columns.
   bool take_sparse(Index columns, std::unique_ptr<const SparseModes>& candidate) {
     if (!candidate || (options.solver == ParametricSolver::cheaper &&
                        kIrregular * candidate->cost() > basis_cost(columns)))
@@ -175,9 +175,9 @@ struct ParametricModes::Impl {
     if (sigma > 0.0) ws.shifted += sigma * ws.mass;
   }
 
-  /// L Lᵀ = K + σM, A = L⁻¹ M L⁻ᵀ, A z = μ z, y = L⁻ᵀ z. Solved densely, or by Rayleigh-Ritz steps
-  /// in block Krylov subspaces span{q, A q, A² q} to kConverged, at first from the modes q at θ₀
-  /// and then from the Ritz vectors (Saad 2011, section 6.6); densely if that is slow.
+  /// L Lᵀ = K + σM, A = L⁻¹ M L⁻ᵀ, A z = μ z, y = L⁻ᵀ z. Small problems are solved densely, others
+  /// by Rayleigh-Ritz steps in block Krylov subspaces span{q, A q, A² q}, first from the modes q at
+  /// θ₀, then from Ritz vectors (Saad 2011, section 6.6); densely if this fails.
   void solve_reduced(Workspace::Impl& ws) const {
     ReducedModes& out = ws.reduced;
     out.ok = false;
@@ -208,7 +208,7 @@ struct ParametricModes::Impl {
           if (out.ok) return;
           break;
         }
-        // The next subspace, with A times each block but the last from the block after it.
+        // The next subspace. Each block is A times the previous block, made orthogonal.
         q = at;
         w = next;
         for (Index block = 1; block < kBlocks && q.cols() + p <= m; ++block) {
@@ -234,8 +234,8 @@ struct ParametricModes::Impl {
     out.ok = dense.info() == Eigen::Success && out.mu[k - 1] > 0.0;
   }
 
-  /// True if the block has the largest μ of the reduced problem: by inertia, in the widest gap
-  /// above the requested modes.
+  /// True if the block has the largest μ of the reduced problem. The inertia in the widest gap
+  /// above the requested modes shows this.
   [[nodiscard]] static bool none_missing(const Workspace::Impl& ws, const VectorXd& mu, Index k) {
     Index at = -1;
     double widest = 1e-6;
@@ -250,8 +250,8 @@ struct ParametricModes::Impl {
     return (ldlt.vectorD().array() < 0.0).count() == at + 1;
   }
 
-  /// The error bounds of the header from the residuals η of the lowest elastic modes, their λ, and
-  /// all known 1/(λ + σ).
+  /// Computes the error bounds (see the header) from the residuals η of the lowest elastic modes,
+  /// their λ, and all known 1/(λ + σ).
   void bound_by_residuals(const VectorXd& eta, const VectorXd& mu, const VectorXd& lambda,
                           Modes& out) const {
     const Index checked = eta.size(), known = mu.size();
@@ -274,12 +274,12 @@ struct ParametricModes::Impl {
     }
   }
 
-  /// The error bounds of the header for the requested elastic modes.
+  /// Computes the error bounds (see the header) of the requested elastic modes.
   bool bound(const ParametricStructure::Point& point, const Workspace::Impl& ws, Modes& out) const {
     out.bounds = VectorXd::Zero(wanted);
     out.shape_bounds = VectorXd::Zero(wanted);
     if (training.complete) return true;
-    const Index known = ws.reduced.mu.size() - rigid;  // elastic ones
+    const Index known = ws.reduced.mu.size() - rigid;  // number of known elastic modes
     const Index checked = std::min<Index>(wanted + 1, known);
     const VectorXd mu = ws.reduced.mu.segment(rigid, known);
     const MatrixXd u = basis * ws.reduced.y.middleCols(rigid, checked);
@@ -313,7 +313,7 @@ struct ParametricModes::Impl {
     return out.bounds.allFinite();
   }
 
-  /// False if the basis gives no result.
+  /// Solves the reduced problem; returns false if the basis gives no result.
   bool in_basis(const ParametricStructure::Point& point, Workspace::Impl& ws, Modes& out) const {
     ws.in_basis = false;
     if (point.scales.size() > 0 && !(point.scales.minCoeff() > 0.0)) return false;
@@ -329,7 +329,7 @@ struct ParametricModes::Impl {
     if (!ws.reduced.ok || !bound(point, ws, out)) return false;
     const VectorXd mu = ws.reduced.mu.segment(rigid, wanted);
     out.eigenvalues = (mu.cwiseInverse().array() - sigma).matrix();
-    // Mass-normalised: yᵀ M y = μ.
+    // Mass-normalises the modes; so far, yᵀ M y = μ.
     for (Index i = 0; i < wanted; ++i) ws.reduced.y.col(rigid + i) /= std::sqrt(mu[i]);
     ws.in_basis = true;
     out.shapes = motions * ws.reduced.y.middleCols(rigid, wanted);
@@ -377,7 +377,7 @@ struct ParametricModes::Impl {
     if (n <= options.complete) {
       if (take_sparse(n, candidate)) return;
       training.complete = true;
-      // Scaled so that K₀ + σM₀ becomes the identity matrix in the basis.
+      // The basis is scaled such that K₀ + σM₀ is the identity matrix.
       const MatrixXd whole =
           d.projected_stiffness(MatrixXd::Identity(n, n)) + sigma * MatrixXd(d.mass);
       const Eigen::LLT<MatrixXd> llt(whole);
@@ -432,7 +432,7 @@ struct ParametricModes::Impl {
           project();
           ++training.solved;
         } catch (const std::exception&) {
-          std::erase(bad, at);  // no structure at θ, or the solver fails there
+          std::erase(bad, at);  // no valid structure at θ, or the solver fails there
         }
       }
       if (options.progress)
@@ -493,7 +493,7 @@ ParametricModes::Workspace ParametricModes::make_workspace() const {
 
 void ParametricModes::solve(std::span<const double> theta, Workspace& workspace, Modes& out) const {
   Workspace::Impl& ws = *workspace.impl_;
-  // A climb asks for the derivatives at the point that it has just evaluated.
+  // A local optimisation requests derivatives at the point that it evaluated last.
   if (!theta.empty() && std::ranges::equal(theta, ws.theta)) {
     out = ws.last;
     return;
@@ -527,7 +527,7 @@ bool ParametricModes::differentiate(std::span<const double> theta, Workspace& wo
     const VectorXd y = ws.reduced.y.col(s.rigid + i);
     const double lambda = 1.0 / mu[i] - s.sigma;
     const bool shapes = s.motions.rows() > 0;
-    // Momenta M y of the mode and its twins.
+    // Momenta M y of the mode and of modes with nearly the same eigenvalue (twins).
     Index first = i, last = i;
     while (first > 0 && mu[first - 1] - mu[i] < kTwin * mu[i]) --first;
     while (last + 1 < s.wanted && mu[i] - mu[last + 1] < kTwin * mu[i]) ++last;
@@ -548,7 +548,7 @@ bool ParametricModes::differentiate(std::span<const double> theta, Workspace& wo
       }
       const double slope = y.dot(force);
       slopes.eigenvalues(i, j) = slope;
-      // (K - λM) ∂y = -(∂K - λ ∂M - ∂λ M) y,  yᵀM ∂y = -½ yᵀ ∂M y; without rotation among twins.
+      // (K - λM) ∂y = -(∂K - λ ∂M - ∂λ M) y, yᵀM ∂y = -½ yᵀ ∂M y; no rotation among twins.
       right.col(j).head(m) =
           momenta * (ws.reduced.y.middleCols(s.rigid + first, twins).transpose() * force) - force;
       right(m + i - first, j) = norm;

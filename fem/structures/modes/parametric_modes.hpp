@@ -13,12 +13,12 @@
 
 namespace wheeltap::fem {
 
-/// How the modes at one θ are computed.
+/// Method for the modes at one θ.
 enum class ParametricSolver {
-  cheaper,  ///< the one of the two below that costs less
-  basis,    ///< in a basis of modes at selected θ
-  /// From the sparse matrices, if the structure is affine and has no rigid-body motions and at most
-  /// 2000 degrees of freedom; otherwise in a basis.
+  cheaper,  ///< the cheaper of `basis` and `sparse`
+  basis,    ///< reduction to a basis of modes at selected θ
+  /// Sparse matrices, if the structure is affine and has no rigid-body motions and at most 2000
+  /// degrees of freedom; otherwise a basis.
   sparse
 };
 
@@ -57,9 +57,9 @@ struct ParametricModesOptions {
 ///
 /// The error bounds prove that a mode lies near each result. The error bounds do not prove that no
 /// mode is missing. Sturm counts check for missing modes at every training point during the
-/// training; later solutions in a basis have no such check, those from sparse matrices have one
-/// each. Degrees of freedom without mass need no special treatment, because V includes the static
-/// response of these degrees of freedom.
+/// training. Later solutions in a basis have no such check. Every solution from sparse matrices has
+/// this check. Degrees of freedom without mass need no special treatment, because V includes the
+/// static response of these degrees of freedom.
 ///
 /// The object is immutable after construction; each thread needs its own workspace.
 class ParametricModes {
@@ -82,9 +82,9 @@ class ParametricModes {
     Eigen::VectorXd
         shape_bounds;      ///< bounds of the sines of the angles between computed and true shapes
     bool in_full = false;  ///< true if the full problem was solved
-    /// One matrix (modes × modes) per part p of the structure with the modal stiffnesses φ_jᵀ K_p
-    /// φ_k. Then, for each part, one matrix with the derivatives of φ_jᵀ K φ_k with respect to a
-    /// relative error of the stiffness that damage removes. Empty unless requested.
+    /// The matrix (modes × modes) of modal stiffnesses φ_jᵀ K_p φ_k of each part p of the
+    /// structure; then, for each part, the matrix of derivatives of φ_jᵀ K φ_k with respect to the
+    /// relative error of the stiffness that damage removes. The caller fills this list.
     std::vector<Eigen::MatrixXd> pieces = {};
   };
   /// Derivatives ∂λ/∂θ (modes × parameters), and ∂shapes/∂θ_j (one matrix, motions × modes, per

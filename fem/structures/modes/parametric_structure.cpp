@@ -18,18 +18,18 @@ using Sparse = Discretisation::Sparse;
 
 /// Relative difference below which two numbers are equal within rounding.
 constexpr double kSame = 1e-10;
-/// With more terms than this, separate projection costs more than it saves.
+/// With more terms, the projection of the separate terms takes longer than it saves.
 constexpr int kMostTerms = 400;
-/// Largest number of low-rank columns: of one term, and in total.
+/// Largest number of low-rank columns of one term, and of all terms.
 constexpr Index kLowRank = 24, kMostColumns = 64;
-/// Allowed deviation of a term from positive semidefinite, relative to the diagonal of K.
+/// Largest negative eigenvalue of a semidefinite term, relative to the diagonal of K.
 constexpr double kIndefinite = 1e-9;
 
 bool same(double a, double b) {
   return std::abs(a - b) <= kSame * std::max(std::abs(a), std::abs(b));
 }
 
-/// (c/c₀)² if the row is c/c₀ times the nominal one; otherwise NaN.
+/// (c/c₀)² if the row is c/c₀ times the nominal row; otherwise NaN.
 double squared_ratio(const Strain& nominal, const Strain& strain) {
   if (strain.row.dofs != nominal.row.dofs || strain.factor != nominal.factor) return kNaN;
   double largest = 0.0, ratio = 1.0;
@@ -51,7 +51,7 @@ double largest_entry(const Sparse& a) {
              : 0.0;
 }
 
-/// True if the parts agree with the whole matrix within rounding.
+/// True if two matrices are equal within rounding.
 bool equal(const Sparse& a, const Sparse& b) {
   if (a.rows() != b.rows() || a.cols() != b.cols()) return false;
   Sparse difference = a - b;
@@ -86,7 +86,7 @@ ParametricStructure::ParametricStructure(StructureFamily family,
       at_samples.push_back(family_.at(sample));
       tried.push_back(sample);
     } catch (const std::invalid_argument&) {
-      // no structure at this sample
+      // No valid structure exists at this sample.
     }
   }
   take_parts();
@@ -131,7 +131,7 @@ void ParametricStructure::find_low_rank() {
                                            dofs[static_cast<std::size_t>(j)]);
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(block);
     const VectorXd& values = solver.eigenvalues();
-    // The omitted part is within the allowed deviation from semidefinite.
+    // The omitted part is smaller than the allowed deviation from a semidefinite matrix.
     const Index rank = (values.array() > 1e-13 * values[n - 1]).count();
     if (rank > kLowRank) continue;
     MatrixXd columns = MatrixXd::Zero(nominal_.size(), rank);
@@ -225,7 +225,7 @@ void ParametricStructure::try_affine(std::span<const std::vector<double>> sample
   std::vector<Sparse> mass_slopes;
   bool changes = false;
   for (int j = 0; j < parameters(); ++j) {
-    // A step to a value of the parameter in a sample: inside its bounds, and not small.
+    // The step leads to the value of the parameter in a sample: within its bounds, and not small.
     std::vector<double> stepped = family_.nominal;
     const auto at = static_cast<std::size_t>(j);
     for (const auto& sample : samples)

@@ -72,7 +72,7 @@ class ParametricStructure {
 
   /// The matrix K_t of each term, n × n, both triangles; the list is empty for `general`.
   [[nodiscard]] std::vector<Sparse> term_matrices() const;
-  /// The number of terms, the last ones, that are parts of K given as matrices.
+  /// The number of terms that are given matrices (parts of K). These terms are the last terms.
   [[nodiscard]] std::size_t matrix_terms() const { return part_terms_.size(); }
 
   /// The columns of C, one column per rank of the low-rank terms; empty if a term is not positive

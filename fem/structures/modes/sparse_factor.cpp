@@ -16,7 +16,7 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& pattern) {
   Eigen::PermutationMatrix<Eigen::Dynamic, Eigen::Dynamic, int> order;
   Eigen::AMDOrdering<int>()(pattern.selfadjointView<Eigen::Lower>(), order);
   to_.resize(n);
-  // The permutation holds the unknown at each position.
+  // The permutation contains the unknown at each position.
   for (std::size_t position = 0; position < n; ++position)
     to_[static_cast<std::size_t>(order.indices()[static_cast<Eigen::Index>(position)])] = position;
 
@@ -27,8 +27,8 @@ SparseFactor::SparseFactor(const Eigen::SparseMatrix<double>& pattern) {
       const std::size_t b = to_[static_cast<std::size_t>(it.col())];
       if (a != b) below[std::min(a, b)].insert(std::max(a, b));
     }
-  // Column j fills the column of its first row below the diagonal, its parent in the elimination
-  // tree.
+  // Fill-in: the rows of column j enter its parent, the column of its first row below the
+  // diagonal.
   for (std::size_t j = 0; j < n; ++j) {
     start_.push_back(rows_.size());
     for (const std::size_t row : below[j]) rows_.push_back(static_cast<std::uint32_t>(row));

@@ -1,4 +1,4 @@
-// L D Lᵀ of sparse symmetric matrices with one pattern, several matrices at once.
+// Factorisation L D Lᵀ of several sparse symmetric matrices with the same sparsity pattern at once.
 #pragma once
 
 #include <Eigen/SparseCore>
@@ -10,13 +10,13 @@
 
 namespace wheeltap::fem {
 
-/// The pattern of L for a pattern of symmetric matrices, in an order of the unknowns that keeps L
-/// sparse (approximate minimum degree; Amestoy, Davis & Duff 1996), and the list of all updates of
-/// a factorisation. Immutable after construction.
+/// The sparsity pattern of L for symmetric matrices with a given pattern, and the list of all
+/// updates of a factorisation. The order of the unknowns keeps L sparse (approximate minimum
+/// degree; Amestoy, Davis & Duff 1996). The object is immutable after construction.
 ///
 /// `Values` and the vectors of `solve` hold W matrices or vectors together: entry i of matrix w is
-/// at i W + w, so that one pass over the pattern treats W matrices. No search for
-/// positions remains at run time; in small structures it would take longer than the arithmetic.
+/// at i W + w, so that one pass over the pattern treats W matrices. All positions are known in
+/// advance. For small structures, a search for positions would take longer than the arithmetic.
 class SparseFactor {
  public:
   /// Throws std::invalid_argument if the matrix is not square. The values of the matrix are not
@@ -31,8 +31,8 @@ class SparseFactor {
   /// The position of an unknown in the order of the factor.
   [[nodiscard]] std::size_t position(std::size_t unknown) const { return to_[unknown]; }
 
-  /// The diagonal and the entries below, column by column in the pattern of L: of A before
-  /// `factorise`, of D and L after.
+  /// The diagonal, and the entries below the diagonal, column by column in the pattern of L. Before
+  /// `factorise`, these are entries of A; afterwards, of D and L.
   struct Values {
     std::vector<double> diagonal, lower;
   };
@@ -55,7 +55,7 @@ class SparseFactor {
   std::vector<std::size_t> to_;              // position of each unknown
   std::vector<std::size_t> start_;           // first entry of each column, and the end
   std::vector<std::size_t> rows_, columns_;  // the row and column of an entry
-  std::vector<std::uint32_t> targets_;       // for column j, rows b < a of it: the entry (a, b)
+  std::vector<std::uint32_t> targets_;       // entry (a, b) for rows b < a of each column
 };
 
 extern template void SparseFactor::factorise<1>(Values&) const;

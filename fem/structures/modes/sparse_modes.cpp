@@ -16,21 +16,21 @@ using Eigen::VectorXd;
 using Sparse = Discretisation::Sparse;
 
 constexpr int kLanes = 4;
-/// Residual of a Ritz pair relative to its value at convergence. The error of the value is of
-/// second order in the residual.
+/// Relative residual at which a Ritz pair counts as converged. The error of a Ritz value is of
+/// second order in its residual.
 constexpr double kRitzConverged = 1e-7;
-/// Relative size of a new Lanczos vector that counts as an invariant subspace.
+/// If a new Lanczos vector has a smaller relative size, the subspace counts as invariant.
 constexpr double kInvariant = 1e-13;
-/// Share of a vector without symmetry in the first Lanczos vector.
+/// Share of a vector without any symmetry in the first Lanczos vector.
 constexpr double kGeneric = 0.05;
-/// Relative distance of 1/λ in which modes can be counted.
+/// Smallest relative gap of 1/λ for a count of modes, and gap that is clearly sufficient.
 constexpr double kCountGap = 1e-6, kClearGap = 1e-3;
-/// Relative residual of a solution for the derivatives of shapes, and of a product within rounding.
+/// Largest relative residual of a solution for derivatives of shapes, and of rounding errors.
 constexpr double kSolved = 1e-6, kRounding = 1e-6;
-/// Lanczos' method finds one mode of a pair of equal ones; each further round finds another.
+/// Lanczos' method finds only one of several equal modes; each further round finds another.
 constexpr Index kRounds = 4;
-/// Steps beyond two per mode until the first check of convergence, between two checks, and beyond
-/// three per mode until the last one.
+/// Number of steps in addition to two per mode until the first check of convergence; between two
+/// checks; and in addition to three per mode until the last check.
 constexpr Index kBeforeChecks = 4, kBetweenChecks = 3, kSpareSteps = 60;
 
 std::size_t at(Index i) {
@@ -140,7 +140,7 @@ void SparseModes::multiply(const Entries& entries, const SparseFactor& factor, c
   }
 }
 
-/// K u for the columns u, from the strains, so that nothing cancels in smooth shapes.
+/// Computes K u for the columns u from the strains, without cancellation for smooth shapes.
 MatrixXd SparseModes::stiffness_times(const ParametricStructure::Point& point,
                                       const MatrixXd& u) const {
   MatrixXd out = MatrixXd::Zero(n_, u.cols());
@@ -172,8 +172,8 @@ MatrixXd SparseModes::stiffness_times(const ParametricStructure::Point& point,
   return out;
 }
 
-/// The best modes in the span of `ws.modes`, whose errors are of second order, and the norms of
-/// their residuals.
+/// Computes the Ritz modes in the span of `ws.modes`, whose eigenvalue errors are of second order,
+/// and the norms of their residuals.
 bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspace& ws) const {
   MatrixXd momenta(n_, elastic_);
   const auto mass_times = [&] {
@@ -201,14 +201,14 @@ bool SparseModes::rayleigh_ritz(const ParametricStructure::Point& point, Workspa
   return ws.residuals.allFinite();
 }
 
-/// Adds the `wanted` Ritz vectors of the largest values to the M-orthonormal `locked`, after their
-/// convergence, and their values to `mu`. `beyond` receives estimates of the next values.
+/// Iterates until the `wanted` largest Ritz values converge. Adds these values to `mu` and their
+/// vectors to `locked` (M-orthonormal). `beyond` receives estimates of the next values.
 bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, VectorXd& beyond,
                           Index wanted, Index round) const {
   const Index known = locked.cols();
   const Index most = std::min(massive_ - known, 3 * wanted + kSpareSteps);
   if (most < 1) return false;
-  // Columns: the locked vectors, then the Lanczos vectors; and M times each.
+  // The columns of v are the locked vectors, then the Lanczos vectors; momenta = M v.
   MatrixXd v(n_, known + most), momenta(n_, known + most);
   v.leftCols(known) = locked;
   const auto mass_times = [&](Index column) {
@@ -283,8 +283,8 @@ bool SparseModes::lanczos(Workspace& ws, MatrixXd& locked, VectorXd& mu, VectorX
   return false;
 }
 
-/// True if `mu`, in descending order, holds the largest values: by inertia, in the first clear gap
-/// from the k-th one on, or in the widest.
+/// True if `mu`, in descending order, has the largest values. The inertia shows this, in the first
+/// clear gap from the k-th value on, or in the widest gap.
 bool SparseModes::none_missing(Workspace& ws, const VectorXd& mu, Index k) const {
   if (mu.size() >= massive_) return true;
   Index split = -1;
@@ -296,7 +296,7 @@ bool SparseModes::none_missing(Workspace& ws, const VectorXd& mu, Index k) const
       if (gap > kClearGap) break;
     }
   if (split < 0) return false;
-  // K - s M, with the s between the two eigenvalues.
+  // K - s M, where s lies between the two eigenvalues.
   const double s = 1.0 / std::sqrt(mu[split] * std::max(mu[split + 1], 1e-12 * mu[split]));
   SparseFactor::Values& values = ws.several;
   values.diagonal.resize(at(n_));
@@ -342,7 +342,7 @@ bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
     std::ranges::stable_sort(order, std::ranges::greater{}, [&](Index i) { return mu[i]; });
     found = MatrixXd(found(Eigen::all, order));
     mu = VectorXd(mu(order));
-    // A mode that has not converged may be among the lowest.
+    // The lowest modes may include a mode that has not converged.
     if (beyond.size() > 0 && beyond[0] >= mu[elastic_ - 1]) continue;
     ws.mu.resize(mu.size() + beyond.size());
     ws.mu << mu, beyond;
@@ -352,8 +352,8 @@ bool SparseModes::solve(const ParametricStructure::Point& point, Workspace& ws,
   if (!complete) return false;
   ws.modes = found.leftCols(elastic_);
   if (massive_ < n_) {
-    // Orthogonality in M does not control rounding errors in motions without mass, which the
-    // recurrence amplifies; K⁻¹ M removes them (Nour-Omid, Parlett, Ericsson & Jensen 1987).
+    // The recurrence amplifies rounding errors in motions without mass, and orthogonality in M does
+    // not control these errors. K⁻¹ M removes them (Nour-Omid, Parlett, Ericsson & Jensen 1987).
     VectorXd moved(n_);
     for (Index i = 0; i < elastic_; ++i) {
       times(ws.mass_diagonal.data(), ws.mass.data(), ws.modes.col(i).data(), moved.data());
@@ -421,7 +421,7 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
           norm[r % kWide] -= 0.5 * modes[r] * by_mass[r];
         }
       }
-      // (K - λM) ∂y = -(∂K - λ ∂M - ∂λ M) y, yᵀM ∂y = -½ yᵀ ∂M y; without rotation among twins.
+      // (K - λM) ∂y = -(∂K - λ ∂M - ∂λ M) y, yᵀM ∂y = -½ yᵀ ∂M y; no rotation among twins.
       for (std::size_t w = 0; w < kWide; ++w) {
         const Eigen::Map<const VectorXd, 0, Eigen::InnerStride<kLanes>> mine(force.data() + w, n_);
         eigenvalues(mode[w], j) = ws.modes.col(mode[w]).dot(mine);
@@ -455,7 +455,7 @@ bool SparseModes::differentiate(Workspace& ws, double twin, MatrixXd& eigenvalue
   return true;
 }
 
-/// Degrees of freedom at which the motions of a mode and its twins are independent and large, in
+/// Degrees of freedom at which the motions of a mode and of its twins are independent, and large in
 /// units of energy.
 std::vector<std::size_t> SparseModes::pins(const Workspace& ws, Index first, Index last) const {
   MatrixXd left = ws.stiffness_diagonal.cwiseAbs().cwiseSqrt().asDiagonal() *
@@ -471,7 +471,7 @@ std::vector<std::size_t> SparseModes::pins(const Workspace& ws, Index first, Ind
   return out;
 }
 
-/// Factorises K - λ_w M without the pinned degrees of freedom, in the lanes w.
+/// Factorises K - λ_w M in each lane w, with zero motion at the pinned degrees of freedom.
 bool SparseModes::factorise_at(Workspace& ws, const double* lambda,
                                const std::vector<std::size_t>* pinned) const {
   constexpr std::size_t kWide = kLanes;
@@ -495,8 +495,8 @@ bool SparseModes::factorise_at(Workspace& ws, const double* lambda,
                              [](double v) { return std::isfinite(v) && v != 0.0; });
 }
 
-/// True if x solves (K - λM) x = b apart from the constrained degrees of freedom. Without pivoting,
-/// a part of the structure whose own eigenvalue is λ spoils the factor.
+/// True if x solves (K - λM) x = b at all degrees of freedom that are not pinned. Without pivoting,
+/// the factor is wrong if λ is an eigenvalue of a part of the structure.
 bool SparseModes::solves(const Workspace& ws, double lambda, const std::vector<std::size_t>& pinned,
                          const VectorXd& x, const VectorXd& b) const {
   VectorXd stiff(n_), heavy(n_);
@@ -507,7 +507,7 @@ bool SparseModes::solves(const Workspace& ws, double lambda, const std::vector<s
   return miss.norm() <= kSolved * (b.norm() + kRounding * stiff.norm());
 }
 
-/// The same with pivoting, by dense matrices.
+/// Computes x with pivoting, by dense matrices.
 VectorXd SparseModes::dense_change(const Workspace& ws, double lambda,
                                    const std::vector<std::size_t>& pinned,
                                    const VectorXd& b) const {

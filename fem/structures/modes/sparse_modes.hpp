@@ -11,18 +11,18 @@
 
 namespace wheeltap::fem {
 
-/// Solves K(θ) φ = λ M(θ) φ with K = Σ q_t(θ) K_t for the lowest modes, without a reduction:
-/// Lanczos' method on K⁻¹ M with full orthogonalisation (Saad 2011, section 6.6), begun from
-/// the modes at θ₀, and derivatives of shapes by Nelson's method (1976). All positions of the
-/// sparse matrices and of their factors are computed once, so that the cost at one θ is little more
-/// than that of the arithmetic. A Sturm count at each θ proves that no mode is missing.
+/// Computes the lowest modes of K(θ) φ = λ M(θ) φ, K = Σ q_t(θ) K_t, without a reduced basis. The
+/// method is Lanczos' method for K⁻¹ M with full orthogonalisation (Saad 2011, section 6.6),
+/// started from the modes at θ₀. Derivatives of shapes follow from Nelson's method (1976). The
+/// constructor finds all positions in the sparse matrices and factors, so a solution takes little
+/// longer than its arithmetic. A Sturm count at each θ proves that no mode is missing.
 ///
-/// Immutable after construction; each thread needs its own workspace.
+/// The object is immutable after construction; each thread needs its own workspace.
 class SparseModes {
  public:
-  /// `elastic` modes are computed, of the `massive` modes of the structure (`mode_count`). `start`
-  /// holds modes at θ₀ (n × any number), and `motions` the requested components of the shapes. The
-  /// structure must be affine, without rigid-body motions, and must outlive this object.
+  /// `elastic` modes are computed; the structure has `massive` modes (`mode_count`). `start` holds
+  /// modes at θ₀ (n × any number), `motions` the requested components of the shapes. The structure
+  /// must be affine, must not have rigid-body motions, and must outlive this object.
   SparseModes(const ParametricStructure& structure, Eigen::Index massive, Eigen::Index elastic,
               const Eigen::MatrixXd& start, const std::vector<SparseRow>& motions);
 
@@ -33,19 +33,19 @@ class SparseModes {
     Eigen::MatrixXd modes;  // elastic modes, mass-normalised, in the order of the factor
     Eigen::VectorXd eigenvalues;
     Eigen::VectorXd residuals;  // η of each mode, as in ParametricModes
-    Eigen::VectorXd mu;         // 1/λ, descending, with estimates beyond the modes
+    Eigen::VectorXd mu;         // 1/λ, descending, then estimates for higher modes
     bool solved = false;
   };
 
   /// Computes the elastic modes at θ: eigenvalues [rad²/s²], ascending, and the requested
-  /// components of the mass-normalised shapes (motions × modes). False if there is no positive
-  /// definite stiffness, or if a mode is missing.
+  /// components of the mass-normalised shapes (motions × modes). Returns false if the stiffness is
+  /// not positive definite, or if a mode is missing.
   bool solve(const ParametricStructure::Point& point, Workspace& ws, Eigen::VectorXd& eigenvalues,
              Eigen::MatrixXd& shapes) const;
 
-  /// The derivatives ∂λ/∂θ (modes × parameters) and ∂shapes/∂θ_j (motions × modes, one matrix per
-  /// parameter) at the θ of the last successful `solve`. Modes whose relative distance is below
-  /// `twin` do not rotate among each other.
+  /// Computes the derivatives ∂λ/∂θ (modes × parameters) and ∂shapes/∂θ_j (motions × modes, one
+  /// matrix per parameter) at the θ of the last successful `solve`. Modes whose relative distance
+  /// is below `twin` do not rotate among themselves.
   bool differentiate(Workspace& ws, double twin, Eigen::MatrixXd& eigenvalues,
                      std::vector<Eigen::MatrixXd>& shapes) const;
 
@@ -60,7 +60,7 @@ class SparseModes {
   };
   [[nodiscard]] Entries entries(const Discretisation::Sparse& matrix) const;
   static void add(double factor, const Entries& entries, double* diagonal, double* lower);
-  /// Computes A u, A given by its diagonal and the entries of `lower` that are not fill.
+  /// Computes A u from the diagonal of A and the entries of `lower` that are not fill-in.
   void times(const double* diagonal, const double* lower, const double* u, double* out) const;
   static void multiply(const Entries& entries, const SparseFactor& factor, const double* u,
                        const double* scale, double* out);
@@ -86,10 +86,10 @@ class SparseModes {
   SparseFactor factor_;
   std::vector<Entries> terms_, mass_slopes_;
   Entries mass_;
-  std::vector<std::size_t> used_;                   // entries of `lower` that are not fill
+  std::vector<std::size_t> used_;                   // entries of `lower` that are not fill-in
   std::vector<std::vector<std::size_t>> touching_;  // entries of `lower` in a row or column
   std::vector<SparseRow> motions_;                  // in the order of the factor
-  std::vector<SparseRow> strains_;                  // likewise
+  std::vector<SparseRow> strains_;                  // in the order of the factor
   Eigen::MatrixXd start_;
 };
 

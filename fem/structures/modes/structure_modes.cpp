@@ -18,16 +18,16 @@ using Eigen::VectorXd;
 using Sparse = Discretisation::Sparse;
 using Part = InvalidStructure::Part;
 
-/// Fewer degrees of freedom than this are solved densely.
+/// Below this number of degrees of freedom, a dense solver computes the modes.
 constexpr Index kDense = 120;
-/// Largest size that is solved densely if Lanczos misses modes.
+/// Largest number of degrees of freedom for a dense solver if Lanczos' method misses modes.
 constexpr Index kMostDense = 3000;
-/// Modes computed beyond those requested, so that the count is taken in a gap.
+/// Number of modes computed above the requested modes, so that the Sturm count is in a gap.
 constexpr Index kExtra = 6;
-/// Relative distance that counts as a gap.
+/// Smallest relative distance of eigenvalues that counts as a gap.
 constexpr double kGap = 1e-6;
 
-/// L D Lᵀ of a sparse symmetric matrix; also its solution for Spectra.
+/// L D Lᵀ of a sparse symmetric matrix, with the interface of a solver for Spectra.
 class Factor {
  public:
   using Scalar = double;
@@ -47,8 +47,8 @@ class Factor {
   Eigen::SimplicialLDLT<Sparse, Eigen::Lower, Eigen::AMDOrdering<int>> ldlt_;
 };
 
-/// Makes columns M-orthonormal to each other and to the M-orthonormal `against`, in two passes;
-/// drops columns that depend on earlier ones.
+/// Makes columns M-orthonormal to each other and to the M-orthonormal `against`, in two passes.
+/// Omits columns that depend on earlier columns.
 MatrixXd orthonormal(const Sparse& mass, const MatrixXd& against, const MatrixXd& columns) {
   const Index given = against.cols();
   MatrixXd all(columns.rows(), given + columns.cols());
@@ -77,8 +77,8 @@ struct Ritz {
   MatrixXd shapes;
 };
 
-/// Throws if no solver can factor the matrices: for a mechanism, which it names, or for numbers
-/// that differ by too much.
+/// Throws if no solver can factor the matrices. The reason is a mechanism, which the message names,
+/// or stiffnesses of too different size.
 [[noreturn]] void refuse_spread(const Discretisation& d) {
   refuse_mechanisms(d);
   throw InvalidStructure(Part::whole, 0,
@@ -86,7 +86,7 @@ struct Ritz {
                          "eigenvalues to be separated in double precision");
 }
 
-/// Rayleigh-Ritz on M-orthonormal columns, the energies from the strains.
+/// Rayleigh-Ritz step on M-orthonormal columns, with energies from the strains.
 Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
   const MatrixXd energy = d.projected_stiffness(basis);
   const MatrixXd gram = basis.transpose() * (d.mass * basis);
@@ -100,7 +100,7 @@ Ritz rayleigh_ritz(const Discretisation& d, const MatrixXd& basis) {
 struct ModeSearch {
   const Discretisation& d;
   MatrixXd rigid;  // M-orthonormal
-  Sparse mass;     // M · unit, in the order of the lowest elastic λ
+  Sparse mass;     // M · unit; unit: order of magnitude of the lowest elastic λ
   Factor shifted;  // K + M · unit
 };
 
@@ -136,7 +136,7 @@ double lowest_size(const Discretisation& d, const MatrixXd& rigid) {
   return scale;
 }
 
-/// Approximate lowest modes by Lanczos, M-orthogonal to `known`; fewer if it does not converge.
+/// Approximate lowest modes by Lanczos' method, M-orthogonal to `known`; fewer without convergence.
 MatrixXd lanczos(const ModeSearch& s, const MatrixXd& known, Index count, int start) {
   struct Deflated {
     using Scalar = double;
@@ -152,7 +152,7 @@ MatrixXd lanczos(const ModeSearch& s, const MatrixXd& known, Index count, int st
         for (int pass = 0; pass < 2; ++pass) out -= known * (known.transpose() * (s.mass * out));
     }
   };
-  /// M u, for Spectra; both triangles are stored.
+  /// Computes M u for Spectra; M has both triangles.
   struct Product {
     const Sparse& matrix;
     [[nodiscard]] Index rows() const { return matrix.rows(); }
@@ -179,8 +179,8 @@ MatrixXd lanczos(const ModeSearch& s, const MatrixXd& known, Index count, int st
   return solver.eigenvectors(std::min(found, count));
 }
 
-/// All modes, lowest first: in M φ = μ (K + unit M) φ the lowest mode has the largest μ, and
-/// massless degrees of freedom have μ = 0.
+/// All modes, lowest first. In M φ = μ (K + unit M) φ, the lowest mode has the largest μ, and
+/// motions without mass have μ = 0.
 MatrixXd dense(const ModeSearch& s, Index count) {
   const MatrixXd mass(s.mass), shifted(Sparse(s.d.stiffness + s.mass));
   const Eigen::GeneralizedSelfAdjointEigenSolver<MatrixXd> solver(mass, shifted);
@@ -188,12 +188,12 @@ MatrixXd dense(const ModeSearch& s, Index count) {
   return solver.eigenvectors().rowwise().reverse().leftCols(std::min(count, available));
 }
 
-/// Steps with the residuals as additional directions: residuals from the strains are accurate where
-/// the factored matrix was rounded. Returns the `count` lowest modes, of which `wanted` are correct
-/// to rounding.
+/// Rayleigh-Ritz steps with the residuals as additional directions. Residuals from the strains do
+/// not have the rounding errors of the factored matrix. Returns the `count` lowest modes; the
+/// `wanted` lowest of these are correct to rounding.
 Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Index wanted) {
-  // Squared residual in the norm of (K + u M)⁻¹ over λ: by Temple's bound the relative error of λ,
-  // apart from λ / gap. Below it, no further improvement is possible.
+  // Squared residual in the norm of (K + u M)⁻¹, divided by λ. By Temple's bound, this is the
+  // relative error of λ, apart from λ / gap. Below kRounding, no further improvement is possible.
   constexpr double kRounding = 1e-18;
   constexpr double kLost = 1e-12;  // share of a Ritz value
   const Discretisation& d = s.d;
@@ -209,7 +209,7 @@ Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Ind
     for (Index i = 0; i < m; ++i) {
       const double squared = residuals.col(i).dot(corrections.col(i)) / std::abs(ritz.values[i]);
       settled &= i >= wanted || squared < kRounding;
-      // Far below rounding, a correction is only noise.
+      // A correction far below rounding errors has no meaning.
       if (corrections.col(i).dot(d.mass * corrections.col(i)) < 1e-30) corrections.col(i).setZero();
     }
     if (settled) break;
@@ -220,8 +220,8 @@ Ritz refined_ritz(const ModeSearch& s, const MatrixXd& vectors, Index count, Ind
     MatrixXd basis(d.size(), ritz.shapes.cols() + more.cols());
     basis << ritz.shapes, more;
     Ritz next = rayleigh_ritz(d, basis);
-    // Apart from rounding, a larger space has no higher Ritz values. If little but massless motions
-    // remains of a correction, these dominate it.
+    // Apart from rounding, a larger space has no higher Ritz values. A correction that is mainly a
+    // massless motion can raise them.
     if (((next.values.head(m) - ritz.values.head(m)).array() >
          kLost * ritz.values.head(m).array().abs())
             .any())
@@ -278,8 +278,8 @@ int eigenvalues_below(const Discretisation& d, double sigma) {
 }
 
 Index mode_count(const Discretisation& d) {
-  // The rank of M is that of D⁻½ M D⁻½ where its diagonal D is positive: the number of pivots of
-  // its L D Lᵀ above rounding. The shift keeps pivots of dependent motions from being exactly 0.
+  // The rank of M is that of D⁻½ M D⁻½, where D is the diagonal of M: the number of pivots of L D
+  // Lᵀ that exceed rounding errors. With the shift, pivots of dependent motions are not exactly 0.
   constexpr double kShift = 1e-15, kNoPivot = 1e-12;
   const VectorXd diagonal = d.mass.diagonal();
   std::vector<int> massive(static_cast<std::size_t>(d.size()), -1);
@@ -306,8 +306,8 @@ Index mode_count(const Discretisation& d) {
 
 namespace {
 
-/// Counts the eigenvalues below the widest gap from the `wanted`-th Ritz value on. True if the Ritz
-/// values are all of them; false if there is no gap or a mode is missing.
+/// Counts the eigenvalues below the widest gap above the `wanted`-th Ritz value. Returns true if
+/// these are the Ritz values, and false if there is no gap or a mode is missing.
 bool certified(const Discretisation& d, const Ritz& ritz, Index wanted) {
   Index at = -1;
   double widest = kGap;
@@ -380,7 +380,7 @@ StructureModes structure_modes(const Discretisation& d, int modes) {
   }
 
   const Index rigid_wanted = std::min<Index>(modes, rigid.cols());
-  if (ritz.shapes.cols() < modes - rigid_wanted) refuse_spread(d);  // rounding removed some
+  if (ritz.shapes.cols() < modes - rigid_wanted) refuse_spread(d);  // rounding removed some modes
   out.eigenvalues = VectorXd::Zero(modes);
   out.residuals = VectorXd::Zero(modes);
   out.shapes.resize(n, modes);

@@ -18,7 +18,7 @@ struct StructureModes {
   int rigid_body_modes = 0;
   /// Scaled residuals: ‖K φ - λ M φ‖ in the norm of K⁻¹, divided by √λ. By Temple's bound, the
   /// relative distance of λ to an eigenvalue is at most λ / gap times the square of the scaled
-  /// residual.
+  /// residual, where gap is the distance to the next eigenvalue.
   Eigen::VectorXd residuals;
   /// True if no mode is missing. Either a Sturm count in a gap above the highest computed mode
   /// confirms the number of modes, or the result contains all modes of the structure.

@@ -17,7 +17,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 namespace {
-/// Largest relative changes of eigenvalues from rounding.
+/// Largest relative change of an eigenvalue due to rounding.
 constexpr double kSubspaceRounding = 1e-6;
 }  // namespace
 
@@ -55,7 +55,7 @@ bool SubspaceModes::in_full(const Discretisation& d, Index wanted, Found& out) c
   }
 }
 
-// With L Lᵀ = K + σM, the largest μ of L⁻¹ M L⁻ᵀ: λ = 1/μ - σ.
+// Computes the largest eigenvalues μ of L⁻¹ M L⁻ᵀ with L Lᵀ = K + σM; λ = 1/μ - σ.
 bool SubspaceModes::dense(const Discretisation& d, Index wanted, Found& out) const {
   const Index n = d.size(), rigid = wanted - options_.modes;
   if (wanted > n) return false;
@@ -105,7 +105,7 @@ bool SubspaceModes::iterate(const Discretisation& d, Index wanted, Found& out) c
     double moved = std::numeric_limits<double>::infinity();
     if (before.size() > 0)
       moved = ((elastic - before.tail(options_.modes)).array() / elastic.array()).abs().maxCoeff();
-    // On fine meshes rounding prevents full convergence.
+    // On fine meshes, rounding errors prevent full convergence.
     const bool done =
         moved <= options_.tolerance || (moved < kSubspaceRounding && moved > 0.5 * last);
     before = now;

@@ -37,7 +37,7 @@ class SubspaceModes {
     Eigen::MatrixXd shapes = {};       ///< n × modes, mass-normalised
     int steps = 0;                     ///< number of iterations; 0: dense solver
   };
-  /// Computes the modes of a structure. If its degrees of freedom differ from those of the first
+  /// Computes the modes of a structure. If the degrees of freedom are not those of the first
   /// structure, structure_modes solves the problem. Returns false if K is not positive definite
   /// apart from the rigid motions, or if the iteration does not converge.
   bool solve(const Discretisation& d, Found& out) const;

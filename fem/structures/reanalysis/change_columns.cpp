@@ -13,15 +13,15 @@ namespace {
 
 using Eigen::Index;
 
-/// A spring stiffer than this multiple of the structure's own stiffness there is rigid.
+/// A spring stiffer than this multiple of the structure's stiffness at its place counts as rigid.
 constexpr double kRigidJoint = 1e14;
-/// Relative remaining compliance of a motion below which other supports hold it already.
+/// If less than this share of a motion's compliance remains, other supports restrain the motion.
 constexpr double kDependentChange = 1e-12;
-/// The search for a bound starts at this relative value and multiplies it by this factor.
+/// The search for an error bound starts at kLeastBound and multiplies the bound by kWider.
 constexpr double kLeastBound = 1e-9;
 constexpr double kWider = 4.0;
 
-/// Masses that change anything, removed ones first.
+/// Masses that change the structure, removed masses first.
 std::vector<const StructureChange::Mass*> floating_masses(const StructureChange& change) {
   std::vector<const StructureChange::Mass*> masses;
   for (const bool lost : {true, false})
@@ -45,17 +45,17 @@ void set_poles(const IntactStructure& intact, const ResidualModes& residual, Cha
     out.compliances.push_back(1.0 / residual.eigenvalues[k]);
   }
   out.scales.clear();
-  // |s| of a floating mass's pole is the lowest elastic eigenvalue, so that a light mass scales its
-  // column. s is negative if the mass counts with the opposite sign, so that each static part
-  // c²/|s| adds to the others.
+  // |s| for the pole of a floating mass is the lowest elastic eigenvalue, so that a light mass
+  // scales its column. s is negative if the mass counts with the opposite sign. All static parts
+  // c²/|s| are thus positive.
   for (std::size_t m = 0; m < p; ++m)
     out.scales.push_back(index(out.negative_poles) > m ? -lowest : lowest);
   out.scales.insert(out.scales.end(), intact.scales.begin(), intact.scales.end());
   out.scales.insert(out.scales.end(), out.eigenvalues.end() - out.extra, out.eigenvalues.end());
 }
 
-/// Writes C and the rows of L, each from the previous ones. Forms are numbered springs, masses,
-/// softenings.
+/// Writes C and the rows of L; each row follows from the previous rows. The order of the forms is
+/// springs, masses, softenings.
 struct ColumnFactor {
   const IntactStructure& intact;
   const StructureChange& change;
@@ -99,7 +99,7 @@ struct ColumnFactor {
   void divide_columns();
 };
 
-/// √|μ_a μ_b| r_aᵀ r_b of all floating masses; `rows` is scratch.
+/// √|μ_a μ_b| r_aᵀ r_b of all floating masses; `rows` is scratch memory.
 Eigen::MatrixXd ColumnFactor::mass_gram(std::vector<double>& rows) const {
   const std::size_t width = out.stride - masses.size();
   rows.resize(masses.size() * width);
@@ -119,7 +119,7 @@ Eigen::MatrixXd ColumnFactor::mass_gram(std::vector<double>& rows) const {
 }
 
 /// The largest eigenvalue of R (M + Pᵀ P)⁻¹ Rᵀ, with the rows √|μ| r in R for removed masses and in
-/// P for added ones; `gram` is ordered like `mass_gram`, removed masses first.
+/// P for added masses. `gram` is a result of `mass_gram`, removed masses first.
 double lost_share(const Eigen::MatrixXd& gram, Index lost_masses) {
   const Index gained = gram.rows() - lost_masses;
   Eigen::MatrixXd lost = gram.topLeftCorner(lost_masses, lost_masses);
@@ -135,8 +135,8 @@ double lost_share(const Eigen::MatrixXd& gram, Index lost_masses) {
       .maxCoeff();
 }
 
-/// Supports: springs, then the links of floating masses. L_s L_sᵀ = 1/k + Σ c cᵀ / s, row by row;
-/// drops motions that are held already.
+/// Adds the supports: springs, then the links of floating masses. Computes L_s L_sᵀ = 1/k + Σ c cᵀ
+/// / s row by row, and omits motions that are already restrained.
 void ColumnFactor::add_supports() {
   for (std::size_t s = 0; s < change.springs.size(); ++s) {
     const StructureChange::Spring& spring = change.springs[s];
@@ -146,7 +146,7 @@ void ColumnFactor::add_supports() {
     add_support(masses[m]->motion, mass_form(m), 0.0, static_cast<int>(m), masses[m]->mass);
 }
 
-/// A spring, or the link of mass `pole` if that is not -1.
+/// Adds a spring, or the link of the mass `pole` if `pole` is not -1.
 void ColumnFactor::add_support(const SparseRow& motion, std::size_t form, double stiffness,
                                int pole, double mass) {
   const std::size_t p = masses.size();
@@ -182,7 +182,7 @@ void ColumnFactor::add_support(const SparseRow& motion, std::size_t form, double
   ++out.supports;
 }
 
-/// Softenings: R Rᵀ = q / (1 - q) + self-stresses + W Wᵀ. After the supports.
+/// Adds the softenings, after the supports: R Rᵀ = q / (1 - q) + self-stresses + W Wᵀ.
 void ColumnFactor::add_softenings() {
   const auto count = static_cast<Index>(softenings.size());
   for (Index i = 0; i < count; ++i) add_softening_column(i);
@@ -192,7 +192,7 @@ void ColumnFactor::add_softenings() {
 void ColumnFactor::add_softening_column(Index i) {
   const std::size_t p = masses.size();
   const StructureChange::Softening& s = *softenings[index(i)];
-  // The strain energy is at least q times its original value, unless compression reduces it.
+  // Without compression, the strain energy is at least q times its original value.
   out.least_remaining = intact.compressed ? 0.0 : std::min(out.least_remaining, s.remaining);
   double* c = add_column();
   for (const auto& [row, weight] : s.direction) {
@@ -222,7 +222,7 @@ void ColumnFactor::add_softening_row(Index i) {
       continue;
     }
     // Without compression, the pivot cannot be less than the remaining share of this softening
-    // alone. With compression, it is positive as long as the structure does not buckle (Sylvester).
+    // alone. With compression, the pivot is positive unless the structure buckles (Sylvester).
     if (intact.compressed && !(value > 0.0))
       throw ImpossibleChange("remaining stiffness = " + std::to_string(s.remaining) +
                              ": too little for the axial forces, the structure buckles");
@@ -231,7 +231,7 @@ void ColumnFactor::add_softening_row(Index i) {
   }
 }
 
-/// q / (1 - q) on the diagonal, and self-stresses.
+/// The term q / (1 - q) on the diagonal, and the self-stresses.
 double ColumnFactor::softening_entry(Index i, Index b) const {
   const std::size_t p = masses.size();
   const auto first = static_cast<Index>(out.supports);
@@ -251,7 +251,7 @@ double ColumnFactor::softening_entry(Index i, Index b) const {
   return value;
 }
 
-/// L⁻¹ C by forward substitution.
+/// Computes L⁻¹ C by forward substitution.
 void ColumnFactor::divide_columns() {
   const Index all = out.count();
   for (Index a = 0; a < all; ++a) {
@@ -264,7 +264,7 @@ void ColumnFactor::divide_columns() {
   }
 }
 
-/// Number of rigid motions that the springs leave free; `row` is scratch.
+/// Number of rigid motions that the springs do not restrain; `row` is scratch memory.
 int rigid_left(const IntactStructure& intact, const StructureChange& change,
                std::vector<double>& row) {
   if (intact.rigid == 0 || change.springs.empty()) return intact.rigid;
@@ -315,8 +315,8 @@ void ChangeColumns::observe(const IntactStructure& intact, const SparseRow& row,
 }
 
 /// An upper bound on the number of eigenvalues of the whole structure below z < λ_{p+1}. With the
-/// residual modes in place of the others, Cᵀ (K - zM)⁻¹ C is too small by a matrix between 0 and z³
-/// ρ / (1 - ρ) R₃, ρ = z / λ_{p+1}; R₃ is also that of the residual modes.
+/// residual modes instead of the other modes, Cᵀ (K - zM)⁻¹ C is too small by a matrix between 0
+/// and z³ ρ / (1 - ρ) R₃, ρ = z / λ_{p+1}. The residual modes have the same R₃.
 int ChangeColumns::eigenvalues_below_at_most(double z, double next) const {
   const Index m = count();
   const double ratio = z / next, rest = z * z * z * ratio / (1.0 - ratio);

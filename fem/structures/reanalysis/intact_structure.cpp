@@ -17,7 +17,7 @@ namespace {
 using Eigen::Index;
 
 /// I - B K⁻¹ Bᵀ: the self-stress states of the structure; 0 if it is statically determinate. Rigid
-/// motions cause no strain, so any degrees of freedom may hold them.
+/// motions cause no strain, so any restraint against them may be used.
 Eigen::MatrixXd self_stress_projector(const Discretisation& d) {
   using Real = long double;
   using Sparse = Eigen::SparseMatrix<Real>;
@@ -70,7 +70,7 @@ void IntactStructure::motion(const SparseRow& row, double* out) const {
   }
 }
 
-/// The lowest modes and one more, which shows where the others begin.
+/// The lowest modes and one further mode, which gives the lowest eigenvalue of the others.
 StructureSpectrum IntactStructure::kept_spectrum(int kept) {
   const StructureModes low = structure_modes(*discretisation, kept + 1);
   if (!low.certified)

@@ -22,14 +22,14 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Relative to the scaled energies of the forms: smaller values are rounding.
+/// Smaller values, relative to the scaled energies of the forms, are rounding errors.
 constexpr double kDependent = 1e-11;
 /// Number of pairs of forms whose moments are cached.
 constexpr std::size_t kPairs = 1 << 20;
-/// Dofs of the boundary that are solved for together. The batches are fixed, so that results do not
-/// depend on earlier requests.
+/// Number of boundary dofs that are solved for together. The batches are fixed, so that results do
+/// not depend on earlier requests.
 constexpr int kBatch = 8;
-/// Up to this number all are computed in advance; beyond, on request.
+/// Up to this number, all batches are computed in advance; more batches, on request.
 constexpr std::size_t kFewBatches = 256;
 constexpr int kTerms = StaticCondensation::kTerms;
 
@@ -37,7 +37,7 @@ template <class Real>
 using Rows = Eigen::Matrix<Real, Eigen::Dynamic, kBatch, Eigen::RowMajor>;
 using RowMajor = Eigen::Matrix<double, Eigen::Dynamic, Eigen::Dynamic, Eigen::RowMajor>;
 
-/// Cache of computed values by number, least recently used dropped first.
+/// Cache of computed values by number. The least recently used value is removed first.
 template <class Value>
 class Recent {
  public:
@@ -110,7 +110,7 @@ struct ResidualFlexibility::Impl {
       if (held[index(i)]) x.row(i).setZero();
   }
 
-  /// L D Lᵀ x = b, all columns in one pass over L.
+  /// Solves L D Lᵀ x = b for all columns in one pass over L.
   [[nodiscard]] Rows<double> back_substituted(const Rows<double>& b) const {
     Rows<double> x = ldlt.permutationP() * b;
     const auto& l = ldlt.matrixL().nestedExpression();
@@ -125,7 +125,7 @@ struct ResidualFlexibility::Impl {
     return ldlt.permutationPinv() * x;
   }
 
-  /// load - K u, u in extended precision, from the strains.
+  /// Computes load - K u from the strains, with u in extended precision.
   [[nodiscard]] Rows<double> left_of(const Rows<double>& load, const Rows<long double>& u) const {
     Rows<long double> rest = load.cast<long double>();
     Eigen::Matrix<long double, 1, kBatch> stress;
@@ -144,7 +144,7 @@ struct ResidualFlexibility::Impl {
     return rest.cast<double>();
   }
 
-  /// K⁻¹ times loads that cause no rigid motion.
+  /// Computes K⁻¹ times loads that cause no rigid motion.
   [[nodiscard]] Rows<double> solve(Rows<double> load) const {
     release_held(load);
     return back_substituted(load);
@@ -168,7 +168,7 @@ struct ResidualFlexibility::Impl {
       kept.col(k) = shape_rows.row(dof);
     }
     load -= mass_shapes * kept;
-    // One refinement with the residual loads from the strains.
+    // One refinement step with the residual loads from the strains.
     Rows<double> u = solve(load);
     u += solve(left_of(load, u.cast<long double>()));
     remove_kept(u);
@@ -192,13 +192,13 @@ struct ResidualFlexibility::Impl {
     return out;
   }
 
-  /// Φ_E α at one place of the boundary.
+  /// Φ_E α at one degree of freedom of the boundary.
   [[nodiscard]] double at_boundary(int place, const VectorXd& kept) const {
     return shape_rows.row(parts->boundary()[index(place)]).dot(kept);
   }
 
-  /// Motions (D M)ⁱ D f of a form at the boundary places `to`, without the motion of the part
-  /// alone: one row per i.
+  /// Motions (D M)ⁱ D f of a form at the boundary dofs `to`, without the motion of the part alone;
+  /// one row per i.
   [[nodiscard]] Eigen::MatrixXd responses_at(const std::vector<int>& to, const Column& of) const {
     const auto places = static_cast<Index>(to.size());
     MatrixXd out = MatrixXd::Zero(kTerms, places);
@@ -257,7 +257,7 @@ ResidualFlexibility::ResidualFlexibility(std::shared_ptr<const Discretisation> d
   Impl& impl = *impl_;
   impl.d = std::move(d);
   const Index n = impl.d->size();
-  // Parts whose own modes lie above the kept ones.
+  // Parts whose eigenvalues (with a fixed edge) lie above the kept eigenvalues.
   impl.parts.emplace(*impl.d, eigenvalues.maxCoeff());
   impl.shapes = shapes;
   impl.mass_shapes = impl.d->mass * shapes;
@@ -343,7 +343,7 @@ ResidualModes residual_modes(const MatrixXd (&moments)[4]) {
   const double least = std::numeric_limits<double>::epsilon() * solver.eigenvalues().maxCoeff();
   for (Index i = 0; i < kept; ++i) {
     const Index from = kept - 1 - i;  // the largest μ first
-    // Massless motions respond statically.
+    // The response of massless motions is static.
     const double mu = std::max(solver.eigenvalues()[from], least);
     out.eigenvalues[i] = 1.0 / mu;
     out.weights.col(i) =

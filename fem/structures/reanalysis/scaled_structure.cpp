@@ -17,9 +17,9 @@ using Sparse = Discretisation::Sparse;
 constexpr double kEqual = 1e-9;
 /// Relative eigenvalue of a change of mass that counts as zero.
 constexpr double kNoMass = 1e-13;
-/// Largest number of degrees of freedom that a change of mass may concern.
+/// Largest number of degrees of freedom whose mass may change.
 constexpr std::size_t kMostDofs = 24;
-/// A change of a scaled stiffness that is rounding.
+/// Relative change of a scaled stiffness that is a rounding error.
 constexpr double kUnchanged = 1e-14;
 
 /// The factor a for which most entries of `slope` equal a times those of `mass`; 0 without a
@@ -44,11 +44,11 @@ struct Motion {
   double mass;
 };
 
-/// slope - ratio · mass = Σ mass_i row_i row_iᵀ; empty if that concerns too many degrees of
-/// freedom.
+/// slope - ratio · mass = Σ mass_i row_i row_iᵀ; empty if the mass of too many degrees of freedom
+/// changes.
 std::optional<std::vector<Motion>> low_rank(const Sparse& slope, double ratio, const Sparse& mass) {
   const Sparse rest = slope - ratio * mass;
-  // Rounding leaves entries far below those of the diagonal.
+  // Entries far below the diagonal entries are rounding errors.
   const Eigen::VectorXd size = (std::abs(ratio) * mass.diagonal().array()).sqrt().matrix();
   const auto counts = [&](Index row, Index column, double value) {
     return std::abs(value) >
@@ -96,7 +96,7 @@ std::optional<ScaledStructure> ScaledStructure::of(StructureFamily family,
     return {};
   out.base_ = std::make_shared<const Discretisation>(structure.nominal());
   if (out.masses_.empty()) return out;
-  // Added masses need fewer checks than removed ones.
+  // Added masses need fewer checks than removed masses.
   for (const ChangedMass& mass : out.masses_)
     for (std::size_t j = 0; j < mass.slopes.size(); ++j)
       for (const std::vector<double>& sample : samples)
@@ -145,8 +145,8 @@ bool ScaledStructure::take_mass(const ParametricStructure& structure) {
   return true;
 }
 
-// A point mass and the density change the same motions: the point mass does not scale with the
-// density.
+// A point mass does not scale with the density, but both change the mass of the same
+// motions.
 void ScaledStructure::add_mass(SparseRow motion, std::size_t parameter, double slope) {
   const auto same = std::ranges::find_if(masses_, [&](const ChangedMass& other) {
     if (other.motion.dofs != motion.dofs) return false;

@@ -18,7 +18,7 @@ using Sparse = Discretisation::Sparse;
 
 constexpr std::size_t kTwoNodes = 12;  // degrees of freedom
 
-/// Coupling by K or M, even where entries cancel: 1s in both triangles.
+/// Pattern of coupling by K or M, even where entries cancel: 1 in both triangles.
 Sparse coupling(const Discretisation& d) {
   std::vector<Eigen::Triplet<double>> entries;
   for (const Strain& s : d.strains)
@@ -48,7 +48,7 @@ Groups groups_of(const Sparse& graph, const std::vector<char>& held) {
     std::vector<int> coupled;
     for (Sparse::InnerIterator it(graph, dof); it; ++it)
       coupled.push_back(static_cast<int>(it.row()));
-    // A held dof forms its own group, so that it can remain on the boundary.
+    // A restrained dof forms its own group, so that it can remain on the boundary.
     if (held[index(dof)]) coupled = {-1 - dof};
     const auto [at, is_new] =
         known.try_emplace(std::move(coupled), static_cast<int>(out.dofs.size()));
@@ -68,8 +68,8 @@ Groups groups_of(const Sparse& graph, const std::vector<char>& held) {
   return out;
 }
 
-/// True if a group lies inside a member: it is coupled with at most two ends, each coupled within
-/// itself, with at most the dofs of two nodes.
+/// True if a group lies inside a member: the group is coupled with at most two ends of at most the
+/// dofs of two nodes. The dofs of an end must be coupled with each other.
 bool is_chained(const Groups& groups, std::size_t g) {
   const std::vector<int>& all = groups.neighbours[g];
   std::size_t dofs = 0;
@@ -108,7 +108,7 @@ class Cutter {
     for (std::size_t g = 0; g < count; ++g)
       open_[g] = !held_[index(groups_.dofs[g].front())] && is_chained(groups_, g);
     for (const int neighbours :
-         {1, 2 * static_cast<int>(kTwoNodes)})  // starting from an end, if there is one
+         {1, 2 * static_cast<int>(kTwoNodes)})  // starts from an end if an end exists
       for (std::size_t g = 0; g < count; ++g)
         if (open_[g] && open_neighbours(g) <= neighbours) split(layers_from(g));
   }
@@ -119,7 +119,7 @@ class Cutter {
                                  [&](int other) { return open_[index(other)] != 0; });
   }
 
-  /// By distance: each layer is coupled only with the previous and the next.
+  /// Groups by distance; each layer is coupled only with the previous layer and the next layer.
   std::vector<Layer> layers_from(std::size_t first) {
     std::vector<Layer> layers;
     std::vector<std::size_t> last = {first};

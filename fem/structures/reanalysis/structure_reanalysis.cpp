@@ -18,7 +18,7 @@ namespace {
 
 /// Relative rounding error of a frequency if all modes are kept.
 constexpr double kRoundingBound = 1e-9;
-/// Largest acceptable relative bound; beyond, the changed structure is solved in full.
+/// Largest acceptable relative error bound; above it, the full problem is solved.
 constexpr double kTooWide = 1e-6;
 
 void require_sizes(const StructureReanalysis::Results& results) {
@@ -79,7 +79,7 @@ void StructureReanalysis::Workspace::Impl::observe_motions(const detail::IntactS
     observe(intact, results.motions[m], motion_rows.data() + m * row_size());
 }
 
-/// The motions of the mode with these `coordinates`.
+/// Writes the motions of the mode with the current `coordinates`.
 void StructureReanalysis::Workspace::Impl::write_shape(int root, const Results& results) const {
   const std::size_t size = row_size();
   for (std::size_t m = 0; m < results.motions.size(); ++m) {
@@ -90,7 +90,7 @@ void StructureReanalysis::Workspace::Impl::write_shape(int root, const Results& 
   }
 }
 
-/// The first `count` modes from those of the intact structure, rigid-body modes first.
+/// Takes the first `count` modes from the intact structure, rigid-body modes first.
 void StructureReanalysis::Workspace::Impl::take_intact(const detail::IntactStructure& intact,
                                                        int count, const Results& results) {
   for (int root = 0; root < count; ++root) {
@@ -102,7 +102,7 @@ void StructureReanalysis::Workspace::Impl::take_intact(const detail::IntactStruc
   }
 }
 
-/// First-order estimate, mode by mode: lowered by compliance and mass, raised by springs.
+/// First-order estimate of each eigenvalue: compliance and mass reduce it, springs increase it.
 void StructureReanalysis::Workspace::Impl::set_starts(const detail::IntactStructure& intact,
                                                       const StructureChange& change, int count) {
   starts.assign(index(count), 0.0);
@@ -149,7 +149,7 @@ void StructureReanalysis::Workspace::Impl::set_search(const detail::IntactStruct
              detail::secular_kernel());
 }
 
-/// The roots from `first` on, and their shapes; false if a shape is not determined.
+/// Finds the roots from `first` on, and their shapes. Returns false if a shape is not determined.
 bool StructureReanalysis::Workspace::Impl::find_roots(int first, const Results& results) {
   search.find(first, lambda);
   bool shapes_told = true;

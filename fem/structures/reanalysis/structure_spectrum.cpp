@@ -12,8 +12,8 @@ namespace {
 
 using Eigen::Index;
 
-/// Relative to the largest μ: below it, a mode has no mass. Rounding gives such modes 1e-16 or
-/// 1e-19.
+/// A mode with a smaller μ, relative to the largest μ, has no mass. Rounding gives such modes 1e-16
+/// or 1e-19.
 template <class Real>
 constexpr double kMassless = 1e-13;
 template <>
@@ -22,7 +22,7 @@ constexpr double kMassless<long double> = 1e-16;
 template <class Real>
 using Dense = Eigen::Matrix<Real, Eigen::Dynamic, Eigen::Dynamic>;
 
-/// Bᵀ D B + K_rest, each product in `Real`.
+/// Computes Bᵀ D B + K_rest with products in `Real`.
 template <class Real>
 Dense<Real> dense_stiffness(const Discretisation& d) {
   Dense<Real> k = Dense<Real>::Zero(d.size(), d.size());
@@ -61,8 +61,8 @@ All all_modes(const Discretisation& d, double unit) {
   return all;
 }
 
-/// A basis of the massless motions: those of M's empty rows and, where M is singular otherwise (a
-/// mass with an offset from its node), the null space of D⁻½ M D⁻½, D its diagonal.
+/// A basis of the massless motions: the empty rows of M, and the null space of D⁻½ M D⁻½, D = diag
+/// M, for the others. For example, M is singular if a mass has an offset from its node.
 Eigen::MatrixXd without_mass(const Discretisation& d, Index count) {
   constexpr double kMasslessBelow = 1e-12;
   std::vector<Index> massive;
@@ -86,7 +86,7 @@ Eigen::MatrixXd without_mass(const Discretisation& d, Index count) {
   return out.leftCols(next);
 }
 
-/// Combinations of these with ψᵀ K ψ = 1, K-orthogonal.
+/// K-orthogonal combinations of the massless motions with ψᵀ K ψ = 1.
 StructureSpectrum::Matrix massless_shapes(const Discretisation& d, Index count) {
   using Matrix = StructureSpectrum::Matrix;
   if (count == 0) return Matrix(d.size(), 0);

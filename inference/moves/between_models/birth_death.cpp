@@ -37,7 +37,7 @@ void BirthDeath::choose_deaths(const ModelSpace& space, int larger, const std::v
   const int smaller = space.neighbour(larger, kind_, -1);
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t i = 0; i < k; ++i) {
-    // Updates the set without i from the set without i - 1.
+    // Changes the set without i - 1 to the set without i.
     if (i == 0) {
       const ComponentRange first = space.component(larger, kind_, 0);
       rest_ = z;
@@ -65,7 +65,7 @@ std::optional<double> BirthDeath::propose(const State& from, const Step& step, S
   if (model < 0) return std::nullopt;
   to.model = model;
   component_.resize(space.width(kind_));
-  // ln [death's probability of c] - ln q(c), for the birth that leads to the larger set.
+  // ln [probability that a death removes c] - ln q(c), for the birth of c.
   const auto log_birth_ratio = [&](int c) {
     return std::log(probability_[static_cast<std::size_t>(c)]) - log_standard_normal(component_) -
            proposal_->log_density_ratio(component_);
@@ -91,7 +91,7 @@ std::optional<double> BirthDeath::propose(const State& from, const Step& step, S
   std::ranges::copy(at.of(from.z), component_.begin());
   const auto gap = to.z.begin() + place(at.first);
   to.z.erase(gap, gap + place(at.width));
-  // The reverse birth starts from the smaller set, and needs its residual.
+  // The reverse birth starts from the smaller set and uses its residual.
   step.target.screen(to);
   proposal_->condition(to, kind_, -1, step.beta);
   return -log_birth_ratio(dying);

@@ -13,7 +13,7 @@ namespace {
 constexpr int kMaxCells = 1200;
 constexpr std::size_t kMaxResiduals = 256;
 
-// A location needs many cells, a severity few: the first parameter gets the finest grid.
+// A location needs many cells, a severity few cells. The first parameter gets the finest grid.
 std::vector<int> choose_cells(std::size_t parameters) {
   switch (parameters) {
     case 1:
@@ -46,7 +46,7 @@ std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind) {
   const auto j = static_cast<std::size_t>(kind);
   const std::size_t width = space.kinds()[j].parameters.size();
   if (width == 0) return nullptr;
-  // Reference state: the model with the fewest components of any kind, its own parameters at their
+  // Reference state: the model with the fewest components, with its own parameters at their
   // medians.
   int none = -1;
   int fewest = 0;
@@ -90,7 +90,7 @@ std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind) {
     one.z.insert(one.z.begin() + static_cast<std::ptrdiff_t>(at_first), centre.begin(),
                  centre.end());
     target.screen(one);
-    // Effect unknown: only the defensive part proposes here.
+    // The effect is unknown; only the term with ε proposes this cell.
     if (!std::isfinite(one.log_screen)) continue;
     for (Eigen::Index i = 0; i < n; ++i) {
       const auto at = static_cast<std::size_t>(i);
@@ -113,7 +113,7 @@ void InformedProposal::condition(const State& context, int kind, int skip, doubl
   flat_ = context.residuals.size() != static_cast<std::size_t>(residual_.size()) ||
           !std::isfinite(context.log_screen) || beta <= 0.0;
   if (flat_) return;
-  // Residuals in units of the atlas's noise; the inverse temperature refers to the state's noise.
+  // Residuals are in units of the atlas's noise, but beta refers to the noise of the state.
   const double scale = context.noise_scale / atlas_->noise_scale;
   for (Eigen::Index i = 0; i < residual_.size(); ++i) {
     residual_[i] = static_cast<float>(context.residuals[static_cast<std::size_t>(i)] * scale);

@@ -58,8 +58,8 @@ struct EffectAtlas {
   [[nodiscard]] int cell(std::span<const double> z) const;
 };
 
-/// Computes the atlas of `kind`. Null if the likelihood gives no residuals, or if the space lacks a
-/// pair of models with no and with one component of the kind and equal counts of the others.
+/// Computes the atlas of `kind`. Null if the likelihood gives no residuals, or if no two models
+/// with zero and one component of this kind have the same counts of the other kinds.
 [[nodiscard]] std::shared_ptr<const EffectAtlas> make_atlas(Target& target, int kind);
 
 /// Informed birth. With residual r of the state, adding a component at cell c leaves about r + D_c,

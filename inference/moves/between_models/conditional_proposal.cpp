@@ -32,7 +32,7 @@ ConditionalMixtures::ConditionalMixtures(const ModelSpace& space, const PilotFit
       const Eigen::MatrixXd covariance = component.factor * component.factor.transpose();
       for (int c = 0; c < k; ++c) {
         const int first = static_cast<int>(space.component(m, kind, c).first);
-        // Indices of the other components' coordinates, then of the component's.
+        // Indices of the coordinates of the other components, then of component j.
         std::vector<int> rest, own;
         for (int i = 0; i < d; ++i) (i >= first && i < first + width ? own : rest).push_back(i);
         const Eigen::MatrixXd s_ii = covariance(rest, rest);
@@ -83,7 +83,7 @@ void ConditionalProposal::condition(const State& context, int kind, int skip, do
   logs_.resize(conditionals.size());
   double top = -std::numeric_limits<double>::infinity();
   for (std::size_t s = 0; s < conditionals.size(); ++s) {
-    // |L_I⁻¹ (z_I - μ_I)|², row by row, since the matrices are small and lower triangular.
+    // |L_I⁻¹ (z_I - μ_I)|² row by row, because the matrices are small and lower triangular.
     double square = 0.0;
     for (Eigen::Index i = 0; i < rest; ++i) {
       double sum = 0.0;

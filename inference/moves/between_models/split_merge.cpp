@@ -19,8 +19,8 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
   const int chosen = step.random.index(split ? k : k - 1);
   const auto at = static_cast<std::ptrdiff_t>(space.component(from.model, kind_, chosen).first);
 
-  // One component and the two that it splits into: one[i], first[i], second[i]; initially in the
-  // additive quantity, later in physical units.
+  // one[i]: the component before the split; first[i] and second[i]: the two components after the
+  // split. First in the additive quantity, later in physical units.
   const auto to_sum = [&](std::size_t i, double a) {
     return compounds_ && i > 0 ? -std::log1p(-a) : a;
   };
@@ -43,7 +43,7 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
       first[i] = to_sum(i, from.x[static_cast<std::size_t>(at) + i]);
       second[i] = to_sum(i, from.x[static_cast<std::size_t>(at) + width + i]);
       one[i] = i == 0 ? 0.5 * (first[i] + second[i]) : first[i] + second[i];
-      // A sum has no share outside (0, 1), so the reverse move could not produce this.
+      // The shares s_i must lie in (0, 1); otherwise, no merge and split could produce this state.
       if (i > 0 && !(first[i] * second[i] > 0.0)) return std::nullopt;
     }
     w = 0.5 * (second[0] - first[0]);
@@ -58,7 +58,7 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
     for (std::vector<double>* component : {&one, &first, &second}) {
       (*component)[i] = from_sum(i, (*component)[i]);
     }
-    // ln |dz/ds|, s being the additive quantity.
+    // ln |dz/ds| for the additive quantity s.
     const auto log_dz_dx = [&](double x) {
       const double value = prior.to_standard_normal(x);
       return prior.log_density(x) + 0.5 * value * value + 0.91893853320467274178 +
@@ -66,7 +66,7 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
     };
     log_split += log_dz_dx(first[i]) + log_dz_dx(second[i]) - log_dz_dx(one[i]);
   }
-  if (!std::isfinite(log_split)) return std::nullopt;  // one of the three is outside its prior
+  if (!std::isfinite(log_split)) return std::nullopt;  // a component is outside its prior
 
   const auto end = at + static_cast<std::ptrdiff_t>(split ? width : 2 * width);
   to.z.erase(to.z.begin() + at, to.z.begin() + end);
@@ -79,7 +79,7 @@ std::optional<double> SplitMerge::propose(const State& from, const Step& step, S
     if (!split) break;
   }
   to.z.insert(to.z.begin() + at, z.begin(), z.end());
-  if (!step.target.is_sorted(to)) return std::nullopt;  // not neighbours: no merge reverses this
+  if (!step.target.is_sorted(to)) return std::nullopt;  // no merge reverses this split
   return split ? log_split : -log_split;
 }
 

@@ -13,8 +13,8 @@ namespace wheeltap::inference {
 ///
 /// and two neighbours merge by x = (x₁ + x₂)/2, a_i = a_i₁ + a_i₂, so that sums are conserved. If
 /// effects combine by multiplication, 1 - a is the remaining share of a component, and -ln(1 - a)
-/// replaces a. One of k components is chosen to split and one of k neighbouring pairs of k + 1 to
-/// merge, so these probabilities cancel:
+/// replaces a. A split chooses one of k components, and a merge one of the k neighbouring pairs of
+/// k + 1 components, so these probabilities cancel:
 ///
 ///   ln ratio(split) = - ln g(w) + ln |J| + Σ ln |dz'/dx'| - Σ ln |dz/dx|,     |J| = 2 ∏ |a_i|.
 class SplitMerge : public Move {

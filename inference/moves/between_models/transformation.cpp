@@ -10,7 +10,7 @@ namespace wheeltap::inference {
 
 namespace {
 
-// Σ ln |dz/dx| = Σ ln p(x) - ln φ(z).
+// Computes Σ ln |dz/dx| = Σ ln p(x) - ln φ(z).
 double log_dz_dx(const ModelSpace& space, const State& state, std::span<const double> x) {
   double sum = 0.0;
   for (std::size_t i = 0; i < state.z.size(); ++i) {
@@ -95,8 +95,8 @@ Transformation::Definition Transformation::nested(const ModelSpace& space, int l
                                 "' must have exactly one parameter more than '" +
                                 space[lower].name + "'");
   }
-  // Index of each parameter of the larger model in the input; the new parameter is the auxiliary,
-  // the last entry.
+  // Index of each parameter of the larger model in the input. The new parameter is the auxiliary
+  // variable, the last entry of the input.
   std::vector<std::size_t> source;
   for (const int p : many) {
     source.push_back(static_cast<std::size_t>(std::find(few.begin(), few.end(), p) - few.begin()));
