@@ -64,7 +64,7 @@ void RememberedModel::evaluate(std::span<const double> x, std::span<double> y) {
   ++asked_;
   const std::lock_guard lock(mutex_);
   const auto [kept, is_new] = answers_.try_emplace(std::move(key), y.begin(), y.end());
-  if (!is_new) {  // another thread computed it meanwhile; return one answer to all
+  if (!is_new) {  // another thread stored a result meanwhile: return that result
     std::ranges::copy(kept->second, y.begin());
     return;
   }

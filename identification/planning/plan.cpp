@@ -13,13 +13,13 @@
 namespace wheeltap::identification::planning {
 namespace {
 
-/// Segments of the severity's prior in predictions.
+/// Number of segments of the severity's prior for predictions.
 constexpr int kSegments = 8, kCoarseSegments = 4;
-/// Places in the search for sensors.
+/// Largest number of places in the search for sensors.
 constexpr int kCoarsePlaces = 60;
 constexpr int kRandomLayouts = 5;
 
-/// Throws for counts that a plan cannot treat.
+/// Returns the case; throws if a plan does not support its counts.
 const DamageCase& checked(const DamageCase& damage_case) {
   int most = 0;
   bool intact = true;
@@ -47,7 +47,7 @@ double probability_damaged(const std::vector<NormalModel>& models) {
   return out;
 }
 
-/// Scores variations with fewer scenarios than the best designs.
+/// Scores variations of a design; they have fewer scenarios than the best designs.
 class Variations {
  public:
   Variations(const PlanCase& plan, const PlanModel& model, const PlanOptions& options)
@@ -62,7 +62,7 @@ class Variations {
             .threads = options_.threads};
   }
 
-  /// The same record and modes.
+  /// Scores designs with the modes of the plan and a record of this length.
   [[nodiscard]] std::vector<ScoredDesign> score(std::vector<ScoredDesign> designs,
                                                 double seconds) const {
     TestNoise noise = plan_.noise;
@@ -79,7 +79,7 @@ class Variations {
     return designs;
   }
 
-  /// With another number of modes; none if the band has no more.
+  /// Scores a design with another number of modes; empty if the band has too few modes.
   [[nodiscard]] std::optional<ScoredDesign> with_modes(const TestDesign& design, int modes) const {
     PlanCase changed = plan_;
     changed.structure.modes = modes;
@@ -108,7 +108,7 @@ std::string sensors_name(std::size_t n) {
   return n < 2 ? "frequencies alone" : std::to_string(n) + " sensors";
 }
 
-/// The interaction of two defects at places a < b in the data of a design; none if it was not
+/// The interaction of two defects at places a < b in the data of a design; empty if it was not
 /// predicted.
 std::optional<Eigen::VectorXd> interaction_of(const PlacePredictions& predictions,
                                               const PreparedDesign& design, int a, int b) {
@@ -123,8 +123,8 @@ std::optional<Eigen::VectorXd> interaction_of(const PlacePredictions& prediction
   return out;
 }
 
-/// How far two defects are from the sum of their effects and their interaction, in standard errors
-/// per datum: median and 90 % quantile over simulated pairs.
+/// Difference between the data of two defects and the sum of their effects and interaction, in
+/// standard errors per datum: median and 90 % quantile over simulated pairs.
 std::pair<double, double> interaction_error(const PlanModel& model, const PreparedDesign& design) {
   PlannedStructure::Solver solver(model.structure());
   std::vector<double> found;
@@ -182,7 +182,7 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
   for (const RankedDesign& step : out.search.path)
     path.push_back({.name = sensors_name(step.design.sensors.size()), .design = step.design});
   if (plan.choose >= 2) {
-    // The exchanged design takes the place of the greedy one with as many sensors.
+    // The design after exchanges replaces the greedy design with the same number of sensors.
     path.back() = {.name = sensors_name(best.sensors.size()), .design = best};
     out.by_sensors = variations.score(path, plan.noise.seconds);
   }
@@ -228,7 +228,7 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
                              .scores = d.scores});
 }
 
-/// Sensors by a search with fewer places and severities.
+/// Chooses sensors by a search with fewer places and severities than the final scores.
 SensorChoice search(const PlanCase& plan, const PlanOptions& options) {
   PlanCase coarse = plan;
   coarse.structure.most_places = kCoarsePlaces;

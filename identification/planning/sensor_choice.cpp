@@ -21,9 +21,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Pairs of sensors that begin the search.
+/// Largest number of pairs of sensors at the start of the search.
 constexpr int kMostPairs = 120;
-/// Rounds of exchanges.
+/// Largest number of rounds of exchanges.
 constexpr int kMostPasses = 10;
 
 /// Compares designs by the same simulated tests.
@@ -96,7 +96,7 @@ class Race {
     });
   }
 
-  /// Under the prior of models: scenario n has model n mod the number of models.
+  /// Mean weighted by the priors of the models: scenario n has model n mod the number of models.
   [[nodiscard]] double weighted_mean(std::span<const double> values) const {
     const auto& models = source_.models();
     std::vector<double> sum(models.size(), 0.0), n(models.size(), 0.0);
@@ -169,7 +169,7 @@ std::vector<TestDesign> all_layouts(int candidates, int choose) {
   }
 }
 
-/// All pairs of sensors; of many, those of the classical criteria and random ones.
+/// All pairs of sensors or, if there are too many, pairs by classical criteria and random pairs.
 std::vector<TestDesign> pairs_of(const MatrixXd& shapes, std::uint64_t seed) {
   const int candidates = static_cast<int>(shapes.rows());
   if (layout_count(candidates, 2) <= kMostPairs) return all_layouts(candidates, 2);
@@ -180,7 +180,7 @@ std::vector<TestDesign> pairs_of(const MatrixXd& shapes, std::uint64_t seed) {
   return out;
 }
 
-/// The designs with one more sensor.
+/// All designs with one more sensor.
 std::vector<TestDesign> longer(const TestDesign& design, int candidates) {
   std::vector<TestDesign> out;
   for (int c = 0; c < candidates; ++c) {
@@ -192,7 +192,7 @@ std::vector<TestDesign> longer(const TestDesign& design, int candidates) {
   return out;
 }
 
-/// The design and those with one sensor exchanged.
+/// The design, and all designs with one sensor exchanged.
 std::vector<TestDesign> exchanged(const TestDesign& design, int candidates) {
   std::vector<TestDesign> out = {design};
   for (std::size_t i = 0; i < design.sensors.size(); ++i)

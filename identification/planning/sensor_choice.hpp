@@ -36,22 +36,22 @@ struct SensorChoice {
 
 /// Maximises the expected information about count and place. All designs receive the same simulated
 /// tests, so differences between designs are estimated with little noise. A comparison begins with
-/// `first_scenarios` scenarios. Designs with less information than the best design, by more than
-/// three standard errors of the difference, are removed. For the other designs, the number of
-/// scenarios doubles, up to `most_scenarios`. If there are at most `exhaustive` designs, all
-/// designs are compared. Otherwise, a greedy search begins with the best pair of sensors (shapes
-/// need two), among all or 120 pairs, and adds one sensor at a time. The best of this design and
-/// the layouts by effective independence and kinetic energy is then improved: single sensors are
-/// exchanged until no exchange improves the design. Throws std::invalid_argument for more sensors
-/// than candidates.
+/// `first_scenarios` scenarios. It removes designs whose information is below that of the best
+/// design by more than three standard errors of the difference. For the other designs, the number
+/// of scenarios doubles, up to `most_scenarios`. If there are at most `exhaustive` designs, all are
+/// compared. Otherwise, a greedy search begins with the best pair of sensors, among all or 120
+/// pairs, and adds one sensor at a time (shapes need two). The best of this design and the layouts
+/// by effective independence and kinetic energy is then improved: single sensors are exchanged
+/// until no exchange improves the design. Throws std::invalid_argument for more sensors than
+/// candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,
                                           const TestNoise& noise, const ChoiceOptions& options);
 
 /// Effective independence (Kammer 1991, J. Guid. Control Dyn. 14:251): the candidate with the
 /// smallest diagonal entry of Φ (ΦᵀΦ)⁻¹ Φᵀ is removed until `count` sensors remain. With fewer
-/// sensors than modes, the entries with the pseudo-inverse are equal. The sensor with the smallest
-/// contribution to the determinant of Φ Φᵀ is then removed.
+/// sensors than modes, the pseudo-inverse gives equal entries. Then the sensor with the smallest
+/// contribution to the determinant of Φ Φᵀ is removed.
 [[nodiscard]] std::vector<int> effective_independence(const Eigen::MatrixXd& shapes, int count);
 
 /// The `count` sensors with the largest Σ φ² over the modes, for shapes scaled to unit length.
