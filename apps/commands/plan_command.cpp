@@ -14,7 +14,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// A rough estimate: seconds of a core for the search and for the simulated tests of some designs.
+/// Rough estimate of run time on one core: search, and simulated tests of the designs.
 RunCost cost_of_plan(const PlanCaseFile& parsed, int scenarios) {
   constexpr double kTest = 3e-4, kDesigns = 30.0, kSearch = 256.0;
   const auto candidates = static_cast<double>(parsed.sensors.size());

@@ -45,7 +45,7 @@ std::string probability_with_error(double p, double error) {
   return fixed(p, 4) + " ± " + fixed(error, 4);
 }
 
-// One overload per remark.
+// Converts remarks to sentences, with one overload per type of remark.
 class Speaker {
  public:
   explicit Speaker(const Context& context) : context_(context) {}

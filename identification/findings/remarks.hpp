@@ -273,7 +273,7 @@ struct MeansDoNotGoTogether {
   std::string model;
   std::vector<Channel> channels;
 };
-/// For each channel, `factor` is the RMS of the residuals divided by the stated noise.
+/// `factor`: RMS of the residuals of a channel divided by the stated noise. They differ.
 struct NoiseMisstated {
   struct Channel {
     std::string name;
