@@ -88,7 +88,7 @@ void require_room(const RunCost& cost, const CommonOptions& common) {
 
 double draws_in_memory(const CommonOptions& common) {
   const bool has_folder =
-      !common.output.empty() || common.dry_run;  // as in every command
+      !common.output.empty() || common.dry_run;  // as in the runs of all commands
   return has_folder ? double{io::kNetcdfInMemory} : std::numeric_limits<double>::infinity();
 }
 

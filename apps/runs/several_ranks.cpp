@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kModule = "wheeltap_mpi.so";
 constexpr double kRankPatience =
-    30.0;  // time that a failed rank waits for others to fail too [s]
+    30.0;  // [s]: time that a failed rank waits for other ranks to fail too
 
 // Environment variables that a launcher sets.
 bool is_launched() {

@@ -36,9 +36,9 @@ struct Prepared {
   std::vector<CovariateScaling::Scaled> scaled = {};
   std::vector<FeatureRows> features = {};
   VectorXd long_low = {}, long_high = {};  ///< range of covariates with the long lag
-  MatrixXd sorted = {};          ///< rows x covariates, each column sorted for quantiles
-  std::vector<int> hinged = {};  ///< covariates that may have hinges
-  std::vector<double> variance = {};  ///< per feature
+  MatrixXd sorted = {};                    ///< rows x covariates, each column sorted for quantiles
+  std::vector<int> hinged = {};            ///< covariates that may have hinges
+  std::vector<double> variance = {};       ///< per feature
   bool lag = false;
   int most_hinges = 0;
 };

@@ -114,14 +114,14 @@ class NormalTest {
   std::vector<NormalModel> models_;
   int intact_ = -1;
   std::size_t most_pairs_;
-  Eigen::MatrixXd nodes_;                   // data × all nodes
-  Eigen::MatrixXd gram_;                    // products of all nodes
-  std::vector<Eigen::Index> first_;         // first node of each place, and the end
-  std::vector<double> squares_;             // |node|²
-  std::vector<double> next_products_;       // node · next node of the place
-  std::vector<Eigen::Index> typical_;       // typical node of each place
-  std::vector<double> typical_norm_;        // norm of the typical node; 0: no effect
-  std::vector<std::vector<double>> along_;  // nodes projected on the typical node
+  Eigen::MatrixXd nodes_;                               // data × all nodes
+  Eigen::MatrixXd gram_;                                // products of all nodes
+  std::vector<Eigen::Index> first_;                     // first node of each place, and the end
+  std::vector<double> squares_;                         // |node|²
+  std::vector<double> next_products_;                   // node · next node of the place
+  std::vector<Eigen::Index> typical_;                   // typical node of each place
+  std::vector<double> typical_norm_;                    // norm of the typical node; 0: no effect
+  std::vector<std::vector<double>> along_;              // nodes projected on the typical node
   std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
   Eigen::MatrixXd interactions_;                        // data × pairs with an interaction
   Eigen::MatrixXi column_of_;                           // per pair of places; -1: no interaction

@@ -22,8 +22,8 @@ struct PieceSection {
   /// Computes the section for given values of the parameters. Throws std::invalid_argument for
   /// inconsistent dimensions.
   std::function<fem::MemberSection(std::span<const double>)> at;
-  bool depends = false;         ///< true if the section depends on a parameter
-  double density_factor = 1.0;  ///< mass per length / (ρ A), for several materials
+  bool depends = false;                   ///< true if the section depends on a parameter
+  double density_factor = 1.0;            ///< mass per length / (ρ A), for several materials
   std::vector<std::string> remarks = {};  ///< sentences on neglected properties
 };
 

@@ -22,7 +22,7 @@ struct TrackedModesOf {
 ///   (record, mode): frequency, frequency_sd, damping of the assigned mode (NaN: missing);
 ///     probability of the assignment, or of "missing"; number of the mode in its file (0: missing);
 ///     mac with the reference shape of the tracked mode
-///   (record): modes, the number of identified modes; spurious, the expected number of spurious ones
+///   (record): modes, the number of identified modes; spurious, the expected number
 ///   (mode): reference_frequency, scatter, detection
 ///   attribute files: one name per line
 [[nodiscard]] std::string tracked_netcdf(const TrackedModesOf& tracked,
