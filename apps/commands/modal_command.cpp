@@ -37,7 +37,7 @@ ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::ui
     };
     file.refuse(set_up.places[static_cast<std::size_t>(error.channel)],
                 error.original
-                    ? "is the same as " + name(*error.original) + " but for scale: leave one out"
+                    ? "equals " + name(*error.original) + " except for its scale: leave one out"
                     : error.reason);
   } catch (const signals::ChosenPoleError& error) {
     file.refuse(Pointer("/poles") / static_cast<std::size_t>(error.pole), error.what());

@@ -68,7 +68,7 @@ Command plan_command() {
                     ->check(whole(1000, 10'000'000));
                 app.add_option("--check", how->checks,
                                "number of simulated tests that quick runs of the full engine "
-                               "identify (default: 10)")
+                               "analyse as a check (default: 10)")
                     ->check(whole(0, 10'000));
               },
           .run = [how](const Invocation& asked) { plan(asked.common, *how); }};

@@ -86,7 +86,7 @@ std::string design_page(const fs::path& directory, const Report& summary) {
     return plan_page(summary);
   } catch (const std::logic_error& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
-                    std::string("does not hold what a run writes: ") + error.what());
+                    std::string("does not have the format of a plan's results: ") + error.what());
   }
 }
 

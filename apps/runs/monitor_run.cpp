@@ -165,7 +165,7 @@ MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& commo
     table = io::read_bytes(folder / "series.csv");
     if (io::fingerprint(table) != state->series_csv)
       throw io::FileError(io::FileError::Kind::mismatch, folder / "series.csv",
-                          "is not what the last call wrote: run once without --resume");
+                          "differs from the file that the last call wrote: run once without --resume");
   } else {
     state = learn(parsed, common, seed);
     state->case_text = case_text;

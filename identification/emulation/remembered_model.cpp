@@ -43,8 +43,8 @@ auto RememberedModel::asking(const Ask& ask) {
       std::string line = error.what();
       if (journal_)
         line += "; " + std::to_string(answers_.size()) +
-                (answers_.size() == 1 ? " answer is" : " answers are") + " kept in " +
-                path_.string() + "; --resume continues from the kept answers";
+                (answers_.size() == 1 ? " result is" : " results are") + " stored in " +
+                path_.string() + "; --resume continues from the stored results";
       failure_.emplace(error.kind(), line);
     }
     throw OutsideModelError(*failure_);

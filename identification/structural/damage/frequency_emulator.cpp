@@ -111,7 +111,7 @@ void FrequencyEmulator::measure(const fem::Reanalysis& reanalysis, int count, In
   }
   if (kept < 2) {
     throw std::invalid_argument(
-        "the training runs cover all possible points, so no fresh runs can measure the error");
+        "the training runs cover all possible points, so no further runs can measure the error");
   }
   fresh.points.conservativeResize(kept, Eigen::NoChange);
   const RowMatrix truth = emulator::run_experiment(fresh, modes_, model_of(reanalysis, options),
