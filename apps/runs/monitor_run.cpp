@@ -164,8 +164,9 @@ MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& commo
     check_continues(parsed, *state, case_text);
     table = io::read_bytes(folder / "series.csv");
     if (io::fingerprint(table) != state->series_csv)
-      throw io::FileError(io::FileError::Kind::mismatch, folder / "series.csv",
-                          "differs from the file that the last call wrote: run once without --resume");
+      throw io::FileError(
+          io::FileError::Kind::mismatch, folder / "series.csv",
+          "differs from the file that the last call wrote: run once without --resume");
   } else {
     state = learn(parsed, common, seed);
     state->case_text = case_text;

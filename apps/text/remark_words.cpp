@@ -370,10 +370,10 @@ class Speaker {
                   "extreme and intervals too narrow; add \"residuals\": {\"" +
                       std::string(residual_kinds().front()->key) +
                       "\": \"auto\"} to the case, or a model that explains more.") +
-           (r.others.empty() ? ""
-            : r.others.size() == 1
-                ? " Under \"" + r.others[0] + "\" the residuals are similar."
-                : " Under " + std::to_string(r.others.size()) + " other models the residuals are similar.");
+           (r.others.empty()       ? ""
+            : r.others.size() == 1 ? " Under \"" + r.others[0] + "\" the residuals are similar."
+                                   : " Under " + std::to_string(r.others.size()) +
+                                         " other models the residuals are similar.");
   }
   std::string operator()(const remark::ParameterAtBound& r) const {
     return "Under \"" + r.model + "\" the posterior of " + r.parameter + " piles up at the " +

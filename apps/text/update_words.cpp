@@ -232,8 +232,8 @@ std::string numbering_sentence(const UpdateFindings& findings) {
          name_modes(n.measured) + "): " + probability_is(n.probability) +
          " under the priors. The model's " + name_modes(n.likeliest.modes) + " have " +
          probability_is(n.likeliest.probability) +
-         ". If these numbers are right, state \"model_modes\": " + listed_numbers(n.likeliest.modes) +
-         " beside \"from\", or \"frequencies\": [" + nulls +
+         ". If these numbers are right, state \"model_modes\": " +
+         listed_numbers(n.likeliest.modes) + " beside \"from\", or \"frequencies\": [" + nulls +
          "]; or measure mode shapes at two or more sensors.";
 }
 

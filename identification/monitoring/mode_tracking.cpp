@@ -120,7 +120,7 @@ double modal_assurance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
 
 MatrixXd pair_probabilities(const MatrixXd& ratio, const VectorXd& detection) {
   using Weights = std::map<std::uint64_t, double>;
-  constexpr double kNegligible = 1e-14;  // relative to the largest weight
+  constexpr double kNegligible = 1e-14;  // weight relative to the largest weight
   const Index tracked = ratio.rows(), modes = ratio.cols();
   const auto bit = [](Index j) { return std::uint64_t{1} << static_cast<unsigned>(j); };
   const auto prune = [](Weights& w) {

@@ -114,8 +114,8 @@ class NormalTest {
   std::vector<NormalModel> models_;
   int intact_ = -1;
   std::size_t most_pairs_;
-  Eigen::MatrixXd nodes_;                               // data × all nodes
-  Eigen::MatrixXd gram_;                                // products of all nodes
+  Eigen::MatrixXd nodes_;                               // nodes of all places, data × nodes
+  Eigen::MatrixXd gram_;                                // scalar products of all pairs of nodes
   std::vector<Eigen::Index> first_;                     // first node of each place, and the end
   std::vector<double> squares_;                         // |node|²
   std::vector<double> next_products_;                   // node · next node of the place

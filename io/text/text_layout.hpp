@@ -66,7 +66,7 @@ struct TableShape {
   char separator = ',';
   char decimal = '.';
   std::size_t columns = 0;
-  std::size_t trailing = 0;  ///< number of separators at the end of rows without a cell after them
+  std::size_t trailing = 0;  ///< number of final separators that no cell follows
   /// True if the last column holds remarks. The cell and the separator of this column may be
   /// missing in a row.
   bool optional_last = false;

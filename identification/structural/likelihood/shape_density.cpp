@@ -20,7 +20,7 @@ using Eigen::VectorXd;
 /// the shape, large enough for double precision.
 constexpr double kTied = 1e-3;
 
-/// ln of the normal density of variance v, wrapped at π, at α in (-π/2, π/2].
+/// ln of the normal density with variance v, wrapped with period π, at α in (-π/2, π/2].
 double log_wrapped_normal(double alpha, double v) {
   // Above this v, the density is uniform up to rounding: its first Fourier term is 2 exp(-2 v).
   constexpr double kUniform = 20.0;

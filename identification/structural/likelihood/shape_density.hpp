@@ -57,8 +57,8 @@ class ShapeDensity {
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more) const;
   /// Compares with a computed shape and also gives the residual Σ^{-1/2} (ψ - a φ) and its
-  /// sensitivity to changes of φ along each column of `moved`. The sensitivity is a Σ^{-1/2} moved,
-  /// projected orthogonally to Σ^{-1/2} φ, because the amplitude a adapts.
+  /// sensitivity to changes of φ along each column of `moved`. The sensitivity is a · Σ^{-1/2} ·
+  /// `moved`, projected orthogonally to Σ^{-1/2} φ, because the amplitude a adapts.
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more, const Eigen::MatrixXd& moved,
                                    Eigen::VectorXd& residual, Eigen::MatrixXd& moves) const;
