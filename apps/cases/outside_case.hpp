@@ -43,7 +43,7 @@ struct OutsideSpec {
   std::vector<std::string> names = {};      ///< names of the inputs
   std::optional<identification::OutsideEmulatorSpec> emulator = {};
   std::filesystem::path memory =
-      /// File of stored predictions that the case names. If `store` is empty, predictions are
+      /// File of stored predictions that the case names. If `memory` is empty, predictions are
       /// stored in the folder of the run.
       {};
 };

@@ -15,7 +15,7 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr int kDeepest = 8;  // levels of nested groups
+constexpr int kDeepest = 8;  // largest depth of nested groups
 constexpr int kMostDimensions = 4;
 
 /// A part of a complex number as stored by h5py and others: a compound of two real numbers.

@@ -17,9 +17,9 @@ struct LinkCurve {
   std::vector<double> q2_5, q50, q97_5;  ///< quantiles of the tension
 };
 
-/// One curve per link of a model with draws, except links with the same force law in every draw.
-/// The curves use at most 400 draws, evenly spread over the Markov chains. The result is empty if
-/// the simulation of the model fails at the posterior mean.
+/// One curve per link of a model with draws. Links with the same force law in every draw are
+/// omitted. The curves use at most 400 draws, evenly spread over the Markov chains. The result is
+/// empty if the simulation of the model fails at the posterior mean.
 [[nodiscard]] std::optional<std::vector<LinkCurve>> link_laws(const SidProblem& problem,
                                                               const inference::Posterior& posterior,
                                                               int model);

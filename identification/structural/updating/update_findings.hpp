@@ -53,7 +53,7 @@ struct ModeFinding {
   /// Probability that the mode is spurious, if modes may be spurious
   double spurious = 0.0;
   bool has_shape = false;
-  Marginal mac = {};              ///< over the draws
+  Marginal mac = {};              ///< MAC of measured and computed shape over the draws
   double shape_chi_square = 0.0;  ///< χ² of the shape, mean over the draws
   int shape_freedoms = 0;
   double shape_p = 1.0;  ///< p-value of the shape, mean over the draws
