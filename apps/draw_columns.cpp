@@ -7,7 +7,7 @@
 namespace wheeltap::apps {
 
 std::string variable_of(const std::string& parameter) {
-  // netcdf_name is not needed: cases reject invalid names.
+  // Names need no conversion by netcdf_name, because cases reject invalid names.
   std::string name = parameter;
   std::ranges::replace(name, '/', '_');
   while (!name.empty() && name.back() == ' ') name.pop_back();

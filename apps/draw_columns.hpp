@@ -11,13 +11,13 @@
 
 namespace wheeltap::apps {
 
-/// A column with one number per draw, or per draw and slot. Slots that a draw does not use contain
-/// NaN. The values of a column are computed when they are needed, because all columns of millions
-/// of draws would not fit into memory.
+/// A column with one number per draw, or a fixed number of slots per draw. Slots that a draw does
+/// not use contain NaN. The values of a column are computed when they are needed, because all
+/// columns of millions of draws would not fit into memory.
 struct DrawColumn {
   std::string name;
   std::function<double(const inference::Chain&, std::size_t draw, std::size_t slot)> value;
-  bool whole = false;  ///< true if the column contains whole numbers
+  bool whole = false;  ///< true if the numbers are whole numbers
   std::string unit = {};
   std::string slot = {};  ///< name of the dimension of slots; empty: no slots
   std::size_t slots = 1;
@@ -45,7 +45,7 @@ struct DrawColumn {
 /// The column of the model, then one column per parameter.
 [[nodiscard]] std::vector<DrawColumn> parameter_columns(const inference::Posterior& posterior);
 
-/// Writes the group `posterior`, dimensions chain and draw first.
+/// Writes the group `posterior`; the first dimensions of its variables are chain and draw.
 void write_draws(const io::NetcdfWriter& file, const inference::Posterior& posterior,
                  const std::vector<DrawColumn>& columns);
 

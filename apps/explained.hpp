@@ -5,8 +5,8 @@
 
 namespace wheeltap::apps {
 
-/// Runs work() and converts errors of the library to Failure. `file` (DamageCaseFile, SidCaseFile)
-/// gives the location of an error in the case.
+/// Runs work() and converts errors of the library to Failure. `file`, a DamageCaseFile or
+/// SidCaseFile, gives the location of an error in the case.
 template <class File, class Work>
 auto explained(const File& file, const Work& work) {
   try {

@@ -20,14 +20,14 @@ enum class Exit : int {
   interrupted = 130,   ///< Ctrl-C before the run had results
 };
 
-/// The key of a case that a failure is about.
+/// The key of the case to which a failure refers.
 struct CasePlace {
   std::string pointer;  ///< JSON pointer, e.g. /beam/material/poisson; "/" for the whole case
-  std::string reason;   ///< the line without file and pointer
+  std::string reason;   ///< the message without file and pointer
 };
 
-/// A failure of a command: an exit code and one line with the location, the value and the allowed
-/// values.
+/// A failure of a command: an exit code and one line that states the location, the value and the
+/// allowed values.
 class Failure : public std::runtime_error {
  public:
   Failure(Exit exit, const std::string& line, std::optional<CasePlace> place = {})

@@ -14,12 +14,12 @@ bool is_digit(char c) {
   return c >= '0' && c <= '9';
 }
 
-/// The last non-blank byte before `at`; npos if there is none.
+/// Position of the last byte before `at` that is not a blank; npos if there are only blanks.
 std::size_t last_before(std::string_view text, std::size_t at) {
   return at == 0 ? std::string_view::npos : text.find_last_not_of(kJsonBlank, at - 1);
 }
 
-/// The digits, signs and points that touch `at`.
+/// The digits, signs and points next to position `at`.
 std::string_view number_around(std::string_view text, std::size_t at) {
   const auto of_number = [](char c) { return is_digit(c) || c == '.' || c == '-' || c == '+'; };
   std::size_t first = at, last = at;
@@ -32,7 +32,7 @@ std::string_view number_around(std::string_view text, std::size_t at) {
 
 std::string syntax_remedy(std::string_view text, std::size_t at) {
   at = std::min(at, text.size());
-  // The word in which the parser stopped.
+  // Find the word in which the parser stopped.
   constexpr std::string_view kEnds = ",:[]{}\n\"";
   const std::size_t opened = at == 0 ? std::string_view::npos : text.find_last_of(kEnds, at - 1);
   std::size_t first = opened == std::string_view::npos ? 0 : opened + 1;

@@ -21,7 +21,7 @@ std::pair<std::size_t, std::size_t> line_and_column(std::string_view text, std::
   return {line, newline == std::string_view::npos ? at + 1 : at - newline};
 }
 
-/// Checks a text in linear time before JSON values are built.
+/// Checks a JSON text in linear time, before any JSON values are built.
 class Watch : public nlohmann::json_sax<nlohmann::json> {
  public:
   Watch(const std::filesystem::path& path, std::string_view text, std::size_t most_keys)
@@ -38,7 +38,7 @@ class Watch : public nlohmann::json_sax<nlohmann::json> {
   bool end_object() override { return close(); }
   bool start_array(std::size_t) override { return open(); }
   bool end_array() override { return close(); }
-  // JSON parsers silently keep the last of two equal keys; here this is an error.
+  // Two equal keys are an error here; JSON parsers would silently keep the last one.
   bool key(string_t& key) override {
     if (!keys_.back().insert(key).second) {
       refuse(": the key \"" + key + "\" is used twice in one object");
@@ -83,7 +83,7 @@ class Watch : public nlohmann::json_sax<nlohmann::json> {
   const std::filesystem::path& path_;
   std::string_view text_;
   std::size_t most_keys_;
-  std::vector<std::unordered_set<std::string>> keys_;  // of every open list and object
+  std::vector<std::unordered_set<std::string>> keys_;  // keys of every open list and object
 };
 
 }  // namespace

@@ -15,12 +15,12 @@ constexpr std::size_t kDeepestJson = 100;
 constexpr std::size_t kLargestCase = std::size_t{64} << 20U;
 /// Largest answer of an external program or server [bytes]: a million numbers.
 constexpr std::size_t kLargestAnswer = std::size_t{16} << 20U;
-/// Largest number of keys of one object in ordered JSON, in which finding a key takes linear time.
+/// Largest number of keys per object in ordered JSON, where the search for a key is linear.
 constexpr std::size_t kMostOrderedKeys = 20'000;
 
 /// Parses all of `text`; AnyJson is nlohmann::json or ordered_json. Throws Failure (65), with the
-/// file name `path`, for invalid JSON (with line and column), a duplicate key in an object, too
-/// large a number and too deep nesting.
+/// file name `path`, for invalid JSON (with line and column), duplicate keys in an object, numbers
+/// that are too large, and nesting that is too deep.
 template <class AnyJson>
 [[nodiscard]] AnyJson parse_json(const std::filesystem::path& path, std::string_view text);
 

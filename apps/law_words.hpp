@@ -17,9 +17,9 @@ namespace wheeltap::apps {
 /// law.
 [[nodiscard]] std::string keys_in_words(const dynamics::LawInfo& info);
 
-/// The allowed values of a force law in a case: "force [N] (a number or a parameter's name), an
-/// object with force [N], velocity [m/s], or a list of these (dry friction; `wheeltap laws
-/// coulomb`)".
+/// The allowed values of a force law in a case, as text: "force [N] (a number or a parameter's
+/// name), an object with force [N], velocity [m/s], or a list of these (dry friction; `wheeltap
+/// laws coulomb`)".
 [[nodiscard]] std::string law_in_words(const dynamics::LawInfo& info);
 
 /// Description of a coefficient: "the force at which it slips [N]: a number or a parameter's name;

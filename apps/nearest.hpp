@@ -13,8 +13,8 @@ namespace wheeltap::apps {
 
 /// The candidate nearest to `word` by edit distance, if this distance is within a third of the
 /// word's length plus one. Otherwise the longest candidate of at least four letters that `word`
-/// contains ("frequencies_hz"), or that begins with `word` ("freq"). The result is empty if there
-/// is no such candidate.
+/// contains ("frequencies_hz") or that begins with `word` ("freq"). The result is empty if no
+/// candidate satisfies this.
 [[nodiscard]] std::string nearest(std::string_view word,
                                   const std::vector<std::string>& candidates);
 

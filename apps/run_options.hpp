@@ -19,8 +19,8 @@ using inference::RunCost;
 /// Name of the environment variable that replaces --threads.
 inline constexpr const char* kThreadsVariable = "WHEELTAP_THREADS";
 
-/// Environment variable: with the value "json", progress on standard error is lines of JSON,
-/// {"stage", "fraction", "detail", "seconds_left"}.
+/// Name of an environment variable. If its value is "json", the progress on standard error is one
+/// line of JSON per report: {"stage", "fraction", "detail", "seconds_left"}.
 inline constexpr const char* kProgressVariable = "WHEELTAP_PROGRESS";
 
 /// Options of every command that reads a case.
@@ -33,8 +33,8 @@ struct CommonOptions {
   bool quiet = false;
   bool resume = false;
   double checkpoint_seconds = 60.0;  ///< time between two checkpoints [s]; 0: no checkpoints
-  /// Callback of --dry-run. If the callback is set, a command passes it the estimated cost of its
-  /// work ("run", "table") and ends without doing the work.
+  /// Callback of --dry-run. If it is set, a command passes the estimated cost of its work ("run",
+  /// "table") to the callback and ends without the work.
   std::function<void(const std::string& what, const RunCost& cost)> dry_run;
   double max_memory_gb = 4.0;  ///< limit of the estimated memory
   double max_hours = 100.0;

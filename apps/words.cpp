@@ -23,7 +23,7 @@ std::string resolved(double x, double width) {
         static_cast<int>(std::floor(std::log10(std::abs(x))) - std::floor(std::log10(width))) + 2,
         3, 10);
   }
-  // Use plain notation in the usual range.
+  // Plain notation for numbers of usual size.
   const double size = std::abs(x);
   if (size >= 1000.0 && size < 1e7) {
     return fixed(x, std::max(0, digits - 1 - static_cast<int>(std::floor(std::log10(size)))));

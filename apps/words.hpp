@@ -45,16 +45,16 @@ using base::grouped;
 /// Mode numbers in words: "modes 5 to 20", "modes 3, 7 and 9".
 [[nodiscard]] std::string name_modes(const std::vector<int>& modes);
 
-/// Text for a model without draws: "never proposed", "not entered in 786 proposals", "entered once
+/// Text on a model without draws: "never proposed", "not entered in 786 proposals", "entered once
 /// in 786 proposals, but in no draw that was kept".
 [[nodiscard]] std::string entered_in_words(long entered, long proposed);
-/// Text for a model whose probability comes from its evidence: "not entered in 123 456 proposals;
+/// Text on a model whose probability comes from its evidence: "not entered in 123 456 proposals;
 /// its evidence puts it at P ≈ 0.21 ± 0.02". The text is empty for a model with enough draws.
 [[nodiscard]] std::string told_by_evidence(const identification::ModelFinding& model);
 
 /// Text on the resolution of the mode search: "posterior modes reached from less than 0.3 % of the
-/// prior may have been missed", with the widths of posterior modes for which this statement holds.
-/// The text is empty without a search.
+/// prior may have been missed", and the widths of posterior modes for which this is true. The text
+/// is empty without a search.
 [[nodiscard]] std::string resolution_in_words(const inference::Verdict& verdict);
 
 /// Data for the text of a remark, in addition to the numbers in the remark.
@@ -68,7 +68,7 @@ struct Context {
 
 /// A sentence on a choice of the sampler.
 [[nodiscard]] std::string in_words(inference::Choice choice);
-/// A model without a possible point in its prior.
+/// A sentence on a model whose prior contains no possible point.
 [[nodiscard]] std::string impossible_in_words(const std::string& model);
 /// A sentence on the part of a record that a quick run used.
 [[nodiscard]] std::string in_words(const identification::Look& look);

@@ -15,9 +15,9 @@ struct CaseUnit {
   double factor;  ///< SI value = factor · value
 };
 
-// Units of cases; signals/units has those of records. "g" is gram here, since no key of a case is
-// an acceleration. The pound-force per square inch: NIST Special Publication 811 (2008), appendix
-// B.
+// Units in cases; signals/units has the units of records. "g" is gram here, because no key of a
+// case is an acceleration. Source of the pound-force per square inch: NIST Special Publication 811
+// (2008), appendix B.
 constexpr double kPsi = 0.45359237 * 9.80665 / (0.0254 * 0.0254);
 constexpr CaseUnit kCaseUnits[] = {
     {"%", "", 1e-2},
@@ -91,7 +91,7 @@ std::optional<CaseUnit> find_case_unit(std::string_view text) {
   return {};
 }
 
-/// Digits with a decimal point.
+/// The digits of a number, with a decimal point.
 std::string plain_digits(std::string text) {
   std::erase(text, ' ');
   std::erase(text, '\'');
@@ -124,7 +124,7 @@ std::optional<WrittenNumber> written_number(std::string_view text) {
   const std::string_view all = trim(text);
   if (all.size() > 40) return {};
   std::size_t end = all.find_first_not_of("+-0123456789.,_' ");
-  // An exponent, if digits follow it.
+  // Include an exponent if digits follow the letter e.
   if (end != std::string_view::npos && end > 0 && (all[end] == 'e' || all[end] == 'E')) {
     const std::size_t sign =
         end + 1 +

@@ -36,9 +36,9 @@ fs::path folder_of(const fs::path& path) {
   return folder.empty() ? "." : folder;
 }
 
-/// Flushes the names in a folder to the disk. A failure is ignored, because a writable folder need
-/// not be readable, and some file systems do not support this operation. The files are complete
-/// even if the operation fails.
+/// Flushes the names in a folder to the disk. The function ignores a failure, because a writable
+/// folder need not be readable, and some file systems lack this operation. The files are complete
+/// even if the flush fails.
 void sync_folder(const fs::path& folder) {
   const int descriptor = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
   if (descriptor < 0) return;
@@ -68,7 +68,7 @@ bool lock(int descriptor) {
   return ::flock(descriptor, LOCK_EX | LOCK_NB) == 0;
 }
 
-/// Opens and locks a regular file of this user. Returns -1 for any other file.
+/// Opens and locks a regular file of this user. Returns -1 if `path` is any other file.
 int open_own(const fs::path& path) {
   const int descriptor = ::open(path.c_str(), O_RDONLY | O_NOFOLLOW | O_NONBLOCK | O_CLOEXEC);
   if (descriptor < 0) return -1;
@@ -128,8 +128,8 @@ AtomicFile::AtomicFile(fs::path path, std::size_t reserve) : path_(std::move(pat
                   "cannot be created: check that its directory exists and may be written to");
   if (error != 0) fail_to_write(path_, error);
   if (reserve == 0) return;
-  // Other errors (no support by the file system, a limit of file sizes) are reported when the file
-  // is written.
+  // Writing reports other errors later: the file system lacks this operation, or file sizes are
+  // limited.
   error = ::posix_fallocate(descriptor_, 0, static_cast<off_t>(reserve));
   if (error == ENOSPC || error == EDQUOT) {
     ::unlink(temporary_.c_str());
@@ -207,12 +207,12 @@ void commit_together(std::span<AtomicFile* const> files) {
     note << file->temporary().filename().string() << '\n'
          << file->path().filename().string() << '\n';
   }
-  // The note is locked during the commit, so that no other process finishes this commit.
+  // The note is locked during the commit, so that no other process completes this commit.
   AtomicFile noted(folder / kCommitNote);
   noted.write(note.str());
   noted.commit();
 
-  // The previous files, under names that a later cleanup removes.
+  // Names of the previous files during the commit; a later cleanup removes such files.
   std::vector<fs::path> before;
   std::error_code error;
   try {
@@ -237,7 +237,7 @@ void commit_together(std::span<AtomicFile* const> files) {
     if (undone) {
       fs::remove(noted.path(), error);
     } else {
-      for (AtomicFile* file : files) file->committed_ = true;  // for finish_commit
+      for (AtomicFile* file : files) file->committed_ = true;  // finish_commit renames it
     }
     throw;
   }

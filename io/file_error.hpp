@@ -8,8 +8,8 @@
 
 namespace wheeltap::io {
 
-/// A position in a file: lines and columns count from 1, rows from 0. A negative value, 0 or an
-/// empty string means unknown.
+/// A position in a file: lines and columns count from 1, rows from 0. Unknown members are 0,
+/// negative or an empty string.
 struct Place {
   std::ptrdiff_t line = 0;
   std::ptrdiff_t sample = -1;  ///< row, in a file without lines

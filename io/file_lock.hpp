@@ -7,14 +7,14 @@
 
 namespace wheeltap::io {
 
-/// An advisory lock (flock) on an existing file or folder. The lock creates no lock file. The lock
-/// ends with the FileLock object or with the process. For files that cannot be read, and on file
-/// systems without locks, the FileLock object is valid but holds no lock.
+/// An advisory lock (flock) on an existing file or folder. It needs no lock file, and ends with the
+/// FileLock object or with the process. For files that cannot be read, and on file systems without
+/// locks, the FileLock object is valid but holds no lock.
 class FileLock {
  public:
   /// Locks the file or folder. Returns std::nullopt if another process, or another object of this
-  /// process, holds the lock during the whole time `patience`. A killed process may need a moment
-  /// to release its lock. Throws FileError (missing).
+  /// process, holds the lock for the whole time `patience`. Waiting is useful, because a killed
+  /// process may need a moment to release its lock. Throws FileError (missing).
   [[nodiscard]] static std::optional<FileLock> take(
       const std::filesystem::path& path,
       std::chrono::milliseconds patience = std::chrono::milliseconds(0));

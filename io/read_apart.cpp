@@ -49,7 +49,7 @@ void write_all(int to, const std::string& bytes) {
 }
 
 /// Limits the memory of this process to its present memory plus `bytes`. Returns false if the limit
-/// cannot be set, or if the existing limit is lower.
+/// cannot be set, or if a lower limit already exists.
 bool bound_memory(double bytes) {
   double pages = 0.0;
   rlimit now{};
@@ -66,14 +66,14 @@ struct Bounds {
   double seconds, bytes;
 };
 
-/// Runs in the child process. This function calls no destructor and flushes no buffer of the
+/// The code of the child process. It calls no destructor and flushes no buffer of the
 /// parent.
 [[noreturn]] void in_child(int to, const std::optional<Bounds>& bounds,
                            const std::function<std::string()>& work) {
 #ifdef __linux__
   prctl(PR_SET_PDEATHSIG, SIGKILL);
 #endif
-  // The child ignores signals that stop the parent, because the child ends with the parent.
+  // Ignore the signals that stop the parent, because the child ends with the parent anyway.
   for (const int signal : base::kStopSignals) std::signal(signal, SIG_IGN);
   for (const int signal : {SIGPIPE, SIGXCPU}) std::signal(signal, SIG_DFL);
   const rlimit no_core{0, 0};

@@ -68,7 +68,7 @@ MeasuredResponses read_frequency_responses(const std::filesystem::path& path) {
     for (std::size_t j = 0; j < inputs.size(); ++j)
       if (!found.contains({o, j}))
         refuse("lacks the frequency response of " + io::dof_in_words(outputs[o]) + " to " +
-               io::dof_in_words(inputs[j]) + ": every output must be there for every reference");
+               io::dof_in_words(inputs[j]) + ": every output needs a response to every reference");
   MeasuredResponses out;
   out.transposed = inputs.size() > outputs.size();
   const auto lines = static_cast<Index>(first->y.size());

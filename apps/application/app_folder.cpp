@@ -33,7 +33,7 @@ bool AppFolder::contains(const fs::path& path) const {
 
 std::optional<fs::path> AppFolder::place(const std::string& name) const {
   if (name.empty() || name.size() > kLongestName || io::first_unprintable(name)) return {};
-  if (name.find('\\') != std::string::npos) return {};  // separates folders elsewhere
+  if (name.find('\\') != std::string::npos) return {};  // separates folders on other systems
   const fs::path relative(name);
   if (relative.is_absolute()) return {};
   for (const fs::path& part : relative)

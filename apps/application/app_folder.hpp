@@ -14,11 +14,11 @@ class AppFolder {
 
   [[nodiscard]] const std::filesystem::path& root() const { return root_; }
 
-  /// The path of a name relative to the folder, with "/" between its parts. The file need not
-  /// exist. The result is empty for an empty or absolute name, and for a name of more than 1024
-  /// bytes, with control characters or with a backslash. The result is also empty if a part begins
-  /// with "." (".." and hidden files), or if the name leads out of the folder through a symbolic
-  /// link.
+  /// The path of `name`, which is relative to the folder and has "/" between its parts. The file
+  /// need not exist. The result is empty for an empty or absolute name, and for a name of more than
+  /// 1024 bytes, with control characters or with a backslash. The result is also empty if a part
+  /// begins with "." (".." and hidden files), or if the name leads out of the folder through a
+  /// symbolic link.
   [[nodiscard]] std::optional<std::filesystem::path> place(const std::string& name) const;
 
   /// The name of a path below the folder.
@@ -28,7 +28,7 @@ class AppFolder {
   [[nodiscard]] bool contains(const std::filesystem::path& path) const;
 
  private:
-  std::filesystem::path root_;  // absolute, without symbolic links
+  std::filesystem::path root_;  // absolute path without symbolic links
 };
 
 }  // namespace wheeltap::apps

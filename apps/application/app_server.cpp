@@ -30,7 +30,7 @@
 #include "io/fingerprint.hpp"
 #include "io/text/text.hpp"
 
-// After Eigen: a system header defines _res as a macro, which is a name in Eigen.
+// Include this after Eigen: a system header defines the macro _res, which is a name in Eigen.
 #include "apps/remote/bounded_server.hpp"
 
 namespace wheeltap::apps {
@@ -41,15 +41,15 @@ namespace fs = std::filesystem;
 constexpr std::size_t kLargestBody = std::size_t{8} << 20U, kLongestTarget = 4096;
 constexpr std::size_t kLargestResult = std::size_t{256} << 20U;
 constexpr std::size_t kConnections = 64;
-constexpr int kAtWork = 4;  // requests
+constexpr int kAtWork = 4;  // largest number of requests at work at a time
 constexpr const char* kJson = "application/json";
 
-// The page runs its own files only; what it shows is set as text.
+// The page runs only scripts from its own files, and shows all content as text.
 constexpr const char* kPagePolicy =
     "default-src 'none'; script-src 'self'; style-src 'self'; img-src 'self' data:; "
     "connect-src 'self'; base-uri 'none'; form-action 'none'; frame-ancestors 'none'";
-// A report is a file of the user: its scripts may neither read the application nor call anyone.
-// Printing is a modal dialog.
+// A report is a file of the user: its scripts may neither read the application nor open
+// connections. "allow-modals" permits the dialog for printing.
 constexpr const char* kReportPolicy =
     "sandbox allow-scripts allow-downloads allow-modals; default-src 'none'; style-src "
     "'unsafe-inline'; "
@@ -76,7 +76,7 @@ std::string random_token() {
   return out;
 }
 
-/// Compares in a time that does not depend on the place of the first difference.
+/// Compares two tokens in a time that does not depend on the position of the first difference.
 bool same_token(std::string_view a, std::string_view b) {
   if (a.size() != b.size()) return false;
   unsigned char difference = 0;
@@ -142,7 +142,7 @@ class Application {
     answer(response, {{"error", refused.reason}}, refused.status);
   }
 
-  /// False, with an answer, for a request that the server rejects whatever its subject.
+  /// Returns false, and fills in the answer, if the server rejects the request for any resource.
   bool admit(const Request& request, Response& response) {
     response.set_header("Content-Security-Policy", kPagePolicy);
     response.set_header("X-Content-Type-Options", "nosniff");
@@ -154,7 +154,7 @@ class Application {
       if (request.method != "GET" && request.method != "POST")
         throw Refused{405, "only GET and POST are known"};
       if (request.target.size() > kLongestTarget) throw Refused{414, "the address is too long"};
-      // Another name for this address could belong to a page of another site.
+      // Reject other host names of this address: a page of another site could use them.
       if (!is_own_host(request.get_header_value("Host")))
         throw Refused{403, "the host must be 127.0.0.1 or localhost"};
       const std::string origin = request.get_header_value("Origin");
@@ -162,7 +162,7 @@ class Application {
           !(origin.starts_with("http://") && is_own_host(origin.substr(7))))
         throw Refused{403, "the request comes from another origin"};
       const std::string site = request.get_header_value("Sec-Fetch-Site");
-      // A report that is loaded again has no origin.
+      // Reports are exempt, because a report that is loaded again has no origin.
       if (!site.empty() && site != "same-origin" && site != "none" && !is_report(request.path))
         throw Refused{403, "the request comes from another site"};
       if (!is_known(request.path))
@@ -189,7 +189,7 @@ class Application {
     return begins_with(path, token_) || is_report(path);
   }
 
-  /// Runs `work` with a bound on requests at work; its exceptions become answers.
+  /// Runs `work` if fewer than kAtWork requests are at work; converts its exceptions to answers.
   template <class Work>
   void bounded(Response& response, const Work& work) {
     struct Leave {
@@ -234,7 +234,7 @@ class Application {
     });
   }
 
-  /// A report, as a page that can reach nothing else.
+  /// Sends a report as a page that has no access to anything else.
   void get_report(const std::string& name, Response& response) const {
     const fs::path path = place(name);
     if (path.extension() != ".html") throw Refused{403, "only reports are served here"};
@@ -384,7 +384,7 @@ class Application {
     });
   }
 
-  /// The place of a case to be written.
+  /// The path of a case to be written.
   [[nodiscard]] fs::path case_place(const std::string& name) const {
     const fs::path path = place(name);
     if (path.extension() != ".json")
@@ -393,7 +393,7 @@ class Application {
   }
 
   [[nodiscard]] std::optional<CasePlace> fault_of(const fs::path& path, const std::string& text) {
-    const std::lock_guard lock(checking_);  // one at a time: a check may read a record
+    const std::lock_guard lock(checking_);  // one check at a time: it may read a record
     return program_.check(path, text,
                           [this](const fs::path& input) { return folder_.contains(input); });
   }
@@ -409,7 +409,7 @@ class Application {
     answer(response, out);
   }
 
-  /// Writes a case. A text of another kind, or one that has changed since, is not replaced.
+  /// Writes a case. Does not replace another type of file, or a case that has changed meanwhile.
   void save(const Json& asked, Response& response) {
     const std::string name = asked.at("name").get<std::string>();
     const std::string text = asked.at("text").get<std::string>();
@@ -439,7 +439,7 @@ class Application {
     answer(response, {{"name", folder_.name_of(made)}});
   }
 
-  /// Copies a case within its folder, so that its files stay in their places.
+  /// Copies a case within its folder, so that the paths of its input files remain valid.
   void copy(const Json& asked, Response& response) {
     const std::string to = asked.at("to").get<std::string>();
     const fs::path from = case_place(asked.at("name").get<std::string>()), path = case_place(to);
@@ -452,7 +452,7 @@ class Application {
     answer(response, {{"name", to}});
   }
 
-  /// Writes a drawing, which the program can read, beside a case.
+  /// Writes a drawing beside a case, if the program can read the drawing.
   void store_drawing(const Json& asked, Response& response) {
     const std::string file = asked.at("file").get<std::string>();
     const std::string text = asked.at("text").get<std::string>();
@@ -486,7 +486,7 @@ class Application {
                    .output = results_of(path),
                    .quick = asked.value("quick", false),
                    .resume = asked.value("resume", false)};
-    (void)place(run.output_name);  // the results folder may be a link out of the folder
+    (void)place(run.output_name);  // throws if the results folder is a link out of the folder
     run.samples = std::ranges::find(program_.sampled, run.command) != program_.sampled.end();
     if (!run.samples && (run.quick || run.resume))
       throw Refused{400, "a " + run.command + " case has neither quick runs nor checkpoints"};

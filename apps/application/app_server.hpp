@@ -24,8 +24,8 @@ struct AppProgram {
   std::vector<std::string> sampled = {};
   /// Returns the name of the command that runs a case with this text; empty if no command runs it.
   std::function<std::string(const std::string& text)> command = {};
-  /// Checks the text of a case at a path as its command does before a run. `allowed` is true for
-  /// input files that the case may name. Returns the first fault.
+  /// Checks the text of a case at a path as its command does before a run. `allowed` returns true
+  /// for input files that the case may name. Returns the first fault.
   std::function<std::optional<CasePlace>(
       const std::filesystem::path& path, const std::string& text,
       const std::function<bool(const std::filesystem::path&)>& allowed)>
@@ -43,13 +43,13 @@ struct AppOptions {
   int threads = 1;  ///< threads per run
   /// Called when the server accepts connections
   std::function<void(const std::string& address)> ready = {};
-  std::function<bool()> stop = {};  ///< called a few times per second
+  std::function<bool()> stop = {};  ///< returns true to stop; called a few times per second
 };
 
 /// Serves the application until stop() returns true. The address contains a random token of 128
-/// bits. The server rejects requests without this token, from other origins, under other host
-/// names, and with methods other than GET and POST. Reports have a separate token, which gives no
-/// other access. Throws Failure if the folder is missing or the port is not available.
+/// bits. The server rejects requests without this token, requests from other origins or under other
+/// host names, and methods other than GET and POST. Reports have a separate token, which gives
+/// access to reports only. Throws Failure if the folder is missing or the port is not available.
 void serve_application(const AppProgram& program, const AppOptions& options);
 
 }  // namespace wheeltap::apps

@@ -26,12 +26,12 @@ struct FoundFiles {
   bool truncated = false;
 };
 
-/// A JSON object; none if the file is unreadable, too long, or other JSON.
+/// The JSON object in a file; empty if the file is unreadable, too long, or not a JSON object.
 std::optional<Json> object_in(const fs::path& path, std::uintmax_t largest) {
   try {
     Json json = Json::parse(io::read_bytes(path, largest), nullptr, false);
     if (json.is_object()) return json;
-  } catch (const io::FileError&) {  // an unreadable file is no case
+  } catch (const io::FileError&) {  // an unreadable file is not a case
   }
   return {};
 }
@@ -77,7 +77,7 @@ FoundFiles visit(const fs::path& root) {
   return out;
 }
 
-/// The facts of a result that the list shows.
+/// The properties of a result that the list shows.
 struct Result {
   fs::path path;
   Json used_case = {};

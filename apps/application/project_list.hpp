@@ -19,12 +19,12 @@ inline constexpr int kDeepestFolder = 8;
 /// Returns the folder of the results of a case: "NAME-results" beside NAME.json.
 [[nodiscard]] std::filesystem::path results_of(const std::filesystem::path& case_path);
 
-/// {folder, truncated, cases, results, records, drawings}. A case is a JSON object with one of the
-/// kinds. The state of a case is one of: draft (its keys do not satisfy the schema), ready,
-/// running, interrupted (a checkpoint exists), changed (results of an earlier text), or the state
-/// of its results. That is converged, not-converged, done (a kind without convergence) or alarm. A
-/// result is a folder with summary.json; a record is any other file with the ending of a measured
-/// file; a drawing is a .dxf file. Hidden files and symbolic links are left out.
+/// Returns {folder, truncated, cases, results, records, drawings}. A case is a JSON object with one
+/// of the kinds. Its state is draft (its keys do not satisfy the schema), ready, running,
+/// interrupted (a checkpoint exists), changed (results of an earlier text), or the state of its
+/// results: converged, not-converged, done (a kind without convergence) or alarm. A result is a
+/// folder with summary.json. A record is another file with the extension of a measured file. A
+/// drawing is a .dxf file. Hidden files and symbolic links are omitted.
 [[nodiscard]] Report list_projects(const AppFolder& folder, const std::vector<std::string>& kinds,
                                    const RunQueue& runs);
 

@@ -14,7 +14,7 @@ namespace {
 
 namespace fs = std::filesystem;
 
-constexpr std::size_t kOpen = 2;  // files in memory
+constexpr std::size_t kOpen = 2;  // largest number of files in memory
 constexpr std::size_t kPeaks = 8;
 constexpr long kMostWindowPoints = 20'000;
 
@@ -33,7 +33,7 @@ struct Extremes {
   double high = -std::numeric_limits<double>::infinity();
 };
 
-/// The extremes of the finite values.
+/// The smallest and the largest of the finite values.
 Extremes extremes(std::span<const double> values) {
   Extremes out;
   for (const double x : values) {
@@ -62,7 +62,7 @@ Report checks_of(const MeasuredTable& table) {
   return out;
 }
 
-/// Rows of a window of the table.
+/// The first row of a window of the table, and one past its last row.
 std::pair<long, long> rows_of_window(const MeasuredTable& table, const RecordWindow& window) {
   const long begin = std::max(0L, window.begin);
   const long end = std::min(window.end > 0 ? window.end : table.rows(), table.rows());
@@ -86,7 +86,7 @@ Report OpenRecords::checked(const fs::path& path) {
     if (!one.checked.is_null()) return one.checked;
     file = one.file;
   }
-  // Meanwhile, other requests read only the values of the channels.
+  // This is safe: other requests meanwhile read only the values of the channels.
   signals::check_channels(*file);
   Report tables = Report::array();
   for (const MeasuredTable& table : file->tables) tables.push_back(checks_of(table));
@@ -109,7 +109,7 @@ OpenRecords::Opened& OpenRecords::entry_of(const fs::path& path) {
     return opened_.front();
   }
   std::erase_if(opened_, [&](const Opened& one) { return one.path == path; });
-  while (opened_.size() >= kOpen) opened_.pop_back();  // before the memory of another is needed
+  while (opened_.size() >= kOpen) opened_.pop_back();  // free memory before another file is read
   now.file = std::make_shared<MeasuredFile>(look_at(path, {.check = false}));
   opened_.push_front(std::move(now));
   return opened_.front();

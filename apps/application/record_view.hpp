@@ -31,13 +31,13 @@ class OpenRecords {
     std::shared_ptr<MeasuredFile> file = {};
     Report checked = {};  ///< null before the check
   };
-  /// The caller holds mutex_.
+  /// The entry of a file; the caller must hold mutex_.
   Opened& entry_of(const std::filesystem::path& path);
   std::mutex mutex_, checking_;
-  std::list<Opened> opened_;  // last used first
+  std::list<Opened> opened_;  // most recently used first
 };
 
-/// {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit}, …]}, …]}.
+/// Returns {format, tables: [{rows, sample_rate_hz, reading, channels: [{name, unit}, …]}, …]}.
 [[nodiscard]] Report record_contents(const MeasuredFile& file);
 
 /// A window of a table.
@@ -45,17 +45,17 @@ struct RecordWindow {
   std::size_t table = 0;
   std::vector<std::size_t> channels = {};
   long begin = 0, end = 0;  ///< rows [begin, end), cut to the table
-  long points = 1000;       ///< largest number of points, or of intervals
+  long points = 1000;       ///< largest number of points or intervals
 };
 
-/// {begin, end, exact, step, channels: [{low: […], high: […]}, …]}. The window is divided into
-/// intervals of `step` rows; `low` and `high` are the extremes of each, null where no value is
-/// finite. With `exact`, an interval is one row, and `high` is left out. Throws
+/// Returns {begin, end, exact, step, channels: [{low: […], high: […]}, …]}. The window is divided
+/// into intervals of `step` rows. `low` and `high` are the extremes of each interval; null if no
+/// value is finite. If `exact` is true, an interval is one row, and `high` is omitted. Throws
 /// std::invalid_argument for a table, a channel or a window that does not exist.
 [[nodiscard]] Report record_window(const MeasuredFile& file, const RecordWindow& window);
 
-/// {frequencies_hz, density: […]} of one channel: at most `points` spectral lines, the highest line
-/// of each neighbourhood. Lists are empty if the sampling rate is not known. Throws
+/// Returns {frequencies_hz, density: […]} of one channel: at most `points` spectral lines, the
+/// highest line of each interval. The lists are empty if the sampling rate is unknown. Throws
 /// std::invalid_argument as record_window does.
 [[nodiscard]] Report record_spectrum(const MeasuredFile& file, const RecordWindow& window);
 

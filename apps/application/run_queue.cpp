@@ -17,7 +17,7 @@ namespace {
 constexpr std::size_t kMostWaiting = 100, kMostKept = 200, kLongestLine = 65536;
 constexpr std::size_t kMostTracePoints = 200, kMostStages = 100;
 constexpr auto kWatchInterval = std::chrono::milliseconds(100);
-constexpr auto kPatience = std::chrono::seconds(10);  // for runs to end after a signal
+constexpr auto kPatience = std::chrono::seconds(10);  // time for runs to end after a signal
 constexpr const char* kCheckpointSeconds = "5";
 
 }  // namespace
@@ -177,7 +177,7 @@ void RunQueue::note_models(Run& run, const nlohmann::json& models) {
   for (const nlohmann::json& model : models)
     point.probabilities[model.at("name").get<std::string>()] =
         model.at("probability").get<double>();
-  if (run.trace.size() >= kMostTracePoints) {  // every second point, the last included
+  if (run.trace.size() >= kMostTracePoints) {  // keep every second point, including the last
     for (std::size_t i = 0; 2 * i + 1 < run.trace.size(); ++i)
       run.trace[i] = std::move(run.trace[2 * i + 1]);
     run.trace.resize(run.trace.size() / 2);
@@ -188,7 +188,7 @@ void RunQueue::note_models(Run& run, const nlohmann::json& models) {
 
 Report RunQueue::trace_of(const Run& run) {
   const auto rounded = [](double x) { return std::round(1e4 * x) / 1e4; };
-  // In the order of the last probabilities; a model that an earlier point had is left out.
+  // Models in the order of their latest probabilities; models without a latest value are omitted.
   std::vector<std::pair<std::string, double>> last(run.trace.back().probabilities.begin(),
                                                    run.trace.back().probabilities.end());
   std::ranges::stable_sort(last, std::ranges::greater{}, &std::pair<std::string, double>::second);

@@ -31,24 +31,24 @@ struct RunRequest {
 
 class RunQueue {
  public:
-  /// At most `at_once` runs at a time, each with `threads` threads.
+  /// A queue that runs at most `at_once` cases at a time, each with `threads` threads.
   RunQueue(int at_once, int threads);
   RunQueue(const RunQueue&) = delete;
   RunQueue& operator=(const RunQueue&) = delete;
-  /// Stops all runs, which write their results so far. Kills runs that do not end within 10 s.
+  /// Stops all runs; they write their results so far. Kills runs that do not end within 10 s.
   ~RunQueue();
 
   /// Returns the number of the run; empty if the queue is full or a run with the same output folder
   /// waits or runs.
   [[nodiscard]] std::optional<int> add(RunRequest request);
-  /// Removes a waiting run; a running run ends early and writes its results so far. False if there
-  /// is no such run.
+  /// Removes a waiting run; a running run ends early and writes its results so far. Returns false
+  /// if there is no such run.
   bool stop(int number);
   /// [{number, command, case, output, state, stage, stages, fraction, seconds_left, detail,
   /// message, exit, seconds, trace}, …]. A state is queued, running, stopping, done, stopped or
-  /// failed. The stages are [{name, begin}, …] with the time since the start of the run [s]. The
-  /// trace are the model probabilities by the draws up to each time: {seconds: […], models: [{name,
-  /// probability: […]}, …]}. A run that ended has no trace.
+  /// failed. `stages` is [{name, begin}, …], with times since the start of the run [s]. `trace` has
+  /// the model probabilities from the draws up to each time: {seconds: […], models: [{name,
+  /// probability: […]}, …]}. Runs that have ended have no trace.
   [[nodiscard]] Report list() const;
   /// True if a run with this output folder waits or runs.
   [[nodiscard]] bool is_busy(const std::filesystem::path& output) const;
@@ -74,7 +74,7 @@ class RunQueue {
     std::optional<int> exit = {};
     std::optional<Clock::time_point> begun = {}, ended = {};
     std::unique_ptr<ChildProgram> program = {};
-    std::string unread = {};  ///< the begin of a line
+    std::string unread = {};  ///< incomplete line of output
     std::vector<Stage> stages = {};
     std::vector<Point> trace = {};
     double trace_step = kTraceStep;  ///< least time between two points [s]

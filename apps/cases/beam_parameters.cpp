@@ -47,7 +47,7 @@ ParametricBeam parse_parametric_beam(const CaseFile& file) {
   parameters.follow(density, [=](AnyStructure& s, double x) {
     for_pieces(s, [x](fem::Member::Piece& piece) { piece.material.density = x; });
   });
-  // as_structure keeps the order of the beam's supports.
+  // as_structure keeps the order of the beam's supports, so that indices remain valid.
   for (const auto& [index, spring] : springs)
     parameters.follow(spring, [i = index](AnyStructure& s, double x) {
       for (double& k : std::get<fem::Structure>(s).supports[i].stiffness)

@@ -35,7 +35,7 @@ std::string damage_number(double x) {
   return Json(x).dump();
 }
 
-constexpr int kHoldoutRuns = 50;  // measure the emulator's error; default of "holdout"
+constexpr int kHoldoutRuns = 50;  // default of "holdout"
 
 Pointer damage_key(const char* text) {
   return Pointer(text);
@@ -378,7 +378,7 @@ void take_predictor(const CaseFile& f, DamageCaseFile& parsed) {
   if (!f.json.at(front).contains("holdout")) out.emulator->holdout = kHoldoutRuns;
 }
 
-/// Simulates modes of the case's truth, for states; /data may lack modes.
+/// Simulates modes of the case's truth, for cases with states; /data may lack modes.
 SimulatedModes simulated_modes(const CaseFile& f, DamageCaseFile& parsed) {
   DamageCase& out = parsed.damage;
   take_data(f, out);
@@ -408,7 +408,7 @@ SimulatedModes simulated_modes(const CaseFile& f, DamageCaseFile& parsed) {
   return made;
 }
 
-/// Simulates frequencies of the case's truth if the case gives none.
+/// Simulates frequencies from the case's truth if the case gives no frequencies.
 void simulate_data(const CaseFile& f, DamageCaseFile& parsed) {
   DamageCase& out = parsed.damage;
   if (!out.simulation) {

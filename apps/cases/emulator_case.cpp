@@ -45,7 +45,7 @@ std::vector<std::vector<int>> parse_sites(const CaseFile& file, const Pointer& w
   return lists;
 }
 
-// A scattered design, or runs of the user.
+// Parses a scattered design, or the names of files with runs of the user.
 void parse_runs(const CaseFile& file, const Pointer& where, EmulatorSpec& spec) {
   const Json& p = file.json.at(where);
   if (p.contains("design")) {
@@ -111,7 +111,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
   }
   if (!grid && !own) spec.interpolant = &emulator::kGaussianProcess;
   if (p.contains("interpolation")) {
-    // The schema rejects other names.
+    // The schema has rejected unknown names.
     spec.interpolant = find_interpolant_type(p["interpolation"].get<std::string>());
   }
   using Joined = emulator::InterpolantType::Runs;
@@ -132,7 +132,7 @@ EmulatorSpec parse_emulator(const CaseFile& file, const Pointer& where, const Da
   }
   if (p.contains("multipliers")) {
     for (const double multiplier : p["multipliers"].get<std::vector<double>>()) {
-      spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // 0.6, not 1 - 0.4
+      spec.reductions.push_back(std::round((1.0 - multiplier) * 1e12) / 1e12);  // exactly 0.6
     }
     std::ranges::sort(spec.reductions);
     if (std::ranges::adjacent_find(spec.reductions) != spec.reductions.end()) {

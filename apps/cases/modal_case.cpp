@@ -24,8 +24,8 @@ bool of_decays(const CaseFile& file) {
 }
 
 struct Channels {
-  std::vector<std::string> columns = {};  ///< of responses
-  std::vector<StatedUnit> units = {};     ///< of responses
+  std::vector<std::string> columns = {};  ///< columns of the responses
+  std::vector<StatedUnit> units = {};     ///< units of the responses
   std::vector<std::string> forces = {};
   std::vector<StatedUnit> force_units = {};
   std::vector<std::string> ignored = {};
@@ -57,8 +57,8 @@ std::string columns_listed(const std::vector<std::string>& names) {
   return out;
 }
 
-/// Checks units: shapes compare channels, so these must have one unit, or quantities that can be
-/// converted.
+/// Checks units: a shape compares channels, so that all channels must have one unit, or quantities
+/// that can be converted to each other.
 void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
   using Basis = signals::Conversion::Basis;
   std::vector<std::string> none, known;
@@ -98,7 +98,7 @@ void compare_units(const CaseFile& file, SetUp& out, const Channels& channels) {
       out.oddities.push_back("The unit of " + io::printable(column) + " is not known: if it is " +
                              unit + ", state \"unit\": \"" + unit + "\" in its channel.");
   }
-  // The quantity follows from the case, else from the unit, else from the other channels.
+  // The quantity follows from the case; otherwise from the unit, otherwise from other channels.
   std::optional<signals::Dimension> common;
   bool mixed = false;
   for (std::size_t i = 0; i < channels.columns.size(); ++i) {
@@ -358,8 +358,8 @@ SetUp read_set_up(const CaseFile& file, const Pointer& where,
   return out;
 }
 
-/// Whether two channels of different set-ups are the same sensor: same node and direction or,
-/// without nodes, references of the same name.
+/// True if two channels of different set-ups are the same sensor: equal node and direction or,
+/// without nodes, references with equal names.
 bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
   if (a.node.empty() != b.node.empty()) return false;
   if (a.node.empty()) return a.reference && b.reference && a.name == b.name;
@@ -367,7 +367,7 @@ bool same_sensor(const MeasuredSensor& a, const MeasuredSensor& b) {
          a.elevation == b.elevation;
 }
 
-/// Adds a remark on two channels of a record at one node in one direction, which may be a mistake.
+/// Adds a remark if two channels of a record are at one node in one direction, perhaps by mistake.
 void remark_on_duplicate_sensors(SetUp& s) {
   for (std::size_t i = 0; i < s.sensors.size(); ++i)
     for (std::size_t j = 0; j < i; ++j) {

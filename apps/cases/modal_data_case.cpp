@@ -123,7 +123,7 @@ class ModalDataParser {
     fill(taken, channels, out_);
   }
 
-  // A channel of a modes.json: a node with a signed direction or with angles.
+  // The sensor of a channel of a modes.json: a node with a signed direction or with angles.
   Sensor measured(std::size_t i, const MeasuredSensor& s) const {
     const Pointer at = Pointer("/sensors") / i;
     if (s.node.empty())
@@ -294,7 +294,7 @@ class ModalDataParser {
     }
   }
 
-  // {"at": x} and a direction: the deflection (default) or the rotation.
+  // Parses {"at": x} and a direction: the deflection (default) or the rotation.
   Sensor on_beam(const Pointer& at) const {
     const Json& s = file_.json.at(at);
     for (const char* key : {"node", "member", "mass", "dof"})
@@ -360,7 +360,7 @@ class ModalDataParser {
             {.dofs = {number - 1}, .coefficients = {1.0}}};
   }
 
-  // A place and direction of the dofs table, or "mass 1".
+  // Finds a place and direction of the table of degrees of freedom, or "mass 1".
   Sensor named(const Pointer& at, bool chain) const {
     const auto place = file_.json.at(at / "node").get<std::string>();
     std::string along = file_.json.at(at).value("direction", chain ? "x" : "");
@@ -440,7 +440,7 @@ class ModalDataParser {
     return out;
   }
 
-  /// A simulated value, printed like a value of the case in CaseFile::refuse.
+  /// A simulated value as text, in the form in which CaseFile::refuse prints values of the case.
   [[nodiscard]] std::string simulated_value(const Json& value) const {
     return simulated_ == nullptr ? std::string() : value.dump() + ": ";
   }

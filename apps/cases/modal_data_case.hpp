@@ -7,8 +7,8 @@
 
 namespace wheeltap::apps {
 
-/// Modes that are simulated from the truth of the case instead of measured. The standard deviations
-/// of the simulated modes are used if the case gives none.
+/// Modes that are simulated from the truth of the case instead of measured. If the case gives no
+/// standard deviations, those of the simulated modes are used.
 struct SimulatedModes {
   std::vector<double> frequencies_hz;
   Eigen::MatrixXd shapes = {};  ///< mode shapes, one row per mode; empty without sensors
@@ -16,10 +16,10 @@ struct SimulatedModes {
   double cov = 0.0, shape_sd = 0.0;
 };
 
-/// Parses the data at `where`, e.g. /data. If the data have no frequencies and shapes, the
-/// frequencies and shapes of `simulated` are used. Without `simulated`, they remain empty until the
-/// truth is simulated. Throws Failure (65) for sensors that are not on the structure, inconsistent
-/// sizes and invalid covariances.
+/// Parses the data at `where`, e.g. /data. If the data have neither frequencies nor shapes, those
+/// of `simulated` are used. Without `simulated`, the modes remain empty until the truth is
+/// simulated. Throws Failure (65) for sensors that are not on the structure, inconsistent sizes and
+/// invalid covariances.
 [[nodiscard]] identification::ModalData parse_modal_data(
     const CaseFile& file, const Pointer& where, const identification::AnyStructure& structure,
     const SimulatedModes* simulated = nullptr);

@@ -23,8 +23,8 @@ std::vector<std::string> words_of(const Json& command) {
   return words;
 }
 
-/// Records the program, and the files that its command names with a folder, as input files, since
-/// results depend on them. A program found in PATH belongs to the system and is not recorded.
+/// Records the program and the files that its command names with a folder as input files, because
+/// results depend on them. A program in PATH belongs to the system and is not recorded.
 void record_program(const CaseFile& file, CommandSpec& spec) {
   constexpr std::string_view kCase = "{case}";
   for (const std::string& word : spec.words) {
@@ -55,7 +55,7 @@ CommandSpec parse_command(const CaseFile& file, const Json& p) {
   return out;
 }
 
-/// HOST of http://HOST:PORT/PATH, an IPv6 address without its brackets.
+/// Returns HOST of http://HOST:PORT/PATH; an IPv6 address loses its brackets.
 std::string host_of(const CaseFile& file, const std::string& url) {
   static const std::regex form(
       R"(http://(?:\[([0-9A-Fa-f:.]+)\]|([A-Za-z0-9._-]+))(?::([0-9]{1,5}))?(?:/[^?#@\s]*)?)");

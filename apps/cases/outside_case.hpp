@@ -20,7 +20,7 @@ struct Patience {
 /// A model on a UM-Bridge server.
 struct UmbridgeSpec {
   std::string url;     ///< http://host:port, path optional
-  std::string host{};  ///< host of the url
+  std::string host{};  ///< host of `url`
   std::string model;   ///< name of the model; empty: the only model, or "forward"
   Json config = Json::object();
   Patience patience = {.retries = 4};
@@ -43,8 +43,8 @@ struct OutsideSpec {
   std::vector<std::string> names = {};      ///< names of the inputs
   std::optional<identification::OutsideEmulatorSpec> emulator = {};
   std::filesystem::path memory =
-      /// User's file of stored predictions. If it is empty, predictions are stored in the folder of
-      /// the run.
+      /// File of stored predictions that the case names. If `memory` is empty, predictions are
+      /// stored in the folder of the run.
       {};
 };
 

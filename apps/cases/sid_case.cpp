@@ -46,7 +46,7 @@ class Parser {
     parse_truth(parsed_);
   }
 
-  /// Whether a model or a channel uses each parameter.
+  /// One entry per parameter: true if a model or a channel uses the parameter.
   [[nodiscard]] const std::vector<bool>& used() const { return used_; }
 
  private:
@@ -56,7 +56,7 @@ class Parser {
     const Json priors = json_.value("parameters", Json::object());
     std::map<std::string, std::string> by_variable;
     for (const auto& [name, ignored] : priors.items()) {
-      if (out_.number > 1) break;  // the table of the first record holds for all
+      if (out_.number > 1) break;  // all records use the first record's table
       const std::string variable = variable_of(name);
       if (const auto why = io::netcdf_name_error(variable)) {
         file_.refuse(Pointer("/parameters") / name, "a parameter's name " + *why);
@@ -227,7 +227,7 @@ class Parser {
   }
 
   dynamics::Law parse_law(const Pointer& here, const dynamics::LawInfo& info) {
-    // The schema has checked this value by the law's description (law_rule).
+    // The schema has already checked this value by the rule of the force law (law_rule).
     const Json& value = json_.at(here);
     std::vector<dynamics::Coefficient> coefficients;
     auto side = dynamics::Side::opening;
@@ -300,7 +300,7 @@ class Parser {
 
   // ---- candidate terms of a discovery
 
-  /// Indices of the base model's links with candidate terms; default: all.
+  /// Indices of the base model's links that have candidate terms; default: all links.
   std::vector<int> parse_discovered_links(const Pointer& where, const dynamics::Chain& chain) {
     std::vector<int> out;
     if (!json_.contains(where)) {
@@ -323,7 +323,7 @@ class Parser {
   }
 
   /// Parses "cubic", or {"contact": {"gap": 0.001, "side": "closing"}}. A coefficient that is not
-  /// given becomes a parameter named after the term, with the prior of the case or of the record.
+  /// given becomes a parameter with the term's name and a prior from the case or the record.
   SidTerm parse_term(const Pointer& where, int index, bool several) {
     const dynamics::Link& link = out_.models.front().chain.links[static_cast<std::size_t>(index)];
     const Json& value = json_.at(where);
@@ -370,7 +370,7 @@ class Parser {
           term.law.coefficients[c] =
               use(static_cast<int>(same - out_.parameters.begin()), where, bounds);
         } else {
-          // The record sets its scale.
+          // The record later sets the scale of this prior.
           term.law.coefficients[c] = added(parameter, inference::Normal{0.0, 1.0});
           term.by_default.push_back(c);
         }
@@ -477,9 +477,9 @@ void check_windows(const SidCaseFile& parsed) {
   }
 }
 
-/// Parses the case of one record, at /record. `number`: number of the record, from 1, if there are
-/// several; `table` then has the parameters of earlier records. `used` collects which parameters
-/// are used.
+/// Parses the case of one record, at /record. If there are several records, `number` is the number
+/// of the record, from 1, and `table` has the parameters of earlier records. `used` collects the
+/// flags of used parameters.
 SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, int number = 1,
                       std::vector<inference::Parameter> table = {}) {
   SidCaseFile out{.file = std::move(file), .notes = {}, .sid = {}, .channels = {}};
@@ -503,7 +503,7 @@ SidCaseFile parse_one(CaseFile file, SidNeeds needs, std::vector<bool>& used, in
   const bool simulated = needs == SidNeeds::record && !json["record"].contains("file");
   if (sid_case.truth && (needs == SidNeeds::truth || simulated)) parse_excitations(out);
   if (needs == SidNeeds::record) load_record(out);
-  // With several records, the first sets the scales.
+  // If there are several records, the first record sets the scales.
   if (needs == SidNeeds::record && sid_case.discovery && number == 1) {
     explained_case(out.file, Pointer("/discover/terms"), [&] { set_term_priors(sid_case); });
   }

@@ -7,14 +7,14 @@
 namespace wheeltap::apps {
 
 /// Reads `columns` of the file whose path is at `where`. If `columns` is empty, all columns except
-/// `ignored` are read. The object that contains `where` gives the layout of the file. Throws
+/// `ignored` are read. The layout of the file is in the object that contains `where`. Throws
 /// Failure.
 [[nodiscard]] signals::Record read_record(const CaseFile& file, const Pointer& where,
                                           std::vector<std::string> columns = {},
                                           std::vector<std::string> ignored = {});
 
-/// Reads or simulates the record and stores it in the case. Also stores the initial states to be
-/// inferred and remarks on the record. Throws Failure.
+/// Reads or simulates the record and stores it in the case. Also stores remarks on the record, and
+/// the initial states to be inferred. Throws Failure.
 void load_record(SidCaseFile& parsed);
 
 }  // namespace wheeltap::apps

@@ -23,7 +23,7 @@ Role role_of(const Json& excitation) {
                                                               : Role::base_acceleration;
 }
 
-// A coefficient named by a discovery; initial states and autocorrelations are 0.
+// True for a coefficient of a term of the discovery.
 bool belongs_to_a_term(const SidCase& sid_case, int parameter) {
   if (!sid_case.discovery) return false;
   return std::ranges::any_of(sid_case.discovery->terms, [&](const SidTerm& term) {
@@ -152,7 +152,7 @@ void parse_truth(SidCaseFile& parsed) {
     for (const dynamics::Coefficient& c : found->noise) truth.noise.push_back(c.at(truth.theta));
   }
   for (double& x : truth.theta) {
-    if (std::isnan(x)) x = 0.0;  // initial states and autocorrelations of the runs
+    if (std::isnan(x)) x = 0.0;  // initial states and autocorrelations have no true value
   }
   out.truth = std::move(truth);
   const Json& record = file.json["record"];

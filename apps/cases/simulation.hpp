@@ -20,8 +20,8 @@ struct SimulatedCase {
   std::string origin;  ///< description of the origin of the data
 };
 /// Simulates the data of an update case; the next function simulates a damage case. `seed` is the
-/// seed of the noise. If `seed` is empty, the seed of the truth is used, or 1 if the truth has no
-/// seed. Both functions throw Failure.
+/// seed of the noise. If `seed` is empty, the seed of the truth is used; its default is 1. Both
+/// functions throw Failure.
 [[nodiscard]] SimulatedCase simulated_update(CaseFile file, std::optional<std::uint64_t> seed);
 [[nodiscard]] SimulatedCase simulated_damage(CaseFile file, std::optional<std::uint64_t> seed);
 /// The case with the given frequencies, and with mode shapes if the case has sensors. Throws

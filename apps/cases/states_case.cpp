@@ -34,7 +34,7 @@ std::vector<Pointer> blocks(const CaseFile& file) {
   return out;
 }
 
-/// The places of the states of a block, or of the block itself.
+/// The places of the states in a block; without states, the place of the block itself.
 std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
   const Json& block = file.json.at(where);
   if (!block.contains("states")) return {where};
@@ -43,7 +43,7 @@ std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
   return out;
 }
 
-/// A state with the keys of its block; the keys of the state take precedence.
+/// Adds the keys of a block to a state; keys of the state take precedence.
 void inherit(Json& state, const Json& block) {
   static constexpr std::array<std::array<const char*, 3>, 3> alternatives = {
       {{"frequencies", "file", "from"},
@@ -56,7 +56,7 @@ void inherit(Json& state, const Json& block) {
       return std::ranges::find(keys, key) != keys.end() &&
              std::ranges::any_of(keys, [&](const char* k) { return state.contains(k); });
     });
-    // A modes.json contains its uncertainty.
+    // A modes.json contains the uncertainty of its modes.
     const bool by_file = state.contains("from") && (key == "cov" || key == "shape_sd");
     if (!has_alternative && !by_file) state[key] = value;
   }
@@ -146,7 +146,7 @@ class MassParser {
   std::optional<fem::Mesh> mesh_;
 };
 
-/// Checks that all states share the unknown scatters.
+/// Checks that all states have the same unknown noise parameters.
 void check_scatters(const CaseFile& file, const Pointer& where, const ModalData& first,
                     const ModalData& data) {
   const auto same = [](const std::optional<inference::Prior>& a,
@@ -205,10 +205,10 @@ bool has_states(const CaseFile& file) {
   if (!file.json.value("parameters", Json::object()).empty()) return true;
   for (const Pointer& where : blocks(file)) {
     if (has_any(file.json.at(where), {"states", "masses", "temperature", "known"})) return true;
-    // Stiffness errors of parts are integrated out in the states.
+    // Only the likelihood of states integrates over stiffness errors of parts.
     const Json discrepancy = file.json.at(where).value("discrepancy", Json());
     if (discrepancy.is_object() && discrepancy.contains("stiffness")) return true;
-    // A baseline with more than frequencies is also a state.
+    // A baseline that contains more than frequencies is also a state.
     if (where == kBaseline &&
         has_any(file.json.at(where), {"from", "sensors", "shapes", "covariance", "discrepancy"}))
       return true;
@@ -293,7 +293,7 @@ ObservedStates parse_states(const CaseFile& given, std::shared_ptr<const Structu
       file.refuse(where[s] / "doubt",
                   "is allowed with one state only: remove spurious modes from \"modes\"");
     if (state.data.modes() == 0 && state.data.predict > 0 && !damage) {
-      // Nothing was measured in this state: all its modes are predicted.
+      // No modes were measured in this state: all its modes are predicted.
       const auto n = static_cast<std::size_t>(state.data.predict);
       state.data.frequencies_hz.assign(n, kNaN);
       state.data.covariance = Eigen::MatrixXd::Zero(state.data.predict, state.data.predict);

@@ -1,5 +1,5 @@
-// States of a case: data of the healthy and the damaged structure, each with added masses, a
-// temperature and known coefficients; and the unknown coefficients.
+// States of a case: data of the healthy and the damaged structure. Each state has added masses, a
+// temperature and known coefficients. The unknown coefficients are common to all states.
 #pragma once
 
 #include "apps/cases/syntax/case_file.hpp"
@@ -15,7 +15,7 @@ struct SimulatedModes;
 [[nodiscard]] bool has_states(const CaseFile& file);
 
 /// The case with a prior for each coefficient that its states set ("known"), so that parsers of
-/// structures treat it as a parameter. Throws Failure for a name that is also in /parameters.
+/// structures treat these as parameters. Throws Failure for a name that is also in /parameters.
 [[nodiscard]] CaseFile with_known(const CaseFile& file);
 
 /// Parses the states at /data. With `damage`, it also parses the states of the healthy structure at
@@ -25,9 +25,9 @@ struct SimulatedModes;
     const CaseFile& file, std::shared_ptr<const identification::StructureModel> model, bool damage,
     const SimulatedModes* simulated = nullptr);
 
-/// Parses states into a damage case, with the measurements of all states in one vector. `uniform`
-/// is true if the structure has, for all parameter values, the symmetry that it has at the prior
-/// medians. Throws Failure.
+/// Parses states into a damage case, with the measurements of all states in one vector.
+/// `uniform` is true if the symmetry of the structure is the same at all parameter values.
+/// Throws Failure.
 void take_states(const CaseFile& file, std::shared_ptr<const identification::StructureModel> model,
                  bool uniform, identification::DamageCase& out,
                  const SimulatedModes* simulated = nullptr);

@@ -189,7 +189,7 @@ class KindParser {
           file_.refuse(at / i, "is in this substructure already");
         out.back().push_back(member);
       }
-      // Symmetries of the structure could not distinguish the two.
+      // Data could not distinguish two equal groups.
       const auto same = std::ranges::find_if(out, [&](const std::vector<int>& other) {
         return std::ranges::is_permutation(other, out.back());
       });
@@ -322,7 +322,7 @@ void check_structure_modes(const CaseFile& f, DamageCase& out) {
   try {
     const fem::Discretisation d = discretise(out.structure->nominal);
     out.rigid_body_modes = static_cast<int>(d.rigid_motions.cols());
-    int most_supports = 0;  // each may be rigid, which removes a mode
+    int most_supports = 0;  // each may be rigid and remove a mode
     for (const DefectKind& kind : out.kinds)
       if (kind.type->may_be_known)
         most_supports += std::max(kind.max_count, static_cast<int>(kind.truth.size()));

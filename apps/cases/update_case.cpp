@@ -58,7 +58,7 @@ void parse_truth(const CaseFile& f, UpdateCase& out) {
   out.simulation = std::move(simulation);
 }
 
-/// Uncertainty of the simulated modes, if the data do not give it.
+/// Parses the truth, and the uncertainty of the simulated modes if the data do not give it.
 void take_truth(const CaseFile& f, UpdateCase& out, std::uint64_t seed) {
   const Json data = f.json.value("data", Json::object());
   const ModalSimulation& truth = *out.simulation;
@@ -122,7 +122,7 @@ void check_modes(const CaseFile& f, UpdateCase& out) {
   }
 }
 
-/// Parses the parameters of an external model, whose structure is unknown.
+/// Parses the parameters of an external model. The structure of such a model is unknown.
 StructureModel parse_parameters_alone(const CaseFile& f) {
   // Placeholder structure for the parser of data; it is never solved.
   StructureModel model{
@@ -135,7 +135,7 @@ StructureModel parse_parameters_alone(const CaseFile& f) {
   return model;
 }
 
-/// Rejects keys that need a known structure, for an external predictor.
+/// Rejects keys that need a known structure if the predictor is external.
 void check_outside(const CaseFile& f, UpdateCaseFile& parsed) {
   for (const char* key : {"sensors", "shapes", "shape_sd", "shape_covariance", "states", "masses",
                           "temperature", "known"})
@@ -149,7 +149,7 @@ void check_outside(const CaseFile& f, UpdateCaseFile& parsed) {
   parsed.outside = parse_outside(f, names);
 }
 
-// The data of one state or of several.
+// True if the case has data of several states.
 bool has_several(const CaseFile& f) {
   if (!f.json.contains(kUpdateData)) return false;
   const Json& data = f.json.at(kUpdateData);

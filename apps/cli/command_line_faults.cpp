@@ -10,7 +10,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// "--quick", "-o", ….
+/// Names of the options of a command: "--quick", "-o", ….
 std::vector<std::string> options_of_command(const CLI::App& command) {
   std::vector<std::string> names;
   for (const CLI::Option* option : command.get_options()) {
@@ -31,7 +31,7 @@ std::string unknown_option(const CLI::App& app, const CLI::App& command, const s
   std::vector<std::string> others;
   for (const CLI::App* other : app.get_subcommands({}))
     if (has(options_of_command(*other), option)) others.push_back(other->get_name());
-  // -option for --option, and dashes replaced by an editor.
+  // Accept -option for --option, and dashes that an editor has replaced by other characters.
   std::string bare = option;
   for (const char* dash : {"\xE2\x80\x93", "\xE2\x80\x94"})
     if (bare.starts_with(dash)) bare = "--" + bare.substr(3);
@@ -73,7 +73,7 @@ std::string unknown_command(const CLI::App& app, const std::string& word) {
     const Json given = read_case(word).json.value("kind", Json());
     if (given.is_string() && has(names, given.get<std::string>())) kind = given.get<std::string>();
   } catch (const Failure&) {
-    // Other errors of the case are reported elsewhere.
+    // Other functions report errors of the case.
   }
   return text + "; write wheeltap " + kind + " " + word + " -o results";
 }

@@ -22,8 +22,8 @@ namespace wheeltap::apps {
 /// The message "--output is required: …" with the help of the option and an example.
 [[nodiscard]] std::string output_is_missing(const CLI::App& command);
 
-/// The first required option or argument of `command` that is missing, with an example; empty if
-/// none is missing.
+/// The first missing option or argument that `command` requires, with an example; empty if none is
+/// missing.
 [[nodiscard]] std::optional<std::string> missing_option(const CLI::App& command);
 
 }  // namespace wheeltap::apps

@@ -6,9 +6,9 @@
 namespace wheeltap::apps {
 
 /// Limits libraries that choose their vector instructions themselves to `instructions` ("baseline",
-/// "avx2" or "avx512"). These libraries read environment variables when the program starts, so the
-/// program restarts itself with the same arguments. The function returns if the variables are
-/// already set or if the restart fails.
+/// "avx2" or "avx512"). These libraries read environment variables when the program starts. The
+/// program therefore sets the variables and restarts itself with the same arguments. The function
+/// returns only if the variables are already set or if the restart fails.
 void restart_with(const std::string& instructions, char** argv);
 
 }  // namespace wheeltap::apps

@@ -24,9 +24,9 @@ std::string& last_words() {
 }
 
 int report(Exit exit, const std::string& line) {
-  // The user's names, keys and values must not break the line.
+  // Names, keys and values of the user must not contain line breaks.
   std::string words = io::printable(line);
-  // The typed text may be long; the message is before it or after it.
+  // The text that the user typed may be long: keep the beginning and the end of the line.
   constexpr std::size_t kLongest = 1000;
   if (exit == Exit::usage && words.size() > kLongest)
     words.replace(kLongest / 2, words.size() - kLongest, " ... ");
@@ -36,7 +36,7 @@ int report(Exit exit, const std::string& line) {
   return static_cast<int>(exit);
 }
 
-// Flushes standard output; a full disk is an error.
+// Flushes standard output; reports an error if the disk is full.
 int printed() {
   std::cout.flush();
   if (!std::cout) return report(Exit::cannot_create, "standard output cannot be written");
@@ -54,7 +54,7 @@ std::string joined(int argc, char** argv) {
   return line;
 }
 
-// Checked before any result exists.
+// Check the date before there are any results.
 void check_date_of_files() {
   try {
     (void)io::date_of_files();
@@ -63,7 +63,7 @@ void check_date_of_files() {
   }
 }
 
-// The texts of --help, for completion and the manual page.
+// The texts of --help, as input of shell completion and of the manual page.
 ProgramText text_of(const CLI::App& app) {
   ProgramText program{.name = "wheeltap",
                       .version = WHEELTAP_VERSION,
@@ -112,7 +112,7 @@ std::string parse_fault(const CLI::App& app, const CLI::ParseError& error, int a
       what = missing_option(command).value_or(what);
     }
   }
-  // The number may come from the environment variable.
+  // The number of threads may come from the environment variable.
   const bool typed = std::any_of(argv + 1, argv + argc, [](const char* word) {
     return std::string_view(word).starts_with("--threads");
   });
@@ -123,7 +123,7 @@ std::string parse_fault(const CLI::App& app, const CLI::ParseError& error, int a
          "--help)";
 }
 
-/// Whether this rank has work: under mpirun, ranks other than the first run some commands only.
+/// True if this rank has work: under mpirun, ranks other than the first run only some commands.
 bool divide_among_ranks(const Command& command, CommonOptions& common) {
   if (base::ranks() == nullptr) return true;
   if (common.threads == 0) common.threads = 1;
@@ -134,9 +134,9 @@ bool divide_among_ranks(const Command& command, CommonOptions& common) {
 }
 
 int run(const std::vector<Command>& commands, int argc, char** argv) {
-  // Exceeding the file size limit must be a write error with a message and an exit code.
+  // If a file exceeds the size limit, report a write error instead of ending by a signal.
   std::signal(SIGXFSZ, SIG_IGN);
-  // Wheeltap locks its own files, and some cluster file systems do not support locks.
+  // HDF5 need not lock files: Wheeltap locks its files, and some cluster file systems lack locks.
   ::setenv("HDF5_USE_FILE_LOCKING", "FALSE", 0);
   CLI::App app{
       "Structural health monitoring: number, positions and severities of damages, with calibrated "

@@ -24,7 +24,7 @@ struct AppFlags {
   int port = 0, at_once = 1;
 };
 
-/// Parses the case as its command does, up to the run. Throws Failure, io::FileError.
+/// Parses the case in the same way as its command does before a run. Throws Failure, io::FileError.
 void parse_as_command(CaseFile file) {
   const Command* command = command_of_kind(file);
   if (command == nullptr) file.refuse(Pointer("/kind"), "must be one of " + listed(case_kinds()));
@@ -35,7 +35,7 @@ void parse_as_command(CaseFile file) {
   static_cast<void>(command->make_run(std::move(file), common, {})->estimate());
 }
 
-/// All texts of the case with their places.
+/// Calls `use` for every string in the case, with its place.
 void each_text(const Json& json, const Pointer& where,
                const std::function<void(const Pointer&, const std::string&)>& use) {
   if (json.is_string()) use(where, json.get_ref<const std::string&>());
@@ -49,7 +49,7 @@ std::optional<CasePlace> fault_of(const fs::path& path, const std::string& text,
                                   const std::function<bool(const fs::path&)>& allowed) {
   try {
     CaseFile file = parse_case(path, text);
-    // Any text may name an input file. One that exists outside the folder is not read.
+    // Any string may name an input file. Files outside the folder must not be read.
     each_text(file.json, Pointer(), [&](const Pointer& where, const std::string& name) {
       std::error_code error;
       const fs::path named = file.place_of(name);

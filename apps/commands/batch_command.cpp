@@ -33,7 +33,7 @@ namespace {
 
 using Clock = std::chrono::steady_clock;
 
-/// The command that runs a case of this kind. Throws Failure if no command does.
+/// The command that runs a case of this kind. Throws Failure if there is no such command.
 const Command& command_of(const CaseFile& file) {
   if (const Command* command = command_of_kind(file)) return *command;
   file.refuse(Pointer("/kind"), "a batch runs cases of the kinds " + listed(case_kinds()));
@@ -57,7 +57,7 @@ std::vector<std::string> arguments(const Command& command, const std::filesystem
     out.insert(out.end(), {option, Json(value).dump()});
   };
   for (const std::string& override : common.overrides) out.push_back("--set=" + override);
-  if (!command.make_run) return out;  // nothing to resume
+  if (!command.make_run) return out;  // such a command has no runs to resume
   add("--chains", sampling.chains);
   if (common.seed) add("--seed", *common.seed);
   if (sampling.warmup > 0) add("--warmup", sampling.warmup);
@@ -76,7 +76,7 @@ std::vector<std::string> arguments(const Command& command, const std::filesystem
   return out;
 }
 
-/// Prints the estimated cost of each case, one line per case, and of all cases.
+/// Prints the estimated cost of each case, one line per case, and of all cases together.
 void estimate_batch(const std::vector<BatchCase>& cases, const CommonOptions& common,
                     const SamplingOptions& sampling) {
   const int threads = base::thread_count(common.threads);
@@ -119,7 +119,7 @@ void estimate_batch(const std::vector<BatchCase>& cases, const CommonOptions& co
                                      " cases would be rejected");
 }
 
-/// Runs each case in a separate process, on a thread of one of the ranks.
+/// Runs each case in a separate process, on one or more threads of one of the ranks.
 class Batch {
  public:
   Batch(std::vector<BatchCase> cases, const CommonOptions& common, const SamplingOptions& sampling)
@@ -127,7 +127,7 @@ class Batch {
     if (base::ranks() != nullptr) section_ = kCasesAThread * base::ranks()->size() * threads_;
   }
 
-  /// Rows of other ranks come at the end of a section. The table is on the disk when it ends.
+  /// Other ranks send their rows at the end of each section. Finally, the table is on the disk.
   void run() {
     for (int first = 0; first < all() && !stopped_; first += section_) {
       const int n = std::min(section_, all() - first);
@@ -160,7 +160,7 @@ class Batch {
     return common_.output / cases_[static_cast<std::size_t>(at)].name;
   }
 
-  // One thread per case while that many are `waiting`; the last cases share the free threads.
+  // One thread per case while enough cases are `waiting`; the last cases share free threads.
   void run_case(int at, int waiting) {
     if (was_interrupted()) return;
     int threads = 0;
@@ -184,17 +184,17 @@ class Batch {
     }
     const std::scoped_lock lock(mutex_);
     free_ += threads;
-    if (!ended) return;  // a later --resume continues it
+    if (!ended) return;  // a later --resume continues this run
     rows_[static_cast<std::size_t>(at)] = std::move(row);
     report(at);
   }
 
-  /// Waits until it ends; false if it was stopped with the batch.
+  /// Runs the program and waits until it ends. Returns false if it was stopped with the batch.
   bool run_program(const std::vector<std::string>& words, int threads, int at,
                    BatchRow& row) const {
     constexpr int kMilliseconds = 200;
     const auto began = Clock::now();
-    // The number of free threads is not part of the command stored in the results.
+    // An environment variable sets the threads, so that the command stored in results omits them.
     ChildProgram program(words, {std::string(kThreadsVariable) + "=" + std::to_string(threads)});
     std::optional<int> exit;
     for (bool terminated = false; !exit; exit = program.ended()) {
@@ -235,11 +235,11 @@ class Batch {
   const SamplingOptions& sampling_;
   std::vector<std::optional<BatchRow>> rows_;
   int threads_ = base::thread_count(common_.threads);  // threads of this rank
-  int section_ = all();                                // cases
-  // Rewriting the table after each of a hundred thousand cases would write 500 GB.
+  int section_ = all();                                // cases per section
+  // With 100 000 cases, rewriting the table after each case would write 500 GB.
   std::size_t rows_per_write_ = 1 + cases_.size() / 10'000;
   std::mutex mutex_;  // guards the members below, and rows_
-  int free_ = 0;      // threads
+  int free_ = 0;      // free threads
   std::size_t done_ = 0;
   bool stopped_ = false;
 };
@@ -247,7 +247,7 @@ class Batch {
 }  // namespace
 
 void run_batch(const CommonOptions& common, const SamplingOptions& sampling) {
-  static_cast<void>(evidence_methods(sampling.evidence));  // refuse before anything runs
+  static_cast<void>(evidence_methods(sampling.evidence));  // an error before the first run
   std::vector<BatchCase> cases = read_batch_list(common.case_path);
   BatchFolders folders(common.output, common.resume);
   for (BatchCase& one : cases) folders.give(one);

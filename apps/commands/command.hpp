@@ -34,15 +34,15 @@ struct Command {
   std::string summary;  ///< description of the command, one line for --help
   /// True if ranks share the work of the command; other commands run on rank 0 only
   bool on_all_ranks = false;
-  std::string case_kind = {};  ///< kind of case that the command runs; empty: none
-  /// Key that a case of this kind has if the command runs it; empty: the command runs all others
+  std::string case_kind = {};  ///< kind of case that it runs; empty: none
+  /// Key that cases of this kind need for this command; empty: it runs all other cases
   std::string case_key = {};
   /// Creates a run of a case of this kind; empty if the kind is not sampled
   MakeCaseRun make_run = {};
-  /// Checks a case whose kind is not sampled: reads its data, runs nothing. Throws Failure.
+  /// Checks a case whose kind is not sampled: reads its data without a run. Throws Failure.
   std::function<void(CaseFile)> check = {};
   /// Adds arguments and options to the command. The options set members of the Invocation, or a
-  /// value shared with `run`.
+  /// value that `run` also uses.
   std::function<void(CommandOptions&)> add_options = {};
   /// Runs the command. Throws Failure, io::FileError.
   std::function<void(const Invocation&)> run = {};

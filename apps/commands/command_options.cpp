@@ -15,7 +15,7 @@
 namespace wheeltap::apps {
 namespace {
 
-// Accepts numbers for which `allowed` is true; CLI::Range would accept nan.
+// Accepts numbers for which `allowed` is true. CLI::Range cannot be used, because it accepts nan.
 CLI::Validator number(const char* words, const char* name, bool (*allowed)(double)) {
   return CLI::Validator(
       [=](const std::string& text) -> std::string {
@@ -229,7 +229,7 @@ void CommandOptions::add_dry_run() {
   app_.add_flag_callback(
       "--dry-run", [&common = invocation_.common] { common.dry_run = print_estimate; },
       "print the estimated run time and memory without a run; --output is then optional");
-  app_.get_option("--output")->required(false);  // required for a run
+  app_.get_option("--output")->required(false);  // only a run requires it
 }
 
 void CommandOptions::add_quiet() {

@@ -23,8 +23,8 @@ namespace wheeltap::apps {
 /// Validator of numbers from 0 to 1e9.
 [[nodiscard]] CLI::Validator seconds();
 
-/// Adds options for the layout of a text file, a workbook or a file of arrays. The options have the
-/// names of the keys of a record in a case.
+/// Adds options for the layout of a text file, a workbook or a file of arrays. They have the names
+/// of the keys that describe a record in a case.
 void add_layout(CLI::App* command, io::TextLayout& layout, io::ArrayLayout& arrays);
 
 inline constexpr std::int64_t kMany = 1'000'000'000;
@@ -70,7 +70,7 @@ class CommandOptions {
 
 /// Completes a sampling command from its name, summary and make_run. The command runs cases of the
 /// kind with the same name and has the options of a sampling run. `may_reach_out` adds the options
-/// that permit running programs and connecting to hosts. `resumed` completes the help of --resume.
+/// that permit running programs and connecting to hosts. `resumed` ends the help of --resume.
 [[nodiscard]] Command sampled_command(Command command, bool may_reach_out,
                                       const char* resumed = "run");
 

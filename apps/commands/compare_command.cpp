@@ -41,8 +41,8 @@ double number_at(const Report& object, const char* key) {
   return found != object.end() && found->is_number() ? found->get<double>() : std::nan("");
 }
 
-/// The measured data of a case, without assumptions (scatter, and sensor places in its model). A
-/// file is identified by its content when the run read it, not by its name.
+/// The measured data of a case, without assumptions (noise parameters, places of sensors in the
+/// model). The content that the run read identifies a file, not the name of the file.
 class Measured {
  public:
   explicit Measured(const std::string& run, const Report& about)
@@ -106,7 +106,7 @@ Report measured_of(const std::string& name, const Report& summary) {
   return out;
 }
 
-/// Reads a summary, which a user may have edited: throws nlohmann exceptions for another structure.
+/// Reads a summary, which a user may have edited: throws nlohmann exceptions if keys are missing.
 Compared compared(const std::string& name, const Report& s) {
   Compared out{.name = name};
   out.title = s.value("title", "");
@@ -145,8 +145,8 @@ Compared read_run(const std::filesystem::path& folder) {
   }
 }
 
-/// Weights normalised to the sum 1; equal weights if none are given. Only their ratios matter:
-/// their sum may overflow.
+/// Weights normalised to the sum 1; equal weights if none are given. Only their ratios matter,
+/// because their sum may overflow.
 std::vector<double> shares(std::vector<double> weights, std::size_t count) {
   if (weights.empty()) weights.assign(count, 1.0);
   const double largest = *std::ranges::max_element(weights);

@@ -14,15 +14,15 @@ struct CompareOptions {
 };
 
 /// Computes posterior probabilities of the cases of finished runs from their evidences. The cases
-/// may differ in supports, in the unknowns of their baselines or in their force laws. With m the
+/// may differ in supports, in the unknowns of their baselines or in their force laws. If m is the
 /// most probable model of a run,
 ///
 ///   ln Z = ln Z_m + ln P(m) - ln P(m | data),   P(run | data) ∝ P(run) Z,
 ///
 /// to first order in the errors of the probability and the evidence of m. The function prints a
 /// table, or JSON. Throws Failure: usage for fewer than two folders and for invalid priors;
-/// no_input for a folder without a run; bad_input for different kinds or data, data that a case
-/// simulated, and unknown evidence.
+/// no_input for a folder without a run; bad_input for runs of different kinds or data, simulated
+/// data, and unknown evidence.
 void run_compare(const CompareOptions& options);
 
 }  // namespace wheeltap::apps

@@ -70,7 +70,7 @@ std::string rule_in_words(const Report& rule) {
   if (rule.contains("enum")) {
     std::string list;
     for (const Report& one : rule["enum"]) list += (list.empty() ? "" : ", ") + one.dump();
-    // Choices that the description names already are not repeated.
+    // Do not repeat the choices if the description already names them.
     if (text.find(rule["enum"][0].dump()) == std::string::npos) {
       text += (text.empty() ? "" : ": ") + list;
     }
@@ -106,7 +106,7 @@ class KeyTable {
     return &rule == &root_.at("definitions").at("prior");
   }
   void row(const std::string& path, bool required, const Report& rule) {
-    // Keys are listed once if a list of objects may replace one object.
+    // If a list of objects may replace one object, list its keys only once.
     std::string bare = path;
     for (std::size_t at = 0; (at = bare.find("[]")) != std::string::npos;) bare.erase(at, 2);
     if (!seen_.insert(bare).second) return;
@@ -115,7 +115,7 @@ class KeyTable {
   }
   void walk(const Report& reference, const std::string& path) {
     const Report& rule = resolve(reference);
-    // Priors are explained once, above the table; recursive rules are listed once.
+    // Priors are explained above the table; recursive rules are listed once.
     if (is_prior(rule) || !walking_.insert(&rule).second) return;
     walk_into(rule, path);
     walking_.erase(&rule);
@@ -142,7 +142,7 @@ class KeyTable {
   std::string text_;
 };
 
-// A schema with its keys in the order of its file.
+// A schema whose keys have the order of the schema file.
 Report ordered_schema(const std::string& kind) {
   static_cast<void>(schema(kind));  // throws for other names
   const auto find = [](std::string_view wanted) {
@@ -163,8 +163,8 @@ Report ordered_schema(const std::string& kind) {
   return found;
 }
 
-/// Simulates the record that a starter case names. The truth replaces the file of a sid case, or is
-/// itself a complete sid case, whose forces are then left out.
+/// Simulates the record that a starter case names. The truth replaces the file of a sid case.
+/// Otherwise it is a complete sid case, of which the record omits the forces.
 std::string simulated(const std::string& kind, CaseFile file, Json truth) {
   const bool whole = truth.contains("kind");
   if (whole) {
@@ -196,7 +196,7 @@ std::string describe_keys(const std::string& kind) {
 
 namespace {
 
-/// The schema of a starter case: a plan is a damage case, here of a structure.
+/// The schema of a starter case. A plan is a damage case of a structure.
 std::string schema_of(const std::string& kind, bool beam) {
   return kind == "plan" || !beam ? "structure" : kind;
 }
@@ -223,7 +223,7 @@ std::vector<fs::path> write_starter(const std::string& kind, const std::string& 
                                    (meant.empty() ? "" : "; did you mean \"" + meant + "\"?") +
                                    " (there are: " + list + ")");
   }
-  // A damage case has a starter with a beam and with other structures.
+  // There are starters of damage cases with a beam and with other structures.
   const bool beam = structure == "beam";
   const auto structures = starter_structures(kind);
   if (!beam && std::ranges::find(structures, structure) == structures.end())

@@ -21,7 +21,7 @@ struct LawsOptions {
   std::filesystem::path figures;  ///< folder for the figures of the force laws; empty: no figures
 };
 
-/// Prints the page of laws, the section of one law, or its example.
+/// Prints the page of force laws, the section of one force law, or its example.
 void run_laws(const LawsOptions& options) {
   const auto infos = dynamics::law_infos();
   const auto found = std::ranges::find(infos, options.name, &LawInfo::name);
@@ -33,7 +33,7 @@ void run_laws(const LawsOptions& options) {
       list += (list.empty() ? "" : ", ") + names.back();
     }
     std::string meant = nearest(options.name, names);
-    for (const LawInfo& info : infos)  // a stop is a contact
+    for (const LawInfo& info : infos)  // "stop" is a form of the force law "contact"
       if (meant.empty() && info.description.find(options.name) != std::string_view::npos)
         meant = info.name;
     throw Failure(Exit::usage, "no force law has the name \"" + options.name + "\"" +

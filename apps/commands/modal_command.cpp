@@ -27,7 +27,7 @@ namespace {
 using signals::ModalResult;
 using signals::Mode;
 
-/// Converts library errors, whose channels are numbered from 0, to error messages with names.
+/// Identifies modes. In error messages, names replace the library's channel numbers from 0.
 ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::uint64_t seed) {
   try {
     return identification::identify(set_up, seed);
@@ -37,7 +37,7 @@ ModalResult identify_modes_of(const CaseFile& file, const SetUp& set_up, std::ui
     };
     file.refuse(set_up.places[static_cast<std::size_t>(error.channel)],
                 error.original
-                    ? "is the same as " + name(*error.original) + " but for scale: leave one out"
+                    ? "equals " + name(*error.original) + " except for its scale: leave one out"
                     : error.reason);
   } catch (const signals::ChosenPoleError& error) {
     file.refuse(Pointer("/poles") / static_cast<std::size_t>(error.pole), error.what());

@@ -34,7 +34,7 @@ ModesReading reading_of(const CommonOptions& common, bool following, ProgressBar
           .progress = [&bar](double fraction) { bar.show("records", fraction, ""); }};
 }
 
-/// The program that the case runs on an alarm. Throws Failure (64) where it is not allowed.
+/// The program that the case runs on an alarm. Throws Failure (64) if programs are not allowed.
 std::optional<AlarmCommand> alarm_command(const CaseFile& file, const CommonOptions& common) {
   const Pointer where("/on_alarm/command");
   if (!file.json.contains(where)) return {};
@@ -81,7 +81,7 @@ Report process(const CommonOptions& common, const MonitorFlags& flags) {
   return std::move(run.summary);
 }
 
-/// Waits until a file of the series changes; false where the program is to end.
+/// Waits until a file of the series changes. Returns false if the program is to end.
 bool wait_for_rows(const CommonOptions& common, std::string& seen, double seconds) {
   for (;;) {
     for (double waited = 0.0; waited < seconds; waited += 0.2) {
@@ -99,7 +99,7 @@ bool alarmed(const Report& summary) {
   return summary.at("monitor").at("alarm").get<bool>();
 }
 
-/// From timings of learning and of one row.
+/// Run time from measured times of the training and of one row.
 RunCost cost_of_monitoring(const MonitorCaseFile& parsed) {
   const auto features = static_cast<double>(parsed.series.feature_count());
   const double monitored = parsed.series.rows() - parsed.learning_rows;

@@ -14,7 +14,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// A rough estimate: seconds of a core for the search and for the simulated tests of some designs.
+/// Rough estimate of run time on one core: search, and simulated tests of the designs.
 RunCost cost_of_plan(const PlanCaseFile& parsed, int scenarios) {
   constexpr double kTest = 3e-4, kDesigns = 30.0, kSearch = 256.0;
   const auto candidates = static_cast<double>(parsed.sensors.size());
@@ -68,7 +68,7 @@ Command plan_command() {
                     ->check(whole(1000, 10'000'000));
                 app.add_option("--check", how->checks,
                                "number of simulated tests that quick runs of the full engine "
-                               "identify (default: 10)")
+                               "analyse as a check (default: 10)")
                     ->check(whole(0, 10'000));
               },
           .run = [how](const Invocation& asked) { plan(asked.common, *how); }};

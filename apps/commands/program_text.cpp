@@ -29,7 +29,7 @@ std::vector<std::string> options_of(const CommandText& command) {
   return names;
 }
 
-/// Options with a value that the shell does not know; it completes file names.
+/// Options with a value. The shell has no list of values and completes file names instead.
 std::vector<std::string> taking_values(const CommandText& command) {
   std::vector<std::string> names;
   for (const OptionText& option : command.options)
@@ -74,7 +74,7 @@ std::string bash(const ProgramText& program) {
   return text;
 }
 
-/// In the syntax of _arguments: '(-o --output)'{-o,--output}'[description]:value:_files'.
+/// Completion for zsh: '(-o --output)'{-o,--output}'[description]:value:_files'.
 std::string zsh(const ProgramText& program) {
   const auto plain = [](const std::string& text) {
     std::string out;
@@ -129,7 +129,7 @@ std::string fish(const ProgramText& program) {
   return text;
 }
 
-/// Escapes a text for man: hyphens, and lines that begin like a macro.
+/// Escapes hyphens, and lines that begin like a macro, for man pages.
 std::string roff(const std::string& text) {
   std::string out = replaced(replaced(text, "\\", "\\e"), "-", "\\-");
   if (out.starts_with('.') || out.starts_with('\'')) out.insert(0, "\\&");

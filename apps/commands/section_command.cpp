@@ -23,10 +23,10 @@
 namespace wheeltap::apps {
 namespace {
 
-/// One section as a separate file: {"section": …, "poisson": …}, with its place in the case.
+/// A section of a case as a separate file {"section": …, "poisson": …}, and its place in the case.
 struct Found {
   CaseFile file;
-  std::string place;  ///< place in the case: "/beam/section", or "" for a bare section
+  std::string place;  ///< place in the case: "/beam/section"; "" for a file of one section
   std::string title;
 };
 
@@ -52,7 +52,7 @@ Found of_structure(const CaseFile& file, const std::string& wanted, const std::s
   if (!sections.contains(name))
     throw Failure(Exit::usage,
                   "--name " + name + ": no section has this name; there are: " + listed(names));
-  // The material is that of the first member with this section.
+  // Use the material of the first member with this section.
   Json material = Json::object();
   const Json& structure = file.json.at("structure");
   for (const Json& member : structure.value("members", Json::array())) {
@@ -83,7 +83,7 @@ Found find_section(const CaseFile& file, const std::string& name) {
         section_alone(json.at(beam), json.contains(material) ? json.at(material) : Json::object());
   } else if (!json.contains("section") &&
              (json.contains("shape") || json.contains("outline") || json.contains("area"))) {
-    // The file is a bare section.
+    // The file contains only a section.
     found.place = "";
     Json section = json;
     for (const char* key : {"poisson", "young", "density", "title", "notes", "kind"})
@@ -171,7 +171,7 @@ Report as_json(const Found& found, const MeshedSection& section, const SectionMa
   return out;
 }
 
-/// Prints values below rounding error as zero.
+/// A number as text; values below the rounding error `least` are zero.
 std::string figure(double x, double least = 0.0) {
   return std::abs(x) <= least ? "0" : significant(x, 6);
 }
@@ -188,7 +188,7 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
   };
   const auto line = [](const std::string& what, const std::string& symbol, const std::string& value,
                        const std::string& unit, const std::string& note = "") {
-    // Pads by characters, not bytes.
+    // Pad by the number of characters, not of bytes.
     const auto padded = [](const std::string& text, std::size_t width) {
       const auto characters = static_cast<std::size_t>(std::ranges::count_if(
           text, [](char c) { return (static_cast<unsigned char>(c) & 0xC0) != 0x80; }));
@@ -232,7 +232,7 @@ void print(const Found& found, const MeshedSection& section, const SectionMateri
             << significant(100.0 * a.errors.largest(), 2) << " %.\n";
 }
 
-/// "the torsion constant by 2.5 %": the value that the last mesh refinement changed most.
+/// The value that the last mesh refinement changed most: "the torsion constant by 2.5 %".
 std::string least_settled(const fem::SectionErrors& errors) {
   const std::vector<std::pair<double, const char*>> figures = {
       {errors.torsion_constant, "torsion constant"},

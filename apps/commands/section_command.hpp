@@ -13,8 +13,8 @@ struct SectionOptions {
 };
 
 /// Prints the properties of the section of a case, or of a file that contains one section and a
-/// Poisson's ratio. If `common.output` is given, the function also writes a figure of the section
-/// into this file. Throws Failure.
+/// Poisson's ratio. If `common.output` is set, also writes a figure of the section into this file.
+/// Throws Failure.
 void run_section(const CommonOptions& common, const SectionOptions& options);
 
 }  // namespace wheeltap::apps

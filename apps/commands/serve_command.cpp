@@ -13,7 +13,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Shows the progress of training; nothing is sampled.
+/// Shows the progress of training; this command does not sample.
 class ServeWatch final : public RunWatch {
  public:
   explicit ServeWatch(bool quiet) : bar_(quiet) {}

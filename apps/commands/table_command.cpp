@@ -61,7 +61,7 @@ emulator::TableFile read_parts(const std::vector<std::filesystem::path>& paths,
   }
 }
 
-/// Throws Failure if the case does not describe a table to compute, or not with these options.
+/// Throws Failure if the case does not define a table to compute, or if the options do not fit it.
 void require_table_case(const DamageCaseFile& parsed, const TableOptions& options) {
   const DamageCase& damage_case = parsed.damage;
   const Pointer predictor("/predictor");
@@ -98,8 +98,8 @@ void require_table_case(const DamageCaseFile& parsed, const TableOptions& option
 }
 
 /// Runs the design of the case's predictor, measures the emulator's error on further runs and
-/// writes the table. Finished runs are stored beside the output until it is written; `resume`
-/// starts from them.
+/// writes the table. Finished runs are stored beside the output until the table is written;
+/// `resume` starts from these runs.
 void run_table(const CommonOptions& common, const TableOptions& options) {
   const auto log = make_log(common.quiet);
   if (!options.part.empty() && !options.merge.empty()) {
@@ -121,14 +121,14 @@ void run_table(const CommonOptions& common, const TableOptions& options) {
   require_same_on_all_ranks("case", parsed.file.json.dump());
   std::optional<emulator::TableFile> made;
   if (!options.merge.empty()) made = read_parts(options.merge, damage_case);
-  // Reserve the name before computing a table that might not be writable.
+  // Check that the file can be written before the long computation.
   on_first_rank([&] { const io::AtomicFile writable(common.output); });
   const std::string stem = common.output.string() + ".runs";
   const auto journal = [&](int count) {
     return std::filesystem::path(stem + ".count_" + std::to_string(count));
   };
   const auto forget = [&] {
-    if (made) return;  // the runs exist already
+    if (made) return;  // all runs exist already
     for (int count = 1; count <= kind.max_count; ++count) emulator::Journal::remove(journal(count));
   };
   if (!common.resume) on_first_rank(forget);

@@ -27,10 +27,10 @@ void replace_all(std::string& word, const std::string& what, const std::string& 
     word.replace(at, what.size(), by);
 }
 
-/// Waits until the process ends; false after the time limit.
+/// Waits until the process ends. Returns false after the time limit.
 bool ends_in_time(pid_t pid, double seconds) {
   const auto handle = static_cast<int>(syscall(SYS_pidfd_open, pid, 0));
-  if (handle < 0) return true;  // an old system: wait without a limit
+  if (handle < 0) return true;  // old system without pidfd: wait without a limit
   const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
   bool ended = false;
   for (;;) {

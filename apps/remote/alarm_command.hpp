@@ -8,7 +8,7 @@
 namespace wheeltap::apps {
 
 struct AlarmCommand {
-  /// In the words, {summary} is summary.json and {case} the folder of the case
+  /// Program and arguments; {summary} is summary.json, {case} the folder of the case
   std::vector<std::string> words = {};
   std::filesystem::path folder = {};  ///< folder of the case
   double timeout_seconds = 60.0;
@@ -16,7 +16,7 @@ struct AlarmCommand {
 
 /// Runs the command in the folder of the case, with `text` on its standard input; its output goes
 /// to standard error. No shell interprets the words. Returns a sentence on the failure, or an empty
-/// text.
+/// string.
 [[nodiscard]] std::string run_on_alarm(const AlarmCommand& command,
                                        const std::filesystem::path& summary,
                                        const std::string& text);

@@ -43,7 +43,7 @@ class BoundedServer::Connection final : public httplib::Stream {
  public:
   Connection(const BoundedServer& server, socket_t socket) : server_(server), socket_(socket) {}
 
-  /// False if none arrives.
+  /// Waits for a request; returns false if no request arrives.
   [[nodiscard]] bool wait_for_request() {
     writing_ = false;
     deadline_ = Clock::now() + server_.bounds_.idle;
@@ -91,7 +91,7 @@ class BoundedServer::Connection final : public httplib::Stream {
   [[nodiscard]] socket_t socket() const override { return socket_; }
 
  private:
-  /// Waits until the socket is ready; false at the deadline or if the server stops.
+  /// Waits until the socket is ready. Returns false at the deadline or if the server stops.
   [[nodiscard]] bool wait(short what) const {
     while (!server_.stopped()) {
       const auto left =
@@ -99,7 +99,7 @@ class BoundedServer::Connection final : public httplib::Stream {
       if (left <= 0) return false;
       pollfd watched{.fd = socket_, .events = what, .revents = 0};
       const int ready = ::poll(&watched, 1, static_cast<int>(std::min<long>(left, kPoll)));
-      if (ready > 0) return true;  // or closed; reading detects this
+      if (ready > 0) return true;  // ready, or closed, which reading detects
       if (ready < 0 && errno != EINTR) return false;
     }
     return false;
@@ -132,7 +132,7 @@ class BoundedServer::Threads final : public httplib::TaskQueue {
   }
   void shutdown() override {
     const std::lock_guard lock(mutex_);
-    threads_.clear();  // joins
+    threads_.clear();  // joins the threads
   }
 
  private:
@@ -168,7 +168,7 @@ void BoundedServer::enter(socket_t socket) {
   const std::lock_guard lock(mutex_);
   open_.insert(socket);
   if (open_.size() > bounds_.connections) {
-    // Its thread then reads the end of the stream. If all are busy, close the new connection.
+    // Close the connection with the longest wait or, if all are busy, the new connection.
     const socket_t leaves = waiting_.empty() ? socket : waiting_.front();
     if (!waiting_.empty()) waiting_.pop_front();
     ::shutdown(leaves, SHUT_RDWR);

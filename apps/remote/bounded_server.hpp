@@ -27,8 +27,8 @@ struct ConnectionBounds {
 };
 
 /// A server that gives each connection a thread and a deadline, and limits the number of
-/// connections. The server of httplib does not do this: a connection occupies a thread of its pool
-/// as long as single bytes arrive, and request bodies of unknown length have no size limit. The
+/// connections. The server of httplib lacks such limits: a connection occupies a thread of its pool
+/// as long as single bytes arrive, and request bodies of unknown length may have any size. The
 /// caller must limit the work of requests.
 class BoundedServer : public httplib::Server {
  public:

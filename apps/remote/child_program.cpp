@@ -17,7 +17,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kMostSaid = 1 << 16;  // bytes; keeps the end of longer output
+constexpr std::size_t kMostSaid = 1 << 16;  // bytes; of longer output, the end is kept
 
 [[noreturn]] void fail(const char* what) {
   throw std::system_error(errno, std::generic_category(), what);
@@ -90,7 +90,7 @@ std::optional<int> ChildProgram::ended() {
     said_.append(bytes.data(), static_cast<std::size_t>(n));
     if (said_.size() > 2 * kMostSaid) said_.erase(0, said_.size() - kMostSaid);
   }
-  if (n < 0) return {};  // it is running and has printed nothing
+  if (n < 0) return {};  // the child is running and has printed nothing
   const int status = base::wait_for(pid_);
   if (status < 0) fail("waiting for a process");
   pid_ = -1;

@@ -70,7 +70,7 @@ std::string number_text(double x) {
   return {text.data(), std::to_chars(text.data(), text.data() + text.size(), x).ptr};
 }
 
-/// Exit status as from waitpid; none if a timeout killed the process.
+/// Runs a program. Returns its exit status as from waitpid; empty if a timeout killed it.
 std::optional<int> run(const std::vector<std::string>& words, const fs::path& directory,
                        double timeout_seconds) {
   const auto opened = [](const fs::path& path, int how) {

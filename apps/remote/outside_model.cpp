@@ -28,7 +28,7 @@ bool is_loopback(const std::string& host) {
   return host == "localhost";
 }
 
-/// A model with permuted inputs.
+/// A model whose inputs are the unknowns in another order.
 class InOrder final : public OutsideModel {
  public:
   InOrder(std::unique_ptr<OutsideModel> model, std::vector<int> order)
@@ -83,7 +83,7 @@ std::shared_ptr<RememberedModel> open_outside(const CaseFile& file, const Outsid
     memory = common.output / kModelRuns;
     if (!common.resume) emulator::Journal::remove(memory);
   }
-  // Identity of the answers: timeout, retries, memory and emulator do not change them.
+  // The identity of stored results omits keys that do not change results.
   Json identity = file.json.at(kPredictor);
   for (const char* key : {"timeout", "retries", "memory", "emulator"}) identity.erase(key);
   identity["inputs"] = spec.names;

@@ -87,7 +87,7 @@ class StructureForward final : public OutsideModel {
   std::vector<double> x_;
 };
 
-/// ln p(data | x); for the posterior plus ln p(x).
+/// The density ln p(data | x); as "posterior", ln p(data | x) + ln p(x).
 class Density final : public OutsideModel {
  public:
   Density(const inference::Problem& problem, int model, bool with_prior)
@@ -101,7 +101,7 @@ class Density final : public OutsideModel {
     double prior = 0.0;
     for (int p = 0; p < inputs(); ++p)
       prior += space_.prior(model_, p).log_density(x[static_cast<std::size_t>(p)]);
-    // Outside its prior a parameter may be invalid for the structure.
+    // Outside the support of its prior, a parameter may be invalid for the structure.
     y[0] = std::isfinite(prior) ? likelihood_->log_likelihood(model_, x) : prior;
     if (with_prior_ && std::isfinite(prior)) y[0] += prior;
   }
@@ -131,7 +131,7 @@ std::size_t defect_numbers(const DefectKind& kind) {
   return place_numbers(kind) + static_cast<std::size_t>(kind.parameters()) - 1;
 }
 
-/// The stretch of the engine's line with this site number. Throws std::invalid_argument for an
+/// The part of the line of sites that has this site number. Throws std::invalid_argument for an
 /// unknown number.
 const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const double> said) {
   for (const SiteLine::Stretch& stretch : kind.line.stretches())
@@ -143,9 +143,9 @@ const SiteLine::Stretch& stretch_of(const DefectKind& kind, std::span<const doub
                               ": must be one of " + allowed);
 }
 
-/// A place in the engine's coordinate x along the line of all places, and ln of the length on this
-/// line per unit of the inputs (a metre of a member, or a joint). Throws std::invalid_argument for
-/// an invalid place.
+/// A place as the coordinate x on the line of all sites, and ln of the length on this line per unit
+/// of the inputs (per metre of a member, or per joint). Throws std::invalid_argument for an invalid
+/// place.
 struct LinePlace {
   double x = 0.0, log_measure = 0.0;
 };
@@ -213,7 +213,7 @@ class DamageForward final : public OutsideModel {
   int inputs_ = 0;
 };
 
-/// ln p(data | x), and for the posterior plus ln p(x), with the inputs of DamageForward.
+/// ln p(data | x), or ln p(data | x) + ln p(x) for "posterior", with the inputs of DamageForward.
 class DamageDensity final : public OutsideModel {
  public:
   DamageDensity(std::shared_ptr<const DamageProblem> problem, int model, bool with_prior)
@@ -246,7 +246,7 @@ class DamageDensity final : public OutsideModel {
     density_.evaluate(x_, y);
     if (with_prior_) y[0] += log_measure;
   }
-  // On a beam both have the same inputs.
+  // For a beam, the gradient is available: the parameters are the inputs.
   bool gradient(std::span<const double> said, std::span<const double> sensitivity,
                 std::span<double> slope) override {
     const bool alike =
@@ -263,7 +263,7 @@ class DamageDensity final : public OutsideModel {
   int inputs_ = 0;
 };
 
-/// The measured motion of a chain as a function of its parameters, record after record.
+/// The predicted motion at the measured channels as a function of the parameters, record by record.
 class ChainForward final : public OutsideModel {
  public:
   ChainForward(std::shared_ptr<const SidProblem> problem, int model)

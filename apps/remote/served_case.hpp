@@ -11,9 +11,9 @@
 
 namespace wheeltap::apps {
 
-/// Returns the models of an update case. "forward" maps the parameters of the structure, in
-/// alphabetical order, to the frequencies [Hz] of the measured modes and the modes to predict. The
-/// function "log_likelihood" maps all parameters to ln p(data | x). "posterior" maps them to ln
+/// Returns the models of an update case. The model "forward" maps the parameters of the structure,
+/// in alphabetical order, to the frequencies [Hz] of the measured modes and of the modes to
+/// predict. The model "log_likelihood" maps all parameters to ln p(data | x), "posterior" to ln
 /// p(data | x) + ln p(x). The problem must outlive the models.
 [[nodiscard]] std::vector<ServedModel> served(
     std::shared_ptr<const identification::UpdateProblem> problem);

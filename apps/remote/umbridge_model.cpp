@@ -45,7 +45,7 @@ namespace {
 constexpr double kFirstPause = 0.25, kLongestPause = 30.0;  // seconds between two tries
 constexpr std::size_t kLongest = 200;                       // characters of an answer in messages
 
-/// The beginning of a server's answer, for a message.
+/// The beginning of a server's answer, for error messages.
 std::string beginning(const std::string& words) {
   return words.size() > kLongest ? words.substr(0, kLongest) + "..." : words;
 }
@@ -85,7 +85,7 @@ class UmbridgeModel final : public OutsideModel {
     }
   }
 
-  // The protocol has one row of sensitivities per pair of an output and an input vector.
+  // The protocol has one request per pair of an output vector and an input vector.
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override {
     if (!has_gradient_) return false;
@@ -260,7 +260,7 @@ class UmbridgeModel final : public OutsideModel {
       };
       std::string text;
       bool too_long = false, too_slow = false;
-      // Limits answers that never end, fast or slow.
+      // Limit the size and the time of answers.
       request.content_receiver = [&](const char* data, std::size_t n, auto, auto) {
         too_long = text.size() + n > kLargestAnswer;
         too_slow = seconds() > spec_.patience.timeout_seconds;

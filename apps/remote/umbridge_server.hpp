@@ -24,7 +24,7 @@ struct ServerOptions {
   int port = 0;  ///< port of the server; 0: any free port
   int threads = 1;
   std::function<void(int port)> ready = {};  ///< called when the server accepts connections
-  /// Called a few times per second; true ends the server
+  /// Called a few times per second; the server ends if it returns true
   std::function<bool()> stop = {};
 };
 

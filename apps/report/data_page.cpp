@@ -12,7 +12,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kColumns = 480;  // columns of pixels for data
+constexpr std::size_t kColumns = 480;  // largest number of pixel columns
 
 std::string with_unit(const std::string& name, const std::string& unit) {
   return unit.empty() ? name : name + " [" + unit + "]";
@@ -33,7 +33,7 @@ std::string envelope(const Plot& plot, const std::vector<double>& values,
       high = std::max(high, values[i]);
     }
     if (low > high) {
-      begun = false;  // a gap
+      begun = false;  // gap: start a new line
       continue;
     }
     const std::string x = fixed(plot.x(at((from + to - 1) / 2)), 1);

@@ -79,12 +79,12 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
       high = std::max(high, y->values[i]);
     }
     if (!(low <= high)) continue;
-    // About a hundred bins along the beam, a whole number per element.
+    // About a hundred bins along the beam, with a whole number of bins per element.
     const auto elements =
         std::max<std::size_t>(1, summary.at("beam").value("elements", std::size_t{1}));
     const std::size_t along = elements * std::max<std::size_t>(1, (100 + elements - 1) / elements);
     const Bins bx{0.0, length / static_cast<double>(along), along};
-    // The axis of shares goes from zero to a round number above the largest.
+    // The axis of a share extends from zero to a round number above the largest value.
     const double top = share ? std::min(1.0, std::ceil(10.0 * high) / 10.0) : high;
     const double bottom = share ? 0.0 : low;
     const Bins by{bottom, top > bottom ? (top - bottom) / 50.0 : 1.0, 50};
@@ -92,7 +92,7 @@ Report joint(const StoredDraws& posterior, const Report& summary) {
       CellCounts counts;
       double draws = 0.0;
     };
-    std::map<std::size_t, View> by_count;  // 0: all
+    std::map<std::size_t, View> by_count;  // by count; 0: all counts
     for (std::size_t at = 0; at < posterior.size(); ++at) {
       const double weight = posterior.weight(at);
       std::size_t count = 0;

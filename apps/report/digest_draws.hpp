@@ -29,9 +29,9 @@ struct Bins {
   }
 };
 
-/// Returns a number of bins proportional to the cube root of the number of draws, by the rule of
-/// Freedman & Diaconis (1981). The bins are finer than by this rule, because posteriors often have
-/// several narrow modes.
+/// Returns a number of bins proportional to the cube root of the number of draws, as in the rule of
+/// Freedman & Diaconis (1981). The bins are narrower than in the rule, because posteriors often
+/// have several narrow modes.
 [[nodiscard]] std::size_t bins_for(std::size_t draws, double factor, std::size_t fewest,
                                    std::size_t most);
 /// Returns n bins over the range of the draws; one bin if all draws are equal.
@@ -59,7 +59,7 @@ struct Series {
   std::string label;     ///< label of the unknown, as in summary.json
   std::size_t slot = 0;  ///< row of the variable, 0-based
   std::string prior;     ///< JSON pointer to the prior of the unknown in the case
-  /// Number of exchangeable unknowns; this one is the (slot + 1)-th; 0: not exchangeable
+  /// Number of exchangeable unknowns, of which this is the (slot + 1)-th; 0: not exchangeable
   int ordered_among = 0;
   std::string unit;  ///< unit of the unknown; empty if not known
   const io::NetcdfArray* variable = nullptr;
@@ -83,7 +83,7 @@ class StoredDraws {
   /// The number (from 1) of the i-th stored draw among all draws of its chain.
   [[nodiscard]] std::size_t number(std::size_t i) const { return i * step_ + 1; }
   [[nodiscard]] std::size_t model(std::size_t at) const { return model_[at]; }
-  /// The weight of a draw, 1 on average.
+  /// The weight of a draw; the average weight is 1.
   [[nodiscard]] double weight(std::size_t at) const { return weights_[at]; }
   [[nodiscard]] std::size_t size() const { return model_.size(); }
   [[nodiscard]] const io::NetcdfArray* find(const std::string& name) const;
@@ -106,7 +106,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
 /// residuals.
 [[nodiscard]] Report digest_responses(const io::NetcdfReader& file);
 /// Returns extension, rate and tension of each link in the motion of the best draw, and the tension
-/// from the data; thinned evenly. Empty if the run did not store them.
+/// from the data. All are thinned evenly; empty if the run did not store them.
 [[nodiscard]] Report digest_links(const io::NetcdfReader& file);
 
 }  // namespace wheeltap::apps

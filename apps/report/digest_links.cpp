@@ -7,7 +7,7 @@ namespace wheeltap::apps {
 namespace {
 
 constexpr std::size_t kMostLinks = 6;
-constexpr std::size_t kMostPoints = 2400;  // per link
+constexpr std::size_t kMostPoints = 2400;  // points per link
 
 Report number_or_null(const std::vector<double>& values, std::size_t at) {
   return at < values.size() && std::isfinite(values[at]) ? Report(compact(values[at])) : Report();
@@ -53,7 +53,7 @@ Report digest_links(const io::NetcdfReader& file) {
                     {{"extension", file.text(*group, name, "units")},
                      {"rate", file.text(*group, "rate_" + ends, "units")},
                      {"tension", file.text(*group, "tension_" + ends, "units")}}},
-                   // [extension, rate, tension of the model; of the data: tension, extension]
+                   // [model: extension, rate, tension; data: tension, extension]
                    {"rows", std::move(rows)}});
   }
   return out;

@@ -7,7 +7,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kMostPairs = 6;  // parameters in pairs
+constexpr std::size_t kMostPairs = 6;  // parameters in plots of pairs
 constexpr std::size_t kCurve = 161;    // points of a prior's density
 
 double density(const inference::Prior& prior, double x) {
@@ -22,7 +22,7 @@ double order_statistic(const inference::Prior& prior, double x, int i, int n) {
   return choose * std::pow(f, i - 1) * std::pow(1.0 - f, n - i) * density(prior, x);
 }
 
-// The prior at this place of the case; none if it is not a plain prior.
+// The prior at this place of the case; empty if it is not a single prior.
 std::optional<inference::Prior> prior_of(const CaseFile& stated, const std::string& pointer) {
   if (pointer.empty()) return {};
   try {
@@ -34,8 +34,8 @@ std::optional<inference::Prior> prior_of(const CaseFile& stated, const std::stri
   }
 }
 
-// The priors that a discovery gives its terms: the summary has them as text, "uniform [0, 2]", with
-// the names of a case.
+// Adds the default priors of a discovery's terms. The summary contains these priors as text,
+// "uniform [0, 2]", with the names that a case uses.
 void add_priors_made(const Report& summary, Json& stated) {
   if (!summary.contains("priors") || !summary["priors"].is_object()) return;
   for (const auto& [label, words] : summary["priors"].items()) {
@@ -52,7 +52,7 @@ void add_priors_made(const Report& summary, Json& stated) {
 Report one_parameter(const StoredDraws& posterior, const Series& series, std::size_t model,
                      std::vector<double>& all, const CaseFile& stated) {
   all.clear();
-  std::vector<std::vector<std::size_t>> inside(posterior.chains());  // draws of this model
+  std::vector<std::vector<std::size_t>> inside(posterior.chains());  // draws of the model
   for (std::size_t c = 0; c < posterior.chains(); ++c) {
     for (std::size_t i = c * posterior.draws(); i < (c + 1) * posterior.draws(); ++i) {
       if (posterior.model(i) != model) continue;
@@ -102,7 +102,7 @@ Report one_parameter(const StoredDraws& posterior, const Series& series, std::si
       x_list.push_back(compact(x, bins.width));
       p_list.push_back(compact(p));
     }
-    // The area that posterior and prior share: 1 if the data have no information.
+    // The area common to posterior and prior density: 1 if the data have no information.
     double overlap = 0.0;
     for (std::size_t b = 0; b < bins.n; ++b) {
       const double x = bins.from + (static_cast<double>(b) + 0.5) * bins.width;
@@ -140,7 +140,7 @@ void digest_parameters(const StoredDraws& posterior, const Report& summary, Repo
       Report one = one_parameter(posterior, series, m, all, stated);
       if (one.is_null()) continue;
       list.push_back(std::move(one));
-      // A constant (for example the member of a damage) has no pairs.
+      // Omit a constant from pairs (for example, a damage that is always on one member).
       const auto [low, high] = std::ranges::minmax(all);
       if (labels.size() < kMostPairs && low < high) {
         labels.push_back(series.label);

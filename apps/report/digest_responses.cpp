@@ -13,10 +13,10 @@ using identification::quantile;
 namespace {
 
 constexpr std::size_t kTimePoints = 8000;  // all channels together
-constexpr std::size_t kMostDrivers = 2;    // excitations with frequency responses
-constexpr double kExcited = 1e-4;          // share of its peak below which a spectrum is zero
+constexpr std::size_t kMostDrivers = 2;    // excitations with frequency response functions
+constexpr double kExcited = 1e-4;          // spectrum / peak; smaller values count as zero
 
-// An excitation of the chain, as the run stored it.
+// An excitation of the chain of masses, as stored by the run.
 struct Driver {
   std::string name, role, unit;
   std::vector<double> values;
@@ -33,15 +33,15 @@ std::vector<Driver> drivers(const io::NetcdfReader& file, std::size_t samples) {
     const auto [low, high] = std::ranges::minmax(one.values);
     if (one.values.size() == samples && high > low) out.push_back(std::move(one));
   }
-  // A base displacement beside the base's acceleration is the same motion.
+  // Omit a base displacement if the base acceleration exists: both are the same motion.
   if (std::ranges::any_of(out, [](const Driver& d) { return d.role == "base acceleration"; })) {
     std::erase_if(out, [](const Driver& d) { return d.role == "base displacement"; });
   }
   return out;
 }
 
-// Predictions of a response at each sample: replicates (with noise) and without noise. Older runs
-// stored replicates only: their median replaces the prediction without noise, without a band.
+// Predictions of a response at each sample: replicates (with noise), and predictions without noise.
+// Older runs stored only replicates: the median of these replaces the missing prediction.
 struct Predicted {
   std::vector<double> low, high;            // 95 % band of replicates
   std::vector<double> median, q2_5, q97_5;  // without noise; the quantiles may be empty
@@ -92,7 +92,7 @@ Report history(const std::vector<double>& time, const std::vector<double>& y, co
   Report rows = Report::array();
   for (std::size_t b = 0; b < points; ++b) {
     const std::size_t from = b * samples / points, to = (b + 1) * samples / points;
-    // Minimum, then maximum of the bucket: a line through both covers its range.
+    // Minimum, then maximum of the bucket: a line through both points covers its range.
     for (const bool high : {false, true}) {
       const double t = high ? 0.5 * (time[to - 1] + time[from]) : time[from];
       rows.push_back({t, extreme(y, from, to, high), extreme(p.low, from, to, false),
@@ -106,11 +106,11 @@ Report history(const std::vector<double>& time, const std::vector<double>& y, co
 }
 
 // Frequency responses H1 of the data and of the predicted median to one excitation, estimated with
-// the same windows: frequency, |H1| and phase of both, coherence of the data; without frequencies
-// that the excitation does not contain.
+// the same windows. Rows: frequency, |H1| and phase of both, coherence of the data. Frequencies
+// that the excitation does not contain are omitted.
 Report transfer(const Driver& driver, const std::vector<double>& y,
                 const std::vector<double>& median, double rate, const std::string& unit) {
-  // At least fifteen half-overlapping segments: with few, the coherence of any data is near 1.
+  // Use at least fifteen half-overlapping segments; with few segments, any coherence is near 1.
   const int segment = static_cast<int>(std::clamp<std::size_t>(y.size() / 8, 8, 1024));
   const auto data = signals::frequency_response(driver.values, y, rate, {.segment = segment});
   const auto model = signals::frequency_response(driver.values, median, rate, {.segment = segment});

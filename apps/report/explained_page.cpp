@@ -20,7 +20,7 @@ std::string cause_table(const Report& explanation) {
   return out + "</tr></table></div>\n";
 }
 
-/// Probability of each element as steps.
+/// Chart of the probability of each element, as steps.
 std::string element_chart(const Report& defect) {
   const auto shares = defect.at("by_element").get<std::vector<double>>();
   const double top = *std::ranges::max_element(shares);

@@ -21,7 +21,7 @@ struct Line {
 struct Axis {
   std::string title;
   double limit = 1.0;  ///< the axis goes from -limit to limit
-  double step = 1.0;   ///< between its ticks
+  double step = 1.0;   ///< distance of the ticks
   double scale = 1.0;  ///< from SI to the unit of the ticks
 };
 
@@ -43,7 +43,7 @@ std::vector<Line> lines_of(const dynamics::LawInfo& info) {
 
 /// True if the tension of a law without memory differs between opening and closing.
 bool depends_on_rate(const dynamics::LawInfo& info, const std::vector<CyclePoint>& points) {
-  // The cycle starts at e = 0: points i and n/2 - i have the same extension and opposite rates.
+  // The cycle starts at e = 0: points i and n/2 - i have equal extensions and opposite rates.
   const std::size_t half = (points.size() - 1) / 2, i = half / 4;
   return !info.memory && std::abs(points[i].tension - points[half - i].tension) >
                              1e-6 * (std::abs(points[i].tension) + 1e-300);

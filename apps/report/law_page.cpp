@@ -16,7 +16,7 @@ std::span<const LawCoefficient> coefficients(const LawInfo& info) {
   return std::span(info.coefficients).first(static_cast<std::size_t>(info.size()));
 }
 
-/// A law as a JSON object with `value` of each coefficient, and the side.
+/// A force law as a JSON object with `value` of each coefficient, and with the side.
 template <class Value>
 std::string object(const LawInfo& info, const Value& value, bool everything) {
   std::string text;

@@ -45,7 +45,7 @@ double mac(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
   return aa * bb > 0.0 ? std::norm(product) / (aa * bb) : 0.0;
 }
 
-/// Real part of a rotated entry, and its standard deviation; NaN without covariances.
+/// Real part of a rotated shape entry, and its standard deviation (NaN without covariances).
 struct Bar {
   double value = 0.0, sd = 0.0;
 };

@@ -7,12 +7,12 @@
 
 namespace wheeltap::apps {
 
-/// Returns the modal assurance criterion between all modes, over the common sensors of both modes,
+/// Returns the modal assurance criterion between all modes, over the sensors common to both modes,
 /// as a table of shaded cells.
 [[nodiscard]] std::string mac_figure(const ModesFile& modes);
 
-/// Returns the entries of each mode shape in the complex plane, rotated for the smallest imaginary
-/// parts: the entries of a real mode lie along the horizontal axis.
+/// Returns the entries of each mode shape in the complex plane, rotated to minimise the imaginary
+/// parts: the entries of a real mode are on the horizontal axis.
 [[nodiscard]] std::string complexity_figures(const ModesFile& modes);
 
 /// Returns the rotated entries of each mode shape as bars by channel, with 95 % intervals if there

@@ -169,8 +169,8 @@ std::string merged_table(const Report& modes) {
   return out + "</table></div>\n";
 }
 
-/// Plots the frequency of each mode in each set-up minus the merged one, in standard deviations of
-/// the set-up.
+/// Plots the frequency of each mode in each set-up minus the merged frequency, in standard
+/// deviations of the set-up.
 std::string agreement(const Report& modes, const Report& set_ups) {
   const auto sets = static_cast<double>(set_ups.size());
   const double reach = 6.0, end = static_cast<double>(modes.size()) + 0.5;
@@ -205,7 +205,7 @@ std::string headed(const std::string& level, const std::string& words) {
   return "<" + level + ">" + words + "</" + level + ">\n";
 }
 
-/// Rejected poles of a record, with reasons.
+/// Table of the rejected poles of a record, with reasons.
 std::string rejected(const Report& set_up, const std::string& level) {
   const Report& clusters = list_at(set_up, "rejected");
   const std::string poles = set_up.at("rejected_poles").get<std::string>();
@@ -244,7 +244,7 @@ std::string of_record(const Report& set_up, const std::string& level, bool alone
   return out;
 }
 
-/// How the record was analysed.
+/// Text on the analysis of a record.
 std::string procedure(const Report& set_up) {
   std::string out;
   for (const Report& text : list_at(set_up.at("procedure"), "in_words"))
@@ -286,7 +286,7 @@ std::vector<std::string> details_of(const Report& modes, std::size_t warnings) {
   return out;
 }
 
-/// The script that animates shapes, with the parts of the chart scripts that it needs.
+/// The script that animates mode shapes, and the parts of the chart scripts that it needs.
 std::string moving(const Report& drawing) {
   if (drawing.is_null()) return {};
   return "<div id=\"moving\"></div>\n<script>\n"

@@ -16,7 +16,7 @@ constexpr std::size_t kIntervals = 700;
 
 using Numbers = std::vector<double>;
 
-/// The columns of one feature in series.csv, and those of all.
+/// Columns of series.csv: those of one feature, and those common to all features.
 struct SeriesTable {
   Numbers time;
   std::vector<std::string> names;
@@ -30,7 +30,7 @@ SeriesTable table_of(const io::Columns& series) {
   SeriesTable out;
   const auto at = [&](std::size_t i) { return series.columns[i].values; };
   out.time = at(0);
-  // Dates are in seconds since the first one.
+  // Dates are in seconds since the first date.
   if (series.columns[0].cells == io::CellKind::stamp)
     for (double& t : out.time) t /= 86400.0;
   const std::size_t features = (series.columns.size() - 4) / 4;
@@ -46,7 +46,7 @@ SeriesTable table_of(const io::Columns& series) {
   return out;
 }
 
-/// The least and the largest finite value of each interval of rows, as two polylines' points.
+/// The smallest and the largest finite value of each interval of rows, as points of two polylines.
 struct Envelope {
   Numbers time, low, high;
 };
@@ -69,7 +69,7 @@ Envelope envelope(const Numbers& time, const Numbers& values) {
   return out;
 }
 
-/// Robust limits of an axis: the range without the outermost two thousandths.
+/// Robust limits of an axis: the range without the outermost 0.2 % of the values.
 std::pair<double, double> limits(const std::vector<const Numbers*>& lists) {
   Numbers all;
   for (const Numbers* list : lists)
@@ -91,7 +91,7 @@ std::string path(const Plot& plot, const Numbers& time, const Numbers& values, d
   return out;
 }
 
-/// An envelope as vertical strokes, which are points where an interval holds one row.
+/// An envelope as vertical strokes; a stroke is a point if its interval has one row.
 std::string strokes(const Plot& plot, const Envelope& e, const std::string& kind, double low,
                     double high) {
   std::string d;
@@ -182,7 +182,7 @@ std::string tracked_table(const Report& modes) {
   return out + "</table></div>\n";
 }
 
-/// An entry that may be null or absent.
+/// An entry as text; "–" if it is null or absent.
 std::string entry_or_dash(const Report& of, const char* key) {
   if (!of.contains(key) || of.at(key).is_null()) return "–";
   const Report& x = of.at(key);

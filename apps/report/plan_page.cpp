@@ -14,7 +14,7 @@ namespace {
 
 constexpr double kWidth = 640.0, kMargin = 46.0;
 
-/// Maps places [m] to the drawing; spaces are seen obliquely from above.
+/// Maps places [m] to the drawing; structures in space are seen obliquely from above.
 class View {
  public:
   explicit View(const Report& plan) : space_(plan.at("drawing").at("dimension").get<int>() == 3) {
@@ -40,7 +40,7 @@ class View {
     const auto [u, v] = flat(p);
     return {kMargin + (u - left_) * scale_, kMargin + (top_ - v) * scale_};
   }
-  /// A direction on the drawing, of unit length in the plane.
+  /// A direction on the drawing, as a unit vector in the plane of the drawing.
   [[nodiscard]] std::array<double, 2> along(const Report& d) const {
     const auto [u, v] = flat(d);
     const double size = std::max(std::hypot(u, v), 1e-9);
@@ -60,7 +60,7 @@ std::string severity_of(const Report& plan, std::size_t i) {
   return plan.at("detection_map")[i].at("severity").get<std::string>();
 }
 
-/// Shade of a place: dark where a small severity is found, light where none is.
+/// Shade of a place: dark if a small severity is detectable, light if no severity is detectable.
 std::string shade(double share) {
   return " class=\"cell\" fill-opacity=\"" + fixed(0.12 + 0.88 * share, 2) + "\"";
 }
@@ -129,7 +129,7 @@ std::string polyline(const Plot& plot, const std::vector<std::pair<double, doubl
   return "<path class=\"" + kind + "\" d=\"" + d + "\"/>\n";
 }
 
-/// The smallest detectable severity along the beam, with its 95 % interval.
+/// Chart of the smallest detectable severity along the beam, with 95 % intervals.
 std::string curve_along(const Report& plan) {
   const Report& list = plan.at("smallest_detectable");
   if (list.empty() || list[0].contains("member") || !list[0].contains("location")) return {};
@@ -167,7 +167,7 @@ std::string curve_along(const Report& plan) {
          "detected.</p>\n";
 }
 
-/// P(detected) over severity at the easiest, a typical and the hardest place.
+/// Chart of P(detected) against severity at the easiest, a typical and the hardest place.
 std::string detection_curves(const Report& plan) {
   const Report& map = plan.at("detection_map");
   if (map.empty()) return {};

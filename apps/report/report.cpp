@@ -40,7 +40,7 @@ bool is_modal(const Report& summary) {
          summary.at("wheeltap").value("command", Report()) == "modal";
 }
 
-/// The page of identified modes, which has no posterior.
+/// The page of identified modes; such a run has no posterior.
 std::string modes_page(const fs::path& directory, const Report& summary) {
   static_cast<void>(sealed_file(directory, "modes.json", summary));
   const ModesFile modes = read_modes_file(directory / "modes.json");
@@ -57,7 +57,7 @@ bool is_monitor(const Report& summary) {
          summary.at("wheeltap").value("command", Report()) == "monitor";
 }
 
-/// The page of a monitoring run, of its summary, series.csv and, where it ran them, charts.csv.
+/// The page of a monitoring run, from its summary, series.csv and, if it exists, charts.csv.
 std::string series_page(const fs::path& directory, const Report& summary) {
   const auto table = sealed_file(directory, "series.csv", summary);
   if (!table) throw FileError(FileError::Kind::missing, directory / "series.csv", "no such file");
@@ -80,17 +80,17 @@ bool is_plan(const Report& summary) {
          summary.at("wheeltap").value("command", Report()) == "plan";
 }
 
-/// The page of a plan, of its summary.
+/// The page of a plan, from its summary.
 std::string design_page(const fs::path& directory, const Report& summary) {
   try {
     return plan_page(summary);
   } catch (const std::logic_error& error) {
     throw FileError(FileError::Kind::foreign, directory / "summary.json",
-                    std::string("does not hold what a run writes: ") + error.what());
+                    std::string("does not have the format of a plan's results: ") + error.what());
   }
 }
 
-/// Whether the page is drawn without scripts.
+/// True if the page needs no scripts.
 bool is_plain(const Report& summary) {
   return is_modal(summary) || is_monitor(summary) || is_plan(summary);
 }
@@ -109,7 +109,7 @@ Report read_summary(const fs::path& directory) {
     throw FileError(FileError::Kind::foreign, path,
                     "has no " + what + ": not the summary of a wheeltap run");
   };
-  // Charts have one bin per element; no beam of a case has nearly so many.
+  // Charts have one bin per element. No beam of a case has nearly as many elements.
   constexpr double kMostElements = 1e5;
   const bool sweep = summary.is_object() && summary.contains("sweep");
   const auto need = [&](const std::string& key, Report::value_t type) {
@@ -184,7 +184,7 @@ Report laws() {
 // The data of the scripts: the summary, the digest of the draws, and the answer.
 Report content(const Report& summary, const Answer& said, const io::NetcdfReader* draws) {
   Report out = {{"summary", summary}, {"answer", json(said)}};
-  if (summary.contains("sweep")) {  // its runs keep no draws
+  if (summary.contains("sweep")) {  // the runs of a sweep store no draws
     const auto path = summary.at("sweep").at("path").get<std::string>();
     out["told"] = Report::array();
     for (const auto& row : summary.at("sweep").at("rows")) {
@@ -206,7 +206,7 @@ std::unique_ptr<const io::NetcdfReader> stored_draws(const fs::path& directory,
                                                      const Report& summary) {
   if (summary.contains("sweep") || !is_sealed(directory, "posterior.nc", summary)) return nullptr;
   const fs::path path = directory / "posterior.nc";
-  if (!summary.contains("files"))  // no checksum
+  if (!summary.contains("files"))  // the summary has no checksums
     io::check_apart(path, [&] { (void)digest(*read_posterior(path, path), summary); });
   return read_posterior(path, path);
 }
@@ -224,7 +224,7 @@ std::string prose(const std::string& text) {
       out.replace(at, 1, "&nbsp;");
     }
   }
-  // Word joiners prevent a line break within "4.6e-6".
+  // Insert word joiners to prevent a line break within "4.6e-6".
   for (std::size_t at = 1; (at = out.find("e-", at)) != std::string::npos; at += 2) {
     const auto digit = [&](std::size_t i) {
       return i < out.size() && std::isdigit(static_cast<unsigned char>(out[i])) != 0;
@@ -253,7 +253,7 @@ std::string fill_page(std::string_view text,
   return out += text.substr(at);
 }
 
-/// Calls work(), which reads a summary that a user may have edited. JSON errors become
+/// Calls work(), which reads a summary that a user may have edited; converts JSON errors to
 /// io::FileError (foreign).
 template <class Work>
 auto trusting(const fs::path& directory, const Work& work) {
@@ -274,7 +274,7 @@ std::string title_of(const Report& summary) {
 }  // namespace
 
 std::string script_safe(const Report& json) {
-  // Bytes that are not UTF-8 become U+FFFD.
+  // U+FFFD replaces bytes that are not UTF-8.
   const std::string text = json.dump(-1, ' ', false, Report::error_handler_t::replace);
   std::string out;
   out.reserve(text.size());
@@ -383,7 +383,7 @@ void make_figures_folder(const fs::path& folder) {
   if (error) throw FileError(FileError::Kind::unwritable, folder, error.message());
 }
 
-/// Copies a file and replaces an existing file or symbolic link of the name.
+/// Copies a file; replaces an existing file or symbolic link with this name.
 void put_file(const fs::path& from, const fs::path& to) {
   io::AtomicFile file(to);
   file.write(io::read_bytes(from));

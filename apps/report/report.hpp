@@ -19,14 +19,14 @@ namespace wheeltap::apps {
 /// Returns text as HTML. The characters & < > " ' become entities.
 [[nodiscard]] std::string html_text(const std::string& text);
 
-/// Returns report.html of a run from its summary and posterior.nc. The name `directory` is used in
-/// messages. Without `draws`, the report has no charts of draws. Throws io::FileError as
+/// Returns report.html of a run from its summary and posterior.nc. Messages use the name
+/// `directory`. Without `draws`, the report has no charts of draws. Throws io::FileError as
 /// write_report does.
 [[nodiscard]] std::string report_page(const std::filesystem::path& directory, const Report& summary,
                                       const io::NetcdfReader* draws);
 
 /// Writes DIRECTORY/report.html from DIRECTORY/summary.json and posterior.nc. Throws io::FileError:
-/// missing; corrupt, foreign or mismatch if a file does not belong to the run; unwritable.
+/// missing or unwritable; corrupt, foreign or mismatch if a file does not belong to the run.
 void write_report(const std::filesystem::path& directory);
 
 /// Writes the figures of the report as SVG files into DIRECTORY/figures, by running the scripts of

@@ -55,7 +55,7 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
   const double size = (sheet.high - sheet.low).maxCoeff();
   sheet.scale = kInside / size;
   std::string body;
-  // Triangles in thin lines; one shade per material.
+  // Draw triangles with thin lines and one shade per material.
   static const char* shades[] = {"#dde7f3", "#f3e3d6", "#e0efdf", "#efe0ee"};
   for (std::size_t r = 0; r < section.outline.regions.size(); ++r) {
     std::string path;
@@ -79,7 +79,7 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
   }
   body += "<path d=\"" + mesh + "\" fill=\"none\" stroke=\"#b9c7d8\" stroke-width=\"0.6\"/>\n";
   body += "<path d=\"" + rim + "\" fill=\"none\" stroke=\"#1f5fa8\" stroke-width=\"1.6\"/>\n";
-  // Principal axes through the centroid.
+  // Draw the principal axes through the centroid.
   const fem::PrincipalAxes axes = fem::principal_axes(p.second_moments);
   for (const int k : {1, 2}) {
     const double angle = axes.angle + (k == 2 ? 0.5 * std::numbers::pi : 0.0);
@@ -110,7 +110,7 @@ std::string section_figure(const MeshedSection& section, const std::string& titl
   body += svg_text(left, below + 58,
                    "1, 2: principal axes, I1 = " + significant(axes.largest, 5) +
                        " m⁴, I2 = " + significant(axes.smallest, 5) + " m⁴");
-  // Scale bar: a round length below a third of the width.
+  // Draw a scale bar: a round length below a third of the width.
   double bar = std::pow(10.0, std::floor(std::log10(size / 3.0)));
   for (const double more : {5.0, 2.0})
     if (more * bar <= size / 3.0) {

@@ -13,7 +13,7 @@ namespace {
 
 constexpr double kWidth = 560.0, kLeft = 64.0, kBottom = 40.0, kTop = 26.0;
 
-/// Round numbers across a range.
+/// Round numbers in a range, as positions of ticks.
 std::vector<double> ticks(double low, double high, int about) {
   const double raw = (high - low) / about;
   if (!(raw > 0.0) || !std::isfinite(raw)) return {low};
@@ -128,7 +128,7 @@ std::string Plot::framed(const std::string& label, const std::string& horizontal
                          const std::string& vertical, const std::string& inside) const {
   std::string out = "<svg class=\"plot\" role=\"img\" aria-label=\"" + escaped(label) +
                     "\" viewBox=\"0 0 " + fixed(kWidth, 0) + " " + fixed(height_, 0) + "\">\n";
-  // Narrow screens hide every second label (class "between") to make room for larger ones.
+  // Narrow screens hide every second label (class "between"), because labels are larger there.
   int number = 0;
   for (const double t : ticks(x0_, x1_, 6))
     out += svg_line("class=\"grid\"", x(t), kTop, x(t), height_ - kBottom) +

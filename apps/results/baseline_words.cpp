@@ -27,7 +27,7 @@ std::string check_in_words(const StatesLikelihood::Check& check) {
          ".";
 }
 
-/// The inferred discrepancies under the most probable model; empty without them.
+/// The inferred discrepancies under the most probable model; empty if none is inferred.
 std::string model_error_in_words(const DamageFindings& findings) {
   const auto model = std::ranges::max_element(
       findings.models, {}, [](const ModelFinding& m) { return m.probability(); });

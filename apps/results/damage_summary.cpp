@@ -14,7 +14,7 @@ using namespace identification;
 
 namespace {
 
-// Expected number on each member (node, link): {"left post": 0.9}; per kind if there are several.
+// Expected number of defects on each member (node, link), {"left post": 0.9}, for each kind.
 Report by_member(const DamageCase& damage_case, const DamageFindings& findings) {
   Report out = Report::object();
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
@@ -31,7 +31,7 @@ Report by_member(const DamageCase& damage_case, const DamageFindings& findings) 
   return out;
 }
 
-// The count with neighbouring damages counted as one, and the longer damages that replace them.
+// Counts after adjacent damages are merged, and the longer damages that replace them.
 Report merged_report(const DefectKind& kind, const DamageFindings& findings,
                      const MergedFinding& merged) {
   Report counts = Report::object(), models = Report::object();
@@ -134,7 +134,7 @@ Report json(const FitFinding& fit) {
   return {{"modes", rows}, {"posterior_predictive_p", fit.posterior_predictive_p}};
 }
 
-// Measured shapes beside the model's, a list of states.
+// Measured and computed shapes, as a list of states.
 Report shapes_of(const DamageCase& damage_case, const FitFinding& fit) {
   Report out = Report::array();
   for (const ShapesBeside& beside : fit.shapes) {
@@ -191,7 +191,7 @@ bool is_of_structure(const ObservedStates& states, const std::string& name) {
   return std::ranges::find(parameters, name, &inference::Parameter::name) != parameters.end();
 }
 
-// The variable of posterior.nc and the prior in the case of each unknown.
+// Name, variable in posterior.nc and location of the prior in the case, for each unknown.
 Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
   Report out = Report::object();
   for (const ModelFinding& model : findings.models) {
@@ -224,7 +224,7 @@ Report unknowns_of(const DamageCaseFile& file, const DamageFindings& findings) {
   return out;
 }
 
-// The length of one defect: "element", metres, or null if it is inferred or has no length.
+// Length of one defect: "element", metres, or null if the length is inferred or does not exist.
 Report extent_of(const DefectKind& kind) {
   if (kind.extent) return *kind.extent;
   return has_fixed_extent(kind) ? Report("element") : Report();
@@ -275,7 +275,7 @@ Report beam_of(const fem::Beam& beam) {
           {"shear_coefficient", beam.section.shear_coefficient}};
 }
 
-// Points and lines, and their motion in the modes of the intact structure, for the animation.
+// Points, lines, and their motion in the modes of the intact structure, for an animation.
 Report drawing_of(const DrawnModes& drawn) {
   const auto rounded = [](const fem::Vector3& v) {
     Report row = Report::array();

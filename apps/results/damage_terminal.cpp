@@ -25,7 +25,7 @@ std::string damage_interval(const Marginal& e, const std::function<std::string(d
   return text(e.q2_5) + " to " + text(e.q97_5);
 }
 
-// A severity with its unit.
+// A severity and its unit as text.
 std::string severity_text(const DefectKind& kind, double x) {
   if (kind.type->percent) return fixed(100.0 * x, 0) + " %";
   return significant(x, 3) + " " + kind.severity_unit();
@@ -38,7 +38,7 @@ std::string true_place(const DefectKind& kind, double location) {
   return on.size > 0.0 ? on.name + ", " + place_in_metres(spot.s) + " m" : on.name;
 }
 
-// One line per defect.
+// Prints one line per defect.
 void print_defects(const Page& page, const DamageCase& damage_case,
                    const std::vector<ParameterFinding>& shown, bool folded) {
   std::vector<std::vector<std::string>> rows;
@@ -74,7 +74,7 @@ void print_defects(const Page& page, const DamageCase& damage_case,
   page.table(rows);
 }
 
-// Places of a structure with an expected number of at least 0.1 defects.
+// Prints the places of a structure at which at least 0.1 defects are expected.
 void print_places(const Page& page, const DamageCase& damage_case, const DamageFindings& findings) {
   std::vector<std::vector<std::string>> rows = {
       {"", "on", "expected", "location", "95 % interval", "severity", "95 % interval"}};
@@ -95,7 +95,7 @@ void print_places(const Page& page, const DamageCase& damage_case, const DamageF
   if (rows.size() > 1) page.table(rows);
 }
 
-// A bar for each member, node or link.
+// Prints a bar for each member, node or link.
 void print_sites(std::ostream& out, const DefectKind& kind, const std::vector<double>& expected) {
   std::vector<double> sums(kind.line.stretches().size());
   std::size_t width = 0;
@@ -114,7 +114,7 @@ std::string support_glyph(const fem::Support& s) {
   return s.deflection ? "▲" : "◆";
 }
 
-// The predictor and its error.
+// Prints the predictor and its error.
 void print_predictor(const Page& page, const DamageCase& damage_case,
                      const DamageFindings& findings) {
   if (!findings.emulator) return;
@@ -158,7 +158,7 @@ std::string draw_beam(const fem::Beam& beam, const std::vector<double>& inclusio
   const double length = beam.length;
   const auto n = static_cast<int>(inclusion.size());
   std::vector<double> density(static_cast<std::size_t>(width));
-  // Each element spreads its expected number evenly over the columns it covers.
+  // The expected number of an element is spread evenly over the columns that the element covers.
   for (int e = 0; e < n; ++e) {
     const double from = static_cast<double>(e) * width / n, to = (e + 1.0) * width / n;
     for (int c = static_cast<int>(from); c < width && c < to; ++c) {

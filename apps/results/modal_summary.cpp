@@ -39,7 +39,7 @@ Report merged_json(const signals::MergedMode& m) {
           {"doubts", doubts_in_words(m)}};
 }
 
-/// Poles of the diagram, each with the mode that it belongs to (from 1).
+/// Poles of the diagram, each with the number (from 1) of the mode to which it belongs.
 Report poles_json(const signals::Stabilisation& diagram) {
   std::vector<Report> of(diagram.poles.size());
   for (std::size_t m = 0; m < diagram.modes.size(); ++m)
@@ -80,7 +80,7 @@ Report spectrum_json(const SetUp& set_up, const ModalResult& result) {
   return {{"frequencies_hz", frequencies}, {"level_db", level}};
 }
 
-/// How the record was read: units of its channels, sampling, layout of its text.
+/// Reading of the record: units of its channels, sampling, layout of its text.
 Report record_json(const SetUp& set_up) {
   Report channels = Report::array();
   for (std::size_t i = 0; i < set_up.channels.size(); ++i) {
@@ -149,7 +149,7 @@ Report set_up_json(const SetUp& set_up, const ModalResult& result) {
           {"rejected_poles", rejected_poles_in_words(result)}};
 }
 
-/// Four digits suffice to draw a shape and to compare it with others.
+/// Four decimals suffice to draw a shape and to compare it with others.
 double four_decimals(double x) {
   return 1e-4 * std::round(1e4 * x);
 }

@@ -6,14 +6,14 @@
 
 namespace wheeltap::apps {
 
-/// Returns "modes", "procedure", "spectrum", "stabilisation", … of one record; for several records
-/// the merged modes and "set_ups"; "geometry" if the case has one; "diagnostics".
+/// Returns "modes", "procedure", "spectrum", "stabilisation", … of one record, or merged modes and
+/// "set_ups" of several records. Also returns "diagnostics" and, if the case has one, "geometry".
 [[nodiscard]] Report modal_summary(const ModalCaseFile& modal, const IdentifiedModes& found);
 
 /// Returns poles.json, with which the application lets the user choose poles: {"set_ups": [{"file",
 /// "sensors": [{"name", "node", "direction": unit vector or null}], "columns", "poles": [[order,
 /// frequency, …]], "shapes": [{"real", "imaginary"}]}]}. A set-up has no poles if its method has no
-/// diagram. Shapes are in the channels' own quantities, with four decimals.
+/// diagram. Shapes have four decimals and are in the quantities of the channels.
 [[nodiscard]] Report poles_with_shapes(const ModalCaseFile& modal, const IdentifiedModes& found);
 
 }  // namespace wheeltap::apps

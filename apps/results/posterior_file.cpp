@@ -54,7 +54,7 @@ void write_sample_stats(const io::NetcdfWriter& file, const inference::Posterior
 
 namespace {
 
-// The variable of a parameter that all models have: its name, unless that name is taken.
+// The variable of a parameter that all models have: the parameter's name, unless it is in use.
 std::string common_variable(const std::string& name) {
   static const std::set<std::string> taken = {
       "model", "k",    "chain",        "draw",  "slot", "location", "reduction", "member",
@@ -80,7 +80,7 @@ std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
   const auto& space = *posterior.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   const bool several = damage_case.kinds.size() > 1;
-  // The number of defects in each draw, of one kind or of all.
+  // The number of defects in each draw, of one kind or of all kinds.
   const auto counts = [&](std::string name, int kind) {
     std::vector<int> of_model;
     for (const auto& m : space.models()) {
@@ -110,7 +110,7 @@ std::vector<DrawColumn> damage_columns(const DamageProblem& problem,
     const auto parameters = static_cast<std::size_t>(kind.parameters());
     // One number per draw and slot; NaN in unused slots.
     const auto add = [&](const std::string& name, const std::string& unit, std::size_t p, auto of) {
-      std::vector<std::pair<std::size_t, std::size_t>> places;  // slots used, and where they begin
+      std::vector<std::pair<std::size_t, std::size_t>> places;  // used slots, and their positions
       for (const auto& m : space.models())
         places.emplace_back(m.counts[k], static_cast<std::size_t>(m.offsets[k]) + p);
       columns.push_back({.name = prefix + name,

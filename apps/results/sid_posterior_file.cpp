@@ -17,7 +17,7 @@ using namespace identification;
 
 namespace {
 
-/// A channel's name without its unit, different from the `others`.
+/// The name of a channel without its unit, changed if it is one of the `others`.
 std::string variable_name(const SidChannel& channel, const std::vector<std::string>& others) {
   std::string name = io::netcdf_name(channel.column.substr(0, channel.column.find(" [")));
   if (name.find_first_not_of("0123456789") == std::string::npos) name = "column_" + name;
@@ -72,7 +72,7 @@ std::vector<float> single(const std::vector<double>& values) {
   return {values.begin(), values.end()};
 }
 
-/// Writes the predictions of `predictive` without noise; nothing without draws.
+/// Writes the predictions of `predictive` without noise. Writes nothing if there are no draws.
 void write_noise_free(const io::NetcdfWriter& file, const SidProblem& problem,
                       const inference::Posterior& posterior, const SidPredictive& predictive,
                       const std::vector<std::string>& names) {
@@ -93,7 +93,7 @@ void write_noise_free(const io::NetcdfWriter& file, const SidProblem& problem,
   }
 }
 
-/// Writes the motion of the links with a model's best draw; nothing if it is not known.
+/// Writes the motion of the links at the best draw of a model, if this motion is known.
 void write_link_paths(const io::NetcdfWriter& file, const SidProblem& problem,
                       const inference::Posterior& posterior, int model) {
   const auto draw = best_draw(problem, posterior, model);

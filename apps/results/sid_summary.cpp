@@ -51,7 +51,7 @@ Report json(const std::vector<LinkCurve>& links) {
   return rows;
 }
 
-/// {model: value(finding, m), …} of the models with draws that the summary describes in full.
+/// Returns {model: value(finding, m), …} for models with draws that are described in full.
 template <class Value>
 Report of_drawn(const SidFindings& findings, const Value& value) {
   Report out = Report::object();
@@ -63,7 +63,7 @@ Report of_drawn(const SidFindings& findings, const Value& value) {
   return out;
 }
 
-/// {kind of residual model: {model: its value, …}, …}.
+/// Returns {kind of residual model: {model: value of its residual model, …}, …}.
 Report residuals_of(const SidCase& sid_case) {
   Report out = Report::object();
   for (const ResidualKind* kind : residual_kinds()) {
@@ -100,7 +100,7 @@ Report terms_report(const SidFindings& findings) {
   return rows;
 }
 
-/// Laws over all models, and the range of motion of their links.
+/// Force laws averaged over all models, and the range of motion of their links.
 Report discovery_report(const SidCase& sid_case, const SidFindings& findings) {
   Report laws = Report::array(), motions = Report::array();
   for (const LinkLaw& law : findings.discovery.laws) {
@@ -153,7 +153,7 @@ Report best_draws(const SidFindings& findings) {
   });
 }
 
-// The variable of posterior.nc and the prior in the case of each unknown.
+// Variable in posterior.nc and location of the prior in the case, for each unknown.
 Report sid_unknowns_of(const SidFindings& findings) {
   return of_drawn(findings, [&](const SidModelFinding&, std::size_t m) {
     Report list = Report::array();

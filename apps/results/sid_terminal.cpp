@@ -93,8 +93,8 @@ void print_fits(const Page& page, const std::vector<ChannelFit>& fits) {
   if (rows.size() > 1) page.table(rows);
 }
 
-// Models with a table of parameters: those with enough probability; for a discovery the most
-// probable one only, since the terms have a table.
+// Models with a table of parameters: models with enough probability. For a discovery, only the most
+// probable model, because the terms have a table.
 std::vector<bool> worth_printing(const SidFindings& findings) {
   std::vector<bool> out;
   std::size_t best = 0;

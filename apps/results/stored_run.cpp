@@ -18,7 +18,7 @@ namespace {
 using io::FileError;
 namespace fs = std::filesystem;
 
-/// The run identifier in a posterior.nc, which may be damaged; empty without one.
+/// The run identifier in a posterior.nc; empty if it is missing or the file is damaged.
 std::string run_of(const fs::path& path) {
   try {
     return io::read_apart(path, [&] { return read_posterior(path, path)->text("run_id"); });
@@ -27,7 +27,7 @@ std::string run_of(const fs::path& path) {
   }
 }
 
-/// The run identifier in a summary; empty without one.
+/// The run identifier in a summary; empty if the summary has none.
 std::string run_of(const Report& summary) {
   const auto about = summary.find("wheeltap");
   if (about == summary.end()) return {};
@@ -89,7 +89,7 @@ void check_seal(const fs::path& path, const Report& wrote_one, const Report& sum
                                  : "is damaged: its checksum differs from that in summary.json");
 }
 
-/// The seal of the file in a summary; null: the file could not be written; none: no entry.
+/// The seal of a file in a summary; null: the file was not written; std::nullopt: no entry.
 std::optional<Report> seal_in(const Report& summary, const std::string& name) {
   const auto files = summary.find("files");
   if (files == summary.end() || !files->is_object() || !files->contains(name)) return {};

@@ -15,14 +15,14 @@ using On = StructureDrawing::Point::On;
 
 constexpr std::array<const char*, 3> kAxes = {"x", "y", "z"};
 
-/// "0.5", with four significant digits.
+/// A length as text with four significant digits: "0.5".
 std::string metres(double s) {
   char text[32];
   std::snprintf(text, sizeof text, "%.4g", s);
   return text;
 }
 
-/// "beam at 0.5 m", "mass 2", "B".
+/// A point as text: "beam at 0.5 m", "mass 2", "B".
 std::string point_in_words(const StructureDrawing::Point& point) {
   switch (point.on) {
     case On::member:
@@ -37,7 +37,7 @@ std::string point_in_words(const StructureDrawing::Point& point) {
   return point.name;
 }
 
-/// "x", or "x and y" if a second component is not much smaller.
+/// Axes of a direction: "x", or "x and y" if the second component is not much smaller.
 std::string axes_of(const Vector3& v) {
   double largest = 0.0;
   for (const double x : v) largest = std::max(largest, std::abs(x));
@@ -63,7 +63,7 @@ std::string largest_motion(const StructureDrawing& drawing, const Eigen::VectorX
     Vector3 components = {};
   } moved, turned;
   const auto look = [&](Most& most, const StructureDrawing::Point& point, const Vector3& v) {
-    // Prefer a node that moves almost as much as the maximum.
+    // Prefer a node whose motion is almost the largest motion.
     const double tie =
         most.point != nullptr && most.point->is_node() && !point.is_node() ? 1.01 : 1.0 + 1e-6;
     if (fem::norm(v) <= most.motion * tie) return;
@@ -76,7 +76,7 @@ std::string largest_motion(const StructureDrawing& drawing, const Eigen::VectorX
   const auto at = [](const StructureDrawing::Point& point) {
     return (point.on == On::node ? "node " : "") + point_in_words(point);
   };
-  // Twist without deflection.
+  // The mode twists members without deflection.
   if (turned.point != nullptr && moved.motion < 1e-6 * drawing.size * turned.motion)
     return "rotation of " + at(*turned.point) + " about " + axes_of(turned.components);
   if (moved.point == nullptr) return "";

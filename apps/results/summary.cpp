@@ -14,7 +14,7 @@ using namespace identification;
 
 namespace {
 
-/// null for what JSON cannot hold.
+/// A list of numbers; null for numbers that are not finite.
 Report numbers(const std::vector<double>& list) {
   Report out = Report::array();
   for (const double x : list) out.push_back(finite(x));

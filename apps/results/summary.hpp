@@ -33,7 +33,7 @@ struct RunInfo {
 [[nodiscard]] Report json(const std::vector<identification::ParameterFinding>& parameters);
 
 /// Returns one row per model. The row has name, prior, probability and the Monte Carlo standard
-/// error of the probability (`mcse`, null if not known). Further keys state the basis of the
+/// error of the probability (`mcse`, null if unknown). Further keys state the basis of the
 /// probability: "visited" (number of chains with draws of the model), "proposed" and "entered"
 /// (jumps into the model), "log_evidence" and "log_evidence_se", "basis" ("draws" or "evidence"),
 /// "told" (a sentence, if the probability does not come from draws).

@@ -117,7 +117,7 @@ void print_models(const Page& page, const std::vector<ModelFinding>& all) {
   for (const ModelFinding& m : models) {
     const double p = m.probability();
     const bool known = std::isfinite(m.standing.mcse);
-    // Beside "< 0.1 %" an error of 1e-24 % has no use; the line below has the number.
+    // Beside "< 0.1 %", an error of 1e-24 % is useless; the line below has the number.
     const bool with_error = known && !(m.standing.basis == inference::Basis::evidence && p < 0.001);
     const std::string error = with_error ? shown_error(p, m.standing.mcse) : "";
     const std::string said = with_error               ? percent(p, m.standing.mcse)
@@ -202,7 +202,7 @@ void print_closing(const Page& page, const Findings& findings,
 
 namespace {
 
-// The first `width` characters of UTF-8 text.
+// The first `width` characters of a UTF-8 text.
 std::string cut(const std::string& text, std::size_t width) {
   std::size_t used = 0;
   for (std::size_t i = 0; i < text.size(); ++i) {
@@ -212,7 +212,7 @@ std::string cut(const std::string& text, std::size_t width) {
   return text;
 }
 
-// Columns of the terminal on standard error; a longer line could not be overwritten.
+// Width of the terminal on standard error, in columns; longer lines cannot be overwritten.
 std::size_t terminal_width() {
   winsize size{};
   return ioctl(STDERR_FILENO, TIOCGWINSZ, &size) == 0 && size.ws_col > 0 ? size.ws_col : 80;

@@ -58,7 +58,7 @@ void print_models(const Page& page, const std::vector<identification::ModelFindi
 /// name of the model if the run has one model.
 void print_condition(const Page& page, const identification::ModelFinding& model, bool several);
 void print_evidence(const Page& page, const identification::Findings& findings);
-/// Prints warnings, cost and convergence; `what` names the quantity that the models count.
+/// Prints warnings, cost and convergence; `what` names the objects that the models count.
 void print_closing(const Page& page, const identification::Findings& findings,
                    const std::vector<std::string>& warnings, const std::string& what);
 
@@ -79,7 +79,7 @@ inline constexpr std::size_t kMostSoFar = 8;
 class ProgressLines {
  public:
   /// Returns the next progress line, or an empty result if no line is due. `seconds` is the time
-  /// since the start of the run. `left` is the remaining time, negative if not known.
+  /// since the start of the run. `left` is the remaining time; negative if unknown.
   [[nodiscard]] std::optional<std::string> next(const std::string& stage, double fraction,
                                                 double seconds, double left,
                                                 const std::string& detail);
@@ -107,7 +107,7 @@ class ProgressBar {
 
  private:
   bool quiet_, terminal_;
-  bool json_ = false;  // kProgressVariable
+  bool json_ = false;  // true if kProgressVariable is "json"
   bool drawn_ = false;
   std::string stage_;
   ProgressLines lines_;

@@ -62,9 +62,9 @@ class CaseRun {
 [[nodiscard]] CaseFile case_to_sample(const CommonOptions& common, const SamplingOptions& options);
 
 /// Runs the case, writes summary.json, posterior.nc and the report into the output folder, and
-/// prints the findings. With --dry-run, the function only estimates the cost. With --resume, it
-/// only prints the stored text if the folder has a finished run of the same case and options.
-/// Throws Failure, io::FileError.
+/// prints the findings. With --dry-run, the function only estimates the cost. With --resume, if the
+/// folder has a finished run of the same case and options, it only prints the stored text. Throws
+/// Failure, io::FileError.
 void run_case(CaseRun& run);
 
 }  // namespace wheeltap::apps

@@ -21,7 +21,7 @@ using inference::Checkpoint;
 using io::FileError;
 namespace fs = std::filesystem;
 
-constexpr std::size_t kSeal = 16;  // digits
+constexpr std::size_t kSeal = 16;  // digits of the seal
 constexpr const char* kWhat = "a checkpoint of wheeltap";
 constexpr std::string_view kPartPrefix = "checkpoint-";
 
@@ -35,7 +35,7 @@ std::string_view seal_of(std::string_view bytes) {
   return bytes.substr(bytes.size() - kSeal);
 }
 
-// The numbers of the files of parts in a folder, complete or not.
+// File numbers of all parts in a folder, including incomplete files.
 std::set<long> parts_in(const fs::path& folder) {
   std::set<long> numbers;
   std::error_code ignored;
@@ -52,7 +52,7 @@ std::set<long> parts_in(const fs::path& folder) {
   return numbers;
 }
 
-// Removes a part and its temporary file; false if the file is not a part or is unreadable.
+// Removes a part and its temporary file. Returns false if the file is unreadable or not a part.
 bool remove_part(const fs::path& path) {
   try {
     { const io::AtomicFile writable(path); }
@@ -74,7 +74,7 @@ void write_state(const io::NetcdfWriter& file, const Checkpoint& checkpoint) {
   }
 }
 
-// Returns the seal.
+// Writes a file with a seal at its end, and returns the seal.
 std::string write_sealed(const fs::path& path, io::NetcdfWriter& file) {
   const std::string bytes = file.close();
   std::string seal = io::fingerprint(bytes);
@@ -113,7 +113,7 @@ std::string difference(const Json& was, const Json& is) {
   return place + " was " + member_at(was, pointer) + " and is " + member_at(is, pointer);
 }
 
-// The first file that changed, is new or is missing; none if all are the same.
+// The first input file that has changed, is new or is missing; empty if all are unchanged.
 std::optional<std::string> changed_input(const Json& was, const Json& is) {
   for (const auto& [name, content] : was.items())
     if (!is.contains(name) || is[name] != content) return name;
@@ -258,7 +258,7 @@ void CheckpointFile::save(const Checkpoint& checkpoint) {
     write_state(file, checkpoint);
     write_sealed(path_, file);
     kept_ = true;
-    // Parts that the checkpoint no longer needs.
+    // Remove parts that the checkpoint no longer needs.
     std::error_code ignored;
     for (; !seals_.empty() && seals_.begin()->first < first; seals_.erase(seals_.begin()))
       fs::remove(part(seals_.begin()->first), ignored);

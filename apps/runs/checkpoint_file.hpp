@@ -26,10 +26,10 @@ struct CheckpointOf {
 };
 
 /// FOLDER/checkpoint.nc: NetCDF-4 with a group "run" (version, command, seed, options, case,
-/// contents of its input files, state of a repeated sid run, checksums of the parts) and a group
-/// "state" (inference::Checkpoint). The file ends with 16 hexadecimal digits, the fingerprint of
-/// all previous bytes. If there are many draws, each file FOLDER/checkpoint-N.nc has a part of the
-/// draws in the same format, without "run".
+/// fingerprints of its input files, state of a repeated sid run, checksums of the parts) and a
+/// group "state" (inference::Checkpoint). The file ends with 16 hexadecimal digits, the fingerprint
+/// of all previous bytes. If there are many draws, each file FOLDER/checkpoint-N.nc has a part of
+/// the draws in the same format, without "run".
 class CheckpointFile {
  public:
   static constexpr const char* kName = "checkpoint.nc";
@@ -37,9 +37,9 @@ class CheckpointFile {
   /// With `resume`, reads an existing checkpoint. Throws io::FileError if the file is truncated or
   /// damaged (corrupt), not a checkpoint (foreign), of another format (version) or of another run
   /// (mismatch, with the difference). With `others_pass`, the checkpoint of another case is
-  /// ignored. If an input file has changed, a line on standard error names this file and a new run
-  /// begins. Without `resume`, an existing checkpoint is removed. Throws io::FileError (unwritable)
-  /// if the file is not a checkpoint.
+  /// ignored. If an input file has changed, a line on standard error names it and a new run begins.
+  /// Without `resume`, removes an existing checkpoint; throws io::FileError (unwritable) if the
+  /// file is not a checkpoint.
   CheckpointFile(const std::filesystem::path& folder, CheckpointOf of, const CommonOptions& common,
                  bool others_pass = false);
 
@@ -56,7 +56,7 @@ class CheckpointFile {
   }
   /// Sets the options of the engine so that it saves its checkpoints in this file. At the first
   /// call, the engine also resumes from the checkpoint that was read. If a checkpoint cannot be
-  /// written, the run continues and one line on standard error reports the fault.
+  /// written, the run continues, and a line on standard error reports the fault.
   void attach(inference::Options& engine);
   /// True if a checkpoint of this run exists.
   [[nodiscard]] bool kept() const { return kept_; }
@@ -80,7 +80,7 @@ class CheckpointFile {
   std::shared_ptr<const inference::Checkpoint> from_;
   std::optional<identification::StepsRefined> refined_;
   std::map<long, std::string> seals_;  // seals of the parts of draws, by file number
-  long first_ = 0;                     // file number of the engine's part 0
+  long first_ = 0;                     // number of the file with the engine's part 0
   bool kept_ = false, warned_ = false;
 };
 

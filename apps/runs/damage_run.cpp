@@ -74,7 +74,7 @@ class DamageRun final : public CaseRun {
   }
 
  private:
-  // The first solution of the structure reveals states that do not fit it.
+  // Cost of the run. Also reports states that do not fit the structure, when it is first solved.
   [[nodiscard]] RunCost explained_cost() const {
     try {
       return cost_of_damages(parsed_->damage, engine_options(common(), options()),
@@ -86,8 +86,8 @@ class DamageRun final : public CaseRun {
     }
   }
 
-  // Times one likelihood, unless this calls an external model, trains an emulator or needs long
-  // preparation.
+  // Measures the run time of a likelihood, unless this requires an external model, the training of
+  // an emulator or a long preparation.
   RunCost measured(RunCost cost, RunWatch& watch) {
     constexpr double kLongPreparation = 20.0;  // seconds
     if (parsed_->outside || parsed_->damage.emulator || cost.preparation > kLongPreparation)

@@ -56,7 +56,7 @@ Failure failure_of(const std::exception_ptr& thrown, const std::filesystem::path
     }
     return failure(Exit::internal, std::string("internal fault: ") + error.what());
   } catch (const std::runtime_error& error) {
-    // Misuse throws logic errors; the other errors are numerical failures.
+    // Wrong use of functions throws logic errors; other errors are numerical failures.
     return failure(Exit::bad_input, case_path.string() + ": cannot be computed: " + error.what() +
                                         "; check units and sizes");
   } catch (const std::exception& error) {

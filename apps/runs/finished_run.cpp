@@ -30,10 +30,10 @@ void deliver(const FinishedRun& run, RunFiles& files, const std::filesystem::pat
     io::write_netcdf(to, run.bytes_of_draws(), run.draws);
   });
   run.print(std::cout, colour_wanted());
-  if (failed && !checkpoint.kept()) checkpoint.remove();  // parts without a checkpoint
+  if (failed && !checkpoint.kept()) checkpoint.remove();  // remove parts without a checkpoint
   if (failed) throw *failed;
   print_how_to_resume(checkpoint, run.posterior->stopped_early);
-  print_results(folder, run.converged());  // last, so that the convergence is the last line
+  print_results(folder, run.converged());  // prints the convergence as the last line
   if (!run.posterior->stopped_early) checkpoint.remove();
 }
 

@@ -31,12 +31,12 @@ namespace fs = std::filesystem;
 constexpr const char* kStateVersion = "2";
 constexpr const char* kWhat = "a monitoring state of wheeltap";
 
-/// The state from which the next call continues.
+/// The stored state from which the next call continues.
 struct MonitorState {
   Monitor monitor = {};
   std::int64_t rows = 0;        ///< processed rows of the series
-  std::uint64_t checksum = 0;   ///< over these rows
-  std::string series_csv = {};  ///< fingerprint of the file
+  std::uint64_t checksum = 0;   ///< checksum of these rows
+  std::string series_csv = {};  ///< fingerprint of series.csv
   std::string case_text = {};
 };
 
@@ -50,7 +50,7 @@ std::uint64_t add_numbers(std::uint64_t hash, const double* numbers, Eigen::Inde
   return hash;
 }
 
-/// The running checksum over rows [from, to) of time, features, sds and covariates.
+/// The checksum, continued over rows [from, to) of time, features, sds and covariates.
 std::uint64_t checksum_of(const MonitorCaseFile& parsed, std::int64_t from, std::int64_t to,
                           std::uint64_t hash) {
   const auto& series = parsed.series;
@@ -64,7 +64,7 @@ std::uint64_t checksum_of(const MonitorCaseFile& parsed, std::int64_t from, std:
   return hash;
 }
 
-/// The case without what may change between calls.
+/// The case as text, without keys that may change between calls.
 std::string case_text_of(const MonitorCaseFile& parsed, std::uint64_t seed) {
   Json kept = parsed.file.json;
   for (const char* key : {"title", "notes", "$schema", "on_alarm", "truth"}) kept.erase(key);
@@ -164,8 +164,9 @@ MonitorRun run_monitor(const MonitorCaseFile& parsed, const CommonOptions& commo
     check_continues(parsed, *state, case_text);
     table = io::read_bytes(folder / "series.csv");
     if (io::fingerprint(table) != state->series_csv)
-      throw io::FileError(io::FileError::Kind::mismatch, folder / "series.csv",
-                          "is not what the last call wrote: run once without --resume");
+      throw io::FileError(
+          io::FileError::Kind::mismatch, folder / "series.csv",
+          "differs from the file that the last call wrote: run once without --resume");
   } else {
     state = learn(parsed, common, seed);
     state->case_text = case_text;

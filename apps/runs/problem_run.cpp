@@ -48,7 +48,7 @@ void print(std::ostream& out, bool colour, const ProblemFile& parsed, const Find
   print_closing(page, findings, warnings(findings, {}), "model");
 }
 
-/// Calls a function for a parameter in every draw of every model that has it.
+/// Calls a function for a parameter in every draw of every model with this parameter.
 template <class Visit>
 void for_each_of(inference::Posterior& posterior, const std::string& name, const Visit& visit) {
   const auto& table = posterior.space->parameters();
@@ -65,7 +65,7 @@ void for_each_of(inference::Posterior& posterior, const std::string& name, const
   }
 }
 
-/// Replaces the draws of u by x(u).
+/// Replaces the draws of u by the draws x(u).
 void tell_by_quantiles(inference::Posterior& posterior, const QuantilePrior& prior) {
   std::vector<double> values;
   for_each_of(posterior, prior.name, [&](double u) { values.push_back(u); });
@@ -125,7 +125,7 @@ FinishedRun sample_problem(std::shared_ptr<const ProblemFile> parsed,
   if (!by_quantiles.empty()) {
     for (const QuantilePrior& prior : by_quantiles) tell_by_quantiles(drawn, prior);
     Findings told = run_findings(drawn, verdict, seed);
-    // The overlap with the prior is that of u.
+    // The overlap of x with its prior equals the overlap of u.
     for (std::size_t m = 0; m < told.models.size(); ++m)
       for (std::size_t i = 0; i < told.models[m].parameters.size(); ++i)
         told.models[m].parameters[i].prior_overlap = made.models[m].parameters[i].prior_overlap;

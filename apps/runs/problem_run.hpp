@@ -11,8 +11,8 @@
 
 namespace wheeltap::apps {
 
-/// A problem as JSON, by the schema "sample". Parameters with the same name in two models are one
-/// parameter with one prior.
+/// A problem as JSON that satisfies the schema "sample". Parameters with the same name in two
+/// models are the same parameter and have one prior.
 struct ProblemFile {
   CaseFile file;
   std::string title;

@@ -88,7 +88,7 @@ void require_room(const RunCost& cost, const CommonOptions& common) {
 
 double draws_in_memory(const CommonOptions& common) {
   const bool has_folder =
-      !common.output.empty() || common.dry_run;  // like the run of every command
+      !common.output.empty() || common.dry_run;  // as in the runs of all commands
   return has_folder ? double{io::kNetcdfInMemory} : std::numeric_limits<double>::infinity();
 }
 
@@ -108,7 +108,7 @@ RunCost cost_of_truth(const CaseFile& file) {
   };
   if (file.json.contains("record")) count(file.json["record"]);
   for (const Json& record : file.json.value("records", Json::array())) count(record);
-  // Every column as drawn, interpolated, simulated and with noise.
+  // Memory of every column: drawn, interpolated, simulated and with noise.
   return {.bytes = 8.0 * samples * (4.0 + 6.0 * static_cast<double>(columns))};
 }
 

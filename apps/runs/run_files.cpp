@@ -17,7 +17,7 @@ namespace {
 using io::AtomicFile;
 using io::FileError;
 
-// More than any summary needs.
+// Bytes; no summary needs as much.
 constexpr std::size_t kRoom = 1 << 20;
 
 std::filesystem::path made(std::filesystem::path folder) {
@@ -68,7 +68,7 @@ std::optional<FileError> RunFiles::keep(Report summary, const std::string& text,
                                         const std::string& run, const WriteDraws& draws) {
   summary["wheeltap"]["run"] = run;
   summary["files"] = {{"posterior.nc", nullptr},
-                      // The text has wall times: its checksum would differ from run to run.
+                      // No checksum: the wall times in the text differ between equal runs.
                       {"summary.txt", {{"lines", std::ranges::count(text, '\n')}}}};
   std::filesystem::path where = folder_ / "posterior.nc";
   try {
@@ -94,7 +94,7 @@ std::optional<FileError> RunFiles::keep(Report summary, const std::string& text,
   }
 }
 
-// Returns a description of the files kept.
+// Writes all files except posterior.nc; returns a description of the written files.
 std::string RunFiles::keep_without_draws(Report& summary, const std::string& text,
                                          const std::string& reason) {
   if (std::filesystem::exists(folder_ / io::kCommitNote)) {
@@ -102,7 +102,7 @@ std::string RunFiles::keep_without_draws(Report& summary, const std::string& tex
            "report " +
            folder_.string();
   }
-  posterior_.reset();  // makes room
+  posterior_.reset();  // frees disk space
   summary["files"]["posterior.nc"] = nullptr;
   if (Report& warnings = summary["diagnostics"]["warnings"]; warnings.is_array()) {
     warnings.insert(warnings.begin(), "The draws could not be written (posterior.nc: " + reason +

@@ -19,7 +19,7 @@ class RunWatch {
   /// Runs the engine. All returned chains have the same length.
   virtual inference::Posterior sample(const inference::Problem& problem,
                                       inference::Options options) = 0;
-  /// Reports the progress of work before sampling: the share `fraction` of `stage` is done. Call
+  /// Reports the progress of work before sampling: the fraction `fraction` of `stage` is done. Call
   /// `clear` at the end of the work. An exception from this function stops the work.
   virtual void show(const char* stage, double fraction, const std::string& detail) = 0;
   virtual void clear() {}

@@ -39,8 +39,8 @@ constexpr double kBriefProbe = 0.05;  // seconds
 
 constexpr const char* kHowToResume = "; the same command with --resume continues it";
 
-// One request may arrive as several signals: `timeout` and schedulers signal the program and its
-// process group. A signal after a second is a second request.
+// One request may arrive as several signals, because `timeout` and schedulers signal the program
+// and its process group. A signal at least 1 s later is a second request.
 void ask_to_stop(int signal) {
   constexpr std::int64_t kSecond = 1'000'000'000;
   timespec time{};
@@ -61,7 +61,7 @@ std::string fingerprint_of(const inference::Posterior& posterior) {
   return text;
 }
 
-// Chains that were stopped early may differ in length.
+// Truncates chains that were stopped early, because they may differ in length.
 void cut_to_shortest(inference::Posterior& posterior) {
   std::size_t n = posterior.chains.empty() ? 0 : posterior.chains[0].size();
   for (const auto& chain : posterior.chains) n = std::min(n, chain.size());
@@ -123,7 +123,7 @@ inference::Posterior run_engine(const inference::Problem& problem, inference::Op
   options.progress = [&](const inference::Options::Progress& progress) {
     const double seconds =
         std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count();
-    // Likelihoods per second, over the run so far.
+    // Number of likelihoods per second in the run so far.
     std::string detail =
         seconds > 1.0
             ? rounded_count(static_cast<double>(progress.likelihood_evaluations) / seconds) + "/s"

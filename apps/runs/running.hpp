@@ -29,7 +29,7 @@ class CheckpointFile;
 /// While an object of this class exists, Ctrl-C or another of base::kStopSignals stops the engine,
 /// and the run ends with the draws so far. SIGHUP stops the engine unless the signal was ignored at
 /// the start. A second signal after at least 1 s ends the program. A second signal within 1 s and
-/// repetitions of SIGXCPU are ignored. The signal handlers remain installed after the first signal.
+/// repeated SIGXCPU are ignored. The signal handlers remain installed after the first signal.
 class StopOnInterrupt {
  public:
   StopOnInterrupt();

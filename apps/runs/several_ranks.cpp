@@ -15,7 +15,7 @@ namespace {
 
 constexpr const char* kModule = "wheeltap_mpi.so";
 constexpr double kRankPatience =
-    30.0;  // seconds that a failed rank waits for others to fail likewise
+    30.0;  // [s]: time that a failed rank waits for other ranks to fail too
 
 // Environment variables that a launcher sets.
 bool is_launched() {
@@ -30,13 +30,13 @@ bool is_one_of_several() {
   return size != nullptr && std::string(size) != "1";
 }
 
-// In the folder of the program, or in the installed place.
+// Loads the MPI module from the folder of the program, or from its installed place.
 void* load_module() {
   std::error_code ignored;
   const std::filesystem::path here =
       std::filesystem::read_symlink("/proc/self/exe", ignored).parent_path();
   for (const std::filesystem::path& place : {here / kModule, here / WHEELTAP_MODULES / kModule}) {
-    // Components of Open MPI look for its symbols among the global ones.
+    // RTLD_GLOBAL, because components of Open MPI search for its global symbols.
     if (void* module = dlopen(place.c_str(), RTLD_NOW | RTLD_GLOBAL)) return module;
   }
   return nullptr;

@@ -10,7 +10,7 @@
 
 namespace wheeltap::apps {
 
-/// Thrown on the other ranks if work of rank 0 for all ranks failed. Rank 0 reports the error.
+/// Thrown on the other ranks if rank 0 failed in work for all ranks. Rank 0 reports the error.
 class FailedOnFirstRank : public std::exception {};
 
 /// Joins the other ranks through the MPI module if mpirun (or srun with PMIx) started this process.
@@ -33,12 +33,12 @@ class JoinedRanks {
   int said_ = -1;  // descriptor of the original standard error
 };
 
-/// Throws Failure (65) if `text` (e.g. of a case that each rank read on its own machine) differs
-/// between ranks: "the ranks do not have the same WHAT".
+/// Throws Failure (65) if `text` differs between ranks (e.g. a case that each rank read on its own
+/// machine): "the ranks do not have the same WHAT".
 void require_same_on_all_ranks(const std::string& what, const std::string& text);
 
-/// Throws Failure (64) if ranks run on different processors, whose library functions differ in the
-/// last bit, without --simd baseline.
+/// Throws Failure (64) if ranks run on different processors without --simd baseline, because
+/// library functions then differ in the last bit.
 void require_equal_processors();
 
 /// Calls f on rank 0 only and returns its result on all ranks. If f throws, the other ranks throw

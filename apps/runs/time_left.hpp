@@ -15,11 +15,11 @@ namespace wheeltap::apps {
 class TimeLeft {
  public:
   /// `least_a_call` is a lower bound of the time of a likelihood evaluation in later stages [s]; 0
-  /// if not known.
+  /// if unknown.
   explicit TimeLeft(double least_a_call = 0.0) : least_a_call_(least_a_call) {}
 
   struct Shown {
-    /// Share of the run time, seconds / (seconds + left); 0: not known
+    /// Share of the run time, seconds / (seconds + left); 0: unknown
     double fraction = 0.0;
     std::optional<double> left;  ///< remaining time [s]
   };
@@ -43,7 +43,7 @@ class TimeLeft {
       stage_ = progress.stage;
       began_ = seconds;
       calls_before_ = progress.likelihood_evaluations;
-      // Share of the stage that was done before, not 0 in a resumed run
+      // Share of the stage that was done before; a resumed run starts above 0
       share_before_ = progress.fraction;
     }
     const double here = seconds - began_, share = progress.fraction - share_before_;

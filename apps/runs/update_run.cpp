@@ -59,11 +59,11 @@ void tell_of_outside(const UpdateCaseFile& parsed, const UpdateProblem& problem,
   }
 }
 
-/// Warns of posteriors that pile up at a bound of the emulator's box, since they may extend beyond.
+/// Warns of posteriors that pile up at a bound of the emulator's box and may extend beyond it.
 void warn_of_the_box(const UpdateProblem& problem, const inference::Posterior& posterior,
                      RunWatch& watch) {
   if (!problem.program()->emulator) return;
-  constexpr double kNear = 3.5, kShare = 0.01;  // standard normal, share of the draws
+  constexpr double kNear = 3.5, kShare = 0.01;  // bound (standard normal), share of draws
   const auto& space = problem.problem.space;
   const auto width = static_cast<std::size_t>(posterior.dimension);
   for (int p = 0; p < problem.structural; ++p) {
@@ -100,7 +100,7 @@ void tell_of_preparation(const UpdateCaseFile& parsed, const UpdateProblem& prob
   for (const Remark& doubt : implausible(problem.update_case)) watch.warn(sentence(doubt, {}));
 }
 
-/// The time of a likelihood is known only after training the basis: estimates before and after.
+/// An update run. The training of the basis shows the time of a likelihood: estimate() again.
 class UpdateRun final : public CaseRun {
  public:
   UpdateRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)
@@ -120,7 +120,7 @@ class UpdateRun final : public CaseRun {
       require_affordable(file(), Pointer(), cost, common());
       return cost;
     }
-    if (!parsed_->outside) {  // the solutions for the reduced basis
+    if (!parsed_->outside) {  // training by solutions of the structure
       const auto n = static_cast<double>(discretise(parsed_->update.structure->nominal).size());
       require_affordable(file(), Pointer("/structure"),
                          {.bytes = 8.0 * n * 800.0, .seconds = 60.0 * 1e-5 * n}, common());
@@ -149,7 +149,7 @@ class UpdateRun final : public CaseRun {
   }
 
   void prepare(RunWatch& watch) override {
-    if (parsed_->outside && !common().output.empty())  // for the journal of answers
+    if (parsed_->outside && !common().output.empty())  // folder for the journal of results
       on_first_rank([&] { claim_output_folder(common().output); });
     UpdateProblemOptions how = {.threads = base::thread_count(common().threads)};
     const char* stage = "reduced basis";

@@ -17,7 +17,7 @@ namespace {
 constexpr double kDecided = 0.6;
 constexpr double kCertain = 0.95;
 constexpr double kWorthNaming = 0.1;
-constexpr double kLocated = 0.25;  // share of the beam's length
+constexpr double kLocated = 0.25;  // width of an interval / length of the beam
 constexpr std::size_t kMostValues = 6;
 
 using Namer = std::function<std::string(const ModelFinding&)>;
@@ -26,7 +26,7 @@ std::string quoted_name(const ModelFinding& model) {
   return "“" + model.name + "”";
 }
 
-// "two damages and one support"; "no damage".
+// The counts of a model as text: "two damages and one support"; "no damage".
 std::string counted(const DamageCase& damage_case, const ModelFinding& model) {
   static const char* words[] = {"no",  "one",   "two",   "three", "four", "five",
                                 "six", "seven", "eight", "nine",  "ten"};
@@ -41,8 +41,8 @@ std::string counted(const DamageCase& damage_case, const ModelFinding& model) {
   return text;
 }
 
-// The count with neighbours merged: " These two are adjacent: … Neighbouring damages counted as
-// one: 1 damage 99 % and 2 damages 1 %."
+// Sentences on the count after adjacent damages are merged: " These two are adjacent: …
+// Neighbouring damages counted as one: 1 damage 99 % and 2 damages 1 %."
 std::string neighbours(const DamageCase& damage_case, const DamageFindings& findings,
                        std::size_t model) {
   constexpr double kMost = 0.5;  // share of the model's draws
@@ -80,7 +80,7 @@ std::string answer_in_metres(const Marginal& x) {
 
 std::string how_bad(const DefectKind& kind, const Marginal& severity);
 
-// One component: "near 0.095 m (95 % interval 0.09 to 0.1 m) or its mirror image 0.905 m, …".
+// A component: "near 0.095 m (95 % interval 0.09 to 0.1 m) or its mirror image 0.905 m, …".
 std::string place_in_words(const Marginal& x, const Marginal* severity, const Marginal* extent,
                            const DefectKind& kind, double length, bool mirrored) {
   std::string text;
@@ -100,7 +100,7 @@ std::string place_in_words(const Marginal& x, const Marginal* severity, const Ma
   return text;
 }
 
-// "30 % (20 to 40 %)", "0.3 kg (0.2 to 0.4)".
+// A severity with its interval: "30 % (20 to 40 %)", "0.3 kg (0.2 to 0.4)".
 std::string how_bad(const DefectKind& kind, const Marginal& severity) {
   const std::string words = std::string(kind.type->effect_words) + " ";
   if (kind.type->percent) {

@@ -23,7 +23,7 @@ struct Answer {
 [[nodiscard]] std::string caution(const identification::Findings& findings);
 
 /// Returns the answer of a damage run. A count (a model) with a probability of at least 0.6 is
-/// "most likely". If all probabilities are smaller, the run is undecided, and the headline names
+/// "most likely". If all probabilities are below 0.6, the run is undecided, and the headline names
 /// all models with 10 % or more. A damage is "not located" if the 95 % interval of its location
 /// covers more than a quarter of the beam.
 [[nodiscard]] Answer answer(const identification::DamageCase& damage_case,
@@ -45,8 +45,8 @@ struct SweepRow {
 [[nodiscard]] Answer answer(const std::string& path, const std::vector<SweepRow>& rows);
 
 [[nodiscard]] Report json(const Answer& answer);
-/// Reads the answer from a summary. If the summary has none (older versions), the answer names the
-/// models, without detail.
+/// Reads the answer from a summary. If the summary has no answer (older versions), the result names
+/// the models, without detail.
 [[nodiscard]] Answer read_answer(const Report& summary);
 
 }  // namespace wheeltap::apps

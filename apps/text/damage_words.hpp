@@ -10,9 +10,9 @@ namespace wheeltap::apps {
 /// A length as text: "8 mm", "0.25 m".
 [[nodiscard]] std::string length_in_words(double metres);
 
-/// Returns "over 8 mm (one element)" or "over 30 mm"; for an inferred extent "over 31 mm (18 to 45
-/// mm)"; empty for defects without a length. `location` is the location on the line of the kind of
-/// defect [m].
+/// Returns "over 8 mm (one element)", "over 30 mm" or, for an inferred extent, "over 31 mm (18 to
+/// 45 mm)"; empty for defects without a length. `location` is the location on the line of the kind
+/// of defect [m].
 [[nodiscard]] std::string extent_in_words(const identification::DefectKind& kind, double location,
                                           const identification::Marginal* extent);
 

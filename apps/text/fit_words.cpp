@@ -35,7 +35,7 @@ struct Brief {
   std::string operator()(const misfit::WithinNoise& r) const { return "predictive " + p_is(r.p); }
 };
 
-// One sentence for all reasons of one kind; each reason is of one response.
+// One sentence for all reasons of one kind; each reason belongs to one response.
 struct Sentence {
   template <class Reason>
   using All = std::vector<Reason>;
@@ -103,7 +103,7 @@ bool said_together(const Reason& /*first*/, const Reason& /*other*/) {
 }
 
 bool said_together(const misfit::WorseBeyond& first, const misfit::WorseBeyond& other) {
-  return first.samples == other.samples;  // different records if they differ
+  return first.samples == other.samples;  // different numbers: different records
 }
 
 }  // namespace

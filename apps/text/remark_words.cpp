@@ -45,7 +45,7 @@ std::string probability_with_error(double p, double error) {
   return fixed(p, 4) + " ± " + fixed(error, 4);
 }
 
-// One overload per remark.
+// Converts remarks to sentences, with one overload per type of remark.
 class Speaker {
  public:
   explicit Speaker(const Context& context) : context_(context) {}
@@ -214,7 +214,7 @@ class Speaker {
                                ". Use \"predictor\": \"fe\", add \"exact\": true, or choose a "
                                "better emulator (docs/emulators.md).";
     if (!check.conclusive) {
-      return "The emulator error changed the results, by more than its draws can measure: of " +
+      return "The emulator error changed the results by more than these draws can measure: of " +
              std::to_string(check.draws) +
              " draws checked with the FE solution, the FE likelihood gives weight to only about " +
              rounded_count(std::max(1.0, check.effective_share * check.draws)) + ". " + ending;
@@ -303,7 +303,7 @@ class Speaker {
     for (const auto& reason : r.why) why += (why.empty() ? "" : "; ") + in_brief(reason);
     return "\"" + r.model + "\", the most probable model, does not explain the record (" + why +
            "); \"" + r.other +
-           "\", which the window leaves possible, does. Use a window in which the predictions of "
+           "\", which the window does not exclude, does. Use a window in which the predictions of "
            "both models differ.";
   }
   std::string operator()(const remark::MostlyNoise& r) const {
@@ -370,10 +370,10 @@ class Speaker {
                   "extreme and intervals too narrow; add \"residuals\": {\"" +
                       std::string(residual_kinds().front()->key) +
                       "\": \"auto\"} to the case, or a model that explains more.") +
-           (r.others.empty() ? ""
-            : r.others.size() == 1
-                ? " Under \"" + r.others[0] + "\" they are similar."
-                : " Under " + std::to_string(r.others.size()) + " other models they are similar.");
+           (r.others.empty()       ? ""
+            : r.others.size() == 1 ? " Under \"" + r.others[0] + "\" the residuals are similar."
+                                   : " Under " + std::to_string(r.others.size()) +
+                                         " other models the residuals are similar.");
   }
   std::string operator()(const remark::ParameterAtBound& r) const {
     return "Under \"" + r.model + "\" the posterior of " + r.parameter + " piles up at the " +

@@ -64,7 +64,7 @@ std::vector<std::size_t> by_separation(const std::vector<Solution>& solutions) {
   return order;
 }
 
-/// Names of the parameters in which solutions differ most.
+/// Names of the parameters in which the solutions differ most.
 std::vector<std::string> separated(const UpdateFindings& findings) {
   std::vector<std::size_t> order = by_separation(findings.solutions);
   if (order.size() > kMostNamed) order.resize(kMostNamed);
@@ -74,7 +74,7 @@ std::vector<std::string> separated(const UpdateFindings& findings) {
   return names;
 }
 
-/// "[1, 3, 4]".
+/// Numbers as a list: "[1, 3, 4]".
 std::string listed_numbers(const std::vector<int>& numbers) {
   std::string text;
   for (const int n : numbers) text += (text.empty() ? "" : ", ") + std::to_string(n);
@@ -104,8 +104,8 @@ std::string one_solution(const UpdateFindings& findings, std::size_t which) {
          "): " + in_words(parts) + ".";
 }
 
-/// True if at most a third of the modes have a shape that the model does not have, and the case
-/// does not allow for spurious modes ("doubt").
+/// True if modes may be spurious: at most a third of the modes have a shape that the model lacks,
+/// and the case does not allow for spurious modes ("doubt").
 bool may_be_spurious(const UpdateFindings& findings) {
   std::size_t strange = 0;
   for (const ModeFinding& m : findings.modes) {
@@ -181,7 +181,7 @@ std::vector<std::string> cannot_tell(const UpdateFindings& findings) {
     out.push_back(e.a + " and " + e.b + " are not identifiable separately (correlation " +
                   fixed(e.correlation, 2) + "): the data determine only a combination of both.");
   }
-  // Directions that are not a single parameter already named.
+  // Omit directions along a single parameter that is already named.
   std::vector<std::string> directions;
   for (const UntouchedDirection& d : findings.untouched) {
     const bool single =
@@ -232,8 +232,8 @@ std::string numbering_sentence(const UpdateFindings& findings) {
          name_modes(n.measured) + "): " + probability_is(n.probability) +
          " under the priors. The model's " + name_modes(n.likeliest.modes) + " have " +
          probability_is(n.likeliest.probability) +
-         ". If these are right, state \"model_modes\": " + listed_numbers(n.likeliest.modes) +
-         " beside \"from\", or \"frequencies\": [" + nulls +
+         ". If these numbers are right, state \"model_modes\": " +
+         listed_numbers(n.likeliest.modes) + " beside \"from\", or \"frequencies\": [" + nulls +
          "]; or measure mode shapes at two or more sensors.";
 }
 
@@ -295,7 +295,7 @@ Answer answer(const UpdateFindings& findings) {
       out.detail += " " + one_solution(findings, s);
     return out;
   }
-  // Best-known parameters first.
+  // Parameters with the most information first.
   std::vector<std::size_t> order;
   const auto& parameters = findings.models[0].parameters;
   for (std::size_t p = 0; p < parameters.size(); ++p)

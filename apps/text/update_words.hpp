@@ -12,8 +12,8 @@ namespace wheeltap::apps {
 /// Returns the information in the data about the parameters, in two sentences.
 [[nodiscard]] Answer answer(const identification::UpdateFindings& findings);
 
-/// Returns the reasons why the structure does not explain the measured modes; empty if it explains
-/// them.
+/// Returns the reasons why the structure does not explain the measured modes; empty if the
+/// structure explains them.
 [[nodiscard]] std::vector<std::string> misfit_sentences(
     const identification::UpdateFindings& findings);
 /// Returns a sentence on separate solutions and on measurements that distinguish them; empty if
@@ -23,8 +23,8 @@ namespace wheeltap::apps {
 /// Returns a sentence on doubtful mode numbers of modes without shapes, with advice; empty if no
 /// number is doubtful.
 [[nodiscard]] std::string numbering_sentence(const identification::UpdateFindings& findings);
-/// Returns sentences on the limits of the data: parameters left at their priors, pairs that the
-/// data do not distinguish, and directions without information.
+/// Returns sentences on the limits of the data: parameters whose posteriors equal their priors,
+/// pairs that the data do not distinguish, and directions without information.
 [[nodiscard]] std::vector<std::string> cannot_tell(const identification::UpdateFindings& findings);
 /// Returns all warnings of the run, the most serious first.
 [[nodiscard]] std::vector<std::string> update_warnings(

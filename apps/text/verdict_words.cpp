@@ -9,13 +9,13 @@ namespace {
 
 using namespace inference;
 
-constexpr std::size_t kNamed = 4;  // models named if a reason holds for many
+constexpr std::size_t kNamed = 4;  // largest number of models that a sentence names
 
 const char* const kRunLonger = " Run longer (--warmup, --draws).";
 const char* const kSearchMore =
     " Use more mode searches (--search) or longer chains (--warmup, --draws).";
 
-// The options that help.
+// Advice on the options that help against a reason.
 const char* advice(const Reason& reason) {
   if (std::holds_alternative<StoppedEarly>(reason)) return " Let the run continue to its end.";
   if (std::holds_alternative<QuickLook>(reason)) return " Run without --quick.";
@@ -25,7 +25,7 @@ const char* advice(const Reason& reason) {
   return search ? kSearchMore : kRunLonger;
 }
 
-// Consecutive reasons of one topic form one group of sentences.
+// Topics of reasons; consecutive reasons with one topic form one group of sentences.
 enum class Topic { absent, partial, unknown, evidence, chains, parameters, alone };
 
 Topic topic_of(const Reason& reason) {

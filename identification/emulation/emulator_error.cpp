@@ -10,7 +10,7 @@ using emulator::RowMatrix;
 
 constexpr double kLeastSeverity = 1e-3;  // keeps variances above rounding as r → 0
 
-// Σ r / (1 - r): the compliance added by the damages, relative to that of an intact element.
+// Σ r / (1 - r): compliance added by the damages, relative to that of one intact element.
 double severity(std::span<const fem::Damage> damages) {
   double sum = kLeastSeverity;
   for (const fem::Damage& d : damages) sum += d.reduction / (1.0 - d.reduction);

@@ -14,10 +14,10 @@ namespace wheeltap::identification {
 struct EmulatorError {
   std::vector<emulator::HoldoutError> holdout;  ///< errors on the holdout runs, one per mode
   /// Scale of the error variance, one per mode. For damages r_1 … r_k the error variance of mode i
-  /// is scale[i] · Σ r_j / (1 - r_j), which increases with the damage in proportion to the effect
-  /// of the damage. For an interpolant that predicts its own variance, the error variance is
-  /// scale[i] times the predicted variance, with scale >= 1. The list is empty for tables of early
-  /// versions, which have the constant variance rmse².
+  /// is scale[i] · Σ r_j / (1 - r_j): it is proportional to the compliance that the damages add.
+  /// For an interpolant that predicts its own variance, the error variance is scale[i] times the
+  /// predicted variance, with scale >= 1. The list is empty for tables of early versions, which
+  /// have the constant variance rmse².
   std::vector<double> scale;
   /// Holdout residuals divided by the predicted standard deviation, one per mode
   std::vector<emulator::StandardisedResiduals> standardised;
@@ -30,10 +30,10 @@ struct EmulatorError {
 void error_variance(const EmulatorError& error, std::span<const fem::Damage> damages,
                     std::span<double> variance);
 
-/// Computes holdout errors, scale and standardised residuals from frequencies [Hz] and variances
-/// [Hz²] at scale 1, runs × modes each. `has_variance` is true if the interpolant predicts the
-/// variances. A mode predicted as NaN counts as exact, because the likelihood then uses the FE
-/// solution.
+/// Computes holdout errors, scale and standardised residuals from frequencies [Hz] and unscaled
+/// variances [Hz²]. All matrices are runs × modes. `has_variance` is true if the interpolant
+/// predicts the variances. A mode predicted as NaN counts as exact, because the likelihood then
+/// uses the FE solution.
 [[nodiscard]] EmulatorError measured_error(const emulator::RowMatrix& truth,
                                            emulator::RowMatrix predicted,
                                            emulator::RowMatrix variance, bool has_variance);

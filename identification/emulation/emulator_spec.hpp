@@ -20,15 +20,15 @@ struct EmulatorSpec {
   Runs runs = Runs::grid;
   const emulator::InterpolantType* interpolant = &emulator::kMultilinear;
   std::vector<std::vector<int>>
-      /// 0-based elements of the damage sites. List i is for damage i, the last list for all
-      /// further damages.
+      /// 0-based indices of the elements at the damage sites. List i is for damage i; the last list
+      /// also applies to all further damages.
       sites;
-  /// Increasing levels of the reduction; for scattered runs its range, or empty
+  /// Increasing levels of the reduction. For scattered runs: range of the reduction, or empty
   std::vector<double> reductions;
   bool compliance = false;         ///< interpolate in 1/(1-r) instead of r
   std::optional<double> accuracy;  ///< largest relative error at which grid refinement ends
   std::optional<emulator::Additive>
-      /// Quantity in which the effects of pairs of damages are added; empty: one table per count
+      /// Quantity in which ANOVA adds the effects of pairs of damages; empty: one table per count
       anova;
   std::vector<int>
       /// Scattered designs: number of runs for i + 1 damages; the last entry is for all larger

@@ -47,7 +47,7 @@ EmulatorError error_of(const Table& table, int count, const std::filesystem::pat
 
 }  // namespace
 
-// As in JSON, keys in alphabetical order. Changes would invalidate tables of earlier versions.
+// The keys are in alphabetical order, as in JSON. Another format would invalidate older tables.
 std::string beam_fingerprint(const fem::Beam& beam) {
   const auto number = [](double x) { return io::json_number(x); };
   const auto yes = [](bool flag) { return flag ? "true" : "false"; };

@@ -11,7 +11,7 @@ namespace {
 using emulator::Factor;
 using emulator::RowMatrix;
 
-constexpr double kFarthestDesign = 4.0;  // standard normal
+constexpr double kFarthestDesign = 4.0;  // z of the prior's quantiles
 constexpr double kDecade = 10.0;
 
 Factor factor_of(const inference::Parameter& unknown) {
@@ -20,7 +20,7 @@ Factor factor_of(const inference::Parameter& unknown) {
     return std::isfinite(bound) ? bound : prior.from_standard_normal(z);
   };
   const double high = end(prior.upper(), kFarthestDesign);
-  // For a density on [0, ∞), quantiles give the scale.
+  // On the support [0, ∞), the box does not begin at 0 but at the quantile z = -4.
   const bool half = prior.lower() == 0.0 && !std::isfinite(prior.upper());
   const double low =
       half ? prior.from_standard_normal(-kFarthestDesign) : end(prior.lower(), -kFarthestDesign);

@@ -8,7 +8,7 @@
 
 namespace wheeltap::identification {
 
-/// Thrown if an external model does not answer, or answers wrongly, after all retries.
+/// Thrown if all retries of an external model fail: no answer, or an answer in a wrong form.
 class OutsideModelError : public std::runtime_error {
  public:
   enum class Kind {

@@ -43,8 +43,8 @@ auto RememberedModel::asking(const Ask& ask) {
       std::string line = error.what();
       if (journal_)
         line += "; " + std::to_string(answers_.size()) +
-                (answers_.size() == 1 ? " answer is" : " answers are") + " kept in " +
-                path_.string() + "; --resume continues from the kept answers";
+                (answers_.size() == 1 ? " result is" : " results are") + " stored in " +
+                path_.string() + "; --resume continues from the stored results";
       failure_.emplace(error.kind(), line);
     }
     throw OutsideModelError(*failure_);
@@ -64,7 +64,7 @@ void RememberedModel::evaluate(std::span<const double> x, std::span<double> y) {
   ++asked_;
   const std::lock_guard lock(mutex_);
   const auto [kept, is_new] = answers_.try_emplace(std::move(key), y.begin(), y.end());
-  if (!is_new) {  // another thread computed it meanwhile; return one answer to all
+  if (!is_new) {  // another thread stored a result meanwhile: return that result
     std::ranges::copy(kept->second, y.begin());
     return;
   }

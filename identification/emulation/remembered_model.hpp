@@ -19,15 +19,15 @@ namespace wheeltap::identification {
 class RememberedModel final : public OutsideModel {
  public:
   /// Reads the stored results from the file `journal`; an empty path disables the journal.
-  /// `identity` identifies the model to which the results belong. Throws io::FileError: foreign,
-  /// mismatch, corrupt, unwritable.
+  /// `identity` identifies the model to which the results belong. Throws io::FileError with reason
+  /// foreign, mismatch, corrupt or unwritable.
   RememberedModel(std::shared_ptr<OutsideModel> model, const std::filesystem::path& journal,
                   const std::string& identity);
 
   [[nodiscard]] int inputs() const override { return model_->inputs(); }
   [[nodiscard]] int outputs() const override { return model_->outputs(); }
-  /// Throws the exceptions of the model, with the number of stored results appended to the message,
-  /// and io::FileError.
+  /// Throws io::FileError and the exceptions of the model. The message of the latter also states
+  /// the number of stored results.
   void evaluate(std::span<const double> x, std::span<double> y) override;
   bool gradient(std::span<const double> x, std::span<const double> sensitivity,
                 std::span<double> slope) override;

@@ -15,19 +15,19 @@ struct Interval {
 };
 
 struct BetweenWindows {
-  /// Prediction of the parameter for one further window of the same length in an unused record.
+  /// Prediction of the parameter in a further window of equal length, from an unused record.
   Interval next;
   /// Estimate of the limit that a fit of the whole record approaches as the record becomes longer.
-  /// The mean is the best value of this record. The standard deviation is the error of the mean,
+  /// The mean is the best estimate from this record; the standard deviation is its standard error,
   /// computed from the scores of the windows. `whole` is empty if the posterior of the whole record
   /// has no normal approximation.
   std::optional<Interval> whole = {};
-  /// Birge ratio: the standard deviation of the estimates between windows divided by the standard
-  /// deviations within the windows, and the p-value of the ratio.
+  /// Birge ratio: the standard deviation of the estimates between windows, divided by the posterior
+  /// standard deviations within windows; with its p-value.
   inference::BirgeRatio scatter;
-  /// True if the Birge ratio is at least 1.5 and significant. The credible interval of the run is
-  /// then too narrow for the variability between windows, because the interval assumes that the
-  /// residuals follow the likelihood.
+  /// True if the Birge ratio is at least 1.5 and significant. The credible interval of the run
+  /// assumes that the residuals follow the likelihood. It is then too narrow for the variability
+  /// between windows.
   [[nodiscard]] bool scatters() const { return scatter.ratio >= 1.5 && scatter.p_value < 1e-3; }
   /// Estimate and standard deviation of the parameter in each window; NaN for a window whose fit
   /// failed.

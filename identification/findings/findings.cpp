@@ -31,8 +31,8 @@ std::vector<std::vector<int>> total_counts(const Posterior& posterior) {
 
 constexpr double kWorthDescribing = 0.05;  // less probable models are not described
 
-/// The overlap of posterior and prior. Components are sorted by their first parameter: for n
-/// components, the i-th is an order statistic whose F is Beta(i, n + 1 - i).
+/// The overlap of posterior and prior. Components are sorted by their first parameter: of n
+/// components, the i-th has a prior cumulative probability with distribution Beta(i, n + 1 - i).
 double prior_overlap(const inference::Prior& prior, const ChainsOf& draws, int i, int n) {
   constexpr int kParts = 20;
   std::vector<double> tally(kParts);

@@ -44,11 +44,11 @@ struct ParameterFinding {
   Marginal estimate;
   /// Results by windows, if windows were requested
   std::optional<BetweenWindows> between_windows = {};
-  /// The overlap of posterior and prior, Σ min over twenty parts of the prior: 1 if the data have
-  /// no information. NaN if not computed.
+  /// The overlap of posterior and prior, Σ min(posterior, prior) over 20 equally probable parts of
+  /// the prior: 1 if they are equal. NaN if not computed.
   double prior_overlap = std::numeric_limits<double>::quiet_NaN();
 
-  /// True if the posterior is nearly equal to the prior.
+  /// True if the posterior nearly equals the prior.
   [[nodiscard]] bool is_nearly_prior() const { return prior_overlap > 0.85; }
 };
 
@@ -58,7 +58,7 @@ struct ModelFinding {
   std::vector<int> counts = {};  ///< number of components of each kind; empty for a list of models
   int dimension = 0;
   inference::ModelStanding standing = {};
-  std::vector<ParameterFinding> parameters = {};  ///< empty if the model has no draws
+  std::vector<ParameterFinding> parameters = {};  ///< empty for a model without draws
 
   [[nodiscard]] double probability() const { return standing.probability; }
   [[nodiscard]] bool drawn() const { return standing.visited > 0; }

@@ -12,7 +12,7 @@ namespace wheeltap::identification {
 
 namespace misfit {
 
-/// Reason of a misfit: R² of a response is below 1/2, and its residual is not noise.
+/// Reason of a misfit: a response has R² below 1/2, and its residual is not noise.
 struct Unexplained {
   std::string channel;
   double r2;
@@ -23,7 +23,7 @@ struct Unexplained {
 /// springs.
 struct NotNoise {
   std::string channel;
-  double share;          ///< RMS of residual divided by RMS of response
+  double share;          ///< RMS of the residual divided by RMS of the response
   double share_of_free;  ///< RMS ratio for free cubic springs; NaN if not computed
   int lag;               ///< lag of the largest autocorrelation
   double autocorrelation;
@@ -55,14 +55,14 @@ using Reason = std::variant<Unexplained, NotNoise, WorseBeyond, BeyondNoise, Wit
 
 /// Limit of posterior predictive p and portmanteau p-values. Smaller values reject a model.
 inline constexpr double kMisfit = 1e-3;
-/// Limit of a small residual, as a share of the response. Smaller residuals that are not noise are
-/// reported in the text but not in the heading.
+/// Upper limit of a small residual, divided by the response. The text reports smaller residuals
+/// that are not noise; the heading does not.
 inline constexpr double kSmallResidual = 0.05;
-/// Limit of the ratio of a residual to the residual of a chain of masses with free cubic springs.
+/// Limit of a residual, divided by the residual of a chain of masses with free cubic springs.
 inline constexpr double kMuchMoreThanFree = 3.0;
 
-/// Diagnosis of the most probable model that explains the data, among models with a probability of
-/// at least 5 %. If no model explains the data, the diagnosis of the most probable model.
+/// Diagnosis of the most probable model that explains the data and has a probability of at least 5
+/// %. If there is no such model: diagnosis of the most probable model.
 struct FitVerdict {
   /// Diagnosed model; -1: no model was diagnosed
   int model = -1;

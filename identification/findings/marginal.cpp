@@ -14,7 +14,7 @@ using inference::Posterior;
 
 constexpr std::size_t kLeastDraws = 100;  // per chain, to diagnose convergence
 
-// The midpoint of the fullest bin, bins by Freedman & Diaconis (1981). `weights` may be empty.
+// Midpoint of the bin with most draws, bins by Freedman & Diaconis (1981). `weights` may be empty.
 double histogram_mode(const std::vector<double>& values, const std::vector<double>& weights,
                       double low, double high, double interquartile) {
   if (!(high > low)) return low;
@@ -57,7 +57,7 @@ double quantile(const std::vector<double>& sorted, double p) {
 
 double weighted_quantile(std::vector<std::pair<double, double>> draws, double p) {
   std::ranges::sort(draws);
-  // The midpoint of each draw's weight, mapped so that the first is 0 and the last is 1.
+  // Cumulative weight at the middle of each draw, mapped to 0 for the first and 1 for the last.
   const double first = 0.5 * draws.front().second;
   double total = -first - 0.5 * draws.back().second;
   for (const auto& [x, w] : draws) total += w;

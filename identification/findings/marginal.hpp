@@ -37,8 +37,8 @@ struct Marginal {
 /// weights are equal.
 [[nodiscard]] double weighted_quantile(std::vector<std::pair<double, double>> draws, double p);
 
-/// Weight of the draws of each model, 1 on average over all draws. Weights are unequal only for
-/// balanced models (Posterior::log_weight). Every average over models must use them.
+/// Weight of the draws of each model; the average over all draws is 1. The weights differ only for
+/// balanced models (Posterior::log_weight). Averages over models must use the weights.
 [[nodiscard]] std::vector<double> model_weights(const inference::Posterior& posterior);
 /// The weight of every draw; empty if all weights are equal.
 [[nodiscard]] inference::ChainsOf draw_weights(const inference::Posterior& posterior);

@@ -29,7 +29,7 @@ struct PriorRange {
   double low = std::numeric_limits<double>::infinity();
   double high = -std::numeric_limits<double>::infinity();
   void take(double x) { low = std::min(low, x), high = std::max(high, x); }
-  /// The value in the range that is nearest to x > 0, measured as a ratio.
+  /// The value in the range that is nearest to x > 0 on a logarithmic scale.
   [[nodiscard]] double nearest(double x) const { return std::clamp(x, low, high); }
 };
 

@@ -32,8 +32,8 @@ struct EvidenceFailed {
   std::string model;
   inference::EvidenceWarning why;
 };
-/// The model probability implied by a method's evidences differs from the probability of the draws
-/// by more than 3 combined errors.
+/// Two probabilities of a model differ by more than 3 combined standard errors: the one from a
+/// method's evidences and the one from the draws.
 struct EvidenceDisagrees {
   EvidenceMethod method;
   std::string model;
@@ -85,7 +85,7 @@ struct CrossingMembers {
   int count = 0;                 ///< number of intersecting pairs
   int dimension = 3;
 };
-/// Sensors, numbered from 1, with the same location and direction.
+/// Sensors (numbered from 1) with the same location and the same direction.
 struct SensorsAtOnePlace {
   struct Pair {
     int first, second;
@@ -104,19 +104,19 @@ struct FrequenciesOutOfReach {
   double measured, lowest, highest;
   int mode;  ///< first mode outside its range, numbered from 1
 };
-/// The stated noise of every frequency exceeds the frequency shift of any damage in the prior. The
-/// largest shift is `effect`.
+/// The stated noise of every frequency exceeds the frequency shift of any damage in the prior.
+/// `effect` is the largest shift.
 struct NoiseHidesDamage {
   /// Noise and largest `effect` (relative to the noise) of the most sensitive mode
   double cv, effect;
 };
 
-/// Mirror images of a damage are equally probable. A difference of their probabilities is an error
-/// of the emulator.
+/// A damage and its mirror image are equally probable. If their probabilities differ, the emulator
+/// causes the difference.
 struct MirrorImages {
   bool emulated;
 };
-/// The structure is symmetric. The lists have groups of equivalent parts by name, and structural
+/// The structure is symmetric. The lists name the groups of equivalent parts, and the structural
 /// members whose two ends a symmetry exchanges.
 struct StructureImages {
   std::vector<std::vector<std::string>> alike;
@@ -132,7 +132,7 @@ struct RivalPlaces {
   };
   std::vector<Place> places = {};
 };
-/// A model has at least as many unknowns as data, and no simpler model has a notable probability.
+/// A model has no fewer unknowns than data, and no simpler model has a notable probability.
 struct FittedNotTested {
   std::string model;
   int unknowns, frequencies;
@@ -144,8 +144,8 @@ struct Landmark {
   double at;         ///< [m]
   std::string name;  ///< name of the kind of defect
 };
-/// A model with at least as many unknowns as data that the data cannot exclude against a simpler
-/// model. `hidden` gives possible locations of a further defect of each kind.
+/// A model with at least as many unknowns as data. The data can neither confirm nor exclude this
+/// model. `hidden`: possible locations of a further defect of each kind.
 struct CannotExclude {
   struct Hidden {
     std::string kind;
@@ -157,13 +157,13 @@ struct CannotExclude {
   int unknowns, frequencies;
   std::vector<Hidden> hidden;
 };
-/// The posterior predictive p is below 0.005, although the data count as explained (FitVerdict).
-/// `off`: modes (from 1) whose frequencies deviate by more than 3 sd.
+/// The posterior predictive p is below 0.005, although FitVerdict finds the data explained. `off`:
+/// modes (from 1) whose frequencies deviate by more than 3 sd.
 struct NoModelFits {
   std::vector<int> off;
   bool emulated;
 };
-/// Adjacent damages of a fixed extent have the effect of one longer damage (MergedFinding).
+/// Adjacent damages of fixed extent act like one longer damage (MergedFinding).
 struct NeighbouringDamages {
   int kind;  ///< index of the kind of defect in the case
 };
@@ -172,7 +172,7 @@ struct LargestCount {
   int kind;  ///< index of the kind of defect in the case
   double probability;
 };
-/// A quarter of the severity draws of a kind lie in the upper 2.3 % of the prior.
+/// At least a quarter of the severity draws of a kind lie in the prior's upper 2.3 %.
 struct SeverityAtBound {
   int kind;
 };
@@ -181,7 +181,7 @@ struct EmulatorBlind {
   int damages;
   std::vector<int> modes;
 };
-/// The FE solution would give a different result than the emulator; see EmulatorCheck.
+/// The result would differ if the FE model replaced the emulator; see EmulatorCheck.
 struct EmulatorMoved {};
 
 // ---- equations of motion ------------------------------------------------------------------
@@ -195,7 +195,7 @@ struct TruthOutsidePriors {
   };
   std::vector<Parameter> parameters;
 };
-/// Responses whose measured RMS is outside the range of prior draws in every model.
+/// Responses whose measured RMS no model reaches with parameters drawn from the prior.
 struct ResponsesOutOfReach {
   struct Channel {
     std::string name;
@@ -211,8 +211,8 @@ struct NoiseAboveResponse {
   };
   std::vector<Channel> channels;
 };
-/// The spectra of the window differ from the spectra of the record by more than three times the
-/// difference expected from random variability.
+/// The spectra of the window and of the record differ by more than three times the difference that
+/// random variability explains.
 struct PeculiarWindow {
   struct Channel {
     std::string name;
@@ -220,7 +220,7 @@ struct PeculiarWindow {
   };
   std::vector<Channel> channels;
 };
-/// Linear interpolation between samples reduces the amplitude of an excitation by the share `loss`.
+/// Linear interpolation between samples lowers an excitation's amplitude by the fraction `loss`.
 struct LinearExcitation {
   std::string channel;
   double loss;
@@ -263,8 +263,8 @@ struct StepsTooLong {
   double error;
   bool fixed;  ///< true if the case fixes the time steps, so that the run was not repeated
 };
-/// The posterior means of the parameters fit the record worse than the best draw. The members give
-/// the NRMSE of both per channel.
+/// The posterior means of the parameters fit the record worse than the best draw does. The members
+/// give both NRMSE values per channel.
 struct MeansDoNotGoTogether {
   struct Channel {
     std::string name;
@@ -273,7 +273,7 @@ struct MeansDoNotGoTogether {
   std::string model;
   std::vector<Channel> channels;
 };
-/// The RMS of the residuals differs from the stated noise by the factor `factor` of each channel.
+/// `factor`: RMS of the residuals of a channel divided by the stated noise. They differ.
 struct NoiseMisstated {
   struct Channel {
     std::string name;
@@ -282,10 +282,10 @@ struct NoiseMisstated {
   std::string model;
   std::vector<Channel> channels;
 };
-/// The residuals of `model` are not white. The residuals of the less probable models `others` are
-/// similar.
+/// The residuals of `model` are not white. The less probable models `others` have similar
+/// residuals.
 struct ColouredResiduals {
-  /// Name of the residual model if the residuals are its innovations; empty: white
+  /// Residual model whose innovations are tested; empty: residuals assumed white
   std::string residual_model = {};
   std::string remedy = {};  ///< advice of the residual model; may be empty
 
@@ -293,15 +293,15 @@ struct ColouredResiduals {
     std::string name;
     int lag;  ///< lag of the largest autocorrelation
     double autocorrelation;
-    double share;  ///< RMS of residual divided by RMS of response
+    double share;  ///< RMS of the residual divided by RMS of the response
     double p_value;
   };
   std::string model;
   std::vector<Channel> channels;
   std::vector<std::string> others = {};
 };
-/// The standard deviation of parameter estimates between windows is `factor` times larger than
-/// their credible intervals in the windows imply.
+/// The credible intervals in the windows imply a scatter of the estimates between windows. The
+/// actual standard deviation between windows is `factor` times larger.
 struct ScatterBetweenWindows {
   struct Parameter {
     std::string name;
@@ -324,8 +324,8 @@ struct ParameterAtBound {
   bool upper;
 };
 
-/// A one-sided force law (for example of a stop) produces no force in the motion of any record. In
-/// the share `share` of the model's draws, the gap of the force law never closes.
+/// A one-sided force law (for example of a stop) produces no force in the motion of any record. The
+/// gap of the law never closes in the fraction `share` of the model's draws.
 struct StopNotReached {
   std::string model, law;
   int a, b;      ///< masses at the ends of the link
@@ -335,8 +335,8 @@ struct StopNotReached {
   double share;
 };
 
-/// A model error that is equal in all states cancels, so that the estimated changes between states
-/// do not include this error.
+/// The analysis assumes that the model error is equal in all states and cancels. The estimated
+/// changes between states therefore do not include the model error.
 struct ChangesTakenForExact {
   /// Relative error of the model's frequencies in every state.
   double discrepancy;
@@ -370,9 +370,9 @@ using RemarkVariant =
                  remark::ScatterBetweenWindows, remark::WindowsUnsound,
                  remark::ChangesTakenForExact, remark::SpuriousMode, remark::StopNotReached>;
 
-/// A remark on a result. std::visit, std::get_if and std::holds_alternative take it as they take
-/// the variant. Copies, moves and the destructor are compiled once (remarks.cpp): with so many
-/// alternatives they took seconds in every source file.
+/// A remark on a result. std::visit, std::get_if and std::holds_alternative accept a Remark like
+/// the variant. Copies, moves and the destructor are compiled once, in remarks.cpp, because their
+/// compilation takes seconds.
 struct Remark : RemarkVariant {
   using RemarkVariant::RemarkVariant;
   Remark(const Remark& other);

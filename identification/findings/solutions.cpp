@@ -39,7 +39,7 @@ class Metric {
 struct Draws {
   MatrixXd z;
   std::vector<double> log_posterior;
-  std::vector<std::size_t> of_chain;  // first draw of each chain, and the end
+  std::vector<std::size_t> of_chain;  // index of each chain's first draw, then the number of draws
 };
 
 Draws draws_of_model(const Posterior& posterior, int model) {
@@ -78,7 +78,7 @@ VectorXd mean_of(const Draws& draws, const std::vector<int>& of, int which, doub
   return mean / std::max(1.0, count);
 }
 
-/// Covariance of all draws about the mean of their own group.
+/// Covariance of the deviations of all draws from the mean of their group.
 MatrixXd covariance_within(const Draws& draws, const std::vector<int>& of, int groups) {
   MatrixXd sum = MatrixXd::Zero(draws.z.rows(), draws.z.rows());
   for (int k = 0; k < groups; ++k) {
@@ -93,9 +93,9 @@ MatrixXd covariance_within(const Draws& draws, const std::vector<int>& of, int g
   return sum / static_cast<double>(of.size());
 }
 
-/// Assigns each draw to the nearest mode. The metric is the covariance of draws about their own
-/// mode; the iteration starts from the covariance of all draws. Only modes with draws are numbered,
-/// from 0.
+/// Assigns each draw to the nearest mode. Distances are scaled by the covariance of the draws about
+/// their mode; the iteration starts from the covariance of all draws. Modes without draws get no
+/// number; numbers start at 0.
 std::vector<int> nearest_modes(const Posterior& posterior, int model, const Draws& draws,
                                int& groups) {
   constexpr int kRounds = 8;
@@ -136,7 +136,7 @@ std::vector<int> nearest_modes(const Posterior& posterior, int model, const Draw
   return of;
 }
 
-/// Joins modes without a gap between their draws; returns the solution number of each mode.
+/// Joins modes that no gap between draws separates; returns the solution number of each mode.
 std::vector<int> connected(const Draws& draws, const std::vector<int>& of, int groups) {
   const auto modes = static_cast<std::size_t>(groups);
   const Metric metric(covariance_within(draws, of, groups));
@@ -147,8 +147,8 @@ std::vector<int> connected(const Draws& draws, const std::vector<int>& of, int g
     points.emplace_back(metric.scaled(draws.z.col(static_cast<Index>(i))));
     mode.push_back(static_cast<std::size_t>(of[i]));
   }
-  // Distances from each draw to the nearest other draw of its mode, and between the nearest draws
-  // of each pair of modes. Repeated draws (rejected proposals) are not neighbours.
+  // Distance from each draw to the nearest other draw of its mode, and smallest distance between
+  // draws of each pair of modes. Repeated draws (rejected proposals) are not neighbours.
   std::vector<double> nearest(points.size(), kInfinity);
   std::vector<std::vector<double>> gap(modes, std::vector<double>(modes, kInfinity));
   for (std::size_t i = 0; i < points.size(); ++i)

@@ -1,15 +1,15 @@
 // Separate solutions: regions of one model's posterior with different parameter values and little
 // probability between the regions.
 //
-// Distances are computed in the coordinates in which the prior is standard normal, with the
-// covariance of draws about their nearest posterior mode as metric. Each draw belongs to the
-// nearest posterior mode of the search. Two posterior modes are one solution if the smallest
+// Distances are computed in the coordinates in which the prior is standard normal, scaled by the
+// covariance of the draws about their nearest posterior mode. A search finds the posterior modes;
+// each draw belongs to the nearest mode. Two posterior modes are one solution if the smallest
 // distance between their draws is at most
 //
 //   3 × the 95 % quantile of the distance of a draw to the nearest other draw of its mode,
 //
-// where the larger quantile of the two posterior modes applies. In one dimension, the density
-// between two solutions is then below about a thirtieth of the peak. A curved or rough ridge is one
+// with the larger quantile of the two posterior modes. In one dimension, the density between two
+// separate solutions is then below about a thirtieth of the peak. A curved or rough ridge is one
 // solution.
 #pragma once
 

@@ -29,7 +29,7 @@ using SmallVector = Eigen::Matrix<Complex, Eigen::Dynamic, 1, 0, 3, 1>;
 
 constexpr double kLeastDamping = 1e-4, kMostDamping = 0.2;
 constexpr double kDecades =
-    1e-10;  // range of the priors of S and S_e, below their largest possible values
+    1e-10;  // lower bound divided by upper bound of the priors of S and of S_e
 
 [[noreturn]] void refuse(const std::string& name, double value, const std::string& bound) {
   throw std::invalid_argument(name + " = " + std::to_string(value) + ": " + bound);

@@ -31,8 +31,8 @@ struct BandLines {
 };
 
 /// Computes the Fourier coefficients of a band. `records` has one channel per row; the function
-/// subtracts the mean values. Throws std::invalid_argument for a band beyond half the sampling
-/// rate, and for fewer spectral lines than `kFewestLines` per mode.
+/// subtracts the mean values. Throws std::invalid_argument if the band exceeds half the sampling
+/// rate, or contains fewer than `kFewestLines` spectral lines per mode.
 [[nodiscard]] BandLines band_lines(const Eigen::Ref<const Eigen::MatrixXd>& records,
                                    double sample_rate_hz, const ModalBand& band);
 
@@ -52,7 +52,7 @@ struct BandLines {
 /// - n - 1 numbers b per mode: the shape is u + T b, scaled to unit length, where u is the
 ///   direction of the spectral matrix at the mode's peak and T its orthogonal complement;
 /// - the diagonal of S;
-/// - the coherences of S as rows of a lower triangle with unit diagonal, scaled to unit length;
+/// - the coherences of S: a lower triangle with unit diagonal, each row scaled to unit length;
 /// - S_e.
 ///
 /// Priors: f uniform in the band, ζ log-uniform on [1e-4, 0.2], b standard normal, the scales of S
@@ -61,8 +61,8 @@ class BandProblem {
  public:
   static constexpr int kFewestLines = 20;
 
-  /// Throws std::invalid_argument for bands without modes or with more than three, for peaks
-  /// outside the band or not ascending, and for too few spectral lines.
+  /// Throws std::invalid_argument unless the band has one to three modes, enough spectral lines,
+  /// and ascending peaks inside the band.
   BandProblem(BandLines lines, ModalBand band);
 
   [[nodiscard]] int modes() const { return static_cast<int>(band_.peaks_hz.size()); }
@@ -72,7 +72,7 @@ class BandProblem {
   [[nodiscard]] double log_likelihood(std::span<const double> x) const;
   /// Mode shapes, n × m, each of unit length.
   [[nodiscard]] Eigen::MatrixXd shapes(std::span<const double> x) const;
-  /// The problem for the engine, with one model. The problem refers to this object.
+  /// The problem for the engine of inference/, with one model. It refers to this object.
   [[nodiscard]] inference::Problem problem() const;
 
  private:

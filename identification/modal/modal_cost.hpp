@@ -5,10 +5,10 @@
 
 namespace wheeltap::identification {
 
-/// Cost of identifying modes from `numbers` measured numbers.
+/// Cost of identifying modes from a record of `numbers` samples over all channels.
 [[nodiscard]] inline inference::RunCost cost_of_modes(double numbers) {
-  // Measured run times: 2 s for eight channels of 61 440 samples, 90 s for twenty channels of a
-  // million samples.
+  // Measured run times: 2 s for 8 channels of 61 440 samples each, 90 s for 20 channels of a
+  // million samples each.
   return {.bytes = 2e8 + 4.0 * 8.0 * numbers, .seconds = 1.0 + 4e-6 * numbers};
 }
 

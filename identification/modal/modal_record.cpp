@@ -38,7 +38,7 @@ signals::ModalResult identify_by_method(const ModalRecord& r, std::uint64_t seed
 
 signals::ModalResult identify(const ModalRecord& record, std::uint64_t seed) {
   signals::ModalResult result = identify_by_method(record, seed);
-  // Channels of one quantity only: shapes differ by a factor at most.
+  // If all channels measure one quantity, the conversion at most scales the shapes.
   signals::convert_shapes(result, record.orders);
   return result;
 }

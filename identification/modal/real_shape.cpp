@@ -18,7 +18,7 @@ double estimated_covariance_factor(int numbers, int blocks) {
   if (blocks == 0) return 1.0;
   if (blocks < 2 * numbers + 3) return 0.0;
   const double n = blocks, p = numbers;
-  if (numbers < 2) return (n - 1.0) / (n - p - 2.0);  // single numbers need no weighting
+  if (numbers < 2) return (n - 1.0) / (n - p - 2.0);  // one quantity: no weights
   const double inverse = (n - 1.0) / (n - p - 2.0);
   const double weights = (n - p - 2.0) / ((n - p - 1.0) * (n - p - 4.0));
   return inverse * (1.0 + weights * (p - 1.0));
@@ -40,7 +40,7 @@ RealShape real_shape(const VectorXcd& shape, const MatrixXd& covariance, int blo
   const VectorXcd turned = turn * shape;
   const double largest = turned.real().cwiseAbs().maxCoeff();
 
-  // J: from (dRe ψ, dIm ψ) to dy.
+  // Jacobian J that maps (dRe ψ, dIm ψ) to dy.
   MatrixXd slopes(m, 2 * m);
   slopes << turn.real() * MatrixXd::Identity(m, m), -turn.imag() * MatrixXd::Identity(m, m);
   if (std::abs(squares) > 0.0) {

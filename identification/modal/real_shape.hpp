@@ -10,9 +10,9 @@ namespace wheeltap::identification {
 ///
 ///   θ = ½ arg Σ ψ_k²,   dy = Re(e^{-iθ} dψ) + dθ Im(e^{-iθ} ψ),   dθ = Im(Σ ψ_k dψ_k / Σ ψ_k²).
 ///
-/// Only the direction ŷ is measured. The covariance of ŷ is defined on the tangent plane, P C P +
-/// s² ŷŷᵀ with P = I - ŷŷᵀ and s² the mean variance on the plane, for any scale of the complex
-/// shape's covariance.
+/// Only the direction ŷ is measured. With C the covariance of y, its covariance is P C P + s² ŷŷᵀ,
+/// P = I - ŷŷᵀ, with s² the mean variance on the tangent plane. P removes any effect of the scale
+/// that was chosen for ψ.
 struct RealShape {
   Eigen::VectorXd values = {};      ///< entries of the shape; the largest entry is ±1
   Eigen::MatrixXd covariance = {};  ///< m × m, positive definite
@@ -20,23 +20,23 @@ struct RealShape {
   bool correlated = true;           ///< false if `real_shape` omitted the correlations
 };
 
-/// Converts a shape ψ. `covariance` is the covariance of the real parts and then the imaginary
-/// parts of the unscaled ψ, 2m × 2m.
+/// Converts a shape ψ. `covariance` (2m × 2m) is that of the unscaled ψ: first all real parts, then
+/// all imaginary parts.
 ///
-/// A covariance estimated from n = `blocks` parts of a record has an inverse that is too large on
-/// average (`blocks` = 0: the covariance is exact). The covariance is therefore multiplied by (n -
-/// 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17). The covariance is
-/// also multiplied by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)), because inaccurate
-/// weights increase the variance of the estimates (Percival et al. 2014, MNRAS 439:2531). With
-/// fewer than 2 p + 3 blocks only the variances are kept.
+/// The covariance is estimated from n = `blocks` parts of a record (0: the covariance is exact).
+/// The inverse of such an estimate is too large on average. The covariance is therefore multiplied
+/// by (n - 1) / (n - p - 2), p = m - 1 (Hartlap, Simon & Schneider 2007, equation 17). The
+/// covariance is also multiplied by 1 + B (p - 1), B = (n - p - 2) / ((n - p - 1)(n - p - 4)),
+/// because inaccurate weights increase the variance of the estimates (Percival et al. 2014, MNRAS
+/// 439:2531). With fewer than 2 p + 3 blocks only the variances are kept.
 ///
 /// Throws std::invalid_argument for fewer than 2 entries, a zero shape, inconsistent dimensions,
 /// and a covariance that is not positive definite on the tangent plane.
 [[nodiscard]] RealShape real_shape(const Eigen::VectorXcd& shape, const Eigen::MatrixXd& covariance,
                                    int blocks);
 
-/// The correction factor of `real_shape` for the covariance of `numbers` quantities from `blocks`
-/// blocks of a record. The factor is 0 if there are too few blocks for correlations.
+/// The factor by which `real_shape` multiplies the covariance of `numbers` quantities, estimated
+/// from `blocks` blocks of a record. The factor is 0 if there are too few blocks for correlations.
 [[nodiscard]] double estimated_covariance_factor(int numbers, int blocks);
 
 }  // namespace wheeltap::identification

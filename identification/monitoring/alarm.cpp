@@ -15,7 +15,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// The first draw's drift and noise about a known level.
+/// Baseline with the drift and noise of the first draw about a known level.
 Baseline without_covariates(const Baseline& of) {
   const BaselineParameters& from = of.draws.front().parameters;
   BaselineDraw draw{.parameters = from};

@@ -2,8 +2,8 @@
 //
 //   S_t = Σ_{τ<=t} Λ_τ,t   (Shiryaev-Roberts; Shin, Ramdas & Rinaldo 2024, e-detectors)
 //
-// has a mean of at most t rows under the baseline, so that the mean number of rows to a false alarm
-// at threshold A is at least A. This bound holds only if the baseline model is correct. The
+// Under the baseline, the mean of S_t is at most t (in rows), so that the mean number of rows to a
+// false alarm at threshold A is at least A. This holds only if the baseline model is correct. The
 // threshold is therefore also calibrated by replay: the detector processes series of standardised
 // residuals, drawn in blocks from healthy rows that did not train the baseline.
 #pragma once
@@ -18,28 +18,28 @@ inline constexpr int kFewestReplayRows = 240, kMostReplayRows = 1440;
 
 struct ReplayOptions {
   int series = 48;  ///< number of replayed series; each starts a new detector
-  /// Rows per series. 0 in a Monitor: as many as the training rows, limited to kFewestReplayRows to
-  /// kMostReplayRows.
+  /// Rows per series. 0 in a Monitor: the number of training rows, but between kFewestReplayRows
+  /// and kMostReplayRows.
   int rows = 0;
   int block = 72;  ///< rows per block of residuals
   std::uint64_t seed = 1;
   int threads = 1;
 };
 
-/// False alarms of replayed healthy series, as a function of the threshold. The excesses of the
-/// series' maxima of ln S over the median u of the maxima are assumed exponential with mean h:
+/// False alarms of replayed healthy series, as a function of the threshold. u is the median of the
+/// series' maxima of ln S. The excesses of the maxima over u are assumed exponential with mean h:
 ///
 ///   rate(A) = -ln(1 - P(A))/rows,   P(A) = 1/2 exp(-(ln A - u)/h).
 ///
-/// h is the mean excess, and at least 1, because the bound n/A of the false-alarm probability under
-/// the model does not decay faster.
+/// h is the mean excess, but at least 1: under the model, the bound n/A of the false-alarm
+/// probability in n rows does not decay faster.
 struct Replay {
   int series = 0, rows = 0;
   double log_median = 0.0;  ///< u
   double tail = 1.0;        ///< h
   /// False alarms per row at a threshold.
   [[nodiscard]] double rate(double log_threshold) const;
-  /// ln of the threshold with this rate of false alarms; at least u.
+  /// ln of the threshold that has this rate of false alarms, but at least u.
   [[nodiscard]] double log_threshold(double rate) const;
 };
 
@@ -57,11 +57,11 @@ struct Innovations {
   Eigen::MatrixXd relative_variance = {};
 };
 
-/// Innovations of the first draw's filter.
+/// Innovations of the filter of the first parameter draw.
 [[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& rows);
 
-/// Replays `innovations`, with their noise variances, through a detector with the first draw's
-/// drift and noise, and no covariates.
+/// Processes `innovations` and their noise variances with a detector that has the drift and noise
+/// of the first draw and no covariates.
 [[nodiscard]] Replay replay(const Baseline& baseline, const Innovations& innovations,
                             const ChangePointOptions& change, const ReplayOptions& options);
 

@@ -1,5 +1,5 @@
-// The healthy structure's features under weather, as a linear Gaussian state-space model with heavy
-// tails, and its Kalman filter:
+// Linear state-space model of the healthy structure's features under weather, with heavy-tailed
+// noise, and its Kalman filter:
 //
 //   y_tj = phi(u_t)' b_j + d_tj + s_tj + e_tj,
 //   d_t: Ornstein-Uhlenbeck, rate `fast_rate`, covariance diag(fast_sd) C diag(fast_sd),
@@ -7,11 +7,11 @@
 //   e_tj: Student t with `degrees` degrees of freedom, scale noise_sd_j √(relative variance).
 //
 // The state of feature j is the block [b_j, d_j, s_j]. The observation vector of every feature is h
-// = [phi, 1, 1]. The filter processes the entries of a row one after the other. For Gaussian noise
-// this is exact. For Student t noise the predictive density of an entry is a normalised Student t
-// density whose squared scale is the variance of the filter. The update multiplies the noise
-// variance of the entry by (nu + v²/S)/(nu + 1): the inverse of the expected precision of the scale
-// mixture given the innovation v.
+// = [phi, 1, 1]. The filter processes the entries of a row one after the other. This order is exact
+// for Gaussian noise. For Student t noise the predictive density of an entry is a normalised
+// Student t density whose squared scale is the variance of the filter. The update multiplies the
+// noise variance of the entry by (nu + v²/S)/(nu + 1): the inverse of the expected precision of the
+// scale mixture given the innovation v.
 #pragma once
 
 #include <algorithm>
@@ -28,11 +28,11 @@ namespace wheeltap::identification::monitoring {
 inline constexpr double kGaussian = std::numeric_limits<double>::infinity();
 inline constexpr double kSlowHours = 90.0 * 24.0;
 
-/// The parameters of one draw, for p features and K terms of phi.
+/// Parameters of one posterior draw, for p features and K terms of phi.
 struct BaselineParameters {
   CovariateTerms terms = {};
   double fast_rate = 0.1;  ///< 1/h
-  /// P, for logarithms of the features
+  /// p entries, for the logarithms of the features
   Eigen::VectorXd fast_sd = {}, slow_sd = {}, noise_sd = {};
   Eigen::MatrixXd correlation = {};  ///< p x p, correlation of d
   /// Degrees of freedom of Student's t
@@ -109,7 +109,7 @@ struct RowPrediction {
 [[nodiscard]] double noise_variance(const BaselineParameters& parameters, const Weather& weather,
                                     const Row& row, const BaselineFilter& filter, int feature);
 
-/// Factor by which the update multiplies the noise variance (see above); 1 for Gaussian noise.
+/// Factor by which `update` multiplies the noise variance (top of this file); Gaussian noise: 1.
 [[nodiscard]] inline double noise_inflation(double v, double s, double degrees) {
   if (degrees == kGaussian) return 1.0;
   return std::max(1.0, (degrees + v * v / s) / (degrees + 1.0));
@@ -120,7 +120,7 @@ struct RowPrediction {
                                  const CovariateScaling::Scaled& scaled, const Eigen::VectorXd& v,
                                  const Eigen::VectorXd& slow);
 
-/// The sum of the log densities of a row's innovations. Products are accumulated, so that a row
+/// The sum of the log densities of a row's innovations. Densities are multiplied, so that a row
 /// needs one logarithm. The density of innovation v with variance s is N(0, s) if `degrees` is
 /// kGaussian, else Student's t with `degrees` degrees of freedom and scale √s.
 class DensitySum {
@@ -150,7 +150,7 @@ class DensitySum {
   }
 
  private:
-  /// Adds the logarithm of the product to the sum before the product underflows.
+  /// Before the product underflows, adds its logarithm to the sum.
   void flush(Terms& terms) const {
     terms.squares += std::log(terms.scales);
     if (degrees_ != kGaussian) terms.squares += (degrees_ + 1.0) * std::log(terms.tails);

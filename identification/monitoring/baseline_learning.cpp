@@ -23,22 +23,22 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kRobustDegrees = 5.0;
-constexpr double kInterceptScale = 100.0, kSlopeScale = 10.0;  // of coefficients, in noise sds
-// Prior sd of slopes beyond learning's weather, below and above, in what covariates explained in
-// it. Frost stiffens concrete and asphalt many times more than the same step in mild weather.
+constexpr double kInterceptScale = 100.0, kSlopeScale = 10.0;  // × noise sd
+// Prior sd of slopes below and above the weather of training, relative to the covariates' effect
+// there. Frost stiffens concrete and asphalt far more than an equal step in mild weather.
 constexpr double kBelow = 6.0, kAbove = 2.0;
-constexpr double kLeastSlow = 0.5;  // variance of the slow drift: a short period cannot rule it out
+constexpr double kLeastSlow = 0.5;  // least slow ratio: a short training cannot exclude slow drift
 constexpr double kShortestLag = 0.1, kLongestLag = 72.0;
 
-/// Learning rows, prepared for the engine.
+/// Training rows, prepared for the engine.
 struct Prepared {
   std::vector<double> hours = {};
   std::vector<CovariateScaling::Scaled> scaled = {};
   std::vector<FeatureRows> features = {};
-  VectorXd long_low = {}, long_high = {};  ///< of covariates with the long lag
-  MatrixXd sorted = {};          ///< rows x covariates, each column sorted: for knots by quantile
-  std::vector<int> hinged = {};  ///< covariates that may have hinges
-  std::vector<double> variance = {};  ///< per feature
+  VectorXd long_low = {}, long_high = {};  ///< range of covariates with the long lag
+  MatrixXd sorted = {};                    ///< rows x covariates, each column sorted for quantiles
+  std::vector<int> hinged = {};            ///< covariates that may have hinges
+  std::vector<double> variance = {};       ///< per feature
   bool lag = false;
   int most_hinges = 0;
 };
@@ -55,8 +55,8 @@ RegressionPrior prior_of(const Prepared& of, std::size_t feature, Index terms) {
           .scale = 0.1 * of.variance[feature]};
 }
 
-/// Where the parameters of the engine's models lie: lag (if any), time constant, slow ratio, then
-/// the fast ratio of each feature, then one number a hinge: the covariate's place plus a quantile.
+/// Positions in the parameter vector: lag (if any), time constant, slow ratio, fast ratio of each
+/// feature, one number per hinge (index of its covariate plus quantile of its knot).
 struct Layout {
   bool lag;
   std::size_t features;
@@ -84,13 +84,13 @@ CovariateTerms terms_of(const Prepared& of, const Layout& layout, std::span<cons
   return out;
 }
 
-/// phi of all rows, one column per row, without the terms of extrapolation; sets the range of
-/// lagged covariates.
+/// phi of all rows, one column per row, without the terms of extrapolation. Also sets the range of
+/// the lagged covariates.
 MatrixXd term_table(const Prepared& of, CovariateTerms& terms) {
   const Index c = of.sorted.cols(), hinges = static_cast<Index>(terms.knots.size());
   const auto n = static_cast<Index>(of.hours.size());
   MatrixXd out(1 + c + hinges, n);
-  double before = -1.0, follows = 1.0;  // share of the way that v goes in a step
+  double before = -1.0, follows = 1.0;  // fraction of z - v that a step adds to v
   for (Index t = 0; t < n; ++t) {
     const double step = t > 0 ? of.hours[index(t)] - of.hours[index(t - 1)] : 0.0;
     if (terms.lag_hours > 0.0 && step != before) follows = -std::expm1(-step / terms.lag_hours);
@@ -139,7 +139,7 @@ class LearningLikelihood final : public inference::Likelihood {
   Layout layout_;
 };
 
-/// Weights that reduce outliers: of residuals about hinges at every median, three times.
+/// Down-weights outliers in three iterations. Residuals are about a fit with hinges at all medians.
 void weigh_outliers(Prepared& of) {
   CovariateTerms terms;
   for (const int c : of.hinged) {
@@ -233,7 +233,7 @@ inference::ModelSpace space_of(const Prepared& of) {
       counts);
 }
 
-/// Correlation of the drift from that of residuals, as a correlation matrix.
+/// Correlation matrix of the drift, estimated from the correlation of the residuals.
 MatrixXd drift_correlation(const Prepared& of, const MatrixXd& table, const Layout& layout,
                            std::span<const double> x) {
   const std::size_t p = of.features.size();
@@ -275,7 +275,7 @@ MatrixXd drift_correlation(const Prepared& of, const MatrixXd& table, const Layo
   return scale.asDiagonal() * c * scale.asDiagonal();
 }
 
-/// Parameters of one draw: noise variances from their inverse gamma posteriors.
+/// Parameters of one draw; noise variances are drawn from their inverse gamma posteriors.
 BaselineParameters parameters_of(const Prepared& of, const Layout& layout,
                                  std::span<const double> x, const VectorXd& reference,
                                  base::Random& random) {
@@ -302,8 +302,8 @@ BaselineParameters parameters_of(const Prepared& of, const Layout& layout,
     out.coefficient_mean(0, j) = reference[j];
     out.coefficient_sd.col(j) = sd * coefficient_scales(k);
     if (of.sorted.cols() > 0) {
-      // Beyond the learning period's weather a slope may be a few times what the covariates
-      // explained in it, in standard deviations of a covariate.
+      // The prior sd of slopes beyond the training weather, per standard deviation of a covariate,
+      // is a multiple of the covariates' effect in training.
       const Index slopes = table.rows() - 1;
       VectorXd explained = table.bottomRows(slopes).transpose() * fit.coefficients.tail(slopes);
       explained.array() -= explained.mean();
@@ -316,7 +316,7 @@ BaselineParameters parameters_of(const Prepared& of, const Layout& layout,
   return out;
 }
 
-/// Runs the full filter from its prior through the learning rows; the log evidence.
+/// Runs the full filter from its prior through the training rows; returns the log evidence.
 double run_through(const Prepared& of, const std::vector<Row>& rows, BaselineDraw& draw) {
   draw.filter = BaselineFilter(draw.parameters);
   draw.lagged.resize(0);
@@ -334,7 +334,7 @@ struct TailChoice {
   double degrees, share, log_evidence;
 };
 
-/// The full filter's evidence over a grid of degrees of freedom and shares of the correlation.
+/// Evidence of the full filter on a grid of degrees of freedom and of factors on the correlation.
 std::vector<TailChoice> tail_choices(const Prepared& of, const std::vector<Row>& rows,
                                      BaselineDraw draw, const MatrixXd& correlation) {
   std::vector<TailChoice> out;
@@ -366,7 +366,7 @@ std::vector<Row> rows_of(const Series& series, const Baseline& baseline) {
   return rows;
 }
 
-/// Draw m of `count`, evenly over all chains' draws.
+/// Draw m of `count` draws that are spaced evenly over all chains.
 std::span<const double> spaced_draw(const inference::Posterior& posterior, int m, int count) {
   std::size_t all = 0;
   for (const auto& chain : posterior.chains) all += chain.size();
@@ -392,9 +392,9 @@ std::span<const double> best_draw(const inference::Posterior& posterior) {
   return best;
 }
 
-/// The largest split R-hat over the features of: the covariates' effect in some learning rows, the
-/// noise, and the drift. Knots need no R-hat near one: different covariates that move together
-/// explain the same effect.
+/// The largest split R-hat, over all features, of the covariates' effect in some training rows, of
+/// the noise and of the drift. Knots need no R-hat near 1, because different correlated covariates
+/// can explain the same effect.
 double rhat_of_effects(const Prepared& of, const Layout& layout,
                        const inference::Posterior& posterior) {
   constexpr std::size_t kMostDraws = 125;  // per chain

@@ -1,9 +1,9 @@
 // Training of the baseline: its parameters, inferred from the training period.
 //
-// The engine samples the nonlinear parameters: number and knots of hinges (trans-dimensional), the
-// thermal lag, the rate of the fast drift and, for each feature, the drift variance relative to the
-// noise. Coefficients and noise variances are integrated in closed form (marginal_likelihood.hpp).
-// Three approximations make the sampling affordable:
+// The reversible-jump engine (inference/) samples the nonlinear parameters: number and knots of
+// hinges (trans-dimensional), the thermal lag, the rate of the fast drift and, for each feature,
+// the drift variance relative to the noise. Coefficients and noise variances are integrated in
+// closed form (marginal_likelihood.hpp). Three approximations make the sampling affordable:
 //
 // - outliers: the engine's likelihood is Gaussian with fixed weights (nu + 1)/(nu + r²), from the
 //   residuals r of a preliminary robust fit with nu = 5. The degrees of freedom are then drawn from
@@ -14,7 +14,7 @@
 //   features.
 //
 // The full filter (baseline_filter.hpp) of each draw then processes the training rows, starting
-// from the priors. The posterior of the coefficients has the accuracy of the filter's approximation
+// from the priors. The posterior of the coefficients is as accurate as the filter's approximation
 // of Student's t.
 #pragma once
 
@@ -29,7 +29,7 @@ namespace wheeltap::identification::monitoring {
 
 struct LearningOptions {
   /// Number of parameter draws kept for monitoring. 0: six, or four if all features together have
-  /// more than eighty coefficients. The time per row is proportional to this number of
+  /// more than eighty coefficients. The time per row is proportional to the number of
   /// coefficients.
   int draws = 0;
   int most_hinges = 3;  ///< largest number of hinges; all numbers are equally probable a priori
@@ -63,11 +63,11 @@ struct Baseline {
   CovariateScaling scaling = {};
   Eigen::VectorXd usual_sds = {};    ///< p, or empty
   Eigen::VectorXd reference = {};    ///< p: medians of the features in the training period
-  Eigen::VectorXd residual_sd = {};  ///< p: sd of drift plus noise, posterior mean
+  Eigen::VectorXd residual_sd = {};  ///< p: posterior mean of the sd of drift plus noise
   std::vector<BaselineDraw> draws = {};
   double rows_per_hour = 1.0;
   double last_hours = 0.0;  ///< time of the last row that the filters have processed
-  // Convergence diagnostics of the engine:
+  // Results and convergence diagnostics of the engine:
   std::vector<double> hinge_probability = {};  ///< probabilities of 0, 1, … hinges
   bool converged = false;
   double rhat_max = 1.0;  ///< largest R-hat of covariate effects, noise and drift

@@ -17,29 +17,29 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using inference::log_sum_exp;
 
-constexpr std::array kInflations{0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0};  // κ; 0: none
+constexpr std::array kInflations{0.0, 1.0, 2.0, 4.0, 8.0, 16.0, 32.0, 64.0, 128.0};  // κ
 constexpr std::array kFaultSizes{0.5, 1.5, 5.0, 15.0, 50.0};
 constexpr std::array kOffsetSizes{0.1, 0.3, 1.0, 3.0};
-constexpr std::size_t kThermometerInflations = 4;  // the first ones
+constexpr std::size_t kThermometerInflations = 4;  // the first of kInflations
 constexpr int kBinsPerSegment = 8;                 // bins of severity
 
 double log_mean(double sum, std::size_t n) {
   return sum - std::log(static_cast<double>(n));
 }
 
-/// -½ q(t)/v, q(t) = a t² + 2 b t + c, on a segment t in [0, 1].
+/// The exponent -½ q(t)/v with q(t) = a t² + 2 b t + c, on a segment t in [0, 1].
 struct Segment {
   double a = 0.0, b = 0.0, c = 0.0;
 
   /// ln ∫ exp(-½ q(t)/v) dt.
   [[nodiscard]] double log_integral(double v) const {
     const double s = std::sqrt(a / v);
-    if (s < 1e-2) {  // Simpson
+    if (s < 1e-2) {  // Simpson's rule
       const auto at = [&](double t) { return -0.5 * ((a * t + 2.0 * b) * t + c) / v; };
       return log_sum_exp(log_sum_exp(at(0.0), at(1.0)), std::log(4.0) + at(0.5)) - std::log(6.0);
     }
     double low = b / a * s, high = low + s;
-    if (low > 0.0) {  // the lower tail is the accurate one
+    if (low > 0.0) {  // the lower tail is more accurate
       std::swap(low, high);
       low = -low;
       high = -high;
@@ -65,7 +65,7 @@ Segment segment_of(const ShiftLikelihood::Component& one, const VectorXd& from,
           .c = std::max(0.0, d.dot(pulled))};
 }
 
-/// Masses on a line, for quantiles.
+/// A probability mass on an interval of a line, used to compute quantiles.
 struct Mass {
   double from, to, mass;
 };
@@ -80,7 +80,7 @@ double quantile_of(const std::vector<Mass>& masses, double total, double share) 
   return masses.empty() ? kNaN : masses.back().to;
 }
 
-/// `masses` in order of place.
+/// Quantiles of `masses`, which are sorted by their location first.
 CentralInterval interval_of(std::vector<Mass> masses) {
   std::ranges::stable_sort(masses, {}, &Mass::from);
   double total = 0.0;
@@ -96,7 +96,7 @@ class Explainer {
     for (const auto& one : likelihood.components) informed_.push_back(informed(one));
   }
 
-  /// Adds a path's evidence to that of each inflation; exact integrals over its segments.
+  /// Adds the evidence of a path for each inflation κ, by exact integrals over its segments.
   void add(const DefectPath& path, double log_weight, std::vector<double>& evidence,
            std::vector<Mass>* severities, double* mass, double scale) const {
     const auto nodes = static_cast<Index>(path.severities.size());
@@ -135,7 +135,7 @@ class Explainer {
     }
   }
 
-  /// ln evidence of δ = d s, s ~ N(0, sd²), with the covariance of L multiplied by 1 + κ².
+  /// ln of the evidence of δ = d s, s ~ N(0, sd²); the covariance of L is multiplied by 1 + κ².
   [[nodiscard]] double along(const VectorXd& d, double sd, double inflation) const {
     const double v = 1.0 + inflation * inflation;
     double sum = -kInfinity;
@@ -150,7 +150,7 @@ class Explainer {
     return sum;
   }
 
-  /// Distance from a path, in standard deviations of the heaviest component.
+  /// Distance from a path, in standard deviations of the component of L with most weight.
   [[nodiscard]] double distance(const DefectPath& path) const {
     double least = kInfinity;
     const auto nodes = static_cast<Index>(path.severities.size());
@@ -165,7 +165,7 @@ class Explainer {
   }
 
  private:
-  /// Number of features that the rows say something about.
+  /// Number of features for which the rows contain information.
   [[nodiscard]] int informed(const ShiftLikelihood::Component& one) const {
     return static_cast<int>(
         (one.precision.diagonal().array() * (5.0 * options_.residual_sd.array()).square() > 0.1)
@@ -225,7 +225,7 @@ ChangeExplanation explain_change(const ShiftLikelihood& likelihood, const Matrix
   std::vector<std::vector<const DefectPath*>> of_kind(kinds.size());
   for (const DefectPath& path : paths) of_kind[index(path.kind)].push_back(&path);
 
-  // ln (prior · evidence) of each cause.
+  // ln(prior · evidence) of each cause.
   std::vector<double> defects(kinds.size(), -kInfinity), evidence(kinds.size());
   std::vector<double> features(index(p)), thermometers(index(c), -kInfinity);
   double other = -kInfinity, distance = kInfinity;

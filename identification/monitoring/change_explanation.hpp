@@ -6,12 +6,12 @@
 //                  features, ε as below: an offset acts differently in each weather
 //   other:         δ = δ(damage) + ε,  ε ~ N(0, κ² V), V the covariance of the measured shift
 //
-// P(cause | rows) ∝ P(cause) ∫ L(δ) p(δ | cause) dδ, L the likelihood of shift_likelihood.hpp,
-// including all normalising constants. Along a path of severities δ is piecewise linear and L a
+// P(cause | rows) ∝ P(cause) ∫ L(δ) p(δ | cause) dδ, with L the likelihood of shift_likelihood.hpp,
+// including all normalising constants. Along a path of severities, δ is piecewise linear. L is a
 // mixture of normal densities, so that the integrals are exact. "Other" has sizes κ = 1, 2, 4 …
-// 128, equally probable. This alternative measures the distance of the shift from the nearest
-// damage, in standard deviations of the shift. Without it, a shift far from every damage would be
-// attributed to damage if all other causes were less probable.
+// 128, equally probable: the distance of the shift from the nearest damage, in standard deviations
+// of the shift. Without the cause "other", a shift far from every damage would count as damage
+// whenever all other causes were less probable.
 #pragma once
 
 #include "identification/monitoring/defect_shifts.hpp"
@@ -38,11 +38,11 @@ struct CentralInterval {
   double q5 = 0.0, q50 = 0.0, q95 = 0.0;
 };
 
-/// A stretch of a kind's line of sites, such as a member.
+/// A part of a defect kind's line of sites, such as a structural member.
 struct ExplainedPlace {
   int stretch = 0;
-  double probability = 0.0;  ///< probability of the stretch, given the kind
-  CentralInterval at = {};   ///< location [m] along the stretch, given the stretch
+  double probability = 0.0;  ///< probability of the part, given the kind
+  CentralInterval at = {};   ///< location [m] along the part, given the part
 };
 
 /// A kind of defect as the cause of the change.
@@ -51,7 +51,7 @@ struct ExplainedDefect {
   std::vector<double> by_cell = {};  ///< given the kind: probability of each cell of its line
   CentralInterval location = {};     ///< location on the kind's line, given the kind
   CentralInterval severity = {};
-  /// Stretches with probability of at least 1 %, the most probable first
+  /// Parts with a probability of at least 1 %, the most probable first
   std::vector<ExplainedPlace> places = {};
 };
 

@@ -26,7 +26,7 @@ double log_sum_exp(const Values& values) {
   return top == -kInfinity ? top : top + std::log((values.array() - top).exp().sum());
 }
 
-/// ln p(δ's hypothesis), (1 + p) x kSizes.
+/// ln of the prior probability of each hypothesis on δ, (1 + p) x kSizes.
 MatrixXd log_prior_of_hypotheses(Index p) {
   const double all = p > 1 ? 0.5 : 1.0 - 0.5 / kSizes, each = (1.0 - all) / static_cast<double>(p);
   MatrixXd out(1 + p, kSizes);
@@ -40,8 +40,8 @@ double profile_at(ShiftProfile profile, double hours) {
   return profile == ShiftProfile::transient ? std::exp(-hours / kTransientHours) : 1.0;
 }
 
-/// Adds a row's log densities to the weights of draws and hypotheses, which stay normalised up to
-/// the fixed share; ln of the row's density given the onset.
+/// Adds the log densities of a row to the weights of draws and hypotheses, normalises them and
+/// redistributes the fixed share. Returns ln of the row's density given the onset.
 double add_scores(CandidateOnset& c, const std::vector<MatrixXd>& log_density, double share) {
   double total = -kInfinity;
   for (std::size_t k = 0; k < c.draws.size(); ++k) {
@@ -59,15 +59,15 @@ double add_scores(CandidateOnset& c, const std::vector<MatrixXd>& log_density, d
   return total;
 }
 
-// Weight that moves between the two filters without a change each row.
+// Fraction of weight that each row moves between the two filters of the model without a change.
 constexpr double kFilterShare = 0.05;
 
-/// One draw's candidates in one row. The gain k_i of entry i is common to all candidates, so that
-/// the innovation of entry j changes with δ by
+/// The candidates of one draw in one row. All candidates share the gain k_i of entry i, so that the
+/// derivative of the innovation of entry j with respect to δ is
 ///
 ///   g_j = r e_j + F_j' h - Σ_{i<j} (k_i' h)_j g_i,
 ///
-/// F_j the rows of feature j, i the entries before it; F changes after the row's last entry.
+/// F_j: rows of F for feature j; i: entries before j. F changes after the row's last entry.
 class DrawScores {
  public:
   DrawScores(const std::vector<CandidateOnset*>& all, std::size_t draw,
@@ -101,8 +101,8 @@ class DrawScores {
     }
   }
 
-  /// Adds the densities of an entry of feature j, whose innovation without a shift is v, of
-  /// variance s. Returns the inflation of noise on which the candidates agree: that of their most
+  /// Adds the densities of an entry of feature j; without a shift, its innovation is v with
+  /// variance s. Returns the common noise inflation of the candidates: the mean over their most
   /// probable hypotheses, weighted by their mass.
   double score(Index j, double v, double s) {
     for (std::size_t i = 0; i < candidates_.size(); ++i) {
@@ -129,7 +129,7 @@ class DrawScores {
     return weight.dot(inflation_) / weight.sum();
   }
 
-  /// Conditions every δ on the entry that was scored last.
+  /// Updates the posterior of every δ by the entry that was scored last.
   void update(double v, double inflated, const VectorXd& gain) {
     for (Candidate& c : candidates_) {
       ShiftPosterior& shift = *c.shift;
@@ -173,7 +173,7 @@ class DrawScores {
     double profile = 1.0;
     MatrixXd g = {};          // p x entries
     MatrixXd projected = {};  // column j: F_j' h
-    MatrixXd spread = {};     // covariance of δ times g, of each size
+    MatrixXd spread = {};     // covariance of δ times g, one column per size
     std::array<Index, 2> favourite = {};
   };
 
@@ -192,17 +192,17 @@ class DrawScores {
   std::size_t hypotheses_;
   std::vector<DensitySum::Terms> sums_;
   std::vector<Candidate> candidates_;
-  MatrixXd gains_, along_;  // states x entries; entries x features: (k' h) of each feature
+  MatrixXd gains_, along_;  // states x entries; entries x features: k' h
   VectorXd mass_, inflation_;
   Index entries_ = 0;
 };
 
 }  // namespace
 
-/// Log density of the row under each candidate and hypothesis of one draw.
+/// Log densities of a row under each candidate, draw and hypothesis.
 struct ChangePoint::RowScores {
-  std::vector<std::vector<MatrixXd>> log_density;  ///< candidate, draw: (1 + p) x kSizes
-  VectorXd unshifted;                              ///< candidates' filter without a shift, per draw
+  std::vector<std::vector<MatrixXd>> log_density;  ///< per candidate and draw: (1 + p) x kSizes
+  VectorXd unshifted;                              ///< per draw: candidates' filter without a shift
 };
 
 ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& options)
@@ -247,7 +247,7 @@ void ChangePoint::bear_candidates(const Row& row, double hours) {
     candidates_.back().log_prior = log_share + log_born + std::log(rows);
   };
   bear(ShiftProfile::step, std::log1p(-options_.ramp_share), 1.0);
-  // A candidate ramp stands for all rows since the last one.
+  // A candidate ramp represents all rows since the previous candidate ramp.
   if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0)
     bear(ShiftProfile::ramp, std::log(options_.ramp_share), options_.ramp_every);
   if (options_.transients_per_hour > 0.0) {
@@ -294,7 +294,7 @@ VectorXd ChangePoint::score_healthy(const Row& row, double hours,
 }
 
 double ChangePoint::weigh_draws(const VectorXd& own, const VectorXd& shared) {
-  // The filter without a change and the candidates' filter, each with every draw.
+  // ln weights of both filters (without a change; shared by the candidates), per draw.
   const VectorXd with_own = log_weight_.array() + (1.0 - shared_.array()).log() + own.array();
   const VectorXd with_shared = log_weight_.array() + shared_.array().log() + shared.array();
   const double total = log_sum(log_sum_exp(with_own), log_sum_exp(with_shared));
@@ -363,7 +363,7 @@ void ChangePoint::merge(std::vector<CandidateOnset>& list, std::size_t from, std
 }
 
 void ChangePoint::retire_transients(double hours) {
-  constexpr double kDecayed = 5.0;  // time constants
+  constexpr double kDecayed = 5.0;  // in time constants
   std::erase_if(transients_, [&](const CandidateOnset& c) {
     if (hours - c.hours < kDecayed * kTransientHours) return false;
     log_quiet_ = log_sum(log_quiet_, c.log_mass());
@@ -379,7 +379,7 @@ void ChangePoint::merge_old() {
 }
 
 bool ChangePoint::merge_one(std::vector<CandidateOnset>& list, ShiftProfile profile) {
-  constexpr int kLastOctave = 7;  // holds all that is older
+  constexpr int kLastOctave = 7;  // contains all older candidates
   const bool is_ramp = profile == ShiftProfile::ramp;
   std::map<int, std::vector<std::size_t>> octaves;
   const double unit = options_.young * (is_ramp ? 4.0 : 1.0);
@@ -391,7 +391,7 @@ bool ChangePoint::merge_one(std::vector<CandidateOnset>& list, ShiftProfile prof
   }
   for (const auto& [octave, members] : octaves) {
     if (static_cast<int>(members.size()) <= (is_ramp ? 2 : options_.kept_per_octave)) continue;
-    // The lightest goes to its nearer neighbour.
+    // Merge the candidate with the smallest mass into its nearer neighbour.
     std::size_t lightest = 0;
     for (std::size_t k = 1; k < members.size(); ++k)
       if (list[members[k]].log_mass() < list[members[lightest]].log_mass()) lightest = k;
@@ -551,7 +551,7 @@ void ChangePoint::accept_change() {
       mean[h - 1] = d.single_mean(h - 1, size);
       covariance(h - 1, h - 1) = d.single_variance(h - 1, size);
     }
-    // State and intercept as functions of the shift: x + (F + E) δ.
+    // State and intercept are functions of the shift δ: x + (F + E) δ.
     MatrixXd entry = d.sensitivity;
     for (Index j = 0; j < p; ++j) entry(j * draws_[m].parameters.block(), j) += 1.0;
     BaselineFilter& filter = changed_[m];

@@ -5,17 +5,17 @@
 //   step: r = 1;   ramp: r = min(1, (t - τ)/kRampHours);   transient: r = exp(-(t -
 //   τ)/kTransientHours)
 //
-// A transient does not count as a change. A transient is a temporary effect of thaw, wind, traffic
-// or wrong identification. The model without a change is a mixture of the baseline and of
-// transients that began at any row. A change must explain the data better than this mixture. The
-// probability of a decayed transient returns to the baseline. At each row, so does the share of
-// transients that may have ended earlier.
+// A transient does not count as a change. It is a temporary effect of thaw, wind, traffic or wrong
+// identification. The model without a change is a mixture of the baseline and of transients that
+// began at any row. A change must explain the data better than this mixture. The probability of
+// decayed transients returns to the baseline, as does, at each row, the share of transients that
+// may have ended early.
 //
 // A shift acts linearly. The innovations of a filter without a shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). A candidate
 // stores the sensitivity F of the state to δ and the posterior of δ, which is exact for Gaussian
-// noise. The prior of δ has two equally probable parts, with s one of kShiftSizes (equally
-// probable) and r_j the residual sd of feature j:
+// noise. The prior of δ has two equally probable parts. Its scale s is one of kShiftSizes, which
+// are equally probable; r_j is the residual sd of feature j:
 //
 //   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
 //
@@ -51,8 +51,8 @@ struct ChangePointOptions {
   double transient_ends_per_hour = 1.0 / kTransientHours;
   double ramp_share = 0.25;  ///< prior probability that a change is a ramp; 0: steps alone
   int ramp_every = 24;       ///< rows between two candidate ramps
-  /// All candidates younger than this number of rows are kept; of older candidates,
-  /// `kept_per_octave` per doubling of age. 0: all candidates are kept.
+  /// All candidates younger than this number of rows are kept. Of older candidates,
+  /// `kept_per_octave` are kept per doubling of age. 0: all candidates are kept.
   int young = 16;
   int kept_per_octave = 5;
   double fixed_share = 0.01;  ///< share of the draws' weight that each row redistributes
@@ -71,8 +71,8 @@ struct ShiftPosterior {
   Eigen::MatrixXd mean;                          ///< p x kSizes, all features shift
   Eigen::MatrixXd covariance;                    ///< p x (p kSizes)
   Eigen::MatrixXd single_mean, single_variance;  ///< p x kSizes: feature j alone shifts
-  /// (1 + p) x kSizes: ln of the joint posterior of draw and hypothesis, given the onset; row 0 all
-  /// features, row 1 + j feature j alone.
+  /// (1 + p) x kSizes: ln of the joint posterior of draw and hypothesis, given the onset. Row 0:
+  /// all features shift; row 1 + j: only feature j shifts.
   Eigen::MatrixXd log_weight;
 };
 
@@ -87,9 +87,9 @@ struct CandidateOnset {
   double hours = 0.0;    ///< time of this row
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
-  double log_wealth = 0.0;  ///< ln of the candidate's term in the Shiryaev-Roberts sum
+  double log_wealth = 0.0;  ///< ln of its term in the Shiryaev-Roberts sum
   /// ln of the prior probability, including merged candidates. For a transient, log_mass() is ln of
-  /// its probability among the models without a change.
+  /// its probability within the model without a change.
   double log_prior = 0.0;
   std::vector<ShiftPosterior> draws = {};
   [[nodiscard]] double log_mass() const { return log_prior + log_ratio; }

@@ -34,7 +34,7 @@ CovariateScaling::CovariateScaling(const MatrixXd& covariates) {
   const auto c = static_cast<Index>(used_.size());
   mean_ = Eigen::Map<const VectorXd>(means.data(), c);
   sd_ = Eigen::Map<const VectorXd>(sds.data(), c);
-  // Pairwise over rows that have both; a ridge keeps the matrix positive definite.
+  // Correlations over rows with both covariates; a ridge keeps the matrix positive definite.
   correlation_ = MatrixXd::Identity(c, c);
   for (Index a = 0; a < c; ++a)
     for (Index b = 0; b < a; ++b) {
@@ -48,7 +48,7 @@ CovariateScaling::CovariateScaling(const MatrixXd& covariates) {
       }
       if (n > 0.0) correlation_(a, b) = correlation_(b, a) = std::clamp(sum / n, -1.0, 1.0);
     }
-  if (c == 0) return;  // no covariate varied; a decomposition needs a row
+  if (c == 0) return;  // no covariate varies, and the decomposition needs one
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation_);
   const VectorXd values = eigen.eigenvalues().cwiseMax(0.0).array() + 1e-3;
   correlation_ = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();

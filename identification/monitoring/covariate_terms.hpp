@@ -5,8 +5,8 @@
 //   cold = max over c of (low_c - v_c)+,   warm = max over c of (v_c - high_c)+
 //
 // The last four terms are zero in the training period. The terms "long" use v with the lag
-// kLongLagHours, for example for frozen ground. The coefficients of the four terms keep their
-// priors in the training. This widens predictions in weather outside the training period.
+// kLongLagHours, for example for frozen ground. Training does not change the priors of their
+// coefficients, so that predictions are wider in weather outside the training period.
 #pragma once
 
 #include <concepts>
@@ -80,7 +80,7 @@ void carry(Parcel& parcel, Of& terms) {
 /// Updates v after `hours` with the covariate at z. Without a lag, v = z.
 void follow_lag(const Eigen::VectorXd& z, double hours, double lag_hours, Eigen::VectorXd& v);
 
-/// phi for the covariates v with the lag of `terms` and `slow` with the lag kLongLagHours.
+/// phi for the covariates v, lagged as in `terms`, and `slow`, lagged by kLongLagHours.
 [[nodiscard]] Eigen::VectorXd terms_at(const CovariateTerms& terms, const Eigen::VectorXd& v,
                                        const Eigen::VectorXd& slow);
 

@@ -18,8 +18,8 @@ namespace {
 using Eigen::Index;
 
 constexpr int kMostNodes = 65, kFewestNodes = 9;
-constexpr int kSolutions = 30'000;  // at most, for each kind
-constexpr int kPlaces = 60;         // at least, if the effect varies within an element
+constexpr int kSolutions = 30'000;  // largest number for each kind
+constexpr int kPlaces = 60;         // least number if the effect varies within an element
 
 std::shared_ptr<const ForwardModel> model_of(const DamageCase& damage_case, int modes) {
   if (!damage_case.solved_as_structure())
@@ -30,7 +30,7 @@ std::shared_ptr<const ForwardModel> model_of(const DamageCase& damage_case, int 
                                                 damage_case.rigid_body_modes);
 }
 
-/// Nodes of equal prior probability, the prior's tails beyond five standard deviations cut off.
+/// Severities with equal prior probability between them; tails beyond five sds are cut off.
 std::vector<double> severities_of(const DefectKind& kind, int nodes) {
   const inference::Prior* prior = kind.severity_prior();
   if (prior == nullptr) return {kind.known_severity()};
@@ -52,7 +52,7 @@ std::vector<double> extents_of(const DefectKind& kind) {
   return out;
 }
 
-/// ln of the prior probability of a part of the line.
+/// ln of the prior probability that the location is in [from, to] of the line.
 double log_share(const inference::Prior& location, double from, double to) {
   return std::log(inference::normal_cdf(location.to_standard_normal(to)) -
                   inference::normal_cdf(location.to_standard_normal(from)));
@@ -60,7 +60,7 @@ double log_share(const inference::Prior& location, double from, double to) {
 
 void add_paths(const DefectKind& kind, int number, std::vector<DefectPath>& out) {
   const SiteLine& line = kind.line;
-  // A reduction of an element is the same anywhere in it; a joint or storey is one place.
+  // A reduction has the same effect anywhere in its element; a joint or storey is one place.
   const bool whole_cells = kind.type->name == "reduction" && !kind.extent && !kind.extent_prior;
   const bool points = line.stretches().front().size == 0.0;
   const int parts = whole_cells || points ? 1 : std::max(1, (kPlaces - 1) / line.cells() + 1);

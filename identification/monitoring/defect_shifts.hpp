@@ -3,8 +3,8 @@
 //   δ_j(x, r) = ln f_j(x, r) - ln f_j(intact)
 //
 // f_j is the natural frequency of feature j's mode, computed by reanalysis. A path has one location
-// x and all severities r: shifts at nodes with equal prior probability between them, interpolated
-// linearly.
+// x and all severities r. It consists of shifts at nodes with equal prior probability between them;
+// between nodes, they are interpolated linearly.
 #pragma once
 
 #include <vector>
@@ -23,8 +23,8 @@ struct DefectPath {
   Eigen::MatrixXd shifts = {};  ///< p x nodes; NaN: an impossible structure
 };
 
-/// All paths of all kinds of defect in a case. `modes`: p, the elastic mode (from 0) of each
-/// feature. Throws InvalidInput, fem::InvalidStructure.
+/// All paths of all kinds of defect in a case. `modes`: p entries, the elastic mode (from 0) of
+/// each feature. Throws InvalidInput, fem::InvalidStructure.
 [[nodiscard]] std::vector<DefectPath> defect_paths(const DamageCase& damage_case,
                                                    const std::vector<int>& modes, int threads);
 

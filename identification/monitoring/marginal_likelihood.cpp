@@ -17,11 +17,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 struct Whitened {
-  MatrixXd rows;            ///< [X, y] over the innovations' scale
-  double log_scales = 0.0;  ///< Σ ln of these variances
+  MatrixXd rows;            ///< innovations of [X, y] divided by their scale
+  double log_scales = 0.0;  ///< Σ ln of the innovations' variances
 };
 
-/// One row of the filter over all columns; without aliases it runs in vector lanes.
+/// One row of the filter over all columns; `__restrict` allows vector instructions.
 inline void filter_columns(Index k, double a, double c, double to_fast, double to_slow,
                            double scale, double* __restrict fast, double* __restrict slow,
                            double* __restrict column) {
@@ -37,7 +37,7 @@ inline void filter_columns(Index k, double a, double c, double to_fast, double t
 Whitened whiten(const std::vector<double>& hours, const MatrixXd& terms, const FeatureRows& feature,
                 const ProcessRatios& process) {
   const Index n = feature.y.size(), k = terms.rows() + 1;
-  MatrixXd data(k, n);  // one time is contiguous
+  MatrixXd data(k, n);  // the entries of one time are contiguous
   for (Index t = 0; t < n; ++t) {
     const double* from = terms.col(feature.rows[index(t)]).data();
     std::copy(from, from + k - 1, data.col(t).data());

@@ -1,10 +1,10 @@
-// The evidence of one feature's training rows, given the nonlinear parameters:
+// The evidence of one feature in the training rows, given the nonlinear parameters, for the model
 //
 //   y = X b + d + s + e,   e_t ~ N(0, σ²/w_t),   d, s: Ornstein-Uhlenbeck with variances
 //   σ² fast_ratio and σ² slow_ratio,   b_k ~ N(0, σ² g_k²),   σ² ~ InverseGamma(a, c).
-//
-// A Kalman filter of (d, s), whose gain does not depend on the data, whitens both y and the columns
-// of X; b and σ² are then integrated in closed form. Cost: O(n K²).
+// A Kalman filter of (d, s) whitens both y and the columns of X, because its gain does
+// not depend on the data. The integrals over b and σ² then have a closed form. Cost: O(n
+// K²).
 #pragma once
 
 #include <vector>
@@ -17,7 +17,7 @@ namespace wheeltap::identification::monitoring {
 struct FeatureRows {
   std::vector<int> rows = {};  ///< indices of these rows in the series
   Eigen::VectorXd y;           ///< values of the feature in these rows
-  Eigen::VectorXd precision;   ///< w_t > 0: robust weights over relative noise variances
+  Eigen::VectorXd precision;   ///< w_t > 0: robust weight / relative noise variance
 };
 
 struct RegressionPrior {

@@ -25,7 +25,7 @@ constexpr double kDoubtfulFactor = 0.2;  // reduces L: doubtful modes are more o
 constexpr double kUnlikeShapes = 0.1;    // share of the uniform density of 1 - MAC
 constexpr std::size_t kMostModes = 60;   // per record: bits of a set
 
-/// A tracked mode on its way: level and its variance.
+/// Current level of a tracked mode, and the variance of the level.
 struct Level {
   double mean = 0.0, variance = 0.0;
 };
@@ -48,7 +48,7 @@ double pair_density(const TrackedMode& tracked, double predicted, double varianc
   return frequency * shape * (mode.doubtful ? kDoubtfulFactor : 1.0);
 }
 
-/// L_kj/λ of a record.
+/// The ratios L_kj/λ of all pairs of a record.
 MatrixXd ratios_of_record(const std::vector<TrackedMode>& modes, const std::vector<Level>& levels,
                           const VectorXd& weather, double spurious, const IdentifiedRecord& record,
                           const TrackingOptions& options) {
@@ -85,7 +85,7 @@ double median_of(std::vector<double> values) {
   return *middle;
 }
 
-/// The assigned ln f, n x K, NaN: missing.
+/// ln f of the assigned modes, n x K; NaN: missing.
 MatrixXd assigned_frequencies(const std::vector<IdentifiedRecord>& records,
                               const std::vector<TrackedRecord>& tracked, Index modes) {
   MatrixXd out = MatrixXd::Constant(static_cast<Index>(records.size()), modes, kNaN);
@@ -120,7 +120,7 @@ double modal_assurance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b) {
 
 MatrixXd pair_probabilities(const MatrixXd& ratio, const VectorXd& detection) {
   using Weights = std::map<std::uint64_t, double>;
-  constexpr double kNegligible = 1e-14;  // relative to the largest weight
+  constexpr double kNegligible = 1e-14;  // weight relative to the largest weight
   const Index tracked = ratio.rows(), modes = ratio.cols();
   const auto bit = [](Index j) { return std::uint64_t{1} << static_cast<unsigned>(j); };
   const auto prune = [](Weights& w) {
@@ -129,7 +129,7 @@ MatrixXd pair_probabilities(const MatrixXd& ratio, const VectorXd& detection) {
     std::erase_if(w, [&](const auto& one) { return one.second < kNegligible * most; });
     for (auto& [taken, weight] : w) weight /= most;
   };
-  // Forward: weights of the sets that the first k tracked modes take.
+  // Forward: weight of each set of identified modes that the first k tracked modes occupy.
   std::vector<Weights> forward = {{{0, 1.0}}};
   for (Index k = 0; k < tracked; ++k) {
     Weights next;
@@ -141,7 +141,7 @@ MatrixXd pair_probabilities(const MatrixXd& ratio, const VectorXd& detection) {
     prune(next);
     forward.push_back(std::move(next));
   }
-  // Backward: weights of what the remaining tracked modes can do with each set.
+  // Backward: total weight of all assignments of the remaining tracked modes, for each set.
   MatrixXd out = MatrixXd::Zero(tracked, modes);
   Weights backward;
   for (const auto& [taken, weight] : forward.back()) backward[taken] = 1.0;
@@ -185,7 +185,7 @@ ModeTracker::ModeTracker(const std::vector<IdentifiedRecord>& records, const Mat
     throw std::invalid_argument("no mode is in " +
                                 std::to_string(static_cast<int>(100.0 * options.share)) +
                                 " % of the training records");
-  // First without the weather's effect, then with it.
+  // The first pass has no effect of the weather yet; the later passes include it.
   for (int pass = 0; pass < 3; ++pass) learn(records, covariates);
 }
 
@@ -208,7 +208,7 @@ void ModeTracker::find_modes(const std::vector<IdentifiedRecord>& records) {
     const double unlike = (1.0 - modal_assurance(a.shape, b.shape)) / 0.15;
     return std::hypot(f, unlike);
   };
-  // The mode that most records have something like, again and again.
+  // Repeatedly takes the mode for which most records have a similar mode.
   for (;;) {
     std::vector<std::size_t> best;
     std::size_t support = 0, centre = 0;
@@ -312,7 +312,7 @@ void ModeTracker::learn(const std::vector<IdentifiedRecord>& records, const Matr
       const Eigen::VectorXcd& other = records[t][index(j)].shape;
       if (shape.size() == 0 || other.size() == 0 || !other.allFinite()) continue;
       unlike.push_back(1.0 - modal_assurance(mode.shape, other));
-      // Shapes have no phase: each is turned to the reference.
+      // The phase of a shape is arbitrary: rotate each shape to the phase of the reference.
       const std::complex<double> cross = other.dot(mode.shape);
       if (std::abs(cross) == 0.0) continue;
       shape += other / other.norm() * (cross / std::abs(cross));

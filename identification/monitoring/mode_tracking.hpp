@@ -1,19 +1,19 @@
 // Mode tracking: assignment of the identified modes of each record to tracked modes.
 //
-// For a tracked mode k, the predicted logarithm of its frequency is
+// The predicted logarithm of the frequency of tracked mode k in row t is
 //
-//   m_kt = w_k(u_t) + a_kt,   a_kt a random walk (a local level),   w_k of the covariates, if any,
+//   m_kt = w_k(u_t) + a_kt, a_kt: random walk (local level), w_k: effect of covariates,
 //
 // The mode also has a reference shape and a probability D_k of being identified. An assignment σ
-// maps each tracked mode to one identified mode or to none, without using an identified mode twice:
+// maps each tracked mode to one identified mode or to none; no identified mode is used twice:
 //
 //   p(σ | record) ∝ Π_k [ D_k L_kσ(k)/λ  or  1 - D_k ],
 //   L_kj = p(ln f_j | m_k) p(1 - MAC_kj).
 //
-// The density of spurious modes over ln f is λ. The density p(ln f) is Student's t about m_k with a
-// share of a broad normal density, so that a mode shifted by several per cent by damage remains
-// assigned. The density p(1 - MAC) is exponential, with a share of the uniform density that
-// spurious modes have.
+// The density of spurious modes over ln f is λ. The density p(ln f) is Student's t about m_k mixed
+// with a broad normal density, so that a mode remains assigned after damage has shifted it by
+// several per cent. The density p(1 - MAC) is exponential, mixed with the uniform density of
+// spurious modes.
 //
 // The marginal probabilities of all pairs are exact sums over all assignments. A recursion over
 // tracked modes and over sets of identified modes computes them (joint probabilistic data
@@ -40,7 +40,7 @@ using IdentifiedRecord = std::vector<IdentifiedMode>;
 [[nodiscard]] double modal_assurance(const Eigen::VectorXcd& a, const Eigen::VectorXcd& b);
 
 struct TrackingOptions {
-  double share = 0.5;      ///< least share of the training records that contain a tracked mode
+  double share = 0.5;      ///< a tracked mode is in at least this share of training records
   double broad_sd = 0.08;  ///< standard deviation of ln f in the broad normal density
   double broad_share = 0.05;
   double walk = 0.3;  ///< sd of the random-walk step of a_k, divided by TrackedMode::scatter
@@ -57,19 +57,19 @@ struct TrackedMode {
 
 /// The assignment of one record.
 struct TrackedRecord {
-  /// K: the most probable identified mode if its probability is at least one half, otherwise -1.
+  /// K entries: the most probable identified mode, or -1 if its probability is below one half.
   std::vector<int> mode = {};
-  Eigen::VectorXd probability = {};  ///< K: probability of this mode, or of "missing" for -1
-  /// K x modes: marginal probabilities of all pairs. 1 minus the sum of a row is P("missing"); 1
-  /// minus the sum of a column is P("spurious").
+  Eigen::VectorXd probability = {};  ///< K entries: probability of `mode`, or of "missing" for -1
+  /// K x modes: marginal probabilities of all pairs. P(missing) is 1 minus the sum of a row;
+  /// P(spurious) is 1 minus the sum of a column.
   Eigen::MatrixXd pairs = {};
 };
 
 class ModeTracker {
  public:
   /// Finds the modes to track and estimates their standard deviations, shapes and probabilities
-  /// from `records` in order of time. `covariates`: n x c, or without columns. Throws
-  /// std::invalid_argument if no mode is in the required share of the records.
+  /// from `records` in order of time. `covariates`: n x c; c may be 0. Throws std::invalid_argument
+  /// if no mode is in the required share of the records.
   ModeTracker(const std::vector<IdentifiedRecord>& records, const Eigen::MatrixXd& covariates,
               const TrackingOptions& options = {});
 
@@ -83,8 +83,8 @@ class ModeTracker {
  private:
   void find_modes(const std::vector<IdentifiedRecord>& records);
   void learn(const std::vector<IdentifiedRecord>& records, const Eigen::MatrixXd& covariates);
-  /// w_k(u_t) of all rows, n x K, from a regression on the training records; zero without
-  /// covariates.
+  /// Effects w_k(u_t) of the covariates in all rows, n x K, by regression over the training
+  /// records; zero without covariates.
   [[nodiscard]] Eigen::MatrixXd weather_effect(const Eigen::MatrixXd& covariates) const;
 
   TrackingOptions options_;
@@ -94,7 +94,7 @@ class ModeTracker {
   Eigen::MatrixXd learned_frequencies_;  ///< n x K: ln f, NaN: missing
 };
 
-/// Marginal probabilities of pairs, K x M. `ratio`: L_kj/λ; `detection`: D, K.
+/// Marginal probabilities of pairs, K x M. `ratio`: L_kj/λ; `detection`: K entries D_k.
 [[nodiscard]] Eigen::MatrixXd pair_probabilities(const Eigen::MatrixXd& ratio,
                                                  const Eigen::VectorXd& detection);
 

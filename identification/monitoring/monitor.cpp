@@ -18,9 +18,9 @@ Series rows_from(const Series& series, int from) {
   return out;
 }
 
-/// Residuals of the last third of the learning rows, by a baseline of the first two thirds. Where
-/// the last third is shorter than a block of replay, or the first two cannot be learned from: of
-/// all rows, in shorter blocks.
+/// Replays residuals of the last third of the training rows, from a baseline trained on the first
+/// two thirds. If the last third is shorter than a block, or the first two thirds are unsuitable
+/// for training, it replays residuals of all rows in shorter blocks.
 Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptions& options) {
   ReplayOptions replayed = options.replay;
   if (replayed.rows == 0)
@@ -39,7 +39,7 @@ Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptio
     return replay(all, healthy_innovations(start, learning), options.change, replayed);
   }
   LearningOptions shorter = options.learning;
-  // One draw is enough here, so that shorter chains are.
+  // The replay uses one draw only, so that shorter chains suffice.
   shorter.draws = 1;
   shorter.engine_warmup = std::min(shorter.engine_warmup, 500);
   shorter.engine_draws = std::min(shorter.engine_draws, 100);
@@ -89,7 +89,7 @@ Monitor::Monitor(const Series& learning, const MonitorOptions& options)
       rows_per_year() / options.false_alarms_per_year));
   change_ = ChangePoint(baseline_, options.change);
   learned_ = learning_findings(learning, baseline_);
-  for (BaselineDraw& draw : baseline_.draws) draw.filter = {};  // lives on in change_
+  for (BaselineDraw& draw : baseline_.draws) draw.filter = {};  // change_ has copies
 }
 
 double Monitor::log_threshold_replayed() const {

@@ -13,15 +13,15 @@ inline constexpr double kHoursPerYear = 8766.0;
 
 struct MonitorOptions {
   double false_alarms_per_year = 0.1;
-  /// If set, it replaces the rate per year.
+  /// If set, this number replaces the rate per year.
   std::optional<double> mean_rows_between_false_alarms = {};
   ChangePointOptions change = {};
   LearningOptions learning = {};
   ReplayOptions replay = {};
-  /// Number of rows after an alarm that refine the estimate of the change. Then the change is
-  /// accepted and the detector is reset.
+  /// Number of rows after an alarm that refine the estimate of the change. After these rows,
+  /// Monitor accepts the change and resets the detector.
   int settling_rows = 24;
-  /// Receives the stage and its completed fraction; the return value false stops the training.
+  /// Called with the stage and its completed fraction; returns false to stop the training.
   std::function<bool(const char* stage, double fraction)> progress = nullptr;
 };
 
@@ -29,7 +29,7 @@ struct AlarmRecord {
   double hours = 0.0;
   double probability_at_alarm = 0.0;
   ChangeEstimate change = {};  ///< estimate from the rows up to `settling_rows` after the alarm
-  // Computed from the same rows, for explanations of the change (change_explanation.hpp):
+  // Computed from the same rows, to explain the change (change_explanation.hpp):
   ShiftLikelihood likelihood = {};
   Eigen::MatrixXd covariate_slopes = {};  ///< p x c
 };
@@ -53,16 +53,16 @@ class Monitor {
 
   RowFinding add(const Row& row);
 
-  /// One-step predictions of the training rows by the filter of the first draw, without an alarm
-  /// statistic; empty for a monitor restored from bytes.
+  /// One-step predictions of the training rows by the filter of the first draw; they have no alarm
+  /// statistic. Empty for a monitor restored from bytes.
   [[nodiscard]] const std::vector<RowFinding>& learned() const { return learned_; }
   [[nodiscard]] const Baseline& baseline() const { return baseline_; }
   [[nodiscard]] const ChangePoint& change() const { return change_; }
   [[nodiscard]] const std::vector<AlarmRecord>& alarms() const { return alarms_; }
   [[nodiscard]] double probability_changed() const;
   [[nodiscard]] const Replay& replay() const { return replay_; }
-  /// ln of the threshold for the stated rate under the model. The next functions return ln of the
-  /// threshold from the replay, and ln of the larger threshold, which is used.
+  /// ln of the threshold that the model gives for the stated rate. The next two functions return ln
+  /// of the threshold from the replay, and ln of the larger one, which Monitor uses.
   [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
   [[nodiscard]] double log_threshold_replayed() const;
   [[nodiscard]] double log_threshold() const {
@@ -85,7 +85,7 @@ class Monitor {
   std::vector<RowFinding> learned_;
   double log_stated_ = 0.0;
   int settling_left_ = 0, settling_rows_ = 24;
-  double log_unchanged_ = 0.0;  ///< ln P(no change) before the last accepted one
+  double log_unchanged_ = 0.0;  ///< ln P(no change) up to the last accepted change
 };
 
 template <class Parcel, class Of>

@@ -50,7 +50,7 @@ Scatter robust_scatter(const MatrixXd& residuals) {
       correlation(a, b) = correlation(b, a) =
           aa > 0.0 && bb > 0.0 ? std::clamp(ab / std::sqrt(aa * bb), -0.999, 0.999) : 0.0;
     }
-  // Pairwise correlations need not be positive definite.
+  // A matrix of pairwise correlations may have negative eigenvalues.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(correlation);
   const VectorXd values = eigen.eigenvalues().cwiseMax(1e-3);
   correlation = eigen.eigenvectors() * values.asDiagonal() * eigen.eigenvectors().transpose();

@@ -12,7 +12,7 @@ namespace wheeltap::identification::monitoring {
 struct Series {
   std::vector<double> hours = {};  ///< n, strictly increasing
   Eigen::MatrixXd features = {};   ///< n x p: natural logarithms of positive features
-  /// n x p: standard deviations of the logarithms; empty if the identification gives none.
+  /// n x p: standard deviations of the logarithms; empty if no sds are known.
   Eigen::MatrixXd sds = {};
   Eigen::MatrixXd covariates = {};  ///< n x c
   std::vector<std::string> feature_names = {}, covariate_names = {};
@@ -55,8 +55,8 @@ inline constexpr int kFewestLearningRows = 20;
 /// constant covariate as a warning, because the baseline does not use it.
 [[nodiscard]] std::vector<SeriesFault> find_faults(const Series& series, int learning);
 
-/// Row i, with sds relative to `usual_sds` (p), the medians in the training period; `usual_sds` may
-/// be empty.
+/// Row i. Its noise variances are relative to `usual_sds`: p medians in the training period, or
+/// empty.
 [[nodiscard]] Row row_of(const Series& series, int i, const Eigen::VectorXd& usual_sds);
 
 /// Median sd of each feature over the first `learning` rows; empty if the series states no sds.

@@ -12,7 +12,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Parts of a simulation, each with its own stream.
+/// Parts of a simulation, each with a separate stream of random numbers.
 enum class SimulatedPart : std::uint64_t {
   weather,
   thermometers,
@@ -52,7 +52,7 @@ double student_over_sd(base::Random& random, double degrees) {
   const double z = random.normal();
   if (degrees <= 0.0) return z;
   const double scale = random.gamma(0.5 * degrees) / (0.5 * degrees);
-  // Unit variance where it exists.
+  // Scaled to unit variance if the variance is finite.
   return z / std::sqrt(scale) * (degrees > 2.0 ? std::sqrt((degrees - 2.0) / degrees) : 1.0);
 }
 

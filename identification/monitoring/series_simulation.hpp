@@ -5,9 +5,9 @@
 //   ln y_j = ln f_j + a_j (v - mean) + k_j c(min(0, v - freezing)) + w_j + d_j + e_j + changes_j
 //
 // c(x) = x, or -x²/10 if frost acts gradually. front, d_j (drift) and w (an unmeasured covariate,
-// common to all features) are Ornstein-Uhlenbeck processes; e_j is normal or Student t noise. A
-// share of the entries are outliers, whose noise is several times larger; another share is missing.
-// Each covariate is a thermometer, which measures `air` with its own lag and noise.
+// common to all features) are Ornstein-Uhlenbeck processes; e_j is normal or Student t noise. Some
+// entries are outliers, whose noise is several times larger; others are missing. Each covariate is
+// a thermometer, which measures `air` with its own lag and noise.
 #pragma once
 
 #include <cstdint>
@@ -51,7 +51,7 @@ struct SeriesTruth {
   double lag_hours = 0.0, freezing = 0.0;
   bool gradual_frost = false;
   double drift_hours = 72.0;
-  double drift_correlation = 0.5;  ///< between any two features, in [0, 1)
+  double drift_correlation = 0.5;  ///< correlation of the drifts of any two features, in [0, 1)
   double unmeasured_hours = 48.0;
   double noise_degrees = 0.0;  ///< degrees of freedom of Student's t; 0: normal noise
   double outlier_share = 0.0, outlier_factor = 10.0, missing_share = 0.0;
@@ -59,7 +59,7 @@ struct SeriesTruth {
 };
 
 /// A simulated series with empty names. Weather, drift, noise and the choice of missing entries use
-/// separate streams of random numbers, so that none depends on the settings of the others.
+/// separate streams of random numbers, so that no part depends on the settings of another part.
 [[nodiscard]] Series simulate_series(const SeriesTruth& truth, std::uint64_t seed);
 
 }  // namespace wheeltap::identification::monitoring

@@ -13,7 +13,7 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// One draw of a candidate, in units of the prior sds.
+/// Component of one parameter draw of a candidate, in units of the prior sds.
 ShiftLikelihood::Component component_of(const ShiftPosterior& draw, double log_mass,
                                         const VectorXd& prior_sd) {
   constexpr Index kWidest = kSizes - 1;
@@ -22,8 +22,8 @@ ShiftLikelihood::Component component_of(const ShiftPosterior& draw, double log_m
   const MatrixXd c =
       inverse.asDiagonal() * draw.covariance.middleCols(kWidest * p, p) * inverse.asDiagonal();
   const VectorXd m = draw.mean.col(kWidest).cwiseProduct(inverse);
-  // C <= I, so that C⁻¹ - I is positive semidefinite; rounding may leave a feature without data
-  // slightly below zero.
+  // Because C <= I, C⁻¹ - I is positive semidefinite. Rounding may make the eigenvalue of a feature
+  // without data slightly negative.
   const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(MatrixXd(0.5 * (c + c.transpose())));
   const VectorXd kept = solver.eigenvalues().cwiseMax(1e-14).cwiseMin(1.0);
   const MatrixXd& v = solver.eigenvectors();

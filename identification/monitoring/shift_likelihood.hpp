@@ -1,7 +1,7 @@
 // The likelihood of a shift δ of all features, from the candidate onsets.
 //
-// A candidate holds p(δ | rows) = N(m, C) under the prior N(0, P) of "all features shift". For any
-// other hypothesis about δ, the rows enter through
+// A candidate holds p(δ | rows) = N(m, C) under the prior N(0, P) of "all features shift". The
+// likelihood of any other hypothesis about δ is
 //
 //   L(δ) = p(rows | δ) / p(rows | no change) ∝ Σ_k w_k N(δ; m_k, C_k) / N(δ; 0, P)
 //        = Σ_k exp(log_weight_k - ½ (δ - mean_k)ᵀ precision_k (δ - mean_k)),

@@ -41,7 +41,7 @@ HingeRegression::HingeRegression(const Series& learning) : scaling_(learning.cov
     std::sort(sorted.data(), sorted.data() + n);
     const double zero = -scaling_.mean(c) / scaling_.sd(c);
     for (const double knot : {sorted[n / 2], zero}) {
-      // A hinge needs a twentieth of the rows on either side.
+      // A hinge needs a twentieth of the rows on each side.
       if (knot <= sorted[n / 20] || knot >= sorted[n - 1 - n / 20]) continue;
       hinge_of_.push_back(c);
       knots_.push_back(knot);
@@ -103,7 +103,7 @@ ProcessRegression::ProcessRegression(const Series& learning) : scaling_(learning
 }
 
 ProcessRegression::Feature ProcessRegression::fit(const MatrixXd& points, const VectorXd& values) {
-  // Outliers are clipped: the noise of the process is Gaussian.
+  // Clip outliers, because the model's noise is Gaussian.
   const Scatter scatter = robust_scatter(values);
   const double mean = scatter.median[0], wide = 6.0 * scatter.sd[0];
   const VectorXd y = (values.array() - mean).max(-wide).min(wide);

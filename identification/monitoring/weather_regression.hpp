@@ -26,13 +26,13 @@ class HingeRegression {
   Eigen::MatrixXd coefficients_;  // terms x p
 };
 
-/// A Gaussian process for each feature, as a function of the standardised covariates:
+/// A Gaussian process for each feature, as a function of the c standardised covariates:
 ///
 ///   k(z, z') = exp(-|z - z'|²/(2 c ℓ²)) + 0.1 z'z'/c + ρ δ,
 ///
-/// scaled by σ²; c covariates. ℓ and ρ have the largest marginal likelihood on a grid, with σ² in
-/// closed form (Rasmussen & Williams 2006, equation 5.8). For long training periods, it uses
-/// kMostPoints evenly spaced rows.
+/// scaled by σ². ℓ and ρ maximise the marginal likelihood on a grid; σ² is in closed form
+/// (Rasmussen & Williams 2006, equation 5.8). Longer training periods are thinned to kMostPoints
+/// evenly spaced rows.
 class ProcessRegression {
  public:
   static constexpr int kMostPoints = 300;
@@ -43,8 +43,8 @@ class ProcessRegression {
  private:
   struct Feature {
     Eigen::MatrixXd points = {};   // covariates x n
-    Eigen::MatrixXd inverse = {};  // n x n: of the kernel matrix
-    Eigen::VectorXd weights = {};  // n: inverse times values
+    Eigen::MatrixXd inverse = {};  // n x n: inverse kernel matrix
+    Eigen::VectorXd weights = {};  // n: inverse times values of the feature
     double mean = 0.0, length = 1.0, noise = 0.1, variance = 1.0;
   };
   [[nodiscard]] static Feature fit(const Eigen::MatrixXd& points, const Eigen::VectorXd& values);

@@ -22,11 +22,11 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
 constexpr double kWanted = 0.9;
-/// Bisections of the interval between two nodes; they divide it by 16.
+/// Bisections of an interval between two nodes; the final interval is 1/16 of it.
 constexpr std::size_t kBisections = 4;
-/// A defect with a smaller effect, in standard errors, is not visible.
+/// Smallest effect of a visible defect, in standard errors.
 constexpr double kVisible = 3.0;
-/// Distance of predictions, in standard errors, below which they are equal: images of a symmetry.
+/// Predictions closer than this, in standard errors, count as equal: images of a symmetry.
 constexpr double kImage = 1e-3;
 /// Largest number of pairs that a search for separations compares.
 constexpr std::size_t kComparedPairs = 64;
@@ -39,7 +39,7 @@ std::pair<double, double> wilson(double hits, double n) {
   return {centre - half, centre + half};
 }
 
-/// Makes the values ascend: the least-squares fit (pool adjacent violators).
+/// Least-squares fit of ascending values (pool adjacent violators).
 std::vector<double> isotonic(const std::vector<double>& values) {
   std::vector<std::pair<double, int>> pools;
   for (const double v : values) {
@@ -57,7 +57,7 @@ std::vector<double> isotonic(const std::vector<double>& values) {
   return out;
 }
 
-/// Where the ascending curve through these points reaches kWanted.
+/// Position at which the ascending curve through these points reaches kWanted.
 std::optional<double> crossing(const std::vector<double>& at, const std::vector<double>& values) {
   for (std::size_t i = 0; i < values.size(); ++i) {
     if (values[i] < kWanted) continue;
@@ -68,7 +68,7 @@ std::optional<double> crossing(const std::vector<double>& at, const std::vector<
   return {};
 }
 
-/// The smallest distance from `target` to the piecewise linear curve through the columns.
+/// Smallest distance from `target` to the piecewise linear curve through the columns of `nodes`.
 double distance_to_curve(const VectorXd& target, const MatrixXd& nodes) {
   double best = (target - nodes.col(0)).squaredNorm();
   for (Index i = 0; i + 1 < nodes.cols(); ++i) {
@@ -146,7 +146,7 @@ std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
       const double n = options.tests, p = (hits + 0.5) / (n + 1.0);
       return TestEstimate{hits / n, std::sqrt(p * (1.0 - p) / n)};
     };
-    // Inserts the results at a severity: node i, or a point between nodes i and i + 1.
+    // Simulates tests at node i, or between nodes i and i + 1, and inserts the results.
     const auto simulate = [&](std::size_t i, double share, std::size_t position) {
       const auto mix = [&](const MatrixXd& columns) -> VectorXd {
         const auto at = static_cast<Index>(i);
@@ -224,7 +224,7 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
     return places[index(a)].kind == places[index(b)].kind &&
            places[index(a)].stretch == places[index(b)].stretch;
   };
-  // The interval of a place's own confusion, on its member.
+  // Per place: the connected places of the same member that are confused with it.
   std::map<std::pair<int, int>, std::vector<double>> widths;
   std::vector<std::pair<int, int>> own(index(n));
   for (int a = 0; a < n; ++a) {
@@ -250,7 +250,7 @@ Confusion find_confusion(const PlannedStructure& structure, const NormalTest& te
   struct Found {
     std::set<int> first, second;
     int pairs = 0;
-    /// The smallest distance of each place from a place of the other region.
+    /// Smallest distance of a place to the places of the other region, per place.
     std::map<int, double> nearest_to_first, nearest_to_second;
     [[nodiscard]] bool exact() const {
       const auto image = [](const auto& place) { return place.second < kImage; };

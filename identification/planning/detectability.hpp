@@ -19,7 +19,7 @@ struct PlaceDetection {
   /// Severity at which P(detected) reaches 0.9, by isotonic regression and linear interpolation;
   /// empty if P(detected) is below 0.9 at the largest severity of the prior.
   std::optional<double> smallest;
-  /// The same severity for the upper and the lower bounds of the 95 % intervals (Wilson) of
+  /// `smallest` computed from the upper and from the lower bounds of the 95 % intervals (Wilson) of
   /// P(detected).
   std::optional<double> smallest_low, smallest_high;
 };
@@ -33,8 +33,8 @@ struct DetectabilityOptions {
 };
 
 /// Simulates tests at every place and quantile of the severity. Four bisections add severities
-/// where P(detected) reaches 0.9. If all tests at two successive severities are detected, the
-/// function counts all tests at larger severities as detected.
+/// where P(detected) reaches 0.9. If every test at two successive severities detects the defect,
+/// the function assumes detection at all larger severities.
 [[nodiscard]] std::vector<PlaceDetection> detect_everywhere(const ScenarioSource& source,
                                                             const PlacePredictions& predictions,
                                                             const PreparedDesign& design,
@@ -65,11 +65,11 @@ struct Confusion {
   std::vector<int> undetectable;           ///< places at which the largest damage is not detectable
 };
 
-/// Two places are confused if the data of the largest defect of the prior at one place are closer
-/// than `kDistance` standard errors to the data of some defect at the other place. With equal
-/// priors, a test then assigns at least Φ(-1) = 16 % of these defects to the other place. Confused
-/// places determine the resolution if they are within `tolerance`, or connected by confused places
-/// of one member. Other confused places form regions.
+/// Two places are confused if the prior's largest defect at one place has data within `kDistance`
+/// standard errors of the data of some defect at the other place. With equal priors, a test then
+/// assigns at least Φ(-1) = 16 % of these defects to the other place. Confused places determine the
+/// resolution if they are within `tolerance`, or connected by confused places of one member. Other
+/// confused places form regions.
 [[nodiscard]] Confusion find_confusion(const PlannedStructure& structure, const NormalTest& test,
                                        double tolerance);
 inline constexpr double kDistance = 2.0;
@@ -80,11 +80,11 @@ struct Separation {
   int mass = -1;              ///< index of the added mass; -1: additional sensors
   int separated = 0, of = 0;  ///< number of distinguished pairs, and of all confused pairs
 };
-/// The cheapest additional sensors, and the best single added mass. Among the changes that
-/// distinguish the most pairs (within 5 %), the cheapest is chosen, then the one with the largest
-/// distances. A design with n < 2 sensors, which measure no shape, gets 2 - n additional sensors,
-/// other designs one. `costs`: per candidate; empty: equal costs. A result is empty if no change
-/// distinguishes a pair.
+/// The cheapest additional sensors, and the best single added mass. The choice is among the changes
+/// that distinguish the most pairs (within 5 %): the cheapest change, or the largest distances at
+/// equal cost. A design with n < 2 sensors, which measure no shape, gets 2 - n additional sensors;
+/// other designs get one. `costs`: per candidate; empty: equal costs. A result is empty if no
+/// change distinguishes a pair.
 struct Separations {
   std::optional<Separation> by_sensors, by_mass;
 };

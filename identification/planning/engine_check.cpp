@@ -14,10 +14,10 @@ namespace {
 
 using Eigen::Index;
 
-/// Numbers of the checked tests, beyond those of scores and searches.
+/// First number of the checked tests; scores and searches use smaller numbers.
 constexpr std::uint64_t kFirst = std::uint64_t{1} << 40;
 
-/// A stretch of a line and the place on it [m].
+/// A location: part of a line of sites, and position on this part [m].
 struct Spot {
   int stretch = 0;
   double at = 0.0;
@@ -83,7 +83,7 @@ TestEstimate difference_of(const std::vector<int>& differences) {
   return {mean, std::sqrt(std::max(0.0, (squares + 1.0) / n - mean * mean) / n)};
 }
 
-/// The mean difference over the models with damage, weighted by their prior probabilities.
+/// Mean difference over the models with damage, weighted by their prior probabilities.
 TestEstimate weighted_difference(const std::vector<NormalModel>& models,
                                  const std::vector<std::vector<int>>& differences) {
   double weights = 0.0, mean = 0.0, variance = 0.0;
@@ -118,7 +118,7 @@ DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
   }
   out.data = {};
   if (!data.with_shapes()) {
-    // The i-th frequency is the i-th elastic mode.
+    // The i-th frequency is that of the i-th elastic mode.
     out.data.frequencies_hz.assign(index(structure.chosen().back() + 1), kNaN);
     out.data.sd_hz.assign(out.data.frequencies_hz.size(), kNaN);
     for (Index i = 0; i < n; ++i) {
@@ -135,8 +135,7 @@ DamageCase simulated_case(const PlanCase& plan, const ScenarioSource& source,
   modal.shapes.resize(n, m);
   for (const int s : design.sensors) modal.sensors.push_back(structure.candidates()[index(s)]);
   for (Index i = 0; i < n; ++i) {
-    const Eigen::VectorXd shape =
-        data.measured_shape(scenario.modes, numbers, static_cast<int>(i));
+    const Eigen::VectorXd shape = data.measured_shape(scenario.modes, numbers, static_cast<int>(i));
     // The likelihood expects the covariance for a largest measured entry of 1.
     const double largest = std::max(shape.cwiseAbs().maxCoeff(), 1e-300);
     const double shape_sd = plan.noise.shape_sd_now() / largest;
@@ -189,7 +188,7 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
   const PreparedDesign prepared =
       prepare(source.structure(), model.predictions(), plan.noise, design.design);
   PlannedStructure::Solver solver(source.structure());
-  // Healthy tests are checked too.
+  // Tests of the healthy structure are included.
   EngineCheck out;
   std::vector<std::vector<int>> detection(source.models().size()), right(source.models().size());
   double squares = 0.0, weights = 0.0;
@@ -203,7 +202,7 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
                      .approximate = simulate_tests(source, prepared, scenario, plan.tolerance)[0],
                      .engine = identify(plan, source, design.design, number, own)};
     const double p = 1.0 / (1.0 + std::exp(-test.approximate.log_odds));
-    // Each model has as many tests as any other.
+    // All models have the same number of tests: weight them by their priors.
     const auto truth = index(scenario[0].truth.model);
     const double weight = source.models()[truth].prior;
     const double difference = p - test.engine.probability_damaged;

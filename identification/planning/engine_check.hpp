@@ -34,10 +34,10 @@ struct CheckedTest {
   EngineOutcome engine;
 };
 
-/// Differences between engine and approximation for the same tests (engine minus approximation):
-/// P(detected) and P(right place), both given at least one defect, and the root mean square
-/// difference of P(at least one defect | y) over all tests. The standard errors count one
-/// additional test with different results, because a few tests may all agree by chance.
+/// Differences for the same tests, engine minus approximation: of P(detected) and P(right place),
+/// both given at least one defect. Also the root mean square difference of P(at least one defect |
+/// y) over all tests. Standard errors count one additional test with different results, because a
+/// few tests may all agree by chance.
 struct EngineCheck {
   std::vector<CheckedTest> tests;
   int damaged = 0;  ///< tests with at least one defect

@@ -14,7 +14,7 @@
 namespace wheeltap::identification::planning {
 namespace {
 
-/// Quadrature reaches to points whose exponent is lower by 4.5²/2 than the largest one.
+/// The quadrature ends where the exponent is 4.5²/2 below its largest value.
 constexpr double kReach = 4.5;
 /// A normal density is inside an interval if both ends are this many standard deviations away.
 constexpr double kInside = 5.0;
@@ -30,7 +30,7 @@ alignas(32) constexpr std::array<double, kQuadrature> kWeights = {
     0.2334925365383548, 0.2491470458134028, 0.2491470458134028, 0.2334925365383548,
     0.2031674267230659, 0.1600783285433462, 0.1069393259953183, 0.0471753363865118};
 
-/// exp(x²) erfc(x), x >= 0, by a polynomial in (x - 3) / (x + 3), relative error below 1e-10
+/// exp(x²) erfc(x) for x >= 0, by a polynomial in (x - 3) / (x + 3); relative error below 1e-10
 /// (Shepherd & Laframboise 1981, Math. Comp. 36:249).
 template <class V>
 [[gnu::always_inline]] inline V scaled_erfc(V x) {
@@ -53,11 +53,11 @@ template <class V>
   return x < high ? x : high;
 }
 
-/// Slices of constant x: ∫ exp(q(x, y) - q_best) dy = √(π/2h) exp(e) (erf(α) + erf(β)), with h =
-/// hyy, μ the best y, α = √(h/2) (y1 - μ), β = √(h/2) (μ - y0) and e = q(x, μ) - q_best. Products
-/// of exp and erfc replace the differences of two values near 1.
+/// The integral over y at constant x: ∫ exp(q(x, y) - q_best) dy = √(π/2h) exp(e) (erf(α) +
+/// erf(β)), with h = hyy, μ the best y, α = √(h/2) (y1 - μ), β = √(h/2) (μ - y0) and e = q(x, μ) -
+/// q_best. Products of exp and erfc replace the differences of two values near 1.
 struct Slices {
-  double middle, half;   // centre and half width in x
+  double middle, half;   // centre and half width of the interval of x
   double bx, hxx;        // coefficients in q(x, μ)
   double shift, slope;   // μ = shift - slope x
   double scale, y0, y1;  // √(h/2)
@@ -130,9 +130,9 @@ double best_on_line(double b, double h, double low, double high) {
 }
 
 /// The interval of x around the best point outside which the integral is negligible: there the
-/// largest exponent over y, a concave function of x, is lower by more than kReach²/2. Newton's
-/// method approaches each end from outside, where the drop by the marginal curvature is exact or
-/// too small.
+/// largest exponent over y, a concave function of x, is more than kReach²/2 below the maximum.
+/// Newton's method approaches each end from outside; it starts where the marginal curvature gives
+/// the exact drop or too small a drop.
 std::array<double, 2> relevant(const Quadratic& q, const Rectangle& r,
                                const std::array<double, 2>& best) {
   constexpr double kDrop = 0.5 * kReach * kReach;
@@ -154,7 +154,7 @@ std::array<double, 2> relevant(const Quadratic& q, const Rectangle& r,
   return {end(-1.0, r.x0), end(1.0, r.x1)};
 }
 
-/// ln ∫ dx in closed form if the density along y is inside for every relevant x; NaN otherwise.
+/// ln ∫ dx in closed form if the density along y is inside [y0, y1] at all relevant x, else NaN.
 double closed_form(const Quadratic& q, const Rectangle& r, const std::array<double, 2>& x) {
   if (!(q.hyy > 0.0)) return kNaN;
   const double sd = 1.0 / std::sqrt(q.hyy), margin = kInside * sd;
@@ -172,7 +172,7 @@ double closed_form(const Quadratic& q, const Rectangle& r, const std::array<doub
 double log_normal_integral(double b, double h, double low, double high) {
   const double width = high - low;
   if (width <= 0.0) return b * low - 0.5 * h * low * low;
-  // The exponent at both ends, and its slope there.
+  // Slopes of the exponent at both ends.
   const double slope = b - h * low, end_slope = b - h * high;
   if (h * width * width < 1e-9) {
     const double rise = 0.5 * (slope + end_slope) * width;

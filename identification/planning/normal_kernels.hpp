@@ -9,7 +9,7 @@ namespace wheeltap::identification::planning {
 /// ln ∫ exp(b x - h x²/2) dx from `low` to `high`, h >= 0.
 [[nodiscard]] double log_normal_integral(double b, double h, double low, double high);
 
-/// The exponent constant + bx x + by y - (hxx x² + 2 hxy x y + hyy y²) / 2, a concave function.
+/// The concave exponent q = constant + bx x + by y - (hxx x² + 2 hxy x y + hyy y²) / 2.
 struct Quadratic {
   double constant, bx, by, hxx, hxy, hyy;
 };
@@ -21,10 +21,10 @@ struct Rectangle {
 /// The point of the rectangle with the largest value.
 [[nodiscard]] std::array<double, 2> best_point(const Quadratic& q, const Rectangle& r);
 
-/// ln ∫∫ exp(q) over the rectangle; `best` is its best point. In closed form if the normal density
-/// of one variable is inside the rectangle for every relevant value of the other variable.
-/// Otherwise in closed form along y, and by 12 nodes of Gauss and Legendre along x, with a relative
-/// error below 1e-4.
+/// ln ∫∫ exp(q) over the rectangle; `best` is its best point. The integral has a closed form if the
+/// normal density of one variable is inside the rectangle at all relevant values of the other one.
+/// Otherwise the integral along y has a closed form, and 12-node Gauss-Legendre quadrature along x
+/// has a relative error below 1e-4.
 [[nodiscard]] double log_integral(const Quadratic& q, const Rectangle& r,
                                   const std::array<double, 2>& best);
 
@@ -43,14 +43,14 @@ struct PairRow {
 };
 
 /// weight = ln of the approximate weight of each pair without the interaction: the largest exponent
-/// of amplitudes c_a, c_b >= 0 along both directions, plus log_weight. With κ = |I| c_a c_b /
-/// (|Δ_a| |Δ_b|) the size of the interaction and r the norm of the residual, the interaction may
+/// over the amplitudes c_a, c_b >= 0 along both directions, plus log_weight. κ = |I| c_a c_b /
+/// (|Δ_a| |Δ_b|) is the size of the interaction and r the norm of the residual. The interaction may
 /// increase the exponent by
 ///
 ///   extra = min(r²/2, κ²/2 + 4 κ),
-///
-/// exceeded with probability 3e-5 if the interaction describes the residual. `square` = |y|².
-/// Returns the largest weight.
+/// and more with probability 3e-5 if the interaction
+/// describes the residual. `square` = |y|². Returns the
+/// largest weight.
 [[nodiscard]] float screen_pairs(const PairRow& row, float square, float* weight, float* extra);
 
 }  // namespace wheeltap::identification::planning

@@ -18,7 +18,7 @@ namespace {
 
 using Eigen::Index;
 
-/// Terms this far below the largest in ln p are neglected: e^-32 of places, e^-18 of pairs.
+/// ln p of neglected terms is this far below the largest term: 32 for places, 18 for pairs.
 constexpr double kNegligible = 32.0;
 constexpr float kNegligiblePair = 18.0F;
 
@@ -30,17 +30,17 @@ double log_sum(const std::vector<double>& terms) {
   return most + std::log(sum);
 }
 
-/// Pairs whose interaction may change the exponent by less than this are weighted without it.
+/// If the interaction of a pair changes the exponent by less, the pair's weight omits it.
 constexpr float kSmallInteraction = 0.3F;
 
 }  // namespace
 
-/// The pairs of a model with two defects, with constants of their approximate weights. A row holds
-/// the pairs of one place a; its entries are padded to a multiple of kPairLanes.
+/// The pairs of a model with two defects, and the constants of their approximate weights. A row has
+/// the pairs of one place a, padded to a multiple of kPairLanes entries.
 struct NormalTest::PairList {
   struct Row {
     int a = 0;
-    std::size_t first = 0;   // in the lists of pairs
+    std::size_t first = 0;   // first entry in the lists of pairs
     std::size_t count = 0;   // without the padding
     std::size_t second = 0;  // first place b in `places`
   };
@@ -48,14 +48,14 @@ struct NormalTest::PairList {
   std::vector<Row> rows;
   std::vector<int> places;                  // places b
   std::vector<float> correlation, inverse;  // ρ of their directions, 1 / (1 - ρ²)
-  std::vector<float> log_weight;            // prior, and share of the prior that fits
+  std::vector<float> log_weight;            // ln(prior · share of the prior that fits the data)
   std::vector<float> interaction;           // |I| / (|Δ_a| |Δ_b|)
   double log_prior = 0.0;                   // ln Σ P(a) P(b) over the pairs
 };
 
-/// A defect at position p along the nodes of a place: its effect A = A_i + t (A_{i+1} - A_i), the
-/// slope A' of the effect, their products with the data and with each other, and the component u of
-/// A along the typical node, with slope u'.
+/// A defect at position p along the nodes of a place. Its effect is A = A_i + t (A_{i+1} - A_i)
+/// with slope A'. Members are products of A and A' with the data and with each other, and the
+/// component u of A along the typical node, with slope u'.
 struct NormalTest::Position {
   Index node = 0, next = 0;
   std::size_t segment = 0;
@@ -137,7 +137,7 @@ std::shared_ptr<const NormalTest::PairList> NormalTest::list_pairs(
   for (std::size_t b = 0; b < places_.size(); ++b)
     if (places_[b].kind == kinds[1]) list->places.push_back(static_cast<int>(b));
   double sum = 0.0;
-  std::size_t before = 0;  // places of kind 1 that come before place a, or are place a
+  std::size_t before = 0;  // number of places of kind 1 up to and including place a
   for (std::size_t a = 0; a < places_.size(); ++a) {
     if (places_[a].kind != kinds[0]) continue;
     if (kinds[0] == kinds[1]) ++before;
@@ -251,7 +251,7 @@ double NormalTest::pair_evidence(const double* products, int a, int b, double mi
       column < 0 ? nullptr : interaction_nodes_.data() + interaction_first_[index(column)];
   const double* const with_b = column < 0 ? nullptr : with_a + along_[index(a)].size();
   const double square = column < 0 ? 0.0 : interaction_square_[index(column)];
-  // Begin at the amplitudes along the typical directions, with the interaction.
+  // Start from the best amplitudes along the typical directions, interaction included.
   const double na = typical_norm_[index(a)], nb = typical_norm_[index(b)];
   double ca = 0.0, cb = 0.0;
   if (na > 0.0 && nb > 0.0) {
@@ -314,7 +314,7 @@ double NormalTest::pair_evidence(const double* products, int a, int b, double mi
          .hyy = std::max(0.0, bt.slope_square + beta * (2.0 * ib_slope + beta * square))};
     r = {-pa, sa - pa, -pb, sb - pb};
     best = best_point(q, r);
-    // At most one segment a step: slopes change between segments.
+    // Move at most one segment per step, because slopes change between segments.
     const double to_a = std::clamp(pa + std::clamp(best[0], -1.0, 1.0), 0.0, sa);
     const double to_b = std::clamp(pb + std::clamp(best[1], -1.0, 1.0), 0.0, sb);
     const double moved = std::max(std::abs(to_a - pa), std::abs(to_b - pb));
@@ -325,7 +325,7 @@ double NormalTest::pair_evidence(const double* products, int a, int b, double mi
   return log_integral(q, r, best) - std::log(std::max(sa, 1.0) * std::max(sb, 1.0));
 }
 
-/// The largest exponent of the amplitudes of one defect or, with the interaction, of two.
+/// The largest exponent over the amplitudes of one defect, or of two defects that interact.
 double NormalTest::interacting_exponent(int a, int b, Index column, double ga, double gb,
                                         double rho, double mixed) const {
   const double na = typical_norm_[index(a)], nb = typical_norm_[index(b)];
@@ -376,10 +376,10 @@ void NormalTest::add_pairs(const Measured& measured, const PairList& list,
                                   .interaction = list.interaction.data() + row.first,
                                   .size = (row.count + kPairLanes - 1) / kPairLanes * kPairLanes},
                                  square, weight.data() + row.first, extra.data() + row.first));
-  // The pairs with a relevant weight; where the interaction matters, the weight includes it.
+  // Pairs with a relevant weight. The weight includes the interaction if this changes the weight.
   struct Candidate {
     int a = 0, b = 0;
-    double weight = 0.0;  // first its logarithm
+    double weight = 0.0;  // at first ln of the weight
     double mixed = kNaN;  // y · I, if known
   };
   thread_local std::vector<Candidate> alive;
@@ -417,7 +417,7 @@ void NormalTest::add_pairs(const Measured& measured, const PairList& list,
     for (const Candidate& c : alive) add(c, 0.0);
     return;
   }
-  // Pairs above the threshold count fully; the others stand for several.
+  // Keep all pairs above the threshold; each sampled pair below it represents several pairs.
   double threshold = sum / static_cast<double>(most_pairs_);
   for (int pass = 0; pass < 4; ++pass) {
     std::size_t full = 0;

@@ -13,7 +13,7 @@ namespace wheeltap::identification::planning {
 struct NormalPlace {
   int kind = 0;
   double prior = 1.0;  ///< P(place | one defect of the kind)
-  /// Data × (S + 1): mean data minus mean data of the intact structure, in standard deviations, at
+  /// Data × (S + 1): change of the mean data from the intact structure, in standard deviations, at
   /// the quantiles 0, 1/S, …, 1 of the severity's prior. One column if the severity is known.
   Eigen::MatrixXd nodes;
 };
@@ -30,8 +30,8 @@ struct NormalInteraction {
   return nodes > 2 ? nodes / 2 : nodes - 1;
 }
 
-/// Numbers of defects per kind, at most two defects in total, and the prior probability of these
-/// numbers.
+/// Number of defects of each kind (at most two in total), and the prior probability of this
+/// combination.
 struct NormalModel {
   std::vector<int> counts;
   double prior = 0.0;
@@ -42,20 +42,20 @@ struct NormalModel {
 ///   Δ_a(s) + Δ_b(t) + u_a(s) u_b(t) I_ab
 ///
 /// (two defects at places a ≠ b), and unit covariance. u_a(s) is the component of Δ_a(s) along its
-/// typical node, 1 at that node; I_ab is the interaction. With p ~ U(0, 1) the prior cumulative
-/// probability of the severity s, and Δ_a linear between its nodes,
+/// typical node, 1 at that node; I_ab is the interaction. p ~ U(0, 1) is the prior cumulative
+/// probability of severity s; Δ_a is linear between nodes. Then
 ///
 ///   p(y | a) = Σ over segments ∫ N(y; Δ_a(p), I) dp,
 ///
-/// each a normal integral in closed form, exact for piecewise linear Δ_a. For two defects, the
-/// integral over p and q uses the slopes at the best (p, q), by quadrature along p and in closed
-/// form along q. Two defects at one place are not considered. The sum over pairs (a, b) uses
-/// `pairs` pairs: those with the largest approximate weights, and a systematic sample of the others
-/// (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
+/// where each integral is normal, in closed form, and exact for piecewise linear Δ_a. For two
+/// defects, the integral over p and q uses the slopes at the best (p, q); it is a quadrature along
+/// p and in closed form along q. Two defects at one place are not considered. The sum over pairs
+/// (a, b) uses `pairs` pairs: those with the largest approximate weights, and a systematic sample
+/// of the others (Fearnhead & Clifford 2003, J. R. Stat. Soc. B 65:887).
 class NormalTest {
  public:
-  /// Throws std::invalid_argument for a model with more than two defects, models that do not
-  /// include the intact structure, places with different numbers of data, or a kind without a
+  /// Throws std::invalid_argument if a model has more than two defects, no model is
+  /// the intact structure, places have different numbers of data, or a kind has no
   /// place.
   NormalTest(std::vector<NormalPlace> places, std::vector<NormalModel> models, int pairs = 96,
              const std::vector<NormalInteraction>& interactions = {});
@@ -114,19 +114,19 @@ class NormalTest {
   std::vector<NormalModel> models_;
   int intact_ = -1;
   std::size_t most_pairs_;
-  Eigen::MatrixXd nodes_;                   // data × all nodes
-  Eigen::MatrixXd gram_;                    // products of all nodes
-  std::vector<Eigen::Index> first_;         // first node of each place, and the end
-  std::vector<double> squares_;             // |node|²
-  std::vector<double> next_products_;       // node · next node of the place
-  std::vector<Eigen::Index> typical_;       // a node of each place that represents its direction
-  std::vector<double> typical_norm_;        // its norm, 0 for a place without effect
-  std::vector<std::vector<double>> along_;  // nodes of each place along that direction
+  Eigen::MatrixXd nodes_;                               // nodes of all places, data × nodes
+  Eigen::MatrixXd gram_;                                // scalar products of all pairs of nodes
+  std::vector<Eigen::Index> first_;                     // first node of each place, and the end
+  std::vector<double> squares_;                         // |node|²
+  std::vector<double> next_products_;                   // node · next node of the place
+  std::vector<Eigen::Index> typical_;                   // typical node of each place
+  std::vector<double> typical_norm_;                    // norm of the typical node; 0: no effect
+  std::vector<std::vector<double>> along_;              // nodes projected on the typical node
   std::vector<std::shared_ptr<const PairList>> pairs_;  // per model, or null
   Eigen::MatrixXd interactions_;                        // data × pairs with an interaction
   Eigen::MatrixXi column_of_;                           // per pair of places; -1: no interaction
   std::vector<double> interaction_square_;              // per column: |I|²
-  std::vector<std::size_t> interaction_first_;          // per column: its part of the next list
+  std::vector<std::size_t> interaction_first_;          // per column: its start in the next list
   std::vector<double> interaction_nodes_;  // I · nodes of place a, then I · nodes of place b
 };
 

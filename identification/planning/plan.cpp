@@ -13,15 +13,15 @@
 namespace wheeltap::identification::planning {
 namespace {
 
-/// Segments of the severity's prior in predictions.
+/// Number of segments of the severity's prior for predictions.
 constexpr int kSegments = 8, kCoarseSegments = 4;
-/// Places in the search for sensors.
+/// Largest number of places in the search for sensors.
 constexpr int kCoarsePlaces = 60;
 constexpr int kRandomLayouts = 5;
-const std::string kEffectiveIndependence = "effective independence", kKineticEnergy = "kinetic energy",
-                  kRandom = "random ";
+const std::string kEffectiveIndependence = "effective independence",
+                  kKineticEnergy = "kinetic energy", kRandom = "random ";
 
-/// Throws for counts that a plan cannot treat.
+/// Returns the case; throws if a plan does not support its counts.
 const DamageCase& checked(const DamageCase& damage_case) {
   int most = 0;
   bool intact = true;
@@ -68,7 +68,7 @@ class Variations {
             .threads = options_.threads};
   }
 
-  /// The same record and modes.
+  /// Scores designs with the modes of the plan and a record of this length.
   [[nodiscard]] std::vector<ScoredDesign> score(std::vector<ScoredDesign> designs,
                                                 double seconds) const {
     TestNoise noise = plan_.noise;
@@ -85,7 +85,7 @@ class Variations {
     return designs;
   }
 
-  /// With another number of modes; none if the band has no more.
+  /// Scores a design with another number of modes; empty if the band has too few modes.
   [[nodiscard]] std::optional<ScoredDesign> with_modes(const TestDesign& design, int modes) const {
     PlanCase changed = plan_;
     changed.structure.modes = modes;
@@ -114,7 +114,7 @@ std::string sensors_name(std::size_t n) {
   return n < 2 ? "frequencies alone" : std::to_string(n) + " sensors";
 }
 
-/// The interaction of two defects at places a < b in the data of a design; none if it was not
+/// The interaction of two defects at places a < b in the data of a design; empty if it was not
 /// predicted.
 std::optional<Eigen::VectorXd> interaction_of(const PlacePredictions& predictions,
                                               const PreparedDesign& design, int a, int b) {
@@ -129,8 +129,8 @@ std::optional<Eigen::VectorXd> interaction_of(const PlacePredictions& prediction
   return out;
 }
 
-/// How far two defects are from the sum of their effects and their interaction, in standard errors
-/// per datum: median and 90 % quantile over simulated pairs.
+/// Difference between the data of two defects and the sum of their effects and interaction, in
+/// standard errors per datum: median and 90 % quantile over simulated pairs.
 std::pair<double, double> interaction_error(const PlanModel& model, const PreparedDesign& design) {
   PlannedStructure::Solver solver(model.structure());
   std::vector<double> found;
@@ -188,7 +188,7 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
   for (const RankedDesign& step : out.search.path)
     path.push_back({.name = sensors_name(step.design.sensors.size()), .design = step.design});
   if (plan.choose >= 2) {
-    // The exchanged design takes the place of the greedy one with as many sensors.
+    // The design after exchanges replaces the greedy design with the same number of sensors.
     path.back() = {.name = sensors_name(best.sensors.size()), .design = best};
     out.by_sensors = variations.score(path, plan.noise.seconds);
   }
@@ -218,8 +218,8 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
   const int modes = model.structure().modes();
   for (const int n : {modes - 2, modes - 1, modes, modes + 1, modes + 2})
     if (n == modes)
-      out.by_modes.push_back(variations.score({{.name = modes_name(n), .design = best}},
-                                              plan.noise.seconds)[0]);
+      out.by_modes.push_back(
+          variations.score({{.name = modes_name(n), .design = best}}, plan.noise.seconds)[0]);
     else if (n >= 1)
       if (auto scored = variations.with_modes(best, n)) out.by_modes.push_back(std::move(*scored));
   std::vector<ScoredDesign> masses;
@@ -237,8 +237,8 @@ void vary(const PlanCase& plan, const PlanModel& model, const PlanOptions& optio
                              .scores = d.scores});
 }
 
-/// Scores the designs: random layouts, which only show what the choice of sensors is worth, with the
-/// scenarios of a variation, the others with all.
+/// Scores the designs: random layouts, which only show what the choice of sensors is worth, with
+/// the scenarios of a variation, the others with all.
 void score_all(const PlanCase& plan, const PlanModel& model, const PlanOptions& options,
                std::vector<ScoredDesign>& all) {
   for (const bool random : {false, true}) {

@@ -48,24 +48,24 @@ struct ScoredDesign {
 };
 
 struct PlanFindings {
-  std::vector<double> frequencies_hz;  ///< measured modes of the intact structure
+  std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;
-  std::vector<int> without_shapes;    ///< modes (from 0) so close that only frequencies are used
-  double probability_damaged = 0.0;   ///< prior probability of damage
-  /// Designs of the search, by the probability of the right count and place, best first. A classical
-  /// layout that is better than all of these comes first.
+  std::vector<int> without_shapes;   ///< modes (from 0) so close that only frequencies are used
+  double probability_damaged = 0.0;  ///< prior probability of damage
+  /// Designs of the search, by the probability of the right count and place, best first. A
+  /// classical layout that is better than all of these comes first.
   std::vector<ScoredDesign> designs;
-  std::vector<ScoredDesign> others;   ///< designs by other criteria, and layouts of the user
+  std::vector<ScoredDesign> others;  ///< designs by other criteria, and layouts of the user
   ScoredDesign frequencies_alone;
   SensorChoice search;
   int scenarios = 0, variation_scenarios = 0;
-  std::vector<ScoredDesign> by_sensors;                    ///< first n sensors of the greedy path
+  std::vector<ScoredDesign> by_sensors;                    ///< first n sensors of the greedy search
   std::vector<ScoredDesign> by_length, by_modes, by_mass;  ///< variations of the best design
   /// Detection at each place, for the best design
   std::vector<PlaceDetection> places;
-  /// Confused places and their separation for the best design and, with the suffix `alone`, for
-  /// frequencies without shapes
+  /// Confused places and their separation: for the best design and, with suffix `alone`, for a test
+  /// that measures frequencies only
   Confusion confusion, confusion_alone;
   Separations separations, separations_alone;
   /// Root mean square difference between the data of two simulated defects and the model of
@@ -84,7 +84,7 @@ inline constexpr int kFewestVariationTests = 1000;
 
 struct PlanCheck {
   double largest_cov = 0.0;  ///< largest relative standard deviation of a measured frequency
-  int models = 0;            ///< number of counts with prior probability
+  int models = 0;            ///< number of counts with a positive prior probability
 };
 /// Checks a case without simulating tests. Throws InvalidInput as PlanModel does.
 [[nodiscard]] PlanCheck check_plan(const PlanCase& plan);
@@ -109,7 +109,7 @@ class PlanModel {
 [[nodiscard]] SensorChoice search_sensors(const PlanCase& plan, const PlanOptions& options);
 
 /// Throws InvalidInput for a case that cannot be planned: with more than two simultaneous defects,
-/// without the intact structure among the counts, or without damage.
+/// without the intact structure, or with the intact structure only.
 [[nodiscard]] PlanFindings make_plan(const PlanCase& plan, const PlanModel& model,
                                      const PlanOptions& options);
 

@@ -18,9 +18,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Computed modes beyond the measured ones, which may match them.
+/// Additional computed modes, with which measured modes may also be matched.
 constexpr int kFurther = 3;
-/// Close modes rotated by more than this [rad] have no shape of their own.
+/// The shapes of close modes that may rotate by more than this [rad] are not used.
 constexpr double kLargestTurn = 0.3;
 
 double log_frequency(double eigenvalue) {
@@ -33,8 +33,8 @@ double probability_below(const inference::Prior& prior, double bound) {
   return 0.5 * std::erfc(-z / std::numbers::sqrt2);
 }
 
-/// The rotation of a mode with this eigenvalue towards another by model errors; see
-/// ModalLikelihood.
+/// Standard deviation of a mode's rotation towards another mode due to model errors, from the
+/// eigenvalues of both modes; see ModalLikelihood.
 double turn_between(double one, double other) {
   const double mean = 0.5 * (one + other);
   const double gap = std::max(std::abs(one - other) / mean, 1e-2 * ModalLikelihood::kMixing);
@@ -100,7 +100,7 @@ void PlannedStructure::choose_modes() try {
             available = elastic_modes(damage_case_, structure);
   std::vector<fem::SparseRow> motions;
   for (const Sensor& sensor : options_.candidates) motions.push_back(sensor.motion);
-  // A model with sensors computes modes; one without, frequencies.
+  // The model computes shapes only if it has a sensor: use any degree of freedom.
   fem::SparseRow any{.dofs = {0}, .coefficients = {1.0}};
   if (motions.empty()) motions.push_back(std::move(any));
   int wanted = std::min(available, options_.modes + kFurther);
@@ -176,7 +176,7 @@ void PlannedStructure::find_places() {
       const auto metres = [&](double x) { return (x - s.start) / (s.end - s.start) * s.size; };
       place.start = metres(place.from);
       place.end = metres(place.to);
-      // The middle of the middle cell, within the prior.
+      // The middle of the middle cell, within the support of the prior.
       const int middle = (c + end - 1) / 2;
       const double low = std::max(kind.line.cell_start(middle), kind.location.lower());
       const double high = std::min(kind.line.cell_start(middle + 1), kind.location.upper());
@@ -260,7 +260,7 @@ void PlannedStructure::label(const fem::ParametricModes::Modes& modes, TestModes
   }
   for (Index i = 0; i < n; ++i) {
     if (intact_.shapes.col(i).dot(out.shapes.col(i)) < 0.0) out.shapes.col(i) *= -1.0;
-    // Close modes in ascending order of their frequencies.
+    // Sort close modes by their frequencies.
     if (close_[index(i)] != i) continue;
     Index end = i;
     while (end < n && close_[index(end)] == i) ++end;

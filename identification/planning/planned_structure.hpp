@@ -26,13 +26,13 @@ struct TestModes {
   /// Candidate sensors × modes, mass-normalised; after the measured modes, modes outside them that
   /// are close to one of them.
   Eigen::MatrixXd shapes;
-  Eigen::MatrixXd with_mass;        ///< modes × added masses: ln f, ascending
+  Eigen::MatrixXd with_mass;  ///< modes × added masses: ln f, ascending
 };
 
 /// A possible place of a defect: one cell of its kind's line, or several adjacent cells.
 struct TestPlace {
   int kind = 0;
-  double location = 0.0;          ///< location on the kind's line, for the prediction
+  double location = 0.0;          ///< location of the predicted defect on the kind's line
   double from = 0.0, to = 0.0;    ///< interval on the kind's line
   int stretch = 0;                ///< index of the stretch in the line
   double start = 0.0, end = 0.0;  ///< [m] from the start of the site; 0 for points
@@ -51,12 +51,12 @@ struct PlannedStructureOptions {
 
 /// Predicts by exact reanalysis (AssembledModel). Modes of a damaged structure are assigned to
 /// modes of the intact structure by their shapes at the candidate sensors, with the smallest Σ (1 -
-/// MAC + |Δ ln f| / 2). For close modes, which a small change of stiffness mixes (ModalLikelihood),
+/// MAC + |Δ ln f| / 2). A small change of stiffness mixes close modes (ModalLikelihood); for these,
 /// only frequencies are used, in ascending order.
 class PlannedStructure {
  public:
-  /// Throws InvalidInput for a structure without a mode in the band, and for kinds of defect that
-  /// have an unknown extent or change the stiffness of whole substructures.
+  /// Throws InvalidInput if no mode is in the band, or if a kind of defect has an unknown extent or
+  /// changes the stiffness of whole substructures.
   PlannedStructure(DamageCase damage_case, PlannedStructureOptions options);
 
   /// Working memory of one thread.

@@ -15,9 +15,9 @@ namespace {
 
 using Eigen::Index;
 
-/// Scenarios of one unit of parallel work.
+/// Number of scenarios in one unit of parallel work.
 constexpr int kBlock = 256;
-/// Draws after which an impossible structure is an error of the case.
+/// Number of draws after which an impossible structure is an error of the case.
 constexpr int kMostDraws = 100;
 
 }  // namespace

@@ -19,8 +19,8 @@ struct Scenario {
   TestNumbers numbers;
 };
 
-/// Draws true damage from the priors, and noise. (seed, number) determines the draw; number n has
-/// the model n modulo the number of models.
+/// Draws true damage from the priors, and noise. Seed and number determine a draw; draw number n
+/// has the model n modulo the number of models.
 class ScenarioSource {
  public:
   ScenarioSource(const PlannedStructure& structure, std::uint64_t seed);
@@ -31,7 +31,7 @@ class ScenarioSource {
   [[nodiscard]] Scenario draw(std::uint64_t number, PlannedStructure::Solver& solver) const;
   /// Draws the scenarios first … first + count - 1, in parallel.
   [[nodiscard]] std::vector<Scenario> draw(std::uint64_t first, int count, int threads) const;
-  /// The spans of the structure's places, for TestScorer.
+  /// The spans of all places of the structure, as input of TestScorer.
   [[nodiscard]] std::vector<PlaceSpan> spans() const;
 
  private:

@@ -22,9 +22,9 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Pairs of sensors that begin the search.
+/// Largest number of pairs of sensors at the start of the search.
 constexpr int kMostPairs = 120;
-/// Rounds of exchanges.
+/// Largest number of rounds of exchanges.
 constexpr int kMostPasses = 10;
 /// Scenarios of a comparison on the way to a design: a wrong choice between nearly equal designs is
 /// repaired by later exchanges.
@@ -154,9 +154,9 @@ class Race {
   const PlacePredictions& predictions_;
   const TestNoise& noise_;
   const ChoiceOptions& options_;
-  double damaged_ = 0.0;          // prior probability of damage
-  std::vector<Scenario> truths_;  // with damage
-  std::uint64_t drawn_ = 0;       // scenarios that were drawn
+  double damaged_ = 0.0;                      // prior probability of damage
+  std::vector<Scenario> truths_;              // with damage
+  std::uint64_t drawn_ = 0;                   // scenarios that were drawn
   std::map<Key, std::vector<double>> known_;  // values of every design that was scored
   long compared_ = 0;
   int scenarios_ = 0;
@@ -181,7 +181,7 @@ std::vector<TestDesign> all_layouts(int candidates, int choose) {
   }
 }
 
-/// All pairs of sensors; of many, those of the classical criteria and random ones.
+/// All pairs of sensors or, if there are too many, pairs by classical criteria and random pairs.
 std::vector<TestDesign> pairs_of(const MatrixXd& shapes, std::uint64_t seed) {
   const int candidates = static_cast<int>(shapes.rows());
   if (layout_count(candidates, 2) <= kMostPairs) return all_layouts(candidates, 2);
@@ -192,7 +192,7 @@ std::vector<TestDesign> pairs_of(const MatrixXd& shapes, std::uint64_t seed) {
   return out;
 }
 
-/// The designs with one more sensor.
+/// All designs with one more sensor.
 std::vector<TestDesign> longer(const TestDesign& design, int candidates) {
   std::vector<TestDesign> out;
   for (int c = 0; c < candidates; ++c) {
@@ -279,7 +279,8 @@ SensorChoice choose_sensors(const ScenarioSource& source, const PlacePredictions
     }
     if (layout_count(candidates, options.choose) <= options.exhaustive) {
       out.exhaustive = true;
-      best = race.run(all_layouts(candidates, options.choose), options.keep, options.most_scenarios);
+      best =
+          race.run(all_layouts(candidates, options.choose), options.keep, options.most_scenarios);
     } else {
       std::vector<TestDesign> starts = {best[0].design,
                                         with(effective_independence(shapes, options.choose)),

@@ -62,8 +62,8 @@ struct SensorChoice {
 
 /// Effective independence (Kammer 1991, J. Guid. Control Dyn. 14:251): the candidate with the
 /// smallest diagonal entry of Φ (ΦᵀΦ)⁻¹ Φᵀ is removed until `count` sensors remain. With fewer
-/// sensors than modes, the entries with the pseudo-inverse are equal. The sensor with the smallest
-/// contribution to the determinant of Φ Φᵀ is then removed.
+/// sensors than modes, the pseudo-inverse gives equal entries. Then the sensor with the smallest
+/// contribution to the determinant of Φ Φᵀ is removed.
 [[nodiscard]] std::vector<int> effective_independence(const Eigen::MatrixXd& shapes, int count);
 
 /// The `count` sensors with the largest Σ φ² over the modes, for shapes scaled to unit length.

@@ -127,7 +127,7 @@ void TestData::measured(const TestModes& modes, const TestNumbers& numbers,
 
 namespace {
 
-/// Pairs of places that may have a defect each.
+/// Pairs of places at which two defects are possible together.
 std::vector<std::pair<int, int>> possible_pairs(const PlannedStructure& structure) {
   std::vector<std::pair<int, int>> out;
   for (const NormalModel& model : count_models(structure.kinds())) {
@@ -160,7 +160,7 @@ PlacePredictions predict_places(const PlannedStructure& structure, int segments,
       for (int i = 0; i <= (prior ? segments : 0); ++i) {
         double severity = kind.known_severity();
         if (prior != nullptr) {
-          // An unbounded prior ends at its quantiles of 1/1000.
+          // Unbounded priors are cut off at the quantiles 1/1000 and 999/1000.
           const double p = std::clamp(static_cast<double>(i) / segments, 1e-3, 1.0 - 1e-3);
           severity = i == 0 && std::isfinite(prior->lower()) ? prior->lower()
                      : i == segments && std::isfinite(prior->upper())

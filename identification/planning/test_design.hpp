@@ -8,8 +8,8 @@
 
 namespace wheeltap::identification::planning {
 
-/// A design: the sensors that measure shapes (none or one: frequencies alone), and the added mass
-/// of a second state (-1: none), in which only frequencies are measured.
+/// A design: the sensors that measure shapes (none or one: frequencies only), and the added mass of
+/// a second state (-1: none). In the second state, only frequencies are measured.
 struct TestDesign {
   std::vector<int> sensors = {};
   int mass = -1;
@@ -17,8 +17,8 @@ struct TestDesign {
   bool operator==(const TestDesign&) const = default;
 };
 
-/// The uncertainty of identified modes in a record of length T. For the coefficient of variation of
-/// a frequency, a number is given, or the formula for long records is used (Au 2017, Operational
+/// The uncertainty of identified modes in a record of length T. The coefficient of variation of a
+/// frequency is either given, or follows from the formula for long records (Au 2017, Operational
 /// Modal Analysis, section 16.1):
 ///
 ///   cov(f)² = ζ / (2π f T) + discrepancy²,
@@ -48,11 +48,11 @@ struct TestNumbers {
 };
 
 /// Converts modes to whitened data relative to the intact structure. Frequencies: (ln f - ln f₀) /
-/// cov. Shapes: the unit vector û = φ_S / |φ_S| at the sensors S with the sign of û₀, as κ (û -
-/// û₀), κ = |φ₀| / (sd M), M = max |φ₀| over all candidates: for small angles, |κ (û - û')|² is the χ² of ShapeDensity. Model
-/// errors may rotate a shape towards a close mode, with the sd τ of the angle. In this direction,
-/// the data are divided by √(1 + (κ τ |w|)²), with w the component of the close mode's shape normal
-/// to û₀, relative to φ₀.
+/// cov. Shapes: κ (û - û₀) with the unit vector û = φ_S / |φ_S| at the sensors S, with the sign of
+/// û₀, and κ = |φ₀| / (sd M), M = max |φ₀| over all candidates. For small angles, |κ (û - û')|² is
+/// the χ² of ShapeDensity. Model errors may rotate a shape towards a close mode, with the sd τ of
+/// the angle. In this direction, the data are divided by √(1 + (κ τ |w|)²), with w the component of
+/// the close mode's shape normal to û₀, relative to φ₀.
 class TestData {
  public:
   TestData(const PlannedStructure& structure, const TestNoise& noise, TestDesign design);
@@ -68,8 +68,8 @@ class TestData {
   /// noise.
   [[nodiscard]] Eigen::VectorXd measured_shape(const TestModes& modes, const TestNumbers& numbers,
                                                int mode) const;
-  /// Whether the data hold the shape of a mode: modes without a shape of their own, and modes with a
-  /// node at every sensor, have none.
+  /// Whether the data hold the shape of a mode: modes without a shape of their own, and modes with
+  /// a node at every sensor, have none.
   [[nodiscard]] bool has_shape(int mode) const;
   [[nodiscard]] bool with_shapes() const { return design_.sensors.size() >= 2; }
 
@@ -106,8 +106,8 @@ struct PlacePredictions {
   std::vector<Pair> pairs = {};
 };
 
-/// Predicts in parallel. `segments`: S, for unknown severities. For an impossible structure, the
-/// prediction at the next lower quantile is used.
+/// Predicts in parallel. `segments`: S, for unknown severities. If a structure is impossible, the
+/// prediction at the next lower quantile replaces it.
 [[nodiscard]] PlacePredictions predict_places(const PlannedStructure& structure, int segments,
                                               int threads);
 

@@ -25,7 +25,7 @@ double TestScorer::information(const TestTruth& truth, const NormalTest::Measure
       log_prior += test_.log_pair_prior(truth.model, std::min(a, b), std::max(a, b));
     }
   }
-  // A sampled sum over pairs may be below one of its terms.
+  // The sampled estimate of a sum over pairs may be below one of the terms.
   const double ratio = std::min(log_truth - answer.log_all, -log_prior);
   return std::log((1.0 - kFloor) * std::exp(ratio) + kFloor);
 }
@@ -99,8 +99,8 @@ double TestScorer::within_tolerance(int place, const TestTruth::Defect& defect) 
   if (span.site != spans_[index(defect.place)].site) return 0.0;
   const double length = span.end - span.start;
   if (!(length > 0.0)) return std::abs(span.start - defect.at) <= tolerance_ ? 1.0 : 0.0;
-  const double inside = std::min(span.end, defect.at + tolerance_) -
-                        std::max(span.start, defect.at - tolerance_);
+  const double inside =
+      std::min(span.end, defect.at + tolerance_) - std::max(span.start, defect.at - tolerance_);
   return std::clamp(inside / length, 0.0, 1.0);
 }
 
@@ -145,7 +145,7 @@ TestScores summarise(const std::vector<TestOutcome>& outcomes,
   if (healthy.empty()) throw std::invalid_argument("no simulated test of the intact structure");
   std::ranges::sort(healthy);
   const auto intact_tests = static_cast<double>(healthy.size());
-  // The quantile between the order statistics.
+  // Interpolates the quantile between order statistics.
   const auto threshold_at = [&](double alpha) {
     const double at = std::clamp((1.0 - alpha) * intact_tests - 0.5, 0.0, intact_tests - 1.0);
     const auto i = static_cast<std::size_t>(at);
@@ -177,7 +177,7 @@ TestScores summarise(const std::vector<TestOutcome>& outcomes,
   double damaged = 0.0;
   for (std::size_t m = 0; m < models.size(); ++m)
     if (m != intact && sums[m].n > 0) damaged += models[m].prior;
-  // The operating curve: from one alarm in all intact tests to an alarm in every test.
+  // The operating curve, from one alarm in all intact tests to an alarm in every intact test.
   std::vector<std::vector<double>> odds(models.size());
   for (const TestOutcome& o : outcomes) odds[index(o.model)].push_back(o.log_odds);
   for (auto& list : odds) std::ranges::sort(list);
@@ -204,7 +204,7 @@ TestScores summarise(const std::vector<TestOutcome>& outcomes,
     information_variance += pi * pi * std::max(0.0, s.squares / s.n - mean * mean) / s.n;
     if (m == intact) continue;
     const double share = pi / damaged;
-    // Wilson's centre keeps the variance positive where all or no tests detect.
+    // Wilson's centre keeps the variance positive if all tests or no tests detect damage.
     const auto variance = [&](double hits) {
       const double p = (hits + 0.5) / (s.n + 1.0);
       return p * (1.0 - p) / s.n;

@@ -23,7 +23,7 @@ struct TestTruth {
     double severity = 0.0;
   };
   int model = 0;
-  std::vector<Defect> defects = {};  ///< by kind, then by place along the line
+  std::vector<Defect> defects = {};  ///< sorted by kind, then along the line
 };
 
 /// The outcome of one simulated test.
@@ -31,9 +31,9 @@ struct TestOutcome {
   int model = 0;          ///< true model
   double log_odds = 0.0;  ///< ln P(at least one defect | y) / P(none | y)
   /// ln q(count, place | y) / p(count, place) of the truth, with q = (1 - ε) p(… | y) + ε p(…) and
-  /// ε = kFloor. The mean of this score is a lower bound of the expected information for any q
-  /// (Barber & Agakov 2003, NIPS 16); with exact evidences it is lower by at most -ln(1 - ε). The
-  /// floor ε limits the effect of tests with wrong approximate evidences.
+  /// ε = kFloor. For any q, the mean of this score is a lower bound of the expected information
+  /// (Barber & Agakov 2003, NIPS 16). With exact evidences, the mean is below it by at most -ln(1 -
+  /// ε). The floor ε limits the effect of tests with wrong approximate evidences.
   double information = 0.0;
   bool right = false;  ///< true if the most probable number and all locations are right
   /// P(true number, and every location within the tolerance of its true location | y).
@@ -87,9 +87,9 @@ struct TestScores {
   std::vector<Operating> operating;
 };
 
-/// The scores of tests simulated from each model with a positive prior. A test detects damage if
-/// its log odds exceed the (1 - `false_alarm`) quantile of the log odds of intact tests. The
-/// standard errors include the error of the threshold. With R the detection probability as a
+/// Scores of a design, from tests simulated from each model with a positive prior. A test detects
+/// damage if its log odds exceed the (1 - `false_alarm`) quantile of the log odds of intact tests.
+/// The standard errors include the error of the threshold. With R the detection probability as a
 /// function of the false-alarm probability α,
 ///
 ///   se² = P (1 - P) / N + R'(α)² α (1 - α) / N_intact.

@@ -32,12 +32,12 @@ TestValue value_of(const TestOption& option, const TestCosts& c, double damaged)
   TestValue out;
   for (const int s : option.sensors)
     out.test_cost += c.of_sensors.empty() ? c.sensor : c.of_sensors[index(s)];
-  // Frequencies need one sensor, and an added mass a second record.
+  // Frequencies need one sensor; an added mass needs a second record.
   if (option.sensors.empty())
     out.test_cost += c.of_sensors.empty() ? c.sensor : std::ranges::min(c.of_sensors);
   out.test_cost += c.hour * option.seconds / 3600.0 * (option.mass ? 2.0 : 1.0) +
                    (option.mass ? c.added_mass : 0.0);
-  // Without any alarm the test decides nothing.
+  // Expected cost if the test never raises an alarm.
   double least = damaged * c.missed;
   for (const auto& [alpha, detection] : option.scores.operating) {
     const double cost = damaged * (detection * c.inspection + (1.0 - detection) * c.missed) +

@@ -28,8 +28,8 @@ struct TestOption {
   TestScores scores = {};
 };
 
-/// The decision after a test is to inspect if it raises an alarm. With π = P(at least one damage)
-/// and the operating curve P(α) of the test, its expected cost is
+/// The decision rule after a test: inspect if the test raises an alarm. With π = P(at least one
+/// damage) and the operating curve P(α) of the test, its expected cost is
 ///
 ///   C = c_test + min over α of π (P(α) c_inspection + (1 - P(α)) c_missed)
 ///                           + (1 - π) α (c_inspection + c_false alarm),

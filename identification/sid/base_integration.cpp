@@ -46,10 +46,10 @@ Integral integrate(const std::vector<double>& a, double dt) {
   return out;
 }
 
-/// Least-squares polynomial of y over times n · dt, lowest power first.
+/// Coefficients of a least-squares polynomial of y over times n · dt, lowest power first.
 Eigen::VectorXd trend(const std::vector<double>& y, double dt, int degree) {
   const auto n = static_cast<Eigen::Index>(y.size());
-  const double length = static_cast<double>(n) * dt;  // scale, for powers of similar size
+  const double length = static_cast<double>(n) * dt;  // times are divided by this length
   Eigen::MatrixXd powers(n, degree + 1);
   for (Eigen::Index i = 0; i < n; ++i) {
     double power = 1.0;

@@ -9,16 +9,16 @@ namespace wheeltap::identification {
 /// absolute displacement or velocity.
 [[nodiscard]] bool needs_integrated_base(const SidCase& sid_case);
 
-/// Adds the base displacement as a channel: the double integral of the base acceleration, and a
+/// Adds the base displacement as a channel: the double integral of the base acceleration plus a
 /// polynomial for the constants of integration and the offset of the sensor. The integral is exact
 /// if the acceleration is linear between samples. The polynomial is
 ///
 ///   y_base(t) = ∬ a + p₀ + p₁ t + p₂ t².
 ///
-/// The coefficients are chosen so that the responses relative to the base have no such trend: least
-/// squares over the window, averaged over the responses. Without a displacement response, p₁ and p₂
-/// follow from velocities and p₀ has no effect. The fit also removes a slow drift of the structure
-/// itself. The function clears SidCase::beyond, because the polynomial is not valid after the
+/// The coefficients are averages over the responses. For each response, least squares over the
+/// window remove this trend from the response relative to the base. Without a displacement
+/// response, p₁ and p₂ follow from velocities and p₀ has no effect. The fit also removes slow drift
+/// of the structure. SidCase::beyond is cleared, because the polynomial is not valid after the
 /// window. Throws InvalidInput (channel) if a scale or offset of these channels is a parameter.
 void integrate_base(SidCase& sid_case);
 

@@ -29,8 +29,8 @@ struct SidChannel {
   int mass = 0;
   dynamics::Quantity quantity = dynamics::Quantity::displacement;
   dynamics::Frame frame = dynamics::Frame::absolute;
-  /// Raw samples from the start of the lead-in. Excitations are upsampled by the factor
-  /// SidCase::stride.
+  /// Raw samples, beginning at the lead-in before the window. Excitations are upsampled by the
+  /// factor SidCase::stride.
   dynamics::Signal signal = {};
   /// Raw samples after the window, which are not scored. SidCase::beyond gives their number.
   /// Excitations are upsampled as in the window.
@@ -80,7 +80,7 @@ struct SidTerm {
   std::vector<std::size_t> by_default = {};
 };
 
-/// RMS motion and tension of a link, estimated from the record.
+/// Size of the motion and tension of a link, estimated from the record.
 struct LinkMotion {
   double extension = 0.0;               ///< RMS extension [m]
   double rate = 0.0;                    ///< RMS rate [m/s]
@@ -193,8 +193,8 @@ struct SidCase {
   int beyond = 0;
   int windows = 0;  ///< number of windows to fit separately; 0: none
   bool simulated = false;
-  /// The amount of motion at the start of the window (moves_at_start), if this is the reason for
-  /// inferring the initial state without a request of the case.
+  /// The amount of motion at the start of the window (moves_at_start), if this motion and not the
+  /// case is the reason to infer the initial state.
   std::optional<double> starts_moving = {};
   /// True if the base displacement was integrated (base_integration.hpp)
   bool base_integrated = false;
@@ -202,8 +202,8 @@ struct SidCase {
   double band = 0.97;
   bool balance = false;  ///< sample all models about equally often and reweight the draws
   dynamics::SimulatorOptions integration = {};
-  /// True if the case fixes the time steps. A run with too long time steps then reports this and is
-  /// not repeated.
+  /// True if the case fixes the time steps. If the time steps are too long, the run reports this
+  /// and is not repeated.
   bool fixed_integration = false;
 
   [[nodiscard]] std::vector<const SidChannel*> responses() const;

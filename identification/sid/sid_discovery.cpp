@@ -24,9 +24,9 @@ using Role = SidChannel::Role;
 
 constexpr double kBand = 0.99;     // share of the displacement's power
 constexpr double kCrest = 3.0;     // peak factor of a motion without measured displacement
-constexpr double kRunaway = 30.0;  // bound relative to the record; no posterior draw moves that far
+constexpr double kRunaway = 30.0;  // bound, relative to the record, that no posterior draw reaches
 constexpr double kStop = 10.0;     // prior scale of a stop's stiffness relative to that of its link
-constexpr double kYieldSpread = 1.0;  // in ln
+constexpr double kYieldSpread = 1.0;  // sd of ln yield extension
 
 const LawInfo& info_of(const Law& law) {
   return dynamics::law_infos()[static_cast<std::size_t>(law.kind)];
@@ -44,7 +44,7 @@ std::string suffix(const Law& law, const Link& link, bool several) {
 // RMS motion of a mass or link, relative to the base; unknown values are 0.
 struct Motion {
   double displacement = 0.0, velocity = 0.0, acceleration = 0.0;  // RMS
-  double highest = 0.0, lowest = 0.0;                             // displacement
+  double highest = 0.0, lowest = 0.0;                             // extremes of the displacement
   double band_hz = 0.0;
 
   [[nodiscard]] bool known() const { return displacement > 0.0; }
@@ -55,8 +55,8 @@ struct Series {
   std::vector<double> samples = {};  // SI
 };
 
-// Every `stride`-th sample in SI units. With an unknown scale the raw value; with an unknown offset
-// the mean is removed.
+// Every `stride`-th sample in SI units. Raw values if the scale is unknown; if the offset is
+// unknown, the mean is removed.
 std::vector<double> discovery_in_si(const dynamics::Signal& signal, std::size_t stride = 1) {
   std::vector<double> out;
   const double scale = signal.scale.is_constant() ? signal.scale.value : 1.0;
@@ -79,7 +79,7 @@ Motion motion_of(const Series& series, double rate_hz) {
   signals::detrend(samples, 0);
   const auto spectrum =
       signals::welch(samples, rate_hz, {.segment = static_cast<int>(samples.size())});
-  // Integration amplifies the remaining trend at the lowest frequencies.
+  // Omit the lowest frequencies: integration amplifies the remaining trend there.
   const std::size_t first = displacement ? 1 : 2;
   const int order = static_cast<int>(series.quantity);
   const double step = spectrum.frequencies_hz.size() > 1 ? spectrum.frequencies_hz[1] : 0.0;
@@ -171,7 +171,7 @@ class Motions {
   }
 
   // Adds the base displacement in quadrature to the motion of a mass whose sensor does not measure
-  // it: their correlation is unknown.
+  // it. Quadrature, because their correlation is unknown.
   [[nodiscard]] Motion beside_the_base(int mass, Motion motion) const {
     const SidChannel* base = case_.find(Role::base_displacement);
     const SidChannel* sensor = sensor_of(mass);
@@ -186,7 +186,7 @@ class Motions {
     motion.displacement = std::hypot(motion.displacement, moved.displacement);
     motion.velocity = std::hypot(motion.velocity, moved.velocity);
     motion.acceleration = std::hypot(motion.acceleration, moved.acceleration);
-    const double away = motion.highest;  // without displacements: symmetric
+    const double away = motion.highest;  // symmetric, because no displacement was measured
     motion.highest = away - moved.lowest, motion.lowest = -away - moved.highest;
     motion.band_hz = std::max(motion.band_hz, moved.band_hz);
     return motion;
@@ -219,9 +219,9 @@ class Motions {
     return out;
   }
 
-  // Tension of a link, RMS [N]: the load on the part of the chain that the link holds. For a
-  // floating chain both parts qualify; the smaller load is more accurate, because force and inertia
-  // nearly cancel on a heavy part. For a link in a loop: the larger load of its two ends.
+  // Tension of a link, RMS [N]: the load on the part of the chain that the link connects to the
+  // ground. A chain without ground has two such parts; the smaller load is more accurate, because
+  // force and inertia nearly cancel on a heavy part. In a loop: the larger load of the link's ends.
   [[nodiscard]] double tension(const Link& link) const {
     const auto load_of = [this](const std::vector<int>& part) {
       double squares = 0.0;
@@ -236,7 +236,7 @@ class Motions {
     return std::min(load_of(a), load_of(b));
   }
 
-  // The masses connected to `mass` without this link, including itself; 0 is the ground.
+  // Masses connected to `mass` by other links, including `mass`; 0 is the ground.
   [[nodiscard]] std::vector<int> held_without(const Link& link, int mass) const {
     std::vector<int> out = {mass};
     for (std::size_t next = 0; next < out.size(); ++next) {
@@ -250,7 +250,7 @@ class Motions {
     return out;
   }
 
-  // Load on a mass: its inertia force and the excitation, RMS [N].
+  // RMS load on a mass [N]: inertia force and excitation, added in quadrature.
   [[nodiscard]] double load(int mass) const {
     if (mass == 0) return 0.0;
     const Motion& sensed = sensed_[static_cast<std::size_t>(mass)];
@@ -285,14 +285,14 @@ class Motions {
   const SidCase& case_;
   const dynamics::Chain& chain_;
   std::vector<Series> series_;   // one per mass, from the ground on
-  std::vector<Motion> motions_;  // relative to the base
-  std::vector<Motion> sensed_;   // as measured by the sensor
+  std::vector<Motion> motions_;  // motion relative to the base
+  std::vector<Motion> sensed_;   // motion as measured by the sensor
   Motion most_;
 };
 
 // ---- priors -----------------------------------------------------------------------------------
 
-// Whether a law resists motion: it has memory, or a tension at zero extension.
+// True if a law resists motion: it has memory, or a tension at zero extension.
 bool resists(const LawInfo& info) {
   if (info.memory) return true;
   std::vector<dynamics::Coefficient> ones;
@@ -334,7 +334,7 @@ void add_subsets(SidCase& sid_case) {
   }
   std::vector<unsigned long> subsets(1UL << n);
   for (std::size_t s = 0; s < subsets.size(); ++s) subsets[s] = s;
-  // Fewer terms first; within one number of terms, in the order of the case.
+  // Subsets with fewer terms first; subsets of equal size in the order of the case.
   std::ranges::stable_sort(subsets, {}, [](unsigned long s) { return std::popcount(s); });
   const SidModel base = sid_case.models.front();
   sid_case.models.clear();

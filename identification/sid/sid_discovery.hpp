@@ -24,9 +24,9 @@ inline constexpr std::size_t kMostTerms = 10;
 /// terms.
 [[nodiscard]] std::string term_name(const dynamics::Law& law, const dynamics::Link& link,
                                     bool several);
-/// Name of the parameter of a coefficient. If the force law has one coefficient, it is the name of
-/// the term. Otherwise it also contains the name of the coefficient: "contact gap", "contact gap
-/// closing", "contact gap 0-1".
+/// Name of the parameter of a coefficient. If the force law has one coefficient, the parameter has
+/// the name of the term. Otherwise the name also contains the name of the coefficient: "contact
+/// gap", "contact gap closing", "contact gap 0-1".
 [[nodiscard]] std::string term_parameter(const dynamics::Law& law, std::size_t coefficient,
                                          const dynamics::Link& link, bool several);
 
@@ -36,29 +36,29 @@ inline constexpr std::size_t kMostTerms = 10;
 /// most kMostTerms terms.
 void add_subsets(SidCase& sid_case);
 
-/// Estimates the motion of the base model's links from the record. Responses are converted to
-/// displacement, velocity and acceleration by their spectra, over the band with 99 % of the
-/// displacement's power. A mass without a sensor gets the motion of the mass with the largest
-/// motion. In this band, the tension of a link balances the inertia forces and the external forces
-/// of the masses that the link connects to the ground. The RMS values of these forces are added in
-/// quadrature. For a link in a loop, the larger of the values at its two ends is used. The largest
-/// extension is measured. Without a measured displacement, the largest extension is three times the
-/// RMS extension. Throws InvalidInput (models) if the responses are constant.
+/// Estimates the motion of the base model's links from the record. The spectra of the responses
+/// give displacement, velocity and acceleration, in the band with 99 % of the displacement's power.
+/// A mass without a sensor gets the motion of the mass with the largest motion. In this band, the
+/// tension of a link balances the inertia forces and the external forces of the masses that the
+/// link connects to the ground. The RMS values of these forces are added in quadrature. For a link
+/// in a loop, the larger of the values at its two ends is used. The largest extension is measured.
+/// Without a measured displacement, the largest extension is three times the RMS extension. Throws
+/// InvalidInput (models) if the responses are constant.
 [[nodiscard]] std::vector<LinkMotion> link_motions(const SidCase& sid_case);
 
-/// The default prior of a coefficient. With the RMS extension e, rate ė and tension T of the link
-/// (LinkMotion), a coefficient c of a tension c eᵖ ėᵍ has the scale
+/// The default prior of a coefficient. Let e, ė and T be the RMS extension, rate and tension of the
+/// link (LinkMotion). A coefficient c of a tension c eᵖ ėᵍ then has the scale
 ///
 ///   s = T / (eᵖ ėᵍ),
 ///
-/// at which the term alone has the RMS tension of the link. The prior is N(0, s²), or half-normal
-/// |N(0, s²)| for force laws that resist motion (friction, drag, hysteresis). For a stop, which is
-/// stiffer than its link, the prior of the stiffness is half-normal with the scale 10 s. The prior
-/// of the gap is uniform up to the largest extension. A yield extension is log-normal about e with
-/// a factor of e¹ for one sd. The evidence depends on these widths: the Bayes factor against an
-/// unnecessary term is about the width of the coefficient's prior divided by the width of its
-/// posterior. Throws std::invalid_argument for a coefficient whose role (dynamics::LawRole) has no
-/// scale.
+/// at which the term alone has the RMS tension of the link. The prior is N(0, s²), or
+/// half-normal |N(0, s²)| for force laws that resist motion (friction, drag, hysteresis). For a
+/// stop, which is stiffer than its link, the prior of the stiffness is half-normal with the
+/// scale 10 s. The prior of the gap is uniform up to the largest extension. A yield extension is
+/// log-normal about e, with ln sd = 1. The evidence depends on these widths: the Bayes factor
+/// against an unnecessary term is about the prior width of its coefficient divided by the
+/// posterior width. Throws std::invalid_argument for a coefficient whose role
+/// (dynamics::LawRole) has no scale.
 [[nodiscard]] inference::Prior default_prior(const dynamics::LawInfo& law, std::size_t coefficient,
                                              dynamics::Side side, const LinkMotion& motion);
 

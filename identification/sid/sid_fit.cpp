@@ -13,7 +13,7 @@ namespace {
 
 using inference::Posterior;
 
-/// Whiteness of residuals, or of innovations of a model with `fitted` parameters of its own.
+/// Whiteness of residuals, or of innovations of a residual model with `fitted` parameters.
 std::optional<ResidualWhiteness> whiteness(std::span<const double> white, bool of_innovations,
                                            int fitted) {
   const int lags = std::clamp(static_cast<int>(white.size()) / 5, 2, 20) + fitted;

@@ -62,10 +62,10 @@ struct ChannelFit {
 [[nodiscard]] std::vector<double> posterior_mean(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int model);
 
-/// The effect of the integrator's step length on the response at the best draw of a model, relative
-/// to the noise,
+/// Effect of the integrator's step length on the response at the best draw of a model, relative to
+/// the noise σ,
 ///
-///   ‖(r - r') / σ‖,  r' the residuals with steps a quarter as long,
+///   ‖(r - r') / σ‖, r': residuals with steps a quarter as long,
 ///
 /// over all samples and channels, as innovations of the residual model. To first order, the error
 /// of each parameter is at most the step error times the standard deviation of the parameter. The
@@ -73,7 +73,7 @@ struct ChannelFit {
 /// number of steps.
 [[nodiscard]] std::optional<double> step_error(const SidProblem& problem,
                                                const inference::Posterior& posterior, int model);
-/// Limit of the step error. Larger step errors are reported.
+/// Limit of the step error, above which the step error is reported.
 inline constexpr double kLargestStepError = 0.3;
 
 }  // namespace wheeltap::identification

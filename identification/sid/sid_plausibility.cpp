@@ -24,7 +24,7 @@ double rms_about_mean(std::span<const double> y) {
   return std::sqrt(sum / n);
 }
 
-/// RMS about the mean of the responses predicted by prior draws, alternating over all models.
+/// RMS about the mean of responses predicted by prior draws; the draws alternate over all models.
 std::vector<PriorRange> predicted_sizes(const SidProblem& problem) {
   const auto& space = problem.problem.space;
   const auto samples = static_cast<std::size_t>(problem.misfits.front().samples());
@@ -50,7 +50,7 @@ std::vector<PriorRange> predicted_sizes(const SidProblem& problem) {
 void judge_sizes(const SidProblem& problem, std::vector<Remark>& remarks) {
   const auto responses = problem.sid_case.responses();
   const std::vector<PriorRange> predicted = predicted_sizes(problem);
-  // Offsets may be parameters, but do not affect values about the mean.
+  // Offsets may be parameters, but do not affect the RMS about the mean.
   const auto any = problem.theta(0, prior_draw(problem.problem.space, 0, 0));
   remark::ResponsesOutOfReach out_of_reach;
   remark::NoiseAboveResponse noisy;
@@ -83,7 +83,7 @@ void judge_truth(const SidCase& sid_case, std::vector<Remark>& remarks) {
   for (const int p : sid_case.parameters_of(model)) {
     const auto at = static_cast<std::size_t>(p);
     const inference::Parameter& parameter = sid_case.parameters[at];
-    // For a noise parameter, the noise that was added counts, not the stated value.
+    // For a noise parameter, compare the noise that was added, not the stated value.
     const auto noise = std::ranges::find(model.noise, p, &dynamics::Coefficient::parameter);
     const double value = noise == model.noise.end()
                              ? truth.theta[at]
@@ -97,8 +97,8 @@ void judge_truth(const SidCase& sid_case, std::vector<Remark>& remarks) {
 }  // namespace
 
 std::vector<Remark> implausible(const SidProblem& problem) {
-  // The first prior draws have the most expensive trajectories of a run: stiff, sticking or
-  // distant.
+  // Prior draws can have the most expensive trajectories of a run (stiff, sticking or far from the
+  // data): use a short part of the record.
   if (problem.misfits.front().samples() > kSamples) {
     return implausible(*make_sid_problem(shortened(problem.sid_case, kSamples)));
   }

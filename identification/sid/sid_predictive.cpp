@@ -12,7 +12,7 @@ namespace {
 constexpr std::size_t kMaxPredicted = 6'000'000;
 constexpr int kFewestDraws = 20;
 
-// Index at which the cumulative weight exceeds this share of the total: systematic resampling.
+// Systematic resampling: index at which the cumulative weight exceeds this share of the total.
 std::size_t reached(const std::vector<double>& weights, double share) {
   const double wanted = share * std::accumulate(weights.begin(), weights.end(), 0.0);
   double sum = 0.0;

@@ -26,13 +26,13 @@ struct SidPredictive {
 [[nodiscard]] SidPredictive predict(const SidProblem& problem,
                                     const inference::Posterior& posterior, int draws = 200);
 
-/// The scored samples of a response channel in SI units, converted with the given parameters of the
+/// The scored samples of a response channel, converted to SI units with these parameters of the
 /// case.
 [[nodiscard]] std::vector<double> observed(const SidProblem& problem, std::size_t response,
                                            std::span<const double> theta);
 
 /// Quantiles over the draws of the predicted response without noise [SI], one per scored sample.
-/// With noise, the curves would not be smooth.
+/// Curves that include noise would not be smooth.
 struct NoiseFree {
   std::vector<double> q2_5, q50, q97_5;
 };
@@ -41,8 +41,8 @@ struct NoiseFree {
                                                 const inference::Posterior& posterior,
                                                 const SidPredictive& predictive);
 
-/// Share of each response's samples within the central band `SidCase::band` of the predictive
-/// mixture
+/// Fraction of each response's samples within the central band (probability `SidCase::band`) of the
+/// predictive mixture
 ///
 ///   1/D Σ_d N(prediction_d, σ_d²),
 ///

@@ -32,7 +32,7 @@ class RecordLikelihood final : public inference::Likelihood {
     return log_likelihood_above(kImpossible, m, x);
   }
 
-  /// Upper bound over all records at these parameters: a perfect fit. NaN if unknown.
+  /// Upper bound of ln p over all records at x, from a perfect fit of the data; NaN if unknown.
   double bound(int m, std::span<const double> x) {
     const SidModel& model = problem_.sid_case.models[static_cast<std::size_t>(m)];
     const Misfit& misfit = problem_.misfits[static_cast<std::size_t>(m)];
@@ -103,7 +103,7 @@ class RecordLikelihood final : public inference::Likelihood {
     const std::size_t d = x.size();
     const auto each =
         static_cast<std::size_t>(misfit.channels()) * static_cast<std::size_t>(misfit.samples());
-    // x, and one vector per parameter of the response, displaced in that parameter.
+    // x itself, and one vector per parameter of the response, with a step in that parameter.
     std::vector<std::size_t> moving;
     for (std::size_t i = 0; i < d; ++i)
       if (misfit.depends_on(model.parameters[i])) moving.push_back(i);
@@ -122,7 +122,7 @@ class RecordLikelihood final : public inference::Likelihood {
     std::ranges::fill(gradient, 0.0);
     std::ranges::fill(information, 0.0);
     add_noise(model, misfit, x, steps, gradient, information);
-    // J by differences, one row per parameter; then whitens everything.
+    // Jacobian J by differences, one row per parameter; then whitens residuals and J.
     for (std::size_t k = 1; k < sets; ++k)
       for (std::size_t n = 0; n < each; ++n)
         residuals_[k * each + n] = done_[k] != 0 ? residuals_[k * each + n] - residuals_[n] : 0.0;
@@ -140,7 +140,7 @@ class RecordLikelihood final : public inference::Likelihood {
   }
 
  private:
-  /// ln p for white residuals with these sums of squares, one per channel; empty: a perfect fit.
+  /// ln p for white residuals with these sums of squares, one per channel; empty: all sums are 0.
   double white_density(const SidModel& model, const Misfit& misfit,
                        std::span<const double> sums) const {
     double sum = log_scales(misfit);
@@ -173,10 +173,10 @@ class RecordLikelihood final : public inference::Likelihood {
     }
   }
 
-  /// Adds the effect of noise and scale parameters on ln p for fixed residuals (the first of
-  /// residuals_). The curvature of an sd is that of the chord to its best value given the
-  /// residuals, ln √(S/N) away. The curvature of a residual model's parameter is that of second
-  /// differences.
+  /// Adds the effect of noise and scale parameters on ln p for fixed residuals (the first entry of
+  /// residuals_). The curvature for an sd is that of the chord to its best value given the
+  /// residuals, at distance ln √(S/N). Second differences give the curvature for parameters of
+  /// residual models.
   void add_noise(const SidModel& model, const Misfit& misfit, std::span<const double> x,
                  std::span<const double> steps, std::span<double> gradient,
                  std::span<double> information) {
@@ -206,7 +206,7 @@ class RecordLikelihood final : public inference::Likelihood {
           if (std::isfinite(up) && std::isfinite(down)) {
             slope += 0.5 * (up - down);
             bend += std::max(2.0 * here - up - down, 0.0);
-          } else {  // next to an impossible value
+          } else {  // a neighbouring value is impossible
             slope += std::isfinite(down) ? here - down : std::isfinite(up) ? up - here : 0.0;
             bend += 1.0;
           }
@@ -257,7 +257,7 @@ class SumOfRecords final : public inference::Likelihood {
 
   double log_likelihood_above(double floor, int m, std::span<const double> x) override {
     bounds_.clear();
-    double rest = 0.0;  // upper bound of the remaining records
+    double rest = 0.0;  // upper bound of ln p of the remaining records
     for (const auto& part : parts_) rest += bounds_.emplace_back(part->bound(m, x));
     double sum = 0.0;
     for (std::size_t i = 0; i < parts_.size(); ++i) {
@@ -354,14 +354,14 @@ SidCase shortened(SidCase sid_case, int first) {
 
 namespace {
 
-/// Approximate run time per mass of a Runge-Kutta step, a piece of a series and a step of the exact
-/// solution.
+/// Approximate run times per mass: of a Runge-Kutta step, of a segment of a Taylor series, and of a
+/// step of the exact solution.
 constexpr double kRungeKuttaNanoseconds = 12.0;
 constexpr double kSeriesNanoseconds = 40.0;
 constexpr double kExactNanoseconds = 3.0;
 
-/// Mean over the models, at the medians of their priors. Counted, not timed: the sampling effort
-/// depends on it and must not depend on the machine's load.
+/// Mean cost over the models, at the medians of their priors. The function counts steps and does
+/// not measure time, because the sampling effort must not depend on the machine's load.
 double estimate_cost(const SidProblem& problem) {
   const SidCase& sid_case = problem.sid_case;
   double nanoseconds = 0.0;
@@ -398,7 +398,7 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
       listed.back().parameters.push_back(sid_case.parameters[static_cast<std::size_t>(p)].name);
     }
   }
-  // Only parameters that a model uses; others may occur in the truth alone.
+  // Only parameters that a model uses; other parameters may occur only in the truth.
   std::vector<inference::Parameter> parameters;
   for (std::size_t p = 0; p < sid_case.parameters.size(); ++p) {
     if (std::ranges::any_of(sid_case.models, [&](const SidModel& model) {
@@ -441,8 +441,8 @@ std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case) {
     return std::make_unique<SumOfRecords>(*problem);
   };
   out->problem.samples = out->misfits.front().samples();
-  // Cached, because every model's search requests the same few lengths and a problem of hundreds of
-  // models is expensive to make.
+  // The cache is useful because every model's search requests the same few lengths, and a problem
+  // with hundreds of models is expensive to make.
   struct Parts {
     std::mutex mutex;
     std::map<long, std::shared_ptr<const SidProblem>> of_length;

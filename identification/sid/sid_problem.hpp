@@ -14,7 +14,7 @@ struct SidProblem {
   /// Misfit function of each model; parameters as in SidCase::parameters
   std::vector<dynamics::Misfit> misfits;
   inference::Problem problem;
-  double seconds_a_likelihood = 0.0;  ///< estimated time of a likelihood evaluation on one core [s]
+  double seconds_a_likelihood = 0.0;  ///< estimated time of one likelihood on one core [s]
   /// The problems of the further records, with the same parameter layout.
   std::vector<std::unique_ptr<const SidProblem>> further = {};
 
@@ -30,11 +30,11 @@ struct SidProblem {
 ///
 ///   Σ over channels c of  ln p(r_c | σ_c, c_c) + N ln |scale_c|,
 ///
-/// with r_c the N scored residuals of the channel in SI units and p the density of its residual
-/// model with the parameters c_c (residuals/residual_model.hpp). The last term, the density of the
-/// raw samples, is present only if the scale is a parameter. For several records, the log
-/// likelihood is the sum over the records, each with a separate initial state. `misfits` are the
-/// misfits of the first record. Throws InvalidInput (models, model).
+/// where r_c are the N scored residuals of the channel in SI units, and p is the density of its
+/// residual model with parameters c_c (residuals/residual_model.hpp). The last term converts to the
+/// density of the raw samples; it is present only if the scale is a parameter. For several records,
+/// the log likelihood is the sum over the records, each with a separate initial state. `misfits`
+/// are the misfits of the first record. Throws InvalidInput (models, model).
 [[nodiscard]] std::unique_ptr<const SidProblem> make_sid_problem(SidCase sid_case);
 
 }  // namespace wheeltap::identification

@@ -50,7 +50,7 @@ class RecordTaker {
     const SidChannel* time = out_.find(Role::time);
     int column = time != nullptr ? columns_[static_cast<std::size_t>(time - out_.channels.data())]
                                  : record_.find_time();
-    // A column named like time is not time if the case uses it as another channel.
+    // A column with the name of a time column is not time if the case uses it as another channel.
     for (std::size_t i = 0; i < columns_.size(); ++i) {
       if (out_.channels[i].role != Role::time && column == columns_[i]) column = -1;
     }
@@ -61,7 +61,7 @@ class RecordTaker {
           Part::sample_rate,
           "is missing: no channel is \"time\", so the sampling rate in Hz must be given");
     }
-    // Scale of the time column if the case gives one; a resampled record is in seconds.
+    // Scale of the time column, if the case gives a scale; a resampled record is in seconds.
     std::optional<double> seconds;
     if (time != nullptr && time->scale_given && !use_.resample) seconds = time->signal.scale.value;
     out_.sampling = {.rate_hz = use_.sample_rate_hz.value_or(0.0)};
@@ -95,7 +95,7 @@ class RecordTaker {
     }
   }
 
-  /// At most as many as in the window, all finite; 0 if there are too few.
+  /// Number of finite samples after the window, at most the length of the window; 0 if too few.
   [[nodiscard]] int samples_beyond() const {
     if (out_.simulated) return 0;
     int most = std::min(out_.end - out_.begin, record_.samples() - out_.end);
@@ -114,8 +114,8 @@ class RecordTaker {
     return signals::window(record_, columns_[channel], out_.begin - out_.lead_in, out_.end);
   }
 
-  /// Largest loss of an excitation's amplitude when interpolated linearly at `factor` times the
-  /// rate.
+  /// Largest loss of an excitation's amplitude by linear interpolation between samples at `factor`
+  /// times the rate.
   [[nodiscard]] double loss(int factor) const {
     double most = 0.0;
     for (std::size_t i = 0; i < out_.channels.size(); ++i) {
@@ -136,7 +136,7 @@ class RecordTaker {
     return factor;
   }
 
-  /// Rejects a constant response: any model that barely moves would explain it.
+  /// Rejects a constant response, because any model with little motion would explain it.
   void refuse_constant(std::size_t i) const {
     const SidChannel& channel = out_.channels[i];
     const std::vector<double>& x = channel.signal.samples;
@@ -173,7 +173,7 @@ class RecordTaker {
                 : signals::upsample(channel.signal.samples, 0, out_.end - begin, out_.stride);
     }
     if (out_.beyond == 0) return;
-    // Includes the window's last sample, at which an upsampled excitation continues.
+    // Begins with the window's last sample, from which an upsampled excitation continues.
     channel.beyond = signals::window(record_, columns_[i], out_.end - 1, out_.end + out_.beyond);
     if (channel.is_excitation() && use_.band_limited) {
       channel.beyond = whole ? signals::upsample(source.values, out_.end - 1,
@@ -186,7 +186,7 @@ class RecordTaker {
   SidCase& out_;
   const signals::Record& record_;
   const RecordUse& use_;
-  std::vector<int> columns_;  ///< in the record, one per channel
+  std::vector<int> columns_;  ///< column index in the record, one per channel
 };
 
 /// RMS of a signal, and RMS frequency [rad/s] of its spectrum.
@@ -206,7 +206,7 @@ RecordedMotion motion_of(std::span<const double> centred, double sample_rate_hz)
           .omega = power > 0.0 ? std::sqrt(moment / power) : 1.0};
 }
 
-/// Value of a least-squares line at the first sample, and its standard error.
+/// Value of a least-squares line at the first sample, and the standard error of this value.
 std::pair<double, double> intercept(std::span<const double> y) {
   const auto n = static_cast<double>(y.size());
   const double middle = 0.5 * (n - 1.0);

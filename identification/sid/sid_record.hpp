@@ -21,7 +21,7 @@ struct RecordUse {
   /// True: the excitations had no content above half the sampling rate and are upsampled by a sinc.
   /// False: they are linear between their samples.
   bool band_limited = false;
-  bool resample = false;  ///< interpolate a record with non-uniform time steps at a uniform rate
+  bool resample = false;  ///< interpolate non-uniform time steps to a uniform rate
   /// Upsampling factor; empty: chosen so that linear interpolation loses at most 0.3 %
   std::optional<int> upsample = {};
 };
@@ -37,17 +37,17 @@ void take_record(SidCase& sid_case, const signals::Record& record, const RecordU
 [[nodiscard]] std::vector<Remark> record_remarks(const SidCase& sid_case);
 
 /// The amount of motion of the responses at the start of the window. The result is empty if the
-/// responses start at rest, or if the record does not show whether they do. For displacements and
-/// velocities, the amount is the first samples divided by the RMS, if it is above a tenth and above
-/// three standard errors. For accelerations, the amount is computed from the first quarter of a
-/// period, only if the window starts after the start of the record.
+/// responses start at rest, or if the record does not determine this. For displacements and
+/// velocities, the amount is the value of the first samples divided by the RMS, if it exceeds a
+/// tenth and three standard errors. For accelerations, the amount comes from the first quarter of a
+/// period, and only if the window starts later than the record.
 [[nodiscard]] std::optional<double> moves_at_start(const SidCase& sid_case);
 
-/// Makes the initial state of the model unknown, with normal priors about 0. The scale of the prior
-/// of a mass is the standard deviation of its displacement. If only velocity or acceleration is
-/// measured, the scale is the sd of the velocity divided by ω or of the acceleration divided by ω².
-/// ω is the RMS frequency of the spectrum. A mass without a sensor gets the largest scale of the
-/// other masses. Throws InvalidInput (initial) if the responses are constant.
+/// Makes the initial state of the model unknown, with normal priors about 0. The scale of a mass's
+/// prior is the standard deviation of its displacement. If only velocity or acceleration is
+/// measured, the scale is the sd of the velocity over ω, or the sd of the acceleration over ω²,
+/// where ω is the RMS frequency of the spectrum. A mass without a sensor gets the largest scale of
+/// the other masses. Throws InvalidInput (initial) if the responses are constant.
 void infer_initial(SidCase& sid_case, SidModel& model);
 
 }  // namespace wheeltap::identification

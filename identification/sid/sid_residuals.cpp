@@ -9,7 +9,7 @@
 namespace wheeltap::identification {
 namespace {
 
-/// The value that the residuals of the model's best white fit require.
+/// The value that the residuals of the best fit with white residuals require.
 int value_of(const SidCase& sid_case, const SidModel& model, std::uint64_t seed, int threads) {
   SidCase alone = sid_case;
   alone.models = {model};

@@ -8,16 +8,16 @@
 namespace wheeltap::identification {
 
 /// Sets the residual model of each response of `model`. The parameters of the residual model become
-/// parameters of the case. All models with this residual model share them.
+/// parameters of the case. Models with the same residual model share these parameters.
 void add_residuals(SidCase& sid_case, SidModel& model,
                    std::shared_ptr<const ResidualModel> residuals);
 
-/// Chooses the residual model of every model with SidResiduals::chosen_kind. Fits the model with
-/// white residuals (inference::search_modes, from 30 draws of the prior) to the first record, and
-/// takes the largest value that its responses' residuals at the dominant posterior mode require
-/// (ResidualKind::choose). If no fit of a model is found, its residual model remains white. The
-/// choice uses the same record as the inference, so model probabilities are conditional on the
-/// choice.
+/// Chooses the residual model of every model with SidResiduals::chosen_kind. It fits the model with
+/// white residuals to the first record (inference::search_modes, from 30 prior draws). The
+/// residuals of each response at the dominant posterior mode require a value
+/// (ResidualKind::choose); the largest value is used. If no fit is found, the residual model
+/// remains white. The choice uses the same record as the inference, so model probabilities are
+/// conditional on the choice.
 void choose_residuals(SidCase& sid_case, std::uint64_t seed, int threads);
 
 }  // namespace wheeltap::identification

@@ -13,17 +13,17 @@ namespace wheeltap::identification {
 namespace {
 
 /// The engine's default effort, in likelihoods (reversible_jump.cpp): sufficient for hard problems,
-/// too much for records that take milliseconds.
+/// but too expensive for records whose likelihood takes milliseconds.
 constexpr double kDefaultWarmup = 70'000;  ///< per chain
 constexpr double kDefaultDraws = 25'000;   ///< per chain, four iterations each
 constexpr double kAffordableSeconds = 60.0;
 constexpr double kFewestSidDraws = 3'000;
 constexpr double kFewestWarmup = 6'000;
 
-/// Target of repeated runs (step_error), and their largest number.
+/// Step error that repeated runs aim at, and the largest number of repeated runs.
 constexpr double kWantedStepError = 0.1;
 constexpr int kMostRepeats = 2;
-constexpr int kMostTried = 3;        // integrations of the best draws, before a run is repeated
+constexpr int kMostTried = 3;        // trial integrations before a run is repeated
 constexpr int kMostRefinement = 16;  // largest factor on the step limit, per trial
 constexpr double kCounts = 0.05;     // models with a smaller share of the draws are ignored
 
@@ -60,7 +60,7 @@ inference::Options affordable(inference::Options engine, double seconds_a_likeli
 
 namespace {
 
-// Judged by the steps of the best draws in the problem.
+// Better integrator settings, chosen by the step errors at the best draws of the models.
 std::optional<dynamics::SimulatorOptions> finer_integration(const SidProblem& problem,
                                                             const inference::Posterior& posterior) {
   const std::vector<double> share = shares(posterior);
@@ -78,7 +78,7 @@ std::optional<dynamics::SimulatorOptions> finer_integration(const SidProblem& pr
       better.prefer_series = true;
       continue;
     }
-    // The number of steps takes few values: halve the limit until it is large enough.
+    // The number of steps changes in jumps: halve the step limit until the number is large enough.
     const auto theta = posterior_mean(problem, posterior, m);
     const double enough = simulator.substeps(theta) * std::pow(error / kWantedStepError, 0.25);
     int factor = 2;
@@ -105,7 +105,7 @@ std::optional<dynamics::SimulatorOptions> better_integration(
 }
 
 int samples_of_a_look(int samples, double seconds_a_likelihood) {
-  constexpr double kAffordable = 1.5e-4;  // seconds per likelihood, for some 20 000
+  constexpr double kAffordable = 1.5e-4;  // seconds per likelihood, for about 20 000
   constexpr int kFewest = 200;
   const double share = std::min(1.0, kAffordable / seconds_a_likelihood);
   return std::min(samples, std::max(kFewest, static_cast<int>(share * samples)));

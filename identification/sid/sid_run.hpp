@@ -1,5 +1,5 @@
-// A complete system identification. The run adapts the number of draws to the length of the record,
-// and repeats the run with shorter steps if the integration error was too large.
+// A complete system identification. The number of draws depends on the length of the record. If the
+// integration error was too large, the run is repeated with shorter steps.
 #pragma once
 
 #include <functional>
@@ -21,8 +21,8 @@ struct StepsRefined {
 };
 
 struct SidRunOptions {
-  /// Options of the engine. If warm-up and draws are 0, they are chosen by the run time of a
-  /// likelihood.
+  /// Options of the engine. If warm-up and draws are 0, the run time of a likelihood determines
+  /// them.
   inference::Options engine = {};
   /// Sampling function; default: reversible_jump.
   std::function<inference::Posterior(const inference::Problem&, const inference::Options&)> sample =
@@ -50,27 +50,27 @@ struct SidRun {
   std::vector<Remark> doubts = {};  ///< remarks passed to `doubt`
 };
 
-/// Number of scored samples for a quick run. The number limits the time per likelihood and
-/// therefore the total work.
+/// Number of scored samples for a quick run. Fewer samples reduce the time per likelihood and
+/// thereby the total run time.
 [[nodiscard]] int samples_of_a_look(int samples, double seconds_a_likelihood);
 
 /// Samples the posterior. The run is repeated up to twice with smaller time steps, unless the case
 /// fixes the time steps. A quick run uses only the first samples if the likelihood of all samples
-/// would be expensive, and is not repeated. Throws InvalidInput, and the exceptions of `sample`.
+/// would be expensive. It is never repeated. Throws InvalidInput, and the exceptions of `sample`.
 [[nodiscard]] SidRun run_sid(SidCase sid_case, const SidRunOptions& options);
 
-/// Returns better integrator settings if the step error was too large compared with the noise
+/// Returns better integrator settings if the step error is too large compared with the noise
 /// (step_error), otherwise std::nullopt. The new settings use Taylor series if the force laws of
-/// the chain allow it, otherwise shorter steps. The error is proportional to the fourth power of
-/// the step. The settings are tested on the best draws. For a chaotic motion, they are refined
-/// again if necessary.
+/// the chain allow it, otherwise shorter steps: the error is proportional to the fourth power of
+/// the step. The function tests the settings on the best draws and refines them again if necessary,
+/// for example for chaotic motion.
 [[nodiscard]] std::optional<dynamics::SimulatorOptions> better_integration(
     const SidProblem& problem, const inference::Posterior& posterior);
 
-/// The engine's options for a given run time per likelihood: the defaults if the run takes less
-/// than about a minute on two cores. Otherwise, the number of draws is the number that two cores
-/// can make in a minute. The actual number of cores is not used, because results must not depend on
-/// it.
+/// The engine's options for a given run time per likelihood: the defaults if the run takes
+/// less than about a minute on two cores. Otherwise, the number of draws that two cores
+/// compute in a minute. The actual number of cores is not used, because results must not
+/// depend on it.
 [[nodiscard]] inference::Options affordable(inference::Options engine, double seconds_a_likelihood);
 
 }  // namespace wheeltap::identification

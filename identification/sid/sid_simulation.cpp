@@ -48,7 +48,7 @@ std::vector<double> samples_of(const TrueExcitation& excitation, const SidTruth&
   return std::visit(Maker{truth, noise}, excitation.signal);
 }
 
-/// Separate streams: an additional channel or excitation does not change the others.
+/// Separate random streams, so that a further channel or excitation does not change the others.
 signals::Noise stream(std::uint64_t seed, std::uint64_t i) {
   return signals::Noise(seed * 4096 + i);
 }
@@ -96,7 +96,7 @@ dynamics::Excitation excitation_of(const std::vector<Acting>& acting, const SidT
   return out;
 }
 
-/// The true model's noiseless response. Throws InvalidInput if it cannot be computed.
+/// The true model's noiseless response. Throws InvalidInput if the simulation fails.
 dynamics::Response true_response(const SidCase& sid_case, const dynamics::Excitation& excitation) {
   const SidTruth& truth = *sid_case.truth;
   const SidModel& model = sid_case.models[static_cast<std::size_t>(truth.model)];

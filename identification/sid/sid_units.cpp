@@ -10,7 +10,7 @@ namespace {
 
 using Role = SidChannel::Role;
 
-/// Formats a unit as a factor: in brackets if a following power would be misread.
+/// Formats a unit as a factor, in brackets if a power after it would be misread.
 std::string as_factor(const std::string& unit) {
   for (const char c : unit) {
     const bool plain = std::isalnum(static_cast<unsigned char>(c)) != 0 || (c & 0x80) != 0;
@@ -30,14 +30,14 @@ struct Agreement {
   }
 };
 
-/// Unit of length of a motion; empty if its unit has none.
+/// Unit of length in the unit of a motion; empty if the unit contains no length.
 std::string length_of(const SidChannel& channel) {
   const std::string foreign = channel.foreign_unit();
   if (foreign.empty()) return "m";
   return channel.dimension() == signals::Dimension::length ? foreign : "";
 }
 
-/// Collects the unit of every use of a parameter.
+/// Collects the units that the uses of each parameter imply.
 class Uses {
  public:
   explicit Uses(std::size_t parameters) : of_(parameters) {}

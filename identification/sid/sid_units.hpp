@@ -10,8 +10,8 @@
 
 namespace wheeltap::identification {
 
-/// Units of force and length for the coefficients of a chain of masses. With force and displacement
-/// records in V, stiffnesses are in V/V. If no channel measures a force, the unit of force is N.
+/// Units of force and length for the coefficients of a chain of masses. Example: for force and
+/// displacement records in V, stiffnesses are in V/V. If no channel measures force, its unit is N.
 struct UnitSystem {
   std::string force = "N", length = "m";
 

@@ -12,7 +12,7 @@
 
 namespace wheeltap::identification {
 
-/// A measured motion.
+/// A sensor and the motion that it measures.
 struct Sensor {
   std::string name;  ///< "B, x"
   fem::SparseRow motion;
@@ -37,17 +37,17 @@ struct ModalData {
   std::optional<inference::Prior> cov_prior = {};  ///< prior of the coefficient of variation
 
   std::vector<Sensor> sensors = {};
-  /// Modes × sensors, of any scale and sign; NaN if not measured. Empty: no shapes.
+  /// Modes × sensors; each shape has any scale and sign. NaN: not measured. Empty: no shapes.
   Eigen::MatrixXd shapes = {};
   /// Covariance of each shape, scaled to a largest measured entry of 1: sensors × sensors. If
   /// `shape_sd` is unknown, the covariance is that for `shape_sd` = 1.
   std::vector<Eigen::MatrixXd> shape_covariances = {};
   std::optional<inference::Prior> shape_sd_prior = {};
 
-  /// Model errors in addition to the noise: the coefficient of variation of each frequency, with
-  /// independent errors of the modes, and the sd of shape entries.
+  /// Model errors in addition to the noise: the coefficient of variation of each frequency (the
+  /// errors of different modes are independent), and the sd of shape entries.
   Scatter discrepancy = {}, shape_discrepancy = {};
-  /// Mixing of mode shapes by the same model error that changes frequencies by `discrepancy`; see
+  /// Mixing of mode shapes by the model error that also changes frequencies by `discrepancy`; see
   /// mixing_sd.
   Scatter mixing = {};
   /// Relative standard deviation of the stiffness error of each part of the structure; see
@@ -62,7 +62,7 @@ struct ModalData {
   std::vector<double> held_out_hz =
       {};                   ///< measured frequencies of the predicted modes; NaN if not measured
   bool simulated = false;   ///< simulated from the case's truth
-  std::string origin = {};  ///< description of the origin
+  std::string origin = {};  ///< description of the data's origin
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] bool has_shapes() const { return shapes.size() > 0; }
@@ -76,7 +76,7 @@ struct ModalData {
     for (int i = 0; i < modes(); ++i) count += is_gap(i) ? 0 : 1;
     return count;
   }
-  /// Number of modes that the structure must have; with shapes, gaps are not matched.
+  /// Number of modes that the structure must have. With shapes, gaps need no mode.
   [[nodiscard]] int least_modes() const { return has_shapes() ? measured_modes() : modes(); }
 };
 

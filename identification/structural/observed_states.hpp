@@ -25,15 +25,15 @@ struct ObservedState {
 };
 
 /// Measured states and unknowns of the intact structure. θ are the parameters of the model that are
-/// not in `known`. A state at ΔT has the stiffness K (1 + c ΔT), supports included, with c the
-/// unknown `per_kelvin`.
+/// not in `known`. At the temperature difference ΔT, the stiffness (supports included) is K (1 + c
+/// ΔT), with c the unknown `per_kelvin`.
 struct ObservedStates {
   std::shared_ptr<const StructureModel> model = {};
   std::vector<int> unknown = {};  ///< indices of the model's parameters in θ
   std::vector<int> known = {};    ///< indices of the parameters that each state specifies
   std::optional<inference::Prior> per_kelvin = {};
   std::vector<ObservedState> list = {};
-  bool uniform = false;  ///< every parameter acts uniformly on the whole structure, as E of a beam
+  bool uniform = false;  ///< every parameter acts on the whole structure, like E of a beam
 
   /// θ and, if unknown, c.
   [[nodiscard]] std::vector<inference::Parameter> parameters() const;

@@ -11,12 +11,12 @@
 
 namespace wheeltap::identification {
 
-/// θ are the parameters in their order, θ₀ the medians of their priors. Matrices are separated into
-/// substructures. Keeps the model alive.
+/// θ are the parameters in their order, θ₀ the medians of their priors. A model of matrices is
+/// divided into its substructures. The result keeps `model` alive.
 [[nodiscard]] fem::StructureFamily family_of(std::shared_ptr<const StructureModel> model);
 
-/// The scales of a model of matrices, 1 + α of each part; prepared once, cheap to evaluate. Throws
-/// std::bad_variant_access for other structures.
+/// The scales 1 + α of the parts of a model of matrices; expensive to prepare, fast to evaluate.
+/// Throws std::bad_variant_access for other structures.
 using MatrixScales = std::function<std::vector<double>(std::span<const double> parameters)>;
 [[nodiscard]] MatrixScales scales_of(const StructureModel& model);
 

@@ -1,5 +1,5 @@
-// The structure of a case: members, a chain, or another program's matrices, with coefficients that
-// may be unknown.
+// The structure of a case (members, a chain, or matrices of another program); its coefficients may
+// be unknown.
 #pragma once
 
 #include <functional>
@@ -22,7 +22,7 @@ struct StructureModel {
   AnyStructure nominal;
   /// Sorted by name; empty if all coefficients are known.
   std::vector<inference::Parameter> parameters = {};
-  /// Setter i writes parameter i to every coefficient that equals it.
+  /// Setter i writes parameter i to every coefficient that this parameter defines.
   std::vector<std::function<void(AnyStructure&, double)>> setters = {};
   /// Setters of coefficients that depend on several parameters, for example the stiffnesses of a
   /// section with unknown dimensions. These setters are called after `setters` and throw

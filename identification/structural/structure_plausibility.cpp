@@ -17,7 +17,7 @@ using Property = remark::ImplausibleMaterial::Property;
 
 constexpr double kYoung[] = {5e8, 1.3e12};    // Pa: soft plastics to diamond
 constexpr double kDensity[] = {20.0, 2.5e4};  // kg/m³: foam to iridium
-constexpr double kFastest = 2e4;              // m/s: diamond has 17 000
+constexpr double kFastest = 2e4;              // √(E/ρ) in m/s; diamond: 17 000
 constexpr double kDeepMember = 3.0;           // height over length
 constexpr double kTouching = 1e-6;            // relative to the structure's size
 
@@ -25,7 +25,7 @@ struct Unit {
   const char* name;
   double si;
 };
-// Most probable first.
+// Alternative units, the most probable first.
 constexpr Unit kOfYoung[] = {{"GPa", 1e9}, {"MPa (N/mm²)", 1e6}, {"kPa", 1e3}, {"psi", 6894.757}};
 constexpr Unit kOfDensity[] = {{"g/cm³ (t/m³)", 1e3}, {"kg/mm³", 1e9}, {"t/mm³", 1e12}};
 
@@ -165,7 +165,7 @@ void judge_crossings(const fem::Structure& structure, std::vector<Remark>& remar
     for (std::size_t j = i + 1; j < lines.size() && lines[j].low() <= lines[i].high() + near; ++j) {
       const fem::Member &a = structure.members[lines[i].member],
                         &b = structure.members[lines[j].member];
-      // Members with a common node meet there; those with two common nodes are twins.
+      // Members with one common node meet there; members with two common nodes are duplicates.
       if (a.nodes[0] == b.nodes[0] || a.nodes[0] == b.nodes[1] || a.nodes[1] == b.nodes[0] ||
           a.nodes[1] == b.nodes[1])
         continue;
@@ -175,7 +175,7 @@ void judge_crossings(const fem::Structure& structure, std::vector<Remark>& remar
         const double length = fem::norm(fem::difference(line.to, line.from));
         return share * length > near && (1.0 - share) * length > near;
       };
-      // Coincident nodes of both are either separate intentionally, or one node with two names.
+      // Coincident nodes of both members are separate on purpose, or one node with two names.
       const bool between = inner(at.s, lines[i]) || inner(at.t, lines[j]);
       ++found.count;
       if (found.pairs.size() == kTold) continue;

@@ -1,5 +1,5 @@
-// Plausibility checks of a structure, without data: a Young's modulus in GPa, unconnected nodes,
-// members that cross without a joint.
+// Plausibility checks of a structure, without data: for example a modulus in GPa, unconnected
+// nodes, or members that cross without a joint.
 #pragma once
 
 #include <optional>
@@ -22,8 +22,8 @@ namespace wheeltap::identification {
 [[nodiscard]] std::vector<Remark> implausible(const fem::Beam& beam);
 
 /// Checks a structure of members: materials, section depths above three times the member's length,
-/// members between the same nodes, unconnected nodes, and members that cross or touch others
-/// between their nodes. Chains and matrices are not checked.
+/// duplicate members, unconnected nodes, and members that cross or touch other members between
+/// their nodes. Chains and matrices are not checked.
 [[nodiscard]] std::vector<Remark> implausible(const AnyStructure& structure);
 
 /// Reports sensors at the same location and in the same direction, whose shape entries are

@@ -14,13 +14,13 @@
 namespace wheeltap::io {
 namespace {
 
-/// Ends closer than this, relative to the drawing's size, are joined.
+/// Largest distance of two ends that are joined, relative to the drawing's size.
 constexpr double kJoin = 1e-6;
 
 struct Pair {
   int code;
   std::string value;
-  int line;  ///< the value's line, from 1
+  int line;  ///< line of the value, from 1
 };
 
 struct Entity {
@@ -203,7 +203,7 @@ class Reader {
     const double from = need(e, 50) * degree, to = need(e, 51) * degree;
     double turn = std::fmod(to - from, 2.0 * std::numbers::pi);
     if (turn <= 0.0) turn += 2.0 * std::numbers::pi;
-    // Two edges, since a full circle has no bulge.
+    // Use two edges, because the bulge of a full circle would be infinite.
     const auto corner = [&](double angle, double bulge) {
       return PathCorner{sign * (x + r * std::cos(angle)), y + r * std::sin(angle), sign * bulge};
     };
@@ -226,7 +226,7 @@ class Reader {
     const auto apart = [](const PathCorner& a, const PathCorner& b) {
       return std::hypot(a.x - b.x, a.y - b.y);
     };
-    // Both ends of every chain, by their x.
+    // Both ends of every chain, sorted by x.
     struct End {
       double x;
       std::size_t chain;
@@ -270,7 +270,7 @@ class Reader {
   static void append(ClosedPath& path, ClosedPath next, bool turned) {
     if (turned) {
       std::ranges::reverse(next);
-      // The bulge of an edge now belongs to its other end, with the opposite sign.
+      // After the reversal, the bulge of an edge belongs to its other end, with opposite sign.
       for (std::size_t i = 0; i + 1 < next.size(); ++i) next[i].bulge = -next[i + 1].bulge;
     }
     path.back().bulge = next.front().bulge;

@@ -16,7 +16,7 @@ std::string lower(std::string text) {
   return text;
 }
 
-/// Flags of the empty lines, by line number from 1.
+/// Entry i is true if line i (from 1) is empty.
 std::vector<bool> empty_lines(const std::string& bytes) {
   std::vector<bool> empty = {false, true};
   for (std::size_t i = 0; i < bytes.size(); ++i) {

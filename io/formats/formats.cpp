@@ -16,7 +16,7 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr std::size_t kBeginning = 512;  // longer than any magic
+constexpr std::size_t kBeginning = 512;  // bytes; longer than any `magic`
 
 std::string lower(std::string text) {
   for (char& c : text)

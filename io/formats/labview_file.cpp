@@ -43,11 +43,11 @@ struct Header {
 struct Segment {
   std::size_t channels = 0;
   std::vector<double> first, step;  ///< X0 and Delta_X
-  double samples = 0.0;             ///< as announced; a file with one header only may have more
+  double samples = 0.0;             ///< as stated; with a single header, the file may have more
   std::vector<std::string> names, units;
   bool comment = false;
   bool spaced =
-      false;  ///< keys have one field per column (empty for X columns), not one per channel
+      false;  ///< true: keys have a field per column (empty for X columns); false: per channel
 };
 
 class Parser {
@@ -72,7 +72,7 @@ class Parser {
       read_rows(out, segment);
     }
     if (first) throw FileError(FileError::Kind::corrupt, name_, "holds no segment of samples");
-    // Columns that are not requested were read as a check.
+    // Columns that are not requested were read only to check them.
     for (std::size_t c = 0; c < out.columns.size(); ++c)
       if (wanted_ && !wanted_(out, c)) out.columns[c].values.clear();
     return out;
@@ -147,7 +147,7 @@ class Parser {
     } while (lines_.next());
     if (out.channels == 0) corrupt("the header of a segment does not state Channels");
     if (!lines_.next()) corrupt("ends before the names of its columns");
-    // X_Value, then one name per channel ("Multi": X_Value before each), then Comment.
+    // X_Value, one name per channel, Comment. For "Multi", X_Value precedes each name.
     Fields names = split(lines_.line, header_.separator);
     while (!names.empty() && trimmed(names.back()).empty()) names.pop_back();
     if (!names.empty() && trimmed(names.back()) == "Comment") {
@@ -161,8 +161,8 @@ class Parser {
       std::string name = place < names.size() ? in_utf8(trimmed(names[place])) : "";
       out.names.push_back(name.empty() ? "channel " + std::to_string(c + 1) : name);
     }
-    // With several X columns a key has one field per column; those of X are empty. Every channel
-    // has samples and steps, so these keys show the layout even if the last channels have no unit.
+    // With several X columns, a key has one field per column; the fields of X columns are empty.
+    // The keys for samples and steps show this layout even if the last channels have no unit.
     bool apart = out.spaced && per == 2;
     if (!apart) apart = per == 2 && out.units.size() + 1 >= 2 * out.channels;
     if (apart) out.units.resize(std::max(out.units.size(), 2 * out.channels));
@@ -200,7 +200,7 @@ class Parser {
     return value;
   }
 
-  /// Printed times often have fewer digits than their resolution needs.
+  /// Counts the printed digits, because times often have fewer digits than their resolution needs.
   void count_digits(std::string_view field, Column& column) const {
     field = trimmed(field);
     PrintedDigits digits{column.decimals, column.digits};

@@ -22,24 +22,24 @@ namespace {
 constexpr std::string_view kMagic("\x93NUMPY", 6);
 constexpr std::size_t kMostDimensions = 4;
 
-/// The element type of an array: NumPy's letter, size and byte order.
+/// The element type of an array: letter of NumPy, size and byte order.
 struct Element {
   char kind =
       'f';  ///< b boolean, i and u integer, f real, c complex, m and M time differences and times
   std::size_t size = 8;
   bool swapped = false;
-  double scale = 1.0;  ///< of m and M: seconds per unit
+  double scale = 1.0;  ///< seconds per unit, for types m and M
 };
 
 struct NpyArray {
   ArrayShape shape;
   Element element = {};
-  std::size_t begin = 0;  ///< start of its data
+  std::size_t begin = 0;  ///< position of the array's data
   std::string bytes = {};
   bool imaginary = false;  ///< true for the imaginary part of a complex array
 };
 
-/// Why an array holds no readable numbers; thrown within this file.
+/// Exception within this file: the reason why an array has no readable numbers.
 struct NoNumbers {
   std::string why;
 };
@@ -53,7 +53,7 @@ class Header {
     throw FileError(FileError::Kind::corrupt, file_, shown_ + why);
   }
 
-  /// The text after a key of the header, a Python dictionary.
+  /// The text after a key of the header, which is a Python dictionary.
   [[nodiscard]] std::string_view value(std::string_view key) const {
     const std::size_t at = text_.find("'" + std::string(key) + "'");
     const std::size_t colon = at == std::string_view::npos ? at : text_.find(':', at);
@@ -144,7 +144,7 @@ class Header {
   std::string shown_;
 };
 
-/// IEEE 754 binary16.
+/// Converts a half-precision number (IEEE 754 binary16).
 double half(std::uint16_t bits) {
   const int exponent = (bits >> 10U) & 0x1F;
   const int fraction = bits & 0x3FF;
@@ -249,7 +249,7 @@ Columns table_of(std::vector<NpyArray> arrays, std::vector<std::string> others,
                  const ArrayLayout& stated) {
   Columns table{.file = name.string(), .others = std::move(others)};
   std::vector<ArrayShape> shapes;
-  std::vector<std::pair<std::size_t, bool>> from;  // array; true for its imaginary part
+  std::vector<std::pair<std::size_t, bool>> from;  // index of the array; true: imaginary part
   for (std::size_t i = 0; i < arrays.size(); ++i) {
     const bool complex = arrays[i].element.kind == 'c';
     for (int part = 0; part < (complex ? 2 : 1); ++part) {
@@ -294,7 +294,7 @@ Columns parse_npz(std::string bytes, const std::filesystem::path& name, const Wa
   const ZipArchive archive(bytes, name);
   std::vector<NpyArray> arrays;
   std::vector<std::string> others;
-  std::uint64_t left = kLargestFile;  // for all arrays together
+  std::uint64_t left = kLargestFile;  // total for all arrays
   for (const ZipMember& member : archive.members()) {
     constexpr std::string_view kEnding = ".npy";
     if (!member.name.ends_with(kEnding)) continue;

@@ -25,7 +25,7 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-/// The words of a line, separated by one blank.
+/// The line with each run of blanks replaced by one blank.
 std::string collapsed(std::string_view text) {
   std::string out;
   for (const char c : text)
@@ -46,7 +46,7 @@ std::vector<double> numbers_in(std::string_view line) {
     const std::size_t end = std::min(line.find_first_not_of("0123456789.eE+-", from), line.size());
     at = end;
     std::string_view word = line.substr(from, end - from);
-    while (!word.empty()) {  // "SEC." and "5E" are not part of a number
+    while (!word.empty()) {  // removes text like "SEC." after a number
       if (const auto value = parse_number(word)) {
         out.push_back(*value);
         break;
@@ -57,7 +57,7 @@ std::vector<double> numbers_in(std::string_view line) {
   return out;
 }
 
-/// "Chan 1: 180 Deg" from a line that names a channel; empty for any other line.
+/// Returns "Chan 1: 180 Deg" from a line that names a channel; empty for any other line.
 std::string channel_in(std::string_view line) {
   const std::size_t at = lower(line).find("chan ");
   if (at == std::string::npos) return {};
@@ -68,7 +68,7 @@ std::string channel_in(std::string_view line) {
   return collapsed(line.substr(at, std::min(line.find("  ", from), line.size()) - at));
 }
 
-/// The unit in the usual notation: "cm/s^2" for "cm/sec/sec".
+/// Returns the unit in the usual notation: "cm/s^2" for "cm/sec/sec".
 std::string unit_of(std::string_view text) {
   const std::string word = collapsed(lower(text));
   static constexpr std::pair<std::string_view, std::string_view> kUnits[] = {
@@ -83,7 +83,7 @@ std::string unit_of(std::string_view text) {
   std::size_t most = 0;
   std::string unit;
   for (const auto& [written, meant] : kUnits) {
-    // The longest of these whole words at the beginning.
+    // Take the longest of the known units that begins the text as a whole word.
     if (!word.starts_with(written) || written.size() <= most) continue;
     if (word.size() > written.size() &&
         std::string_view(" .,;()").find(word[written.size()]) == std::string_view::npos)
@@ -120,7 +120,7 @@ class Reader {
   [[noreturn]] void corrupt(const std::string& why) const {
     throw FileError(FileError::Kind::corrupt, name_, Place{.line = lines.number}, why);
   }
-  /// This many numbers in columns of `width`, or separated by blanks if `width` is 0.
+  /// Reads `count` numbers in columns of `width`, or separated by blanks if `width` is 0.
   std::vector<double> numbers(double count, std::size_t width) {
     std::vector<double> out;
     const auto most = static_cast<std::size_t>(count);
@@ -209,7 +209,7 @@ Columns parse_csmip(std::string bytes, const std::filesystem::path& name, const 
       {"points of accel data", "acceleration"},
       {"points of veloc data", "velocity"},
       {"points of displ data", "displacement"}};
-  constexpr std::size_t kWidth = 10;  // unless the header gives another
+  constexpr std::size_t kWidth = 10;  // used if the header gives no width
   Reader in(bytes, name);
   Columns out{.file = name.string()};
   std::vector<std::string> channels;  // one per column except time

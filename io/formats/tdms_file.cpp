@@ -28,7 +28,7 @@ constexpr std::uint32_t kNoData = 0xFFFFFFFF, kAsBefore = 0, kFormatChanging = 0
 constexpr std::uint64_t kNotClosed = 0xFFFFFFFFFFFFFFFF;
 constexpr std::uint32_t kString = 0x20, kBoolean = 0x21, kTimeStamp = 0x44;
 
-/// Size of a value in raw data; 0 for texts and unknown types.
+/// Size of a value in the raw data; 0 for strings and unknown types.
 std::size_t size_of(std::uint32_t type) {
   switch (type) {
     case 1:
@@ -58,10 +58,10 @@ std::size_t size_of(std::uint32_t type) {
 struct Layout {
   std::uint32_t type = 0;
   std::uint64_t count = 0;  ///< values per chunk
-  std::uint64_t bytes = 0;  ///< per chunk
+  std::uint64_t bytes = 0;  ///< bytes per chunk
 };
 
-/// Position of a channel's values: `count` of them in each of `chunks` chunks.
+/// Position of a channel's values: `count` values in each of `chunks` chunks.
 struct Piece {
   std::uint64_t first = 0, chunks = 0, chunk_step = 0, count = 0, step = 0;
   bool big_endian = false;
@@ -81,7 +81,7 @@ struct Channel {
   }
 };
 
-/// "Group" and "Channel" of "/'Group'/'Channel'"; doubled quotes are one.
+/// "Group" and "Channel" of "/'Group'/'Channel'"; two quotes stand for one.
 std::vector<std::string> names_of(std::string_view path) {
   std::vector<std::string> out;
   for (std::size_t at = 0; at + 1 < path.size() && path[at] == '/' && path[at + 1] == '\'';) {
@@ -209,7 +209,7 @@ class Parser {
     const auto raw = value<std::uint64_t>(at_ + 20, big_endian_);
     at_ += kLeadIn;
     const std::uint64_t left = bytes_.size() - at_;
-    // A program that was killed while writing leaves this mark, and perhaps part of a chunk.
+    // A program that was killed while it wrote leaves this mark, and perhaps an incomplete chunk.
     const bool closed = next != kNotClosed;
     if (!closed) next = left;
     if (next > left)
@@ -326,7 +326,7 @@ class Parser {
     }
   }
 
-  /// Applies the scales of the properties; the last one first requests those before it.
+  /// Applies the scales in the properties. The last scale names the scale that precedes it, etc.
   void scale(const Channel& channel, std::vector<double>& x) const {
     const auto status = channel.texts.find("NI_Scaling_Status");
     const double count = channel.number("NI_Number_Of_Scales", 0.0);

@@ -42,13 +42,13 @@ std::uint32_t whole(std::string_view text, std::uint32_t otherwise) {
 
 enum class NumberFormat { number, date, elapsed };
 
-/// Classifies a format code: dates have date letters outside quotes and brackets; "[h]:mm" counts
-/// beyond a day.
+/// Classifies a format code: dates have date letters outside quotes and brackets. "[h]:mm" is an
+/// elapsed time, which may exceed one day.
 NumberFormat format_of_code(std::string_view code) {
   bool date = false;
   for (std::size_t i = 0; i < code.size(); ++i) {
     const char c = code[i];
-    if (c == ';') break;  // section for negative numbers and texts
+    if (c == ';') break;  // end of the first section; others are for negative numbers and texts
     if (c == '"') {
       i = std::min(code.find('"', i + 1), code.size());
     } else if (c == '\\' || c == '_' || c == '*') {
@@ -62,7 +62,7 @@ NumberFormat format_of_code(std::string_view code) {
     } else if (std::string_view("yYmMdDhHsS").find(c) != std::string_view::npos) {
       date = true;
     } else if (c == 'G' || c == 'g') {
-      break;  // "General"
+      break;  // G: "General"
     }
   }
   return date ? NumberFormat::date : NumberFormat::number;
@@ -77,7 +77,7 @@ NumberFormat builtin_format(std::uint32_t id) {
 
 /// A spreadsheet's date [days] as a time stamp; below one day, the time of day only.
 std::string stamp_of(double days, bool since_1904) {
-  constexpr double kMost = 2'958'466.0;  // the year 9999
+  constexpr double kMost = 2'958'466.0;  // days; end of the year 9999
   if (!(days >= 0.0) || days >= kMost) return "#NUM!";
   double whole_days = std::floor(days);
   auto micros = std::llround((days - whole_days) * kSecondsADay * 1e6);
@@ -89,7 +89,7 @@ std::string stamp_of(double days, bool since_1904) {
   char text[64];
   std::string out;
   if (days >= 1.0 || since_1904) {
-    // Day 60 is 29 February 1900, which did not exist: days before it count one more.
+    // Day 60 is 29 February 1900, which did not exist: earlier days are shifted by one.
     const double shift = since_1904 ? 24107.0 : whole_days < 60.0 ? 25568.0 : 25569.0;
     // Days from 1970 to a date (H. Hinnant, chrono-compatible low-level date algorithms).
     const auto z = static_cast<long long>(whole_days - shift) + 719468;
@@ -106,7 +106,7 @@ std::string stamp_of(double days, bool since_1904) {
   return out + text;
 }
 
-/// A cell's text, escaped for a line separated by tabs.
+/// The text of a cell, escaped so that it can be a cell of a line separated by tabs.
 std::string cell_text(std::string_view text) {
   std::string out;
   bool quoted = false;
@@ -142,7 +142,7 @@ class Workbook {
 
   [[nodiscard]] const std::vector<Sheet>& sheets() const { return sheets_; }
 
-  /// The sheet as text, its cells separated by tabs.
+  /// The sheet as text, with cells separated by tabs.
   [[nodiscard]] std::string text_of(const Sheet& sheet) {
     cells_.clear();
     texts_.clear();
@@ -227,7 +227,7 @@ class Workbook {
     read("xl/sharedStrings.xml", {begin, end, text});
   }
 
-  /// "B3": row 2, column 1. False if it is not such a reference.
+  /// Converts a reference: "B3" is row 2, column 1. Returns false for other strings.
   static bool place(std::string_view reference, Cell& cell) {
     std::uint32_t column = 0;
     std::size_t i = 0;

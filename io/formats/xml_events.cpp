@@ -16,7 +16,7 @@ std::string local(std::string_view name) {
   return std::string(colon == std::string_view::npos ? name : name.substr(colon + 1));
 }
 
-/// Passes an exception through expat, which is C code.
+/// Stores an exception while control returns through expat, which is C code.
 struct Reading {
   const XmlEvents& events;
   XML_Parser parser;

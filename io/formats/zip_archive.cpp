@@ -20,7 +20,7 @@ constexpr std::uint64_t kMostInflated = 1032;  // largest compression ratio of d
 constexpr std::string_view kEnd("PK\5\6", 4), kEntry("PK\1\2", 4), kLocal("PK\3\4", 4),
     kEnd64("PK\6\6", 4), kLocator("PK\6\7", 4);
 
-/// Inflates a deflate stream without header; empty unless it has the announced length.
+/// Inflates a deflate stream without header; empty if its length is not the stated length.
 std::string inflated(std::string_view packed, std::uint64_t size) {
   z_stream stream{};
   if (inflateInit2(&stream, -MAX_WBITS) != Z_OK) throw std::bad_alloc();
@@ -28,7 +28,7 @@ std::string inflated(std::string_view packed, std::uint64_t size) {
   std::uint64_t taken = 0, made = 0;
   int status = Z_OK;
   constexpr std::uint64_t kPiece = 1U << 30U;
-  char beyond = 0;  // output address for an empty member
+  char beyond = 0;  // output address if the member is empty
   while (status == Z_OK) {
     stream.next_in = reinterpret_cast<Bytef*>(const_cast<char*>(packed.data() + taken));
     stream.avail_in = static_cast<uInt>(std::min(kPiece, packed.size() - taken));
@@ -56,7 +56,7 @@ void ZipArchive::corrupt(const std::string& why) const {
   throw FileError(FileError::Kind::corrupt, name_, why);
 }
 
-/// Little endian.
+/// Reads a whole number of `bytes` bytes, little endian.
 std::uint64_t ZipArchive::number(std::uint64_t at, int bytes) const {
   if (at > bytes_.size() || bytes_.size() - at < static_cast<std::uint64_t>(bytes))
     corrupt("is truncated or damaged: its directory points beyond its end");
@@ -98,7 +98,7 @@ void ZipArchive::read_directory() {
     static_cast<void>(number(at + kEntrySize, 0));
     member.name =
         std::string(bytes_.substr(std::min<std::uint64_t>(at + kEntrySize, bytes_.size()), name));
-    // ZIP64: numbers above 32 bits are in the extra field 1, in this order.
+    // ZIP64: the extra field 1 contains the numbers that exceed 32 bits, in this order.
     for (std::uint64_t e = at + kEntrySize + name; e + 4 <= at + kEntrySize + name + extra;) {
       const std::uint64_t kind = number(e, 2), length = number(e + 2, 2);
       std::uint64_t field = e + 4;

@@ -22,7 +22,7 @@ namespace {
 constexpr std::size_t kHeader = 128, kTag = 8;
 constexpr std::uintmax_t kCompressed = 15;
 
-constexpr std::size_t kHead = 512;  // bytes of a variable; an object's flags and names are shorter
+constexpr std::size_t kHead = 512;  // bytes; flags and names of an object are shorter
 
 /// True if the next `bytes` of the file are a zlib stream with a correct checksum; `head` receives
 /// the first bytes of its content.
@@ -44,7 +44,7 @@ bool inflates(std::ifstream& file, std::uintmax_t bytes, std::string& head) {
       status = inflate(&stream, Z_NO_FLUSH);
       head.append(out.data(), std::min(kHead - head.size(), out.size() - stream.avail_out));
     } while (status == Z_OK && (stream.avail_in > 0 || stream.avail_out == 0));
-    if (status == Z_BUF_ERROR) status = Z_OK;  // more input is needed, which the loop checks
+    if (status == Z_BUF_ERROR) status = Z_OK;  // the loop provides more input
   }
   inflateEnd(&stream);
 #ifdef FUZZING_BUILD_MODE_UNSAFE_FOR_PRODUCTION
@@ -59,8 +59,8 @@ class Fields {
  public:
   Fields(std::string_view bytes, bool little) : bytes_(bytes), little_(little) {}
 
-  /// The next field's data, padded to 8 bytes; up to 4 bytes are within the tag itself. Empty if
-  /// truncated.
+  /// The data of the next field, which is padded to 8 bytes. Up to 4 data bytes are stored within
+  /// the tag. Empty if truncated.
   std::string_view next() {
     if (bytes_.size() - at_ < kTag) return {};
     const std::uint64_t tag = number(at_), packed = tag >> 16U;
@@ -84,7 +84,7 @@ class Fields {
   std::size_t at_ = 0;
 };
 
-/// The class of a variable that is an object: flags of class 17, its name, "MCOS", and its class.
+/// Reads a variable that is an object: flags of class 17, then its name, "MCOS" and its class.
 std::optional<MatlabObject> object_of(std::string_view variable, bool little) {
   constexpr std::uint64_t kOpaque = 17;
   Fields fields(variable, little);

@@ -30,7 +30,7 @@ std::vector<double> numbers(const void* data, std::size_t count) {
   return out;
 }
 
-/// Reads an array of this class; empty for classes without numbers.
+/// Reads an array of the class `type`; empty for classes without numbers.
 std::vector<double> numbers_of(matio_classes type, const void* data, std::size_t count) {
   if (data == nullptr) return {};
   switch (type) {
@@ -59,7 +59,7 @@ std::vector<double> numbers_of(matio_classes type, const void* data, std::size_t
   }
 }
 
-/// A numeric array, column by column.
+/// A numeric array, stored column by column.
 struct Array {
   ArrayShape shape;
   std::vector<double> values = {};
@@ -72,11 +72,11 @@ bool is_numeric(const matvar_t& variable) {
          variable.class_type >= MAT_C_DOUBLE && variable.class_type <= MAT_C_UINT64;
 }
 
-/// The largest compression ratio of deflate. If a file announces more, the data do not exist, and
-/// libmatio would fill them with zeros.
+/// The largest compression ratio of deflate. If a file states a larger array, the data do not
+/// exist, and libmatio would fill the array with zeros.
 constexpr double kMostInflated = 1032.0;
-constexpr int kDeepest = 8;               // structures in structures
-constexpr std::size_t kMostCells = 1000;  // in a cell array or an array of structures
+constexpr int kDeepest = 8;               // levels of nested structures
+constexpr std::size_t kMostCells = 1000;  // elements of a cell array or structure array
 
 std::string class_name(const matvar_t& variable) {
   switch (variable.class_type) {
@@ -106,8 +106,8 @@ std::size_t elements_of(const matvar_t& variable) {
   return count;
 }
 
-/// visit(name, variable) of a variable, of the fields of structures, "s.field" and "run(2).acc",
-/// and of cells, "runs{2}".
+/// Calls visit(name, variable) for a variable, for fields of structures ("s.field", "run(2).acc")
+/// and for elements of cell arrays ("runs{2}").
 template <class Visitor>
 void for_each_array(const std::string& name, matvar_t& variable, int depth, const Visitor& visit) {
   const bool structure = variable.class_type == MAT_C_STRUCT;
@@ -135,7 +135,7 @@ ArrayShape shape_of(const std::string& name, const matvar_t& variable) {
   return {.name = name, .shape = {variable.dims, variable.dims + variable.rank}};
 }
 
-/// Adds the array; a complex one as real and imaginary part. False if it has no values.
+/// Adds an array; a complex array as real and imaginary part. Returns false if it has no values.
 bool take(const std::string& name, const matvar_t& variable, std::vector<Array>& arrays) {
   const std::size_t count = shape_of(name, variable).size();
   if (variable.data == nullptr || variable.data_size <= 0 ||
@@ -152,7 +152,7 @@ bool take(const std::string& name, const matvar_t& variable, std::vector<Array>&
   return add(", real", parts.Re) && add(", imaginary", parts.Im);
 }
 
-/// The kind of an object, and how to save its numbers in a readable form.
+/// Returns the kind of an object, and advice how to save its numbers in a readable form.
 std::string object_in_words(const std::string& name, const std::string& type) {
   std::string remedy = "save its numbers as arrays";
   if (type == "table" || type == "timetable")
@@ -192,7 +192,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
     ++seen;
     if (variable->name == nullptr) continue;
     const std::string name = in_utf8(variable->name);
-    // Reads array by array; other members of a structure are not read.
+    // Read array by array, so that other members of a structure are not read.
     for_each_array(name, *variable, 0, [&](const std::string& of, matvar_t& array) {
       if (!is_numeric(array)) {
         others.push_back(of + " (" + class_name(array) + ")");
@@ -240,7 +240,7 @@ Columns read_here(const std::filesystem::path& path, const Wanted& wanted,
 
 Columns read_matlab_file(const std::filesystem::path& path, const Wanted& wanted,
                          const ArrayLayout& layout) {
-  const NetcdfLock lock;  // a v7.3 file is an HDF5 one
+  const NetcdfLock lock;  // a v7.3 file is an HDF5 file
   return read_apart_as<Columns>(path, [&] { return read_here(path, wanted, layout); });
 }
 

@@ -31,12 +31,12 @@ SparseMatrix assembled(long long rows, long long columns, const Triplets& entrie
   return matrix;
 }
 
-/// The lines of a text, from 1, and their words.
+/// Iterates over the lines of a text, numbered from 1, and gives their words.
 class Lines {
  public:
   Lines(std::string_view text, const std::filesystem::path& name) : text_(text), name_(name) {}
 
-  /// The words of the next line that is neither empty nor a comment; none at the end.
+  /// The words of the next line that is neither empty nor a comment; empty at the end of the text.
   std::vector<std::string_view> next() {
     while (at_ < text_.size()) {
       const std::string_view line = take();
@@ -83,7 +83,7 @@ std::string lower(std::string_view word) {
   return out;
 }
 
-/// A whole number in [lowest, highest].
+/// Reads a whole number in [lowest, highest].
 long long whole(const Lines& lines, std::string_view word, const std::string& what,
                 long long lowest, long long highest) {
   const std::optional<double> x = parse_number(word);
@@ -111,7 +111,7 @@ std::vector<double> converted(const void* data, std::size_t count) {
   return out;
 }
 
-/// The numbers of an array, as stored; nothing if they are not numbers.
+/// The elements of an array, in their stored order; std::nullopt if they are not numbers.
 std::optional<std::vector<double>> numbers(const void* data, matio_types type, std::size_t count) {
   if (count == 0) return std::vector<double>();
   if (data == nullptr) return {};
@@ -158,7 +158,7 @@ class MatlabMatrix {
                      entries);
   }
 
-  /// Compressed columns: column j has the entries jc[j] … jc[j + 1] - 1, in the rows ir.
+  /// Compressed columns: column j has the entries jc[j] … jc[j + 1] - 1; `ir` gives their rows.
   [[nodiscard]] SparseMatrix sparse() const {
     const auto* s = static_cast<const mat_sparse_t*>(v_.data);
     if (s == nullptr) fail("cannot be read");
@@ -256,7 +256,7 @@ void carry(Parcel& parcel, Of& matrix) {
 }
 
 SparseMatrix read_matlab_matrix(const std::filesystem::path& path, const std::string& name) {
-  const NetcdfLock lock;  // a v7.3 file is an HDF5 one
+  const NetcdfLock lock;  // a v7.3 file is an HDF5 file
   const auto carried = read_apart_as<Carried>(path, [&] {
     SparseMatrix m = read_here(path, name);
     m.makeCompressed();

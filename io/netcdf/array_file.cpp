@@ -15,13 +15,13 @@
 namespace wheeltap::io {
 namespace {
 
-constexpr int kDeepest = 8;  // groups within groups
+constexpr int kDeepest = 8;  // largest depth of nested groups
 constexpr int kMostDimensions = 4;
 
 /// A part of a complex number as stored by h5py and others: a compound of two real numbers.
 struct Part {
   std::size_t size = 0;    ///< size of the compound
-  std::size_t offset = 0;  ///< within it
+  std::size_t offset = 0;  ///< offset within the compound
   nc_type type = NC_DOUBLE;
 };
 
@@ -64,7 +64,7 @@ std::string unit_of(const Found& of) {
   return in_utf8(std::string_view(out).substr(0, out.find('\0')));
 }
 
-/// The real and imaginary part of a compound type; none for any other type.
+/// The real and imaginary part of a compound type; empty for any other type.
 std::vector<Part> parts_of(int group, nc_type type) {
   std::size_t size = 0, fields = 0;
   int kind = 0;
@@ -85,7 +85,7 @@ std::vector<Part> parts_of(int group, nc_type type) {
   return out;
 }
 
-/// The kind of a variable that holds no numeric array, in words; empty otherwise.
+/// The name of the kind of a variable that is not a numeric array; empty for numeric arrays.
 std::string other_kind(int group, nc_type type, int rank) {
   if (rank > kMostDimensions) return std::to_string(rank) + "-d array";
   if (numeric(type)) return {};

@@ -44,7 +44,7 @@ class Silence {
   void* data_ = nullptr;
 };
 
-/// The first object that refers to another file: how it does so, and its name.
+/// The first object that refers to another file: name of the object and kind of the reference.
 struct ExternalReference {
   std::string name, how;
 };
@@ -85,7 +85,7 @@ void require_own_storage(const std::filesystem::path& path) {
   const Silence silence;
   if (H5Fis_hdf5(path.c_str()) <= 0) return;
   const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
-  // The same access mode as NetCDF, since HDF5 cannot open a file in two modes.
+  // Use the access mode of NetCDF, because HDF5 cannot open a file in two modes at once.
   if (access) H5Pset_fclose_degree(access.id(), H5F_CLOSE_SEMI);
   const Opened file(H5Fopen(path.c_str(), H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (file) require(file.id(), path);
@@ -97,10 +97,10 @@ void require_own_storage(std::string_view bytes, const std::filesystem::path& na
   const Opened access(H5Pcreate(H5P_FILE_ACCESS), H5Pclose);
   constexpr std::size_t kGrow = 1 << 16;
   if (!access || H5Pset_fapl_core(access.id(), kGrow, false) < 0) return;
-  // HDF5 reads from its own copy.
+  // HDF5 needs a copy of the bytes.
   std::string copy(bytes);
   if (H5Pset_file_image(access.id(), copy.data(), copy.size()) < 0) return;
-  // A name that no file can have: HDF5 rejects an image with the name of an existing file.
+  // No file can have this name; HDF5 would reject the name of an existing file.
   const Opened file(H5Fopen("/dev/null/image", H5F_ACC_RDONLY, access.id()), H5Fclose);
   if (file) require(file.id(), name);
 }

@@ -18,11 +18,11 @@ std::uint64_t sum(std::uint64_t a, std::uint64_t b) {
 
 struct Variable {
   bool of_records = false;
-  std::uint64_t bytes = 0;  ///< of its values, or of its values per record
+  std::uint64_t bytes = 0;  ///< size of all values, or of one record
   std::uint64_t begin = 0;
 };
 
-/// Reads a header number by number; good() is false after the end of the file or an invalid value.
+/// Reads a header, number by number; good() is false after the end of the file or an invalid value.
 class Header {
  public:
   explicit Header(std::istream& file) : file_(file) {
@@ -34,7 +34,7 @@ class Header {
   }
   [[nodiscard]] bool good() const { return good_; }
 
-  /// The format's NON_NEG: 4 bytes, 8 in CDF-5.
+  /// A number of type NON_NEG of the format: 4 bytes, or 8 bytes in CDF-5.
   std::uint64_t count() { return number(version_ == 5 ? 8 : 4); }
   std::uint64_t offset() { return number(version_ == 1 ? 4 : 8); }
   [[nodiscard]] std::uint64_t streaming() const {
@@ -74,7 +74,7 @@ class Header {
       }
       attributes();
       v.bytes = product(v.bytes, size_of(number(4)));
-      (void)count();  // vsize: overflows for large variables
+      (void)count();  // skip vsize, which overflows for large variables
       v.begin = offset();
       out.push_back(v);
     }
@@ -95,7 +95,7 @@ class Header {
     return good_ ? n : 0;
   }
   void name() { skip(count()); }
-  /// Bytes, padded to a multiple of four.
+  /// Skips bytes, padded to a multiple of four.
   void skip(std::uint64_t bytes) {
     constexpr std::uint64_t kMostSkipped = 1U << 31U;
     if (bytes > kMostSkipped) good_ = false;
@@ -117,7 +117,7 @@ class Header {
 
 std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file) {
   Header header(file);
-  if (!header.good()) return 0;  // of another format
+  if (!header.good()) return 0;  // a file of another format
   const std::uint64_t records = header.count();
   const std::vector<std::uint64_t> dimensions = header.dimensions();
   header.attributes();
@@ -125,7 +125,7 @@ std::optional<std::uintmax_t> netcdf_classic_size(std::istream& file) {
   if (!header.good() || records == header.streaming()) return std::nullopt;
   const auto of_records =
       std::ranges::count_if(variables, [](const Variable& v) { return v.of_records; });
-  std::uint64_t record = 0;  // a single record variable is not padded
+  std::uint64_t record = 0;  // bytes per record; a single record variable is not padded
   for (const Variable& v : variables)
     if (v.of_records)
       record = sum(record, of_records == 1 ? v.bytes : product(sum(v.bytes, 3) / 4, 4));

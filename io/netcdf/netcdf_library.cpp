@@ -10,8 +10,8 @@
 namespace wheeltap::io {
 namespace {
 
-/// HDF5 file format specification, II.A: superblocks of version 2 and 3 end with Jenkins' lookup3
-/// of the preceding bytes.
+/// HDF5 file format specification, II.A: superblocks of versions 2 and 3 end with a checksum of the
+/// preceding bytes (lookup3 of Jenkins).
 constexpr std::size_t kVersionAt = 8, kChecksumAt = 44;
 
 /// lookup3 (hashlittle, Jenkins 2006) of `kChecksumAt` bytes: three whole blocks of three words,
@@ -46,7 +46,7 @@ std::uint32_t lookup3(const std::string& bytes) {
   return c;
 }
 
-/// H5Fget_file_image clears the mark of an open file but does not update the checksum.
+/// Corrects the checksum: H5Fget_file_image clears the mark of an open file but not the checksum.
 void correct_superblock(std::string& bytes) {
   if (bytes.size() < kChecksumAt + 4 || bytes[kVersionAt] < 2 || bytes[kVersionAt] > 3) return;
   const std::uint32_t sum = lookup3(bytes);

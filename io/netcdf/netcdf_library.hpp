@@ -55,7 +55,7 @@ class NetcdfHandle {
 
  private:
   bool open_ = false;
-  std::string name_;  // in memory
+  std::string name_;  // name of the file in memory
 };
 
 /// The NetCDF type that stores numbers of type Number without conversion.

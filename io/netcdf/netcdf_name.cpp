@@ -34,7 +34,7 @@ std::string netcdf_name(std::string_view name) {
   for (auto at = first_unprintable(out); at; at = first_unprintable(out)) out[*at] = '_';
   std::ranges::replace(out, '/', '_');
   if (out.size() > kLongest) {
-    std::size_t end = kLongest;  // start of a character
+    std::size_t end = kLongest;  // move to the start of a character
     while (end > 0 && (static_cast<unsigned char>(out[end]) & 0xC0U) == 0x80U) --end;
     out.resize(end);
   }

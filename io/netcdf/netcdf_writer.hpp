@@ -110,7 +110,7 @@ class NetcdfWriter {
     const std::size_t rows = std::exchange(count[0], 1);
     pieces[1] = std::min(kPiece, count[1]);
     check(nc_def_var_chunking(group, id, NC_CHUNKED, pieces.data()));
-    // HDF5 need not cache chunks, because each chunk is written in one call.
+    // Almost no chunk cache is needed, because each chunk is written in one call.
     check(nc_set_var_chunk_cache(group, id, kPiece, 1, 1.0F));
     std::vector<Number> row;
     for (start[0] = 0; start[0] < rows; ++start[0]) {

@@ -9,7 +9,7 @@ namespace wheeltap::io {
 
 namespace {
 
-/// HDF5 does not report why it cannot write; writing the next piece of the file gives the reason.
+/// HDF5 does not report why it cannot write; writing the next part of the file gives the reason.
 void throw_write_error(AtomicFile& to) {
   constexpr std::size_t kPiece = 1 << 16;
   to.append(std::string(kPiece, '\0'));

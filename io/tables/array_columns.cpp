@@ -29,7 +29,7 @@ std::optional<std::size_t> along(const ArrayShape& array, const ArrayLayout& lay
   return {};
 }
 
-/// The indices of its channels.
+/// The length of the channels of an array; 0 for a single number.
 std::size_t length_of(const ArrayShape& array, const ArrayLayout& layout) {
   if (array.size() <= 1) return 0;
   if (layout.rows_are_channels && !is_vector(array))
@@ -56,7 +56,7 @@ std::string indexed(const std::string& name, const std::string& index) {
   return name.substr(0, part) + index + name.substr(part);
 }
 
-/// From indices in the array's storage order.
+/// Distance in storage of two elements with successive indices, per dimension.
 std::vector<std::size_t> strides_of(const ArrayShape& array) {
   std::vector<std::size_t> out(array.shape.size(), 1);
   const auto n = out.size();

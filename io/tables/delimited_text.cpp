@@ -12,7 +12,7 @@ namespace {
 
 constexpr int kHeadRows = 1000;  // rows searched for the first row of numbers
 constexpr std::size_t kHeadComments = 5000;
-constexpr int kBodyRows = 100;  // from the middle of a long text
+constexpr int kBodyRows = 100;  // rows from the middle of a long text
 
 bool is_blank(char c) {
   return c == ' ' || c == '\t' || c == '\r';
@@ -468,7 +468,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
                 .first_line = first_line_,
                 .skipped = skipped_,
                 .layout = layout_};
-  // Some programs write an empty line after each row.
+  // Accept an empty line after each row, because some programs write it.
   const auto within = std::ranges::count_if(
       empty_, [&](const auto& line) { return line.first > 0 && line.first < rows(); });
   if (within != rows() - 1 || rows() < 3)
@@ -504,8 +504,8 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       const bool read = c < reads.size() && reads[c] != 0;
       double value = std::numeric_limits<double>::quiet_NaN();
       if (read && !stamps[c] && separator != decimal) {
-        // Fast path: a plain number and the following separator, without searching for the end of
-        // the cell.
+        // Fast path for a plain number and its separator, which does not search for the end of the
+        // cell.
         const char* p = line.data();
         const char* const end = p + line.size();
         while (p < end && is_gap(*p)) ++p;
@@ -556,7 +556,7 @@ Columns DelimitedText::columns(const Wanted& wanted) const {
       std::string reason = std::to_string(c) + " columns, must be " +
                            std::to_string(headers_.size()) + " as in line " +
                            std::to_string(header_line_ > 0 ? header_line_ : first_line_);
-      // A line of names that do not match the first row may not be a header.
+      // If the names do not match the first row, they may not be a header.
       if (row == 0 && header_line_ > 0)
         reason += " (if that line holds no names, state \"header\": 0, or the line that does)";
       else if (row + 1 == starts_.size())

@@ -22,13 +22,13 @@ std::string lower(std::string_view text) {
   return out;
 }
 
-/// "TS" and "RN" are in the line of units of Campbell's loggers.
+/// True for a mark for "no unit". "TS" and "RN" are in the line of units of Campbell's loggers.
 bool is_neutral(std::string_view cell) {
   return cell.empty() || cell == "-" || cell == "TS" || cell == "RN" || cell == "[-]" ||
          cell == "(-)" || cell == "[]" || cell == "()";
 }
 
-/// "Unit;s;g": a leading cell that describes the line.
+/// "Unit;s;g": true if the first cell describes the line and is not a unit.
 bool is_units_label(std::string_view cell) {
   std::string low = lower(cell);
   if (low.ends_with(':')) low.pop_back();
@@ -41,7 +41,7 @@ bool is_open(std::string_view header) {
          std::ranges::count(header, '(') > std::ranges::count(header, ')');
 }
 
-/// Cells separated by two or more blanks.
+/// The cells of a line in which two or more blanks separate cells.
 std::vector<std::string> wide_cells(std::string_view line) {
   std::vector<std::string> out;
   line = trimmed(line);
@@ -93,7 +93,7 @@ bool take_cell(std::string_view& line, char separator, std::string_view& cell) {
   std::size_t at = 0;
   const std::size_t first = line.find_first_not_of(" \t");
   if (first != std::string_view::npos && line[first] == '"') {
-    // Up to the closing quote; "" is a quote inside.
+    // The cell ends at the closing quote; "" stands for a quote within the cell.
     for (at = first + 1; at < line.size(); ++at) {
       if (line[at] != '"') continue;
       if (at + 1 == line.size() || line[at + 1] != '"') break;
@@ -146,7 +146,7 @@ std::vector<std::string> joined_names(const std::vector<std::string>& cells) {
 std::vector<std::string> names_in(std::string_view line, char separator, std::size_t columns) {
   const auto fits = [&](std::vector<std::string>& names) {
     if (names.size() == columns + 1 && names.back().empty()) names.pop_back();
-    // "Headers, time, Ax": a leading cell that describes the line.
+    // "Headers, time, Ax": the first cell describes the line and is not a name.
     if (names.size() == columns + 1) {
       const std::string low = lower(names.front());
       if (low == "headers" || low == "header" || low == "columns" || low == "names")
@@ -162,7 +162,7 @@ std::vector<std::string> names_in(std::string_view line, char separator, std::si
   if (fits(names)) return names;
   names = wide_cells(line);
   if (columns > 1 && fits(names)) return names;
-  // Names may have another separator than the rows.
+  // The line of names may have a different separator than the rows.
   for (const char other : {',', ';', '\t'}) {
     if (other == separator || columns < 2) continue;
     names = loose_cells(line, other);

@@ -16,7 +16,7 @@ namespace wheeltap::io {
 namespace {
 
 constexpr std::array kSeparators = {',', ';', '\t', '|', ' '};
-constexpr std::size_t kMostHeaderLines = 8;  // between the names and the first row
+constexpr std::size_t kMostHeaderLines = 8;  // lines between the names and the first row
 
 class Finder {
  public:
@@ -46,7 +46,7 @@ class Finder {
 
   void choose_separator() {
     std::vector<TextLine> sample;
-    // In a long text the later rows contain no headers.
+    // Use later rows of a long text, because they contain no headers.
     if (body_.empty()) {
       sample = head_;
       if (header_first_) {
@@ -61,7 +61,7 @@ class Finder {
       if (stated_.separator && *stated_.separator != separator) continue;
       for (const char decimal : {'.', ','}) {
         if (stated_.decimal && *stated_.decimal != decimal) continue;
-        // Quoted numbers may contain the separator.
+        // A comma can be separator and decimal mark at once only if numbers are quoted.
         if (separator == decimal && stated_.separator) continue;
         Reading reading = reading_;
         reading.decimal = decimal;
@@ -117,9 +117,9 @@ class Finder {
       out_.columns = row.cells.size();
       break;
     }
-    // If two row lengths are equally frequent, the one that fits the names is right.
+    // If two row lengths are equally frequent, choose the length that fits the names.
     if (named && counts.contains(*named) && counts[*named] == most) out_.columns = *named;
-    // Cells that are empty at the end of all rows of this length do not count, unless they have
+    // Do not count cells at the end that are empty in all rows of this length, unless they have
     // names.
     out_.trailing = out_.columns - 1;
     for (const Split& row : rows_)
@@ -127,7 +127,7 @@ class Finder {
     if (named && *named <= out_.columns && *named + out_.trailing > out_.columns)
       out_.trailing = out_.columns - *named;
     out_.columns -= out_.trailing;
-    // "a,b,c" over "1,2": a column of remarks without its separator.
+    // "a,b,c" over "1,2": rows without the last cell and its separator, a column of remarks.
     if (named && *named == out_.columns + 1 && is_remarks_name(last_name_)) {
       ++out_.columns;
       out_.optional_last = true;
@@ -163,7 +163,7 @@ class Finder {
     return out_.separator == ' ' ? joined_names(cells) : cells;
   }
 
-  /// "1,234" within quotes, between commas.
+  /// Rejects quoted numbers like "1,234" in a text separated by commas: the meaning is ambiguous.
   void check_quoted_commas() {
     if (out_.separator != out_.decimal || stated_.decimal) return;
     for (const Split& row : rows_)
@@ -177,7 +177,7 @@ class Finder {
                         "thousands");
   }
 
-  /// "a,b" over "0,1 2": the comma between names would be a decimal mark in the rows.
+  /// Rejects "a,b" over "0,1 2": the comma separates names, but would be a decimal mark in rows.
   void compare_marks() {
     if (out_.decimal != ',' || out_.columns < 2 || stated_.decimal || header_first_) return;
     std::optional<std::size_t> names;
@@ -244,7 +244,7 @@ class Finder {
       for (std::size_t c = 0; c < std::min(out_.columns, row.cells.size()); ++c)
         if (!is_missing_value(row.cells[c]))
           ++counts[c][static_cast<std::size_t>(kind_of(row.cells[c], reading_))];
-    // If no row is purely numeric, lines with some texts count too.
+    // The kind of a column is the kind of most of its cells.
     for (const auto& count : counts) {
       CellKind kind = CellKind::number;
       if (count[1] > count[0]) kind = CellKind::stamp;
@@ -285,7 +285,7 @@ class Finder {
     for (std::size_t i = 0; i < head_.size(); ++i) {
       if (head_[i].is_comment) continue;
       if (header_first_) {
-        // The line after the first row.
+        // The names are stated to be in the first line that is not a comment.
         out_.names = i;
         out_.first = i + 1;
         return;
@@ -295,7 +295,7 @@ class Finder {
       out_.first = i;
       break;
     }
-    // A row above it with a cell that is not a number is not a line of names.
+    // Include rows above the first row if they are data rows and not a line of names.
     while (out_.first > 0 && out_.first < head_.size()) {
       const TextLine& above = head_[out_.first - 1];
       if (above.is_comment) break;
@@ -382,18 +382,18 @@ class Finder {
     if (!out_.units && stated_.units_row.value_or(-1) != 0)
       for (std::size_t b = 0; b < block.size() && !units; ++b)
         if (is_units_line(cells[b])) units = b;
-    // The line of units may also be directly above the only line of names.
+    // If there is one line of names, the line of units may also be directly above this line.
     if (units == 1U && block.size() == 2 && can_name(cells[0])) {
       out_.units = block[1];
       out_.names = block[0];
       return;
     }
-    // A line of units is below a line of names. If no line is above it, or a line of values, it is
-    // the line of names.
+    // A line of units is below a line of names. Without a line above it that can have names, it is
+    // itself the line of names.
     if (units && (*units + 1 == block.size() || !can_name(cells[*units + 1]))) units.reset();
     if (units) out_.units = block[*units];
     std::size_t names = units ? *units + 1 : 0;
-    // A mostly empty line is not the line of names if the line above it has fewer empty cells.
+    // A line with empty cells is not the line of names if the line above it has fewer empty cells.
     while (!units && names + 1 < block.size() && filled(cells[names]) < out_.columns &&
            filled(cells[names + 1]) > filled(cells[names]))
       ++names;
@@ -421,7 +421,7 @@ class Finder {
     while (above > 0 && head_[above].is_comment) --above;
     if (head_[above].is_comment || head_[above].number + 1 != head_[out_.first].number) return;
     const std::vector<std::string> cells = joined(loose_cells(head_[above].text, out_.separator));
-    // "Time a b" over "2021-03-01 10:00:00 1 2": one name for a date and a time.
+    // "Time a b" over "2021-03-01 10:00:00 1 2": date and time have one name together.
     if (cells.size() + 1 == out_.columns && out_.separator == ' ' &&
         out_.kinds[0] == CellKind::stamp && out_.kinds[1] == CellKind::stamp) {
       out_.names = above;

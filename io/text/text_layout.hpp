@@ -14,7 +14,7 @@ namespace wheeltap::io {
 struct TextLayout {
   std::optional<char> separator = {};  ///< ',', ';', '\t', '|' or ' ' for any run of blanks
   std::optional<char> decimal = {};    ///< '.' or ','
-  std::optional<int> skip = {};        ///< lines to skip before detection
+  std::optional<int> skip = {};        ///< number of lines to skip before detection
   std::optional<int> header = {};      ///< line of the column names; 0: no line of names
   std::optional<int> units_row = {};   ///< line of the column units; 0: no line of units
   std::string time_format =
@@ -55,7 +55,7 @@ struct TextLine {
 };
 
 enum class CellKind {
-  number,  ///< or a missing value
+  number,  ///< a number or a missing value
   stamp,   ///< a date or time of day
   text
 };
@@ -66,7 +66,7 @@ struct TableShape {
   char separator = ',';
   char decimal = '.';
   std::size_t columns = 0;
-  std::size_t trailing = 0;  ///< number of separators at the end of rows without a cell after them
+  std::size_t trailing = 0;  ///< number of final separators that no cell follows
   /// True if the last column holds remarks. The cell and the separator of this column may be
   /// missing in a row.
   bool optional_last = false;

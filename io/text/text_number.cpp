@@ -104,7 +104,7 @@ bool is_missing_value(std::string_view text) {
   std::string low(text);
   for (char& c : low)
     if (c >= 'A' && c <= 'Z') c = static_cast<char>(c - 'A' + 'a');
-  // "-", "---.--", "****", "#####", "?": signs without a digit or letter.
+  // A missing value may consist of signs only: "-", "---.--", "****", "#####", "?".
   if (low.find_first_not_of("-*#?._ ") == std::string::npos) return true;
   if (low.starts_with('-') || low.starts_with('+')) low.erase(0, 1);
   for (const std::string_view known :

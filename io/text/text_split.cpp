@@ -13,7 +13,7 @@ std::string_view without_sign(std::string_view text) {
   return text;
 }
 
-/// "20210301100000": digits that are more likely a date.
+/// "20210301100000": true if the digits are more likely a date than a number.
 bool is_long_stamp(std::string_view cell) {
   const std::size_t digits = std::min(cell.find_first_not_of("0123456789"), cell.size());
   return (digits == 14 || digits == 17) && (cell[0] == '1' || cell[0] == '2') &&
@@ -70,7 +70,7 @@ Commas commas_of(const std::vector<Split>& rows, std::size_t columns, std::size_
       if (c % 2 == 0 && !all_digits(without_sign(cell))) return Commas::separate;
       if (c % 2 == 0 && (cell == "-0" || cell == "+0")) zero_in[c / 2] = true;
       if (c % 2 == 0) continue;
-      // The exponent belongs to the digits after the comma.
+      // Check the digits after the comma without their exponent.
       const std::string_view digits = cell.substr(0, cell.find_first_of("eE"));
       if (!all_digits(digits)) return Commas::separate;
       if (digits.size() > 1 && digits.front() == '0') zero_in[c / 2] = true;
@@ -82,7 +82,7 @@ Commas commas_of(const std::vector<Split>& rows, std::size_t columns, std::size_
   if (names > 0) return Commas::separate;
   if (leading_zero) return columns == 2 ? Commas::decimal : Commas::mixed;
   if (columns > 2) return Commas::separate;
-  // An increasing first column is an index or a time.
+  // A first column with a constant step is an index or a time, so that commas separate cells.
   if (rows.size() >= 5) {
     const auto first = [&](std::size_t row) {
       return parse_number(rows[row].cells.front()).value_or(0.0);

@@ -50,8 +50,8 @@ class Cursor {
   void skip_blanks() {
     while (!rest.empty() && (rest.front() == ' ' || rest.front() == '\t')) rest.remove_prefix(1);
   }
-  /// Reads a whole number of `least` to `most` digits. Returns -1 if the text does not continue
-  /// with such a number.
+  /// Reads a whole number of `least` to `most` digits. Returns -1 if the next characters are not
+  /// such a number.
   int number(int least, int most) {
     int value = 0, count = 0;
     while (count < most && static_cast<std::size_t>(count) < rest.size() &&
@@ -71,7 +71,7 @@ class Cursor {
   int month_name() {
     static constexpr std::array<std::string_view, 12> kNames = {
         "jan", "feb", "mar", "apr", "may", "jun", "jul", "aug", "sep", "oct", "nov", "dec"};
-    // German, if different.
+    // German names that differ from the English ones.
     static constexpr std::array<std::pair<std::string_view, int>, 6> kOthers = {
         {{"m\xC3\xA4r", 3}, {"mrz", 3}, {"mai", 5}, {"okt", 10}, {"dez", 12}, {"m\xE4r", 3}}};
     for (std::size_t m = 0; m < kNames.size(); ++m)
@@ -80,7 +80,7 @@ class Cursor {
       if (take_letters(name)) return month;
     return -1;
   }
-  /// "Monday", "Mon", "Mo", with a comma or point after it.
+  /// Skips a weekday ("Monday", "Mon", "Mo") and a comma or point after it.
   void skip_weekday() {
     const std::string_view before = rest;
     for (const std::string_view day : {"mon", "tue", "wed", "thu", "fri", "sat", "sun", "mo", "di",
@@ -93,7 +93,7 @@ class Cursor {
     }
     rest = before;
   }
-  /// Reads a word with this beginning.
+  /// Reads a word that begins with `beginning`.
   bool take_letters(std::string_view beginning) {
     if (rest.size() < beginning.size()) return false;
     for (std::size_t i = 0; i < beginning.size(); ++i)
@@ -108,7 +108,7 @@ class Cursor {
 
 struct Parts {
   int year = -1, month = -1, day = -1;
-  std::int64_t seconds = 0;  ///< since midnight, or east of Greenwich
+  std::int64_t seconds = 0;  ///< since midnight; in a time zone: east of Greenwich
   std::int64_t fraction = 0;
   int decimals = 0;
   std::optional<std::int64_t> zone = {};  ///< seconds east of Greenwich; empty: not stated
@@ -121,7 +121,7 @@ std::optional<TimeStamp> stamp_of(const Parts& p, bool has_date) {
     const std::chrono::year_month_day date{std::chrono::year(p.year),
                                            std::chrono::month(static_cast<unsigned>(p.month)),
                                            std::chrono::day(static_cast<unsigned>(p.day))};
-    // Outside these years nanoseconds do not fit into 64 bits.
+    // Outside these years, the number of nanoseconds does not fit into 64 bits.
     if (!date.ok() || p.year < 1700 || p.year > 2250) return std::nullopt;
     days = std::chrono::sys_days(date).time_since_epoch().count();
   }
@@ -143,7 +143,7 @@ std::string with_plain_blanks(std::string_view text) {
   return out;
 }
 
-/// The digits of a fraction of a second, of which nine are used.
+/// Reads the digits of a fraction of a second; uses the first nine.
 void read_fraction(Cursor& at, Parts& out) {
   std::int64_t scale = kSecond / 10;
   while (!at.rest.empty() && is_digit(at.rest.front())) {
@@ -177,7 +177,7 @@ bool read_zone(Cursor& at, Parts& out) {
   char sign = 0;
   if (zulu || !at.take_any("+-", &sign)) {
     if (named) return true;
-    // CET, EDT, JST: equal for all rows, and only differences matter.
+    // Ignore CET, EDT, JST: the zone is equal for all rows, and only time differences are used.
     std::size_t letters = 0;
     while (letters < at.rest.size() && at.rest[letters] >= 'A' && at.rest[letters] <= 'Z')
       ++letters;
@@ -200,7 +200,7 @@ bool set_time_of_day(Parts& out, int hours, int minutes, int seconds) {
   return true;
 }
 
-/// hh:mm[:ss[.fraction]] [AM|PM]; mm:ss.fraction without a date.
+/// Reads hh:mm[:ss[.fraction]] [AM|PM] or, without a date, mm:ss.fraction.
 bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
   int hours = at.number(1, 2);
   char between = 0;
@@ -227,7 +227,7 @@ bool read_time_of_day(Cursor& at, Parts& out, bool after_date) {
     at.skip_blanks();
     const bool half = at.take_word("am") || at.take_word("pm");
     at.rest = before;
-    if (!half) return false;  // "10:30" could be either
+    if (!half) return false;  // "10:30": hh:mm or mm:ss
   }
   if (!read_half_of_day(at, hours)) return false;
   return set_time_of_day(out, hours, minutes, seconds);
@@ -269,12 +269,12 @@ class StampReader {
     return reading_;
   }
 
-  /// yyyymmdd
+  /// Reads yyyymmdd.
   void read_date_of_digits() {
     parts_.year = at_.number(4, 4), parts_.month = at_.number(2, 2), parts_.day = at_.number(2, 2);
   }
 
-  /// 20210301100000[.fraction], 20210301100000123
+  /// Reads 20210301100000[.fraction] or 20210301100000123.
   StampReading of_digits_alone(bool with_fraction) {
     read_date_of_digits();
     const int hours = at_.number(2, 2), minutes = at_.number(2, 2), seconds = at_.number(2, 2);
@@ -287,7 +287,7 @@ class StampReader {
   /// Reads a date like 20210301, with or without a time of day.
   StampReading after_date_of_digits() {
     read_date_of_digits();
-    if (!at_.take_any("T_ ")) return {};  // otherwise a number
+    if (!at_.take_any("T_ ")) return {};  // digits alone are a number
     if (at_.digits() == 6 || at_.digits() == 4) {
       const bool with_seconds = at_.digits() == 6;
       const int hours = at_.number(2, 2), minutes = at_.number(2, 2);
@@ -368,7 +368,7 @@ class StampReader {
       if (value_[0] > 12) reading_.order = DayOrder::day_first;
       if (value_[1] > 12) reading_.order = DayOrder::month_first;
       DayOrder used = order_ != DayOrder::unknown ? order_ : reading_.order;
-      // 3.1.2021 is never March the first.
+      // 3.1.2021 always means 3 January.
       if (used == DayOrder::unknown && mark_ == '.') used = DayOrder::day_first;
       reading_.ambiguous = used == DayOrder::unknown;
       used == DayOrder::month_first ? put(2, 0, 1) : put(2, 1, 0);
@@ -397,8 +397,8 @@ class StampReader {
   DayOrder order_;
   Parts parts_;
   StampReading reading_;
-  // For a date of three parts: the numbers, their digits, the index of the name (-1: none), and the
-  // mark between them.
+  // For a date of three parts: the numbers, their digits, the index of the part that is the name of
+  // a month (-1: none), and the mark between them.
   std::array<int, 3> value_{}, digits_{};
   int named_ = -1;
   char mark_ = 0;
@@ -533,7 +533,7 @@ std::optional<TimeFormat> parse_time_format(std::string_view text) {
     }
     return TimeFormat{.pattern = std::string(text)};
   }
-  // Letters as in spreadsheets and MATLAB: MM is a month, mm are minutes.
+  // The letters have the meaning as in spreadsheets and MATLAB: MM is a month, mm are minutes.
   for (std::size_t i = 0; i < text.size();) {
     const char c = text[i];
     std::size_t end = i;

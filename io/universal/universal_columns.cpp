@@ -12,7 +12,7 @@ struct Quantity {
   const char* name;
   const char* si;
 };
-// Codes of "specific data type" with their units.
+// Codes of the field "specific data type", with their units.
 constexpr Quantity kQuantities[] = {{2, "stress", "Pa"},
                                     {3, "strain", ""},
                                     {5, "temperature", "K"},
@@ -123,7 +123,7 @@ Columns universal_columns(const UniversalFile& file, const std::filesystem::path
   const Measured abscissa = measured(first.abscissa, file.units);
   const std::string label = abscissa.label.empty() ? "abscissa" : abscissa.label;
   const auto add = [&](std::string column, const std::string& unit, std::vector<double> values) {
-    // Repeated names get a number.
+    // Append a number to repeated names.
     const std::string base = column;
     for (int again = 2; std::ranges::count(out.columns, column, &Column::name) > 0; ++again)
       column = base + " (" + std::to_string(again) + ")";

@@ -46,7 +46,7 @@ std::vector<double> binary_values(Reader& in, const UniversalFunction& f, std::s
                                   std::size_t announced) {
   const std::size_t wide = f.is_double ? 8 : 4;
   const std::size_t ordinates = f.is_complex ? 2 : 1;
-  // The abscissa of an uneven double function is single in the format, but double in some programs.
+  // Abscissae of uneven double functions are single by the format, but double in some programs.
   std::size_t abscissa = f.even ? 0 : 4;
   if (!f.even && f.is_double && announced == points * (8 + ordinates * wide)) abscissa = 8;
   const std::size_t each = abscissa + ordinates * wide;
@@ -134,7 +134,7 @@ UniversalFunction function(Reader& in, std::string_view number_line) {
   return f;
 }
 
-/// The line of six codes in datasets 55 and 2414.
+/// Reads the line of six codes in datasets 55 and 2414.
 void codes(Reader& in, UniversalShape& s) {
   const std::vector<int> what = in.integers(in.next("what the data are"), 10, "code");
   if (what.size() < 6) in.fail("has " + std::to_string(what.size()) + " codes: must have 6");
@@ -142,7 +142,7 @@ void codes(Reader& in, UniversalShape& s) {
   s.analysis = what[1];
   s.characteristic = what[2];
   s.quantity = what[3];
-  // In 2414, 4 and 6 are double precision.
+  // In dataset 2414, codes 4 and 6 are double precision.
   if (what[4] != 2 && what[4] != 4 && what[4] != 5 && what[4] != 6)
     in.fail("data type " + std::to_string(what[4]) + ": must be 2 (real) or 5 (complex)");
   s.is_complex = what[4] >= 5;
@@ -151,7 +151,7 @@ void codes(Reader& in, UniversalShape& s) {
     in.fail(std::to_string(s.values_a_node) + " values per node: must be 1 to 9");
 }
 
-/// Up to the end of the dataset.
+/// Reads the values at nodes up to the end of the dataset.
 void values_at_nodes(Reader& in, UniversalShape& s) {
   const auto each = static_cast<std::size_t>(s.values_a_node);
   while (!in.done() && !in.at_separator()) {
@@ -183,7 +183,7 @@ UniversalShape shape(Reader& in) {
   return s;
 }
 
-/// Dataset 2414; nothing if its values are not at nodes.
+/// Reads dataset 2414; returns std::nullopt if its values are not at nodes.
 std::optional<UniversalShape> analysis_data(Reader& in) {
   UniversalShape s{.line = in.line_number()};
   static_cast<void>(in.next("the dataset's label"));
@@ -216,7 +216,7 @@ UniversalUnits units(Reader& in) {
   u.description = text_of(field(line, 10, 20));
   u.temperature_mode = in.integer(field(line, 30, 10), "temperature mode");
   const std::vector<double> values = [&] {
-    // Factors on one line, the offset on the next; some programs omit the offset.
+    // The factors are on one line, the offset on the next line; some programs omit the offset.
     std::vector<double> all = in.numbers(3, {25}, "unit factors");
     if (!in.done() && !in.at_separator() && !trimmed(in.peek()).empty())
       for (const double v : in.numbers(1, {25}, "temperature offset")) all.push_back(v);

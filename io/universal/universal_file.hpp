@@ -48,7 +48,7 @@ struct UniversalFunction {
   double first = 0.0, step = 0.0;  ///< first value and increment of an evenly spaced abscissa
   double z = 0.0;
   UniversalAxis abscissa = {}, numerator = {}, denominator = {}, z_axis = {};
-  std::vector<double> x = {};  ///< one abscissa per y; written if unevenly spaced
+  std::vector<double> x = {};  ///< one abscissa per y, if unevenly spaced
   std::vector<std::complex<double>> y = {};
   bool binary = false;      ///< true: dataset 58b
   bool big_endian = false;  ///< byte order of 58b

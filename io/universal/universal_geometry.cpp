@@ -102,7 +102,7 @@ void read_traces(Reader& in, std::vector<UniversalTrace>& out) {
         if (node < 0) in.fail("node " + std::to_string(node) + ": must not be negative");
         if (trace.nodes.size() < static_cast<std::size_t>(count))
           trace.nodes.push_back(node);
-        else if (node != 0)  // zeros fill a line
+        else if (node != 0)  // zeros fill the line
           in.fail("more nodes than the " + std::to_string(count) + " of the trace line");
       }
     }

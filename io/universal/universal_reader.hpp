@@ -41,7 +41,7 @@ inline std::optional<double> fortran_number(std::string_view field) {
   if (text[0] == '+') text.erase(0, 1);
   for (char& c : text)
     if (c == 'D' || c == 'd') c = 'e';
-  const auto sign = text.find_first_of("+-", 1);  // sign of an exponent without letter
+  const auto sign = text.find_first_of("+-", 1);  // sign of an exponent without a letter
   if (sign != std::string::npos && std::string_view("eE").find(text[sign - 1]) == std::string::npos)
     text.insert(sign, "e");
   return parse_number(text);
@@ -101,7 +101,7 @@ class Reader {
       number_ += bytes_[at_] == '\n';
       ++at_;
     }
-    // The text before "-1" on its line is blank.
+    // This also skips the blanks that precede "-1" on its line.
   }
   [[nodiscard]] std::size_t left() const { return bytes_.size() - at_; }
 

@@ -39,7 +39,7 @@ std::string d25(double x) {
   return text;
 }
 
-/// A line of text, of 80 characters. A line that would read as the end of a dataset is put in
+/// A line of text, of 80 characters. A line that looks like the end of a dataset is put in
 /// brackets.
 std::string text_line(const std::string& text) {
   std::string line = padded(text, 80);
@@ -91,7 +91,7 @@ std::string binary_values(const UniversalFunction& f) {
 
 std::string text_values(const UniversalFunction& f) {
   std::string out;
-  // As many values per line as the format allows; points of uneven functions are not split.
+  // As many values per line as the format allows; each point of an uneven function is on one line.
   const std::size_t ordinates = f.is_complex ? 2 : 1;
   std::size_t points_a_line = 0;
   if (f.is_double) {
@@ -156,7 +156,7 @@ void add(std::string& out, const UniversalShape& s) {
   out += kSeparator;
 }
 
-/// Eight nodes per line.
+/// Formats the nodes with eight numbers per line.
 std::string in_rows(const std::vector<int>& nodes) {
   std::string out;
   for (std::size_t i = 0; i < nodes.size(); ++i)
@@ -164,7 +164,7 @@ std::string in_rows(const std::vector<int>& nodes) {
   return out + (nodes.empty() ? "" : "\n");
 }
 
-/// Nodes of double precision as dataset 2411, the others as 15.
+/// Writes nodes of double precision as dataset 2411, other nodes as dataset 15.
 void add(std::string& out, const std::vector<UniversalNode>& nodes) {
   for (const bool is_double : {false, true}) {
     if (std::ranges::count(nodes, is_double, &UniversalNode::is_double) == 0) continue;

@@ -77,7 +77,7 @@ Spectra spectra_of(const MatrixXd& y, const ModalResult& band, int parts, int th
       padded / 2 - 1, static_cast<Index>(std::floor(band.highest_hz / out.spacing_hz)));
   if (last - out.first < kPadding * kFewestLines)
     throw std::invalid_argument("segment = " + std::to_string(segment) +
-                                ": the band holds too few of its lines");
+                                ": the band contains too few of its spectral lines");
   const VectorXd window = hann(segment);
   out.parts.resize(index(parts));
   base::parallel_for(parts, threads, [&](int p) {

@@ -228,7 +228,7 @@ TEST_F(ModalCommand, NamesTheChannelThatCopiesAnother) {
   c["record"]["channels"][1]["column"] = "copy";
   const Outcome ran = run(c);
   EXPECT_EQ(ran.exit_code, 65);
-  EXPECT_THAT(ran.err, HasSubstr("/record/channels/1: is the same as a but for scale"));
+  EXPECT_THAT(ran.err, HasSubstr("/record/channels/1: equals a except for its scale"));
 }
 
 TEST_F(ModalCommand, RefusesWhatCannotBe) {

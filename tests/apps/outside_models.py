@@ -501,7 +501,7 @@ def a_killed_server_costs_nothing(runs, _):
     out = runs.folder / "killed"
     with Server({"strip": Model(2, MODES, dying)}, port) as server:
         done, _ = runs.run(path, out=out)
-    kept = re.search(r"(\d+) answers are kept", done.stderr)
+    kept = re.search(r"(\d+) results are stored", done.stderr)
     assert done.returncode == 66 and kept, (done.returncode, done.stderr)
     assert last - 2 <= int(kept[1]) <= last, (kept[1], last)  # one answer may still be in progress
     assert len(done.stderr.strip().splitlines()) == 1, done.stderr

@@ -323,8 +323,7 @@ PlanCase column_plan(double ratio, int modes) {
   for (const double at : {1.0, 2.0, 3.0})
     for (const fem::Direction d : {fem::Direction::x, fem::Direction::y})
       plan.structure.candidates.push_back({"sensor", mesh.motion(0, at, d)});
-  plan.damage_case.structure =
-      std::make_shared<const StructureModel>(StructureModel{.nominal = s});
+  plan.damage_case.structure = std::make_shared<const StructureModel>(StructureModel{.nominal = s});
   DefectKind kind{.type = &defects::kReduction,
                   .name = "damage",
                   .plural = "damages",
@@ -367,8 +366,7 @@ TEST(PlannedTest, ALocatedDamageIsRight) {
   const PlannedStructure structure(plan.damage_case, plan.structure);
   const PlacePredictions predictions = predict_places(structure, 4, 1);
   const ScenarioSource source(structure, 5);
-  const PreparedDesign design =
-      prepare(structure, predictions, plan.noise, {.sensors = {1, 3, 6}});
+  const PreparedDesign design = prepare(structure, predictions, plan.noise, {.sensors = {1, 3, 6}});
   int located = 0, right = 0, neither = 0;
   for (const TestOutcome& o : simulate_tests(source, design, source.draw(0, 600, 1), 0.05)) {
     EXPECT_GE(o.located, 0.0);

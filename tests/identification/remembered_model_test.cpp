@@ -78,7 +78,7 @@ TEST(RememberedModel, AFailureIsFinalAndNamesTheKeptAnswers) {
       FAIL() << "the model is gone";
     } catch (const OutsideModelError& error) {
       EXPECT_EQ(error.kind(), OutsideModelError::Kind::unreachable);
-      EXPECT_THAT(error.what(), HasSubstr("gone; 3 answers are kept in "));
+      EXPECT_THAT(error.what(), HasSubstr("gone; 3 results are stored in "));
     }
   }
   EXPECT_EQ(sums->calls, 4);  // not called again

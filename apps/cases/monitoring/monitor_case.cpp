@@ -66,7 +66,7 @@ Pointer place_of(const SeriesColumns& columns, const std::string& name) {
               error.reason() + " in " + error.path().filename().string());
 }
 
-/// A text without its last line, which is still being written where it has no newline.
+/// A text without an incomplete last line: a line without newline is still being written.
 std::string complete_lines(std::string text) {
   text.resize(text.find_last_of('\n') + 1);  // npos + 1 is 0
   return text;
@@ -104,7 +104,7 @@ signals::Record read_table(const CaseFile& file, const SeriesColumns& columns, c
   }
 }
 
-/// One line about a row of the table.
+/// Throws Failure with one line about a row of the table.
 [[noreturn]] void refuse_row(const signals::Record& table, int row, int column,
                              const std::string& message) {
   throw Failure(Exit::bad_input,
@@ -236,7 +236,7 @@ void read_learning(MonitorCaseFile& out) {
     if (!until.is_number())
       out.file.refuse(where, "must be a number in " + out.time.unit + ", as the times are");
     hours = until.get<double>() * out.time.hours_per_unit;
-    // Of numbered tests it is the last healthy one.
+    // If rows are numbered tests, the given number is the last healthy test.
     if (out.tests && out.time.unit == "row") hours += 0.5;
   }
   const auto& times = out.series.hours;
@@ -252,7 +252,7 @@ void read_learning(MonitorCaseFile& out) {
                                ": wait until the training period ends, or give an earlier time");
 }
 
-/// Faults of the series as complaints about the case; a constant covariate is a warning.
+/// Converts faults of the series to Failure; a constant covariate is only a warning.
 void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
   using Kind = SeriesFault::Kind;
   const Pointer tests =
@@ -287,7 +287,7 @@ void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
         out.file.refuse(place_of(columns, columns.sds[index(fault.column)]),
                         "has no value in a row where the feature has one: leave both empty");
       default:
-        break;  // times and the learning period have been checked
+        break;  // times and training period were checked before
     }
   }
 }
@@ -320,7 +320,7 @@ void read_alarm(MonitorCaseFile& out) {
   options.learning.lag = learning.value("lag", true);
 }
 
-/// The series has one source of features.
+/// Checks that the series has exactly one source of features.
 void check_source(const CaseFile& file) {
   const Json& series = file.json.at("series");
   std::vector<std::string> sources;
@@ -414,7 +414,7 @@ void order_by_times(const SeriesColumns& columns, const ModesReading& reading, M
   tests = std::move(ordered);
 }
 
-/// The features: frequencies of the tracked modes, missing where none is assigned.
+/// Fills in the features: frequencies of the tracked modes; NaN if no mode is assigned.
 void fill_tracked(const identification::monitoring::ModeTracker& tracker,
                   const std::vector<identification::monitoring::IdentifiedRecord>& records,
                   MonitorCaseFile& out) {
@@ -512,7 +512,7 @@ std::string files_now(const CaseFile& file) {
 
 Report TimeAxis::written(double hours) const {
   if (start_nanoseconds) return text(hours);
-  // Times are often whole numbers of their unit: the digits of a product are not.
+  // Times are often whole numbers in their unit: round the product to 12 digits.
   return std::stod(base::significant(hours / hours_per_unit, 12));
 }
 

@@ -19,17 +19,17 @@ namespace wheeltap::apps {
 struct TimeAxis {
   double hours_per_unit = 1.0;
   std::string unit = "h";                              ///< "s", "min", "h", "d", "row"; "date"
-  std::optional<std::int64_t> start_nanoseconds = {};  ///< start of dates, since 1970
+  std::optional<std::int64_t> start_nanoseconds = {};  ///< time zero of dates, since 1970
   bool has_zone = false;  ///< true if dates state their offset from UTC
   /// Converts a time in hours to the format of the case: a number, or a string for dates.
   [[nodiscard]] Report written(double hours) const;
-  /// The same time as text, for tables and sentences.
+  /// The same time as text, for tables and messages.
   [[nodiscard]] std::string text(double hours) const;
 };
 
 /// Information about tests whose modes are the features.
 struct TrackedTests {
-  std::vector<std::string> names = {};  ///< file of each row
+  std::vector<std::string> names = {};  ///< file of each test (row)
   std::vector<identification::monitoring::TrackedMode> modes = {};
   /// n x K: probability of the assignment to a tracked mode or, if the mode is missing, of its
   /// absence.
@@ -62,7 +62,7 @@ struct MonitorCaseFile {
 [[nodiscard]] Pointer source_of(const CaseFile& file);
 
 /// The state of the files of the series, as text. The text changes if a file is added or written.
-/// The text is empty if the case cannot be read.
+/// It is empty if the case cannot be read.
 [[nodiscard]] std::string files_now(const CaseFile& file);
 
 }  // namespace wheeltap::apps

@@ -77,7 +77,7 @@ class TruthParser {
     return out;
   }
 
-  /// A number for all columns, or a list with one number for each.
+  /// Parses a number for all columns, or a list with one number per column.
   std::vector<double> one_each(const Pointer& where, const std::vector<std::string>& columns,
                                double otherwise) const {
     if (!file_.json.contains(where)) return std::vector<double>(columns.size(), otherwise);
@@ -122,7 +122,7 @@ class TruthParser {
                               .unmeasured_sd = other[j]});
   }
 
-  /// A number for each column that an object names; zero for the others.
+  /// Parses an object that gives numbers for some columns by name; other columns get zero.
   Eigen::VectorXd named(const Pointer& where, const std::vector<std::string>& columns) const {
     Eigen::VectorXd out = Eigen::VectorXd::Zero(static_cast<Index>(columns.size()));
     for (const auto& [name, value] : file_.json.at(where).items()) {
@@ -172,7 +172,7 @@ class TruthParser {
   std::optional<MonitoredStructure> structure_;
 };
 
-/// Writes times as the case reads them.
+/// Writes times in the form that the case defines.
 class TimeWriter {
  public:
   explicit TimeWriter(const CaseFile& file) {

@@ -93,7 +93,7 @@ std::string fault_of_record(const std::exception& error) {
   return io::printable(error.what());
 }
 
-/// Modes by the modal case `json` with the record's file put in.
+/// Identifies modes by the modal case `json`, with `record` as its file.
 ModesFile identify_record(const CaseFile& file, const fs::path& record, std::uint64_t seed) {
   CaseFile modal{.path = file.path,
                  .json = file.json.at(kRecords / "modal"),
@@ -110,7 +110,7 @@ ModesFile identify_record(const CaseFile& file, const fs::path& record, std::uin
   return out;
 }
 
-/// Identified modes of earlier calls: index.json, and one modes.json a record.
+/// Stored modes of earlier calls: index.json, and a modes.json for each record.
 class KeptModes {
  public:
   KeptModes(fs::path folder, std::string key) : folder_(std::move(folder)), key_(std::move(key)) {

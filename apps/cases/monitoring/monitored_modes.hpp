@@ -15,7 +15,7 @@ namespace wheeltap::apps {
 
 /// The modes of one test, or the reason why they are missing.
 struct MonitoredTest {
-  std::string name = {};       ///< folder and name of the file
+  std::string name = {};       ///< folder and file name
   std::uint64_t checksum = 0;  ///< checksum of the file's content
   ModesFile modes = {};
   std::string fault = {};  ///< reason why no modes were identified; empty if modes were identified
@@ -26,14 +26,14 @@ struct ModesReading {
   std::uint64_t seed = 1;
   /// Folder that stores the identified modes of raw records for the next call; empty: not stored.
   std::filesystem::path kept = {};
-  /// True: a last file that cannot be read counts as incomplete and is read at the next call.
+  /// True: a last file that cannot be read counts as incomplete; the next call reads it again.
   bool following = false;
   std::function<void(double fraction)> progress = nullptr;
 };
 
-/// The modes.json files at `path`. A folder gives its .json files and the modes.json files one
-/// folder below. A text file without the extension .json gives the listed files: one path, or run
-/// folder, per line. A .json file gives itself.
+/// The modes.json files at `path`. If `path` is a folder: its .json files, and the modes.json files
+/// in its subfolders. If it is a text file without the extension .json: the listed files, one path
+/// or run folder per line. If it is a .json file: this file.
 [[nodiscard]] std::vector<std::filesystem::path> mode_files(const std::filesystem::path& path);
 
 /// The files that `names` specify, in order of names. In the last part of a name, "*" matches any
@@ -49,7 +49,7 @@ struct ModesReading {
 [[nodiscard]] std::vector<MonitoredTest> read_modes_of_tests(const CaseFile& file,
                                                              const ModesReading& reading);
 
-/// Identifies the modes of the records at /series/records with the modal case given there, several
+/// Identifies the modes of the records at /series/records with the modal case of this key, several
 /// records in parallel. Throws Failure if the modal case is invalid, or if no record gives modes.
 [[nodiscard]] std::vector<MonitoredTest> identify_tests(const CaseFile& file,
                                                         const ModesReading& reading);

@@ -15,7 +15,7 @@ using identification::DamageCase;
 using identification::DefectKind;
 
 const Pointer kExplanation("/explanation");
-constexpr double kMassShare = 0.05;  // largest added mass by default, over the structure's mass
+constexpr double kMassShare = 0.05;  // default of largest added mass / mass of structure
 
 /// The case's structure and damage as a damage case, at the same places.
 CaseFile as_damage_case(const CaseFile& file) {
@@ -43,8 +43,8 @@ double mass_of(const fem::Structure& structure) {
   return total;
 }
 
-/// The prior of an added mass, as a kind of a damage case; null for matrices, which have no place
-/// for it.
+/// An added mass as a kind of defect of a damage case, with its prior; null for structures of
+/// matrices, which have no place for a mass.
 Json added_mass(const CaseFile& file, const DamageCase& damage) {
   const AnyStructure structure = damage.solved_structure();
   Json prior;
@@ -67,7 +67,7 @@ bool is_mass(const DefectKind& kind) {
   return kind.type->name == "mass";
 }
 
-/// With the added mass.
+/// Parses the kinds of defect, including the added mass.
 DamageCaseFile parse_kinds(const CaseFile& file) {
   CaseFile alone = as_damage_case(file);
   DamageCaseFile parsed = parse_damage_case(alone, Needs::structure);

@@ -46,7 +46,7 @@ double member_length(const CaseFile& file, const AnyStructure& structure, const 
                   did_you_mean(file.json.at(at / "member").get<std::string>(), names));
 }
 
-/// The sensors that an entry stands for: a grid along a member, several nodes, or itself.
+/// The sensors that an entry represents: a grid along a member, several nodes, or one sensor.
 std::vector<Json> expand(const CaseFile& file, const AnyStructure& structure, const Pointer& at) {
   Json entry = file.json.at(at);
   for (const char* key : {"cost"}) entry.erase(key);
@@ -62,7 +62,7 @@ std::vector<Json> expand(const CaseFile& file, const AnyStructure& structure, co
       file.refuse(at / "every", "must be below the length, " + Json(length).dump() + " m");
     if (length / every > static_cast<double>(kMostCandidates))
       file.refuse(at / "every", "gives more than " + std::to_string(kMostCandidates) + " sensors");
-    // Points inside: the ends are nodes or supports.
+    // Only inner points, because the ends are nodes or supports.
     for (int i = 1; i * every < length * (1.0 - 1e-9); ++i) {
       // 0.3, not 0.30000000000000004
       entry["at"] = std::stod(base::significant(i * every, 12));
@@ -82,7 +82,7 @@ std::vector<Json> expand(const CaseFile& file, const AnyStructure& structure, co
   return {entry};
 }
 
-/// The place of a sensor on the structure's drawing.
+/// The location of a sensor on the drawing of the structure.
 std::optional<PlanCaseFile::Drawn> drawn_at(const AnyStructure& structure, const Json& sensor) {
   if (const auto* chain = std::get_if<fem::LumpedChain>(&structure)) {
     if (!sensor.contains("mass")) return {};
@@ -121,7 +121,7 @@ std::optional<PlanCaseFile::Drawn> drawn_at(const AnyStructure& structure, const
   return out;
 }
 
-/// Removes the sensors of a grid that do not move: those at supports. Keeps one if none moves.
+/// Removes the sensors of a grid at supports, which cannot move. Keeps at least one sensor.
 template <class Parse>
 void drop_fixed(std::vector<Json>& grid, const Parse& parse) {
   const auto fixed = [&](const Json& sensor) {
@@ -145,7 +145,7 @@ void take_sensors(const CaseFile& file, const AnyStructure& structure, PlanCaseF
     only.json["plan"] = {{"sensors", sensors}};
     return parse_modal_data(only, Pointer("/plan"), structure).sensors;
   };
-  // Each entry by one of its sensors, so that an error names the entry.
+  // Parse each entry with one of its sensors, so that an error names the entry.
   Json first = list;
   std::vector<Json> all;
   bool own_costs = false;
@@ -330,7 +330,7 @@ PlanCaseFile parse_plan_case(CaseFile file) {
   const Json& p = f.json.at("plan");
   PlanCase& plan = out.plan;
   plan.damage_case = out.parsed.damage;
-  // A frequency in place of data, for the checks of the case.
+  // The checks of the case need data: set a placeholder frequency.
   plan.damage_case.data.frequencies_hz = {1.0};
   plan.damage_case.data.sd_hz = {1.0};
   explained(out.parsed, [&] {

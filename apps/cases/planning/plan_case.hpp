@@ -15,7 +15,7 @@ struct PlanCaseFile {
   identification::planning::PlanCase plan;
   /// The candidate sensors, in the form of data.sensors of a damage case.
   std::vector<Json> sensors = {};
-  /// Locations on the drawing [m], and directions of the candidates; empty for a structure of
+  /// Locations of the candidates on the drawing [m], and their directions; empty for a structure of
   /// matrices.
   struct Drawn {
     fem::Vector3 at = {}, direction = {};
@@ -26,7 +26,7 @@ struct PlanCaseFile {
   [[noreturn]] void refuse(const identification::InvalidInput& error) const;
 };
 
-/// Parses a damage case with "plan"; "data" and "baseline" are not used. Throws Failure.
+/// Parses a damage case with the key "plan"; ignores "data" and "baseline". Throws Failure.
 [[nodiscard]] PlanCaseFile parse_plan_case(CaseFile file);
 
 }  // namespace wheeltap::apps

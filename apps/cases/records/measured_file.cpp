@@ -11,7 +11,7 @@
 namespace wheeltap::apps {
 namespace {
 
-constexpr std::size_t kShown = 5;  // most dropouts or spikes listed
+constexpr std::size_t kShown = 5;  // largest number of listed dropouts or spikes
 
 std::string where(long sample, std::optional<double> rate) {
   return rate ? base::significant(static_cast<double>(sample) / *rate, 5) + " s"

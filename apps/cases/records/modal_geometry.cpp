@@ -55,7 +55,7 @@ Geometry of_structure(const CaseFile& file) {
   return {};
 }
 
-/// Displacement of a node in a mode: the minimum-norm one that agrees with its sensors.
+/// Displacement of a node in a mode: the minimum-norm displacement that agrees with its sensors.
 struct MovedNode {
   std::string name;
   Eigen::MatrixXd directions = {};  ///< sensors × 3
@@ -164,7 +164,7 @@ double principal_angle(const Eigen::Ref<const Eigen::VectorXcd>& shape) {
 Report modal_drawing(const Geometry& geometry, const ModesFile& modes) {
   const std::vector<MovedNode> moved = moved_nodes(geometry, modes.sensors);
   if (moved.empty()) return {};
-  // All nodes at rest, then the moving nodes again, so that lines can show both.
+  // Points: all nodes at rest, then the moving nodes again, so that lines can show both.
   Report points = Report::array(), lines = Report::array(), shapes = Report::array();
   std::map<std::string, std::size_t> rest, now;
   for (const auto& [name, at] : geometry.nodes) {

@@ -9,7 +9,7 @@
 namespace wheeltap::apps {
 
 /// The poles at /poles; empty if the case has none. `several` is true for a case of several
-/// records. Throws Failure (65) for a method without a diagram of this kind, and for several
+/// records. Throws Failure (65) if the method has no stabilisation diagram, or if there are several
 /// diagrams.
 [[nodiscard]] std::vector<signals::ChosenPole> chosen_poles(const CaseFile& file, bool several);
 

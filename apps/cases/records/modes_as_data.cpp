@@ -37,7 +37,7 @@ std::vector<int> numbers_of(const ModesFile& file, const std::vector<int>& rows)
   return out;
 }
 
-/// Rows of the modes listed in "modes", ascending.
+/// Rows of `file` with the modes listed in "modes", ascending.
 std::vector<int> listed_modes(const CaseFile& file, const Pointer& at, const ModesFile& modes) {
   const Json& given = file.json.at(at);
   const std::size_t all = modes.numbers.size();
@@ -164,7 +164,7 @@ void fill(const TakenModes& taken, const std::vector<Index>& channels, ModalData
     for (std::size_t i = 0; i < taken.modes.size(); ++i) {
       const auto mode = static_cast<std::size_t>(taken.modes[i]);
       const int row = taken.numbers[i];
-      // Merged set-ups leave gaps if one of them lacks the mode.
+      // A shape of merged set-ups has gaps if one set-up lacks the mode.
       std::vector<Index> told, entries, imaginary;
       for (Index s = 0; s < sensors; ++s) {
         const Index channel = channels[static_cast<std::size_t>(s)];

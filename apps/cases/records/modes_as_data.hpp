@@ -23,8 +23,8 @@ struct TakenModes {
 /// Reads the modes.json that "from" of the data block at `where` names. The key "modes" selects the
 /// modes: a list of numbers, or the count of the lowest modes. Without this key, all modes that are
 /// not doubtful are used. Each mode keeps its number, or gets the number in "model_modes". Throws
-/// Failure: 66 for an unreadable file; 65 for another type of file, for keys of the case that the
-/// file replaces, and for modes that the file does not contain.
+/// Failure (66) for an unreadable file. Throws Failure (65) for another type of file, for keys of
+/// the case that the file replaces, and for modes that the file does not contain.
 [[nodiscard]] TakenModes take_modes(const CaseFile& file, const Pointer& where);
 
 /// Fills in frequencies and real shapes with their covariances, for the channels of `out.sensors`;

@@ -20,7 +20,7 @@ class Reader {
  public:
   explicit Reader(const CaseFile& file) : file_(file) {}
 
-  /// `gaps`: accepts null as NaN; otherwise null is an error.
+  /// Parses a vector. If `gaps` is true, null is NaN; otherwise null is an error.
   [[nodiscard]] Eigen::VectorXd vector(const Pointer& where, Index size, bool gaps = false) const {
     const Json& list = at(where);
     if (!list.is_array() || (size >= 0 && static_cast<Index>(list.size()) != size))
@@ -87,14 +87,14 @@ MeasuredSensor read_sensor(const CaseFile& file, const Pointer& where) {
   return out;
 }
 
-/// Whether the modes are numbered 1, 2, ….
+/// Numbers the modes 1, 2, ….
 ModesFile numbered(ModesFile modes) {
   modes.numbers.resize(static_cast<std::size_t>(modes.frequencies_hz.size()));
   std::iota(modes.numbers.begin(), modes.numbers.end(), 1);
   return modes;
 }
 
-/// Parses the mode numbers, which a file shortened by hand contains.
+/// Parses the mode numbers, which a file has after a user deleted modes by hand.
 std::vector<int> read_numbers(const CaseFile& file, const Pointer& where, Index count) {
   const Json& list = file.json.at(where);
   if (!list.is_array() || static_cast<Index>(list.size()) != count)

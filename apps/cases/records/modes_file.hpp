@@ -49,8 +49,8 @@ struct ModesFile {
 
 [[nodiscard]] Report modes_json(const ModesFile& modes);
 
-/// Reads a modes.json. Throws Failure: 66 for an unreadable file; 65, with the location of the
-/// fault, for invalid content.
+/// Reads a modes.json. Throws Failure (66) for an unreadable file. Throws Failure (65), with the
+/// location of the fault, for invalid content.
 [[nodiscard]] ModesFile read_modes_file(const std::filesystem::path& path);
 
 }  // namespace wheeltap::apps

@@ -20,7 +20,7 @@ namespace {
 
 const Pointer kMatrixStructure("/structure");
 
-/// Reads the matrix named at `where`; locates errors of the file at this name.
+/// Reads the matrix named at `where`; errors of the file refer to this place in the case.
 io::SparseMatrix matrix_at(const CaseFile& file, const std::filesystem::path& path,
                            const Pointer& where) {
   try {

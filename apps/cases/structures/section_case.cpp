@@ -17,7 +17,7 @@ namespace {
 
 using Keys = std::vector<std::string>;
 
-/// Keys of a section without a shape.
+/// Keys of a section that has no "shape".
 const Keys kPlain = {"area", "second_moment", "shear_coefficient"};
 
 std::vector<double> sizes_of(const Json& s, const fem::SectionShape& shape) {
@@ -68,7 +68,7 @@ std::vector<fem::Region> regions_of_file(const CaseFile& file, const Pointer& wh
   return fem::nested(rings);
 }
 
-/// Places of fem::checked as places in the case: "/beam/section/outline/3".
+/// Throws Failure for an error of fem::checked, with its place: "/beam/section/outline/3".
 [[noreturn]] void refuse_outline(const CaseFile& file, const Pointer& where, const Json& s,
                                  std::size_t main_regions, const fem::OutlineError& error) {
   using Part = fem::OutlinePlace::Part;

@@ -20,7 +20,7 @@ struct SectionMaterial {
 };
 
 /// Checks that the section at `where` has all dimensions of its shape ("width", "height", …) and no
-/// others. Throws Failure.
+/// other dimensions. Throws Failure.
 void check_sizes(const CaseFile& file, const Pointer& where);
 
 /// Parses a section with dimensions at `where`. The result has the area A, the second moment of
@@ -46,7 +46,7 @@ struct MeshedSection {
 
 struct BeamSection {
   fem::Section section;
-  double density;  ///< density; times the section's area, it is the mass per length of the beam
+  double density;  ///< mass per length of the beam divided by the section's area
 };
 /// Parses the section of a plane beam: bending about y (the width), shear along z.
 [[nodiscard]] BeamSection parse_beam_section(const CaseFile& file, const Pointer& where,

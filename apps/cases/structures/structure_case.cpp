@@ -80,7 +80,7 @@ class MemberParser {
       }
       s_.nodes.push_back(std::move(node));
     }
-    // Members follow their nodes; the lengths of their pieces change in proportion.
+    // If nodes move, the lengths of a member's segments change in proportion to its length.
     if (moving_) parameters_.follow_all(stretch_members);
   }
 
@@ -410,7 +410,7 @@ class MemberParser {
     s_.springs.push_back(spring);
   }
 
-  /// Dashpots do not affect undamped modes: they are only validated.
+  /// Validates a dashpot. Dashpots have no further use, because they do not affect undamped modes.
   void parse_dashpot(const Pointer& where) {
     (void)parse_line(where);
     (void)parameters_.coefficient(where / "damping", kNotNegative);
@@ -421,7 +421,7 @@ class MemberParser {
   std::vector<std::string>* remarks_;
   StructureParameters parameters_;
   fem::Structure s_;
-  bool moving_ = false;  // the position of a node has a parameter
+  bool moving_ = false;  // the position of a node depends on a parameter
   std::map<std::pair<std::string, std::string>, PieceSection> sections_;
 };
 
@@ -471,7 +471,7 @@ bool has_structure(const CaseFile& file) {
 
 StructureModel parse_structure(const CaseFile& file, std::vector<std::string>* remarks) {
   const Json& s = file.json.at(kStructure);
-  // Keys of each kind of structure.
+  // Kinds of structure and their keys.
   static const std::vector<std::pair<std::string, std::vector<std::string>>> kinds = {
       {"chain", {"chain"}},
       {"matrices", {"matrices", "mass", "stiffness", "scale", "change", "dofs"}},

@@ -10,16 +10,16 @@
 
 namespace wheeltap::apps {
 
-/// Largest number of degrees of freedom. The computation of the modes then takes one or two
-/// minutes.
+/// Largest number of degrees of freedom. With this number, the computation of the modes takes one
+/// or two minutes.
 inline constexpr long long kMostDegreesOfFreedom = 300'000;
 
 /// True if the case has a structure. Throws Failure for a case with both a structure and a beam.
 [[nodiscard]] bool has_structure(const CaseFile& file);
 
-/// Parses the structure and its parameters, of a case validated against the schema "structure".
-/// Appends sentences on section properties that members neglect to `remarks`. Throws Failure (65)
-/// for invalid values, with their location in the case. Throws Failure (65) for too many degrees of
+/// Parses the structure and its parameters in a case that satisfies the schema "structure". Appends
+/// sentences on section properties that members neglect to `remarks`. Throws Failure (65) for
+/// invalid values, with their location in the case. Throws Failure (65) for too many degrees of
 /// freedom, with the required memory. Also throws the exceptions of io::read_sparse_matrix.
 [[nodiscard]] identification::StructureModel parse_structure(
     const CaseFile& file, std::vector<std::string>* remarks = nullptr);

@@ -24,7 +24,7 @@ inline constexpr Bounds kNotNegative = {.lower = 0.0, .words = "at least 0"};
 
 /// A coefficient of a structure: a number, or a parameter.
 struct Coefficient {
-  double nominal = 0.0;  ///< value of the number, or median of the parameter's prior
+  double nominal = 0.0;  ///< the number, or the median of the parameter's prior
   int parameter = -1;    ///< index of the parameter; -1: a known number
 
   [[nodiscard]] bool known() const { return parameter < 0; }
@@ -42,8 +42,8 @@ class StructureParameters {
   /// Parses the coefficient at `where`. Throws Failure for a number out of bounds, an unknown
   /// parameter, and a parameter whose prior exceeds the bounds.
   [[nodiscard]] Coefficient coefficient(const Pointer& where, const Bounds& bounds);
-  /// Parses a coefficient and stores its value in the structure by the function `set`. `set` is
-  /// called at once and whenever the parameter changes.
+  /// Parses a coefficient. The function `set` stores its value in the structure; it is called at
+  /// once and whenever the parameter changes.
   double place(const Pointer& where, const Bounds& bounds,
                std::function<void(identification::AnyStructure&, double)> set);
   /// Registers the function `set`, which is called whenever the parameter of the coefficient
@@ -56,7 +56,7 @@ class StructureParameters {
   /// Nominal value of each parameter.
   [[nodiscard]] std::vector<double> nominal() const;
 
-  /// The structure with its parameters. Throws Failure for a parameter that is not used.
+  /// The structure with its parameters. Throws Failure if a parameter of the case is not used.
   [[nodiscard]] identification::StructureModel model(identification::AnyStructure nominal) &&;
 
  private:

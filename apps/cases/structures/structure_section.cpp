@@ -18,7 +18,7 @@ using fem::MemberSection;
 using Values = std::span<const double>;
 using OutlineKeys = std::vector<std::string>;
 
-/// Axes are principal if their product of inertia is below this fraction of the larger moment.
+/// Axes count as principal if their product of inertia is below this fraction of the larger moment.
 constexpr double kPrincipal = 1e-6;
 /// Shear centres nearer to the centroid than this fraction of the radius of gyration coincide with
 /// it.
@@ -60,7 +60,7 @@ class SectionParser {
   }
 
  private:
-  /// Rejects keys of other shapes.
+  /// Rejects keys that belong to other shapes.
   void allow(const std::string& what, const OutlineKeys& sizes) const {
     static const OutlineKeys always = {"shape", "shear_coefficient", "torsion_constant", "depth"};
     for (const auto& [key, ignored] : s_.items())
@@ -186,7 +186,7 @@ class SectionParser {
     }};
   }
 
-  /// Properties of the outline from its mesh. With `shear`, they depend on Poisson's ratio.
+  /// Properties of the outline, computed on its mesh. With `shear`, they depend on Poisson's ratio.
   [[nodiscard]] MeshedSection mesh(bool shear) const {
     CaseFile bare = file_;
     Json& section = bare.json.at(where_);
@@ -221,7 +221,7 @@ class SectionParser {
     return meshed;
   }
 
-  /// 1 for parts without mass: only the ratio matters.
+  /// The reference density; 1 for parts without mass, because only the ratio of densities matters.
   [[nodiscard]] double reference_density() const {
     return material_.density.nominal > 0.0 ? material_.density.nominal : 1.0;
   }

@@ -22,15 +22,15 @@ struct PieceSection {
   /// Computes the section for given values of the parameters. Throws std::invalid_argument for
   /// inconsistent dimensions.
   std::function<fem::MemberSection(std::span<const double>)> at;
-  bool depends = false;         ///< true if the section depends on a parameter
-  double density_factor = 1.0;  ///< for several materials: mass per length divided by ρ A
+  bool depends = false;                   ///< true if the section depends on a parameter
+  double density_factor = 1.0;            ///< mass per length / (ρ A), for several materials
   std::vector<std::string> remarks = {};  ///< sentences on neglected properties
 };
 
 /// Parses the section at `where`: a shape with dimensions, an outline, or stiffnesses. For shapes,
 /// bending stiffnesses are exact and shear stiffnesses use Cowper's coefficients. Torsional
-/// stiffnesses are exact for rectangles, circles and tubes. Other properties are computed on one
-/// mesh, so the dimensions must be numbers. Throws Failure.
+/// stiffnesses are exact for rectangles, circles and tubes. For other properties, which are
+/// computed on one mesh, the dimensions must be numbers. Throws Failure.
 [[nodiscard]] PieceSection parse_piece_section(const CaseFile& file, const Pointer& where,
                                                const MaterialCoefficients& material, int dimension,
                                                StructureParameters& parameters);

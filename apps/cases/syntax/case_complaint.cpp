@@ -15,7 +15,7 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Names of engineers and other programs for keys of a case, in lower case.
+/// Names that engineers and other programs use for keys of a case, in lower case.
 constexpr std::pair<std::string_view, std::string_view> kOtherNames[] = {
     {"e", "young"},
     {"youngs_modulus", "young"},
@@ -130,7 +130,7 @@ std::string article(const std::string& type) {
   return (std::string("aeio").find(type[0]) != std::string::npos ? "an " : "a ") + type;
 }
 
-/// A valid value in words: the description of the schema, if any.
+/// Text on the valid values of a rule: the description of the schema, if there is one.
 std::string rule_in_words(const Json& rule) {
   if (rule.contains("description")) return rule["description"].get<std::string>();
   if (rule.contains("enum")) {
@@ -167,7 +167,7 @@ bool is_placeholder(const std::string& text) {
   return std::ranges::find(kWords, small) != kWords.end() || small == "_" || small == "__";
 }
 
-/// "13.85, 55.4" and "13.85 55.4" as a list; null for other texts.
+/// Converts "13.85, 55.4" and "13.85 55.4" to a list; null for other texts.
 Json list_of_numbers(std::string text) {
   const char between = text.find(';') != std::string::npos   ? ';'
                        : text.find(',') != std::string::npos ? ','
@@ -225,7 +225,7 @@ class Examination {
           fitting.push_back(&candidate);
         }
       }
-      // The required keys determine the kind of an object.
+      // The required keys that an object has determine its kind.
       const auto named = [&](const Json* candidate) {
         const Json required = candidate->value("required", Json::array());
         return value.is_object() && !required.empty() &&
@@ -374,14 +374,14 @@ class Examination {
     return text + " (allowed here: " + listed(names) + ")" + (hint.empty() ? "" : "; " + hint);
   }
 
-  /// The place of the key: "it belongs in /data", or the kinds of case that have it.
+  /// Text on the place of a key: "it belongs in /data", or the kinds of case that have the key.
   std::string places_of(const std::string& key, const Pointer& parent) const {
     const auto found_in = [&](const std::vector<std::string>& kinds) {
       std::vector<KeyPlace> found;
       for (const KeyPlace& place : key_places(kinds))
         if (place.path.back() == key) found.push_back(place);
       std::ranges::stable_sort(found, {}, [&](const KeyPlace& place) {
-        // Nearest first: by the part not shared with `parent`, then by length.
+        // Nearest first: sort by the part that `parent` does not share, then by length.
         const std::string here = parent.to_string();
         const auto same = std::ranges::mismatch(here, place.shown).in1 - here.begin();
         return std::pair(static_cast<std::ptrdiff_t>(place.path.size()) - (same > 1 ? 1 : 0),
@@ -409,7 +409,7 @@ class Examination {
     return {};
   }
 
-  /// Possible intended values of `value`.
+  /// Values that the user may have intended by `value`.
   std::vector<Json> meant_by(const Json& rule, const Json& value) const {
     std::vector<Json> list;
     if (value.is_string()) {
@@ -465,7 +465,7 @@ class Examination {
     if (rule.contains("items") && rule["items"].is_object()) collect_words(rule["items"], words);
   }
 
-  /// "; write …": the first intended value that satisfies the rule, else the schema's example.
+  /// "; write …": first intended value that satisfies the rule, else the schema's example.
   std::string instead(const Json& rule, const Json& value, const Pointer& where) const {
     if (correcting_) return {};
     correcting_ = true;
@@ -492,7 +492,7 @@ class Examination {
     return text;
   }
 
-  /// For a prior in place of a number: the coefficient needs a parameter's name.
+  /// Advice for a prior instead of a number: the coefficient needs the name of a parameter.
   std::string as_parameter(const Json& rule, const Json& value, const Pointer& where) const {
     const Pointer parameters("/properties/parameters"), prior("/definitions/prior");
     if (!value.is_object() || !type_matches(rule, 1.0) || !type_matches(rule, "name") ||

@@ -1,4 +1,4 @@
-// Error messages for cases that do not satisfy their schema, with a correction.
+// Error messages, with corrections, for cases that do not satisfy their schema.
 #pragma once
 
 #include <optional>
@@ -13,9 +13,9 @@ struct Complaint {
   std::string message;
 };
 
-/// The first violation of the schema `schema_name` in `json`, in engineering terms; empty if `json`
-/// is valid. `rules` is schema(schema_name). If a correction satisfies the schema, the message ends
-/// with this correction.
+/// The first violation of the schema `schema_name` in `json`, described in engineering terms; empty
+/// if `json` is valid. `rules` is schema(schema_name). If a correction satisfies the schema, the
+/// message ends with this correction.
 [[nodiscard]] std::optional<Complaint> first_complaint(const Json& rules,
                                                        const std::string& schema_name,
                                                        const Json& json);

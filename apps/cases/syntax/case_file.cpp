@@ -48,7 +48,7 @@ void apply_override(const std::filesystem::path& path, Json& json, const std::st
     fail("keys are separated by points: write --set " + with_points + "=" + value_text);
   }
   Json value = value_text;
-  // Text that is not JSON is a string; "accept" builds nothing, so any depth is safe.
+  // Text that is not JSON is a string. Json::accept builds no values, so that any depth is safe.
   if (Json::accept(value_text)) value = parse_json<Json>("--set", value_text);
   std::size_t depth = 0;
 
@@ -224,7 +224,7 @@ Json schema(std::string_view name) {
     throw Failure(Exit::usage,
                   "no schema has the name \"" + std::string(name) + "\"; there are: " + list);
   }
-  const Json own = found->at("definitions");  // these replace shared definitions of the same name
+  const Json own = found->at("definitions");  // own definitions replace shared ones of equal name
   for (const std::string& other : definitions_of(name))
     (*found)["definitions"].update(find(other)->at("definitions"));
   (*found)["definitions"].update(own);
@@ -238,7 +238,7 @@ Json schema(std::string_view name) {
 
 namespace {
 
-/// Checks the kind first: missing keys of a case of another kind would be misleading.
+/// Checks the kind first: messages about missing keys would mislead if the kind is wrong.
 void require_kind(const CaseFile& file, const Json& rules) {
   const Json::json_pointer allowed("/properties/kind/enum");
   if (!rules.contains(allowed) || !file.json.contains("kind")) return;

@@ -38,10 +38,10 @@ struct CaseFile {
   [[nodiscard]] std::filesystem::path resolve(const std::string& name) const;
 };
 
-/// Reads a file and applies `overrides`, each "path.to.key=VALUE" (array elements by 0-based
-/// number; VALUE is JSON or, if it is not valid JSON, a string). Throws Failure: 66 for an
+/// Reads a file and applies `overrides`, each "path.to.key=VALUE". Array elements have 0-based
+/// numbers. VALUE is JSON or, if it is not valid JSON, a string. Throws Failure: 66 for an
 /// unreadable file; 65, with line and column, for text that is not JSON; 65 for keys and strings
-/// that are not UTF-8 or that contain control characters; 64 for an override of a key that does not
+/// that are not UTF-8 or contain control characters; 64 for an override of a key that does not
 /// exist.
 [[nodiscard]] CaseFile read_case(const std::filesystem::path& path,
                                  const std::vector<std::string>& overrides = {});

@@ -34,7 +34,7 @@ std::string kept_within(const CaseFile& file, const Pointer& where, double lower
     }
     return "; write {\"" + family + "\": [" + text + "]}";
   };
-  // The probability beyond six standard deviations of a normal is less than 1e-8.
+  // A normal density has a probability below 1e-8 beyond six standard deviations.
   constexpr double kFar = 6.0;
   const auto truncated = [&](double mean, double sd) {
     const double from = std::isfinite(low) ? low : mean - kFar * sd;

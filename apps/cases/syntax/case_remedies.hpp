@@ -8,8 +8,8 @@
 
 namespace wheeltap::apps {
 
-/// The message about a `text` that is neither a number nor the name of a parameter. The message
-/// suggests the number that the text contains, or the nearest of the `names`.
+/// The message about a `text` that is neither a number nor the name of a parameter. It suggests the
+/// number that the text contains, or the nearest name in `names`.
 [[nodiscard]] std::string unknown_parameter(const std::string& text,
                                             const std::vector<std::string>& names);
 

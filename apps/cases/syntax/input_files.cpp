@@ -13,7 +13,7 @@ void InputFiles::add(const std::string& name, const std::filesystem::path& path)
     auto known = read_->find(path);
     if (known == read_->end()) known = read_->emplace(path, io::fingerprint_of_file(path)).first;
     files_.emplace(name, known->second);
-  } catch (const io::FileError&) {  // its reader reports the error
+  } catch (const io::FileError&) {  // the function that reads the file reports it
   }
 }
 

@@ -43,7 +43,7 @@ class Places {
     return form;
   }
 
-  /// `within`: references followed so far, to detect recursion.
+  /// `within`: the references followed so far, which detects recursion.
   void walk(const Json& rule, const Path& path, const std::string& shown,
             std::set<std::string> within) {
     if (rule.contains("$ref")) {

@@ -17,8 +17,8 @@ struct KeyPlace {
   std::vector<std::string> kinds = {};  ///< kinds of case with this key
 };
 
-/// The locations of keys in the given kinds of case (schema_names), in the order of the schemas.
-/// Kinds of case in which a location has the same meaning share one entry.
+/// The locations of keys in the given kinds of case (schema_names), in the order of the schemas. If
+/// a location has the same meaning in several kinds, these kinds share one entry.
 [[nodiscard]] std::vector<KeyPlace> key_places(const std::vector<std::string>& kinds);
 
 }  // namespace wheeltap::apps

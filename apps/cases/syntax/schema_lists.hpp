@@ -15,7 +15,7 @@
 
 namespace wheeltap::apps {
 
-/// Names of the schemas whose definitions a kind of case uses in addition to the definitions of its
+/// Names of further schemas: a kind of case uses their definitions in addition to those of its own
 /// schema.
 inline std::vector<std::string> definitions_of(std::string_view kind) {
   if (kind == "update") return {"common", "structure"};
@@ -90,7 +90,7 @@ void add_defects(AnyJson& rules) {
   if (!rules.at("definitions").contains("defects")) return;
   auto& keys = rules["definitions"]["defects"]["properties"];
   auto& of_truth = rules["definitions"]["true_defect"]["properties"];
-  // A copy instead of a reference, because adding keys may move other keys
+  // A copy instead of a reference, because new keys may move existing keys
   AnyJson names = AnyJson::array();
   for (const auto* type : identification::defect_types()) {
     if (!type->is_for_beams()) continue;
@@ -104,9 +104,9 @@ void add_defects(AnyJson& rules) {
   keys["kind"]["enum"] = std::move(names);
 }
 
-/// Replaces "x-list": "interpolants" in `rules` by an "enum" of their names, and adds to the
-/// description the type of runs for each interpolant. `AnyJson` is Json, or the type that keeps the
-/// order of keys.
+/// Replaces "x-list": "interpolants" in `rules` by an "enum" of interpolant names. Adds the type of
+/// runs of each interpolant to the description. `AnyJson` is Json, or the type that keeps the order
+/// of keys.
 template <class AnyJson>
 void fill_lists(AnyJson& rules) {
   using Runs = emulator::InterpolantType::Runs;

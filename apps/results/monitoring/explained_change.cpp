@@ -74,7 +74,7 @@ std::string between(const Report& interval, const std::string& unit) {
          at("q95") + (unit.empty() ? ")" : " " + unit + ")");
 }
 
-/// Place and severity of a kind of defect, given that it is the cause.
+/// Sentence on place and severity of a kind of defect, if it is the cause.
 std::string defect_in_words(const Report& defect) {
   const Report& places = defect.at("places");
   if (places.empty()) return "";
@@ -127,7 +127,7 @@ void add_explanations(const MonitorCaseFile& parsed,
   const double changed = monitor["alarms"].back()["probability_changed"].get<double>();
   monitor["probability_damage"] = changed * last.damage;
   monitor["probability_other"] = changed * (1.0 - last.damage);
-  // As in damage runs: the first kind that is damage.
+  // As in damage runs, use the first kind of defect that is damage.
   const auto& is_mass = parsed.structure->causes.is_mass;
   const auto k = static_cast<std::size_t>(std::ranges::find(is_mass, false) - is_mass.begin());
   std::vector<double> overall = last.defects[k].by_cell;

@@ -21,8 +21,8 @@ void add_explanations(const MonitorCaseFile& parsed,
                       const std::vector<identification::monitoring::ChangeExplanation>& explained,
                       Report& summary);
 
-/// Sentences "Cause: damage 93 %, …" and on location and severity; empty for an alarm without an
-/// explanation.
+/// The sentence "Cause: damage 93 %, …", and sentences on location and severity; empty for an alarm
+/// without an explanation.
 [[nodiscard]] std::vector<std::string> explanation_in_words(const Report& alarm);
 
 }  // namespace wheeltap::apps

@@ -49,7 +49,7 @@ Report alarm_json(const MonitorCaseFile& parsed, const AlarmRecord& alarm) {
   return out;
 }
 
-/// The tracked modes: how often they were identified, and how surely.
+/// Tracked modes: fraction of tests with the mode, and probability of its assignments.
 Report tracked_json(const MonitorCaseFile& parsed) {
   Report out = Report::array();
   for (std::size_t k = 0; k < parsed.tests->modes.size(); ++k) {

@@ -19,12 +19,12 @@ struct TrackedModesOf {
 
 /// NetCDF-4 with the dimensions record and mode:
 ///
-///   frequency, frequency_sd, damping (record, mode): of the assigned mode; NaN where it is
-///   missing; probability (record, mode): of that assignment, or that the mode is missing; number
-///   (record, mode): number of the mode in its file, 0: missing; mac (record, mode): with the
-///   mode's reference shape; modes, spurious (record): identified modes, and the expected number
-///   that is of no tracked mode; reference_frequency, scatter, detection (mode); the attribute
-///   files: one name per line.
+///   (record, mode): frequency, frequency_sd, damping of the assigned mode (NaN: missing);
+///     probability of the assignment, or of "missing"; number of the mode in its file (0: missing);
+///     mac with the reference shape of the tracked mode
+///   (record): modes, the number of identified modes; spurious, the expected number
+///   (mode): reference_frequency, scatter, detection
+///   attribute files: one name per line
 [[nodiscard]] std::string tracked_netcdf(const TrackedModesOf& tracked,
                                          const std::filesystem::path& path);
 

@@ -51,7 +51,7 @@ Report optional_number(const std::optional<double>& x) {
   return x ? Report(compact(*x)) : Report(nullptr);
 }
 
-/// Site and place, by the words of the case.
+/// Site and place, in the terms of the case.
 Report place_report(const PlannedStructure& structure, const TestPlace& place) {
   const DefectKind& kind = structure.kinds()[index(place.kind)];
   Report out = {{"place", place.name}, {"kind", kind.name}};
@@ -92,7 +92,7 @@ Report resolution_report(const Confusion& confusion) {
   return out;
 }
 
-/// The place of a cell on the drawing: [x, y, z]; null without a drawing.
+/// The location of a place on the drawing: [x, y, z]; null without a drawing.
 Report drawn_place(const AnyStructure& structure, const DefectKind& kind, const TestPlace& place) {
   const SiteLine::Stretch& stretch = kind.line.stretches()[index(place.stretch)];
   if (std::holds_alternative<fem::LumpedChain>(structure)) {
@@ -197,7 +197,7 @@ Report value_report(const PlanFindings& findings) {
           {"sensitivity", sensitivity}};
 }
 
-/// The differences, and the estimates of the best design with them.
+/// Differences between engine and approximation, and corrected estimates of the best design.
 Report check_report(const ScoredDesign& best, const EngineCheck& check) {
   const auto corrected = [](const TestEstimate& by_plan, const TestEstimate& difference) {
     return Report{{"difference", finite(difference.value)},
@@ -302,11 +302,11 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
   const PlanCase& plan = parsed.plan;
   const PlannedStructure structure(plan.damage_case, plan.structure);
   const ScoredDesign& best = findings.designs.front();
-  // The hardest detectable place; otherwise the one that is detected most often.
+  // The hardest detectable place or, if there is none, the place with the most detections.
   const PlaceDetection* chosen = nullptr;
   for (const PlaceDetection& p : findings.places) {
     const auto rank = [](const PlaceDetection& x) {
-      // Relative to the largest severity, since kinds of defects have different units.
+      // Relative to the largest severity, because kinds of defect have different units.
       return x.smallest ? std::pair{1, *x.smallest / x.severities.back()}
                         : std::pair{0, x.detection.back().value};
     };

@@ -19,9 +19,9 @@ namespace wheeltap::apps {
                                   const identification::planning::EngineCheck& check,
                                   const RunInfo& info);
 
-/// A damage case with the sensors of the recommended design. The truth of this case is the smallest
-/// damage that the test detects with probability 0.9, at the place where this damage is largest. If
-/// no place has such a damage, the truth is the largest damage of the prior. Measured modes replace
+/// A damage case with the sensors of the recommended design. Its truth is the smallest damage that
+/// the test detects with probability 0.9, at the place where this smallest damage is largest. If no
+/// place has such a damage, the truth is the largest damage of the prior. Measured modes replace
 /// the truth after the test.
 [[nodiscard]] Report recommended_case(const PlanCaseFile& parsed,
                                       const identification::planning::PlanFindings& findings);
@@ -33,8 +33,8 @@ void print_plan(std::ostream& out, const Report& summary, bool colour);
 
 /// Sentence on the damage that the recommended design detects.
 [[nodiscard]] std::string plan_headline(const Report& plan);
-/// Sentences on the sensors, frequencies alone, indistinguishable places, changes of the design
-/// that distinguish these places, and further sensors.
+/// Sentences on the sensors, on a test of frequencies only, on indistinguishable places and changes
+/// of the design that distinguish them, and on further sensors.
 [[nodiscard]] std::vector<std::string> plan_details(const Report& plan);
 /// Sentence on the check by the full engine; empty without a check.
 [[nodiscard]] std::string check_sentence(const Report& plan);

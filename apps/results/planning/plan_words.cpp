@@ -26,7 +26,7 @@ std::vector<std::string> names_of(const Report& list) {
   return out;
 }
 
-/// "frame, 0 to 0.4 m cannot be told apart from …".
+/// Sentence: "frame, 0 to 0.4 m cannot be told apart from …".
 std::string regions_in_words(const Report& regions, const std::string& by) {
   if (regions.empty()) return {};
   std::vector<std::string> pairs;
@@ -65,7 +65,7 @@ std::string separation_in_words(const Report& separation, bool none_yet) {
   return out.empty() ? "No candidate sensor or added mass distinguishes the locations." : out;
 }
 
-/// Where a further sensor adds less than `kWorth` of the information.
+/// Sentence on the fewest sensors that lack less than `kWorth` of the information of all.
 std::string stopping_in_words(const Report& path) {
   constexpr double kWorth = 0.02;
   if (path.size() < 3) return {};

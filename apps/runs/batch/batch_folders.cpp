@@ -15,7 +15,7 @@ namespace fs = std::filesystem;
 
 constexpr int kFormat = 1;
 
-/// Resolves the existing part of a path.
+/// Resolves symbolic links in the existing part of a path.
 fs::path whole_path(const fs::path& path) {
   std::error_code error;
   fs::path out = fs::weakly_canonical(fs::absolute(path, error), error);
@@ -56,7 +56,7 @@ std::string BatchFolders::new_name(const fs::path& path) {
   std::string stem = path.stem().string();
   if (stem.empty() || stem == "." || stem == "..") stem = "case";
   if (taken_.insert(stem).second) return stem;
-  // Continue after the last number of this stem: many cases may have the same name.
+  // Continue after the last number for this stem, because many cases may have the same name.
   for (int& n = last_.try_emplace(stem, 1).first->second;;) {
     std::string name = stem + "-" + std::to_string(++n);
     if (taken_.insert(name).second) return name;

@@ -38,7 +38,7 @@ std::vector<BatchCase> read_batch_list(const std::filesystem::path& list) {
                                          ": paths must be UTF-8 without control characters");
     }
     const std::filesystem::path path = list.parent_path() / line;
-    std::error_code too_long;  // for a name, as JSON on a line may be
+    std::error_code too_long;  // for names that are too long (a line of JSON)
     if (cases.empty() && line.front() == '{' && !exists(path, too_long)) {
       throw Failure(Exit::bad_input,
                     list.string() + ":" + std::to_string(number + 1) +

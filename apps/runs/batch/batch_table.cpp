@@ -11,8 +11,8 @@
 namespace wheeltap::apps {
 namespace {
 
-/// Spreadsheets evaluate cells that begin like this as formulas, and names and messages of programs
-/// may come from others.
+/// Makes a cell harmless: spreadsheets evaluate cells with such a beginning as formulas, and names
+/// and messages may come from untrusted sources.
 std::string inert(const std::string& cell) {
   constexpr std::string_view kFormula = "=+-@\t\r";
   const bool formula = !cell.empty() && kFormula.find(cell[0]) != std::string_view::npos;
@@ -60,7 +60,7 @@ void take_models(const Report& models, BatchRow& row) {
   }
 }
 
-/// "7 modes (1 doubtful)" of modal identification.
+/// Fills the columns for a modal identification: "7 modes (1 doubtful)".
 void take_mode_columns(const Report& modes, BatchRow& row) {
   if (!modes.is_array()) return;
   const auto doubtful = std::ranges::count_if(modes, [](const Report& mode) {

@@ -41,7 +41,7 @@ void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 
 /// Returns CSV (RFC 4180) with columns case, kind, exit, model, probability, converged,
 /// wall_seconds, folder, error, path and one line per existing row. An apostrophe precedes cells
-/// that a spreadsheet would take for a formula: those that begin with = + - or @ without being
+/// that a spreadsheet would evaluate as formulas: cells that begin with = + - or @ and are not
 /// numbers.
 [[nodiscard]] std::string batch_csv(const std::vector<std::optional<BatchRow>>& rows);
 
@@ -49,7 +49,7 @@ void take_from_summary(const std::filesystem::path& folder, BatchRow& row);
 /// null.
 [[nodiscard]] std::string batch_json(const std::vector<std::optional<BatchRow>>& rows);
 
-/// Returns a line without its end: "[ 3/10] name  2 damages, P = 97 %  converged  12 s".
+/// Returns a line without a line break: "[ 3/10] name 2 damages, P = 97 % converged 12 s".
 [[nodiscard]] std::string batch_line(const BatchRow& row, std::size_t done, std::size_t all);
 
 }  // namespace wheeltap::apps

@@ -37,9 +37,9 @@ RunCost cost_of_sid(const SidCaseFile& parsed, const CommonOptions& common,
       affordable(engine_options(common, options), problem->seconds_a_likelihood);
   RunCost cost =
       cost_of_sampling({.largest = static_cast<double>(problem->problem.space.max_dimension())},
-                       engine, draws_in_memory(common));  // its time is measured
-  // The record and its derived data exist already; searches use a half, a quarter, … of it, each
-  // with its own simulators.
+                       engine, draws_in_memory(common));  // time measured
+  // The record and its derived data exist already. Searches use a half, a quarter, … of the record,
+  // each with separate simulators.
   cost.bytes += 2.0 * bytes_held();
   const int all = problem->misfits.front().samples();
   const int few = options.quick ? samples_of_a_look(all, problem->seconds_a_likelihood) : all;
@@ -82,7 +82,7 @@ SidOutcome identify(const SidCaseFile& parsed, const CommonOptions& common,
 
 namespace {
 
-/// Simulators need no preparation; their likelihood is measured when the run is estimated.
+/// A run without preparation: estimate() already measures the run time of the likelihood.
 class SidCaseRun final : public CaseRun {
  public:
   SidCaseRun(CaseFile file, const CommonOptions& common, const SamplingOptions& options)
@@ -104,7 +104,7 @@ class SidCaseRun final : public CaseRun {
 
   std::vector<ServedModel> served() override {
     SidCaseFile chosen = *parsed_;
-    // Like the first step of a run, if the case does not state the orders.
+    // As in the first step of a run: choose the residual orders that the case does not state.
     choose_residuals(chosen.sid, seed(), common().threads);
     return explained(chosen, [&] {
       return apps::served(std::shared_ptr<const SidProblem>(make_sid_problem(chosen.sid)));

@@ -25,7 +25,7 @@ using namespace identification;
 
 namespace {
 
-/// A line of the table, with its headings.
+/// A line of the table, and its headings.
 struct Row {
   std::vector<std::string> header, cells;
 
@@ -91,7 +91,7 @@ Report summary_row(const Json& value, const SidFindings& findings) {
   return row;
 }
 
-/// Comment lines for a row: open reasons of convergence, and probabilities from evidence.
+/// Comment lines for a row: reasons why it has not converged, and probabilities from evidence.
 std::string remarks(const SidFindings& findings) {
   std::string text;
   const auto& open = findings.sampling.verdict.not_established;
@@ -100,7 +100,7 @@ std::string remarks(const SidFindings& findings) {
   }
   for (std::size_t m = 0; m < findings.models.size(); ++m) {
     const std::string told = told_by_evidence(findings.models[m]);
-    // A reason about the model makes the comment redundant.
+    // Omit the comment if a reason already refers to the model.
     const auto about_it = [m](const auto& reason) {
       if constexpr (requires { reason.model; }) {
         return reason.model == static_cast<int>(m);
@@ -115,7 +115,7 @@ std::string remarks(const SidFindings& findings) {
   return text;
 }
 
-/// The row of one value, for the journal; none if the run was interrupted.
+/// The row of one value for the journal; empty if the run was interrupted.
 std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
                               const CommonOptions& common, const SamplingOptions& options,
                               CheckpointFile& checkpoint, spdlog::logger& log) {
@@ -136,7 +136,7 @@ std::optional<Report> run_row(const SidCaseFile& one, const Json& value,
   }
 }
 
-/// The case without its sweep values: the finished rows of other values stay valid.
+/// The identity of a case without its sweep values, so that finished rows remain valid.
 std::string identity_of_rows(const CaseFile& file, const CommonOptions& common,
                              const SamplingOptions& options) {
   Json fixed = file.json;
@@ -163,7 +163,7 @@ void print_files(const std::filesystem::path& folder) {
             << io::printable((folder / "summary.json").string()) << " (all numbers)\n";
 }
 
-/// The files of a sweep; the names are reserved before it runs.
+/// The files of a sweep; their names are reserved before the sweep runs.
 struct SweepFiles {
   SweepFiles(const std::filesystem::path& folder, const std::string& identity, bool resume)
       : table(folder / "sweep.csv"),
@@ -175,7 +175,7 @@ struct SweepFiles {
   SweepJournal journal;
 };
 
-/// The case of one value.
+/// The case for one value of the sweep.
 CaseFile with(const CaseFile& file, const Pointer& where, const Json& value) {
   CaseFile one = file;
   one.inputs = std::make_shared<InputFiles>(file.inputs->emptied());
@@ -184,7 +184,7 @@ CaseFile with(const CaseFile& file, const Pointer& where, const Json& value) {
   return one;
 }
 
-/// The cost of all rows, from a few of them between the first and the last.
+/// The cost of all rows, estimated from a few rows between the first and the last.
 RunCost cost_of_sweep(const CaseFile& file, const Pointer& where, const CommonOptions& common,
                       const SamplingOptions& options) {
   const Json& values = file.json["sweep"]["values"];
@@ -197,7 +197,7 @@ RunCost cost_of_sweep(const CaseFile& file, const Pointer& where, const CommonOp
     const SidCaseFile parsed = parse_sid_case(std::move(one));
     const RunCost cost = cost_of_sid(parsed, common, options);
     const double share = static_cast<double>(values.size()) / static_cast<double>(asked);
-    double kept = 20e3;  // memory of a parsed case besides its record
+    double kept = 20e3;  // bytes of a parsed case without its record
     for (const SidChannel& channel : parsed.sid.channels) {
       kept += 8.0 * static_cast<double>(channel.signal.samples.size());
     }
@@ -225,7 +225,7 @@ Pointer swept_place(const CaseFile& file, const std::string& path) {
   bool there = false;
   try {
     there = file.json.contains(pointer);
-  } catch (const Json::exception&) {  // an invalid element number
+  } catch (const Json::exception&) {  // an invalid number of a list element
   }
   if (!there) file.refuse(where, "must point to an existing value of this case");
   if (pointer.empty() || path == "/sweep" || path.starts_with("/sweep/"))
@@ -245,7 +245,7 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
   require_affordable(file, Pointer("/sweep"), cost, common);
   if (common.dry_run) return common.dry_run("sweep", cost);
   on_first_rank([&] { claim_output_folder(common.output); });
-  // Parse all cases first, so that an error in the last one stops the sweep before it runs.
+  // Parse all cases first, so that an error in the last case stops the sweep before it runs.
   std::vector<SidCaseFile> cases;
   for (const Json& value : sweep["values"]) {
     CaseFile one = with(file, pointer, value);
@@ -271,7 +271,7 @@ void sweep_sid(CaseFile file, const CommonOptions& common, const SamplingOptions
     log.info("{} has this sweep, finished; nothing is run again.",
              io::printable(common.output.string()));
     std::cout << *finished;
-    // Files that a run killed at its end could not remove.
+    // Remove files that a run could not remove because it was killed at its end.
     if (const auto rows = common.output / "sweep.rows"; std::filesystem::exists(rows))
       SweepJournal(rows, identity, true).remove();
     CheckpointFile::discard(common.output);

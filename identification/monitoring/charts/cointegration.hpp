@@ -2,8 +2,8 @@
 // the weather.
 //
 // Johansen's procedure (1988) for a vector error correction model with a constant and one lagged
-// difference: with R0 and R1 the residuals of Δy_t and y_t-1 after regression on (1, Δy_t-1) and
-// S_ij = R_i' R_j/n, the vector b with the largest λ of
+// difference: R0 and R1 are the residuals of Δy_t and y_t-1 after regression on (1, Δy_t-1), and
+// S_ij = R_i' R_j/n. The result is the vector b with the largest λ in
 //
 //   S10 S00⁻¹ S01 b = λ S11 b.
 #pragma once

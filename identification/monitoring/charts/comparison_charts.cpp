@@ -22,7 +22,7 @@ using Eigen::VectorXd;
 constexpr int kMedianRows = 12;
 constexpr double kEulerGamma = 0.57721566490153286;
 
-/// The residuals of the learning rows, n x p, by `residuals_of` a row.
+/// Residuals of the training rows, n x p; `residuals_of` computes those of one row.
 template <class Residuals>
 MatrixXd learned_residuals(const Series& learning, const Residuals& residuals_of) {
   MatrixXd out(learning.rows(), learning.feature_count());
@@ -31,7 +31,7 @@ MatrixXd learned_residuals(const Series& learning, const Residuals& residuals_of
   return out;
 }
 
-/// The features themselves, in the place of a regression.
+/// Stands in for a regression: its residuals are the features.
 struct RawFeatures {
   explicit RawFeatures(const Series& /*learning*/) {}
   [[nodiscard]] VectorXd residuals(const Row& row) const { return row.features; }
@@ -54,7 +54,7 @@ class HotellingChart final : public ComparisonChart {
   Scatter scatter_;
 };
 
-/// The squared prediction error of the principal components that hold nine tenths of the variance.
+/// Squared prediction error of the principal components that explain 90 % of the variance.
 class ComponentChart final : public ComparisonChart {
  public:
   explicit ComponentChart(const Series& learning) : scatter_(robust_scatter(learning.features)) {
@@ -86,7 +86,7 @@ class ComponentChart final : public ComparisonChart {
   MatrixXd components_;
 };
 
-/// The squared residual of the most stationary combination. A missing feature keeps its last value.
+/// Squared residual of the most stationary combination. A missing feature keeps its last value.
 class CointegrationChart final : public ComparisonChart {
  public:
   explicit CointegrationChart(const Series& learning) {
@@ -114,7 +114,7 @@ class CointegrationChart final : public ComparisonChart {
   Scatter scatter_;
 };
 
-/// Residuals of the regression in standard deviations, clipped: a single outlier is no shift.
+/// Residuals of the regression in standard deviations, clipped so that one outlier is no shift.
 class ClippedResiduals {
  public:
   explicit ClippedResiduals(const Series& learning)
@@ -137,7 +137,7 @@ class ClippedResiduals {
   Scatter scatter_;
 };
 
-/// C± = max(0, C± ± r - 1/2) of each feature; the largest.
+/// The largest of C± = max(0, C± ± r - 1/2) over all features.
 class CusumChart final : public ComparisonChart {
  public:
   explicit CusumChart(const Series& learning)
@@ -160,7 +160,7 @@ class CusumChart final : public ComparisonChart {
   VectorXd up_, down_;
 };
 
-/// m = (1 - λ) m + λ r, λ = 0.1;   m' C⁻¹ m (2 - λ)/λ.
+/// Statistic m' C⁻¹ m (2 - λ)/λ with m = (1 - λ) m + λ r, λ = 0.1.
 class EwmaChart final : public ComparisonChart {
  public:
   explicit EwmaChart(const Series& learning)
@@ -186,7 +186,7 @@ std::unique_ptr<ComparisonChart> learned(const Series& learning) {
   return std::make_unique<Chart>(learning);
 }
 
-/// Takes the median of a chart's last values; NaN before there are enough.
+/// Median of a chart's latest values; NaN until there are enough values.
 class RunningMedian {
  public:
   explicit RunningMedian(int rows) : rows_(static_cast<std::size_t>(rows)) {}
@@ -215,7 +215,7 @@ std::vector<double> statistics_of(const ChartKind& kind, ComparisonChart& chart,
   return out;
 }
 
-/// The first `rows` rows but for [from, to).
+/// The first `rows` rows except rows [from, to).
 Series without(const Series& series, int rows, int from, int to) {
   std::vector<Index> kept;
   for (int t = 0; t < rows; ++t)
@@ -241,7 +241,7 @@ ChartFinding run_chart(const ChartKind& kind, const Series& series, int learning
   }
   ChartFinding out{.name = kind.name, .threshold = chart_threshold(healthy, rows_between)};
   const auto chart = kind.learn(series.first(learning_rows));
-  // The last learning rows fill the median and the memory of the chart.
+  // The last training rows initialise the running median and the state of the chart.
   const int from = std::max(0, learning_rows - kMedianRows);
   out.statistic = statistics_of(kind, *chart, series, from, series.rows(), is_short);
   out.statistic.erase(out.statistic.begin(), out.statistic.begin() + (learning_rows - from));

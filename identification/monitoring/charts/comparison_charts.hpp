@@ -7,9 +7,9 @@
 //   CUSUM (Page 1954) and multivariate EWMA (Lowry et al. 1992) of the regression's residuals.
 //
 // Each chart is trained on the training rows of the baseline. The threshold of a chart is
-// calibrated for the rate of false alarms that the case states. For each third of the training rows
-// in turn, the chart is trained on the other two thirds and evaluated on this third. The maxima
-// over blocks of these rows give the threshold.
+// calibrated for the rate of false alarms that the case states. The calibration trains the chart on
+// two thirds of the training rows and evaluates it on the remaining third, for each third in turn.
+// The maxima over blocks of the evaluated rows give the threshold.
 #pragma once
 
 #include <functional>
@@ -59,9 +59,9 @@ struct ChartFinding {
 [[nodiscard]] std::vector<ChartFinding> run_charts(const Series& series, int learning_rows,
                                                    double rows_between_false_alarms, int threads);
 
-/// The threshold that healthy values exceed once in `rows_between` rows. The maxima over blocks are
-/// assumed to follow a Gumbel distribution, P(maximum <= A) = exp(-exp(-(A - m)/s)), fitted by
-/// L-moments (Hosking 1990).
+/// The threshold that healthy values exceed once in `rows_between` rows on average. The maxima over
+/// blocks are assumed to follow a Gumbel distribution, P(maximum <= A) = exp(-exp(-(A - m)/s)),
+/// fitted by L-moments (Hosking 1990).
 [[nodiscard]] double chart_threshold(const std::vector<double>& healthy, double rows_between);
 
 /// Rows in which an alarm begins.

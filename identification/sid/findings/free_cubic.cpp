@@ -13,7 +13,7 @@ namespace {
 using dynamics::Coefficient;
 
 constexpr int kMostSteps = 40;   // steps of the minimisation
-constexpr double kStep = 1e-5;   // step of the differences, relative to the terms' scales
+constexpr double kStep = 1e-5;   // step of differences, relative to each term's scale
 constexpr double kFailed = 1e3;  // residual relative to its response, if the simulation fails
 
 double rms(const Eigen::VectorXd& x) {
@@ -78,9 +78,9 @@ std::vector<double> norms_of(const SidProblem& problem, std::span<const double> 
   return out;
 }
 
-/// Scales at which each term is as large as the inertia force. With ω the ratio of a link's RMS
-/// speed and extension e, and m the smaller mass at its ends: k = m ω², c = m ω, k₂ = m ω² / e,
-/// k₃ = m ω² / e².
+/// Scales at which each term is as large as the inertia force. ω is a link's RMS speed divided by
+/// its RMS extension e, and m the smaller mass at its ends: k = m ω², c = m ω, k₂ = m ω² / e, k₃ =
+/// m ω² / e².
 std::vector<double> natural_scales(const SidProblem& problem, int m,
                                    std::span<const double> theta) {
   const SidModel& model = problem.sid_case.models[static_cast<std::size_t>(m)];

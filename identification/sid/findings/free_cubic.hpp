@@ -9,8 +9,8 @@
 
 namespace wheeltap::identification {
 
-/// Returns ‖y - ŷ‖ / ‖y - ȳ‖ of each response for a chain of masses with free cubic springs: the
-/// model at `theta` (parameters of the case) with, parallel to each link, the force law
+/// Returns ‖y - ŷ‖ / ‖y - ȳ‖ of each response for the model at `theta` (parameters of the case)
+/// with a free cubic spring parallel to each link, that is with the additional force law
 ///
 ///   T = k e + c ė + k₂ e² + k₃ e³.
 ///

@@ -140,7 +140,7 @@ Eigen::VectorXd second_derivative(const Eigen::VectorXd& x, double rate_hz, Eige
 }
 
 // Differences over a step h amplify noise by 1/h² and reduce a second derivative by (ωh)²/12.
-// Returns the longest step with ωh <= 1/2, ω that of the motion.
+// Returns the longest step with ωh <= 1/2, where ω is the frequency of the motion.
 Eigen::Index difference_step(const Eigen::VectorXd& extension, const Eigen::VectorXd& rate,
                              double rate_hz) {
   const double omega = (rate.array() - rate.mean()).matrix().norm() /
@@ -206,8 +206,8 @@ std::vector<LinkLaw::Point> force_state_map(const SidProblem& problem, const dyn
   const Eigen::Index step = difference_step(extension, rate, hz);
   const bool relative = !moving || sensor->frame == dynamics::Frame::relative;
   if (sensor->quantity != dynamics::Quantity::acceleration && !relative) return {};
-  // Differences average the acceleration over their steps. Differences of the integrated excitation
-  // apply the same averaging.
+  // Differences average the acceleration over their step. The differences of the integrated
+  // excitation average in the same way.
   const auto as_accelerations = [&](const Eigen::VectorXd& x) -> Eigen::VectorXd {
     return sensor->quantity == dynamics::Quantity::displacement ? second_derivative(x, hz, step)
            : sensor->quantity == dynamics::Quantity::velocity   ? derivative(x, hz, step)

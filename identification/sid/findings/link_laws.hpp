@@ -9,17 +9,17 @@
 
 namespace wheeltap::identification {
 
-/// The posterior of a link's static tension [N] (dynamics/link_tension.hpp) under one model, over
-/// the extensions [m] of the motion at the posterior mean.
+/// The posterior of a link's static tension [N] (dynamics/link_tension.hpp) under one model, for
+/// the extensions [m] that occur in the motion at the posterior mean.
 struct LinkCurve {
   int a = 0, b = 0;  ///< masses at the ends of the link
   std::vector<double> extension;
   std::vector<double> q2_5, q50, q97_5;  ///< quantiles of the tension
 };
 
-/// One curve per link of a model with draws, except links with the same force law in every draw.
-/// The curves use at most 400 draws, evenly spread over the Markov chains. The result is empty if
-/// the simulation of the model fails at the posterior mean.
+/// One curve per link of a model with draws. Links with the same force law in every draw are
+/// omitted. The curves use at most 400 draws, evenly spread over the Markov chains. The result is
+/// empty if the simulation of the model fails at the posterior mean.
 [[nodiscard]] std::optional<std::vector<LinkCurve>> link_laws(const SidProblem& problem,
                                                               const inference::Posterior& posterior,
                                                               int model);
@@ -27,26 +27,26 @@ struct LinkCurve {
 /// Force law of a link, averaged over the models. The average uses weighted draws of all models,
 /// each with the force laws of its model.
 struct LinkLaw {
-  /// Static tension over the extensions of the motion at the posterior mean of the most probable
-  /// model.
+  /// Static tension for the extensions that occur in the motion at the posterior mean of the most
+  /// probable model.
   LinkCurve at_rest;
   /// The tension at zero extension [N] over the rates [m/s] of the motion at the posterior mean.
   /// Force laws with memory do not contribute to this tension.
   std::vector<double> rate, q2_5, q50, q97_5;
   /// Force-state map (Masri & Caughey 1979, J. Appl. Mech. 46:433) of a link between the ground and
-  /// a mass without other links: the tension Σ F - m ÿ from the measured motion, over extension and
-  /// rate. The mass m has its posterior mean. Extension, rate and acceleration are measured values,
-  /// or finite differences of measured values with the longest step that the frequency of the
-  /// motion allows (half a radian). Unmeasured values come from the model. The map has at most 500
-  /// points and is empty for other links.
+  /// a mass without other links; empty for other links. The map gives the tension Σ F - m ÿ of the
+  /// measured motion against extension and rate, with m at its posterior mean, at up to 500 points.
+  /// Extension, rate and acceleration are measured, or finite differences of measured values with
+  /// the longest step that the frequency of the motion allows (half a radian). Otherwise, they come
+  /// from the model.
   struct Point {
     double extension = 0.0, rate = 0.0, tension = 0.0;
   };
   std::vector<Point> map;
 };
 
-/// Averaged force laws of the links with the given indices, from at most 400 draws. The result is
-/// empty if the simulation of `shown`, the most probable model with draws, fails at its posterior
+/// Averaged force laws of the links with the given indices, from at most 400 draws. `shown` is the
+/// most probable model with draws. The result is empty if its simulation fails at its posterior
 /// mean.
 [[nodiscard]] std::vector<LinkLaw> averaged_laws(const SidProblem& problem,
                                                  const inference::Posterior& posterior, int shown,

@@ -32,8 +32,8 @@ struct Noisy {
   bool differentiated = false;
 };
 
-// Sixth differences of white noise of variance σ² have variance C(12, 6) σ²; a motion sampled ten
-// times per period or more contributes little.
+// Sixth differences of white noise of variance σ² have variance C(12, 6) σ²; a motion with at least
+// ten samples per period contributes little.
 double noise_sd(const std::vector<double>& y) {
   double sum = 0.0;
   for (std::size_t n = 3; n + 3 < y.size(); ++n) {
@@ -129,7 +129,7 @@ class Record {
   bool driven_ = false;
 };
 
-// T = Σ_j W_j (m_j ÿ_j - F_j) with measured ÿ_j; empty if one is missing or too noisy.
+// T = Σ_j W_j (m_j ÿ_j - F_j) with measured ÿ_j; empty if an ÿ_j is missing or too noisy.
 Noisy measured_tension(const Record& record, const Eigen::RowVectorXd& weights,
                        std::span<const double> masses, const Eigen::MatrixXd& forces,
                        double range) {
@@ -170,7 +170,7 @@ std::vector<LinkPath> link_paths(const SidProblem& problem, int model,
     out.emplace_back();
     out.back().a = link.a, out.back().b = link.b;
   }
-  // Balance of forces Σ ±T = B T: +T on a, -T on b.
+  // Balance of forces Σ ±T = B T: the tension acts as +T on mass a and as -T on mass b.
   Eigen::MatrixXd pull = Eigen::MatrixXd::Zero(n, static_cast<Eigen::Index>(out.size()));
   for (std::size_t p = 0; p < out.size(); ++p) {
     if (out[p].a > 0) pull(out[p].a - 1, static_cast<Eigen::Index>(p)) = 1.0;

@@ -9,8 +9,8 @@
 
 namespace wheeltap::identification {
 
-/// All links between masses a and b together, over the scored samples. The extension of these links
-/// is e = z_b - z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
+/// Sum of all links between masses a and b, at the scored samples. The extension of these links is
+/// e = z_b - z_a. A positive tension T pulls mass a towards mass b (dynamics/chain.hpp).
 struct LinkPath {
   int a = 0, b = 0;
   std::vector<double> extension;  ///< extension e [m] in the model's motion

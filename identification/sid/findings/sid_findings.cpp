@@ -34,8 +34,8 @@ const SidModelFinding& finding(const SidFindings& findings, int m) {
   return *findings.of_models[static_cast<std::size_t>(m)];
 }
 
-/// Reports models whose mean parameters fit badly: the posterior has several peaks or is curved,
-/// and its mean lies between or beside the probable regions.
+/// Reports models whose mean parameters fit badly: the posterior has several peaks or is curved, so
+/// that its mean is outside the probable regions.
 void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindings& findings) {
   const auto likelihood = problem.problem.likelihood();
   for (const int m : judged_models(findings)) {
@@ -54,7 +54,7 @@ void judge_means(const SidProblem& problem, const Posterior& posterior, SidFindi
   }
 }
 
-/// Whether the fit verdict already names this response of the model.
+/// True if the fit verdict already names this response of the model.
 bool is_named(const FitVerdict& verdict, int model, const ChannelFit& fit) {
   const auto& why = verdict.instead_of == model ? verdict.why_not : verdict.why;
   return (verdict.model == model || verdict.instead_of == model) &&
@@ -68,7 +68,7 @@ bool is_named(const FitVerdict& verdict, int model, const ChannelFit& fit) {
          });
 }
 
-/// Whether the residuals of two models are so similar that one remark covers both.
+/// True if the residuals of two models are so similar that one remark covers both models.
 bool are_similar(const remark::ColouredResiduals& a, const remark::ColouredResiduals& b) {
   return a.residual_model == b.residual_model &&
          std::ranges::equal(a.channels, b.channels, [](const auto& x, const auto& y) {
@@ -121,7 +121,7 @@ void judge_fits(const SidProblem& problem, SidFindings& findings) {
   }
 }
 
-/// The share of the model's draws in which the law acts only beyond `reach`; 0 for laws without a
+/// Fraction of the model's draws in which the law acts only beyond `reach`; 0 for laws without a
 /// threshold.
 double share_beyond(const SidProblem& problem, const Posterior& posterior, int m,
                     const dynamics::Law& law, double reach) {
@@ -167,7 +167,7 @@ void judge_bounds(const SidProblem& problem, const Posterior& posterior, SidFind
   }
 }
 
-/// Extends the curves to the extensions in the further records; false if a response fails.
+/// Extends the curves to the extensions in the further records; false if a simulation fails.
 bool widen(const SidProblem& problem, const Posterior& posterior, int m,
            std::vector<LinkCurve>& curves) {
   for (const auto& record : problem.further) {
@@ -221,7 +221,7 @@ std::vector<std::vector<ChannelFit>> further_fits(const SidProblem& problem, int
   return out;
 }
 
-/// Fits the windows separately and reports how far they agree.
+/// Fits the windows separately and reports the agreement of the estimates.
 void judge_windows(const SidRun& run, SidFindings& findings) {
   const SidProblem& problem = *run.problem;
   if (problem.sid_case.windows == 0 && problem.further.empty()) return;
@@ -252,8 +252,8 @@ void judge_integration(const SidProblem& problem, SidFindings& findings) {
   }
 }
 
-/// From the probabilities or, if either probability was computed from evidences, from these, which
-/// do not underflow.
+/// Bayes factors from the model probabilities. If either probability comes from evidences, the
+/// evidences are used instead, because they do not underflow.
 std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
                                        const std::vector<ModelFinding>& models) {
   const inference::ModelSpace& space = *posterior.space;
@@ -274,7 +274,7 @@ std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
     } else if (!by_evidence && one.probability > 0.0 && first.probability > 0.0) {
       factor.log = std::log(one.probability) - std::log(first.probability) -
                    (space[m].log_prior - space[0].log_prior);
-      // Shares of one sum are correlated; the library accounts for that.
+      // Model probabilities add to 1 and are correlated; log_bayes_factor includes this.
       factor.error = inference::log_bayes_factor(posterior, m, 0).mcse;
     }
     out.push_back(factor);
@@ -282,7 +282,7 @@ std::vector<BayesFactor> bayes_factors(const Posterior& posterior,
   return out;
 }
 
-/// The terms, and the laws of their links averaged over all models.
+/// The terms, and the force laws of their links, averaged over all models.
 Discovery discovered(const SidProblem& problem, const Posterior& posterior,
                      const Findings& findings) {
   Discovery out{.terms = term_findings(problem.sid_case, posterior, findings), .laws = {}};

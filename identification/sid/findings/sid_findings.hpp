@@ -42,10 +42,10 @@ struct SidFindings : Findings {
   std::vector<double> coverage;  ///< share of each response's samples within the predictive band
   int predictive_draws = 0;
   Discovery discovery;  ///< results of the discovery; empty if not requested
-  /// The part of the record that a quick run used, if it did not use all samples
+  /// Part of the record that a quick run used; empty if it used all samples
   std::optional<Look> look;
   std::optional<StepsRefined> refined;  ///< new time steps, if the run was repeated
-  /// Likelihood evaluations for the windows, each on a part of the record
+  /// Number of likelihood evaluations for windows; each evaluation uses a part of the record
   long windows_evaluations = 0;
 };
 

@@ -12,8 +12,8 @@ namespace {
 
 using inference::Posterior;
 
-// Many, because few draws have the gap that the rest of the record requires if the window never
-// closes it.
+// A large number: if the gap never closes in the window, few draws have the gap that the rest of
+// the record requires.
 constexpr std::size_t kDrawsBeyond = 400;
 constexpr double kStillPossible = 0.05;  // probability
 
@@ -47,7 +47,7 @@ double predictive_p(const SidProblem& problem, const Posterior& posterior,
   return draws > 0.0 ? sum / draws : std::nan("");
 }
 
-/// Whether the residuals are not white; false if there are too few samples.
+/// True if the residuals are not white; false if there are too few samples.
 bool is_coloured(const std::optional<ResidualWhiteness>& whiteness) {
   return !whiteness || whiteness->test.p_value < kMisfit;
 }
@@ -66,7 +66,7 @@ void judge_residuals(const SidProblem& problem, const std::vector<ChannelFit>& f
     const bool loud = verdict.p < kMisfit;
     const bool coloured = fit.plain_whiteness && fit.plain_whiteness->test.p_value < kMisfit;
     if (!loud && !coloured) continue;
-    // An autoregression whitens any misfit, even most of the response.
+    // An autoregression can whiten any misfit, even one that contains most of the response.
     const bool taken_for_noise = !loud && fit.whiteness && fit.whiteness->test.p_value >= kMisfit;
     const bool large = fit.nrmse > kSmallResidual && !taken_for_noise;
     if (!large && !asked) {
@@ -85,7 +85,7 @@ void judge_residuals(const SidProblem& problem, const std::vector<ChannelFit>& f
   }
 }
 
-/// Draws of a model, evenly spread over the kept ones.
+/// Draws of a model, evenly spread over the kept draws.
 std::vector<std::vector<double>> some_draws(const SidProblem& problem, const Posterior& posterior,
                                             const SidPredictive& predictive, int model) {
   std::vector<std::vector<double>> all;

@@ -12,11 +12,11 @@ namespace wheeltap::identification {
 ///   of sensor noise is not a misfit);
 /// - a residual is not noise (portmanteau or predictive p below kMisfit) and is above
 ///   kSmallResidual of its response, or above kMuchMoreThanFree times the residual with free cubic
-///   springs (free_cubic.hpp); if an autoregression makes the residual white, only the second
-///   condition counts;
-/// - after the window (SidCase::beyond), a residual is more than twice the residual within the
-///   window, absolutely and relative to the response. This residual is also above kSmallResidual.
-///   An error after the window is a misfit only if all of about twenty draws have this error.
+///   springs (free_cubic.hpp). If an autoregression makes it white, only the comparison with free
+///   cubic springs counts;
+/// - after the window (SidCase::beyond), a residual is above kSmallResidual and more than twice the
+///   residual within the window, absolutely and relative to the response. It is a misfit only if
+///   all of about twenty draws have such a residual.
 ///
 /// `findings` must contain models and forward runs.
 [[nodiscard]] FitVerdict judge_fit(const SidProblem& problem, const inference::Posterior& posterior,

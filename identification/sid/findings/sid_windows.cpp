@@ -16,10 +16,10 @@ namespace {
 using inference::GroupEstimate, inference::LineMixture;
 
 constexpr double kFurthest = 6.0;       // start points, in standard deviations of the prior
-constexpr double kWorthKeeping = 1e-3;  // precision of the likelihood over that of the prior
+constexpr double kWorthKeeping = 1e-3;  // likelihood's precision over the prior's
 
-/// The whole record's mode and the inverse of the negative Hessian there; not finite if there is
-/// none.
+/// The posterior mode for the whole record, and the inverse of the negative Hessian at this mode;
+/// not finite if there is no mode.
 struct WholeFit {
   std::vector<double> z;
   Eigen::MatrixXd covariance;
@@ -28,14 +28,14 @@ struct WholeFit {
 
 /// One window's posterior of a model's parameters, in normal approximation.
 struct WindowFit {
-  inference::GroupScore at_whole;  ///< its likelihood around the whole record's mode
+  inference::GroupScore at_whole;  ///< its likelihood near the whole record's mode
   bool normal = false;
   std::vector<double> z, variance;
   std::vector<bool> rough;
   long likelihood_evaluations = 0;
 };
 
-/// Whether ln π differs from a normal's two standard deviations of parameter i from the mode.
+/// True if ln π, two sds of parameter i away from the mode, differs from that of a normal density.
 bool is_rough(inference::ModelPosterior& posterior, const inference::Laplace& at, double top,
               Eigen::Index i) {
   for (const double side : {-2.0, 2.0}) {
@@ -116,7 +116,7 @@ WindowFit fit_window(const SidCase& sid_case, int model, const WholeFit& whole) 
   return out;
 }
 
-/// Removes the prior N(0, 1) from a window's posterior N(z, variance).
+/// Divides a window's posterior N(z, variance) by the prior N(0, 1).
 GroupEstimate without_prior(double z, double variance) {
   const double precision = 1.0 / variance - 1.0;
   if (precision < kWorthKeeping) return {0.0, std::numeric_limits<double>::infinity()};
@@ -136,7 +136,7 @@ Interval physical(const LineMixture& z, const inference::Prior& prior) {
           .q97_5 = x(z.quantile(0.975))};
 }
 
-/// Error of the whole record's mode; empty if a window's likelihood has no score there.
+/// Error of the whole record's mode; empty if the score of a window is not finite at this mode.
 std::vector<inference::GroupedError> whole_errors(const WholeFit& whole,
                                                   const std::vector<WindowFit>& fits) {
   const auto d = static_cast<Eigen::Index>(whole.z.size());
@@ -181,7 +181,7 @@ std::optional<BetweenWindows> between(const std::vector<WindowFit>& fits, std::s
   return out;
 }
 
-/// Whether a parameter of the case is one of the initial state.
+/// True if a parameter of the case is a part of the initial state.
 bool is_initial(const SidModel& model, int parameter) {
   const auto holds = [&](const std::vector<dynamics::Coefficient>& state) {
     return std::ranges::any_of(state, [&](const auto& c) { return c.parameter == parameter; });

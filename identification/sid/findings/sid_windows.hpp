@@ -31,7 +31,7 @@ struct ModelWindows {
 
 /// Restricts the scoring of one record to samples [first, last). The samples before the window,
 /// from the start of the record, are integrated but not scored. The likelihood of a window is a
-/// conditional factor of the likelihood of the whole record,
+/// factor of the likelihood of the whole record,
 ///
 ///   ln p(r_1 … r_N | θ) = Σ_w ln p(r_w | θ)   (white residuals),
 ///
@@ -46,22 +46,22 @@ struct ModelWindows {
 ///
 /// z are the standard normal coordinates of the priors. The prior of μ is the prior of the case. Σ
 /// cannot be wider than this prior. As in the paper, each window's posterior is replaced by its
-/// normal approximation at the posterior mode (inference/evidence/laplace.hpp), found from `start`
-/// (the model's parameters, e.g. the best draw). Each parameter is analysed by its marginal,
+/// normal approximation at the posterior mode (inference/evidence/laplace.hpp). The search for it
+/// begins at `start` (e.g. the best draw). Each parameter is analysed by its marginal,
 ///
 ///   ẑ_w ~ N(μ_i, Σ_ii + s_w²),
 ///
 /// which does not need the other entries of Σ (hierarchical_posterior.hpp). This analysis needs at
-/// least two windows; useful credible intervals need five or more. The prior N(0, 1) of the window
-/// is divided out of ẑ_w and s_w. Several records count as further windows. For a normal
-/// distribution, the log posterior decreases by 2 at two standard deviations from the posterior
-/// mode, along the regression on the parameter. If the decrease is not between 1 and 4, the window
-/// counts as far from normal.
+/// least two windows; useful credible intervals need five or more. The estimates ẑ_w and s_w no
+/// longer contain the window's prior N(0, 1). Windows of further records count in the same way. A
+/// normal log posterior decreases by 2 at two standard deviations from the posterior mode, along
+/// the regression on the parameter. A window with a decrease below 1 or above 4 counts as far from
+/// normal.
 ///
 /// As records become longer, the best fit approaches the point at which the expected score is zero.
 /// This limit differs from the mean of the windows, because windows with more information have more
-/// weight. The error of the whole record's posterior mode relative to the limit comes from the
-/// scores of the windows (inference/statistics/grouped_scores.hpp).
+/// weight. The scores of the windows give the error of the whole record's posterior mode relative
+/// to the limit (inference/statistics/grouped_scores.hpp).
 [[nodiscard]] ModelWindows fit_windows(const SidProblem& problem, int model,
                                        std::span<const double> start, int threads = 0);
 

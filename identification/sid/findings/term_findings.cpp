@@ -15,8 +15,8 @@ bool has(const SidModel& model, int term) {
   return std::ranges::binary_search(model.terms, term);
 }
 
-// Standard error of the mean indicator of models with the term, over weighted draws; at least the
-// change by one effective draw of the model.
+// Standard error of the weighted fraction of draws with the term; at least the change that one
+// effective draw of the model would cause.
 double error_of_draws(const SidCase& sid_case, const Posterior& posterior, int term,
                       const std::vector<double>& weights, double inclusion, double ess_model) {
   const auto indicator = all_draws(posterior, [&](std::size_t c, std::size_t i) {
@@ -28,7 +28,7 @@ double error_of_draws(const SidCase& sid_case, const Posterior& posterior, int t
   return std::max(std::isfinite(error) ? error : 0.0, least);
 }
 
-// The term's unknown coefficients, from the draws of all models that have it.
+// Unknown coefficients of the term, from the draws of all models with this term.
 std::vector<ParameterFinding> coefficients(const SidCase& sid_case, const Posterior& posterior,
                                            int term, const std::vector<double>& weights) {
   const SidTerm& asked = sid_case.discovery->terms[static_cast<std::size_t>(term)];

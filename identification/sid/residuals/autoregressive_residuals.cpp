@@ -34,7 +34,7 @@ class Autoregressive final : public ResidualModel {
   void standardise(Span r, Span c, std::span<double> out) const override {
     signals::ar_innovations(r, c, out);
   }
-  /// All but the first p, with variance σ² ∏ (1 - π_j²).
+  /// All innovations except the first p; their variance is σ² ∏ (1 - π_j²).
   Innovations innovations(Span r, double sigma, Span c) const override {
     Innovations out{.values = {}, .variance = std::pow(sigma, 2)};
     for (const double pi : c) out.variance *= 1.0 - std::pow(pi, 2);

@@ -1,8 +1,8 @@
 // Models of the residuals r = (measured - predicted) [SI] of one response.
 //
-// To add a residual model, write one file in this folder. If case files may name the model, add a
-// ResidualKind to the file and a line to residual_list.cpp. Schema, parser, summary and sentences
-// use the list in residual_list.cpp.
+// To add a residual model, write one file in this folder. If case files may name the model, also
+// add a ResidualKind to the file and a line to the list in residual_list.cpp. Schema, parser,
+// summary and output texts use this list.
 #pragma once
 
 #include <memory>
@@ -39,13 +39,13 @@ struct Innovations {
 };
 
 /// The Gaussian joint density p(r | σ, c) of the N residuals of a response. σ is the standard
-/// deviation of each single r_n, which predictive bands use. `c` contains the parameter values.
+/// deviation of each r_n; predictive bands use it. `c` contains the parameter values.
 class ResidualModel {
  public:
   virtual ~ResidualModel() = default;
 
   [[nodiscard]] virtual ResidualWords words() const = 0;
-  /// The kind of the residual model and its value in a case file; null and 0 if a case file cannot
+  /// The kind of the residual model and its value in a case file; null and 0 if case files cannot
   /// name the model.
   [[nodiscard]] virtual const ResidualKind* kind() const { return nullptr; }
   [[nodiscard]] virtual int value() const { return 0; }
@@ -56,15 +56,15 @@ class ResidualModel {
   /// True if p(r | σ) = ∏ N(r_n | 0, σ²), so that the likelihood needs only Σ r_n².
   [[nodiscard]] virtual bool is_white() const { return false; }
 
-  /// ln p(r | σ, c); -∞ for impossible σ or c.
+  /// ln p(r | σ, c); -∞ for σ or c outside the allowed range.
   [[nodiscard]] virtual double log_density(std::span<const double> residuals, double sigma,
                                            std::span<const double> c) const = 0;
   /// N innovations e for σ = 1, linear in r: ln p(r | σ, c) = f(c) - N ln σ - ½ Σ e_n² / σ².
   /// `out` may be `residuals`.
   virtual void standardise(std::span<const double> residuals, std::span<const double> c,
                            std::span<double> out) const = 0;
-  /// Innovations for tests of whiteness, linear in r. A model may omit the first innovations. The
-  /// default is the result of standardise with the variance σ².
+  /// Innovations for tests of whiteness, linear in r. A model may omit the first innovations. By
+  /// default, the result of `standardise`, with variance σ².
   [[nodiscard]] virtual Innovations innovations(std::span<const double> residuals, double sigma,
                                                 std::span<const double> c) const;
 };

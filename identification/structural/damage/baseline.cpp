@@ -61,7 +61,7 @@ void compare_with_baseline(DamageCase& damage_case, const FrequencyData& baselin
       data.sd_hz[i] = std::hypot(data.sd_hz[i] / factor, relative * data.frequencies_hz[i]);
     }
   }
-  // With unknown noise, the baseline's noise enters as discrepancy.
+  // If the noise is unknown, the noise of the baseline is added as discrepancy.
   if (used > 0)
     data.discrepancy_cv = std::hypot(data.discrepancy_cv, std::sqrt(unknown_noise / used));
   if (!damage_case.modal()) return;

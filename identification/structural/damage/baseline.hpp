@@ -8,15 +8,15 @@
 namespace wheeltap::identification {
 
 /// Compares the data with the measured baseline b instead of the model's intact frequencies m. The
-/// model of a damaged structure then predicts f(θ) b/m for each mode:
+/// prediction for each mode of a damaged structure is then f(θ) b/m instead of f(θ):
 ///
 ///   f_obs m/b ~ N(f(θ), (f_obs m/b)² (s² + s_b²)),
 ///
 /// with s and s_b the relative standard deviations of data and baseline. Model errors that multiply
-/// the frequency of each mode by a constant factor cancel (moduli, densities, lengths; to first
-/// order any small error away from the damage). The i-th baseline frequency belongs to the i-th
-/// elastic mode of the intact model; modes without a baseline (NaN) are removed from the data. Mode
-/// shapes are not changed.
+/// the frequency of a mode by the same factor in both states cancel: errors of moduli, densities
+/// and lengths and, to first order, small errors away from the damage. The i-th baseline frequency
+/// belongs to the i-th elastic mode of the intact model. Modes without a baseline (NaN) are removed
+/// from the data. Mode shapes are not changed.
 ///
 /// Call this once on a complete case. Throws InvalidInput (data) if the baseline has fewer modes
 /// than the data, and for implausible factors b/m (below 1/2, above 2).

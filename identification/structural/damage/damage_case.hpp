@@ -21,12 +21,12 @@ namespace wheeltap::identification {
 /// The simulation that a case defines.
 struct Simulation {
   int modes = 10;
-  double cv = 0.0;  ///< noise: sd = cv · true frequency
+  double cv = 0.0;  ///< noise: standard deviation = cv · true frequency
   std::uint64_t seed = 1;
   double shape_sd = 0.0;  ///< sd of shape entries, with a largest entry of 1; 0: no shapes
 };
 
-/// Measured (NaN if not) and computed frequencies [Hz] of the undamaged structure; see
+/// Frequencies [Hz] of the undamaged structure: measured (NaN: not measured) and computed; see
 /// identification/structural/damage/baseline.hpp.
 struct Baseline {
   std::vector<double> measured_hz = {}, model_hz = {};
@@ -38,11 +38,11 @@ struct DamageCase {
   fem::Beam beam = {};                                   ///< beam of a case without a structure
   double beam_depth = 0.0;                               ///< depth of the section, for cracks
   std::shared_ptr<const StructureModel> structure = {};  ///< replaces the beam
-  int rigid_body_modes = 0;  ///< number of the intact beam; data and predictions omit these modes
+  int rigid_body_modes = 0;  ///< number for the intact beam; data omit them
   FrequencyData data = {};   ///< empty before frequencies are simulated
   /// Set if shapes were measured, frequencies have a covariance, coefficients of the intact
   /// structure are unknown or several states were measured; `data` then contains only the
-  /// frequencies of these modes. Shapes refer to solved_structure().
+  /// frequencies of the measured modes. Shapes refer to solved_structure().
   MeasuredModes measured = {};
   std::optional<Baseline> baseline = {};  ///< `data` are already scaled by the baseline
   std::optional<Simulation> simulation = {};
@@ -79,8 +79,8 @@ struct DamageCase {
 /// Number of rigid-body modes of the intact beam.
 [[nodiscard]] int rigid_body_modes(const fem::Beam& beam);
 
-/// Adds derived members (rigid-body modes, equal weights of counts by default) and checks the case.
-/// Throws InvalidInput.
+/// Sets derived members (rigid-body modes; by default, equal weights of counts) and checks the
+/// case. Throws InvalidInput.
 void complete(DamageCase& damage_case);
 
 /// The `modes` lowest elastic frequencies [Hz] of the beam with these defects, by the full
@@ -89,7 +89,7 @@ void complete(DamageCase& damage_case);
                                                       const fem::Defects& defects, int modes);
 
 /// Simulates frequencies of the true structure with Gaussian noise, sd = cv · true frequency.
-/// Throws InvalidInput if the case has no truth, or no number for the noise.
+/// Throws InvalidInput if the case has no truth, or if its noise is not a number.
 [[nodiscard]] FrequencyData simulate(const DamageCase& damage_case, std::uint64_t seed);
 
 }  // namespace wheeltap::identification

@@ -18,7 +18,7 @@ inference::RunCost cost_of_damages(const DamageCase& damage_case, const inferenc
   const double kept =
       structure ? fem::StructureReanalysis::kept_modes(static_cast<int>(n), damage_case.modes())
                 : n;
-  // Measured on a core of 2.5 GHz.
+  // Run times measured on one core of 2.5 GHz.
   inference::ProblemSize size{
       .largest = common_ones,
       .predictions = modes,
@@ -44,11 +44,11 @@ inference::RunCost cost_of_damages(const DamageCase& damage_case, const inferenc
   if (damage_case.states()) return cost;
   const double likelihoods = cost.seconds;
   if (kept < n) {
-    // The lowest modes; then, per place, four vectors computed from all others.
+    // Run time of the lowest modes, and of four vectors per place, computed from all other modes.
     cost.seconds += 3.3e-6 * n * kept + 1.2e-6 * n * n;
     cost.bytes += 32.0 * n * kept + 2e3 * n +
                   std::min(32.0 * n * n, double{fem::StructureReanalysis::kResidualMemory});
-  } else if (structure) {  // all n modes of the intact structure
+  } else if (structure) {  // run time of all n modes of the intact structure
     cost.seconds += (n <= fem::kWideSpectrum ? 1.2e-8 : 1.35e-9) * n * n * n;
     cost.bytes += 52.0 * n * n;
   } else {

@@ -6,8 +6,8 @@
 
 namespace wheeltap::identification {
 
-/// Cost of a run that uses FE solutions only; emulators need less. Does not build the model space
-/// or the beam's spectrum. `most_in_memory` as in inference::cost_of_sampling. Throws
+/// Cost of a run that uses FE solutions only; emulators cost less. The function builds neither the
+/// model space nor the beam's spectrum. `most_in_memory` as in inference::cost_of_sampling. Throws
 /// fem::InvalidStructure; throws std::invalid_argument if states do not fit their structure.
 [[nodiscard]] inference::RunCost cost_of_damages(const DamageCase& damage_case,
                                                  const inference::Options& options,

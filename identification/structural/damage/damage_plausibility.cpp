@@ -9,9 +9,9 @@
 namespace wheeltap::identification {
 namespace {
 
-constexpr double kApart = 0.1;         // relative difference of a frequency
-constexpr double kApartInNoise = 5.0;  // difference in sd
-constexpr double kHidden = 0.5;        // effect over noise
+constexpr double kApart = 0.1;         // relative difference of frequencies
+constexpr double kApartInNoise = 5.0;  // difference of frequencies, in sds
+constexpr double kHidden = 0.5;        // largest effect of damage divided by noise
 
 double median(std::vector<double> x) {
   std::ranges::sort(x);
@@ -30,7 +30,7 @@ std::vector<Remark> implausible(const DamageProblem& problem) {
   const FrequencyData& data = problem.damage_case.data;
   const auto& space = problem.problem.space;
   const auto modes = static_cast<std::size_t>(data.modes());
-  // Evaluate an external model as rarely as possible.
+  // An external model is expensive, so evaluate it as rarely as possible.
   StructuralPredictor predictor(
       problem, problem.program() != nullptr ? problem.predicting() : *problem.model);
   std::vector<PriorRange> predicted(modes);

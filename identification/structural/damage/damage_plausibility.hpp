@@ -9,10 +9,10 @@
 
 namespace wheeltap::identification {
 
-/// Adds the remarks of structure_plausibility.hpp. Also reports data in which at least half of the
-/// frequencies differ from the predictions of 200 prior draws by more than a tenth and 5 sd. Also
-/// reports a stated noise of more than twice the largest change that the damages of these draws
-/// cause, for every frequency.
+/// Adds the remarks of structure_plausibility.hpp. Also reports data if at least half of the
+/// frequencies differ by more than a tenth and 5 sd from the predictions of 200 prior draws. Also
+/// reports the stated noise if it exceeds, for every frequency, twice the largest change that the
+/// damages of these draws cause.
 [[nodiscard]] std::vector<Remark> implausible(const DamageProblem& problem);
 
 }  // namespace wheeltap::identification

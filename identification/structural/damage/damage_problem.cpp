@@ -17,7 +17,7 @@ namespace {
 
 using inference::Prior;
 
-// Whether the density is equal at x and L - x, tested at quantiles from the bulk to the tails.
+// True if the density is equal at x and L - x, tested at quantiles from the centre to the tails.
 bool is_mirror_symmetric(const Prior& prior, double length) {
   for (double z = -4.0; z <= 4.0; z += 0.5) {
     const double here = prior.from_standard_normal(z);
@@ -28,8 +28,8 @@ bool is_mirror_symmetric(const Prior& prior, double length) {
 }
 
 // Finds the images that the structure's symmetry makes indistinguishable, and adds moves between
-// them. The moves remain if the data distinguish the images: with shapes of 1 %, each image keeps
-// some probability.
+// them. The moves remain if the data distinguish the images, because with shape errors of 1 % each
+// image still has some probability.
 void find_images(DamageProblem& problem, bool told_apart) {
   const DamageCase& damage_case = problem.damage_case;
   const ForwardModel::AllFrequencies all_frequencies = problem.model->all_frequencies();
@@ -45,7 +45,7 @@ void find_images(DamageProblem& problem, bool told_apart) {
   if (!told_apart && problem.as_case) problem.symmetries = std::move(found);
 }
 
-// All combinations of the kinds' counts, the last kind varying fastest; weights are products.
+// All combinations of the kinds' counts, the last kind varying fastest, with products as weights.
 std::vector<inference::ModelSpace::Counts> combinations(const std::vector<DefectKind>& kinds) {
   std::vector<inference::ModelSpace::Counts> list = {{{}, 1.0}};
   for (const DefectKind& kind : kinds) {
@@ -76,7 +76,7 @@ std::vector<inference::ComponentKind> component_kinds(const DamageCase& damage_c
   return kinds;
 }
 
-/// The scatters of measured modes; empty for numbered frequencies.
+/// The unknown noise parameters of measured modes; empty if modes are identified by number.
 UnknownScatters scatters_of(const DamageCase& damage_case) {
   return UnknownScatters(damage_case.modal() ? *damage_case.modal() : ModalData{});
 }
@@ -143,8 +143,8 @@ void add_symmetries(DamageProblem& problem, bool mirrored) {
   if (damage_case.structure) find_images(problem, told_apart);
 }
 
-// Two damages in one element resemble one damage with their combined stiffness, but are distant in
-// parameter space.
+// Two damages in one element act like one damage with their combined stiffness, but the two models
+// are distant in parameter space.
 void add_split_merges(DamageProblem& problem) {
   using inference::SplitMerge;
   for (int k = 0; k < static_cast<int>(problem.damage_case.kinds.size()); ++k) {

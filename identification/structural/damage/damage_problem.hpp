@@ -48,12 +48,12 @@ struct DamageProblemOptions {
   int threads = 1;
   std::function<void(int count, Eigen::Index done, Eigen::Index total)> table_progress = {};
   /// Predicts a beam's elastic frequencies [Hz] instead of the FE solution. Inputs: place [m] and
-  /// severity (and extent [m], if unknown) of each defect. Each kind has as many inputs as its
-  /// largest count: first the existing defects in order of place, then zeros.
+  /// severity (and extent [m], if unknown) of each defect. Each kind has inputs for its largest
+  /// count of defects: first the existing defects in order of place, then zeros.
   std::shared_ptr<OutsideModel> outside = {};
   /// Predicts the lowest elastic frequencies [Hz] instead of the FE solution, or modes if the case
-  /// has shapes or correlated frequencies. The predictor must match the structure of the case, and
-  /// cannot be emulated.
+  /// has shapes or correlated frequencies. This model must match the structure of the case; an
+  /// emulator cannot replace it.
   std::shared_ptr<const ForwardModel> model = {};
   /// Observations in addition to the case's data
   std::vector<std::shared_ptr<const Observation>> observations = {};
@@ -70,13 +70,13 @@ struct DamageProblemOptions {
 ///   sd² = (cv f_obs)² + σ²_emulator(θ) + (discrepancy f_obs)²,
 ///
 /// where σ²_emulator is zero unless an emulator predicts and its error is enabled. If the emulator
-/// only screens ("exact"), this likelihood is the problem's `screen`, and its `likelihood` is that
-/// of the FE solution.
+/// only screens proposals ("exact"), this is the likelihood `screen` of the problem, and its
+/// `likelihood` uses the FE solution.
 ///
-/// The FE likelihood has a gradient. For locations it uses the slopes of BeamModel, which give an
-/// ascent direction, because the likelihood is piecewise constant in a location and its derivative
-/// is zero. Emulators and external models have no gradient, and Wheeltap does not assume that an
-/// external model is mirror-symmetric. Throws InvalidInput, OutsideModelError.
+/// The FE likelihood has a gradient. The likelihood is piecewise constant in a location, so that
+/// its derivative is zero. The slopes of BeamModel replace this derivative by an ascent direction.
+/// Emulators and external models have no gradient. Wheeltap does not assume that an external model
+/// is mirror-symmetric. Throws InvalidInput, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const DamageProblem> make_damage_problem(
     DamageCase damage_case, const DamageProblemOptions& options);
 

@@ -115,7 +115,7 @@ Table own_runs(const fem::Beam& beam, const EmulatorSpec& spec, int count) {
     refuse("two runs have the same damages (in the elements of the case's beam)");
   }
   table.points = tidy.points;
-  // Sorting by location permutes the columns, so all locations share one range, and all reductions.
+  // Sorting by location permutes columns: all locations have one range, all reductions another.
   for (std::size_t kind = 0; kind < 2; ++kind) {
     double low = table.points.col(static_cast<Index>(kind)).minCoeff();
     double high = table.points.col(static_cast<Index>(kind)).maxCoeff();
@@ -146,7 +146,7 @@ Table own_table(const fem::Beam& beam, const EmulatorSpec& spec, int modes, int 
   return table;
 }
 
-// The values at a design's points, from previous runs.
+// The values at the points of a design, taken from previous runs.
 RowMatrix values_from(const Table& runs, const Design& design, int modes, int count) {
   if (runs.values.cols() != modes) {
     throw std::invalid_argument("the parts have " + std::to_string(runs.values.cols()) +
@@ -205,7 +205,7 @@ Table frequency_table(std::vector<Factor> factors, RowMatrix points, RowMatrix v
           .parameters = {}};
 }
 
-// The table of the grid of `spec`, refined by sites and levels until it has the required accuracy.
+// The table on the grid of `spec`, with sites and levels added until it has the required accuracy.
 Table refined(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec, const DefectKind& kind,
               int modes, int count, const RunOptions& options, long& made) {
   const fem::Beam& beam = reanalysis.beam();
@@ -283,7 +283,7 @@ emulator::ModelFactory model_of(const fem::Reanalysis& reanalysis, const RunOpti
   return options.model ? options.model : fe_model(reanalysis);
 }
 
-// Excludes an element that the prior enters only by rounding.
+// Excludes an element that overlaps the prior only by rounding errors.
 std::pair<int, int> elements_of(const inference::Prior& location, const fem::Beam& beam) {
   const double low = location.lower();
   const double high = std::max(low, location.upper() - 1e-6 * beam.element_length());

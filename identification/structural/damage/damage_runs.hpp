@@ -28,14 +28,14 @@ struct RunOptions {
 /// The damages of a run's point location_1 [m], reduction_1, location_2 …, sorted by location.
 [[nodiscard]] std::vector<fem::Damage> sorted_damages(std::span<const double> point);
 
-/// One entry per factor of `count` damages: true if frequencies oscillate along the factor, that is
-/// for locations.
+/// One entry per factor of `count` damages: true for locations, along which the frequencies
+/// oscillate.
 [[nodiscard]] std::vector<bool> waves(int count);
 
 /// The elastic frequencies [Hz] at a run's point, by the FE solution.
 [[nodiscard]] emulator::ModelFactory fe_model(const fem::Reanalysis& reanalysis);
 
-/// The elastic frequencies [Hz] at a run's point, by an external model. The inputs of the model are
+/// The elastic frequencies [Hz] at a run's point, by an external model. The model has inputs for
 /// the largest allowed number of damages (DamageProblemOptions::outside). Exceptions of the model
 /// are rethrown.
 [[nodiscard]] emulator::ModelFactory outside_model(OutsideModel& model, int max_count);
@@ -55,8 +55,8 @@ struct RunOptions {
                                              const DefectKind& kind, int count);
 
 /// The table of training runs: new runs, previous runs (`options.runs`) or runs of the user
-/// (`spec.csv`). With `spec.accuracy`, the accuracy determines the number of runs. Adds the number
-/// of new runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
+/// (`spec.csv`). If `spec.accuracy` is set, it determines the number of runs. Adds the number of
+/// new runs to `made`. Throws std::invalid_argument; throws io::FileError for the user's runs.
 [[nodiscard]] emulator::Table run_table(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                         const DefectKind& kind, int modes, int count,
                                         const RunOptions& options, long& made);

@@ -26,8 +26,8 @@ class EmulatedModel::EmulatedSolver final : public Solver {
         model_.emulator_->evaluate(placed_.damages, f);
       if (std::ranges::none_of(f, [](double one) { return std::isnan(one); })) return true;
     }
-    // Without damages the emulator is not needed; an invalid ANOVA sum is replaced by the exact
-    // model.
+    // The exact model predicts the structure without damages, and replaces an invalid ANOVA
+    // sum.
     std::ranges::fill(out.error_variance, 0.0);
     return exact_->predict(theta, defects, quantity, out);
   }

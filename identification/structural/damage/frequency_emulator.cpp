@@ -20,7 +20,7 @@ std::string number_in_words(double x) {
   return base::significant(x, 6);
 }
 
-// Whether each list of sites is mirror-symmetric; the emulator then is symmetric without averaging.
+// True if each list of sites is mirror-symmetric; the emulator then is so without averaging.
 bool has_symmetric_sites(const std::vector<Factor>& box, double length) {
   for (std::size_t i = 0; i < box.size(); i += 2) {
     const auto& levels = box[i].levels;
@@ -33,7 +33,7 @@ bool has_symmetric_sites(const std::vector<Factor>& box, double length) {
   return true;
 }
 
-// The interpolant type of a table. Tables of the first version have no such attribute.
+// The interpolant type of a table. Tables of the first version lack this attribute.
 const InterpolantType& type_of(const Table& table, InterpolantTypes types) {
   const auto written = table.attributes.find("interpolation");
   const std::string name = written == table.attributes.end() ? "multilinear" : written->second;
@@ -111,7 +111,7 @@ void FrequencyEmulator::measure(const fem::Reanalysis& reanalysis, int count, In
   }
   if (kept < 2) {
     throw std::invalid_argument(
-        "the training runs cover all possible points, so no fresh runs can measure the error");
+        "the training runs cover all possible points, so no further runs can measure the error");
   }
   fresh.points.conservativeResize(kept, Eigen::NoChange);
   const RowMatrix truth = emulator::run_experiment(fresh, modes_, model_of(reanalysis, options),
@@ -195,7 +195,7 @@ bool FrequencyEmulator::is_slow() const {
 }
 
 double FrequencyEmulator::midpoint(double location, const Factor& factor) const {
-  // Priors may end beyond the midpoints of their outermost elements, where the box ends.
+  // The box ends at the midpoints of the outermost elements; priors may extend beyond them.
   return std::clamp(beam_.element_midpoint(beam_.element_at(location)), factor.low(),
                     factor.high());
 }
@@ -315,7 +315,7 @@ std::optional<FrequencyEmulator::Outside> FrequencyEmulator::reaches_outside(
       }
     }
     if (!part(count).type->within_hull) continue;
-    // If the corners of the priors' box, damages sorted, are inside, so is the whole box.
+    // If the corners of the priors' box (damages sorted) are inside the table, the whole box is.
     for (unsigned corner = 0; corner < 1U << static_cast<unsigned>(2 * count); ++corner) {
       std::vector<double> point;
       for (int i = 0; i < count; ++i) {

@@ -24,12 +24,12 @@ class FrequencyEmulator {
   /// `runs` is incomplete; throws FileError for the user's runs.
   static FrequencyEmulator train(const fem::Reanalysis& reanalysis, const EmulatorSpec& spec,
                                  const DefectKind& kind, int modes, const RunOptions& options);
-  /// Reads a table file made for this beam, with one of `types`. Throws io::FileError; throws
-  /// std::invalid_argument if the file holds too few counts or modes.
+  /// Reads a table file made for this beam, whose interpolant is one of `types`. Throws
+  /// io::FileError; throws std::invalid_argument if the file holds too few counts or modes.
   static FrequencyEmulator load(const std::filesystem::path& path, const fem::Beam& beam,
                                 int max_count, int modes,
                                 InterpolantTypes types = interpolant_types());
-  /// Writes a table file; adds `attributes` to the standard ones.
+  /// Writes a table file with the standard attributes and `attributes`.
   void save(const std::filesystem::path& path, std::map<std::string, std::string> attributes) const;
 
   /// Computes the elastic frequencies [Hz] under `damages` (1 … max, sorted by location) and,
@@ -96,7 +96,7 @@ class FrequencyEmulator {
   std::vector<Part> parts_;
   std::vector<EmulatorError> errors_;
   std::optional<emulator::Additive> additive_;
-  /// For larger counts than those of the tables
+  /// For larger counts than the tables have
   std::shared_ptr<const emulator::AnovaEmulator> anova_;
 };
 

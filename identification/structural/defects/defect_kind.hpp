@@ -24,7 +24,7 @@ struct StructureEffects {
   fem::StructureChange change = {};
 };
 
-/// A type of defect, which has a location and a severity, with all its properties.
+/// A type of defect with its properties. Every defect has a location and a severity.
 /// identification/structural/defects/ contains one file per type, and `defect_types` lists the
 /// types.
 struct DefectType {
@@ -34,11 +34,11 @@ struct DefectType {
   std::string_view severity;        ///< name of the severity, a key in a case
   std::string_view severity_words;  ///< column heading: "stiffness lost"
   std::string_view effect_words;    ///< precedes the severity in a sentence: "stiffness reduced by"
-  bool percent = false;             ///< a share, shown in per cent
+  bool percent = false;             ///< severity is a share, shown in per cent
   double lower = 0.0;               ///< bounds of the severity
   double upper = std::numeric_limits<double>::infinity();
   std::string_view bounds_words;  ///< "a reduction is in [0, 1)"
-  /// The severity may be a number, or omitted (rigid, ∞), instead of a prior.
+  /// Instead of a prior, the case may give a number for the severity, or omit it (rigid, ∞).
   bool may_be_known = false;
   bool may_be_rotational = false;
   /// Unit of the severity, "" for a share.
@@ -55,8 +55,8 @@ struct DefectType {
     return several.empty() ? std::string(noun) + "s" : std::string(several);
   }
   [[nodiscard]] bool is_for_beams() const { return sites == Sites::members; }
-  /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport, so the
-  /// solver's gradients apply to the defect.
+  /// `place` adds exactly one fem::Damage {location, severity}, or one fem::SpringSupport, so that
+  /// the solver's gradients apply.
   bool is_elementary = false;
   /// True if the change of the structure has a low rank, as the reanalysis requires;
   /// StatesLikelihood solves structures with other changes.
@@ -69,7 +69,7 @@ struct DefectType {
 /// All types that a case may name. To add one, write a file in identification/structural/defects/
 /// and add a line to defect_kind.cpp.
 [[nodiscard]] const std::vector<const DefectType*>& defect_types();
-/// Returns nullptr if no type has this name.
+/// Returns the type with this name, or nullptr if no type has this name.
 [[nodiscard]] const DefectType* find_defect_type(std::string_view name);
 
 /// A kind of defect in a case: a type, its possible counts and the priors of place and severity.
@@ -86,8 +86,8 @@ struct DefectKind {
   std::string name = {}, plural = {};  ///< "damage", "damages"
   int min_count = 0;
   int max_count = 0;
-  std::vector<double> weights = {};  ///< prior of min_count … max_count, sums to 1
-  inference::Prior location;         ///< [m]
+  std::vector<double> weights = {};  ///< prior probabilities of min_count … max_count; sum: 1
+  inference::Prior location;         ///< location on the line [m]
   Severity severity = Rigid{};
   bool rotation = false;  ///< for a support: true if it restrains the rotation
   SiteLine line = {};     ///< possible places; `location` is a prior on it

@@ -7,8 +7,8 @@
 
 namespace wheeltap::identification::defects {
 
-/// All strains of all members of the group keep the share 1 - r of their stiffness. The case key is
-/// "substructure", as for parts of another program's matrices.
+/// The stiffness of every strain of all members in the group is multiplied by 1 - r. The case key
+/// is "substructure", as for parts of another program's matrices.
 inline const DefectType kMemberGroup = [] {
   DefectType type = lost_share("substructure", "soft substructure",
                                "a reduction lies in [0, 1): 0 is intact, 1 has no stiffness");

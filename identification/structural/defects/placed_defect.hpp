@@ -13,7 +13,7 @@ struct PlacedDefect {
   int kind;
   double location;  ///< position on the line of the kind
   double severity;
-  double extent = 0.0;  ///< [m], if the extent of the kind is unknown
+  double extent = 0.0;  ///< extent [m], if the extent of the kind is unknown
 };
 
 /// The change of the structure by these defects. `mesh`: null for structures without members.

@@ -1,5 +1,5 @@
-// Stiffness reduction: the element at x keeps (1 - r) of its EI and κGA; in a structure also of its
-// other stiffnesses, or over a given length.
+// Stiffness reduction: EI and κGA of the element at x are multiplied by 1 - r. In a structure, all
+// its stiffnesses are, and the reduction may cover a given length instead of an element.
 #pragma once
 
 #include "identification/structural/defects/lost_share.hpp"

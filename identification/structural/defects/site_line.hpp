@@ -11,9 +11,9 @@ namespace wheeltap::identification {
 
 /// Maps one number x in [0, length()) to a place, as the engine requires. For a beam x is the
 /// location. For a structure, the allowed members are concatenated, each with a length proportional
-/// to its prior weight. Joints, storeys and substructures are concatenated in the same way, with
-/// one stretch for each. A uniform location prior on the line then reproduces the weights. Cells
-/// are the units of reported probabilities: an element, or a whole joint.
+/// to its prior weight. Each member, joint, storey or substructure is one stretch of the line. A
+/// uniform location prior on the line then reproduces the weights. Cells are the units of reported
+/// probabilities: an element, or a whole joint.
 class SiteLine {
  public:
   struct Stretch {

@@ -36,7 +36,7 @@ int image_of_group(const fem::SelfMap& map, const std::vector<std::vector<int>>&
   return found == groups.end() ? -1 : static_cast<int>(found - groups.begin());
 }
 
-/// Empty if the map does not take the line to itself.
+/// Map of a kind's line onto itself; empty if `map` does not preserve the line.
 LineMap line_map(const fem::SelfMap& map, const DefectKind& kind) {
   const auto& stretches = kind.line.stretches();
   LineMap out;
@@ -56,7 +56,7 @@ LineMap line_map(const fem::SelfMap& map, const DefectKind& kind) {
   return out;
 }
 
-/// Whether the map moves no place, as for groups of members on both sides.
+/// True if the map moves no place, for example if each group has members on both sides.
 bool is_identity(const std::vector<LineMap>& of_kinds) {
   return std::ranges::all_of(of_kinds, [](const LineMap& map) {
     for (std::size_t s = 0; s < map.stretch.size(); ++s)
@@ -79,12 +79,12 @@ std::function<double(double)> image_on(const SiteLine& line, const LineMap& map)
 bool same_frequencies(const std::vector<double>& a, const std::vector<double>& b,
                       double tolerance) {
   if (a.size() != b.size()) return false;
-  for (std::size_t i = 0; i < a.size(); ++i)  // rigid-body modes may have tiny stiffnesses
+  for (std::size_t i = 0; i < a.size(); ++i)  // near-zero stiffness: rigid-body modes
     if (std::abs(a[i] - b[i]) > tolerance * std::max(a[i], 1e-6 * a.back())) return false;
   return true;
 }
 
-/// Collects the sites that are images of each other, or reversed, over all maps and kinds.
+/// Collects, over all maps and kinds, sites that are images of each other or are reversed.
 void collect_images(const std::vector<DefectKind>& kinds,
                     const std::vector<std::vector<LineMap>>& maps, SiteSymmetries& out) {
   for (std::size_t k = 0; k < kinds.size(); ++k) {

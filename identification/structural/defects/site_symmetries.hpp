@@ -17,9 +17,9 @@ namespace wheeltap::identification {
 struct SiteSymmetries {
   /// Maps of parameter 0 on the kinds' lines, and their inverses
   std::vector<inference::Symmetry> maps;
-  /// Groups of sites that are images of each other: members, nodes, links, in the case's order.
+  /// Groups of sites (members, nodes, links) that are images of each other, in the case's order.
   std::vector<std::vector<std::string>> alike;
-  /// Members on which s is the image of L - s.
+  /// Members of length L on which the position s is the image of L - s.
   std::vector<std::string> turned;
 
   [[nodiscard]] bool empty() const { return maps.empty(); }
@@ -29,8 +29,8 @@ struct SiteSymmetries {
 using SolveDefects = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
 
 /// Tests all geometric self-maps (fem::self_maps) that leave the possible locations of every kind
-/// of defect, and their prior weights, unchanged. Keeps the maps that preserve the frequencies with
-/// a relative error of at most 1e-9 (1e-6 if mass may be lost). Tests one defect on each stretch of
+/// of defect, and their prior weights, unchanged. Keeps the maps that preserve the frequencies
+/// within a relative error of 1e-9 (1e-6 if mass may be lost). Tests one defect on each stretch of
 /// each line in turn, and defects on all stretches together. Places and severities are drawn from
 /// the priors with a fixed seed.
 [[nodiscard]] SiteSymmetries find_symmetries(const AnyStructure& structure,

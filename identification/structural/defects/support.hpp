@@ -1,5 +1,5 @@
-// An unintended support: a spring to ground at x, on the deflection [N/m] or the rotation [N
-// m/rad], or a rigid one.
+// An unintended support at x: a spring to ground on the deflection [N/m] or on the rotation [N
+// m/rad], or a rigid support.
 #pragma once
 
 #include <algorithm>
@@ -22,7 +22,7 @@ inline const DefectType kSupport = {
     },
     .place =
         [](const DefectKind& kind, double location, double severity, fem::Defects& out) {
-          // Priors near 0 may underflow to 0; a spring of 1e-200 has no effect.
+          // Draws of priors near 0 may underflow to 0; a spring of 1e-200 N/m has no effect.
           out.supports.push_back({location, std::max(severity, 1e-200), kind.rotation});
         },
     .place_in_structure =

@@ -10,7 +10,7 @@ namespace wheeltap::identification {
 class AssembledModel final : public ForwardModel {
  public:
   /// `modes`: number of modes to compute, including rigid-body modes. `motions`: the motion that
-  /// each sensor measures, if mode shapes are needed. Throws fem::InvalidStructure,
+  /// each sensor measures; empty if no mode shapes are needed. Throws fem::InvalidStructure,
   /// std::invalid_argument.
   AssembledModel(const AnyStructure& structure, std::vector<DefectKind> kinds, int modes,
                  int rigid_body_modes, std::vector<fem::SparseRow> motions = {});

@@ -11,7 +11,7 @@ namespace wheeltap::identification {
 /// not elementary (DefectType).
 class BeamModel final : public ForwardModel {
  public:
-  /// `modes`: number of elastic modes. Throws std::invalid_argument in the same cases as
+  /// `modes`: number of elastic modes. Throws std::invalid_argument under the conditions of
   /// fem::Reanalysis.
   BeamModel(const fem::Beam& beam, std::vector<DefectKind> kinds, int modes, int rigid_body_modes);
 

@@ -33,7 +33,7 @@ class ForwardModel {
   virtual ~ForwardModel() = default;
 
   enum class Quantity {
-    frequencies,  ///< `frequencies_hz`, as many as the prediction holds
+    frequencies,  ///< `frequencies_hz`, as many as `out` has
     slopes,       ///< frequencies, `by_location` and `by_severity`
     modes         ///< `modes`
   };
@@ -42,7 +42,7 @@ class ForwardModel {
   class Solver {
    public:
     virtual ~Solver() = default;
-    /// Computes `quantity` and, for an inexact model, `error_variance` (empty before the call).
+    /// Computes `quantity` and, if the model is inexact, `error_variance` (empty before the call).
     /// `theta`: parameters of the intact structure, if any. Returns false, with `out` undefined, if
     /// the structure is impossible or the model does not provide the quantity.
     virtual bool predict(std::span<const double> theta, const std::vector<PlacedDefect>& defects,
@@ -70,9 +70,9 @@ class ForwardModel {
   /// True if `differentiate_modes` succeeds for all, or nearly all, possible structures.
   [[nodiscard]] virtual bool differentiates_modes() const { return false; }
 
-  /// Computes all frequencies [Hz] of a structure with these defects, to test its symmetries, at
-  /// generic parameters of the intact structure; empty if the structure is impossible. Refers to
-  /// the model; not thread-safe. Null for models without symmetries.
+  /// Computes all frequencies [Hz] of a structure with these defects at generic parameters of the
+  /// intact structure, as a test of symmetries; empty if the structure is impossible. The function
+  /// refers to the model and is not thread-safe. Null for models without symmetries.
   using AllFrequencies = std::function<std::vector<double>(const std::vector<PlacedDefect>&)>;
   [[nodiscard]] virtual AllFrequencies all_frequencies() const { return {}; }
 

@@ -29,8 +29,8 @@ class ModeObservation : public Observation {
   }
   double log_density(const Prediction& predicted, std::span<const double> noise,
                      inference::Evaluation& out) const override;
-  /// Scores predicted modes that are already computed. Error variances of the prediction, if any,
-  /// replace those of `noise`.
+  /// Scores predicted modes that are already computed. If the prediction has error variances, these
+  /// replace the error variances of `noise`.
   [[nodiscard]] ModalLikelihood::Score score(const Prediction& predicted, ModalNoise noise) const;
 
   /// All measured modes of all states, concatenated.
@@ -41,8 +41,8 @@ class ModeObservation : public Observation {
   /// concatenation.
   [[nodiscard]] virtual Eigen::MatrixXd covariance(const Scored& scored, const ModalNoise& noise,
                                                    std::vector<int>& with) const = 0;
-  /// True if stiffness errors are included (StiffnessErrors). The second function then gives ln
-  /// p(mode | all others, x) for each mode of the concatenation.
+  /// True if stiffness errors are included (StiffnessErrors). In this case, the next function gives
+  /// ln p(mode | all others, x) for each mode of the concatenation.
   [[nodiscard]] virtual bool with_errors(const ModalNoise& /*noise*/) const { return false; }
   [[nodiscard]] virtual Eigen::VectorXd single_mode_densities(const Scored& /*scored*/,
                                                               const ModalNoise& /*noise*/) const {

@@ -1,4 +1,4 @@
-// Interface of an observation, that is of one kind of data with its noise.
+// Interface of an observation: one kind of data, and its noise.
 #pragma once
 
 #include <span>
@@ -11,8 +11,8 @@
 
 namespace wheeltap::identification {
 
-/// Data of one kind, independent of all others given the prediction. Immutable and shared by
-/// threads.
+/// Data of one kind. Given the prediction, they are independent of all other data. Immutable and
+/// shared by threads.
 class Observation {
  public:
   virtual ~Observation() = default;
@@ -20,9 +20,9 @@ class Observation {
   /// Unknown noise parameters.
   [[nodiscard]] virtual std::vector<inference::Parameter> parameters() const { return {}; }
   /// Returns ln p(data | prediction, noise), with all normalisers. `noise`: values of `parameters`.
-  /// `predicted` holds frequencies or modes, depending on the problem's first observation. May
-  /// append standardised residuals to those of `out`; only the first observation may change the
-  /// rest of `out`.
+  /// `predicted` has frequencies or modes, as the problem's first observation requires. Every
+  /// observation may append standardised residuals to `out`; only the first observation may change
+  /// other members of `out`.
   virtual double log_density(const Prediction& predicted, std::span<const double> noise,
                              inference::Evaluation& out) const = 0;
 };

@@ -26,8 +26,8 @@ class BasisModel final : public ForwardModel {
 };
 
 /// Frequencies by an external program or server, or by its emulator with the error variance.
-/// Outside the emulator's box the prediction fails, so that the box truncates the priors. The
-/// external model is not run there, because mode searches leave the box too often.
+/// Outside the emulator's box, the prediction fails: the box truncates the priors. The external
+/// model is not run there, because searches for posterior modes leave the box often.
 class OutsideModes final : public ForwardModel {
  public:
   explicit OutsideModes(OutsidePredictor predictor) : predictor_(std::move(predictor)) {}

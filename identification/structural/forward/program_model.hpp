@@ -7,8 +7,8 @@
 namespace wheeltap::identification {
 
 /// Obtains the elastic frequencies [Hz] from the program. Inputs: place [m] and severity (and
-/// extent [m], if unknown) of each defect. Each kind has as many inputs as its largest count: first
-/// the existing defects in order of place, then zeros.
+/// extent [m], if unknown) of each defect. Each kind has inputs for its largest count of defects:
+/// first the existing defects in order of place, then zeros.
 class ProgramModel final : public ForwardModel {
  public:
   ProgramModel(std::shared_ptr<OutsideModel> model, std::vector<DefectKind> kinds)

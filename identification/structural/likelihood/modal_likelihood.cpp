@@ -18,7 +18,7 @@ using Eigen::MatrixXd;
 using Eigen::VectorXd;
 using Modes = fem::ParametricModes::Modes;
 
-/// Additional computed modes that may match measured ones.
+/// Number of additional computed modes with which measured modes may be matched.
 constexpr int kFurtherModes = 3;
 
 double frequency_of(const Modes& modes, Index i) {
@@ -56,7 +56,7 @@ Turn closest(const Modes& modes, Index i) {
 double eigenvalue_of(double frequency_hz) {
   const double omega = kTwoPi * frequency_hz;
   const double lambda = omega * omega;
-  // λ has twice the resolution of f: search the nearest few values.
+  // λ in floating point has twice the resolution of f: search the nearest few values.
   constexpr double kUp = std::numeric_limits<double>::infinity();
   double low = lambda, high = lambda;
   for (int i = 0; i < 8; ++i) {
@@ -173,7 +173,7 @@ ModalLikelihood::ShapeErrors ModalLikelihood::shape_errors(const Modes& modes, i
                                                            const ModalNoise& noise) const {
   const VectorXd& lambda = modes.eigenvalues;
   const VectorXd shape = entries(modes.shapes, mode, computed);
-  // Mixing by errors of stiffness is `moved`, below.
+  // `moved` (below) contains the mixing by stiffness errors.
   ModalNoise unmixed = noise;
   unmixed.mixing = 0.0;
   const ShapeDensity::Mixing mixing = mixing_of(modes, mode, computed, unmixed);
@@ -202,7 +202,7 @@ std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& cova
   if (!data_.has_shapes()) return out;
   const Index computed = modes.eigenvalues.size();
   const bool doubt = data_.doubt > 0.0;
-  // Gaps are not matched.
+  // Rows that are gaps are not matched.
   std::vector<int> rows;
   for (int i = 0; i < n; ++i)
     if (!data_.is_gap(i)) rows.push_back(i);
@@ -225,7 +225,7 @@ std::vector<int> ModalLikelihood::match(const Modes& modes, const MatrixXd& cova
   for (std::size_t k = 0; k < rows.size(); ++k)
     out[static_cast<std::size_t>(rows[k])] = assigned[k];
   if (!doubt) return out;
-  // A spurious mode is compared with the nearest unmatched computed mode.
+  // A spurious mode is compared with the nearest computed mode that has no match.
   std::vector<bool> taken(static_cast<std::size_t>(computed));
   for (const int j : assigned)
     if (j < computed) taken[static_cast<std::size_t>(j)] = true;

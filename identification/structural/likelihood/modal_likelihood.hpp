@@ -13,7 +13,7 @@
 
 namespace wheeltap::identification {
 
-/// The parameters of noise and model errors in one state.
+/// Parameters of the noise and of the model errors in one state.
 struct ModalNoise {
   double cov = 0.0;       ///< coefficient of variation of frequencies, if unknown
   double shape_sd = 1.0;  ///< factor on the shapes' sd, if unknown
@@ -25,7 +25,7 @@ struct ModalNoise {
 };
 
 /// The eigenvalue [rad²/s²] for which √λ / 2π in floating point equals f [Hz] exactly (or is
-/// adjacent to f, if no eigenvalue gives f exactly).
+/// adjacent to f, if no eigenvalue gives exactly f).
 [[nodiscard]] double eigenvalue_of(double frequency_hz);
 
 /// Sd of the mixing of mode k into mode j by the model error δK. δK changes a frequency by
@@ -45,19 +45,19 @@ struct ModalNoise {
 ///   C = C_noise + δ² diag(f_obs²) + diag(σ²_emulator),
 ///   C_noise = C of the data, or cov² diag(f_obs²),
 ///
-/// with the shape densities of shape_density.hpp. The discrepancy δ: the model error changes each
-/// frequency by N(0, (δ f)²), which is integrated out, so that δ can be inferred from the
+/// with the shape densities of shape_density.hpp. With the discrepancy δ, the model error changes
+/// each frequency by N(0, (δ f)²). This error is integrated out, so that δ can be inferred from the
 /// residuals.
 ///
 /// Matching: without shapes, the i-th frequency is the i-th elastic mode. With shapes, A is the
-/// assignment of least cost among the `candidates` lowest modes, for frequencies and shapes
+/// assignment to the `candidates` lowest modes with the least cost for frequencies and shapes
 /// together, so that data may omit or reorder modes. Correlations of frequencies are used after the
 /// matching. Only the best matching is used: if another matching is nearly as good, the modes are
 /// close and similar.
 ///
-/// Mixing (κ > 0): Σ of a shape includes the mixing of φ_A(i) with every other computed mode by
-/// `mixing_sd`. This mixing replaces the rotation; the τ of the rotation is added to that of the
-/// closest mode.
+/// Mixing (κ > 0): the covariance Σ of a shape includes the mixing of φ_A(i) with every other
+/// computed mode by `mixing_sd`. It replaces the rotation of close modes, whose τ is added to the τ
+/// of the closest mode.
 ///
 /// Spurious modes: if each measured mode may be spurious with probability ε (`ModalData::doubt`),
 /// frequencies count as uncorrelated and
@@ -65,12 +65,12 @@ struct ModalNoise {
 ///   p(mode i | θ) = (1 - ε) N(f_i; f_A(i), C_ii) p(ψ_i | φ_A(i)) + ε p₀(f_i) p₀(ψ_i),
 ///
 /// with p₀ uniform over frequencies up to `kBand` times the highest measured frequency, and over
-/// all shape directions. A may then leave a measured mode unmatched.
+/// all shape directions. In this case, A may leave measured modes unmatched.
 ///
 /// Close modes: modes with eigenvalues closer than `kClose` may be rotated in their common plane by
 /// α ~ N(0, τ²), τ² = `kMixing`² (1/gap² - 1/kClose²), with gap the relative difference of the
-/// eigenvalues. This is the effect of a change of K by a thousandth. With more than two such modes,
-/// each is rotated with the closest.
+/// eigenvalues. A change of K by a thousandth has this effect. If more than two modes are close,
+/// each is rotated with the closest one.
 class ModalLikelihood {
  public:
   static constexpr double kClose = 0.05;
@@ -100,9 +100,9 @@ class ModalLikelihood {
   /// [Hz] of all modes. Faster than `score`; returns false for data of any other kind.
   bool add_density_of_frequencies(const fem::ParametricModes::Modes& modes, const ModalNoise& noise,
                                   double& log_density, std::vector<double>& frequencies_hz) const;
-  /// Comparison of a measured shape as input to StiffnessErrors: the comparison without stiffness
-  /// errors, the residual in units of the noise, and the sensitivity of the residual to each
-  /// stiffness error, m × errors. Close modes are mixed by the sd of their rotation.
+  /// Input of StiffnessErrors for one measured shape: the comparison without stiffness errors, the
+  /// residual in units of the noise, and its sensitivity to each stiffness error, m × errors. The
+  /// sd of the rotation of close modes is treated as mixing.
   struct ShapeErrors {
     ShapeDensity::Comparison without;
     Eigen::VectorXd residual;
@@ -115,11 +115,11 @@ class ModalLikelihood {
   void slope(const fem::ParametricModes::Modes& modes, const fem::ParametricModes::Slopes& slopes,
              const ModalNoise& noise, std::span<double> out) const;
   /// The Gauss-Newton approximation of -∂² ln p/∂θ², from the first derivatives of frequencies and
-  /// shapes, for the current matching. Close modes are mixed by the sd of their rotation.
+  /// shapes, for the current matching. The sd of the rotation of close modes is treated as mixing.
   [[nodiscard]] Eigen::MatrixXd information(const fem::ParametricModes::Modes& modes,
                                             const fem::ParametricModes::Slopes& slopes,
                                             const ModalNoise& noise) const;
-  /// ∂ ln p/∂f of each computed mode for the current matching, without measured shapes.
+  /// ∂ ln p/∂f of each computed mode for the current matching, if no shapes were measured.
   [[nodiscard]] std::vector<double> pulls(const fem::ParametricModes::Modes& modes,
                                           const ModalNoise& noise) const;
 

@@ -82,7 +82,7 @@ ShapesBeside shapes_beside(const ModalLikelihood& likelihood,
                            const fem::ParametricModes::Modes& modes,
                            std::span<const ModalLikelihood::Match> matches) {
   const ModalData& data = likelihood.data();
-  // More modes may be computed than the measured ones can match.
+  // There may be more computed modes than measured modes can be matched with.
   const Index compared = likelihood.candidates(static_cast<int>(modes.shapes.cols()));
   const MatrixXd shapes = modes.shapes.leftCols(compared);
   ShapesBeside out{.mac = MatrixXd::Constant(data.modes(), shapes.cols(), kNaN),

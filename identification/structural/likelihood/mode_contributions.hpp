@@ -11,7 +11,7 @@
 
 namespace wheeltap::identification {
 
-/// ln p of each measured mode given the other modes at fixed parameters, that is the reduction of
+/// ln p of each measured mode given the other modes at fixed parameters, that is the decrease of
 /// the log likelihood if the mode is omitted. For frequencies with residuals r ~ N(0, C), P = C⁻¹,
 ///
 ///   r_i | the others ~ N(r_i - (P r)_i / P_ii, 1 / P_ii)   (Rue & Held 2005, theorem 2.3);
@@ -24,8 +24,8 @@ namespace wheeltap::identification {
                                                     const Eigen::MatrixXd& c,
                                                     const ModalLikelihood::Score& score);
 
-/// The posterior without one mode, from draws of the posterior with this mode, weighted by 1/p of
-/// the mode (importance sampling: Gelfand, Dey & Chang 1992).
+/// The posterior without one mode: draws of the posterior with this mode, weighted by 1/p of the
+/// mode (importance sampling: Gelfand, Dey & Chang 1992).
 struct WithoutMode {
   std::vector<double> weights;  ///< one per draw; sum 1
   double information = 0.0;     ///< KL(posterior ‖ without) [nats]

@@ -13,7 +13,7 @@ std::vector<int> least_cost_assignment(const Eigen::MatrixXd& costs) {
     throw std::invalid_argument("costs has " + std::to_string(rows) + " rows: must be at most " +
                                 std::to_string(columns) + ", its columns");
   if (costs.hasNaN()) throw std::invalid_argument("costs must not be NaN");
-  // A forbidden pair costs more than all others together.
+  // A forbidden pair costs more than all other pairs together.
   double most = 1.0;
   for (const double c : costs.reshaped())
     if (std::isfinite(c)) most = std::max(most, std::abs(c));

@@ -18,7 +18,7 @@ struct FrequencyData {
   std::optional<inference::Prior> cv_prior;
   double discrepancy_cv = 0.0;  ///< error of the beam model itself, in addition to the noise
   bool simulated = false;       ///< simulated from the case's truth
-  std::string origin;           ///< description for the summary
+  std::string origin;           ///< description of the origin for the summary
 
   [[nodiscard]] int modes() const { return static_cast<int>(frequencies_hz.size()); }
   [[nodiscard]] int measured() const;
@@ -29,7 +29,7 @@ struct FrequencyData {
 ///   f_obs - f(θ) ~ N(0, sd_i²),   sd_i² = σ_i² + σ²_emulator,i(θ) + (discrepancy · f_obs,i)²,
 ///
 /// with σ_i the measurement's sd, or cv · f_obs,i if the coefficient of variation is a parameter
-/// (the first of every model). For a mode that was not measured, f(θ) replaces f_obs.
+/// (always the first parameter). For a mode that was not measured, f(θ) replaces f_obs.
 class NoiseModel {
  public:
   explicit NoiseModel(const FrequencyData& data) : data_(&data) {}
@@ -40,8 +40,8 @@ class NoiseModel {
   [[nodiscard]] double sd(std::size_t mode, double cv, double emulator_variance) const {
     return sd_about(mode, data_->frequencies_hz[mode], cv, emulator_variance);
   }
-  /// Sd [Hz] of a replicate of any mode predicted at `predicted` [Hz]; NaN if the accuracy of an
-  /// unmeasured mode is unknown.
+  /// Sd [Hz] of a replicate of any mode that is predicted at `predicted` [Hz]; NaN if the mode was
+  /// not measured and its accuracy is unknown.
   [[nodiscard]] double replicate_sd(std::size_t mode, double predicted, double cv,
                                     double emulator_variance) const;
   /// Returns Σ over measured modes of -½ r² - ln(sd √2π), r = (f_obs - f) / sd; appends each r to

@@ -25,7 +25,7 @@ std::shared_ptr<const ReanalysedModes> ReanalysedModes::make(
     const fem::Beam* beam, std::span<const std::vector<double>> samples) {
   if (std::holds_alternative<fem::MatrixStructure>(model->nominal)) return nullptr;
   auto scaled = fem::ScaledStructure::of(family_of(model), samples);
-  // With more changes than that, the structure is small: full solutions are as fast.
+  // If the number of changes exceeds half the size, full solutions are as fast.
   if (!scaled || 2 * scaled->columns() > scaled->base()->size()) return nullptr;
   // The constructor is private.
   std::shared_ptr<ReanalysedModes> out(new ReanalysedModes(std::move(*scaled), std::move(kinds)));

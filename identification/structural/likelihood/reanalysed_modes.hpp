@@ -18,11 +18,11 @@
 
 namespace wheeltap::identification {
 
-/// Unknown parameters enter a reanalysis as scales of the whole structure and as further low-rank
-/// changes (fem::ScaledStructure), beside those of the damages. Frequencies are therefore as
-/// accurate as those of known parameters: 1e-9, relative, or the error bound of
-/// fem::StructureReanalysis. A beam of which parameters change only the scales is solved by
-/// fem::Reanalysis.
+/// A reanalysis represents unknown parameters as scales of the whole structure and as low-rank
+/// changes (fem::ScaledStructure), in addition to the changes by damages. Frequencies are
+/// therefore as accurate as for known parameters: relative error 1e-9, or the error bound of
+/// fem::StructureReanalysis. fem::Reanalysis solves a beam whose parameters change only the
+/// scales.
 ///
 /// Immutable; each thread needs its own workspace.
 class ReanalysedModes {
@@ -45,10 +45,10 @@ class ReanalysedModes {
   struct Wanted {
     int modes = 1;                                            ///< number of elastic modes
     std::span<const fem::SparseRow> motions = {};             ///< motions of the sensors
-    std::span<const fem::StructureChange::Mass> masses = {};  ///< added ones
+    std::span<const fem::StructureChange::Mass> masses = {};  ///< added masses
   };
   using Outcome = fem::ScaledStructure::Outcome;
-  /// Computes eigenvalues and shapes at these values of the model's parameters.
+  /// Computes eigenvalues and shapes at these parameter values of the model.
   Outcome solve(std::span<const double> values, const std::vector<PlacedDefect>& defects,
                 const Wanted& wanted, Workspace& workspace, fem::ParametricModes::Modes& out) const;
 

@@ -16,13 +16,13 @@ using Eigen::Index;
 using Eigen::MatrixXd;
 using Eigen::VectorXd;
 
-/// Replaces an sd of 0, relative to the smallest other sd: small enough to fix the scale, large
-/// enough for double precision.
+/// Replaces an sd of 0, as a fraction of the smallest other sd: small enough to fix the scale of
+/// the shape, large enough for double precision.
 constexpr double kTied = 1e-3;
 
-/// ln of the normal density of variance v, wrapped at π, at α in (-π/2, π/2].
+/// ln of the normal density with variance v, wrapped with period π, at α in (-π/2, π/2].
 double log_wrapped_normal(double alpha, double v) {
-  // Above this, uniform to rounding: the first Fourier coefficient is 2 exp(-2 v).
+  // Above this v, the density is uniform up to rounding: its first Fourier term is 2 exp(-2 v).
   constexpr double kUniform = 20.0;
   if (v > kUniform) return -std::log(kPi);
   const int reach = 1 + static_cast<int>(6.0 * std::sqrt(v) / kPi);
@@ -146,7 +146,7 @@ ShapeDensity::Comparison ShapeDensity::fitted(const VectorXd& shape, const Vecto
                                               double log_normaliser) const {
   const double size = computed.squaredNorm();
   Comparison out;
-  // A mode without motion at the sensors explains nothing of the shape.
+  // A mode without motion at the sensors explains no part of the shape.
   out.chi_square = size > 0.0 ? (measured - measured.dot(computed) / size * computed).squaredNorm()
                               : measured.squaredNorm();
   out.log_density = log_normaliser - 0.5 * out.chi_square;
@@ -162,7 +162,7 @@ ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Vect
   const VectorXd second = w.cwiseProduct(axes_.transpose() * close);
   const double size = first.squaredNorm();
   const VectorXd across = size > 0.0 ? second - first.dot(second) / size * first : second;
-  // Not applicable if both modes have the same motion at the sensors.
+  // A rotation has no effect if both modes have the same motion at the sensors.
   if (!(size > 0.0) || !(across.squaredNorm() > 1e-12 * second.squaredNorm()))
     return against(shape, scale, more);
   const double by_close = measured.dot(across) / across.squaredNorm();
@@ -172,12 +172,12 @@ ShapeDensity::Comparison ShapeDensity::against(const VectorXd& shape, const Vect
   // The angle has period π; it is 0 if neither mode fits the shape.
   out.turn = by_first != 0.0 ? std::atan(by_close / by_first) : by_close != 0.0 ? 0.5 * kPi : 0.0;
   out.chi_square = (measured - by_first * first - by_close * second).squaredNorm();
-  // Change of the fit with the angle, orthogonal to the fit.
+  // The part of the fit's change with the angle that is orthogonal to the fit.
   const VectorXd fit = std::cos(out.turn) * first + std::sin(out.turn) * second;
   VectorXd moves = std::cos(out.turn) * second - std::sin(out.turn) * first;
   moves -= moves.dot(fit) / fit.squaredNorm() * fit;
-  // The mean of exp(-(α - α̂)²/2s²) over the angles: at most 1, and 1 if the noise hides the shape
-  // so that all angles fit equally well.
+  // The mean of exp(-(α - α̂)²/2s²) over the angles: at most 1. It is 1 if the noise exceeds the
+  // shape, so that all angles fit equally well.
   const double s = 1.0 / (amplitude * moves.norm());
   const double mean =
       0.5 * std::log(2.0 * kPi) + std::log(s) + log_wrapped_normal(out.turn, tau * tau + s * s);

@@ -12,7 +12,7 @@ namespace wheeltap::identification {
 ///   p(ψ | φ) = (2π)^{-(m-1)/2} |Σ|^{-1/2} (ψ̂ᵀ Σ⁻¹ ψ̂)^{-1/2} exp(-χ²/2),
 ///   χ² = min_a (ψ - a φ)ᵀ Σ⁻¹ (ψ - a φ),
 ///
-/// to first order in the noise. The shape counts as m - 1 measured numbers, also if one entry is
+/// to first order in the noise. The shape counts as m - 1 measured values, even if one entry is
 /// scaled to exactly 1. For Σ = σ² I it is Watson's density with concentration |ψ|²/(2σ²) (Mardia &
 /// Jupp 2000, section 10.3.2). The residual after optimal scaling is that of Vanik, Beck & Au
 /// (2000, section 3), who omit the normaliser. At most one entry may have sd 0, namely the entry by
@@ -38,12 +38,12 @@ class ShapeDensity {
 
   struct Comparison {
     double log_density = 0.0;
-    double chi_square = 0.0;  ///< with `freedoms()` degrees of freedom, one less with a rotation
+    double chi_square = 0.0;  ///< `freedoms()` degrees of freedom; with a rotation, one less
     double mac = 0.0;         ///< (ψ·φ)² / (|ψ|² |φ|²), for the measured entries
     double turn = 0.0;        ///< α̂ [rad]
   };
-  /// Compares with a computed shape φ at the measured entries. `scale` multiplies Σ (an unknown
-  /// scatter); `more` [1] is added to its diagonal (the model error).
+  /// Compares with a computed shape φ at the measured entries. `scale` multiplies Σ (unknown
+  /// noise); `more` (dimensionless) is added to its diagonal (model error).
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, double scale = 1.0,
                                    double more = 0.0) const;
   /// Compares with a computed shape that may be rotated with a close mode, for τ > 0.
@@ -57,8 +57,8 @@ class ShapeDensity {
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more) const;
   /// Compares with a computed shape and also gives the residual Σ^{-1/2} (ψ - a φ) and its
-  /// sensitivity to changes of φ along each column of `moved`. The sensitivity is a Σ^{-1/2} moved,
-  /// projected orthogonally to Σ^{-1/2} φ, because the amplitude a adapts.
+  /// sensitivity to changes of φ along each column of `moved`. The sensitivity is a · Σ^{-1/2} ·
+  /// `moved`, projected orthogonally to Σ^{-1/2} φ, because the amplitude a adapts.
   [[nodiscard]] Comparison against(const Eigen::VectorXd& shape, const Mixing& mixing, double scale,
                                    double more, const Eigen::MatrixXd& moved,
                                    Eigen::VectorXd& residual, Eigen::MatrixXd& moves) const;

@@ -19,7 +19,7 @@ using Modes = fem::ParametricModes::Modes;
 namespace {
 
 constexpr int kTraining = 200;      // structures on which a reduced basis is tested
-constexpr int kTriedForPieces = 8;  // prior draws that must have the same strains as the medians
+constexpr int kTriedForPieces = 8;  // prior draws whose strains must be those of the medians
 constexpr int kOfPieces = 8;  // additional modes for the sensitivity of shapes to stiffness errors
 
 bool same_masses(const ObservedState& a, const ObservedState& b) {
@@ -29,7 +29,7 @@ bool same_masses(const ObservedState& a, const ObservedState& b) {
   });
 }
 
-/// Relative tolerance of eigenvalues: a thousandth of the smallest scatter of a frequency, doubled.
+/// Relative tolerance of eigenvalues: 2/1000 of the smallest relative scatter of a frequency.
 double tolerance_of(const ObservedStates& states) {
   double cov = 1e-3;
   for (const ObservedState& s : states.list)
@@ -188,10 +188,10 @@ MatrixXd StatesLikelihood::covariance(const ModalNoise& noise) const {
 ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
                                                const ModalNoise& noise) const {
   ModalLikelihood::Score out;
-  // For the matching, allow approximately the effect of stiffness errors.
+  // Widen the noise of the matching approximately by the effect of stiffness errors.
   ModalNoise wide = noise;
   if (pieces_.count() > 0) {
-    constexpr double kOfMode = 0.25;  // relative to a part's error; about four affect a mode
+    constexpr double kOfMode = 0.25;  // mode's / part's error; about four parts affect a mode
     wide.discrepancy = std::hypot(noise.discrepancy, kOfMode * noise.stiffness_discrepancy);
     wide.shape_discrepancy =
         std::hypot(noise.shape_discrepancy, kOfMode * noise.stiffness_discrepancy);
@@ -214,7 +214,7 @@ ModalLikelihood::Score StatesLikelihood::score(const std::vector<Modes>& modes,
   }
   if (noise.discrepancy == 0.0 || likelihoods_.size() == 1) return out;
 
-  // Frequencies of all states together, with their common errors.
+  // Joint density of the frequencies of all states, with their common errors.
   std::vector<int> with;
   const MatrixXd c = covariance_of_noise(modes, noise, out, with);
   const auto n = static_cast<Index>(with.size());
@@ -274,8 +274,8 @@ MatrixXd StatesLikelihood::frequency_sensitivities(const std::vector<Modes>& mod
   return out;
 }
 
-// All measured data with their sensitivities to stiffness errors; shapes are compared again, with
-// close modes mixed instead of rotated.
+// All measured data with their sensitivities to stiffness errors; for this comparison of shapes,
+// close modes are mixed instead of rotated.
 StatesLikelihood::Parts StatesLikelihood::parts(const std::vector<Modes>& modes,
                                                 const ModalNoise& noise,
                                                 const ModalLikelihood::Score& score) const {

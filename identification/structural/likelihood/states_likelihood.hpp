@@ -25,23 +25,23 @@ namespace wheeltap::identification {
 ///   ln p = Σ_s Σ_shapes ln p(ψ | φ(θ, d)) + ln N(f_obs; f(θ, d), C),
 ///   C = diag_s C_s + δ² Σ_m f_m f_mᵀ + Σ_{j<k} τ_jk² ℓ_jk ℓ_jkᵀ,
 ///
-/// with f_m the frequencies of mode m in all states with the same `known`, 0 elsewhere. A model
-/// error that multiplies each mode's frequency by a factor (discrepancy δ) is common to these
-/// states, so that it is not mistaken for damage. For one state this equals ModalLikelihood.
+/// f_m: the frequencies of mode m in all states with the same `known`, 0 elsewhere. A model error
+/// that multiplies a mode's frequency by a factor (discrepancy δ) is common to these states, so
+/// that it does not count as damage. For one state this equals ModalLikelihood.
 ///
-/// The effect of damage on a frequency depends on the shapes. The errors of shapes are of first
-/// order if the errors of frequencies are of second order. If the model error mixes c φ_k into φ_j
-/// and -c φ_j into φ_k, c ~ N(0, τ_jk²) (`mixing_sd`), the damage's δK_d changes λ_j by an
-/// additional 2c φ_jᵀ δK_d φ_k, and λ_k by its negative. For a stiffness loss along one strain,
-/// (φ_jᵀ δK_d φ_k)² = Δλ_j Δλ_k; otherwise the left side is smaller. With Δλ the change from the
-/// first healthy state with the same `known` to a damaged state,
+/// The effect of damage on a frequency depends on the shapes. Shape errors of first order cause
+/// frequency errors of second order only. Let the model error mix c φ_k into φ_j and -c φ_j into
+/// φ_k, c ~ N(0, τ_jk²) (`mixing_sd`). The damage's δK_d then changes λ_j by an additional 2c φ_jᵀ
+/// δK_d φ_k, and λ_k by the negative of this. For a stiffness loss along one strain, (φ_jᵀ δK_d
+/// φ_k)² = Δλ_j Δλ_k; otherwise the left side is smaller. With Δλ the change from the first healthy
+/// state with the same `known` to a damaged state,
 ///
 ///   ℓ_jk = +2 √|Δλ_j Δλ_k| / (8π² f_j) at mode j of each damaged state, and correspondingly
 ///   negative at mode k.
 ///
-/// Stiffness errors of parts of the structure (`ModalData::stiffness_discrepancy`) are integrated
-/// jointly out of the frequencies and shapes of all states with the same `known`; see
-/// StiffnessErrors.
+/// The likelihood integrates over stiffness errors of parts of the structure
+/// (`ModalData::stiffness_discrepancy`), jointly for the frequencies and shapes of all states with
+/// the same `known`; see StiffnessErrors.
 ///
 /// ReanalysedModes solves each state's structure if only a few springs, point masses and scales of
 /// the whole structure are unknown. The constructor compares `kReanalysed` such solutions with full
@@ -82,8 +82,8 @@ class StatesLikelihood {
   [[nodiscard]] ModalLikelihood::Score score(const std::vector<fem::ParametricModes::Modes>& modes,
                                              const ModalNoise& noise) const;
 
-  /// ln p without shapes and common errors of states, from the frequencies alone; writes the
-  /// computed frequencies [Hz]. Returns false if `score` is required.
+  /// Computes ln p from the frequencies alone, if there are no shapes and no common errors of
+  /// states; also writes the computed frequencies [Hz]. Returns false if `score` is required.
   bool density_of_frequencies(const std::vector<fem::ParametricModes::Modes>& modes,
                               const ModalNoise& noise, double& log_density,
                               std::vector<double>& frequencies_hz) const;
@@ -110,7 +110,7 @@ class StatesLikelihood {
   struct Workspace {
     /// The intact structure of all groups with the same `known`.
     struct Intact {
-      std::optional<std::vector<double>> values = {};  ///< its parameters
+      std::optional<std::vector<double>> values = {};  ///< parameters of this structure
       std::optional<fem::Mesh> mesh = {};
       fem::Discretisation discretisation = {};
     };
@@ -135,8 +135,8 @@ class StatesLikelihood {
   [[nodiscard]] std::vector<double> frequencies_anywhere(
       const std::vector<PlacedDefect>& defects) const;
 
-  /// Largest relative error of a frequency compared with full solutions at `points` prior draws
-  /// with defects of each kind, and the number of missed modes by Sturm's count.
+  /// Comparison with full solutions at `points` prior draws with defects of each kind: largest
+  /// relative error of a frequency, and number of missed modes by Sturm's count.
   struct Check {
     double largest_error = 0.0;
     int points = 0, missed = 0;
@@ -205,7 +205,7 @@ class StatesLikelihood {
   bool solve_assembled(const Group& group, const std::vector<double>& values,
                        const std::vector<PlacedDefect>& defects, Workspace& workspace,
                        fem::ParametricModes::Modes& out) const;
-  /// Solves the structure of a group; shapes at the sensors of its states, concatenated.
+  /// Solves the structure of a group. Shapes are at the sensors of all its states, concatenated.
   bool solve(const Group& group, std::span<const double> x,
              const std::vector<PlacedDefect>& defects, Workspace& workspace,
              Workspace::Group& own) const;

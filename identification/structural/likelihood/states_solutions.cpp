@@ -1,4 +1,4 @@
-// Solutions of the structures of all states, and their comparison with full ones.
+// Solutions of the structures of all states, and their comparison with full solutions.
 #include <algorithm>
 #include <chrono>
 #include <cmath>
@@ -17,8 +17,8 @@ using Modes = fem::ParametricModes::Modes;
 
 namespace {
 
-constexpr int kPriorDraws = 200;          // on which the form of the parameters is tested
-constexpr double kSameEigenvalue = 1e-7;  // relative, by reanalysis and by a full solution
+constexpr int kPriorDraws = 200;          // prior draws that test the parameters' form
+constexpr double kSameEigenvalue = 1e-7;  // relative difference, reanalysis to full solution
 
 const std::vector<PlacedDefect> kNoDefects;
 
@@ -29,7 +29,7 @@ void StatesLikelihood::try_reanalysis(const fem::Beam* beam) {
     return;
   int modes = 1;
   for (const Group& group : groups_) modes = std::max(modes, group.modes);
-  // Reanalysis of a beam has no shapes and no added masses.
+  // The reanalysis of a beam supports neither shapes nor added masses.
   const bool as_beam = std::ranges::all_of(groups_, [&](const Group& group) {
     return group.motions.empty() &&
            states_->list[static_cast<std::size_t>(group.states[0])].masses.empty();
@@ -85,7 +85,7 @@ fem::Discretisation StatesLikelihood::structure(std::span<const double> x,
 
 void StatesLikelihood::assemble(const std::vector<double>& values, Workspace::Intact& out) const {
   if (out.values == values) return;
-  out.values.reset();  // in case the structure is impossible
+  out.values.reset();  // if the next line throws, no values are stored
   out.mesh.reset();
   const AnyStructure at = states_->model->at(values);
   if (const auto* members = std::get_if<fem::Structure>(&at))
@@ -137,7 +137,7 @@ bool StatesLikelihood::solve_assembled(const Group& group, const std::vector<dou
   if (!group.solver->solve(d, found)) return false;
   if (pieces_.count() > 0) {
     out.pieces = pieces_.energies(d, found.shapes);
-    // With a rigid support fewer degrees of freedom remain, and the rows no longer match.
+    // A rigid support removes degrees of freedom, so that the rows no longer match.
     const bool same = d.size() == intact.discretisation.size();
     std::ranges::move(
         pieces_.losses(intact.discretisation, same ? change : fem::StructureChange{}, found.shapes),

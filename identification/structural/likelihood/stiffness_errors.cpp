@@ -38,7 +38,7 @@ StiffnessPieces::StiffnessPieces(const fem::Discretisation& d, const fem::Mesh* 
 
 namespace {
 
-/// One strain, for each mode.
+/// The value of one strain in each mode.
 Eigen::RowVectorXd strained(const fem::SparseRow& row, const MatrixXd& shapes) {
   Eigen::RowVectorXd out = Eigen::RowVectorXd::Zero(shapes.cols());
   for (std::size_t i = 0; i < row.dofs.size(); ++i)
@@ -94,7 +94,7 @@ StiffnessErrors::Gain StiffnessErrors::integrated(double sigma) const {
   m.diagonal().array() += 1.0;
   const Eigen::LLT<MatrixXd> llt(m);
   const double explained = (llt.matrixL().solve(VectorXd(sigma * b_))).squaredNorm();
-  // The square of the error overflows.
+  // The factorisation failed, or the squared error overflowed.
   if (llt.info() != Eigen::Success || !std::isfinite(explained))
     return {.log_density = -std::numeric_limits<double>::infinity(), .chi_square = 0.0};
   return {.log_density = 0.5 * explained - llt.matrixLLT().diagonal().array().log().sum(),

@@ -28,9 +28,9 @@ class StiffnessPieces {
   [[nodiscard]] std::vector<Eigen::MatrixXd> energies(const fem::Discretisation& d,
                                                       const Eigen::MatrixXd& shapes) const;
   /// Sensitivity of φᵀ K φ to a relative error of the stiffness that defects remove from each part.
-  /// For a softening with the remaining stiffness q of a strain, it is q (1 - q) times the previous
-  /// energy of the strain. (If the flexibility of a part is 1 + a times the flexibility in the
-  /// model, the share of stiffness that it loses is smaller by (1 - q) a.)
+  /// For a softening that leaves the fraction q of a strain's stiffness, it is q (1 - q) times the
+  /// energy of the strain before softening. (If the flexibility of a part is 1 + a times that of
+  /// the model, it loses a smaller share of stiffness, by (1 - q) a.)
   [[nodiscard]] std::vector<Eigen::MatrixXd> losses(const fem::Discretisation& intact,
                                                     const fem::StructureChange& change,
                                                     const Eigen::MatrixXd& shapes) const;
@@ -43,18 +43,18 @@ class StiffnessPieces {
 /// Integrates stiffness errors out of the likelihood. With stiffnesses (1 + a_p) K_p, a_p ~ N(0,
 /// σ²), eigenvalues change by φ_jᵀ K_p φ_j a_p and shapes by Σ_k φ_k φ_kᵀ K_p φ_j a_p / (λ_j -
 /// λ_k), to first order (Fox & Kapoor 1968, AIAA J. 6:2426). All modes of all states share the a_p,
-/// so that stiffness errors are not mistaken for damage. The stiffness that a damage removes from a
-/// part has a separate error of the same size (`StiffnessPieces::losses`). With residuals r in
-/// units of the noise and their sensitivities X, ln p gains
+/// so that the likelihood does not attribute stiffness errors to damage. The stiffness that a
+/// damage removes from a part has a separate error of the same size (`StiffnessPieces::losses`).
+/// With residuals r in units of the noise and their sensitivities X, ln p gains
 ///
 ///   ½ bᵀ (A + I/σ²)⁻¹ b - ½ ln |I + σ² A|,   A = XᵀX, b = Xᵀr
 ///
-/// (matrix inversion lemma), accumulated over all r and X.
+/// (matrix inversion lemma). A and b are sums over all r and X.
 class StiffnessErrors {
  public:
   explicit StiffnessErrors(int pieces);
 
-  /// X: numbers × errors.
+  /// Adds residuals r and their sensitivities X (residuals × errors).
   void add(const Eigen::MatrixXd& sensitivities, const Eigen::VectorXd& residual);
   /// Amounts to add to ln p and to subtract from χ², for σ > 0.
   struct Gain {

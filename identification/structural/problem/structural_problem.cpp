@@ -200,7 +200,7 @@ bool StructuralPredictor::gradient_of_modes(std::span<const double> x, std::span
   return true;
 }
 
-// Scatters do not change the modes, so differences are cheap.
+// Noise parameters do not change the modes, so that differences are cheap.
 StructuralPredictor::Bend StructuralPredictor::by_scatter(std::span<const double> x,
                                                           std::size_t p) const {
   std::vector<double> moved(x.begin(), x.end());

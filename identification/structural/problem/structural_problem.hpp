@@ -48,7 +48,7 @@ struct StructuralProblem {
   [[nodiscard]] int rows() const {
     return by_modes() ? modes().data().modes() : std::get<Numbered>(observed)->data().modes();
   }
-  /// The state of a row (empty if there is only one), and the mode number there, from 1.
+  /// The state of a row (empty for a single state), and the mode number in this state, from 1.
   struct Row {
     std::string state = {};
     int mode = 0;
@@ -81,7 +81,7 @@ struct StructuralProblem {
     components(m, x, list);
     return list;
   }
-  /// Writes the defects in a parameter vector to `to`.
+  /// The same, written to `to`.
   void components(int m, std::span<const double> x, std::vector<PlacedDefect>& to) const;
 
   enum class First { noise, structure };
@@ -93,12 +93,12 @@ struct StructuralProblem {
       const std::vector<std::shared_ptr<const Observation>>& added);
 };
 
-/// Predictions of a problem, for one thread. Refers to problem and model.
+/// Predicts for a problem; for one thread. The object refers to problem and model.
 class StructuralPredictor {
  public:
   explicit StructuralPredictor(const StructuralProblem& problem)
       : StructuralPredictor(problem, *problem.model) {}
-  /// Uses `model` instead of the problem's.
+  /// Uses `model` instead of the problem's forward model.
   StructuralPredictor(const StructuralProblem& problem, const ForwardModel& model)
       : problem_(problem), solver_(model.make_solver()) {}
 
@@ -107,8 +107,8 @@ class StructuralPredictor {
                Prediction& out);
   /// Computes modes and their score. Returns false if the structure is impossible.
   bool score(int model, std::span<const double> x, ModeObservation::Scored& out);
-  /// Computes frequencies [Hz]: the `out.size()` lowest elastic ones, or those matched to the
-  /// measured modes; ∞ if the structure is impossible.
+  /// Computes frequencies [Hz]: the `out.size()` lowest elastic frequencies, or the frequencies of
+  /// the modes matched to the measured modes; ∞ if the structure is impossible.
   void solve(int model, std::span<const double> x, std::span<double> out);
   /// ∂ ln p(first observation | x)/∂x. Returns false if it is not available.
   bool gradient(int model, std::span<const double> x, std::span<double> out);
@@ -133,7 +133,7 @@ class StructuralPredictor {
   fem::ParametricModes::Slopes slopes_;
 };
 
-/// The likelihood of all observations, predicted by `model`. Refers to both.
+/// The likelihood of all observations, predicted by `model`. It refers to `problem` and `model`.
 [[nodiscard]] inference::LikelihoodFactory likelihood_of(const StructuralProblem& problem,
                                                          const ForwardModel& model);
 

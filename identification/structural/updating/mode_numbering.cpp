@@ -18,8 +18,8 @@ using Eigen::VectorXd;
 
 constexpr double kMissed = 0.05, kNoMode = 0.1;
 constexpr double kModelError = 0.02;
-constexpr int kFurther = 3;                  // modes that may have been missed
-constexpr std::size_t kMostOthers = 20'000;  // numberings that are compared
+constexpr int kFurther = 3;                  // number of modes that may have been missed
+constexpr std::size_t kMostOthers = 20'000;  // largest number of compared numberings
 constexpr int kNumberingDraws = 400, kFewNumberingDraws = 60;
 constexpr double kNumberingSeconds = 2.0;
 
@@ -39,7 +39,7 @@ void extend(const std::vector<int>& used, int modes, std::vector<int>& begun, in
     return;
   }
   const int before = i == 0 ? -1 : begun[i - 1];
-  const int known = used[i] - (i == 0 ? -1 : used[i - 1]) - 1;  // gap
+  const int known = used[i] - (i == 0 ? -1 : used[i - 1]) - 1;  // known gap
   const auto with = [&](int gap) {
     const int at = before + gap + 1, more = gap - known;
     if (at >= modes || gap < 0 || missed + std::max(0, more) > kFurther) return;

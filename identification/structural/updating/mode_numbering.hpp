@@ -1,10 +1,10 @@
 // Check of the mode numbers of frequencies without shapes.
 //
-// Without shapes, the i-th frequency counts as the i-th elastic mode. A numbering b_1 < b_2 < …
-// assigns other modes. The prior weight of a numbering has a factor of 0.05 for each missed mode of
-// the structure in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under
-// the priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws, so
-// that
+// Without shapes, the i-th frequency counts as the i-th elastic mode. A numbering b_1 < b_2 <
+// … assigns other modes instead. Its prior weight is the product of 0.05 for each mode missed
+// in addition to the known gaps, and 0.1 for each known gap that is not a mode. Under the
+// priors, ln f of the computed modes is approximately normal, N(m, S), estimated from draws,
+// so that
 //
 //   p(data | b) = N(ln f_obs; m_b, S_bb + C / (f fᵀ) + 0.02²),
 //
@@ -37,14 +37,14 @@ struct NumberingFinding {
 
 /// `ln_f`: of computed modes, draws × modes, in the structure's order. `measured`: assumed index of
 /// each measured mode among the first computed modes, from 0. `ln_measured` and `covariance` are ln
-/// f of the measured modes and its covariance. Requires more draws than twice the modes.
+/// f of the measured modes and its covariance. Requires more than 2 draws per mode.
 [[nodiscard]] NumberingFinding judge_numbering(const Eigen::MatrixXd& ln_f,
                                                const std::vector<int>& measured,
                                                const Eigen::VectorXd& ln_measured,
                                                const Eigen::MatrixXd& covariance);
 
 /// Checks the mode numbers of a structure's data without shapes. `frequency_covariance` is that of
-/// all rows [Hz²]. The result is empty if there are shapes, or if two seconds yield too few
+/// all rows [Hz²]. The result is empty if there are shapes, or if two seconds suffice for too few
 /// solutions.
 [[nodiscard]] std::optional<NumberingFinding> numbering_of(
     const StructureModel& model, const ModalData& data,

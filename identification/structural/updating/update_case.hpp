@@ -16,7 +16,7 @@ namespace wheeltap::identification {
 
 /// The simulation that a case defines.
 struct ModalSimulation {
-  std::vector<double> parameters;  ///< parameters in the order of those of the structure
+  std::vector<double> parameters;  ///< parameter values, in the order of the structure's parameters
   int modes = 0;
   double cov = 0.0;       ///< sd of a frequency = cov · true frequency
   double shape_sd = 0.0;  ///< sd of shape entries, with a largest entry of 1; 0: no shapes

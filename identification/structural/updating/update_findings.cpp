@@ -19,7 +19,7 @@ using Eigen::VectorXd;
 using inference::ChainsOf;
 using inference::Posterior;
 
-/// Draws that are solved again, with shapes.
+/// Number of draws that are solved again, with shapes.
 constexpr std::size_t kExamined = 2000;
 
 /// Draws in standard normal coordinates, one per row; thinned above a million draws.
@@ -71,7 +71,7 @@ void judge_parameters(const UpdateProblem& problem, const Posterior& posterior,
   }
   for (Index a = 0; a < z.cols(); ++a)
     for (Index b = a + 1; b < z.cols(); ++b) {
-      // Between separate solutions, parameters are correlated even if each solution determines
+      // Over several separate solutions, parameters are correlated even if each solution determines
       // them.
       const MatrixXd& c = within.size() > 0 ? within : covariance;
       const double r = c(a, b) / std::sqrt(c(a, a) * c(b, b));
@@ -224,7 +224,7 @@ void judge_update_fit(const UpdateProblem& problem, const Examined& seen, Update
   UpdateFit& fit = out.fit;
   fit.p = 0.0;
   double least = std::numeric_limits<double>::infinity();
-  int numbers = 0;  // freedoms of the draw with the smallest χ²
+  int numbers = 0;  // degrees of freedom at the draw with the smallest χ²
   for (std::size_t s = 0; s < seen.scores.size(); ++s) {
     const ModalLikelihood::Score& score = seen.scores[s];
     if (score.chi_square < least) {
@@ -316,7 +316,7 @@ void set_band(std::vector<double>& replicates, const ModalData& data, std::size_
 }
 
 /// Predicts modes in states without measured frequencies, with the average measurement noise of the
-/// others.
+/// other states.
 void predict_states(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
                     UpdateFindings& out) {
   const ModalData& data = problem.update_case.data;
@@ -344,7 +344,7 @@ void predict_states(const UpdateProblem& problem, const Examined& seen, std::uin
   }
 }
 
-/// Predicts the modes that follow those matched to measured ones.
+/// Predicts the modes above the modes that are matched to measured modes.
 void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint64_t seed,
                    UpdateFindings& out) {
   if (problem.states() != nullptr) return predict_states(problem, seen, seed, out);
@@ -358,7 +358,7 @@ void predict_modes(const UpdateProblem& problem, const Examined& seen, std::uint
     const Index at = first + k;
     PredictedMode p{.mode = first + k + 1};
     p.frequency_hz = marginal_of(out, [&](std::size_t s) { return seen.frequencies_hz[s][at]; });
-    // With the average relative noise of the measured modes.
+    // The replicates have the average relative noise of the measured modes.
     std::vector<double> replicates;
     for (std::size_t s = 0; s < static_cast<std::size_t>(out.examined); ++s) {
       const double relative = relative_variance(data, problem.covariance(problem.noise(seen.x[s])));
@@ -423,7 +423,7 @@ UpdateFindings update_findings(const UpdateProblem& problem, const Posterior& po
   judge_update_fit(problem, seen, out);
   show_shapes(problem, seen, out);
   conclude(out, problem.problem.space, evidence);
-  // Contractions are a more sensitive measure.
+  // Contractions are a more sensitive measure than this remark.
   std::erase_if(out.remarks, [](const Remark& remark) {
     return std::holds_alternative<remark::NearlyPrior>(remark);
   });

@@ -44,28 +44,28 @@ inline constexpr double kEntangled = 0.95;
 
 /// A measured mode compared with the posterior.
 struct ModeFinding {
-  int mode = 0;                           ///< measured mode, from 1
+  int mode = 0;                           ///< number of the measured mode, from 1
   double measured_hz = 0.0, sd_hz = 0.0;  ///< NaN if only a shape was measured
   Marginal frequency_hz = {};             ///< frequency of the computed mode
   double residual = 0.0;                  ///< frequency residual in sd: mean over the draws
   int computed = 0;                       ///< computed mode most often matched, from 1
-  double matched = 1.0;                   ///< share of the draws with that match
+  double matched = 1.0;                   ///< share of the draws with this match
   /// Probability that the mode is spurious, if modes may be spurious
   double spurious = 0.0;
   bool has_shape = false;
-  Marginal mac = {};              ///< over the draws
-  double shape_chi_square = 0.0;  ///< mean over the draws
+  Marginal mac = {};              ///< MAC of measured and computed shape over the draws
+  double shape_chi_square = 0.0;  ///< χ² of the shape, mean over the draws
   int shape_freedoms = 0;
   double shape_p = 1.0;  ///< p-value of the shape, mean over the draws
-  /// Effect of omitting this mode: KL(posterior ‖ posterior without the mode) [nats], the parameter
-  /// that would change most, and its change in posterior sd. `reliable`: true if the effective
-  /// number of draws is sufficient.
+  /// Effect of omitting this mode: KL(posterior ‖ posterior without the mode) [nats], and the
+  /// parameter that would change most, with its change in posterior sd. `reliable`: true if the
+  /// effective number of draws is sufficient.
   double information = 0.0;
   std::string moves = {};
   double moved = 0.0;
   bool reliable = true;
-  std::string state = {};  ///< empty if there is only one
-  int mode_of_state = 0;   ///< measured mode in that state, from 1
+  std::string state = {};  ///< empty for a single state
+  int mode_of_state = 0;   ///< number of the mode in this state, from 1
 
   /// False for a gap (ModalData).
   [[nodiscard]] bool is_measured() const { return !std::isnan(measured_hz) || has_shape; }
@@ -79,7 +79,7 @@ struct PredictedMode {
   int mode = 0;  ///< elastic mode, from 1
   Marginal frequency_hz = {};
   double low_hz = 0.0, high_hz = 0.0;  ///< 95 % band of a measurement, with noise and discrepancy
-  std::optional<double> measured_hz = {};  ///< held-out measurement
+  std::optional<double> measured_hz = {};  ///< measurement that was not used
   std::string state = {};  ///< if there are several states; `mode` is then the number in that state
 
   [[nodiscard]] bool misses() const {
@@ -90,11 +90,11 @@ struct PredictedMode {
 };
 
 struct UpdateFit {
-  double p = 1.0;  ///< posterior predictive p of χ²: P(replicate > data)
+  double p = 1.0;  ///< posterior predictive p-value: P(χ² of replicate > data)
   /// p-value of χ² at the best draw, with the degrees of freedom reduced by the number of
   /// parameters; 1 if no degrees of freedom are left.
   double best_p = 1.0;
-  /// R² of the frequencies, at posterior mean frequencies; NaN for fewer than 2
+  /// R² of the frequencies, at the posterior mean frequencies; NaN for fewer than 2 modes
   double r2 = 0.0;
   std::vector<int> off;     ///< modes that deviate
   std::vector<int> missed;  ///< held-out modes outside their band

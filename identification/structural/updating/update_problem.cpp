@@ -15,8 +15,8 @@ namespace {
 /// Largest size of an eigenvalue problem that takes about as long as a step of the sampler.
 constexpr int kCheapModes = 40;
 
-/// Tolerances of computed modes, as error bounds: a thousandth of the smallest scatter of a
-/// frequency, a fifth of that of a shape. Actual errors are far smaller.
+/// Error bounds of computed modes: a thousandth of the smallest scatter of a frequency, a fifth of
+/// the smallest scatter of a shape. Actual errors are far smaller.
 struct Tolerances {
   double eigenvalue = 1e-6, shape = 1e-3;
 };
@@ -30,10 +30,10 @@ Tolerances tolerances_of(const ModalLikelihood& likelihood) {
       cov = std::min(cov, std::sqrt(data.covariance(i, i)) / f);
     if (likelihood.shape(i) && !data.shape_sd_prior) sd = std::min(sd, likelihood.shape(i)->sd());
   }
-  // A low quantile of an unknown scatter.
+  // If the scatter is unknown, take a low quantile of its prior.
   if (data.cov_prior) cov = data.cov_prior->from_standard_normal(-2.0);
   if (data.shape_sd_prior) sd = data.shape_sd_prior->from_standard_normal(-2.0);
-  // λ ∝ f².
+  // λ ∝ f²: the relative error of λ is twice that of f.
   return {.eigenvalue = std::clamp(2e-3 * cov, 1e-8, 1e-5),
           .shape = std::clamp(0.2 * sd, 1e-4, 1e-2)};
 }
@@ -68,7 +68,7 @@ std::shared_ptr<const fem::ParametricModes> reduced_basis(const UpdateCase& upda
   if (data.has_shapes())
     for (const Sensor& sensor : data.sensors) motions.push_back(sensor.motion);
   const Tolerances tolerances = tolerances_of(likelihood);
-  // Spurious modes may make the data exceed the modes of the structure.
+  // If modes may be spurious, the data may have more modes than the structure.
   const int candidates = likelihood.candidates(available);
   return std::make_shared<const fem::ParametricModes>(
       std::move(structure), draws,

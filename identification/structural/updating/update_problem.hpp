@@ -11,9 +11,9 @@
 
 namespace wheeltap::identification {
 
-/// An update as a problem: one model, with the parameters of the structure, then the unknown noise
-/// parameters among "cov", "shape_sd", "discrepancy", "shape_discrepancy" and "mixing", then the
-/// noise of added observations.
+/// An update as a problem with one model. Its parameters are those of the structure, then the
+/// unknown ones of "cov", "shape_sd", "discrepancy", "shape_discrepancy" and "mixing", then the
+/// noise parameters of added observations.
 struct UpdateProblem : StructuralProblem {
   UpdateCase update_case = {};
   double seconds_a_likelihood = 0.0;  ///< estimate for this machine [s]
@@ -36,20 +36,20 @@ struct UpdateProblemOptions {
   int training = 200;  ///< prior draws that train the reduced basis
   std::function<void(double)> progress = {};
   /// Predicts the frequencies [Hz] of the measured modes and of the modes to be predicted, from the
-  /// parameters of the structure in their order. If it is set, the structure is not used.
+  /// parameters of the structure in their order. If `outside` is set, the structure is not used.
   std::shared_ptr<OutsideModel> outside = {};
   std::optional<OutsideEmulatorSpec> emulator = {};  ///< emulates `outside`
   int threads = 1;                                   ///< number of threads that train the emulator
-  /// Predicts the modes at the case's sensors; the structure is not used then.
+  /// Predicts the modes at the case's sensors. If `model` is set, the structure is not used.
   std::shared_ptr<const ForwardModel> model = {};
-  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< besides the case's data
+  std::vector<std::shared_ptr<const Observation>> observations = {};  ///< in addition to the data
 };
 
 /// Makes the problem and trains the reduced basis. The relative error of eigenvalues is at most a
 /// thousandth of the smallest standard deviation of a frequency (between 1e-8 and 1e-5). The error
-/// of shapes is at most a fifth of their standard deviation. If the basis is less accurate, the
-/// structure is solved in full. Throws std::invalid_argument for inconsistent data and for more
-/// modes than the structure has; throws fem::InvalidStructure, OutsideModelError.
+/// of shapes is at most a fifth of their standard deviation. If the basis is less accurate, full
+/// solutions replace it. Throws std::invalid_argument for inconsistent data and for more modes than
+/// the structure has; throws fem::InvalidStructure, OutsideModelError.
 [[nodiscard]] std::unique_ptr<const UpdateProblem> make_update_problem(
     UpdateCase update_case, const UpdateProblemOptions& options = {});
 

@@ -225,22 +225,23 @@ int truths(const std::string& name, int tests, int searches) {
     inference::Options own{.seed = number, .threads = options.threads, .quick = true};
     if (searches > 0) own.searches = searches;
     const auto begun = std::clock();
-    const EngineOutcome engine =
-        identify(plan, model.source(), design, number, own);
+    const EngineOutcome engine = identify(plan, model.source(), design, number, own);
     ++both;
     by_plan += outcome.right;
     by_engine += engine.right;
     missed += engine.truth_gain > 3.0;
     std::printf(
-        "{\"test\": %d, \"plan right\": %d, \"located\": %.3f, \"engine right\": %d, \"model\": %d, "
+        "{\"test\": %d, \"plan right\": %d, \"located\": %.3f, \"engine right\": %d, \"model\": "
+        "%d, "
         "\"truth minus best\": %.2f, \"processor seconds\": %.1f}\n",
         i, outcome.right, outcome.located, engine.right, engine.model, engine.truth_gain,
         static_cast<double>(std::clock() - begun) / CLOCKS_PER_SEC);
     std::fflush(stdout);
   }
-  std::printf("%s: %d tests with two damages; right by the plan %d, by the engine %d; truth missed "
-              "in %d\n",
-              name.c_str(), both, by_plan, by_engine, missed);
+  std::printf(
+      "%s: %d tests with two damages; right by the plan %d, by the engine %d; truth missed "
+      "in %d\n",
+      name.c_str(), both, by_plan, by_engine, missed);
   return 0;
 }
 
@@ -283,8 +284,7 @@ Paired compare(const PlanCase& plan, const PlanModel& model, const TestDesign& o
   for (int b = 0; b < 2 * blocks; ++b)
     all[b % 2].insert(all[b % 2].end(), found[index(b)].begin(), found[index(b)].end());
   Paired out;
-  for (int d : {0, 1})
-    out.scores[d] = summarise(all[d], model.source().models(), plan.false_alarm);
+  for (int d : {0, 1}) out.scores[d] = summarise(all[d], model.source().models(), plan.false_alarm);
   const auto& models = model.source().models();
   std::vector<double> n(models.size()), sum(models.size()), squares(models.size());
   for (std::size_t i = 0; i < drawn.size(); ++i) {
@@ -342,9 +342,9 @@ int layouts(int structures, int first) {
       if (scores[d].right_place.value > scores[best].right_place.value) best = d;
     const Paired pair =
         compare(plan, model, designs[best], classical, 20'000, 1u << 20, options.threads);
-    better += pair.difference > 2.0 * pair.error                                    ? 1.0
+    better += pair.difference > 2.0 * pair.error                           ? 1.0
               : best == 0 || std::abs(pair.difference) <= 2.0 * pair.error ? 0.5
-                                                                                    : 0.0;
+                                                                           : 0.0;
     mean += pair.difference;
     ++used;
     std::printf(

@@ -70,7 +70,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
   const auto width = static_cast<std::size_t>(posterior.dimension);
   BaselineFindings out{.check = problem.states()->check(kCheckedPoints)};
 
-  std::vector<std::vector<double>> all;  // z of each parameter
+  std::vector<std::vector<double>> all;  // standard normal coordinates z of each parameter
   std::vector<double> weights;
   draws.for_each([&](std::size_t c, std::size_t i) { weights.push_back(draws.weight(c, i)); });
   for (int p = problem.first_theta; p < problem.first_theta + problem.structural; ++p) {
@@ -110,7 +110,7 @@ BaselineFindings baseline_findings(const DamageProblem& problem, const Posterior
       for (const double* x : thetas)
         severity.push_back(bounded(space.prior(m, s).to_standard_normal(x[s])));
       const std::string label = space.parameter_name(m, s);
-      if (label.starts_with("location")) continue;  // a place on a line has no direction
+      if (label.starts_with("location")) continue;  // the sign of a location has no meaning
       for (std::size_t q = 0; q < all.size(); ++q) {
         std::vector<double> z;
         for (const std::size_t i : here) z.push_back(all[q][i]);

@@ -53,14 +53,14 @@ KindFinding where(const UnpackedDraws& draws, int kind) {
   return out;
 }
 
-// Stretches of beam with an expected number of defects of 0.1 or more, from that per element.
+// Parts of a beam with an expected number of defects of at least 0.1, from the numbers per element.
 std::vector<Place> places(const UnpackedDraws& draws, int kind,
                           const std::vector<double>& overall) {
   const DamageProblem& problem = draws.problem();
   const SiteLine& line = problem.damage_case.kinds[static_cast<std::size_t>(kind)].line;
   constexpr double kTenth = 0.1;
-  // A uniform spread of the expected number counts as background. Joints and storeys are few and
-  // have no background.
+  // A uniform part of the expected number counts as background. Joints and storeys have no
+  // background, because they are few.
   const bool points = !line.is_beam() && line.stretches().front().size == 0.0;
   const double total = std::accumulate(overall.begin(), overall.end(), 0.0);
   const double background = points ? 0.0 : 2.0 * total / static_cast<double>(overall.size());
@@ -111,7 +111,7 @@ std::vector<Place> places(const UnpackedDraws& draws, int kind,
 
 // ---- limits of the data --------------------------------------------------------------------
 
-// Neighbours of a component on both sides, for these median locations.
+// Neighbours of a component on both sides, at these median locations.
 std::pair<remark::Landmark, remark::Landmark> neighbours(const UnpackedDraws& draws,
                                                          const std::vector<double>& medians,
                                                          std::size_t component,
@@ -147,7 +147,7 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
   for (std::size_t m = 0; m < models.size(); ++m) {
     const ModelFinding& model = models[m];
     if (model.probability() < kWorthReporting || model.dimension < data || data == 0) continue;
-    if (model.parameters.empty()) continue;  // known by its evidence alone
+    if (model.parameters.empty()) continue;  // model without draws: only its evidence is known
     const bool simpler = std::ranges::any_of(models, [&](const ModelFinding& other) {
       return other.dimension < model.dimension && other.probability() >= kWorthReporting;
     });
@@ -194,12 +194,12 @@ void unidentified(const UnpackedDraws& draws, const std::vector<ModelFinding>& m
   }
 }
 
-// Interval of draws between evaluations of a slow emulator; all draws would take minutes.
+// Number of draws per evaluation of a slow emulator; evaluating all draws would take minutes.
 long emulator_stride(const DamageProblem& problem) {
   return problem.emulator && !problem.exact() && problem.emulator->is_slow() ? 50 : 1;
 }
 
-// Fit of the models to the data, and the verdict on it.
+// Fit of the models to the data, and the diagnosis of the fit.
 std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
                               std::vector<Remark>& remarks) {
   const DamageProblem& problem = draws.problem();
@@ -216,8 +216,8 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   constexpr long kSolved = 2000, kKept = 20'000;
   long all = 0;
   for (const auto& chain : posterior.chains) all += static_cast<long>(chain.model.size());
-  if (problem.by_modes()) stride = std::max(1L, all / kSolved);  // each is solved again
-  // Interval of the draws whose values per mode are kept.
+  if (problem.by_modes()) stride = std::max(1L, all / kSolved);  // each needs an FE solution
+  // One draw in `kept_every` keeps its values per mode.
   const long kept_every = stride * std::max(1L, all / (stride * kKept));
   StructuralPredictor by_shapes(problem);
   ModeObservation::Scored scored;
@@ -305,7 +305,7 @@ std::optional<FitFinding> fit(const UnpackedDraws& draws, FitVerdict& verdict,
   return out;
 }
 
-// Reports damage inferred from changes by a model with inaccurate frequencies.
+// Reports damage inferred from frequency changes if the model's frequencies are inaccurate.
 void trusted_changes(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
                      std::vector<Remark>& remarks) {
   constexpr double kOff = 0.003;
@@ -343,7 +343,7 @@ void bounds(const UnpackedDraws& draws, const std::vector<ModelFinding>& models,
     }
     const inference::Prior* severity = kinds[k].severity_prior();
     if (severity == nullptr || !std::isfinite(severity->upper())) continue;
-    // For shares and quantiles some ten thousand draws suffice; millions do not fit into memory.
+    // Ten thousand draws suffice for shares and quantiles; millions do not fit into memory.
     constexpr std::size_t kEnough = 20'000;
     std::size_t all = 0;
     for (const inference::Chain& chain : draws.posterior().chains) all += chain.size();
@@ -521,7 +521,7 @@ DamageFindings damage_findings(const DamageProblem& problem, const Posterior& po
     out.emulator = emulator_finding(*problem.emulator, damage_case.data.sd_hz);
     out.emulator->exact = problem.exact();
     out.emulator->error_in_likelihood = damage_case.emulator->emulator_error;
-    // A few dozen runs of an external model may take minutes; the default, of FE solutions, a
+    // 50 runs of an external model may take minutes; the default number of FE solutions takes a
     // second.
     constexpr int kOfOutside = 50;
     out.emulator->check = problem.program() != nullptr

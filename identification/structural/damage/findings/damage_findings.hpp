@@ -17,9 +17,9 @@
 
 namespace wheeltap::identification {
 
-/// A stretch of beam, or of one member, with an expected number of defects of 0.1 or more.
+/// A part of a beam or member with an expected number of defects of at least 0.1.
 struct Place {
-  int stretch = 0;  ///< index in the kind's line: member, joint or storey
+  int stretch = 0;  ///< index of the member, joint or storey in the kind's line
   double from, to;  ///< [m]
   double expected;  ///< expected number of defects
   Marginal location;
@@ -38,7 +38,7 @@ struct KindFinding {
 /// equivalent parts.
 struct SymmetryFinding {
   struct Chain {
-    double left, right;  ///< expected number of defects before and after their mirror images
+    double left, right;  ///< expected number of defects before and beyond their images
     double mcse_of_difference;
   };
   double center;  ///< [m], for a beam
@@ -51,14 +51,14 @@ struct SymmetryFinding {
 struct FitFinding {
   struct Mode {
     double observed, sd;               ///< [Hz]; NaN if not measured, or if the noise is inferred
-    double mean, q2_5, q97_5;          ///< predicted [Hz]
-    double standardised_residual;      ///< posterior mean; NaN if not measured
-    std::string state = {};            ///< empty if there is only one
+    double mean, q2_5, q97_5;          ///< predicted frequency [Hz]
+    double standardised_residual;      ///< posterior mean of the residual; NaN if not measured
+    std::string state = {};            ///< empty for a single state
     int mode = 0;                      ///< measured mode in its state, from 1
     std::optional<Marginal> mac = {};  ///< MAC of measured and computed shape, over the draws
     /// Effect of omitting this mode: KL(posterior ‖ posterior without the mode) [nats], and the
     /// resulting probability of the most probable model. `reliable`: true if the effective number
-    /// of draws is sufficient. NaN if not measured.
+    /// of draws is sufficient. Numbers of unmeasured modes are NaN.
     double information = std::numeric_limits<double>::quiet_NaN();
     double probability_without = std::numeric_limits<double>::quiet_NaN();
     bool reliable = true;
@@ -81,7 +81,7 @@ struct EmulatorFinding {
     std::string kind;  ///< "multilinear in r, 10 sites x 4 levels"
     long runs;
     std::vector<Mode> modes;
-    std::vector<int> blind;  ///< modes (from 1) that it cannot predict
+    std::vector<int> blind;  ///< modes (from 1) that the emulator cannot predict
     int worst_mode = 0;      ///< mode with the largest RMSE relative to the noise; 0 if the noise
                              ///< is unknown
     double rmse_to_noise = 0.0, largest_to_noise = 0.0;
@@ -96,8 +96,8 @@ struct EmulatorFinding {
 
 struct DamageFindings : Findings {
   std::vector<KindFinding> kinds;
-  /// For a symmetric beam, one entry per model: locations are measured from the nearer end and
-  /// components are sorted by them, because plain estimates average over mirror images.
+  /// For a symmetric beam, one entry per model: locations are measured from the nearer end, and
+  /// components are sorted by them. Other estimates would average over mirror images.
   std::vector<std::vector<ParameterFinding>> folded;
   std::vector<MergedFinding> merged;  ///< merged damages, for kinds whose damages cover a fixed
                                       ///< length
@@ -112,7 +112,7 @@ struct DamageFindings : Findings {
     const auto found = std::ranges::find(merged, kind, &MergedFinding::kind);
     return found == merged.end() ? nullptr : &*found;
   }
-  /// Estimates of a model's defects to report: folded if available.
+  /// Estimates of a model's defects to report: `folded` if available.
   [[nodiscard]] const std::vector<ParameterFinding>& shown(std::size_t model) const {
     return !folded.empty() && !folded[model].empty() ? folded[model] : models[model].parameters;
   }
@@ -128,9 +128,9 @@ struct DamageFindings : Findings {
                                                     std::span<const double> intact);
 
 /// Error variances [Hz²] of the emulator for consecutive draws, one per mode; empty if the
-/// likelihood uses no emulator. A slow emulator is evaluated at every 50th draw and for each new
-/// model; for the other draws, the last result for the model is reused. The problem must outlive
-/// this object.
+/// likelihood uses no emulator. A slow emulator is evaluated at every 50th draw and at the first
+/// draw of each model. The other draws reuse the last result for their model. The problem must
+/// outlive this object.
 class EmulatorVariances {
  public:
   explicit EmulatorVariances(const DamageProblem& problem);

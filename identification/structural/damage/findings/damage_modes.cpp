@@ -13,8 +13,8 @@ using inference::Posterior;
 
 namespace {
 
-/// Sd [Hz] of each measured frequency about the model's for an inferred discrepancy: the mean over
-/// a few hundred draws, because each is solved again. Otherwise 0.
+/// Sd [Hz] of each measured frequency about the model's frequency if the discrepancy is inferred,
+/// else 0. Mean over only a few hundred draws, because each draw needs an FE solution.
 std::vector<double> inferred_scatter(const DamageProblem& problem, const Posterior& posterior) {
   std::vector<double> out(static_cast<std::size_t>(problem.damage_case.data.modes()));
   const auto& modal = problem.damage_case.modal();
@@ -72,7 +72,7 @@ void SingleModes::pass(int model, double weight, std::span<const double> x,
   std::vector<int> with;
   const Eigen::MatrixXd c = observed.covariance(scored, noise, with);
   ModalData data = observed.data();
-  if (may_be_spurious_) data.doubt = 0.5;  // any value: the matching used the true one
+  if (may_be_spurious_) data.doubt = 0.5;  // any value in (0, 1): the matching used the true value
   const Eigen::VectorXd l = observed.with_errors(noise)
                                 ? observed.single_mode_densities(scored, noise)
                                 : single_mode_densities(data, with, c, scored.score);

@@ -12,15 +12,15 @@
 
 namespace wheeltap::identification {
 
-/// Accumulates MACs and the posterior without each mode from draws that are passed one by one.
-/// Refers to the problem.
+/// Accumulates MACs and the posterior without each mode from draws that are passed one by one. The
+/// object refers to the problem.
 class SingleModes {
  public:
   explicit SingleModes(const DamageProblem& problem);
   /// Adds a draw of `model` with weight `weight`. `log_densities`: one per mode; those of
   /// unmeasured modes are ignored.
   void pass(int model, double weight, const std::vector<double>& log_densities);
-  /// Adds a draw of a problem with matched modes (`by_modes`), with its score at x.
+  /// Adds a draw x of a problem with matched modes (`by_modes`), and its score.
   void pass(int model, double weight, std::span<const double> x,
             const ModeObservation::Scored& scored);
   /// Writes the results. `winner`: the most probable model.
@@ -36,13 +36,13 @@ class SingleModes {
 
 /// Returns a function that replicates the measured frequencies [Hz] at a draw (chain, draw) of the
 /// posterior: f_m(θ) + s_m(θ) e, with e standard normal of `seed` and s_m the standard deviation of
-/// the likelihood's noise model. Call it in the order of the draws. Refers to the problem and the
-/// posterior.
+/// the likelihood's noise model. Call the function in the order of the draws. It refers to the
+/// problem and the posterior.
 [[nodiscard]] std::function<std::vector<double>(std::size_t, std::size_t)> frequency_replicates(
     const DamageProblem& problem, const inference::Posterior& posterior, std::uint64_t seed);
 
-/// Measured and computed shapes at the best draw, for each state with shapes; requires a problem
-/// with matched modes (`by_modes`).
+/// Measured and computed shapes at the best draw, for each state with shapes. The problem must have
+/// matched modes (`by_modes`).
 [[nodiscard]] std::vector<ShapesBeside> best_shapes(const DamageProblem& problem,
                                                     const inference::Posterior& posterior);
 

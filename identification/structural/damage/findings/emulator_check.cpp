@@ -17,7 +17,7 @@ struct Checked {
   double weight;  // weight in the FE posterior
 };
 
-// Σ w (f - mean)² for the reweighted and the plain mean, for the error of their difference.
+// Reweighted and plain mean of f, with sums for the standard error of their difference.
 struct Means {
   double plain = 0.0, weighted = 0.0, error = 0.0;
 };
@@ -29,7 +29,7 @@ Means means(const std::vector<Checked>& draws, const Value& value) {
     m.plain += d.plain * value(d);
     m.weighted += d.weight * value(d);
   }
-  // delta method for the ratio estimator, for the difference (w - plain)(f - weighted mean)
+  // standard error of the difference: delta method for a ratio estimator
   for (const Checked& d : draws) {
     const double term = (d.weight - d.plain) * (value(d) - m.weighted);
     m.error += term * term;
@@ -38,7 +38,7 @@ Means means(const std::vector<Checked>& draws, const Value& value) {
   return m;
 }
 
-constexpr double kWorthComparing = 0.05;  // probability of a model whose parameters are compared
+constexpr double kWorthComparing = 0.05;  // least model probability to compare parameters
 constexpr double kMovedProbability = 0.02;
 constexpr double kMovedMean = 0.25;  // in sd
 constexpr double kSure = 3.0;        // standard errors
@@ -47,7 +47,7 @@ constexpr double kSure = 3.0;        // standard errors
 
 std::optional<EmulatorCheck> check_emulator(const DamageProblem& problem,
                                             const inference::Posterior& posterior, int most) {
-  // Without a likelihood an emulator has no effect.
+  // An emulator has no effect on a run that evaluates no likelihood.
   if (!problem.emulator || problem.exact() || posterior.likelihood_evaluations == 0) return {};
   const FrequencyData& data = problem.damage_case.data;
   const auto modes = static_cast<std::size_t>(data.modes());

@@ -10,7 +10,7 @@
 
 namespace wheeltap::identification {
 
-/// A quantity under the emulator's and the FE solution's posterior.
+/// A quantity's posterior mean with the emulator and with the FE solution.
 struct Shift {
   double emulator = 0.0, fe = 0.0;
   double standard_error = 0.0;  ///< standard error of the difference
@@ -26,16 +26,16 @@ struct EmulatorCheck {
   /// A significant change of a model's probability, or of the mean of one of its parameters.
   struct Moved {
     int model;
-    int parameter;  ///< -1: the model's probability
+    int parameter;  ///< parameter index; -1: the model's probability
     Shift shift;
   };
   struct Error {
-    double rms = 0.0, largest = 0.0;  ///< relative to the noise
+    double rms = 0.0, largest = 0.0;  ///< emulator error relative to the noise
   };
 
   int draws = 0;
   double mean_log_weight = 0.0, sd_log_weight = 0.0;
-  double effective_share = 0.0;  ///< (Σw)² / (n Σw²)
+  double effective_share = 0.0;  ///< effective share of the n draws: (Σw)² / (n Σw²)
   double pareto_shape = 0.0;     ///< above 0.7, the weights show only that the posteriors differ
   bool conclusive = false;
   std::vector<OfModel> models;
@@ -46,8 +46,8 @@ struct EmulatorCheck {
   [[nodiscard]] bool answer_moved() const { return !conclusive || !moved.empty(); }
 };
 
-/// Reweights up to `most` draws, spread evenly over the chains, to the FE solution's posterior.
-/// With importance weights w = p(data | FE) / p(data | emulator),
+/// Reweights up to `most` draws, spread evenly over the chains, to the posterior of the FE
+/// solution. With importance weights w = p(data | FE) / p(data | emulator),
 ///
 ///   P(m | FE) ≈ Σ_{draws in m} w / Σ w,
 ///

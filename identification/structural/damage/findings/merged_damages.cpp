@@ -12,7 +12,7 @@ namespace {
 using Component = DamageProblem::Component;
 
 constexpr double kToleratedLoss = 2.0;     // tolerated loss of ln likelihood
-constexpr double kLongestMerged = 0.25;    // relative to a member
+constexpr double kLongestMerged = 0.25;    // length relative to the member
 constexpr std::size_t kMergedDraws = 200;  // per model
 constexpr double kImprobable = 1e-4;       // less probable models do not affect the counts
 
@@ -25,8 +25,8 @@ struct Stretched {
   [[nodiscard]] double flexibility() const { return length * reduction / (1.0 - reduction); }
 };
 
-/// One damage with the summed flexibility, centre and spread of both; empty if it would be too
-/// long.
+/// One damage with the same total flexibility, centre and spread as both damages; empty if it would
+/// be too long.
 std::optional<Stretched> joined(const Stretched& a, const Stretched& b, double longest) {
   if (a.stretch != b.stretch) return {};
   const bool same_place = std::abs(a.middle - b.middle) < 1e-9 * a.length && a.length == b.length;
@@ -120,7 +120,7 @@ class Merger {
     return kLongestMerged * kind_.line.stretches()[static_cast<std::size_t>(stretch)].size;
   }
 
-  // First of two adjacent damages that can be merged; the pair with the shortest result.
+  // Index of the adjacent pair whose merged damage is shortest; empty if no pair can be merged.
   [[nodiscard]] std::optional<std::size_t> nearest(const std::vector<Stretched>& sorted) const {
     std::optional<std::size_t> best;
     double shortest = 0.0;

@@ -3,8 +3,8 @@
 //
 // A loss of stiffness r over a length l adds a flexibility proportional to c = l r / (1 - r). To
 // the lowest orders of l divided by the mode's wavelength, frequencies depend only on the sum,
-// centre and spread of the c_i of damages i. Two damages are merged into one of length L with the
-// same values,
+// centre and spread of the c_i of damages i. Two damages are replaced by one damage of length L
+// with the same sum, centre and spread,
 //
 //   L r / (1 - r) = Σ c_i,   s = Σ c_i s_i / Σ c_i,   L²/12 = Σ c_i ((s_i - s)² + l_i²/12) / Σ c_i,
 //
@@ -25,10 +25,10 @@ struct MergedModel {
   int model = 0;
   double merged = 0.0;  ///< share of draws with fewer damages after merging
   int count = 0;        ///< most frequent number of damages after merging
-  // Longest merged damage of these draws, on its most frequent stretch:
+  // The longest merged damage in each of these draws, on the most frequent part of the line:
   int stretch = 0;
-  double fixed = 0.0;                   ///< length that one damage covers there [m]
-  Marginal location = {}, length = {};  ///< its centre and length [m]
+  double fixed = 0.0;                   ///< length that one damage covers on this part [m]
+  Marginal location = {}, length = {};  ///< centre and length of the merged damage [m]
   Marginal reduction = {};
   double gain = 0.0;  ///< mean change of ln likelihood by merging
 };
@@ -40,18 +40,18 @@ struct MergedFinding {
   double merged = 0.0;              ///< probability that damages are merged
   std::vector<MergedModel> models;  ///< models with merged draws, most probable first
 
-  /// The merged damages of a model; nullptr if no draw of the model has any.
+  /// The merged damages of a model; nullptr if no draw of the model has merged damages.
   [[nodiscard]] const MergedModel* of(int model) const;
 };
 
-/// True if damages of the kind have a fixed length: that of an element, or a given extent.
+/// True if damages of the kind have a fixed length: the length of an element, or a given extent.
 [[nodiscard]] bool has_fixed_extent(const DefectKind& kind);
 /// The length [m] of a damage at `location` on the kind's line [m].
 [[nodiscard]] double fixed_extent(const DefectKind& kind, double location);
 
 /// Merges damages in some 200 draws of each model with two damages. A merged damage may be as long
 /// as a quarter of the member. The result is empty if the extent of the kind is not fixed, no model
-/// with two damages has draws, or an external program predicts (its damage model is unknown).
+/// with two damages has draws, or an external program predicts.
 [[nodiscard]] std::optional<MergedFinding> merged_damages(const UnpackedDraws& draws,
                                                           const std::vector<ModelFinding>& models,
                                                           int kind);

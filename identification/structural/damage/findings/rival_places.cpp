@@ -12,7 +12,7 @@ struct Site {
   int kind, stretch;
 };
 
-// All stretches of all kinds' lines, except beams, where locations are reported directly.
+// All parts of the lines of all kinds, except beams, for which locations are reported directly.
 std::vector<Site> sites_of(const DamageCase& damage_case) {
   std::vector<Site> out;
   for (std::size_t k = 0; k < damage_case.kinds.size(); ++k) {
@@ -24,11 +24,11 @@ std::vector<Site> sites_of(const DamageCase& damage_case) {
   return out;
 }
 
-/// Calls visit(weight, sites) for every draw; `sites` hold a defect, are sorted and unique.
+/// Calls visit(weight, sites) for every draw; `sites`: the damaged sites, sorted and unique.
 template <class Visit>
 void for_each_draw(const UnpackedDraws& draws, const std::vector<Site>& sites, const Visit& visit) {
   const std::vector<DefectKind>& kinds = draws.problem().damage_case.kinds;
-  std::vector<std::size_t> first(kinds.size(), 0);  // index of each kind's first stretch
+  std::vector<std::size_t> first(kinds.size(), 0);  // index of each kind's first site
   for (std::size_t i = sites.size(); i-- > 0;) first[static_cast<std::size_t>(sites[i].kind)] = i;
   std::vector<std::size_t> held;
   draws.for_each([&](std::size_t c, std::size_t i) {
@@ -45,8 +45,8 @@ void for_each_draw(const UnpackedDraws& draws, const std::vector<Site>& sites, c
   });
 }
 
-/// Reduces `sites` to those probable enough to name, because a large frame has thousands, and
-/// returns their probabilities and those of their pairs.
+/// Removes improbable sites from `sites`, because a large frame has thousands of sites. Returns the
+/// probabilities of the remaining sites and of their pairs.
 PlaceProbabilities probabilities(const UnpackedDraws& draws, std::vector<Site>& sites) {
   double all = 0.0;
   std::vector<double> each(sites.size());
@@ -75,7 +75,7 @@ PlaceProbabilities probabilities(const UnpackedDraws& draws, std::vector<Site>& 
   return out;
 }
 
-// Whether the whole group consists of images of each other.
+// True if all members of the group are images of each other.
 bool are_images(const std::vector<int>& group, const std::vector<std::string>& names,
                 const std::optional<SymmetryFinding>& symmetry) {
   return symmetry && std::ranges::any_of(symmetry->alike, [&](const auto& alike) {

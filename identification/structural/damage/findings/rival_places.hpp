@@ -16,9 +16,9 @@ struct PlaceProbabilities {
 };
 
 /// Finds groups of places that exclude each other. The probability of each place is at least 5 %.
-/// The probability of each pair is at most a tenth of that of its less probable place. The group
-/// has a total probability of at least one half. Groups and places are sorted, most probable first;
-/// a place is in at most one group.
+/// The probability that both places of a pair are damaged is at most a tenth of the probability of
+/// the less probable place. The total probability of a group is at least one half. Groups and
+/// places are sorted, most probable first; a place is in at most one group.
 [[nodiscard]] std::vector<std::vector<int>> exclusive_groups(const PlaceProbabilities& places);
 
 /// Adds one remark per group of members, joints or storeys, over all kinds. Omits groups that

@@ -11,8 +11,8 @@ using Component = DamageProblem::Component;
 
 namespace {
 
-// A symmetry that is its own inverse, so that equal numbers of defects are before and beyond their
-// images on the line; otherwise the first symmetry.
+// A symmetry that is its own inverse, if there is one; otherwise the first symmetry. If it is its
+// own inverse, equal numbers of defects are before and beyond their images on the line.
 const inference::Symmetry& mirror_of(const DamageProblem& problem) {
   const auto& maps = problem.symmetries.maps;
   const auto is_its_inverse = [&](const inference::Symmetry& map) {
@@ -28,7 +28,7 @@ const inference::Symmetry& mirror_of(const DamageProblem& problem) {
   return found == maps.end() ? maps.front() : *found;
 }
 
-// -1 for a defect before its image, 1 beyond it.
+// Returns -1 for a defect before its image on the line, 1 for a defect beyond its image.
 std::function<double(const Component&)> side(const DamageProblem& problem) {
   if (problem.symmetries.empty()) {
     return [middle = 0.5 * problem.damage_case.beam.length](const Component& c) {

@@ -8,8 +8,8 @@
 
 namespace wheeltap::identification {
 
-/// Estimates with locations measured from the nearer end and components sorted by these locations,
-/// because plain summaries of a symmetric beam average over mirror images. One table per model.
+/// Estimates for a symmetric beam, one table per model: locations are measured from the nearer end,
+/// and components are sorted by them. Plain estimates would average over mirror images.
 [[nodiscard]] std::vector<std::vector<ParameterFinding>> folded(const UnpackedDraws& draws);
 
 /// The number of defects that precede their mirror images along the line, minus the number of

@@ -20,7 +20,7 @@ class UnpackedDraws {
   UnpackedDraws(const DamageProblem& problem, const inference::Posterior& posterior)
       : problem_(problem), posterior_(posterior), weights_(model_weights(posterior)) {}
 
-  /// Valid until the next call.
+  /// The defects of a draw; valid until the next call.
   [[nodiscard]] std::span<const DamageProblem::Component> at(std::size_t chain,
                                                              std::size_t draw) const {
     const auto width = static_cast<std::size_t>(posterior_.dimension);
@@ -33,7 +33,7 @@ class UnpackedDraws {
   [[nodiscard]] int model(std::size_t chain, std::size_t draw) const {
     return posterior_.chains[chain].model[draw];
   }
-  /// Weight of the draw in averages over models, 1 on average.
+  /// Weight of the draw in averages over models; the average weight is 1.
   [[nodiscard]] double weight(std::size_t chain, std::size_t draw) const {
     return weights_[static_cast<std::size_t>(model(chain, draw))];
   }
@@ -50,7 +50,7 @@ class UnpackedDraws {
   const DamageProblem& problem_;
   const inference::Posterior& posterior_;
   std::vector<double> weights_;
-  mutable std::vector<DamageProblem::Component> components_;  // defects of the last draw unpacked
+  mutable std::vector<DamageProblem::Component> components_;  // defects of the last unpacked draw
 };
 
 }  // namespace wheeltap::identification
