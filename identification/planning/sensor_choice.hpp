@@ -51,11 +51,11 @@ struct SensorChoice {
 /// standard errors of the difference, are removed. For the other designs, the number of scenarios
 /// doubles, up to `most_scenarios`. If there are at most `exhaustive` designs, all designs are
 /// compared. Otherwise, a greedy search begins with the best pair of sensors (shapes need two),
-/// among all or 120 pairs, and adds one sensor at a time. This design and the layouts by effective
-/// independence and kinetic energy are then improved: the least useful sensor is removed and the
-/// best other one added, until this does not improve the design; and single sensors of the best of
-/// the three are exchanged until no exchange improves it. Throws std::invalid_argument for more
-/// sensors than candidates.
+/// among all or 120 pairs, and adds one sensor at a time. Three designs are then improved: this
+/// design and the layouts by effective independence and kinetic energy. The search removes the
+/// least useful sensor and adds the best other sensor, until this no longer improves the design.
+/// Finally, it exchanges single sensors of the best of the three designs, until no exchange
+/// improves it. Throws std::invalid_argument for more sensors than candidates.
 [[nodiscard]] SensorChoice choose_sensors(const ScenarioSource& source,
                                           const PlacePredictions& predictions,
                                           const TestNoise& noise, const ChoiceOptions& options);

@@ -204,9 +204,9 @@ int agreement(const std::string& name, int tests, bool quick) {
   return 0;
 }
 
-/// Does the engine find the true damage? One line a test: ln of the likelihood of the truth minus
-/// that of the engine's best draw, by the model that the engine uses. A large positive value means
-/// that the search missed the true damage.
+/// Tests whether the engine finds two true damages. Prints a line for each test with the
+/// log-likelihood of the truth minus the largest log-likelihood of a draw. A large positive
+/// difference means that the search missed the true damage.
 int truths(const std::string& name, int tests, int searches) {
   const PlanCase plan = named(name);
   const PlanOptions options{.scenarios = 4000, .threads = base::thread_count(0)};
