@@ -111,8 +111,8 @@ law this page gives formula, sign, keys with units, a figure, and a complete cas
 - **Extension.** e = y_b - y_a of a link `"between": [a, b]`, and ė is its rate. e > 0 is called *opening*, e < 0
   *closing*. Mass 0 is the ground or the moving base: for `[0, 1]` on the ground, e is the displacement of mass 1.
 - **Tension.** T > 0 pulls the masses together: the force is +T on a and -T on b. A spring has T = k e with k > 0, a damper
-  T = c ė, friction T = F sgn(ė). With positive coefficients each opposes the motion. One mass on the ground obeys
-  m ÿ = force - T.
+  T = c ė, friction T = F sgn(ė). A spring with k > 0 acts towards e = 0; a damper and friction with positive coefficients
+  oppose the motion. One mass on the ground obeys m ÿ = force - T.
 - **Sum of laws.** The tension of a link is `stiffness` · e + `damping` · ė plus the sum of its laws. The tensions of links
   between the same two masses add up.
 - **Values.** A coefficient is a number (known) or the name of a parameter (unknown, with its prior under `parameters`),
@@ -120,7 +120,7 @@ law this page gives formula, sign, keys with units, a figure, and a complete cas
 - **Sides.** A law that acts on one side has `"side": "opening"` (it acts for e > 0) or `"closing"` (e < 0, mirrored:
   T(e) = -T_open(-e)). The words describe the link, not the gap. Example: a mass on the ground, link `[0, 1]`, with a stop
   at positive displacements has `"opening"`; with a stop at negative displacements it has `"closing"`. A stop on the wrong
-  side explains nothing: if you are not sure, compare both.
+  side never closes. If you do not know the side, compare a model with a stop on each side.
 - **Rest position.** Springs, gaps and stops count from e = 0, where the links of the chain have no tension. The `offset` of
   a channel shifts the zero of its sensor to this position; it may be a parameter.
 
@@ -138,8 +138,8 @@ under `parameters`. For the examples below, add the program to the search path o
 export PATH="$PWD/build/release/apps:$PATH"
 ```
 
-The examples are [quick runs](long-runs.md#quick-runs); for complete runs, omit `--quick`. Each compares a chain without the
-law and a chain with it, on a record simulated with the law.
+The examples are [quick runs](long-runs.md#quick-runs); for complete runs, omit `--quick`. Each example compares a chain
+without the law and a chain with the law, on a record that is simulated with the law.
 
 )";
 

@@ -275,11 +275,12 @@ std::string plan_page(const Report& summary) {
   std::vector<const Report*> designs = pointers(plan.at("designs"));
   for (const Report& d : plan.at("others")) designs.push_back(&d);
   designs.push_back(&plan.at("frequencies_alone"));
-  out += "<h2>Ranking of designs</h2>\n" + table_of(plan, designs, true) +
-         "<p>Information: expected information about count and location. Detected: P(at least one "
-         "damage) "
-         "exceeds a threshold. Tests of the intact structure exceed this threshold with the "
-         "false-alarm probability. ± is one Monte Carlo standard error.</p>\n";
+  out +=
+      "<h2>Ranking of designs</h2>\n" + table_of(plan, designs, true) +
+      "<p>The designs are sorted by the probability of the right location. Information: expected "
+      "information about count and location. Detected: P(at least one damage) exceeds a "
+      "threshold. Tests of the intact structure exceed this threshold with the false-alarm "
+      "probability. ± is one Monte Carlo standard error.</p>\n";
   out += "<h2>Value of more sensors, longer records, more modes</h2>\n" + further_sensors(plan);
   for (const auto& [key, title] :
        {std::pair{"by_length", "Length of the record"}, std::pair{"by_modes", "Number of modes"},

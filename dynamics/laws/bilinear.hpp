@@ -14,8 +14,8 @@ struct Bilinear {
       .formula = "opening: T = kb max(0, e); closing: T = kb min(0, e)",
       .description = "a spring on one side only, e.g. a crack that bears when it closes",
       .notes =
-          "The link's own `stiffness` acts on both sides; this one is added on one side. A "
-          "negative value makes the spring softer on that side.",
+          "The link's own `stiffness` acts on both sides; the stiffness of this law is added "
+          "on one side. A negative value makes the spring softer on that side.",
       .coefficients = {{{.name = "stiffness",
                          .unit = "N/m",
                          .role = factor_of(1),

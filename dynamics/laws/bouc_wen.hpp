@@ -49,13 +49,12 @@ struct BoucWen {
                          .unit = "1",
                          .otherwise = 0.5,
                          .symbol = "beta",
-                         .words =
-                             "the part of the bend that changes sign when the motion reverses"},
+                         .words = "the coefficient of the term with sgn(ė z)"},
                         {.name = "gamma",
                          .unit = "1",
                          .otherwise = 0.5,
                          .symbol = "gamma",
-                         .words = "the part of the bend that does not"}}},
+                         .words = "the coefficient of the term without a sign"}}},
       .memory = true,
       .paced = true};
 

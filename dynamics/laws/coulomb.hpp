@@ -22,7 +22,7 @@ struct Coulomb {
   static constexpr LawInfo kInfo{
       .name = "coulomb",
       .formula = "T = F sgn(ė) in slip, |T| <= F in stick; with a velocity v: T = F tanh(ė/v)",
-      .description = "dry friction; exact where velocity is left out or 0",
+      .description = "dry friction; exact if `velocity` is omitted or 0",
       .notes =
           "A number or name alone gives the force of the exact law: in stick the tension takes the "
           "value up to F that keeps ė = 0, and each transition is located in time. A velocity "
@@ -34,7 +34,7 @@ struct Coulomb {
                          .role = factor_of(0),
                          .lower = 0.0,
                          .symbol = "F",
-                         .words = "the force at which it slips",
+                         .words = "the friction force during slip",
                          .example = 3.0},
                         {.name = "velocity",
                          .unit = "m/s",

@@ -21,7 +21,7 @@ class Plan(HasReport):
 
     @property
     def designs(self) -> List[Dict[str, Any]]:
-        """The designs by expected information, best first: sensors, information, detection, right_place, mcse."""
+        """The designs, largest probability of the right location first: sensors, information, detection, right_place, mcse."""
         return self.summary["plan"]["designs"]
 
     @property

@@ -262,7 +262,7 @@ PlanCase random_plan(int number) {
 /// Outcomes of two designs for the same simulated tests.
 struct Paired {
   TestScores scores[2];
-  double difference = 0.0, error = 0.0;  // of the probabilities of the right place
+  double difference = 0.0, error = 0.0;  // right_place of the first minus the second design
 };
 
 Paired compare(const PlanCase& plan, const PlanModel& model, const TestDesign& one,
