@@ -35,6 +35,14 @@ constexpr long kFirstGrowth = 4, kLeastGrowth = 128;
 constexpr std::size_t kSummits = 3;    // modes whose maxima are checked for spikes
 constexpr double kSummitShare = 0.01;  // share of the budget for this check
 constexpr std::uint64_t kScreenStream = std::uint64_t{1} << 62U;
+// Replacement of single components (replace_components).
+constexpr std::size_t kReplacedModes = 6;   // highest modes whose components are replaced
+constexpr Eigen::Index kReplacements = 64;  // draws of the prior for each component
+constexpr int kReplacementClimbs = 2;       // climbs from the most probable of these draws
+constexpr int kReplacementRounds = 4;
+constexpr double kReplacementShare = 0.1;  // share of the budget for replacements
+constexpr long kLeastReplacementCalls = 2000;
+constexpr std::uint64_t kReplaceStream = std::uint64_t{3} << 61U;
 
 using Vector = Eigen::VectorXd;
 using Matrix = Eigen::MatrixXd;
@@ -99,6 +107,41 @@ class Search {
         options_.fine));
   }
 
+  // Climbs from known modes with one component replaced by draws of its prior. With several
+  // components, the basin of the highest mode may hold a small share of the prior (two damages:
+  // one of all pairs of members), whereas each of its components is often part of a lower mode.
+  void replace_components(const ModelSpace& space) {
+    std::vector<ComponentRange> components;
+    const Model& model = space[model_];
+    for (std::size_t kind = 0; kind < model.counts.size(); ++kind)
+      for (int c = 0; c < model.counts[kind]; ++c)
+        components.push_back(space.component(model_, static_cast<int>(kind), c));
+    if (components.size() < 2) return;
+    const long most =
+        evaluations() +
+        std::max(kLeastReplacementCalls,
+                 static_cast<long>(kReplacementShare * static_cast<double>(options_.budget)));
+    Surface& f = *surfaces_.front();
+    std::vector<Vector> done;
+    std::uint64_t number = 0;
+    for (int round = 0; round < kReplacementRounds; ++round) {
+      std::vector<std::vector<double>> starts;
+      for (const std::size_t k : highest_modes(kReplacedModes)) {
+        const Vector z = known_[k].z;
+        if (std::ranges::any_of(done, [&](const Vector& d) { return d == z; })) continue;
+        done.push_back(z);
+        for (const ComponentRange& range : components) {
+          if (stopped()) return;
+          if (evaluations() < most) add_replacements(f, z, range, number++, starts);
+        }
+      }
+      if (starts.empty()) return;
+      const long climbs = climbs_;  // these starts are no draws of the prior
+      run(starts);
+      climbs_ = climbs;
+    }
+  }
+
   // Searches much narrower modes at the maxima of the known modes. No valley separates the two
   // modes; both are kept, because each may have probability mass.
   void search_summits() {
@@ -106,13 +149,8 @@ class Search {
     const double affordable = kSummitShare * static_cast<double>(options_.budget);
     const auto most = std::min<std::size_t>(
         kSummits, static_cast<std::size_t>(affordable / static_cast<double>(each)));
-    std::vector<std::size_t> highest(known_.size());
-    std::iota(highest.begin(), highest.end(), std::size_t{0});
-    std::ranges::stable_sort(highest, std::ranges::greater{},
-                             [&](std::size_t k) { return known_[k].value; });
-    highest.resize(std::min(highest.size(), most));
     Surface& f = *surfaces_.front();
-    for (const std::size_t k : highest) {
+    for (const std::size_t k : highest_modes(most)) {
       if (stopped()) return;
       const auto above = above_summit(f, known_[k]);
       if (!above) continue;
@@ -223,6 +261,35 @@ class Search {
   }
 
  private:
+  [[nodiscard]] std::vector<std::size_t> highest_modes(std::size_t most) const {
+    std::vector<std::size_t> highest(known_.size());
+    std::iota(highest.begin(), highest.end(), std::size_t{0});
+    std::ranges::stable_sort(highest, std::ranges::greater{},
+                             [&](std::size_t k) { return known_[k].value; });
+    highest.resize(std::min(highest.size(), most));
+    return highest;
+  }
+
+  // Adds z with the component's parameters replaced by the most probable of several draws.
+  void add_replacements(Surface& f, const Vector& z, const ComponentRange& range,
+                        std::uint64_t number, std::vector<std::vector<double>>& starts) {
+    base::Random random(options_.seed, static_cast<std::uint64_t>(model_) | kReplaceStream, number,
+                        base::Purpose::search);
+    Matrix draws = z.replicate(1, kReplacements);
+    for (Eigen::Index i = 0; i < kReplacements; ++i)
+      for (std::size_t p = 0; p < range.width; ++p)
+        draws(static_cast<Eigen::Index>(range.first + p), i) = random.normal();
+    const Vector values = f.values(draws);
+    std::vector<Eigen::Index> order(kReplacements);
+    std::iota(order.begin(), order.end(), Eigen::Index{0});
+    std::ranges::stable_sort(order, std::ranges::greater{},
+                             [&](Eigen::Index i) { return values[i]; });
+    for (int k = 0; k < kReplacementClimbs; ++k) {
+      const auto best = draws.col(order[static_cast<std::size_t>(k)]);
+      starts.emplace_back(best.begin(), best.end());
+    }
+  }
+
   // Climbs from each start, using the modes known before.
   template <typename Start>
   std::vector<ClimbEnd> climb(long n, Start&& start, bool fine = false) {
@@ -378,6 +445,7 @@ ModeSearch search_modes(const Problem& problem, int model, const ModeSearchOptio
     Search search(problem, model, options);
     search.run(options.starts);
     search.run();
+    search.replace_components(problem.space);
     if (options.climbs == 0 || options.climbs >= kFewestClimbs) search.search_summits();
     ModeSearch found = search.result();
     found.climbs -= std::min(found.climbs, static_cast<long>(options.starts.size()));

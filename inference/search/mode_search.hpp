@@ -83,6 +83,9 @@ inline constexpr long kMostClimbs = 10000;
 /// increments of the record. Further climbs on the whole record start from the draws with the
 /// highest posterior density among a few hundred draws of the prior.
 ///
+/// In models with at least two components, climbs also start from the highest modes with one
+/// component replaced by the most probable of 64 draws of its prior, repeatedly for new modes.
+///
 /// All n climbs miss a mode whose basin holds a share p of the prior with probability (1-p)^n. The
 /// basin consists of all points from which these climbs, with steps of finite length, reach the
 /// mode. From a point in the basin of steepest ascent, a climb reaches a mode of width w with a

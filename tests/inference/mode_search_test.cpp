@@ -242,6 +242,47 @@ TEST(ModeSearch, GradientsOfSetsKeepTheirOrder) {
   }
 }
 
+// Three sources of unknown place and strength, each with a narrow effect: a climb from the prior
+// finds all three only if each place begins near one of them.
+TEST(ModeSearch, ReplacesSingleComponentsOfLowerModes) {
+  class Sources final : public Likelihood {
+   public:
+    double log_likelihood(int /*model*/, std::span<const double> x) override {
+      constexpr double kAt[] = {0.18, 0.47, 0.83}, kStrength[] = {1.0, 0.7, 1.3};
+      double sum = 0.0;
+      for (int i = 0; i <= 60; ++i) {
+        const double at = i / 60.0;
+        double residual = 0.0;
+        for (int c = 0; c < 3; ++c) residual += kStrength[c] * effect(at - kAt[c]);
+        for (std::size_t c = 0; c < x.size(); c += 2) residual -= x[c + 1] * effect(at - x[c]);
+        sum -= 0.5 * residual * residual / (0.02 * 0.02);
+      }
+      return sum;
+    }
+
+   private:
+    static double effect(double distance) { return std::exp(-0.5 * std::pow(distance / 0.02, 2)); }
+  };
+  const Problem problem{
+      .space = ModelSpace::of_components(
+          {},
+          {{"source",
+            "sources",
+            {{"place", Uniform{.lower = 0.0, .upper = 1.0}},
+             {"strength", Uniform{.lower = 0.0, .upper = 2.0}}}}},
+          {{{3}, 1.0}}),
+      .likelihood = [] { return std::make_unique<Sources>(); }};
+  int found = 0;
+  for (std::uint64_t seed = 1; seed <= 20; ++seed) {
+    const ModeSearch search = search_modes(problem, 0, {.seed = seed, .climbs = 30, .threads = 1});
+    double best = -kInfinity;
+    for (const Mode& mode : search.modes) best = std::max(best, mode.log_posterior);
+    found += best > -30.0;
+    EXPECT_EQ(search.climbs, 30);
+  }
+  EXPECT_GE(found, 19);
+}
+
 TEST(ModeSearch, DoesNotDependOnThreads) {
   const Problem problem = problem_of(2, two_peaks(0.2, 0.1));
   const ModeSearch one = search_modes(problem, 0, {.climbs = 64, .threads = 1});

@@ -212,9 +212,11 @@ Report check_report(const ScoredDesign& best, const EngineCheck& check) {
          {"probability_damaged", compact(1.0 / (1.0 + std::exp(-t.approximate.log_odds)))},
          {"engine_probability_damaged", compact(t.engine.probability_damaged)},
          {"right", t.approximate.right},
-         {"engine_right", t.engine.right}});
+         {"engine_right", t.engine.right},
+         {"truth_gain", compact(t.engine.truth_gain)}});
   return {{"tests", check.tests.size()},
           {"damaged", check.damaged},
+          {"missed", check.missed},
           {"detection", corrected(best.scores.detection, check.detection)},
           {"right_place", corrected(best.scores.right_place, check.right_place)},
           {"rms_probability_damaged", finite(check.rms_probability)},

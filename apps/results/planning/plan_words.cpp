@@ -171,8 +171,14 @@ std::string check_sentence(const Report& plan) {
   const Report& check = plan.at("check");
   std::string out =
       "The full engine identified " + std::to_string(check.at("tests").get<int>()) +
-      " of the simulated tests, " + std::to_string(check.at("damaged").get<int>()) +
-      " of these tests with damage. P(at least one damage) of the engine differs by " +
+      " of the simulated tests. " +
+      (check.at("missed").get<int>() > 0
+           ? "In " + std::to_string(check.at("missed").get<int>()) +
+                 " of these tests, the run did not find the true damage; these tests do not "
+                 "count. "
+           : std::string()) +
+      "In the counted tests, " + std::to_string(check.at("damaged").get<int>()) +
+      " of them with damage, P(at least one damage) of the engine differs by " +
       significant(check.at("rms_probability_damaged").get<double>(), 2) +
       " (root mean square) from the approximation of the plan.";
   const auto corrected = [&](const char* key, const char* words) {
