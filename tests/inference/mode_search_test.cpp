@@ -264,13 +264,12 @@ TEST(ModeSearch, ReplacesSingleComponentsOfLowerModes) {
     static double effect(double distance) { return std::exp(-0.5 * std::pow(distance / 0.008, 2)); }
   };
   const Problem problem{
-      .space = ModelSpace::of_components(
-          {},
-          {{"source",
-            "sources",
-            {{"place", Uniform{.lower = 0.0, .upper = 1.0}},
-             {"strength", Uniform{.lower = 0.0, .upper = 2.0}}}}},
-          {{{3}, 1.0}}),
+      .space = ModelSpace::of_components({},
+                                         {{"source",
+                                           "sources",
+                                           {{"place", Uniform{.lower = 0.0, .upper = 1.0}},
+                                            {"strength", Uniform{.lower = 0.0, .upper = 2.0}}}}},
+                                         {{{3}, 1.0}}),
       .likelihood = [] { return std::make_unique<Sources>(); }};
   int found = 0;
   for (std::uint64_t seed = 1; seed <= 20; ++seed) {
