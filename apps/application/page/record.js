@@ -1,7 +1,11 @@
-// The data viewer: channels of a measured file, zoomed in on the server, with spectra; and a new modal case from them.
+// The data viewer: channels of a measured file, zoomed in on the server, with spectra; and what becomes of the channels in
+// a modal case.
+import { ChannelPanel, columnsOf } from './channels.js';
 import { ask, attempt, button, element, number, svg } from './dom.js';
+import { folderOf } from './modes_case.js';
 import { plot } from './plot.js';
 import { written } from './schema.js';
+import { channelLists, columnOf, resolved } from './sensors.js';
 import { figure } from './table.js';
 import { get, post } from './server.js';
 
@@ -14,7 +18,7 @@ export const recordView = async (place, name) => {
   const plots = element('div', { class: 'strips' }), spectra = element('div'), info = element('p', { class: 'status', role: 'status' }), channels = element('div');
   const current = () => contents.tables[table];
   const shown = new Set([0]);
-  const uses = new Map();
+  let panel = null, open = true;
 
   const seconds = (row) => (current().sample_rate_hz ? row / current().sample_rate_hz : row);
   const draw = () => attempt(async () => {
@@ -110,39 +114,70 @@ export const recordView = async (place, name) => {
   });
   const listChannels = () => {
     channels.replaceChildren(element('div', { class: 'scroll' }, element('table', {}, element('caption', {}, 'Channels'),
-      element('thead', {}, element('tr', {}, ['show', 'channel', 'unit', 'rms', 'role', 'node', 'direction', 'reference', 'faults'].map((head) => element('th', { scope: 'col' }, head)))),
+      element('thead', {}, element('tr', {}, ['show', 'channel', 'unit', 'rms', 'faults'].map((head) => element('th', { scope: 'col' }, head)))),
       element('tbody', {}, current().channels.map((channel, c) => {
-        if (!uses.has(`${table}/${c}`)) uses.set(`${table}/${c}`, { role: 'response', node: '', direction: '', reference: false });
-        const use = uses.get(`${table}/${c}`);
-        const text = (key) => element('input', { class: 'short', value: use[key], 'aria-label': `${key} of ${channel.name}`, oninput: (event) => { use[key] = event.target.value.trim(); } });
-        const role = element('select', { 'aria-label': `Role of ${channel.name}`, onchange: () => { use.role = role.value; } }, ['response', 'force', 'ignore'].map((one) => element('option', { selected: use.role === one }, one)));
         return element('tr', {},
           element('td', {}, element('input', { type: 'checkbox', 'aria-label': `Show ${channel.name}`, checked: shown.has(c), onchange: (event) => { if (event.target.checked) shown.add(c); else shown.delete(c); draw(); } })),
-          element('th', { scope: 'row' }, channel.name), element('td', {}, channel.unit), element('td', { class: 'rms' }, '…'), element('td', {}, role),
-          element('td', {}, text('node')), element('td', {}, text('direction')),
-          element('td', {}, element('input', { type: 'checkbox', 'aria-label': `${channel.name} is a reference`, checked: use.reference, onchange: (event) => { use.reference = event.target.checked; } })),
+          element('th', { scope: 'row' }, channel.name), element('td', {}, channel.unit), element('td', { class: 'rms' }, '…'),
           element('td', { class: 'long' }, 'checking …'));
       })))));
     showChecks();
   };
 
+  // The window, band and sampling rate of the view, as keys of a case.
+  const file = name.slice(name.lastIndexOf('/') + 1), stem = name.replace(/\.[^./]*$/, '');
+  const complete = (doc, path = ['record']) => {
+    const record = path.reduce((node, key) => node[key], doc), stated = Number(rate.value.replace(',', '.'));
+    if (begin > 0 || (end > 0 && end < current().rows)) record.samples = [begin, end || current().rows];
+    else delete record.samples;
+    if (rate.value.trim() && stated > 0) record.sample_rate = stated;
+    if (band) doc.band = [...band];
+    return doc;
+  };
   const makeCase = () => attempt(async () => {
-    const stem = name.replace(/\.[^./]*$/, '');
     const control = element('input', { value: `${stem}-modal.json`, required: true, spellcheck: 'false' });
     const given = await ask('New modal case', [{ label: 'Name of the case, in the folder of the record', control }], 'Create');
     if (!given) return;
-    const record = { file: name.slice(name.lastIndexOf('/') + 1) };
-    if (begin > 0 || (end > 0 && end < current().rows)) record.samples = [begin, end || current().rows];
-    const stated = Number(rate.value.replace(',', '.'));
-    if (rate.value.trim() && stated > 0) record.sample_rate = stated;
-    record.channels = current().channels.map((channel, c) => {
-      const { role, node, direction, reference } = uses.get(`${table}/${c}`);
-      return { column: channel.name, role, ...(node && role !== 'ignore' ? { node } : {}), ...(direction && role !== 'ignore' ? { direction } : {}), ...(reference && role === 'response' ? { reference: true } : {}) };
-    });
-    const made = { kind: 'modal', title: `Modes of ${record.file}`, record, ...(band ? { band } : {}) };
+    const { record, ...rest } = complete(structuredClone(panel.doc));
+    const { samples, sample_rate, channels: list, ...named } = record;
+    const made = { ...rest, record: { ...named, ...(samples ? { samples } : {}), ...(sample_rate ? { sample_rate } : {}), channels: list } };
     await post('save', { name: given[0].trim(), text: `${written(made)}\n`, before: null });
     location.hash = `#/case/${encodeURIComponent(given[0].trim())}`;
   });
+
+  // What becomes of the channels: in a case that uses this record, or in a new one.
+  const roles = element('div'), make = button('New modal case from this record …', makeCase, { class: 'main' });
+  const take = button('Use this window and band in the case', () => panel.edit(() => complete(panel.doc, panel.list().path)));
+  const cases = [];
+  const showPanel = async (one) => {
+    panel?.close();
+    const known = (list) => (list.path.length === 1 || one.files?.[list.path[1]] === name ? columnsOf(current()) : undefined);
+    panel = one.doc ? new ChannelPanel({ name: one.name, doc: one.doc, version: one.version, known: one.files.length === 1 ? known : undefined })
+      : new ChannelPanel({ name: `${stem}-modal.json`, draft: true, known, complete,
+        doc: { kind: 'modal', title: `Modes of ${file}`, record: { file, channels: current().channels.map((channel) => ({ column: columnOf(channel, current().channels), role: 'response' })) } } });
+    make.hidden = Boolean(one.doc);
+    take.hidden = !one.doc;
+    if (one.doc) panel.listIndex = Math.max(0, one.files.indexOf(name));
+    const choice = element('select', { 'aria-label': 'Case', onchange: () => {
+      if (panel.unsaved() && !confirm('Leave without saving the case?')) { choice.selectedIndex = cases.indexOf(one) + 1 ? cases.indexOf(one) : cases.length; return; }
+      attempt(() => openPanel(cases[choice.selectedIndex]));
+    } }, cases.map((each) => element('option', { selected: each.name === one.name }, each.name)), element('option', { selected: !one.doc }, 'A new modal case'));
+    roles.replaceChildren(element('p', {}, element('label', { class: 'inline' }, 'Case ', choice), ' ', one.doc ? element('a', { href: `#/case/${encodeURIComponent(one.name)}` }, 'Edit the case') : ''), panel.node);
+    await panel.load();
+  };
+  const openPanel = async (one) => {
+    if (!one) return showPanel({});
+    const opened = await get('case', { name: one.name });
+    return showPanel({ ...one, doc: JSON.parse(opened.text), version: opened.version });
+  };
+  const findCases = async () => {
+    const { cases: all } = await get('projects');
+    for (const one of all.filter((each) => each.kind === 'modal').slice(0, 100)) {
+      const doc = await get('case', { name: one.name }).then((opened) => JSON.parse(opened.text)).catch(() => null);
+      const files = channelLists(doc).map((list) => resolved(folderOf(one.name), list.path.reduce((node, key) => node?.[key], doc)?.file ?? ''));
+      if (files.includes(name)) cases.push({ name: one.name, files });
+    }
+  };
 
   const tables = contents.tables.length > 1 ? element('label', { class: 'inline' }, 'Table ', element('select', { onchange: (event) => {
     table = event.target.selectedIndex;
@@ -151,6 +186,7 @@ export const recordView = async (place, name) => {
     shown.add(0);
     listChannels();
     draw();
+    if (panel?.draft) attempt(() => openPanel());
   } }, contents.tables.map((one, i) => element('option', {}, `${i + 1}: ${one.rows} rows`)))) : null;
   if (!contents.tables.length) {
     place.replaceChildren(element('h1', {}, name), element('p', {}, `This file (${contents.format}) holds no table of numbers. ${contents.others.join(' ')}`));
@@ -165,18 +201,25 @@ export const recordView = async (place, name) => {
       button('Later', () => { const wide = (end || current().rows) - begin, from = Math.min(current().rows - wide, begin + wide / 2); zoom(from, from + wide); }),
       button('Back', () => { if (back.length) { [begin, end] = back.pop(); draw(); } }), tables),
     info, plots, spectra,
-    element('h2', {}, 'Channels and a modal case'), channels,
+    element('h2', {}, 'Channels'), channels,
+    element('h2', {}, 'Modal case'), roles,
     element('p', {}, element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz'), ' ',
       first.sample_rate_hz ? null : element('label', { class: 'inline' }, 'Sampling rate ', rate, ' Hz')),
-    element('p', {}, button('New modal case from this record …', makeCase, { class: 'main' })));
+    element('p', { class: 'buttons' }, make, take));
   listChannels();
   await draw();
-  // The quality of all channels can take longer than reading and drawing. What was typed meanwhile is in `uses`.
-  let open = true;
+  await attempt(findCases);
+  await attempt(() => openPanel(cases[0]));
+  // The quality of all channels can take longer than reading and drawing.
   attempt(async () => {
     const { tables: checks } = await get('checks', { name });
     contents.tables.forEach((one, i) => one.channels.forEach((channel, c) => Object.assign(channel, checks[i][c])));
     if (open) showChecks();
   });
-  return () => { open = false; };
+  const close = () => {
+    open = false;
+    panel?.close();
+  };
+  close.unsaved = () => panel?.unsaved() ?? false;
+  return close;
 };
