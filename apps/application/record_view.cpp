@@ -120,7 +120,9 @@ Report record_contents(const MeasuredFile& file) {
   for (const MeasuredTable& table : file.tables) {
     Report channels = Report::array();
     for (const MeasuredChannel& channel : table.channels)
-      channels.push_back({{"name", channel.name}, {"unit", channel.unit}});
+      channels.push_back({{"name", channel.name},
+                          {"unit", channel.unit},
+                          {"number", file.universal ? 0 : channel.number}});
     Report one = {{"rows", table.rows()},
                   {"is_time", table.is_time},
                   {"time_column", table.is_time ? table.abscissa : std::string()},

@@ -11,11 +11,11 @@ const arrowOf = ({ spot, tip, unit, arrow, chosen }) => {
   const [x, y] = spot, long = Math.hypot(...(tip ?? [0, 0]));
   const label = (dx, dy) => group.append(svg('text', { x: x + dx * unit, y: y + dy * unit + 4.5 * unit, 'font-size': 13 * unit, 'text-anchor': 'middle' }, String(arrow.number)));
   if (!tip) {
-    // A rotation: an arc with a head.
-    const r = 14 * unit;
-    group.append(svg('path', { class: 'shaft', d: `M${x + r} ${y}A${r} ${r} 0 1 0 ${x} ${y + r}` }),
-      svg('path', { class: 'head', d: `M${x + 7 * unit} ${y + r}l${-8 * unit} ${-4.5 * unit}v${9 * unit}Z` }));
-    label(20, -16);
+    // A rotation: an arc with a head, counterclockwise if it is positive.
+    const r = 14 * unit, sign = arrow.vector.startsWith('-') ? -1 : 1;
+    group.append(svg('path', { class: 'shaft', d: `M${x + sign * r} ${y}A${r} ${r} 0 1 ${sign > 0 ? 0 : 1} ${x} ${y + r}` }),
+      svg('path', { class: 'head', d: `M${x + sign * 7 * unit} ${y + r}l${-sign * 8 * unit} ${-4.5 * unit}v${9 * unit}Z` }));
+    label(-20, -16);
   } else if (long < 0.15) {
     // Along the line of sight.
     group.append(svg('circle', { class: 'shaft', cx: x, cy: y, r: 10 * unit }), svg('circle', { class: 'head', cx: x, cy: y, r: 2.5 * unit }));
@@ -32,11 +32,18 @@ const arrowOf = ({ spot, tip, unit, arrow, chosen }) => {
   return group;
 };
 
+// The directions of the axes, at `corner`.
+export const axesOf = (corner, tips, unit) => svg('g', { class: 'axes', 'aria-hidden': 'true' }, Object.entries(tips).flatMap(([name, [u, v]]) => {
+  const end = [corner[0] + 22 * unit * u, corner[1] + 22 * unit * v], long = Math.hypot(u, v);
+  return long < 0.15 ? [] : [svg('path', { d: `M${corner.join(' ')}L${end.join(' ')}` }),
+    svg('text', { x: end[0] + 8 * unit * u / long, y: end[1] + (8 * v / long + 4) * unit, 'font-size': 12 * unit, 'text-anchor': 'middle' }, name)];
+}));
+
 // Draws the arrows whose places the drawing has. `spotOf(place)` and `tipOf(vector)` give places and directions on it.
 export const drawArrows = (picture, arrows, { spotOf, tipOf, unit, chosen }) => {
   for (const arrow of arrows) {
     const spot = spotOf(arrow.place);
     if (!spot || spot.some((x) => !Number.isFinite(x))) continue;
-    picture.append(arrowOf({ spot, tip: arrow.vector === 'rotation' ? null : tipOf(arrow.vector), unit, arrow, chosen: chosen && (() => chosen(arrow)) }));
+    picture.append(arrowOf({ spot, tip: Array.isArray(arrow.vector) ? tipOf(arrow.vector) : null, unit, arrow, chosen: chosen && (() => chosen(arrow)) }));
   }
 };

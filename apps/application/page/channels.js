@@ -82,7 +82,9 @@ export class ChannelPanel {
     this.fault = null;
     await attempt(async () => { this.known = (await this.knownOf(list)) ?? []; });
     await this.findStructure();
-    this.selected = Math.max(0, this.nextWithout(-1));
+    this.rows = rowsOf(this.doc, list, this.known);
+    const open = this.nextWithout(-1);
+    this.selected = Math.max(0, open >= 0 ? open : this.rows.findIndex((row) => ['response', 'force'].includes(row.role)));
     this.show();
     if (!this.draft) this.check();
   }
@@ -175,8 +177,8 @@ export class ChannelPanel {
 
   // The next row after `k` that is a sensor or force without a place; -1 if there is none.
   nextWithout(k) {
-    const support = this.support(), rows = this.rows.length ? this.rows : rowsOf(this.doc, this.list(), this.known);
-    const open = rows.map((row, i) => (['response', 'force'].includes(row.role) && !placeOf(row.channel, support) ? i : -1)).filter((i) => i >= 0);
+    const support = this.support();
+    const open = this.rows.map((row, i) => (['response', 'force'].includes(row.role) && !placeOf(row.channel, support) ? i : -1)).filter((i) => i >= 0);
     return open.find((i) => i > k) ?? open[0] ?? -1;
   }
 
@@ -188,7 +190,7 @@ export class ChannelPanel {
     const where = place.member !== undefined ? `member ${place.member} at ${number(place.at, 6)} m` : place.node !== undefined ? `node ${place.node}`
       : place.mass !== undefined ? `mass ${place.mass}` : place.dof !== undefined ? `degree of freedom ${place.dof}` : `${number(place.at, 6)} m`;
     const angles = channel.azimuth !== undefined || channel.elevation !== undefined;
-    const along = angles ? `azimuth ${channel.azimuth ?? 0}°, elevation ${channel.elevation ?? 0}°` : channel.direction ?? (support === 'chain' ? 'x' : support === 'beam' ? 'deflection' : '');
+    const along = angles ? `azimuth ${number(Number(channel.azimuth ?? 0))}°, elevation ${number(Number(channel.elevation ?? 0))}°` : channel.direction ?? (support === 'chain' ? 'x' : support === 'beam' ? 'deflection' : '');
     return along ? `${where}, ${angles ? '' : 'direction '}${along}` : `${where}, no direction`;
   }
 
@@ -275,7 +277,7 @@ export class ChannelPanel {
     const cell = (key, ...nodes) => element('td', { 'data-pointer': field(key) }, ...nodes, element('p', { class: 'fault', hidden: true }));
     const line = element('tr', { 'data-pointer': row.pointer || null, class: takes ? '' : 'unused' },
       element('td', {}, button(String(k + 1), () => this.select(k), { id: id('select'), 'aria-label': `Select ${row.name}`, 'aria-pressed': 'false' })),
-      element('th', { scope: 'row' }, row.name, row.unit ? ` [${row.unit}]` : '', element('p', { class: 'fault', hidden: true })), cell('role', role),
+      element('th', { scope: 'row' }, row.name, row.unit && !row.name.endsWith(`[${row.unit}]`) ? ` [${row.unit}]` : '', element('p', { class: 'fault', hidden: true })), cell('role', role),
       takes && row.role !== 'ignore' ? this.placeCell(row, id, cell) : element('td', {}), takes && row.role !== 'ignore' ? this.directionCell(row, id, cell) : element('td', {}),
       list.kind !== 'record' ? null : row.role !== 'response' ? element('td', {}) : cell('reference', element('input', { id: id('reference'), type: 'checkbox', 'aria-label': `${row.name} is a reference`, checked: row.channel.reference === true,
         onchange: (event) => { const { checked } = event.target; this.change(row, (channel) => { if (checked) channel.reference = true; else delete channel.reference; }); } })));

@@ -1,6 +1,6 @@
 // The structure of a case, drawn while it is edited. Nodes of plane frames are moved, added, joined and deleted by mouse
 // or by keyboard; structures in space can be turned. Where places of channels are picked, nothing else is edited.
-import { drawArrows } from './arrows.js';
+import { axesOf, drawArrows } from './arrows.js';
 import { button, element, number, svg } from './dom.js';
 import { allArrows, geometryAsStructure } from './sensors.js';
 
@@ -148,8 +148,9 @@ export class Drawing {
       const spot = spots.get(String(mass.node));
       if (spot) picture.append(svg('rect', { class: 'mass', x: spot[0] - 6 * unit, y: spot[1] - 6 * unit, width: 12 * unit, height: 12 * unit }, svg('title', {}, `mass at ${mass.node}`)));
     }
-    const origin = flat([0, 0, 0]);
-    drawArrows(picture, this.arrows, { unit, chosen: this.pointed, tipOf: (vector) => { const [x, y] = flat(vector); return [x - origin[0], y - origin[1]]; },
+    const origin = flat([0, 0, 0]), tipOf = (vector) => { const [x, y] = flat(vector); return [x - origin[0], y - origin[1]]; };
+    picture.append(axesOf([box[0] + (solid ? 30 : 12) * unit, box[1] + box[3] - (solid ? 30 : 14) * unit], { x: tipOf([1, 0, 0]), y: tipOf([0, 1, 0]), ...(solid ? { z: tipOf([0, 0, 1]) } : {}) }, unit));
+    drawArrows(picture, this.arrows, { unit, chosen: this.pointed, tipOf,
       spotOf: (place) => (place.member === undefined ? spots.get(place.node) : this.spotOnMember(structure, nodes, spots, place)) });
 
     const labelled = nodes.length <= 60;

@@ -330,7 +330,7 @@ export class Form {
     }
     const fold = value.length >= lazyFrom && value.some((x) => !scalar(x));
     const nodes = value.map((item, i) => {
-      const own = [...path, i], name = item?.name ?? item?.node ?? item?.kind ?? item?.column;
+      const own = [...path, i], column = Number.isInteger(item?.column) ? `column ${item.column}` : item?.column, name = item?.name ?? column ?? item?.node ?? item?.kind;
       if (!fold) return this.field(items, item, own, { name: scalar(item) ? `${i + 1}` : `${i + 1}${name ? `: ${name}` : ''}`, optional: true });
       const pointer = pointerOf(own);
       const details = element('details', { 'data-pointer': pointer, open: this.opened.has(pointer) },

@@ -87,17 +87,18 @@ export const recordView = async (place, name) => {
     const drawn = plot({ width, height: 240, xs: [0, f.at(-1)], ys: [Math.min(...db.map((p) => p[1])), Math.max(...db.map((p) => p[1]))], xLabel: 'frequency [Hz]', yLabel: 'density [dB]', label: `Spectrum of ${channel.name}` });
     if (band) drawn.picture.append(svg('rect', { class: 'band', x: drawn.x(band[0]), width: drawn.x(band[1]) - drawn.x(band[0]), y: drawn.top, height: drawn.bottom - drawn.top }));
     drawn.picture.append(svg('path', { class: 'trace', d: db.map(([v, l], i) => `${i ? 'L' : 'M'}${drawn.x(v).toFixed(1)} ${drawn.y(l).toFixed(1)}`).join('') }));
-    dragged(drawn, (from, to) => {
-      band = [Number(Math.max(0, from).toPrecision(3)), Number(to.toPrecision(3))];
-      [lowest.value, highest.value] = band.map(String);
-      draw();
-    });
+    dragged(drawn, (from, to) => setBand([Number(Math.max(0, from).toPrecision(3)), Number(to.toPrecision(3))]));
     return figure(`Spectrum of ${channel.name} in this window. Drag across it to choose the band of the modes.`, drawn.picture, `${name} spectrum of ${channel.name}`);
   };
 
   const lowest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Lowest frequency of the band in Hz' });
   const highest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Highest frequency of the band in Hz' });
   const rate = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Sampling rate in Hz' });
+  const setBand = (pair) => {
+    band = [...pair];
+    [lowest.value, highest.value] = band.map(String);
+    draw();
+  };
   for (const input of [lowest, highest]) input.addEventListener('change', () => {
     const pair = [lowest, highest].map((one) => Number(one.value.replace(',', '.')));
     band = pair[0] >= 0 && pair[1] > pair[0] ? pair : null;
@@ -146,7 +147,7 @@ export const recordView = async (place, name) => {
   });
 
   // What becomes of the channels: in a case that uses this record, or in a new one.
-  const roles = element('div'), make = button('New modal case from this record …', makeCase, { class: 'main' });
+  const roles = element('div'), selection = element('label', { class: 'inline' }), edit = element('a', {}, 'Edit the case'), make = button('New modal case from this record …', makeCase, { class: 'main' });
   const take = button('Use this window and band in the case', () => panel.edit(() => complete(panel.doc, panel.list().path)));
   const cases = [];
   const showPanel = async (one) => {
@@ -162,7 +163,11 @@ export const recordView = async (place, name) => {
       if (panel.unsaved() && !confirm('Leave without saving the case?')) { choice.selectedIndex = cases.indexOf(one) + 1 ? cases.indexOf(one) : cases.length; return; }
       attempt(() => openPanel(cases[choice.selectedIndex]));
     } }, cases.map((each) => element('option', { selected: each.name === one.name }, each.name)), element('option', { selected: !one.doc }, 'A new modal case'));
-    roles.replaceChildren(element('p', {}, element('label', { class: 'inline' }, 'Case ', choice), ' ', one.doc ? element('a', { href: `#/case/${encodeURIComponent(one.name)}` }, 'Edit the case') : ''), panel.node);
+    selection.replaceChildren('Case ', choice);
+    edit.hidden = !one.doc;
+    edit.setAttribute('href', `#/case/${encodeURIComponent(one.name ?? '')}`);
+    roles.replaceChildren(panel.node);
+    if (one.doc && Array.isArray(one.doc.band)) setBand(one.doc.band);
     await panel.load();
   };
   const openPanel = async (one) => {
@@ -202,10 +207,10 @@ export const recordView = async (place, name) => {
       button('Back', () => { if (back.length) { [begin, end] = back.pop(); draw(); } }), tables),
     info, plots, spectra,
     element('h2', {}, 'Channels'), channels,
-    element('h2', {}, 'Modal case'), roles,
-    element('p', {}, element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz'), ' ',
-      first.sample_rate_hz ? null : element('label', { class: 'inline' }, 'Sampling rate ', rate, ' Hz')),
-    element('p', { class: 'buttons' }, make, take));
+    element('h2', {}, 'Modal case'),
+    element('p', { class: 'buttons' }, selection, element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz'),
+      first.sample_rate_hz ? null : element('label', { class: 'inline' }, 'Sampling rate ', rate, ' Hz'), take, edit),
+    roles, element('p', { class: 'buttons' }, make));
   listChannels();
   await draw();
   await attempt(findCases);

@@ -29,7 +29,7 @@ export const supportOf = (doc, structure) => {
   if (doc.beam) return 'beam';
   if (doc.structure?.chain) return 'chain';
   if (doc.structure?.matrices !== undefined) return 'matrices';
-  return structure?.dimension === 3 ? 'space' : 'plane';
+  return structure && structure.dimension !== 3 ? 'plane' : 'space';
 };
 
 // Directions that a channel of the list may have; "angles" stands for azimuth and elevation.
@@ -39,7 +39,7 @@ export const directionsOf = (list, support) => {
   return { beam: ['deflection', 'rotation'], chain: ['x', '-x'], matrices: [], plane: both(['x', 'y', 'rotation']), space: both(['x', 'y', 'z', 'rx', 'ry', 'rz']) }[support];
 };
 
-// The direction of a channel: a vector, "rotation", or null.
+// The direction of a channel: a vector, "rotation", "-rotation", or null.
 export const vectorOf = (channel, support) => {
   if (channel.azimuth !== undefined || channel.elevation !== undefined) {
     const a = radian * (Number(channel.azimuth) || 0), e = radian * (Number(channel.elevation) || 0);
@@ -48,7 +48,7 @@ export const vectorOf = (channel, support) => {
   if (support === 'beam') return channel.direction === 'rotation' ? 'rotation' : [0, 1, 0];
   const direction = String(channel.direction ?? (support === 'chain' ? 'x' : '')), sign = direction.startsWith('-') ? -1 : 1;
   const name = direction.replace(/^[-+]/, '');
-  if (name === 'rotation' || /^r[xyz]$/.test(name)) return 'rotation';
+  if (name === 'rotation' || /^r[xyz]$/.test(name)) return sign > 0 ? 'rotation' : '-rotation';
   const k = ['x', 'y', 'z'].indexOf(name);
   return k < 0 ? null : [0, 1, 2].map((i) => (i === k ? sign : 0));
 };
@@ -112,7 +112,7 @@ export const rowsOf = (doc, list, known) => {
       const text = String(channel?.column ?? '');
       const column = known.find((one) => one.name === text) ?? known.find((one) => one.name === bare(text)) ?? known.find((one) => String(one.number) === text);
       if (column) used.add(column);
-      return { i, channel: channel ?? {}, role: channel?.role, unit: channel?.unit ?? column?.unit, name: column && column.name !== text && column.name !== bare(text) ? `${text}: ${column.name}` : text || `channel ${i + 1}`, pointer: pointerOf([...list.path, 'channels', i]) };
+      return { i, channel: channel ?? {}, role: channel?.role, unit: channel?.unit ?? column?.unit, name: /^\d*$/.test(text) ? column?.name ?? `column ${text}` : text, pointer: pointerOf([...list.path, 'channels', i]) };
     });
     return [...rows, ...known.filter((one) => !used.has(one) && !one.is_time).map((column) => ({ i: null, column, channel: {}, role: '', unit: column.unit, name: column.name, pointer: '' }))];
   }
