@@ -20,7 +20,10 @@ export const recordView = async (place, name) => {
   const shown = new Set([0]);
   let panel = null, open = true;
 
-  const seconds = (row) => (current().sample_rate_hz ? row / current().sample_rate_hz : row);
+  // The sampling rate of the file, or the one that was typed.
+  const stated = () => { const x = Number(rate.value.replace(',', '.')); return x > 0 && Number.isFinite(x) ? x : null; };
+  const rateOf = () => current().sample_rate_hz ?? stated();
+  const seconds = (row) => row / (rateOf() ?? 1);
   const draw = () => attempt(async () => {
     turn += 1;
     const mine = turn, list = [...shown].sort((a, b) => a - b);
@@ -29,7 +32,7 @@ export const recordView = async (place, name) => {
     if (mine !== turn) return;
     info.textContent = `Samples ${window.begin} to ${window.end} of ${current().rows}${window.exact ? ', each drawn' : `, extremes of ${window.step} samples each`}. Drag across a plot to zoom in.`;
     plots.replaceChildren(...list.map((c, k) => strip(current().channels[c], window, window.channels[k])));
-    const spectrum = await get('spectrum', { name, table, begin, end, channels: list[0] });
+    const spectrum = await get('spectrum', { name, table, begin, end, channels: list[0], ...(rateOf() ? { rate: rateOf() } : {}) });
     if (mine === turn) spectra.replaceChildren(spectrumPlot(current().channels[list[0]], spectrum));
   });
 
@@ -66,7 +69,7 @@ export const recordView = async (place, name) => {
     const ys = tops.length ? [Math.min(...bottoms), Math.max(...tops)] : [0, 1];
     if (ys[0] === ys[1]) ys[1] = ys[0] + (Math.abs(ys[0]) || 1);
     const xs = [seconds(window.begin), seconds(window.end)];
-    const drawn = plot({ width, height: 190, xs, ys, xLabel: current().sample_rate_hz ? 'time [s]' : 'sample', yLabel: channel.unit || 'value', label: `${channel.name} over time` });
+    const drawn = plot({ width, height: 190, xs, ys, xLabel: rateOf() ? 'time [s]' : 'sample', yLabel: channel.unit || 'value', label: `${channel.name} over time` });
     const at = (i) => drawn.x(seconds(window.begin + (i + (high ? 0.5 : 0)) * window.step)).toFixed(1);
     let d = '', pen = 'M';
     low.forEach((v, i) => {
@@ -76,13 +79,13 @@ export const recordView = async (place, name) => {
       pen = 'L';
     });
     drawn.picture.append(svg('path', { class: 'trace', d }));
-    dragged(drawn, (from, to) => zoom(from * (current().sample_rate_hz ?? 1), to * (current().sample_rate_hz ?? 1)));
+    dragged(drawn, (from, to) => zoom(from * (rateOf() ?? 1), to * (rateOf() ?? 1)));
     return figure(channel.name, drawn.picture, `${name} ${channel.name}`);
   };
 
   const spectrumPlot = (channel, { frequencies_hz: f, density }) => {
     const good = f.map((v, i) => [v, density[i]]).filter(([v, s]) => v > 0 && s > 0);
-    if (good.length < 2) return element('p', { class: 'quiet' }, 'No spectrum: the sampling rate is not known, or values are missing in this window.');
+    if (good.length < 2) return element('p', { class: 'quiet' }, rateOf() ? 'No spectrum: values are missing in this window.' : 'No spectrum: the file does not state its sampling rate. Type it above.');
     const db = good.map(([v, s]) => [v, 10 * Math.log10(s)]);
     const drawn = plot({ width, height: 240, xs: [0, f.at(-1)], ys: [Math.min(...db.map((p) => p[1])), Math.max(...db.map((p) => p[1]))], xLabel: 'frequency [Hz]', yLabel: 'density [dB]', label: `Spectrum of ${channel.name}` });
     if (band) drawn.picture.append(svg('rect', { class: 'band', x: drawn.x(band[0]), width: drawn.x(band[1]) - drawn.x(band[0]), y: drawn.top, height: drawn.bottom - drawn.top }));
@@ -93,7 +96,8 @@ export const recordView = async (place, name) => {
 
   const lowest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Lowest frequency of the band in Hz' });
   const highest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Highest frequency of the band in Hz' });
-  const rate = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Sampling rate in Hz' });
+  const rate = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Sampling rate in Hz', onchange: () => draw() });
+  const stating = element('label', { class: 'inline' }, 'Sampling rate ', rate, ' Hz');
   const setBand = (pair) => {
     band = [...pair];
     [lowest.value, highest.value] = band.map(String);
@@ -114,6 +118,7 @@ export const recordView = async (place, name) => {
     row.querySelector('.long').textContent = channel.faults.join('; ');
   });
   const listChannels = () => {
+    stating.hidden = Boolean(current().sample_rate_hz);
     channels.replaceChildren(element('div', { class: 'scroll' }, element('table', {}, element('caption', {}, 'Channels'),
       element('thead', {}, element('tr', {}, ['show', 'channel', 'unit', 'rms', 'faults'].map((head) => element('th', { scope: 'col' }, head)))),
       element('tbody', {}, current().channels.map((channel, c) => {
@@ -128,10 +133,10 @@ export const recordView = async (place, name) => {
   // The window, band and sampling rate of the view, as keys of a case.
   const file = name.slice(name.lastIndexOf('/') + 1), stem = name.replace(/\.[^./]*$/, '');
   const complete = (doc, path = ['record']) => {
-    const record = path.reduce((node, key) => node[key], doc), stated = Number(rate.value.replace(',', '.'));
+    const record = path.reduce((node, key) => node[key], doc);
     if (begin > 0 || (end > 0 && end < current().rows)) record.samples = [begin, end || current().rows];
     else delete record.samples;
-    if (rate.value.trim() && stated > 0) record.sample_rate = stated;
+    if (!current().sample_rate_hz && stated()) record.sample_rate = stated();
     if (band) doc.band = [...band];
     return doc;
   };
@@ -167,7 +172,10 @@ export const recordView = async (place, name) => {
     edit.hidden = !one.doc;
     edit.setAttribute('href', `#/case/${encodeURIComponent(one.name ?? '')}`);
     roles.replaceChildren(panel.node);
-    if (one.doc && Array.isArray(one.doc.band)) setBand(one.doc.band);
+    const own = one.doc && panel.list().path.reduce((node, key) => node[key], one.doc);
+    if (own?.sample_rate > 0 && !rate.value) rate.value = String(own.sample_rate);
+    if (Array.isArray(one.doc?.band)) setBand(one.doc.band);
+    else if (own?.sample_rate) draw();
     await panel.load();
   };
   const openPanel = async (one) => {
@@ -199,17 +207,16 @@ export const recordView = async (place, name) => {
   }
   const first = current();
   place.replaceChildren(element('h1', {}, name),
-    element('p', { class: 'quiet' }, [`${contents.format}, ${first.rows} samples`, first.sample_rate_hz ? `${number(first.sample_rate_hz, 6)} Hz` : 'sampling rate not known', ...first.reading, first.fault].filter(Boolean).join('. ')),
+    element('p', { class: 'quiet' }, [`${contents.format}, ${first.rows} samples`, first.sample_rate_hz ? `${number(first.sample_rate_hz, 6)} Hz` : 'The file does not state its sampling rate', ...first.reading, first.fault].filter(Boolean).join('. ')),
     element('div', { class: 'buttons' }, button('Whole record', () => { back.push([begin, end]); [begin, end] = [0, 0]; draw(); }),
       button('Zoom out', () => { const wide = (end || current().rows) - begin; zoom(begin - wide / 2, (end || current().rows) + wide / 2); }),
       button('Earlier', () => { const wide = (end || current().rows) - begin; zoom(Math.max(0, begin - wide / 2), Math.max(0, begin - wide / 2) + wide); }),
       button('Later', () => { const wide = (end || current().rows) - begin, from = Math.min(current().rows - wide, begin + wide / 2); zoom(from, from + wide); }),
-      button('Back', () => { if (back.length) { [begin, end] = back.pop(); draw(); } }), tables),
+      button('Back', () => { if (back.length) { [begin, end] = back.pop(); draw(); } }), tables, stating),
     info, plots, spectra,
     element('h2', {}, 'Channels'), channels,
     element('h2', {}, 'Modal case'),
-    element('p', { class: 'buttons' }, selection, element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz'),
-      first.sample_rate_hz ? null : element('label', { class: 'inline' }, 'Sampling rate ', rate, ' Hz'), take, edit),
+    element('p', { class: 'buttons' }, selection, element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz'), take, edit),
     roles, element('p', { class: 'buttons' }, make));
   listChannels();
   await draw();
