@@ -1,6 +1,6 @@
 // A folder of `wheeltap app` and headless Chromium for the tests of the application. WHEELTAP names the program;
-// WHEELTAP_SHOTS a folder for screenshots. Without Chromium or the packages of package.json, the tests are skipped with a
-// message.
+// WHEELTAP_SHOTS a folder for screenshots; WHEELTAP_PAGES a folder whose page files replace those of the program. Without
+// Chromium or the packages of package.json, the tests are skipped with a message.
 const assert = require('node:assert/strict');
 const { spawn, spawnSync } = require('node:child_process');
 const fs = require('node:fs');
@@ -9,6 +9,7 @@ const path = require('node:path');
 
 const program = process.env.WHEELTAP;
 const shots = process.env.WHEELTAP_SHOTS;
+const pages = process.env.WHEELTAP_PAGES;
 const chromiumPath = process.env.CHROMIUM || '/usr/bin/chromium';
 let chromium, axe, why;
 try {
@@ -51,6 +52,10 @@ const application = (test) => {
     page.on('console', (message) => { if (['error', 'warning'].includes(message.type()) && !/status of 4\d\d/.test(message.text())) complaints.push(message.text()); });
     page.on('pageerror', (error) => complaints.push(String(error)));
     page.on('request', (request) => { if (!request.url().startsWith(new URL(address).origin) && !/^(data|blob):/.test(request.url())) complaints.push(`request to ${request.url()}`); });
+    if (pages) await page.route(/\/[0-9a-f]{32}\/\w+\.(js|css)$/, (route) => {
+      const file = path.join(pages, path.basename(new URL(route.request().url()).pathname));
+      return fs.existsSync(file) ? route.fulfill({ path: file, contentType: file.endsWith('.css') ? 'text/css' : 'text/javascript' }) : route.continue();
+    });
     await page.goto(address + place);
     await page.waitForSelector('html[data-ready]');
     return { page, close: async () => { assert.deepEqual(complaints, []); await context.close(); } };

@@ -16,7 +16,7 @@ const save = async (page) => {
   await page.locator('#message', { hasText: 'Saved.' }).waitFor();
 };
 const ready = async (page, valid = 'Valid') => { await page.locator('.channels .status', { hasText: valid }).waitFor({ timeout: 30000 }); };
-const select = (page, channel) => page.click(`.channels td [aria-label="Select ${channel}"]`);
+const select = (page, channel) => page.click(`.channels td [aria-label$=": select ${channel}"]`);
 
 test('a new modal case: nodes of a drawn line by mouse and keyboard', skip, async () => {
   run('init', 'modal', '-o', at('tower'));
@@ -42,7 +42,7 @@ test('a new modal case: nodes of a drawn line by mouse and keyboard', skip, asyn
   const placed = await field(page, 'node', 'floor 2').inputValue();
   assert.equal(placed, await page.evaluate(() => document.activeElement.dataset.node)); // the focus stays on the node
   await field(page, 'node', 'floor 2').fill('2');
-  await page.locator('.chooser [role=radio][aria-label="-x"]').focus();
+  await page.locator('.chooser [data-direction="-x"]').focus();
   await page.keyboard.press(' ');
   assert.equal(await field(page, 'direction', 'floor 2').inputValue(), '-x');
   // By typing.
@@ -69,6 +69,7 @@ test('a new modal case: nodes of a drawn line by mouse and keyboard', skip, asyn
   await page.fill('[aria-label="Highest frequency of the band in Hz"]', '20');
   await page.click('text=New modal case from this record');
   await page.click('dialog >> text=Create');
+  await page.locator('textarea.code').waitFor();
   await status(page, 'Valid');
   const made = read('tower/modal-modal.json');
   assert.deepEqual(made.record.channels, [1, 2, 3].map((i) => ({ column: `floor ${i}`, role: 'response', node: String(i), direction: i === 2 ? '-x' : 'x' })));
@@ -107,7 +108,7 @@ test('the data viewer shows and changes the case that uses a record', skip, asyn
   assert.equal(fs.readFileSync(at('tower/modal-modal.json'), 'utf8'), before); // not saved yet
   // Angles and their reverse.
   await select(page, 'floor 2');
-  await page.click('.chooser [aria-label="azimuth and elevation"]');
+  await page.click('.chooser [data-direction=angles]');
   assert.equal(await field(page, 'azimuth', 'floor 2').count(), 0); // the label names degrees
   assert.equal(await page.inputValue('[aria-label="azimuth of floor 2 in degrees"]'), '180');
   await page.fill('[aria-label="elevation of floor 2 in degrees"]', '10');
@@ -194,7 +195,7 @@ test('the sensors of a damage case: a beam, a building and a frame', skip, async
   const line = await page.locator(`.channels .member[data-member="${top}"]`).boundingBox();
   await page.mouse.click(line.x + line.width / 4, line.y + line.height / 2);
   assert.equal(await field(page, 'node', 'sensor 2').inputValue(), members[top].name);
-  await page.click('.chooser [role=radio][aria-label="-y"]');
+  await page.click('.chooser [data-direction="-y"]');
   await page.fill('[aria-label="distance of sensor 2 from the first node of the member in m"]', '0,3');
   await ready(page);
   assert.equal(await arrows(page).count(), 2);
@@ -229,7 +230,7 @@ test('set-ups on the structure of another case, in space, with names that are HT
   assert.equal(await page.locator('img').count(), 0);
   await page.locator('text=Columns of the file that the case does not use (1)').waitFor();
   // Turning the drawing by mouse picks no node.
-  const where = () => node(page, '2').getAttribute('cx'), seen = await where(), drawing = await page.locator('.channels svg.structure').boundingBox();
+  const where = () => node(page, hostile).getAttribute('cx'), seen = await where(), drawing = await page.locator('.channels svg.structure').boundingBox();
   await page.mouse.move(drawing.x + 200, drawing.y + 150);
   await page.mouse.down();
   await page.mouse.move(drawing.x + 260, drawing.y + 160, { steps: 6 });
@@ -244,7 +245,7 @@ test('set-ups on the structure of another case, in space, with names that are HT
   await select(page, 'c');
   await node(page, '2').click();
   assert.equal(await field(page, 'direction', 'c').inputValue(), 'y'); // x is taken at this node
-  await page.click('.chooser [role=radio][aria-label="-z"]');
+  await page.click('.chooser [data-direction="-z"]');
   assert.equal(await arrows(page).count(), 3);
   await save(page);
   const made = read('space/set-ups.json');

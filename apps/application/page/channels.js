@@ -235,7 +235,7 @@ export class ChannelPanel {
     redo.disabled = !this.redone.length;
     if (!this.draft) this.buttons[0].disabled = !this.unsaved();
     this.changed?.();
-    const support = this.support(), pick = (k) => button(`${k + 1} ${this.rows[k].name}`, () => this.select(k), { class: 'plain', 'aria-label': `Select ${this.rows[k].name}` });
+    const support = this.support(), pick = (k) => button(`${k + 1} ${this.rows[k].name}`, () => this.select(k), { class: 'plain', title: 'Select this channel' });
     const open = this.rows.map((row, k) => k).filter((k) => ['response', 'force'].includes(this.rows[k].role) && !placeOf(this.rows[k].channel, support));
     const unused = this.rows.map((row, k) => k).filter((k) => this.rows[k].role === '');
     this.rest.replaceChildren(element('p', { class: open.length ? 'open' : 'quiet' }, open.length ? [`Channels without a place (${open.length}): `, ...open.map(pick)] : 'Every sensor and force has a place.'),
@@ -260,7 +260,7 @@ export class ChannelPanel {
     const title = element('p', { class: 'chosen' }, element('strong', {}, `${this.selected + 1} ${row.name}: `), !takes ? `the role ${roleWords[row.role] ?? row.role} has no place.`
       : placed ? `${this.words(channel)}${row.inherited ? ' (from modes.json)' : ''}.` : `no place yet. Click ${where} on the drawing, or type it in the list.`);
     const tools = takes && row.i !== null ? [directions.length ? element('span', { class: 'tools', role: 'radiogroup', 'aria-label': 'Direction' }, directions.map((one) =>
-      button(one === 'angles' ? 'angles' : one.replace('-', '−'), () => this.turnTo(row, one), { role: 'radio', 'aria-checked': String(one === now), class: one === now ? 'on' : '', 'aria-label': one === 'angles' ? 'azimuth and elevation' : one }))) : null,
+      button(one === 'angles' ? 'angles' : one.replace('-', '−'), () => this.turnTo(row, one), { role: 'radio', 'aria-checked': String(one === now), class: one === now ? 'on' : '', 'data-direction': one, title: one === 'angles' ? 'azimuth and elevation' : null }))) : null,
     vectorOf(channel, support) && support !== 'beam' && support !== 'matrices' ? button('Reverse', () => this.change(row, (own) => reverse(own, support)), { title: 'The sensor measures against this direction' }) : null,
     placed ? button('Clear the place', () => this.change(row, (own) => setPlace(own, null, support))) : null] : [];
     if (next >= 0 && next !== this.selected) tools.push(button(`Next without a place: ${this.rows[next].name}`, () => this.select(next)));
@@ -276,7 +276,7 @@ export class ChannelPanel {
       [...(row.role === '' ? [''] : []), ...roles, ...(row.role && !roles.includes(row.role) ? [row.role] : [])].map((one) => element('option', { value: one, selected: one === row.role }, roleWords[one] ?? String(one))));
     const cell = (key, ...nodes) => element('td', { 'data-pointer': field(key) }, ...nodes, element('p', { class: 'fault', hidden: true }));
     const line = element('tr', { 'data-pointer': row.pointer || null, class: takes ? '' : 'unused' },
-      element('td', {}, button(String(k + 1), () => this.select(k), { id: id('select'), 'aria-label': `Select ${row.name}`, 'aria-pressed': 'false' })),
+      element('td', {}, button(String(k + 1), () => this.select(k), { id: id('select'), 'aria-label': `${k + 1}: select ${row.name}`, 'aria-pressed': 'false' })),
       element('th', { scope: 'row' }, row.name, row.unit && !row.name.endsWith(`[${row.unit}]`) ? ` [${row.unit}]` : '', element('p', { class: 'fault', hidden: true })), cell('role', role),
       takes && row.role !== 'ignore' ? this.placeCell(row, id, cell) : element('td', {}), takes && row.role !== 'ignore' ? this.directionCell(row, id, cell) : element('td', {}),
       list.kind !== 'record' ? null : row.role !== 'response' ? element('td', {}) : cell('reference', element('input', { id: id('reference'), type: 'checkbox', 'aria-label': `${row.name} is a reference`, checked: row.channel.reference === true,
@@ -294,7 +294,7 @@ export class ChannelPanel {
     const input = element('input', { id: id('place'), class: 'short', value: String(shown), list: 'places', autocomplete: 'off', spellcheck: 'false', 'aria-label': `${named} of ${row.name}`,
       inputmode: support === 'beam' ? 'decimal' : undefined, oninput: () => this.change(row, (channel) => setPlace(channel, this.typedPlace(input.value.trim(), row), support), id('place')),
       onchange: () => this.show() });
-    const at = place?.member === undefined ? null : element('label', { class: 'inline' }, ' at ', element('input', { id: id('at'), class: 'short', inputmode: 'decimal', value: String(place.at ?? ''), 'aria-label': `distance of ${row.name} from the first node of the member in m`,
+    const at = place?.member === undefined ? null : element('label', { class: 'inline', 'data-pointer': `${row.pointer}/at` }, ' at ', element('input', { id: id('at'), class: 'short', inputmode: 'decimal', value: String(place.at ?? ''), 'aria-label': `distance of ${row.name} from the first node of the member in m`,
       oninput: (event) => { const x = Number(event.target.value.replace(',', '.')); this.change(row, (channel) => { channel.at = event.target.value.trim() !== '' && Number.isFinite(x) ? x : event.target.value; }, id('at')); } }), ' m');
     return cell(key, input, at);
   }

@@ -33,7 +33,7 @@ export const copyCase = (name) => attempt(async () => {
 });
 
 // A probability; tiny ones without digits that nobody reads.
-const share = (p) => (p > 0 && p < 1e-6 ? '< 0.000001' : number(p, 3));
+const share = (p, digits = 3) => (p > 0 && p < 1e-6 ? '< 0.000001' : number(p, digits));
 
 // Model probabilities and parameters of several results, side by side.
 const comparison = async (names) => {
@@ -112,7 +112,7 @@ export const resultView = async (place, name) => {
   const tables = [];
   const add = (caption, heads, rows, raw) => tables.push(table(caption, heads, rows, raw));
   if (summary.models?.length > 1)
-    add('Models', ['model', 'prior', 'probability', 'Monte Carlo error'], summary.models.map((m) => [m.name, number(m.prior, 3), share(m.probability), share(m.mcse)]),
+    add('Models', ['model', 'prior', 'probability', 'Monte Carlo error'], summary.models.map((m) => [m.name, number(m.prior, 3), share(m.probability), share(m.mcse, 1)]),
       summary.models.map((m) => [m.name, m.prior, m.probability, m.mcse]));
   for (const [model, own_] of Object.entries(summary.parameters ?? {})) {
     const rows = Object.entries(own_);
