@@ -255,10 +255,31 @@ test('set-ups on the structure of another case, in space, with names that are HT
   await close();
 });
 
+test('the channels of a system identification are on its masses', skip, async () => {
+  run('init', 'sid', '-o', at('sid'));
+  const { page, close } = await open('#/record/sid%2Fsid.csv');
+  await ready(page);
+  assert.equal(await arrows(page).count(), 2);
+  assert.equal(await page.locator('.channels .sensor.force').count(), 1);
+  assert.equal(await page.locator('[aria-label="Lowest frequency of the band in Hz"]').isVisible(), false); // no band in such a case
+  await field(page, 'mass', 'displacement [m]').fill('4');
+  await page.locator('.channels td .fault:visible').waitFor();
+  await select(page, 'displacement [m]');
+  await page.locator('.channels svg.structure .place').click();
+  await page.selectOption('[aria-label="quantity of displacement [m]"]', 'velocity');
+  await ready(page, /\/record|Valid/);
+  await page.selectOption('[aria-label="quantity of displacement [m]"]', '');
+  await ready(page);
+  await page.selectOption('[aria-label="Role of force [N]"]', 'base-acceleration');
+  await save(page);
+  assert.deepEqual(read('sid/sid.json').record.channels.slice(1), [{ column: 'force [N]', role: 'base-acceleration' }, { column: 'displacement [m]', role: 'response', mass: 1 }]);
+  await close();
+});
+
 test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
   for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
     const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });
-    for (const place of ['#/record/tower%2Fmodal.csv', '#/channels/portal%2Fdamage.json', '#/channels/building%2Fdamage.json', '#/channels/beam%2Fdamage.json', '#/channels/space%2Fset-ups.json']) {
+    for (const place of ['#/record/tower%2Fmodal.csv', '#/channels/portal%2Fdamage.json', '#/channels/building%2Fdamage.json', '#/channels/beam%2Fdamage.json', '#/channels/space%2Fset-ups.json', '#/record/sid%2Fsid.csv']) {
       await go(page, place);
       await ready(page, /Valid|: /);
       await page.evaluate(axe);

@@ -39,10 +39,10 @@ export const axesOf = (corner, tips, unit) => svg('g', { class: 'axes', 'aria-hi
     svg('text', { x: end[0] + 8 * unit * u / long, y: end[1] + (8 * v / long + 4) * unit, 'font-size': 12 * unit, 'text-anchor': 'middle' }, name)];
 }));
 
-// Draws the arrows whose places the drawing has. `spotOf(place)` and `tipOf(vector)` give places and directions on it.
+// Draws the arrows whose places the drawing has. `spotOf(place, arrow)` and `tipOf(vector)` give places and directions on it.
 export const drawArrows = (picture, arrows, { spotOf, tipOf, unit, chosen }) => {
   for (const arrow of arrows) {
-    const spot = spotOf(arrow.place);
+    const spot = spotOf(arrow.place, arrow);
     if (!spot || spot.some((x) => !Number.isFinite(x))) continue;
     picture.append(arrowOf({ spot, tip: Array.isArray(arrow.vector) ? tipOf(arrow.vector) : null, unit, arrow, chosen: chosen && (() => chosen(arrow)) }));
   }

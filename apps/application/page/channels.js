@@ -7,7 +7,7 @@ import { arrowsOf, channelLists, directionsOf, geometryAsStructure, namedStructu
 import { get, post } from './server.js';
 
 const pause = 250; // ms between the last key and a check
-const roleWords = { '': 'not used', response: 'sensor', force: 'force', time: 'time', ignore: 'ignored' };
+const roleWords = { '': 'not used', response: 'sensor', force: 'force', time: 'time', ignore: 'ignored', 'base-acceleration': 'base acceleration', 'base-displacement': 'base displacement' };
 const takesPlace = (row) => ['response', 'force', ''].includes(row.role);
 
 // The channels of a measured file for `rowsOf`.
@@ -190,7 +190,8 @@ export class ChannelPanel {
     const where = place.member !== undefined ? `member ${place.member} at ${number(place.at, 6)} m` : place.node !== undefined ? `node ${place.node}`
       : place.mass !== undefined ? `mass ${place.mass}` : place.dof !== undefined ? `degree of freedom ${place.dof}` : `${number(place.at, 6)} m`;
     const angles = channel.azimuth !== undefined || channel.elevation !== undefined;
-    const along = angles ? `azimuth ${number(Number(channel.azimuth ?? 0))}°, elevation ${number(Number(channel.elevation ?? 0))}°` : channel.direction ?? (support === 'chain' ? 'x' : support === 'beam' ? 'deflection' : '');
+    const along = angles ? `azimuth ${number(Number(channel.azimuth ?? 0))}°, elevation ${number(Number(channel.elevation ?? 0))}°` : channel.direction ?? (support === 'chain' && !this.list().ofMasses ? 'x' : support === 'beam' ? 'deflection' : '');
+    if (this.list().ofMasses) return where;
     return along ? `${where}, ${angles ? '' : 'direction '}${along}` : `${where}, no direction`;
   }
 
@@ -212,7 +213,7 @@ export class ChannelPanel {
     this.lists.replaceChildren(all.length > 1 ? element('label', { class: 'inline' }, list.kind === 'record' ? 'Set-up ' : 'List ', element('select', { onchange: (event) => { this.listIndex = event.target.selectedIndex; this.rows = []; this.load(); } },
       all.map((one, i) => element('option', { selected: i === this.listIndex }, one.label)))) : '');
     const focus = this.table.contains(document.activeElement) ? document.activeElement.id : null;
-    const heads = ['', 'channel', 'role', { beam: 'position [m]', chain: 'mass', matrices: 'place', plane: 'node', space: 'node' }[this.support()], 'direction', list.kind === 'record' && 'reference'].filter((head) => head !== false);
+    const heads = ['', 'channel', 'role', { beam: 'position [m]', chain: 'mass', matrices: 'place', plane: 'node', space: 'node' }[this.support()], list.ofMasses ? 'quantity' : 'direction', list.kind === 'record' && !list.ofMasses && 'reference'].filter((head) => head !== false);
     if (list.kind === 'modes' && ['plane', 'space'].includes(this.support())) heads[3] = 'node or member';
     this.table.replaceChildren(element('div', { class: 'scroll', tabindex: 0, role: 'region', 'aria-label': 'Roles of the channels' }, element('table', {}, element('caption', {}, 'Role, place and direction of each channel'),
       element('thead', {}, element('tr', {}, heads.map((head) => (head ? element('th', { scope: 'col' }, head) : element('td', {}))))),
@@ -223,7 +224,7 @@ export class ChannelPanel {
   }
 
   datalist() {
-    const names = this.support() === 'chain' ? (this.doc.structure.chain.masses ?? []).map((ignored, i) => String(i + 1))
+    const names = this.support() === 'chain' ? ((this.doc.structure?.chain ?? this.doc.models?.[0])?.masses ?? []).map((ignored, i) => String(i + 1))
       : [...Object.keys(this.structure()?.nodes ?? {}), ...(this.list().kind === 'modes' ? (this.structure()?.members ?? []).map((member) => member.name).filter(Boolean) : [])];
     return element('datalist', { id: 'places' }, names.map((name) => element('option', { value: name })));
   }
@@ -242,7 +243,7 @@ export class ChannelPanel {
       unused.length ? element('p', { class: 'quiet' }, `Columns of the file that the case does not use (${unused.length}): `, unused.map(pick)) : '');
     this.showChooser();
     const arrows = arrowsOf(this.rows, support).map((arrow) => ({ ...arrow, selected: arrow.number === this.selected + 1 }));
-    const drawable = this.structure() || this.doc.structure?.chain || this.doc.beam;
+    const drawable = this.structure() || this.doc.structure?.chain || this.doc.beam || this.doc.models?.[0]?.masses;
     this.drawing.show(drawable ? this.doc : {}, this.named, arrows);
     if (!drawable) this.drawing.place.replaceChildren(element('p', { class: 'empty' }, this.list().kind === 'record'
       ? 'The case has no geometry, so there is no drawing yet. Choose one below, or type the nodes in the list.' : 'This structure has no drawing: type the places in the list.'));
@@ -261,7 +262,7 @@ export class ChannelPanel {
       : placed ? `${this.words(channel)}${row.inherited ? ' (from modes.json)' : ''}.` : `no place yet. Click ${where} on the drawing, or type it in the list.`);
     const tools = takes && row.i !== null ? [directions.length ? element('span', { class: 'tools', role: 'radiogroup', 'aria-label': 'Direction' }, directions.map((one) =>
       button(one === 'angles' ? 'angles' : one.replace('-', '−'), () => this.turnTo(row, one), { role: 'radio', 'aria-checked': String(one === now), class: one === now ? 'on' : '', 'data-direction': one, title: one === 'angles' ? 'azimuth and elevation' : null }))) : null,
-    vectorOf(channel, support) && support !== 'beam' && support !== 'matrices' ? button('Reverse', () => this.change(row, (own) => reverse(own, support)), { title: 'The sensor measures against this direction' }) : null,
+    directions.length && vectorOf(channel, support) && support !== 'beam' ? button('Reverse', () => this.change(row, (own) => reverse(own, support)), { title: 'The sensor measures against this direction' }) : null,
     placed ? button('Clear the place', () => this.change(row, (own) => setPlace(own, null, support))) : null] : [];
     if (next >= 0 && next !== this.selected) tools.push(button(`Next without a place: ${this.rows[next].name}`, () => this.select(next)));
     const focused = this.chooser.contains(document.activeElement) ? document.activeElement.textContent : null;
@@ -279,7 +280,7 @@ export class ChannelPanel {
       element('td', {}, button(String(k + 1), () => this.select(k), { id: id('select'), 'aria-label': `${k + 1}: select ${row.name}`, 'aria-pressed': 'false' })),
       element('th', { scope: 'row' }, row.name, row.unit && !row.name.endsWith(`[${row.unit}]`) ? ` [${row.unit}]` : '', element('p', { class: 'fault', hidden: true })), cell('role', role),
       takes && row.role !== 'ignore' ? this.placeCell(row, id, cell) : element('td', {}), takes && row.role !== 'ignore' ? this.directionCell(row, id, cell) : element('td', {}),
-      list.kind !== 'record' ? null : row.role !== 'response' ? element('td', {}) : cell('reference', element('input', { id: id('reference'), type: 'checkbox', 'aria-label': `${row.name} is a reference`, checked: row.channel.reference === true,
+      list.kind !== 'record' || list.ofMasses ? null : row.role !== 'response' ? element('td', {}) : cell('reference', element('input', { id: id('reference'), type: 'checkbox', 'aria-label': `${row.name} is a reference`, checked: row.channel.reference === true,
         onchange: (event) => { const { checked } = event.target; this.change(row, (channel) => { if (checked) channel.reference = true; else delete channel.reference; }); } })));
     line.addEventListener('focusin', () => this.select(k));
     line.addEventListener('click', () => this.select(k));
@@ -313,6 +314,12 @@ export class ChannelPanel {
 
   directionCell(row, id, cell) {
     const support = this.support(), options = directionsOf(this.list(), support), { channel } = row;
+    if (this.list().ofMasses) {
+      if (row.role !== 'response') return element('td', {});
+      const quantity = element('select', { id: id('quantity'), 'aria-label': `quantity of ${row.name}`, onchange: () => this.change(row, (own) => { if (quantity.value) own.quantity = quantity.value; else delete own.quantity; }) },
+        [['', 'from the unit'], ...['displacement', 'velocity', 'acceleration'].map((one) => [one, one])].map(([value, text]) => element('option', { value, selected: (channel.quantity ?? '') === value }, text)));
+      return cell('quantity', quantity);
+    }
     const angles = channel.azimuth !== undefined || channel.elevation !== undefined;
     if (support === 'matrices') return cell('direction', element('input', { id: id('direction'), class: 'short', value: channel.direction ?? '', 'aria-label': `direction of ${row.name}`, oninput: (event) => { const text = event.target.value.trim(); this.change(row, (own) => { if (text) own.direction = text; else delete own.direction; }, id('direction')); } }));
     const now = angles ? 'angles' : channel.direction ?? { beam: 'deflection', chain: placeOf(channel, support) ? 'x' : '' }[support] ?? '';
@@ -325,7 +332,7 @@ export class ChannelPanel {
 
   // The choice of a geometry for a modal case without one.
   showSource(drawable) {
-    if (this.list().kind !== 'record' || drawable) { this.source.replaceChildren(); return; }
+    if (this.list().kind !== 'record' || this.list().ofMasses || drawable) { this.source.replaceChildren(); return; }
     if (this.source.children.length) return;
     const choice = element('select', { 'aria-label': 'Structure to draw', onchange: () => attempt(() => this.takeGeometry(choice.value)) }, element('option', { value: '' }, 'Choose a structure …'), element('option', { value: 'line' }, 'A new line of nodes …'));
     this.source.replaceChildren(element('label', { class: 'inline' }, 'Structure ', choice));
@@ -420,7 +427,7 @@ export const channelsView = async (place, name) => {
   try { doc = JSON.parse(opened.text); } catch { /* the editor names line and column */ }
   const edit = element('a', { href: `#/case/${encodeURIComponent(name)}` }, 'Edit the case');
   if (!channelLists(doc).length) {
-    place.replaceChildren(element('h1', {}, `Channels of ${name}`), element('p', {}, 'This case has no channels: a modal case has a record, and a damage or update case has sensors or the modes of a modal run.'), element('p', {}, edit));
+    place.replaceChildren(element('h1', {}, `Channels of ${name}`), element('p', {}, 'This case has no channels: a modal case or a system identification has a record, and a damage or update case has sensors or the modes of a modal run.'), element('p', {}, edit));
     return undefined;
   }
   const panel = new ChannelPanel({ name, doc, version: opened.version, changed: () => { document.title = `${panel.unsaved() ? '• ' : ''}${name} · Wheeltap`; } });

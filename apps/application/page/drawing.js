@@ -374,7 +374,7 @@ export class Drawing {
         svg('text', { x: 84, y: y(i + 1) + 5, 'font-size': 13, 'text-anchor': 'end' }, String(i + 1)));
     });
     drawArrows(picture, this.arrows, { unit: 1, chosen: this.pointed, tipOf: ([u, v]) => [u, -v],
-      spotOf: ({ mass }) => (mass >= 1 && mass <= count ? [170, y(mass)] : null) });
+      spotOf: ({ mass }, { force }) => (mass >= 1 && mass <= count ? [force ? 70 : 170, y(mass)] : null) });
     this.roving(picture);
     const focused = this.place.contains(document.activeElement) ? document.activeElement.dataset.place : undefined;
     this.place.replaceChildren(picture);

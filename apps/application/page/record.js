@@ -97,6 +97,7 @@ export const recordView = async (place, name) => {
   const lowest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Lowest frequency of the band in Hz' });
   const highest = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Highest frequency of the band in Hz' });
   const rate = element('input', { class: 'number', inputmode: 'decimal', 'aria-label': 'Sampling rate in Hz', onchange: () => draw() });
+  const bands = element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz');
   const stating = element('label', { class: 'inline' }, 'Sampling rate ', rate, ' Hz');
   const setBand = (pair) => {
     band = [...pair];
@@ -137,7 +138,7 @@ export const recordView = async (place, name) => {
     if (begin > 0 || (end > 0 && end < current().rows)) record.samples = [begin, end || current().rows];
     else delete record.samples;
     if (!current().sample_rate_hz && stated()) record.sample_rate = stated();
-    if (band) doc.band = [...band];
+    if (band && doc.kind === 'modal') doc.band = [...band];
     return doc;
   };
   const makeCase = () => attempt(async () => {
@@ -153,7 +154,7 @@ export const recordView = async (place, name) => {
 
   // What becomes of the channels: in a case that uses this record, or in a new one.
   const roles = element('div'), selection = element('label', { class: 'inline' }), edit = element('a', {}, 'Edit the case'), make = button('New modal case from this record …', makeCase, { class: 'main' });
-  const take = button('Use this window and band in the case', () => panel.edit(() => complete(panel.doc, panel.list().path)));
+  const take = button('', () => panel.edit(() => complete(panel.doc, panel.list().path)));
   const cases = [];
   const showPanel = async (one) => {
     panel?.close();
@@ -163,6 +164,8 @@ export const recordView = async (place, name) => {
         doc: { kind: 'modal', title: `Modes of ${file}`, record: { file, channels: current().channels.map((channel) => ({ column: columnOf(channel, current().channels), role: 'response' })) } } });
     make.hidden = Boolean(one.doc);
     take.hidden = !one.doc;
+    bands.hidden = panel.doc.kind !== 'modal';
+    take.textContent = bands.hidden ? 'Use this window in the case' : 'Use this window and band in the case';
     if (one.doc) panel.listIndex = Math.max(0, one.files.indexOf(name));
     const choice = element('select', { 'aria-label': 'Case', onchange: () => {
       if (panel.unsaved() && !confirm('Leave without saving the case?')) { choice.selectedIndex = cases.indexOf(one) + 1 ? cases.indexOf(one) : cases.length; return; }
@@ -185,7 +188,7 @@ export const recordView = async (place, name) => {
   };
   const findCases = async () => {
     const { cases: all } = await get('projects');
-    for (const one of all.filter((each) => each.kind === 'modal').slice(0, 100)) {
+    for (const one of all.filter((each) => ['modal', 'sid'].includes(each.kind)).slice(0, 100)) {
       const doc = await get('case', { name: one.name }).then((opened) => JSON.parse(opened.text)).catch(() => null);
       const files = channelLists(doc).map((list) => resolved(folderOf(one.name), list.path.reduce((node, key) => node?.[key], doc)?.file ?? ''));
       if (files.includes(name)) cases.push({ name: one.name, files });
@@ -215,8 +218,8 @@ export const recordView = async (place, name) => {
       button('Back', () => { if (back.length) { [begin, end] = back.pop(); draw(); } }), tables, stating),
     info, plots, spectra,
     element('h2', {}, 'Channels'), channels,
-    element('h2', {}, 'Modal case'),
-    element('p', { class: 'buttons' }, selection, element('label', { class: 'inline' }, 'Band ', lowest, ' to ', highest, ' Hz'), take, edit),
+    element('h2', {}, 'Roles of the channels in a case'),
+    element('p', { class: 'buttons' }, selection, bands, take, edit),
     roles, element('p', { class: 'buttons' }, make));
   listChannels();
   await draw();

@@ -5,13 +5,14 @@ import { get } from './server.js';
 
 const radian = Math.PI / 180;
 
-// The lists of channels of a case. `records`: channels of a measured file, in a modal case. `modes`: sensors of mode
-// shapes, in a damage or update case.
+// The lists of channels of a case. `record`: channels of a measured file, in a modal case, or in a case of system
+// identification (`ofMasses`). `modes`: sensors of mode shapes, in a damage or update case.
 export const channelLists = (doc) => {
   if (doc?.kind === 'modal') {
     if (Array.isArray(doc.records)) return doc.records.map((record, i) => ({ kind: 'record', path: ['records', i], label: `Set-up ${i + 1}: ${record?.file ?? ''}` }));
     return doc.record ? [{ kind: 'record', path: ['record'], label: String(doc.record.file ?? '') }] : [];
   }
+  if (doc?.kind === 'sid') return doc.record?.file === undefined ? [] : [{ kind: 'record', ofMasses: true, path: ['record'], label: String(doc.record.file) }];
   if (!['damage', 'update'].includes(doc?.kind)) return [];
   const found = [];
   const add = (path, label) => {
@@ -27,7 +28,7 @@ export const channelLists = (doc) => {
 // What a place of a case is: a node of a plane or of space, a position on a beam, a mass of a chain, a row of matrices.
 export const supportOf = (doc, structure) => {
   if (doc.beam) return 'beam';
-  if (doc.structure?.chain) return 'chain';
+  if (doc.structure?.chain || doc.kind === 'sid') return 'chain';
   if (doc.structure?.matrices !== undefined) return 'matrices';
   return structure && structure.dimension !== 3 ? 'plane' : 'space';
 };
@@ -35,6 +36,7 @@ export const supportOf = (doc, structure) => {
 // Directions that a channel of the list may have; "angles" stands for azimuth and elevation.
 export const directionsOf = (list, support) => {
   const both = (names) => names.flatMap((name) => [name, `-${name}`]);
+  if (list.ofMasses) return [];
   if (list.kind === 'record') return [...both(support === 'plane' ? ['x', 'y'] : ['x', 'y', 'z']), 'angles'];
   return { beam: ['deflection', 'rotation'], chain: ['x', '-x'], matrices: [], plane: both(['x', 'y', 'rotation']), space: both(['x', 'y', 'z', 'rx', 'ry', 'rz']) }[support];
 };
@@ -124,7 +126,7 @@ export const rowsOf = (doc, list, known) => {
   });
 };
 
-export const rolesOf = (doc, list) => (list.kind === 'record' ? ['response', 'force', 'ignore', 'time'] : at(doc, list.path)?.from !== undefined ? ['response', 'ignore'] : ['response']);
+export const rolesOf = (doc, list) => (list.kind === 'record' ? ['response', 'force', ...(list.ofMasses ? ['base-acceleration', 'base-displacement'] : []), 'ignore', 'time'] : at(doc, list.path)?.from !== undefined ? ['response', 'ignore'] : ['response']);
 
 // The channel of a row in the case, for a change. A list of sensors begins with those of the modes.json.
 export const writable = (doc, list, row, known, support) => {
@@ -161,6 +163,11 @@ export const setRole = (doc, list, row, role, known, support) => {
     return;
   }
   channel.role = role;
+  if (list.ofMasses) {
+    const own = { response: ['mass', 'quantity', 'frame'], force: ['mass'] }[role] ?? [];
+    for (const key of ['mass', 'quantity', 'frame', ...(role === 'ignore' ? ['unit', 'scale', 'offset'] : [])]) if (!own.includes(key)) delete channel[key];
+    return;
+  }
   const gone = { response: [], force: ['reference', 'quantity'], time: ['node', 'direction', 'azimuth', 'elevation', 'reference', 'quantity', 'unit'],
     ignore: ['node', 'direction', 'azimuth', 'elevation', 'reference', 'quantity', 'unit', 'scale'] }[role] ?? [];
   for (const key of gone) delete channel[key];
