@@ -266,13 +266,18 @@ test('the channels of a system identification are on its masses', skip, async ()
   await page.locator('.channels td .fault:visible').waitFor();
   await select(page, 'displacement [m]');
   await page.locator('.channels svg.structure .place').click();
+  await ready(page);
+  // Another role and back: the message asks for the quantity, which went with the role.
+  await page.selectOption('[aria-label="Role of displacement [m]"]', 'ignore');
+  await page.selectOption('[aria-label="Role of displacement [m]"]', 'response');
+  await page.locator('.channels svg.structure .place').click();
+  await page.locator('.channels td .fault:visible', { hasText: 'must be "displacement"' }).waitFor();
+  assert.equal(await page.getAttribute('[aria-label="quantity of displacement [m]"]', 'aria-invalid'), 'true');
   await page.selectOption('[aria-label="quantity of displacement [m]"]', 'velocity');
-  await ready(page, /\/record|Valid/);
-  await page.selectOption('[aria-label="quantity of displacement [m]"]', '');
   await ready(page);
   await page.selectOption('[aria-label="Role of force [N]"]', 'base-acceleration');
   await save(page);
-  assert.deepEqual(read('sid/sid.json').record.channels.slice(1), [{ column: 'force [N]', role: 'base-acceleration' }, { column: 'displacement [m]', role: 'response', mass: 1 }]);
+  assert.deepEqual(read('sid/sid.json').record.channels.slice(1), [{ column: 'force [N]', role: 'base-acceleration' }, { column: 'displacement [m]', role: 'response', mass: 1, quantity: 'velocity' }]);
   await close();
 });
 

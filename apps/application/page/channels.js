@@ -316,8 +316,8 @@ export class ChannelPanel {
     const support = this.support(), options = directionsOf(this.list(), support), { channel } = row;
     if (this.list().ofMasses) {
       if (row.role !== 'response') return element('td', {});
-      const quantity = element('select', { id: id('quantity'), 'aria-label': `quantity of ${row.name}`, onchange: () => this.change(row, (own) => { if (quantity.value) own.quantity = quantity.value; else delete own.quantity; }) },
-        [['', 'from the unit'], ...['displacement', 'velocity', 'acceleration'].map((one) => [one, one])].map(([value, text]) => element('option', { value, selected: (channel.quantity ?? '') === value }, text)));
+      const quantity = element('select', { id: id('quantity'), 'aria-label': `quantity of ${row.name}`, onchange: () => this.change(row, (own) => { own.quantity = quantity.value; }) },
+        [...(channel.quantity ? [] : ['']), 'displacement', 'velocity', 'acceleration'].map((one) => element('option', { value: one, selected: (channel.quantity ?? '') === one }, one || '–')));
       return cell('quantity', quantity);
     }
     const angles = channel.azimuth !== undefined || channel.elevation !== undefined;

@@ -165,7 +165,7 @@ export const setRole = (doc, list, row, role, known, support) => {
   channel.role = role;
   if (list.ofMasses) {
     const own = { response: ['mass', 'quantity', 'frame'], force: ['mass'] }[role] ?? [];
-    for (const key of ['mass', 'quantity', 'frame', ...(role === 'ignore' ? ['unit', 'scale', 'offset'] : [])]) if (!own.includes(key)) delete channel[key];
+    for (const key of ['mass', 'quantity', 'frame', ...({ ignore: ['unit', 'scale', 'offset'], time: ['unit', 'offset'] }[role] ?? [])]) if (!own.includes(key)) delete channel[key];
     return;
   }
   const gone = { response: [], force: ['reference', 'quantity'], time: ['node', 'direction', 'azimuth', 'elevation', 'reference', 'quantity', 'unit'],
