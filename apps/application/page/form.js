@@ -359,6 +359,7 @@ export class Form {
       title: 'Type numbers, or paste cells of a spreadsheet; - for a value not measured', oninput: () => {
         const read = matrix ? tableOf(area.value) : listOf(area.value);
         const bad = !read || (matrix && read.some((row) => row.includes(undefined)));
+        area.rows = Math.max(area.rows, Math.min(8, area.value.split('\n').length)); // lines that were pasted
         count.textContent = bad ? 'not all of this is a number' : matrix ? `${read.length} rows` : `${read.length} numbers`;
         if (!bad) this.set(path, read);
       } });
