@@ -223,14 +223,14 @@ export const recordView = async (place, name) => {
     roles, element('p', { class: 'buttons' }, make));
   listChannels();
   await draw();
-  await attempt(findCases);
-  await attempt(() => openPanel(cases[0]));
   // The quality of all channels can take longer than reading and drawing.
   attempt(async () => {
     const { tables: checks } = await get('checks', { name });
     contents.tables.forEach((one, i) => one.channels.forEach((channel, c) => Object.assign(channel, checks[i][c])));
     if (open) showChecks();
   });
+  await attempt(findCases);
+  await attempt(() => openPanel(cases[0]));
   const close = () => {
     open = false;
     panel?.close();
