@@ -252,6 +252,22 @@ test('set-ups on the structure of another case, in space, with names that are HT
   assert.deepEqual(made.records[0].channels, channels);
   assert.deepEqual(made.records[1].channels, [channels[0], { column: 'b', role: 'response', node: hostile, direction: 'x' }, { column: 'c', role: 'response', node: '2', direction: '-z' }]);
   assert.equal(made.geometry, 'frame.json');
+  // The record does not state its sampling rate: the viewer takes it from the case, or as it is typed.
+  await go(page, '#/record/space%2Ftwo.csv');
+  await page.locator('figure', { hasText: 'Spectrum of' }).waitFor();
+  assert.equal(await page.inputValue('[aria-label="Sampling rate in Hz"]'), '50');
+  assert.equal(await page.locator('.channels .buttons select').evaluate((one) => one.selectedIndex), 1); // the set-up of this record
+  await page.fill('[aria-label="Sampling rate in Hz"]', '');
+  await page.locator('[aria-label="Sampling rate in Hz"]').blur();
+  await page.locator('text=the file does not state its sampling rate').waitFor();
+  await page.fill('[aria-label="Sampling rate in Hz"]', '100');
+  await page.locator('[aria-label="Sampling rate in Hz"]').blur();
+  await page.locator('figure', { hasText: 'Spectrum of' }).locator('text', { hasText: /^50$/ }).waitFor();
+  // A modes.json that is not there: the message stays, and the list shows what the case states.
+  write('space/gone.json', { ...read('beam/damage.json'), data: { from: 'none/modes.json', sensors: [{ at: 0.2 }] } });
+  await go(page, '#/channels/space%2Fgone.json');
+  await page.locator('#message.bad', { hasText: 'modes.json' }).waitFor();
+  assert.equal(await arrows(page).count(), 1);
   await close();
 });
 

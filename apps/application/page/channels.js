@@ -1,5 +1,5 @@
 // What becomes of each channel of a case: role, place, direction and sign, set in a list and on the drawn structure.
-import { ask, attempt, button, element, number, say } from './dom.js';
+import { ask, attempt, background, button, element, number, say } from './dom.js';
 import { Drawing } from './drawing.js';
 import { folderOf, relative } from './modes_case.js';
 import { pointerOf, written } from './schema.js';
@@ -80,7 +80,7 @@ export class ChannelPanel {
     const list = this.list();
     this.known = [];
     this.fault = null;
-    await attempt(async () => { this.known = (await this.knownOf(list)) ?? []; });
+    await background(async () => { this.known = (await this.knownOf(list)) ?? []; });
     await this.findStructure();
     this.rows = rowsOf(this.doc, list, this.known);
     const open = this.nextWithout(-1);

@@ -41,15 +41,20 @@ export const say = (text, bad = false) => {
   if (text && !bad) fading = setTimeout(() => { place.hidden = true; }, 5000);
 };
 
-// Runs an action of the user; a failure is shown, not thrown.
-export const attempt = async (action) => {
+// Runs an action that the user did not start; a failure is shown, not thrown.
+export const background = async (action) => {
   try {
-    say('');
     return await action();
   } catch (error) {
     say(error.message, true);
     return undefined;
   }
+};
+
+// Runs an action of the user, which removes the last message.
+export const attempt = (action) => {
+  say('');
+  return background(action);
 };
 
 // A dialog with fields; resolves to their values, or to undefined if it is closed.

@@ -1,7 +1,7 @@
 // The data viewer: channels of a measured file, zoomed in on the server, with spectra; and what becomes of the channels in
 // a modal case.
 import { ChannelPanel, columnsOf } from './channels.js';
-import { ask, attempt, button, element, number, svg } from './dom.js';
+import { ask, attempt, background, button, element, number, svg } from './dom.js';
 import { folderOf } from './modes_case.js';
 import { plot } from './plot.js';
 import { written } from './schema.js';
@@ -224,13 +224,13 @@ export const recordView = async (place, name) => {
   listChannels();
   await draw();
   // The quality of all channels can take longer than reading and drawing.
-  attempt(async () => {
+  background(async () => {
     const { tables: checks } = await get('checks', { name });
     contents.tables.forEach((one, i) => one.channels.forEach((channel, c) => Object.assign(channel, checks[i][c])));
     if (open) showChecks();
   });
-  await attempt(findCases);
-  await attempt(() => openPanel(cases[0]));
+  await background(findCases);
+  await background(() => openPanel(cases[0]));
   const close = () => {
     open = false;
     panel?.close();
