@@ -169,14 +169,13 @@ Report record_spectrum(const MeasuredFile& file, const RecordWindow& window) {
   std::vector<double> x(all.begin() + begin, all.begin() + std::min(end, std::ssize(all)));
   const std::optional<double> rate =
       table.sample_rate_hz ? table.sample_rate_hz : window.sample_rate_hz;
-  const bool usable = rate && x.size() >= 16 &&
-                      std::ranges::all_of(x, [](double v) { return std::isfinite(v); });
+  const bool usable =
+      rate && x.size() >= 16 && std::ranges::all_of(x, [](double v) { return std::isfinite(v); });
   if (usable) {
     signals::detrend(x, 0);
     int segment = 16;
     while (static_cast<std::size_t>(segment) * 8 < x.size() && segment < 8192) segment *= 2;
-    const signals::Spectrum spectrum =
-        signals::welch(x, *rate, {.segment = segment});
+    const signals::Spectrum spectrum = signals::welch(x, *rate, {.segment = segment});
     for (std::size_t i = 0; i < spectrum.density.size(); ++i) {
       frequencies.push_back(compact(spectrum.frequencies_hz[i]));
       density.push_back(short_number(spectrum.density[i]));
