@@ -223,14 +223,15 @@ export const recordView = async (place, name) => {
     roles, element('p', { class: 'buttons' }, make));
   listChannels();
   await draw();
-  // The quality of all channels can take longer than reading and drawing.
+  await background(findCases);
+  await background(() => openPanel(cases[0]));
+  // The quality of all channels can take longer than reading and drawing, and uses all cores: the browser draws first.
   background(async () => {
+    await new Promise((done) => { setTimeout(done, 50); });
     const { tables: checks } = await get('checks', { name });
     contents.tables.forEach((one, i) => one.channels.forEach((channel, c) => Object.assign(channel, checks[i][c])));
     if (open) showChecks();
   });
-  await background(findCases);
-  await background(() => openPanel(cases[0]));
   const close = () => {
     open = false;
     panel?.close();
