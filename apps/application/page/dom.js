@@ -31,6 +31,12 @@ export const charts = { number };
 
 export const seconds = (s) => (s < 90 ? `${Math.round(s)} s` : s < 5400 ? `${Math.round(s / 60)} min` : `${number(s / 3600, 2)} h`);
 
+// After the next frames; a hidden page has none, and waits a second.
+export const painted = () => new Promise((done) => {
+  setTimeout(done, 1000);
+  requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 100)));
+});
+
 let fading;
 export const say = (text, bad = false) => {
   const place = document.getElementById('message');

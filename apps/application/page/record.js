@@ -1,7 +1,7 @@
 // The data viewer: channels of a measured file, zoomed in on the server, with spectra; and what becomes of the channels in
 // a modal case.
 import { ChannelPanel, columnsOf } from './channels.js';
-import { ask, attempt, background, button, element, number, svg } from './dom.js';
+import { ask, attempt, background, button, element, number, painted, svg } from './dom.js';
 import { folderOf } from './modes_case.js';
 import { plot } from './plot.js';
 import { written } from './schema.js';
@@ -227,7 +227,7 @@ export const recordView = async (place, name) => {
   await background(() => openPanel(cases[0]));
   // The quality of all channels can take longer than reading and drawing, and uses all cores: the browser draws first.
   background(async () => {
-    await new Promise((done) => { setTimeout(done, 50); });
+    await painted();
     const { tables: checks } = await get('checks', { name });
     contents.tables.forEach((one, i) => one.channels.forEach((channel, c) => Object.assign(channel, checks[i][c])));
     if (open) showChecks();
