@@ -239,7 +239,7 @@ test('set-ups on the structure of another case, in space, with names that are HT
   assert.equal(await page.locator('.channels button', { hasText: /^Undo$/ }).isDisabled(), true);
   // The second set-up: channel b, then the unused column c, which becomes a channel.
   await page.selectOption('.channels .buttons select', { index: 1 });
-  await node(page, hostile).waitFor();
+  await page.waitForFunction(() => !document.querySelector('.channels').inert);
   await select(page, 'b');
   await node(page, hostile).click();
   await select(page, 'c');

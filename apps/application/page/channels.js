@@ -80,12 +80,17 @@ export class ChannelPanel {
     const list = this.list();
     this.known = [];
     this.fault = null;
+    // What is clicked meanwhile would be lost.
+    const focused = this.lists.contains(document.activeElement);
+    this.node.inert = true;
     await background(async () => { this.known = (await this.knownOf(list)) ?? []; });
     await this.findStructure();
+    this.node.inert = false;
     this.rows = rowsOf(this.doc, list, this.known);
     const open = this.nextWithout(-1);
     this.selected = Math.max(0, open >= 0 ? open : this.rows.findIndex((row) => ['response', 'force'].includes(row.role)));
     this.show();
+    if (focused) this.lists.querySelector('select')?.focus();
     if (!this.draft) this.check();
   }
 
