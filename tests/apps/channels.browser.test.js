@@ -271,6 +271,42 @@ test('set-ups on the structure of another case, in space, with names that are HT
   await close();
 });
 
+test('angles of a modes.json stay in the modal case, and malformed cases break nothing', skip, async () => {
+  fs.cpSync(at('tower/modal-modal-results'), at('turned-results'), { recursive: true });
+  const modes = read('turned-results/modes.json');
+  Object.assign(modes.sensors[1], { azimuth: 30, elevation: 0 });
+  delete modes.sensors[1].direction;
+  write('turned-results/modes.json', modes);
+  const portal = read('portal/damage.json');
+  portal.structure.nodes = { 1: [0, 0], 2: [0, 1], 3: [1, 1], 4: [1, 0] };
+  portal.structure = JSON.parse(JSON.stringify(portal.structure).replaceAll('"A"', '"1"').replaceAll('"B"', '"2"').replaceAll('"C"', '"3"').replaceAll('"D"', '"4"'));
+  portal.data = { from: 'turned-results/modes.json' };
+  write('turned.json', portal);
+  const { page, close } = await open('#/channels/turned.json');
+  await page.locator('.channels tbody tr').nth(2).waitFor();
+  await select(page, 'floor 3');
+  await node(page, '4').click();
+  await page.locator('#message.bad', { hasText: 'floor 2 of turned-results/modes.json has azimuth and elevation' }).waitFor();
+  assert.equal(await page.locator('.channels button', { hasText: /^Undo$/ }).isDisabled(), true);
+  assert.equal(await page.locator('.channels button', { hasText: /^Save$/ }).isDisabled(), true);
+  const odd = [
+    { kind: 'modal', record: { file: 'x.csv', channels: [null, 5, { column: 'a', role: 'weird' }] }, geometry: { nodes: { constructor: [0, 0], b: 'x' }, lines: [['b'], 5, ['constructor', 'zz']], fixed: 5 } },
+    { kind: 'modal', records: [null, 5, { file: 7 }], geometry: '../../etc/passwd' },
+    { kind: 'damage', structure: { nodes: { a: [0, 0] }, members: [{}, { nodes: ['a', 'q'], name: 'm' }] }, data: { from: 5, sensors: [1, 'x', null, { member: 'm', at: 1, direction: 5 }] } },
+    { kind: 'sid', record: { file: 'a' }, models: 'x' }];
+  page.on('dialog', (dialog) => dialog.accept());
+  for (const [i, json] of odd.entries()) {
+    write(`odd-${i}.json`, json);
+    for (const view of ['case', 'channels']) await go(page, `#/${view}/odd-${i}.json`);
+    for (const one of await page.locator('.channels tbody button').all()) {
+      await one.click();
+      if (await page.locator('.channels .node').count()) await page.locator('.channels .node').first().click();
+    }
+    await go(page, '#/');
+  }
+  await close();
+});
+
 test('the channels of a system identification are on its masses', skip, async () => {
   run('init', 'sid', '-o', at('sid'));
   const { page, close } = await open('#/record/sid%2Fsid.csv');

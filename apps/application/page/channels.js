@@ -16,9 +16,9 @@ export const columnsOf = (table) => table?.channels ?? [];
 // The channels that a list of the case refers to: columns of its record, or sensors of its modes.json.
 const knownOf = async (name, doc, list) => {
   const block = list.path.reduce((node, key) => node?.[key], doc);
-  const file = resolved(folderOf(name), (list.kind === 'record' ? block.file : block.from) ?? '');
+  const file = resolved(folderOf(name), (list.kind === 'record' ? block?.file : block?.from) ?? '');
   if (list.kind === 'record') return file ? columnsOf((await get('record', { name: file })).tables[0]) : [];
-  if (!block.from) return [];
+  if (!block?.from) return [];
   if (!file?.endsWith('/modes.json')) throw new Error(`${block.from}: the application reads the names of sensors from a file modes.json below its folder only.`);
   return (await get('result', { name: file.slice(0, -'/modes.json'.length), file: 'modes.json' })).sensors;
 };
@@ -100,7 +100,7 @@ export class ChannelPanel {
 
   // ------------------------------------------------------------------- edits
 
-  // Changes the case. `typed` names the field while its text is typed: one step of undo, and the table stays.
+  // Changes the case; false if the action fails. `typed` names the field while its text is typed: one step of undo, and the table stays.
   edit(action, typed = null) {
     const before = written(this.doc), row = this.rows[this.selected];
     try {
@@ -109,14 +109,15 @@ export class ChannelPanel {
       this.doc = JSON.parse(before);
       say(error.message, true);
       this.show();
-      return;
+      return false;
     }
-    if (written(this.doc) === before) { if (!typed) this.show(); return; }
+    if (written(this.doc) === before) { if (!typed) this.show(); return true; }
     if (!typed || typed !== this.typed) this.undone.push(before);
     this.typed = typed;
     if (this.undone.length > 300) this.undone.shift();
     this.redone.length = 0;
     this.after(row, typed !== null);
+    return true;
   }
 
   after(row, light = false) {
@@ -139,20 +140,19 @@ export class ChannelPanel {
     });
   }
 
-  change(row, action, typed) { this.edit(() => action(writable(this.doc, this.list(), row, this.known, this.support())), typed); }
+  change(row, action, typed) { return this.edit(() => action(writable(this.doc, this.list(), row, this.known, this.support())), typed); }
 
   // A place picked on the drawing, for the selected channel.
   put(place) {
     const row = this.rows[this.selected], support = this.support();
     if (!row) return;
     if (!takesPlace(row) && row.role !== 'ignore') { say(`${row.name} has the role ${roleWords[row.role] ?? row.role}: it has no place.`, true); return; }
-    this.change(row, (channel) => {
+    const done = this.change(row, (channel) => {
       if (row.role === 'ignore' && this.list().kind === 'record') channel.role = 'response';
       setPlace(channel, place, support);
       if (!vectorOf(channel, support)) setDirection(channel, this.freeDirection(place, row), support);
     });
-    const { channel } = this.rows[this.selected], name = this.words(channel);
-    this.announce(`${row.name}: ${name}.`);
+    if (done) this.announce(`${row.name}: ${this.words(this.rows[this.selected].channel)}.`);
   }
 
   // The last direction, or the next axis that no other channel has at this place.
@@ -311,7 +311,7 @@ export class ChannelPanel {
     if (support === 'beam') return { at: isNumber ? x : text };
     if (support === 'chain') return Number.isInteger(x) ? { mass: x } : { node: text };
     if (support === 'matrices') return row.channel.dof !== undefined && isNumber ? { dof: x } : { node: text };
-    const structure = this.structure(), member = this.list().kind === 'modes' && !(text in (structure?.nodes ?? {})) && (structure?.members ?? []).find((one) => one.name === text);
+    const structure = this.structure(), member = this.list().kind === 'modes' && !Object.hasOwn(structure?.nodes ?? {}, text) && (structure?.members ?? []).find((one) => one.name === text);
     if (!member) return { node: text };
     const [a, b] = member.nodes.map((name) => structure.nodes[name]);
     return { member: text, at: Number((row.channel.at ?? (Array.isArray(a) && Array.isArray(b) ? Math.hypot(...a.map((v, i) => v - b[i])) / 2 : 0)).toPrecision(4)) };
@@ -329,7 +329,7 @@ export class ChannelPanel {
     if (support === 'matrices') return cell('direction', element('input', { id: id('direction'), class: 'short', value: channel.direction ?? '', 'aria-label': `direction of ${row.name}`, oninput: (event) => { const text = event.target.value.trim(); this.change(row, (own) => { if (text) own.direction = text; else delete own.direction; }, id('direction')); } }));
     const now = angles ? 'angles' : channel.direction ?? { beam: 'deflection', chain: placeOf(channel, support) ? 'x' : '' }[support] ?? '';
     const select = element('select', { id: id('direction'), 'aria-label': `direction of ${row.name}`, onchange: () => this.turnTo(row, select.value) },
-      [...(now && options.includes(now) ? [] : [now]), ...options].map((one) => element('option', { value: one, selected: one === now }, one.replace('-', '−') || '–')));
+      [...(now && options.includes(now) ? [] : [now]), ...options].map((one) => element('option', { value: one, selected: one === now }, String(one).replace('-', '−') || '–')));
     const angle = (key, label) => element('label', { class: 'inline', 'data-pointer': `${row.pointer}/${key}` }, label, element('input', { id: id(key), class: 'angle', inputmode: 'decimal', value: String(channel[key] ?? 0), 'aria-label': `${key} of ${row.name} in degrees`,
       oninput: (event) => { const x = Number(event.target.value.replace(',', '.')); this.change(row, (own) => { own[key] = event.target.value.trim() !== '' && Number.isFinite(x) ? x : event.target.value; }, id(key)); } }), '°');
     return cell('direction', select, angles ? element('span', { class: 'angles' }, angle('azimuth', 'az. '), angle('elevation', 'el. ')) : null);
@@ -436,7 +436,7 @@ export const channelsView = async (place, name) => {
     return undefined;
   }
   const panel = new ChannelPanel({ name, doc, version: opened.version, changed: () => { document.title = `${panel.unsaved() ? '• ' : ''}${name} · Wheeltap`; } });
-  const records = [...new Set(channelLists(doc).filter((list) => list.kind === 'record').map((list) => resolved(folderOf(name), list.path.reduce((node, key) => node[key], doc).file ?? '')).filter(Boolean))];
+  const records = [...new Set(channelLists(doc).filter((list) => list.kind === 'record').map((list) => resolved(folderOf(name), list.path.reduce((node, key) => node?.[key], doc)?.file ?? '')).filter(Boolean))];
   place.replaceChildren(element('h1', {}, `Channels of ${name}`),
     element('p', { class: 'actions' }, edit, records.slice(0, 20).map((file) => element('a', { href: `#/record/${encodeURIComponent(file)}` }, `Record ${file}`))), panel.node);
   await panel.load();

@@ -137,6 +137,7 @@ export const writable = (doc, list, row, known, support) => {
       block.channels.push({ column: columnOf(row.column, known), role: 'response' });
       row.i = block.channels.length - 1;
     }
+    if (!block.channels[row.i] || typeof block.channels[row.i] !== 'object') block.channels[row.i] = {};
     return block.channels[row.i];
   }
   if (!Array.isArray(block.sensors)) {
@@ -151,7 +152,7 @@ export const writable = (doc, list, row, known, support) => {
     });
   }
   while (block.sensors.length <= row.i) block.sensors.push(null);
-  block.sensors[row.i] ??= {};
+  if (!block.sensors[row.i] || typeof block.sensors[row.i] !== 'object') block.sensors[row.i] = {};
   return block.sensors[row.i];
 };
 
