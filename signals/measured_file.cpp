@@ -86,6 +86,7 @@ MeasuredTable table_of(io::Columns columns, std::optional<double> stated, bool r
     std::string possible = possible_unit_of(column);
     out.channels.push_back({.name = column.name,
                             .unit = std::move(unit),
+                            .number = static_cast<int>(c) + 1,
                             .possible_unit = std::move(possible),
                             .values = std::move(column.values)});
   }

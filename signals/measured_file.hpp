@@ -15,6 +15,7 @@ namespace wheeltap::signals {
 
 struct MeasuredChannel {
   std::string name = {}, unit = {};
+  int number = 0;  ///< number of the column in the file, from 1; 0: unknown
   /// A unit that the column's name may denote. Wheeltap does not convert values with this unit.
   /// Empty if the name denotes no unit.
   std::string possible_unit = {};

@@ -267,6 +267,17 @@ class Application {
     return out;
   }
 
+  /// A positive number; none without this parameter.
+  static std::optional<double> positive(const Request& request, const char* name) {
+    if (!request.has_param(name)) return {};
+    const std::string text = request.get_param_value(name);
+    double out = 0.0;
+    const auto [end, error] = std::from_chars(text.data(), text.data() + text.size(), out);
+    if (error != std::errc() || end != text.data() + text.size() || !(out > 0.0 && out < 1e12))
+      throw Refused{400, std::string(name) + ": must be a positive number"};
+    return out;
+  }
+
   void get_data(const std::string& what, const Request& request, Response& response) {
     if (what == "projects") return answer(response, projects());
     if (what == "runs") return answer(response, {{"runs", runs_.list()}});
@@ -317,7 +328,8 @@ class Application {
     RecordWindow window{.table = static_cast<std::size_t>(number(request, "table", 0)),
                         .begin = number(request, "begin", 0),
                         .end = number(request, "end", 0),
-                        .points = number(request, "points", 1000)};
+                        .points = number(request, "points", 1000),
+                        .sample_rate_hz = positive(request, "rate")};
     const std::string channels =
         request.has_param("channels") ? request.get_param_value("channels") : "0";
     for (std::size_t at = 0; at <= channels.size();) {

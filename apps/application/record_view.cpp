@@ -120,7 +120,9 @@ Report record_contents(const MeasuredFile& file) {
   for (const MeasuredTable& table : file.tables) {
     Report channels = Report::array();
     for (const MeasuredChannel& channel : table.channels)
-      channels.push_back({{"name", channel.name}, {"unit", channel.unit}});
+      channels.push_back({{"name", channel.name},
+                          {"unit", channel.unit},
+                          {"number", file.universal ? 0 : channel.number}});
     Report one = {{"rows", table.rows()},
                   {"is_time", table.is_time},
                   {"time_column", table.is_time ? table.abscissa : std::string()},
@@ -165,14 +167,15 @@ Report record_spectrum(const MeasuredFile& file, const RecordWindow& window) {
   Report frequencies = Report::array(), density = Report::array();
   const auto [begin, end] = rows_of_window(table, window);
   std::vector<double> x(all.begin() + begin, all.begin() + std::min(end, std::ssize(all)));
-  const bool usable = table.sample_rate_hz && x.size() >= 16 &&
-                      std::ranges::all_of(x, [](double v) { return std::isfinite(v); });
+  const std::optional<double> rate =
+      table.sample_rate_hz ? table.sample_rate_hz : window.sample_rate_hz;
+  const bool usable =
+      rate && x.size() >= 16 && std::ranges::all_of(x, [](double v) { return std::isfinite(v); });
   if (usable) {
     signals::detrend(x, 0);
     int segment = 16;
     while (static_cast<std::size_t>(segment) * 8 < x.size() && segment < 8192) segment *= 2;
-    const signals::Spectrum spectrum =
-        signals::welch(x, *table.sample_rate_hz, {.segment = segment});
+    const signals::Spectrum spectrum = signals::welch(x, *rate, {.segment = segment});
     for (std::size_t i = 0; i < spectrum.density.size(); ++i) {
       frequencies.push_back(compact(spectrum.frequencies_hz[i]));
       density.push_back(short_number(spectrum.density[i]));

@@ -5,6 +5,7 @@
 #include <list>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -44,8 +45,9 @@ class OpenRecords {
 struct RecordWindow {
   std::size_t table = 0;
   std::vector<std::size_t> channels = {};
-  long begin = 0, end = 0;  ///< rows [begin, end), cut to the table
-  long points = 1000;       ///< largest number of points or intervals
+  long begin = 0, end = 0;                    ///< rows [begin, end), cut to the table
+  long points = 1000;                         ///< largest number of points, or of intervals
+  std::optional<double> sample_rate_hz = {};  ///< for a table whose sampling rate is unknown [Hz]
 };
 
 /// Returns {begin, end, exact, step, channels: [{low: […], high: […]}, …]}. The window is divided
@@ -55,8 +57,8 @@ struct RecordWindow {
 [[nodiscard]] Report record_window(const MeasuredFile& file, const RecordWindow& window);
 
 /// Returns {frequencies_hz, density: […]} of one channel: at most `points` spectral lines, the
-/// highest line of each interval. The lists are empty if the sampling rate is unknown. Throws
-/// std::invalid_argument as record_window does.
+/// highest line of each interval. The lists are empty if neither the file nor the window states the
+/// sampling rate. Throws std::invalid_argument as record_window does.
 [[nodiscard]] Report record_spectrum(const MeasuredFile& file, const RecordWindow& window);
 
 }  // namespace wheeltap::apps

@@ -1,79 +1,16 @@
 // The application in headless Chromium: a newcomer's path by clicks and typing, poles chosen on a diagram, the speed of
-// the drawing, and what axe-core finds. WHEELTAP names the program; WHEELTAP_SHOTS a folder for screenshots. Without
-// Chromium or the packages of package.json, the tests are skipped with a message.
+// the drawing, and what axe-core finds. application_kit.js names the environment.
 const test = require('node:test');
 const assert = require('node:assert/strict');
-const { spawn, spawnSync } = require('node:child_process');
+const { spawnSync } = require('node:child_process');
 const fs = require('node:fs');
 const os = require('node:os');
 const path = require('node:path');
+const { application, program, shots, skip, why, axe } = require('./application_kit.js');
 
-const program = process.env.WHEELTAP;
-const shots = process.env.WHEELTAP_SHOTS;
-const chromiumPath = process.env.CHROMIUM || '/usr/bin/chromium';
-let chromium, axe, why;
-try {
-  ({ chromium } = require('playwright-core'));
-  axe = fs.readFileSync(require.resolve('axe-core/axe.min.js'), 'utf8');
-} catch {
-  why = 'the packages of package.json are not installed: npm ci';
-}
-if (!fs.existsSync(chromiumPath)) why = `there is no ${chromiumPath}`;
-const skip = why ? { skip: why } : {};
-if (why) console.log(`skipped: ${why}`);
-
-let browser, folder, server, address;
-const quiet = { stdio: ['ignore', 'pipe', 'inherit'] };
-test.before(async () => {
-  if (why) return;
-  folder = fs.mkdtempSync(path.join(os.tmpdir(), 'wheeltap-app-'));
-  server = spawn(program, ['app', folder], quiet);
-  address = await new Promise((resolve) => {
-    let text = '';
-    server.stdout.on('data', (data) => { text += data; const found = /http:\S+/.exec(text); if (found) resolve(found[0]); });
-  });
-  browser = await chromium.launch({ executablePath: chromiumPath, args: ['--no-sandbox'] });
-});
-test.after(async () => {
-  await browser?.close();
-  if (server) {
-    const ended = new Promise((resolve) => { server.on('exit', resolve); });
-    server.kill('SIGINT');
-    assert.equal(await ended, 0);
-  }
-  if (folder) fs.rmSync(folder, { recursive: true });
-});
-
-const open = async (place = '#/', options = {}) => {
-  const context = await browser.newContext({ viewport: { width: 1400, height: 1000 }, ...options });
-  const page = await context.newPage();
-  const complaints = [];
-  page.on('console', (message) => { if (['error', 'warning'].includes(message.type()) && !/status of 4\d\d/.test(message.text())) complaints.push(message.text()); });
-  page.on('pageerror', (error) => complaints.push(String(error)));
-  page.on('request', (request) => { if (!request.url().startsWith(new URL(address).origin) && !/^(data|blob):/.test(request.url())) complaints.push(`request to ${request.url()}`); });
-  await page.goto(address + place);
-  await page.waitForSelector('html[data-ready]');
-  return { page, close: async () => { assert.deepEqual(complaints, []); await context.close(); } };
-};
-const go = async (page, place) => {
-  await page.evaluate((to) => { location.hash = to; }, place);
-  await page.waitForFunction((to) => document.documentElement.dataset.ready === to, place);
-};
-const field = (page, pointer) => page.locator(`[data-pointer="${pointer}"]`).first();
-const input = (page, pointer) => page.locator(`[id="f:${pointer}"]`);
-const status = (page, text) => page.locator('.status', { hasText: text }).first().waitFor({ timeout: 30000 });
-const read = (name) => JSON.parse(fs.readFileSync(path.join(folder, name), 'utf8'));
-const shot = async (page, name) => {
-  if (!shots) return;
-  fs.mkdirSync(shots, { recursive: true });
-  await page.evaluate(() => scrollTo(0, 0));
-  await page.screenshot({ path: path.join(shots, `application-${name}.png`) });
-};
-const run = (...words) => {
-  const done = spawnSync(program, words, { encoding: 'utf8' });
-  assert.equal(done.status, 0, done.stderr);
-  return done.stdout;
-};
+const { at, open, go, field, input, status, read, shot, run } = application(test);
+let folder;
+test.before(() => { folder = at(); });
 
 // The command line gives the same bits from the same file and seed.
 const sameBits = (name, results) => {
@@ -178,7 +115,7 @@ test('from a raw record to chosen poles, modes.json and a damage case', skip, as
   await page.fill('[aria-label="Highest frequency of the band in Hz"]', '20');
   for (const i of [1, 2, 3]) {
     await page.fill(`[aria-label="node of floor ${i}"]`, String(i));
-    await page.fill(`[aria-label="direction of floor ${i}"]`, 'x');
+    await page.selectOption(`[aria-label="direction of floor ${i}"]`, 'x');
   }
   await page.click('text=New modal case from this record');
   await page.click('dialog >> text=Create');

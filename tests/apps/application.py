@@ -408,7 +408,7 @@ def records_are_decimated_on_the_server(root):
     with App(folder) as app:
         assert [r["name"] for r in app.get("projects")["records"]] == ["record.csv"]
         table = app.get("record", name="record.csv")["tables"][0]
-        assert table["rows"] == 5000 and abs(table["sample_rate_hz"] - 100) < 1e-6 and table["channels"][0]["unit"] == "m/s^2", table
+        assert table["rows"] == 5000 and abs(table["sample_rate_hz"] - 100) < 1e-6 and table["channels"][0]["unit"] == "m/s^2" and table["channels"][0]["number"] == 2, table
         channel = app.get("checks", name="record.csv")["tables"][0][0]
         rms = math.sqrt(sum(v * v for v in values) / 5000)
         assert abs(channel["rms"] / rms - 1) < 1e-9 and any("spike" in fault for fault in channel["faults"]), channel
@@ -423,6 +423,13 @@ def records_are_decimated_on_the_server(root):
         assert len(spectrum["frequencies_hz"]) == len(spectrum["density"]) > 100
         for bad in ({"channels": "1"}, {"channels": "x"}, {"channels": "0,"}, {"table": 5}, {"begin": 6000}, {"begin": "-1"}, {"points": "1e3"}):
             app.get("window", 400, name="record.csv", **bad)
+        # A record whose sampling rate is typed.
+        (folder / "values.csv").write_text("a\n" + "".join(f"{v}\n" for v in values))
+        assert app.get("record", name="values.csv")["tables"][0]["channels"][0]["number"] == 1
+        assert app.get("spectrum", name="values.csv", channels="0")["frequencies_hz"] == []
+        assert abs(app.get("spectrum", name="values.csv", channels="0", rate="12.5")["frequencies_hz"][-1] - 6.25) < 1e-4
+        for bad in ("0", "-1", "x", "nan", "inf", "1e400", "5Hz", ""):
+            app.get("spectrum", 400, name="values.csv", channels="0", rate=bad)
 
 
 def drawing(*entities):

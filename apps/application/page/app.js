@@ -1,12 +1,13 @@
 // The pages of the application, chosen by the part of the address after #.
+import { channelsView } from './channels.js';
 import { attempt, element } from './dom.js';
 import { editorView } from './editor.js';
 import { polesView } from './poles.js';
 import { projectsView, resultView } from './projects.js';
 import { recordView } from './record.js';
 
-const views = { case: editorView, result: resultView, record: recordView, poles: polesView };
-const words = { case: 'Case', result: 'Results', record: 'Record', poles: 'Poles' };
+const views = { case: editorView, result: resultView, record: recordView, poles: polesView, channels: channelsView };
+const words = { case: 'Case', result: 'Results', record: 'Record', poles: 'Poles', channels: 'Channels' };
 const content = document.getElementById('content');
 let close, shown = location.hash, turn = 0;
 

@@ -31,6 +31,12 @@ export const charts = { number };
 
 export const seconds = (s) => (s < 90 ? `${Math.round(s)} s` : s < 5400 ? `${Math.round(s / 60)} min` : `${number(s / 3600, 2)} h`);
 
+// After the next frames; a hidden page has none, and waits a second.
+export const painted = () => new Promise((done) => {
+  setTimeout(done, 1000);
+  requestAnimationFrame(() => requestAnimationFrame(() => setTimeout(done, 100)));
+});
+
 let fading;
 export const say = (text, bad = false) => {
   const place = document.getElementById('message');
@@ -41,15 +47,20 @@ export const say = (text, bad = false) => {
   if (text && !bad) fading = setTimeout(() => { place.hidden = true; }, 5000);
 };
 
-// Runs an action of the user; a failure is shown, not thrown.
-export const attempt = async (action) => {
+// Runs an action that the user did not start; a failure is shown, not thrown.
+export const background = async (action) => {
   try {
-    say('');
     return await action();
   } catch (error) {
     say(error.message, true);
     return undefined;
   }
+};
+
+// Runs an action of the user, which removes the last message.
+export const attempt = (action) => {
+  say('');
+  return background(action);
 };
 
 // A dialog with fields; resolves to their values, or to undefined if it is closed.

@@ -1,6 +1,8 @@
 // The structure of a case, drawn while it is edited. Nodes of plane frames are moved, added, joined and deleted by mouse
-// or by keyboard; structures in space can be turned.
+// or by keyboard; structures in space can be turned. Where places of channels are picked, nothing else is edited.
+import { axesOf, drawArrows } from './arrows.js';
 import { button, element, number, svg } from './dom.js';
+import { allArrows, geometryAsStructure } from './sensors.js';
 
 const coordinates = (place) => (Array.isArray(place) && place.every((x) => typeof x === 'number')
   ? [place[0] ?? 0, place[1] ?? 0, place[2] ?? 0] : null);
@@ -11,33 +13,77 @@ const roundStep = (size) => {
   return [1, 2, 5, 10].map((k) => k * power).find((step) => step >= size / 50) ?? power;
 };
 
+const length = (a, b) => Math.hypot(...a.map((x, k) => x - b[k]));
 const rounded = (x, step) => Number((Math.round(x / step) * step).toPrecision(12));
 
 export class Drawing {
-  // `changed()` is called after an edit of the document, `chosen(pointer)` when a part is picked.
-  constructor(place, { changed, chosen }) {
+  // `changed()` is called after an edit of the document, `chosen(pointer)` when a part is picked. With `picked(place)`
+  // the drawing takes places of channels instead, and `pointed(arrow)` is called when an arrow is clicked.
+  constructor(place, { changed, chosen, picked, pointed }) {
     this.place = place;
     this.changed = changed;
     this.chosen = chosen;
+    this.picked = picked;
+    this.pointed = pointed;
     this.tool = 'move';
     this.azimuth = 0.6;
     this.elevation = 0.35;
   }
 
-  show(doc) {
-    this.doc = doc;
-    const { structure, beam, geometry } = doc ?? {};
-    if (structure?.nodes) return this.frame(structure, '/structure', true);
+  // `named` is the structure of the case that the key geometry names; `arrows` are those of the case by default.
+  show(doc, named, arrows) {
+    const { structure, beam, geometry } = doc ?? {}, drawn = geometryAsStructure(geometry) ?? named;
+    [this.doc, this.named, this.given] = [doc, named, arrows];
+    this.arrows = arrows ?? allArrows(doc ?? {}, structure?.nodes ? structure : drawn);
+    if (structure?.nodes) return this.frame(structure, '/structure', !this.picked);
     if (structure?.chain) return this.chain(structure.chain);
     if (beam) return this.beam(beam);
-    if (geometry?.nodes) {
-      const members = (geometry.lines ?? []).flatMap((line) => line.slice(1).map((to, i) => ({ nodes: [String(line[i]), String(to)] })));
-      return this.frame({ nodes: geometry.nodes, members, supports: (geometry.fixed ?? []).map((node) => ({ node: String(node), fix: ['x', 'y'] })),
-        dimension: Object.values(geometry.nodes).some((p) => p?.length === 3) ? 3 : 2 }, '/geometry', false);
-    }
+    if (drawn) return this.frame(drawn, '/geometry', false);
     if (doc?.models?.[0]?.masses) return this.chain(doc.models[0]);
     this.place.replaceChildren(element('p', { class: 'quiet' }, 'This case has no structure to draw.'));
     return undefined;
+  }
+
+  again() { this.show(this.doc, this.named, this.given); }
+
+  // Lets a part of the drawing be picked as a place by mouse and keyboard.
+  pickable(part, name, place) {
+    if (!this.picked) return;
+    for (const [key, value] of Object.entries({ role: 'button', tabindex: -1, 'aria-label': name })) part.setAttribute(key, value);
+    part.classList.add('place');
+    const pick = () => { this.last = part.dataset.place; this.picked(place()); };
+    part.addEventListener('click', pick);
+    part.addEventListener('keydown', (event) => {
+      if (event.key !== 'Enter' && event.key !== ' ') return;
+      event.preventDefault();
+      pick();
+    });
+  }
+
+  // One place is in the order of Tab; the arrow keys move to the nearest place in their direction.
+  roving(picture) {
+    if (!this.picked) return;
+    const places = [...picture.querySelectorAll('.place')], first = places.find((one) => one.dataset.place === this.last) ?? places[0];
+    first?.setAttribute('tabindex', 0);
+    picture.addEventListener('keydown', (event) => {
+      const along = { ArrowLeft: [-1, 0], ArrowRight: [1, 0], ArrowUp: [0, -1], ArrowDown: [0, 1] }[event.key], from = event.target;
+      if (!along || !places.includes(from)) return;
+      event.preventDefault();
+      event.stopPropagation();
+      const centre = (part) => { const box = part.getBoundingClientRect(); return [box.x + box.width / 2, box.y + box.height / 2]; };
+      const here = centre(from);
+      let best = null, least = Infinity;
+      for (const one of places) {
+        const there = centre(one), ahead = along[0] * (there[0] - here[0]) + along[1] * (there[1] - here[1]);
+        const aside = Math.abs(along[1] * (there[0] - here[0]) - along[0] * (there[1] - here[1]));
+        if (ahead > 1 && ahead + 3 * aside < least) [best, least] = [one, ahead + 3 * aside];
+      }
+      if (!best) return;
+      from.setAttribute('tabindex', -1);
+      best.setAttribute('tabindex', 0);
+      this.last = best.dataset.place;
+      best.focus();
+    });
   }
 
   // ------------------------------------------------------------------ frames
@@ -68,7 +114,9 @@ export class Drawing {
       if (ends.length !== 2 || !ends[0] || !ends[1]) return;
       const line = svg('line', { x1: ends[0][0], y1: ends[0][1], x2: ends[1][0], y2: ends[1][1], class: 'member', 'data-member': i });
       line.append(svg('title', {}, `${member.name ?? `member ${i + 1}`}: ${member.nodes.join(' – ')}`));
-      line.addEventListener('click', () => {
+      if (this.picked) {
+        if (root === '/structure' && member.name !== undefined) line.addEventListener('click', (event) => this.picked(this.onMember(picture, event, member, nodes, ends)));
+      } else line.addEventListener('click', () => {
         if (this.tool === 'delete' && editable) {
           structure.members.splice(i, 1);
           this.edited();
@@ -100,9 +148,10 @@ export class Drawing {
       const spot = spots.get(String(mass.node));
       if (spot) picture.append(svg('rect', { class: 'mass', x: spot[0] - 6 * unit, y: spot[1] - 6 * unit, width: 12 * unit, height: 12 * unit }, svg('title', {}, `mass at ${mass.node}`)));
     }
-    for (const sensor of this.doc.data?.sensors ?? []) this.arrow(picture, spots.get(String(sensor.node)), sensor.direction, unit, solid ? flat : null);
-    for (const record of [this.doc.record, ...(this.doc.records ?? [])])
-      for (const channel of record?.channels ?? []) this.arrow(picture, spots.get(String(channel.node)), channel.direction, unit, solid ? flat : null);
+    const origin = flat([0, 0, 0]), tipOf = (vector) => { const [x, y] = flat(vector); return [x - origin[0], y - origin[1]]; };
+    picture.append(axesOf([box[0] + (solid ? 30 : 12) * unit, box[1] + box[3] - (solid ? 30 : 14) * unit], { x: tipOf([1, 0, 0]), y: tipOf([0, 1, 0]), ...(solid ? { z: tipOf([0, 0, 1]) } : {}) }, unit));
+    drawArrows(picture, this.arrows, { unit, chosen: this.pointed, tipOf,
+      spotOf: (place) => (place.member === undefined ? spots.get(place.node) : this.spotOnMember(structure, nodes, spots, place)) });
 
     const labelled = nodes.length <= 60;
     for (const node of nodes) {
@@ -110,13 +159,21 @@ export class Drawing {
       const dot = svg('circle', { class: `node${this.first === node.name ? ' first' : ''}`, cx: x, cy: y, r: 5 * unit, tabindex: editable && !solid ? 0 : undefined,
         role: editable ? 'button' : undefined, 'aria-label': `node ${node.name} at ${node.at.slice(0, solid ? 3 : 2).map((v) => number(v, 5)).join(', ')} m`, 'data-node': node.name });
       dot.append(svg('title', {}, node.name));
+      if (this.picked) {
+        const around = svg('circle', { class: 'around', cx: x, cy: y, r: (labelled ? 12 : 7) * unit });
+        around.addEventListener('click', () => this.picked({ node: node.name }));
+        picture.append(around);
+        dot.dataset.place = `node ${node.name}`;
+        this.pickable(dot, dot.getAttribute('aria-label'), () => ({ node: node.name }));
+      }
       picture.append(dot);
       if (labelled) picture.append(svg('text', { x: x + 8 * unit, y: y - 8 * unit, 'font-size': 13 * unit }, node.name));
       if (editable && !solid) this.handle(dot, node, structure, picture, lines.get(node.name) ?? [], unit);
-      else dot.addEventListener('click', () => this.chosen(`${root}/nodes/${node.name}`));
+      else if (!this.picked) dot.addEventListener('click', () => this.chosen(`${root}/nodes/${node.name}`));
     }
     if (solid) this.turnable(picture);
-    else if (editable) {
+    if (this.picked) this.roving(picture);
+    else if (editable && !solid) {
       picture.addEventListener('click', (event) => {
         if (this.tool !== 'node' || event.target !== picture) return;
         const [px, py] = this.point(picture, event);
@@ -125,7 +182,7 @@ export class Drawing {
     }
     const tools = editable && !solid ? element('div', { class: 'tools', role: 'radiogroup', 'aria-label': 'Tool' },
       [['move', 'Select and move'], ['node', 'Add nodes'], ['member', 'Join nodes'], ['delete', 'Delete']].map(([tool, text]) =>
-        button(text, () => { this.tool = tool; this.first = undefined; this.show(this.doc); }, { role: 'radio', 'aria-checked': String(this.tool === tool), class: this.tool === tool ? 'on' : '' }))) : null;
+        button(text, () => { this.tool = tool; this.first = undefined; this.again(); }, { role: 'radio', 'aria-checked': String(this.tool === tool), class: this.tool === tool ? 'on' : '' }))) : null;
     const help = solid ? 'Drag the drawing or use the arrow keys to turn it.' : editable ? {
       move: `Drag a node, or focus it and use the arrow keys; the grid is ${number(this.step)} m. Click a member to see its keys.`,
       node: `Click where the node is to be; the grid is ${number(this.step)} m.`,
@@ -137,15 +194,20 @@ export class Drawing {
     if (focused) [...picture.querySelectorAll('.node')].find((dot) => dot.dataset.node === focused)?.focus();
   }
 
-  // A sensor's direction.
-  arrow(picture, spot, direction, unit, flat) {
-    const named = { x: [1, 0, 0], y: [0, 1, 0], z: [0, 0, 1] }[String(direction ?? '').replace(/^[-+]/, '')];
-    if (!spot || !named) return;
-    const sign = String(direction).startsWith('-') ? -1 : 1;
-    const origin = flat ? flat([0, 0, 0]) : [0, 0];
-    const tip = flat ? flat(named) : [named[0], -named[1]];
-    const length = 24 * unit * sign;
-    picture.append(svg('line', { class: 'sensor', x1: spot[0], y1: spot[1], x2: spot[0] + length * (tip[0] - origin[0]), y2: spot[1] + length * (tip[1] - origin[1]) }));
+  // The place on a member under the pointer, rounded.
+  onMember(picture, event, member, nodes, [a, b]) {
+    const ends = member.nodes.map((name) => nodes.find((node) => node.name === String(name)).at), whole = length(...ends);
+    const [px, py] = this.point(picture, event), along = [b[0] - a[0], b[1] - a[1]];
+    const t = ((px - a[0]) * along[0] + (py - a[1]) * along[1]) / (along[0] ** 2 + along[1] ** 2 || 1);
+    return { member: member.name, at: Math.min(rounded(Math.max(0, Math.min(1, t)) * whole, roundStep(whole)), whole) };
+  }
+
+  spotOnMember(structure, nodes, spots, place) {
+    const member = (structure.members ?? []).find((one) => one.name === place.member), names = (member?.nodes ?? []).map(String);
+    const ends = names.map((name) => nodes.find((node) => node.name === name)?.at);
+    if (ends.length !== 2 || !ends[0] || !ends[1] || typeof place.at !== 'number') return null;
+    const t = place.at / (length(...ends) || 1), [a, b] = names.map((name) => spots.get(name));
+    return [a[0] + t * (b[0] - a[0]), a[1] + t * (b[1] - a[1])];
   }
 
   point(picture, event) {
@@ -206,7 +268,7 @@ export class Drawing {
         this.edited();
       } else {
         this.first = name;
-        this.show(this.doc);
+        this.again();
       }
     } else this.chosen(`/structure/nodes/${name}`);
   }
@@ -236,19 +298,26 @@ export class Drawing {
 
   edited() {
     this.changed();
-    this.show(this.doc);
+    this.again();
   }
 
   turnable(picture) {
     const turn = (a, e) => {
       this.azimuth += a;
       this.elevation = Math.max(-Math.PI / 2, Math.min(Math.PI / 2, this.elevation + e));
-      this.show(this.doc);
+      this.again();
       this.place.querySelector('svg')?.focus();
     };
     picture.setAttribute('tabindex', 0);
-    picture.addEventListener('pointermove', (event) => { if (event.buttons === 1) turn(event.movementX / 150, event.movementY / 150); });
+    // A click moves the pointer a little: it must not turn the drawing away from the node.
+    picture.addEventListener('pointerdown', () => { this.dragged = 0; });
+    picture.addEventListener('pointermove', (event) => {
+      if (event.buttons !== 1) return;
+      this.dragged += Math.abs(event.movementX) + Math.abs(event.movementY);
+      if (this.dragged > 5) turn(event.movementX / 150, event.movementY / 150);
+    });
     picture.addEventListener('keydown', (event) => {
+      if (event.target !== picture) return;
       const by = { ArrowLeft: [-0.15, 0], ArrowRight: [0.15, 0], ArrowUp: [0, -0.15], ArrowDown: [0, 0.15] }[event.key];
       if (!by) return;
       event.preventDefault();
@@ -272,8 +341,13 @@ export class Drawing {
       picture.append(svg('path', { class: 'support', d: clamped ? `M${x(place) - 6} 46h12v40h-12Z` : `M${x(place)} 72l10 16h-20Z` }));
     const damages = [beam.truth, this.doc.damage?.truth].flat().filter((d) => typeof d?.location === 'number');
     for (const damage of damages) picture.append(svg('path', { class: 'joint', d: `M${x(damage.location)} 40v48` }));
-    for (const sensor of this.doc.data?.sensors ?? [])
-      if (typeof sensor.at === 'number') picture.append(svg('line', { class: 'sensor', x1: x(sensor.at), x2: x(sensor.at), y1: 60, y2: 36 }));
+    const step = roundStep(length), body = picture.firstChild;
+    if (this.picked) {
+      body.dataset.place = 'beam';
+      body.classList.add('pick');
+      body.addEventListener('click', (event) => this.picked({ at: Math.min(length, Math.max(0, rounded(length * (this.point(picture, event)[0] - 30) / 580, step))) }));
+    }
+    drawArrows(picture, this.arrows, { unit: 1, chosen: this.pointed, tipOf: ([u, v]) => [u, -v], spotOf: (place) => (typeof place.at === 'number' ? [x(place.at), 60] : null) });
     const elements = beam.elements ?? 0;
     if (elements > 1 && elements <= 200)
       picture.append(svg('path', { class: 'grid', d: Array.from({ length: elements - 1 }, (ignored, i) => `M${x(length * (i + 1) / elements)} 60v12`).join('') }));
@@ -284,7 +358,7 @@ export class Drawing {
   chain({ masses = [], links = [] }) {
     const count = Math.min(masses.length, 40), height = 60 * (count + 1);
     const y = (mass) => height - 30 - 60 * mass;
-    const picture = svg('svg', { class: 'structure', viewBox: `0 0 320 ${height}`, role: 'img', 'aria-label': `Chain of ${masses.length} masses` }, svg('path', { class: 'support', d: `M60 ${height - 24}h140v8h-140Z` }));
+    const picture = svg('svg', { class: 'structure', viewBox: `0 0 320 ${height}`, role: this.picked ? 'group' : 'img', 'aria-label': `Chain of ${masses.length} masses` }, svg('path', { class: 'support', d: `M60 ${height - 24}h140v8h-140Z` }));
     picture.style.setProperty('--unit', '1px');
     links.forEach((link, i) => {
       const [a, b] = link.between ?? [];
@@ -293,8 +367,17 @@ export class Drawing {
       picture.append(svg('path', { class: 'spring', d: `M${side} ${y(a)}V${y(b)}` }, svg('title', {}, link.name ?? `link ${i + 1}`)),
         svg('text', { x: side + 10, y: (y(a) + y(b)) / 2 + 5, 'font-size': 13 }, String(link.name ?? '')));
     });
-    masses.slice(0, count).forEach((mass, i) => picture.append(svg('rect', { class: 'mass solid', x: 90, y: y(i + 1) - 12, width: 80, height: 24 }),
-      svg('text', { x: 130, y: y(i + 1) + 5, 'font-size': 13, 'text-anchor': 'middle', class: 'onmass' }, typeof mass === 'number' ? `${number(mass)} kg` : String(mass))));
+    masses.slice(0, count).forEach((mass, i) => {
+      const box = svg('rect', { class: 'mass solid', x: 90, y: y(i + 1) - 12, width: 80, height: 24, 'data-place': `mass ${i + 1}` }, svg('title', {}, `mass ${i + 1}`));
+      this.pickable(box, `mass ${i + 1}`, () => ({ mass: i + 1 }));
+      picture.append(box, svg('text', { x: 130, y: y(i + 1) + 5, 'font-size': 13, 'text-anchor': 'middle', class: 'onmass' }, typeof mass === 'number' ? `${number(mass)} kg` : String(mass)),
+        svg('text', { x: 84, y: y(i + 1) + 5, 'font-size': 13, 'text-anchor': 'end' }, String(i + 1)));
+    });
+    drawArrows(picture, this.arrows, { unit: 1, chosen: this.pointed, tipOf: ([u, v]) => [u, -v],
+      spotOf: ({ mass }, { force }) => (mass >= 1 && mass <= count ? [force ? 70 : 170, y(mass)] : null) });
+    this.roving(picture);
+    const focused = this.place.contains(document.activeElement) ? document.activeElement.dataset.place : undefined;
     this.place.replaceChildren(picture);
+    if (focused) picture.querySelector(`[data-place="${CSS.escape(focused)}"]`)?.focus();
   }
 }

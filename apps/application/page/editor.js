@@ -6,6 +6,7 @@ import { Form } from './form.js';
 import { folderOf, relative } from './modes_case.js';
 import { copyCase } from './projects.js';
 import { at, Rules, written } from './schema.js';
+import { channelLists, namedStructure } from './sensors.js';
 import { follow, runList, start } from './runs.js';
 import { get, post, schema } from './server.js';
 
@@ -45,6 +46,17 @@ export const editorView = async (place, name) => {
   };
   const form = new Form(formPlace, { changed: (structural) => edited({ from: 'form', structural }), choices, drawings });
   const drawing = new Drawing(drawingPlace, { changed: () => edited({ from: 'drawing' }), chosen: (pointer) => form.go(pointer) });
+  const structures = new Map(); // of the cases that the key geometry names
+  const draw = () => {
+    const wanted = typeof doc.geometry === 'string' ? doc.geometry : null;
+    drawing.show(doc, structures.get(wanted) ?? null);
+    if (!wanted || structures.has(wanted)) return;
+    structures.set(wanted, null);
+    namedStructure(name, wanted).then((found) => {
+      structures.set(wanted, found);
+      if (found && doc.geometry === wanted) draw();
+    });
+  };
 
   const buttons = {
     save: button('Save', () => save(), { class: 'main' }), undo: button('Undo', () => step(undone, redone)), redo: button('Redo', () => step(redone, undone)),
@@ -56,6 +68,7 @@ export const editorView = async (place, name) => {
     buttons.undo.disabled = !undone.length;
     buttons.redo.disabled = !redone.length;
     document.title = `${text === saved ? '' : '• '}${name} · Wheeltap`;
+    document.getElementById('channels')?.toggleAttribute('hidden', !channelLists(doc).length);
   };
 
   const showDoc = async (skip) => {
@@ -70,7 +83,7 @@ export const editorView = async (place, name) => {
       }
       if (skip !== 'form') form.show(rules, doc);
     }
-    if (skip !== 'drawing') drawing.show(doc);
+    if (skip !== 'drawing') draw();
   };
 
   // After an edit of `doc` by the form or the drawing.
@@ -79,7 +92,7 @@ export const editorView = async (place, name) => {
     text = `${written(doc)}\n`;
     area.value = text;
     if (from === 'form') {
-      drawing.show(doc);
+      draw();
       if (rules && ruleName(doc) !== rules.name) showDoc();
     } else form.show(rules, doc);
     if (structural) clearTimeout(timer);
@@ -178,6 +191,7 @@ export const editorView = async (place, name) => {
       element('div', { class: 'buttons' }, buttons.save, buttons.undo, buttons.redo, buttons.run,
         samples && [buttons.quick, buttons.resume, element('label', { class: 'inline' }, 'Seed ', seed)],
         button('Copy …', () => copyCase(name)), element('a', { href: `#/result/${encodeURIComponent(opened.result)}`, id: 'results', hidden: true }, 'Results'),
+        element('a', { href: `#/channels/${encodeURIComponent(name)}`, id: 'channels', hidden: true }, 'Channels on the structure'),
         element('a', { href: `#/poles/${encodeURIComponent(name)}`, id: 'choose', hidden: true }, 'Choose poles')),
       status),
     element('div', { class: 'panes' },

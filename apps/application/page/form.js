@@ -330,7 +330,7 @@ export class Form {
     }
     const fold = value.length >= lazyFrom && value.some((x) => !scalar(x));
     const nodes = value.map((item, i) => {
-      const own = [...path, i], name = item?.name ?? item?.node ?? item?.kind ?? item?.column;
+      const own = [...path, i], column = Number.isInteger(item?.column) ? `column ${item.column}` : item?.column, name = item?.name ?? column ?? item?.node ?? item?.kind;
       if (!fold) return this.field(items, item, own, { name: scalar(item) ? `${i + 1}` : `${i + 1}${name ? `: ${name}` : ''}`, optional: true });
       const pointer = pointerOf(own);
       const details = element('details', { 'data-pointer': pointer, open: this.opened.has(pointer) },
@@ -359,6 +359,7 @@ export class Form {
       title: 'Type numbers, or paste cells of a spreadsheet; - for a value not measured', oninput: () => {
         const read = matrix ? tableOf(area.value) : listOf(area.value);
         const bad = !read || (matrix && read.some((row) => row.includes(undefined)));
+        area.rows = Math.max(area.rows, Math.min(8, area.value.split('\n').length)); // lines that were pasted
         count.textContent = bad ? 'not all of this is a number' : matrix ? `${read.length} rows` : `${read.length} numbers`;
         if (!bad) this.set(path, read);
       } });

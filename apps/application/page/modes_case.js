@@ -94,5 +94,5 @@ export const newDamageCase = (result) => attempt(async () => {
   }
   await post('save', { name: made, text: `${written(doc)}\n`, before: opened.version });
   location.hash = `#/case/${encodeURIComponent(made)}`;
-  if (!kind.name) say('Replace the example values of the structure with yours.');
+  if (!kind.name) say('Replace the example values of the structure with yours. Channels on the structure sets the places of the sensors.');
 });

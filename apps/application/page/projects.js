@@ -32,6 +32,9 @@ export const copyCase = (name) => attempt(async () => {
   location.hash = `#/case/${encodeURIComponent(made.name)}`;
 });
 
+// A probability; tiny ones without digits that nobody reads.
+const share = (p, digits = 3) => (p > 0 && p < 1e-6 ? '< 0.000001' : number(p, digits));
+
 // Model probabilities and parameters of several results, side by side.
 const comparison = async (names) => {
   const all = await Promise.all(names.map((name) => get('result', { name })));
@@ -39,7 +42,7 @@ const comparison = async (names) => {
   const parameters = [...new Set(all.flatMap((one) => Object.entries(one.parameters ?? {}).flatMap(([model, own]) => Object.keys(own).map((p) => `${model}: ${p}`))))];
   const modes = Math.max(...all.map((one) => (one.modes ?? []).length));
   const rows = [
-    ...models.map((model) => [`P(${model})`, ...all.map((one) => number(one.models?.find((m) => m.name === model)?.probability, 3))]),
+    ...models.map((model) => [`P(${model})`, ...all.map((one) => share(one.models?.find((m) => m.name === model)?.probability))]),
     ...parameters.map((label) => {
       const [model, parameter] = label.split(/: (.*)/s);
       return [label, ...all.map((one) => {
@@ -109,7 +112,7 @@ export const resultView = async (place, name) => {
   const tables = [];
   const add = (caption, heads, rows, raw) => tables.push(table(caption, heads, rows, raw));
   if (summary.models?.length > 1)
-    add('Models', ['model', 'prior', 'probability', 'Monte Carlo error'], summary.models.map((m) => [m.name, number(m.prior, 3), number(m.probability, 3), number(m.mcse, 1)]),
+    add('Models', ['model', 'prior', 'probability', 'Monte Carlo error'], summary.models.map((m) => [m.name, number(m.prior, 3), share(m.probability), share(m.mcse, 1)]),
       summary.models.map((m) => [m.name, m.prior, m.probability, m.mcse]));
   for (const [model, own_] of Object.entries(summary.parameters ?? {})) {
     const rows = Object.entries(own_);

@@ -1,0 +1,220 @@
+// Channels of a case: the place, direction and sign of each, in the keys of the case.
+import { at, pointerOf } from './schema.js';
+import { folderOf } from './modes_case.js';
+import { get } from './server.js';
+
+const radian = Math.PI / 180;
+
+// The lists of channels of a case. `record`: channels of a measured file, in a modal case, or in a case of system
+// identification (`ofMasses`). `modes`: sensors of mode shapes, in a damage or update case.
+export const channelLists = (doc) => {
+  if (doc?.kind === 'modal') {
+    if (Array.isArray(doc.records)) return doc.records.map((record, i) => ({ kind: 'record', path: ['records', i], label: `Set-up ${i + 1}: ${record?.file ?? ''}` }));
+    return doc.record ? [{ kind: 'record', path: ['record'], label: String(doc.record.file ?? '') }] : [];
+  }
+  if (doc?.kind === 'sid') return doc.record?.file === undefined ? [] : [{ kind: 'record', ofMasses: true, path: ['record'], label: String(doc.record.file) }];
+  if (!['damage', 'update'].includes(doc?.kind)) return [];
+  const found = [];
+  const add = (path, label) => {
+    const block = at(doc, path);
+    if (block?.from !== undefined || Array.isArray(block?.sensors)) found.push({ kind: 'modes', path, label });
+  };
+  add(['data'], 'Data');
+  (Array.isArray(doc.data?.states) ? doc.data.states : []).forEach((state, i) => add(['data', 'states', i], `State ${state?.name ?? i + 1}`));
+  add(['baseline', 'data'], 'Baseline');
+  return found;
+};
+
+// What a place of a case is: a node of a plane or of space, a position on a beam, a mass of a chain, a row of matrices.
+export const supportOf = (doc, structure) => {
+  if (doc.beam) return 'beam';
+  if (doc.structure?.chain || doc.kind === 'sid') return 'chain';
+  if (doc.structure?.matrices !== undefined) return 'matrices';
+  return structure && structure.dimension !== 3 ? 'plane' : 'space';
+};
+
+// Directions that a channel of the list may have; "angles" stands for azimuth and elevation.
+export const directionsOf = (list, support) => {
+  const both = (names) => names.flatMap((name) => [name, `-${name}`]);
+  if (list.ofMasses) return [];
+  if (list.kind === 'record') return [...both(support === 'plane' ? ['x', 'y'] : ['x', 'y', 'z']), 'angles'];
+  return { beam: ['deflection', 'rotation'], chain: ['x', '-x'], matrices: [], plane: both(['x', 'y', 'rotation']), space: both(['x', 'y', 'z', 'rx', 'ry', 'rz']) }[support];
+};
+
+// The direction of a channel: a vector, "rotation", "-rotation", or null.
+export const vectorOf = (channel, support) => {
+  if (channel.azimuth !== undefined || channel.elevation !== undefined) {
+    const a = radian * (Number(channel.azimuth) || 0), e = radian * (Number(channel.elevation) || 0);
+    return [Math.cos(e) * Math.cos(a), Math.cos(e) * Math.sin(a), Math.sin(e)];
+  }
+  if (support === 'beam') return channel.direction === 'rotation' ? 'rotation' : [0, 1, 0];
+  const direction = String(channel.direction ?? (support === 'chain' ? 'x' : '')), sign = direction.startsWith('-') ? -1 : 1;
+  const name = direction.replace(/^[-+]/, '');
+  if (name === 'rotation' || /^r[xyz]$/.test(name)) return sign > 0 ? 'rotation' : '-rotation';
+  const k = ['x', 'y', 'z'].indexOf(name);
+  return k < 0 ? null : [0, 1, 2].map((i) => (i === k ? sign : 0));
+};
+
+const massOf = (channel) => (Number.isInteger(channel.mass) ? channel.mass : Number(/^(?:mass )?(\d+)$/.exec(String(channel.node ?? ''))?.[1] ?? NaN));
+
+// The place of a channel as the drawing names it; null without one.
+export const placeOf = (channel, support) => {
+  if (support === 'beam') return typeof channel.at === 'number' ? { at: channel.at } : null;
+  if (support === 'chain') return Number.isFinite(massOf(channel)) ? { mass: massOf(channel) } : null;
+  if (channel.member !== undefined) return { member: String(channel.member), at: channel.at };
+  if (channel.dof !== undefined) return { dof: channel.dof };
+  return channel.node !== undefined && channel.node !== '' ? { node: String(channel.node) } : null;
+};
+
+// Gives a channel a place. A chain states the sign of a sensor with the name of the mass only.
+export const setPlace = (channel, place, support) => {
+  const backwards = String(channel.direction ?? '').startsWith('-');
+  for (const key of ['node', 'member', 'at', 'mass', 'dof']) delete channel[key];
+  if (support === 'chain' && place?.mass !== undefined && backwards) channel.node = `mass ${place.mass}`;
+  else Object.assign(channel, place ?? {});
+};
+
+export const setDirection = (channel, direction, support) => {
+  const vector = vectorOf(channel, support), place = placeOf(channel, support);
+  for (const key of ['direction', 'azimuth', 'elevation']) delete channel[key];
+  if (direction === 'angles') {
+    const [x, y, z] = Array.isArray(vector) ? vector : [1, 0, 0];
+    channel.azimuth = Math.round(10 * Math.atan2(y, x) / radian) / 10 || 0;
+    channel.elevation = Math.round(10 * Math.asin(Math.max(-1, Math.min(1, z))) / radian) / 10 || 0;
+  } else if (direction && !(support === 'chain' && direction === 'x')) channel.direction = direction;
+  if (support === 'chain') setPlace(channel, place, support);
+};
+
+export const reverse = (channel, support) => {
+  if (channel.azimuth !== undefined || channel.elevation !== undefined) {
+    const azimuth = Number(channel.azimuth) || 0;
+    channel.azimuth = azimuth > 0 ? azimuth - 180 : azimuth + 180;
+    channel.elevation = -(Number(channel.elevation) || 0) || 0;
+    return;
+  }
+  const direction = String(channel.direction ?? 'x').replace(/^\+/, '');
+  setDirection(channel, direction.startsWith('-') ? direction.slice(1) : `-${direction}`, support);
+};
+
+const bare = (text) => String(text).replace(/\s*(\[[^\]]*\]|\([^)]*\))$/, '');
+
+// How a case names a column of a file: by its name, or by its number if another column has the name.
+export const columnOf = (column, all) => {
+  const alone = all.filter((one) => one.name === column.name).length === 1 && !/^\d+$/.test(column.name);
+  return alone || !column.number ? column.name : column.number;
+};
+
+// The rows of a list: its channels, then the columns of the file that it does not name. `known` are the columns of the
+// file, or the sensors of the modes.json that the list refers to.
+export const rowsOf = (doc, list, known) => {
+  const block = at(doc, list.path) ?? {};
+  if (list.kind === 'record') {
+    const channels = Array.isArray(block.channels) ? block.channels : [], used = new Set();
+    const rows = channels.map((channel, i) => {
+      const text = String(channel?.column ?? '');
+      const column = known.find((one) => one.name === text) ?? known.find((one) => one.name === bare(text)) ?? known.find((one) => String(one.number) === text);
+      if (column) used.add(column);
+      return { i, channel: channel ?? {}, role: channel?.role, unit: channel?.unit ?? column?.unit, name: /^\d*$/.test(text) ? column?.name ?? `column ${text}` : text, pointer: pointerOf([...list.path, 'channels', i]) };
+    });
+    return [...rows, ...known.filter((one) => !used.has(one) && !one.is_time).map((column) => ({ i: null, column, channel: {}, role: '', unit: column.unit, name: column.name, pointer: '' }))];
+  }
+  const given = Array.isArray(block.sensors) ? block.sensors : null;
+  return Array.from({ length: Math.max(given?.length ?? 0, known.length) }, (ignored, i) => {
+    const channel = given ? given[i] : known[i];
+    return { i, channel: channel ?? {}, role: channel === null || channel === undefined ? 'ignore' : 'response', inherited: !given,
+      name: known[i]?.name || `sensor ${i + 1}`, pointer: pointerOf([...list.path, 'sensors', i]) };
+  });
+};
+
+export const rolesOf = (doc, list) => (list.kind === 'record' ? ['response', 'force', ...(list.ofMasses ? ['base-acceleration', 'base-displacement'] : []), 'ignore', 'time'] : at(doc, list.path)?.from !== undefined ? ['response', 'ignore'] : ['response']);
+
+// The channel of a row in the case, for a change. A list of sensors begins with those of the modes.json.
+export const writable = (doc, list, row, known, support) => {
+  const block = at(doc, list.path);
+  if (list.kind === 'record') {
+    block.channels ??= [];
+    if (row.i === null) {
+      block.channels.push({ column: columnOf(row.column, known), role: 'response' });
+      row.i = block.channels.length - 1;
+    }
+    if (!block.channels[row.i] || typeof block.channels[row.i] !== 'object') block.channels[row.i] = {};
+    return block.channels[row.i];
+  }
+  if (!Array.isArray(block.sensors)) {
+    const turned = known.find((sensor) => sensor.azimuth !== undefined || sensor.elevation !== undefined);
+    if (turned && ['plane', 'space'].includes(support))
+      throw new Error(`The sensor ${turned.name} of ${block.from} has azimuth and elevation, which the key sensors of a case cannot state. Set its channel in the modal case instead.`);
+    block.sensors = known.map((sensor) => {
+      const made = {}, place = placeOf(sensor, support);
+      if (support !== 'beam' && sensor.direction) setDirection(made, sensor.direction, support);
+      if (place && support !== 'beam') setPlace(made, place, support);
+      return made;
+    });
+  }
+  while (block.sensors.length <= row.i) block.sensors.push(null);
+  if (!block.sensors[row.i] || typeof block.sensors[row.i] !== 'object') block.sensors[row.i] = {};
+  return block.sensors[row.i];
+};
+
+// Gives a channel another role; keys that the role does not allow go.
+export const setRole = (doc, list, row, role, known, support) => {
+  const channel = writable(doc, list, row, known, support);
+  if (list.kind !== 'record') {
+    if (role === 'ignore') at(doc, list.path).sensors[row.i] = null;
+    return;
+  }
+  channel.role = role;
+  if (list.ofMasses) {
+    const own = { response: ['mass', 'quantity', 'frame'], force: ['mass'] }[role] ?? [];
+    for (const key of ['mass', 'quantity', 'frame', ...({ ignore: ['unit', 'scale', 'offset'], time: ['unit', 'offset'] }[role] ?? [])]) if (!own.includes(key)) delete channel[key];
+    return;
+  }
+  const gone = { response: [], force: ['reference', 'quantity'], time: ['node', 'direction', 'azimuth', 'elevation', 'reference', 'quantity', 'unit'],
+    ignore: ['node', 'direction', 'azimuth', 'elevation', 'reference', 'quantity', 'unit', 'scale'] }[role] ?? [];
+  for (const key of gone) delete channel[key];
+};
+
+// One arrow for each row with a place and a direction.
+export const arrowsOf = (rows, support) => rows.flatMap((row, k) => {
+  if (!['response', 'force'].includes(row.role)) return [];
+  const place = placeOf(row.channel, support), vector = vectorOf(row.channel, support);
+  return place && vector ? [{ place, vector, number: k + 1, title: row.name, force: row.role === 'force' }] : [];
+});
+
+// The arrows of all lists of a case, without the files that it names.
+export const allArrows = (doc, structure) => {
+  const lists = channelLists(doc), support = supportOf(doc, structure);
+  return lists.flatMap((list) => arrowsOf(rowsOf(doc, list, []), support)).map((arrow) => (lists.length > 1 ? { ...arrow, number: '' } : arrow));
+};
+
+// The place of a file that a case in `folder` names; null outside the folder of the application.
+export const resolved = (folder, name) => {
+  const parts = [];
+  for (const part of [...folder.split('/'), ...String(name).split('/')]) {
+    if (part === '..' && !parts.length) return null;
+    if (part === '..') parts.pop();
+    else if (part && part !== '.') parts.push(part);
+  }
+  return parts.join('/');
+};
+
+// The structure that the key geometry of a case shows: nodes, members, supports. Null without one.
+export const geometryAsStructure = (geometry) => {
+  if (!geometry?.nodes || typeof geometry.nodes !== 'object') return null;
+  const members = (Array.isArray(geometry.lines) ? geometry.lines : []).filter(Array.isArray)
+    .flatMap((line) => line.slice(1).map((to, i) => ({ nodes: [String(line[i]), String(to)] })));
+  return { nodes: geometry.nodes, members, supports: (Array.isArray(geometry.fixed) ? geometry.fixed : []).map((node) => ({ node: String(node), fix: ['x', 'y'] })),
+    dimension: Object.values(geometry.nodes).some((p) => p?.length === 3) ? 3 : 2 };
+};
+
+// The structure of the case that `geometry` names; null if it has none of nodes and members.
+export const namedStructure = async (name, geometry) => {
+  const file = resolved(folderOf(name), geometry);
+  if (!file) return null;
+  try {
+    const { structure } = JSON.parse((await get('case', { name: file })).text);
+    return structure?.nodes ? structure : null;
+  } catch {
+    return null;
+  }
+};

@@ -1,0 +1,355 @@
+// What becomes of each channel of a record, in headless Chromium: role, place, direction and sign, set in the list and on
+// the drawn structure of modal and damage cases. application_kit.js names the environment.
+const test = require('node:test');
+const assert = require('node:assert/strict');
+const fs = require('node:fs');
+const { application, skip, axe, shots } = require('./application_kit.js');
+const path = require('node:path');
+
+const { at, open, go, status, read, shot, run } = application(test);
+const write = (name, json) => { fs.mkdirSync(path.dirname(at(name)), { recursive: true }); fs.writeFileSync(at(name), JSON.stringify(json)); };
+const node = (page, name) => page.locator(`.channels .node[data-node="${name}"]`);
+const arrows = (page) => page.locator('.channels svg.structure .sensor');
+const field = (page, what, channel) => page.locator(`[aria-label="${what} of ${channel}"]`);
+const save = async (page) => {
+  await page.locator('.channels button', { hasText: /^Save$/ }).click();
+  await page.locator('#message', { hasText: 'Saved.' }).waitFor();
+};
+const ready = async (page, valid = 'Valid') => { await page.locator('.channels .status', { hasText: valid }).waitFor({ timeout: 30000 }); };
+const select = (page, channel) => page.click(`.channels td [aria-label$=": select ${channel}"]`);
+
+test('a new modal case: nodes of a drawn line by mouse and keyboard', skip, async () => {
+  run('init', 'modal', '-o', at('tower'));
+  fs.renameSync(at('tower/modal.json'), at('starter.json'));
+  const { page, close } = await open('#/record/tower%2Fmodal.csv');
+  await page.locator('text=Channels without a place (3)').waitFor();
+  assert.equal(await page.locator('.channels svg.structure').count(), 0);
+  await page.selectOption('[aria-label="Structure to draw"]', 'line');
+  await page.click('dialog >> text=Draw');
+  await node(page, '3').waitFor();
+  // By mouse; the direction is x until another one is chosen.
+  await node(page, '1').click();
+  await page.locator('text=Channels without a place (2)').waitFor();
+  assert.equal(await field(page, 'node', 'floor 1').inputValue(), '1');
+  assert.equal(await field(page, 'direction', 'floor 1').inputValue(), 'x');
+  // By keyboard only: the next channel, the node above, its sign.
+  await page.locator('.chooser button', { hasText: 'Next without a place: floor 2' }).focus();
+  await page.keyboard.press('Enter');
+  await page.locator('.channels svg.structure .place[tabindex="0"]').focus();
+  await page.keyboard.press('ArrowUp');
+  await page.keyboard.press('Enter');
+  await page.locator('text=Channels without a place (1)').waitFor();
+  const placed = await field(page, 'node', 'floor 2').inputValue();
+  assert.equal(placed, await page.evaluate(() => document.activeElement.dataset.node)); // the focus stays on the node
+  await field(page, 'node', 'floor 2').fill('2');
+  await page.locator('.chooser [data-direction="-x"]').focus();
+  await page.keyboard.press(' ');
+  assert.equal(await field(page, 'direction', 'floor 2').inputValue(), '-x');
+  // By typing.
+  await field(page, 'node', 'floor 3').fill('3');
+  await field(page, 'direction', 'floor 3').selectOption('x');
+  await page.locator('text=Every sensor and force has a place').waitFor();
+  assert.equal(await arrows(page).count(), 3);
+  await ready(page);
+  // A column that is no sensor has no place; undo gives the place back.
+  await page.selectOption('[aria-label="Role of floor 3"]', 'ignore');
+  assert.equal(await arrows(page).count(), 2);
+  assert.equal(await field(page, 'node', 'floor 3').count(), 0);
+  await page.click('.channels >> text=Undo');
+  assert.equal(await field(page, 'node', 'floor 3').inputValue(), '3');
+  // A force needs another method: the message stands at the role.
+  await page.selectOption('[aria-label="Role of floor 3"]', 'force');
+  await page.locator('.channels td .fault:visible', { hasText: 'this method uses responses only' }).waitFor();
+  assert.equal(await page.getAttribute('[aria-label="Role of floor 3"]', 'aria-invalid'), 'true');
+  assert.equal(await page.locator('.channels .sensor.force').count(), 1);
+  await page.keyboard.press('Control+z');
+  await ready(page);
+  await page.locator('section.channels').scrollIntoViewIfNeeded();
+  await page.fill('[aria-label="Lowest frequency of the band in Hz"]', '1');
+  await page.fill('[aria-label="Highest frequency of the band in Hz"]', '20');
+  await page.click('text=New modal case from this record');
+  await page.click('dialog >> text=Create');
+  await page.locator('textarea.code').waitFor();
+  await status(page, 'Valid');
+  const made = read('tower/modal-modal.json');
+  assert.deepEqual(made.record.channels, [1, 2, 3].map((i) => ({ column: `floor ${i}`, role: 'response', node: String(i), direction: i === 2 ? '-x' : 'x' })));
+  assert.deepEqual(made.geometry, { nodes: { 0: [0, 0], 1: [0, 3], 2: [0, 6], 3: [0, 9] }, lines: [['0', '1', '2', '3']], fixed: ['0'] });
+  assert.deepEqual(made.band, [1, 20]);
+  // The drawing of the editor has the same arrows.
+  assert.equal(await page.locator('svg.structure .sensor').count(), 3);
+  run('modal', at('tower/modal-modal.json'), '-o', at('tower/modal-modal-results'));
+  const { sensors } = read('tower/modal-modal-results/modes.json');
+  assert.deepEqual(sensors.map((one) => one.direction), ['x', '-x', 'x']);
+  await close();
+});
+
+test('the data viewer shows and changes the case that uses a record', skip, async () => {
+  const { page, close } = await open('#/record/tower%2Fmodal.csv');
+  await ready(page);
+  assert.equal(await page.inputValue('[aria-label="Case"]'), 'tower/modal-modal.json');
+  assert.equal(await arrows(page).count(), 3);
+  const before = fs.readFileSync(at('tower/modal-modal.json'), 'utf8');
+  // A node that does not exist: the message of the program stands at the field.
+  await field(page, 'node', 'floor 2').fill('9');
+  await page.locator('.channels td .fault:visible', { hasText: 'is not a node of the geometry' }).waitFor();
+  const invalid = page.locator('.channels [aria-invalid]');
+  assert.equal(await invalid.getAttribute('aria-label'), 'node of floor 2');
+  assert.equal(await page.locator(`#${await invalid.getAttribute('aria-describedby')}`).textContent(), await page.locator('.channels td .fault:visible').textContent());
+  assert.equal(await arrows(page).count(), 2);
+  // Keys of one field are one step of undo.
+  await field(page, 'node', 'floor 2').press('End');
+  await page.keyboard.type('87');
+  await page.click('.channels >> text=Undo');
+  assert.equal(await field(page, 'node', 'floor 2').inputValue(), '2');
+  await ready(page);
+  await page.click('.channels >> text=Redo');
+  assert.equal(await field(page, 'node', 'floor 2').inputValue(), '987');
+  await page.click('.channels >> text=Undo');
+  assert.equal(fs.readFileSync(at('tower/modal-modal.json'), 'utf8'), before); // not saved yet
+  // Angles and their reverse.
+  await select(page, 'floor 2');
+  await page.click('.chooser [data-direction=angles]');
+  assert.equal(await field(page, 'azimuth', 'floor 2').count(), 0); // the label names degrees
+  assert.equal(await page.inputValue('[aria-label="azimuth of floor 2 in degrees"]'), '180');
+  await page.fill('[aria-label="elevation of floor 2 in degrees"]', '10');
+  await page.click('.chooser >> text=Reverse');
+  await page.locator('.channels tr', { hasText: 'floor 1' }).locator('input[type=checkbox]').check();
+  await ready(page);
+  // Leaving asks, then keeps the page.
+  page.once('dialog', (dialog) => dialog.dismiss());
+  await page.evaluate(() => { location.hash = '#/'; });
+  await page.waitForFunction(() => location.hash.includes('record'));
+  await save(page);
+  const { channels } = read('tower/modal-modal.json').record;
+  assert.deepEqual(channels[1], { column: 'floor 2', role: 'response', node: '2', azimuth: 0, elevation: -10 });
+  assert.equal(channels[0].reference, true);
+  run('modal', at('tower/modal-modal.json'), '-o', at('again'), '--dry-run');
+  // A case that changed on the disk is not replaced.
+  fs.writeFileSync(at('tower/modal-modal.json'), before);
+  await select(page, 'floor 3');
+  await page.click('.chooser >> text=Reverse');
+  await page.locator('.channels button', { hasText: /^Save$/ }).click();
+  await page.locator('#message.bad', { hasText: 'has changed on the disk' }).waitFor();
+  assert.equal(fs.readFileSync(at('tower/modal-modal.json'), 'utf8'), before);
+  await page.click('.channels >> text=Undo');
+  // The window and the band of the view, in the case.
+  await page.fill('[aria-label="Highest frequency of the band in Hz"]', '15');
+  await page.locator('[aria-label="Highest frequency of the band in Hz"]').blur();
+  await page.click('text=Use this window and band in the case');
+  await ready(page);
+  await page.click('.channels >> text=Undo'); // leaves without a question
+  await close();
+});
+
+test('the sensors of a damage case: a beam, a building and a frame', skip, async () => {
+  const from = '../tower/modal-modal-results/modes.json';
+  for (const [folder, structure] of [['beam', 'beam'], ['building', 'building'], ['portal', 'frame']]) run('init', 'damage', '--structure', structure, '-o', at(folder));
+  const beam = read('beam/damage.json');
+  beam.data = { from, sensors: [null, null, null] };
+  write('beam/damage.json', beam);
+  const { page, close } = await open('#/case/beam%2Fdamage.json');
+  await page.click('text=Channels on the structure');
+  await page.locator('.channels svg.structure .body').waitFor();
+  assert.deepEqual(await page.locator('.channels tbody th').allTextContents(), ['floor 1', 'floor 2', 'floor 3']); // of modes.json
+  // A click on the beam gives the selected channel its position, rounded; typing gives any position.
+  const body = await page.locator('.channels svg.structure .body').boundingBox();
+  await select(page, 'floor 2');
+  await page.mouse.click(body.x + body.width / 2, body.y + body.height / 2);
+  assert.equal(await field(page, 'position', 'floor 2').inputValue(), String(beam.beam.length / 2));
+  await page.selectOption('[aria-label="Role of floor 3"]', 'response');
+  await field(page, 'position', 'floor 3').fill('7');
+  await page.locator('.channels td .fault:visible').waitFor();
+  assert.equal(await page.getAttribute('[aria-label="position of floor 3"]', 'aria-invalid'), 'true');
+  await field(page, 'position', 'floor 3').fill('0,7');
+  await ready(page);
+  await save(page);
+  assert.deepEqual(read('beam/damage.json').data, { from, sensors: [null, { at: beam.beam.length / 2 }, { at: 0.7 }] });
+
+  // A building: the masses of modes.json until one is changed; the sign of a mass is in its name.
+  const building = read('building/damage.json');
+  building.data = { from };
+  building.structure.chain.masses = [2000, 2000, 2000];
+  building.structure.chain.links = [1, 2, 3].map((i) => ({ name: `storey ${i}`, between: [i - 1, i], stiffness: 4e6 }));
+  write('building/damage.json', building);
+  await go(page, '#/channels/building%2Fdamage.json');
+  await ready(page);
+  assert.equal(await arrows(page).count(), 3);
+  assert.match(await page.textContent('.chooser'), /from modes\.json/);
+  await select(page, 'floor 3');
+  await page.click('.chooser >> text=Reverse');
+  await ready(page);
+  await page.selectOption('[aria-label="Role of floor 1"]', 'ignore');
+  await ready(page);
+  await save(page);
+  assert.deepEqual(read('building/damage.json').data.sensors, [null, { node: 'mass 2', direction: '-x' }, { node: 'mass 3', direction: '-x' }]);
+  run('damage', at('building/damage.json'), '-o', at('building/none'), '--dry-run');
+
+  // A frame: nodes and positions on members.
+  const portal = read('portal/damage.json');
+  Object.assign(portal.data, { shapes: portal.data.frequencies.map(() => [1, 0.5]), shape_sd: 0.02, sensors: [{ node: 'B', direction: 'x' }, { node: 'C', direction: 'x' }] });
+  write('portal/damage.json', portal);
+  await go(page, '#/channels/portal%2Fdamage.json');
+  await ready(page);
+  await select(page, 'sensor 2');
+  const { members } = portal.structure, top = members.findIndex((one) => one.nodes.includes('B') && one.nodes.includes('C'));
+  const line = await page.locator(`.channels .member[data-member="${top}"]`).boundingBox();
+  await page.mouse.click(line.x + line.width / 4, line.y + line.height / 2);
+  assert.equal(await field(page, 'node', 'sensor 2').inputValue(), members[top].name);
+  await page.click('.chooser [data-direction="-y"]');
+  await page.fill('[aria-label="distance of sensor 2 from the first node of the member in m"]', '0,3');
+  await ready(page);
+  assert.equal(await arrows(page).count(), 2);
+  await field(page, 'node', 'sensor 1').fill(members[0].name); // a member, by its name
+  await field(page, 'node', 'sensor 1').blur();
+  await page.fill('[aria-label="distance of sensor 1 from the first node of the member in m"]', '9');
+  await page.locator('.channels td .fault:visible', { hasText: 'is outside the member' }).waitFor();
+  await page.click('.channels >> text=Undo');
+  await page.click('.channels >> text=Undo');
+  await ready(page);
+  await save(page);
+  assert.deepEqual(read('portal/damage.json').data.sensors, [{ node: 'B', direction: 'x' }, { direction: '-y', member: members[top].name, at: 0.3 }]);
+  run('damage', at('portal/damage.json'), '-o', at('portal/none'), '--dry-run');
+  await close();
+});
+
+test('set-ups on the structure of another case, in space, with names that are HTML', skip, async () => {
+  const hostile = '<img src=x onerror=alert(1)>';
+  const rows = Array.from({ length: 4000 }, (ignored, i) => [1, 2, 3].map((c) => (Math.sin(0.3 * c * i) + ((i * 7919 + c * 104729) % 1009) / 1009).toFixed(4)).join(','));
+  for (const name of ['one', 'two']) {
+    fs.mkdirSync(at('space'), { recursive: true });
+    fs.writeFileSync(at(`space/${name}.csv`), `"${hostile} [m/s^2]",b [m/s^2],c [m/s^2]\n${rows.join('\n')}\n`);
+  }
+  write('space/frame.json', { kind: 'damage', title: 'x', structure: { dimension: 3, materials: { s: { young: 2e11, poisson: 0.3, density: 7850 } }, sections: { p: { shape: 'rectangle', width: 0.05, height: 0.02 } },
+    nodes: { 1: [0, 0, 0], 2: [0, 0, 2], [hostile]: [1, 0, 2] }, members: [{ name: 'post', nodes: ['1', '2'], elements: 2, material: 's', section: 'p' }, { name: 'arm', nodes: ['2', hostile], elements: 2, material: 's', section: 'p' }],
+    supports: [{ node: '1', fix: ['x', 'y', 'z', 'rx', 'ry', 'rz'] }] }, data: { frequencies: [3], cov: 0.01 }, damage: { kind: 'crack', count: { min: 0, max: 1, prior: 'uniform' }, depth: { uniform: [0.01, 0.6] } } });
+  const channels = [{ column: 1, role: 'response', node: '2', direction: 'x', reference: true }, { column: 'b', role: 'response' }];
+  write('space/set-ups.json', { kind: 'modal', records: ['one', 'two'].map((name) => ({ file: `${name}.csv`, sample_rate: 50, channels: structuredClone(channels) })), geometry: 'frame.json' });
+  const { page, close } = await open('#/channels/space%2Fset-ups.json');
+  await node(page, '2').waitFor();
+  assert.equal(await page.locator('.channels tbody th').first().textContent(), `${hostile} [m/s^2]`); // column 1, by its name
+  assert.equal(await page.locator('img').count(), 0);
+  await page.locator('text=Columns of the file that the case does not use (1)').waitFor();
+  // Turning the drawing by mouse picks no node.
+  const where = () => node(page, hostile).getAttribute('cx'), seen = await where(), drawing = await page.locator('.channels svg.structure').boundingBox();
+  await page.mouse.move(drawing.x + 200, drawing.y + 150);
+  await page.mouse.down();
+  await page.mouse.move(drawing.x + 260, drawing.y + 160, { steps: 6 });
+  await page.mouse.up();
+  assert.notEqual(await where(), seen);
+  assert.equal(await page.locator('.channels button', { hasText: /^Undo$/ }).isDisabled(), true);
+  // The second set-up: channel b, then the unused column c, which becomes a channel.
+  await page.selectOption('.channels .buttons select', { index: 1 });
+  await page.waitForFunction(() => !document.querySelector('.channels').inert);
+  await select(page, 'b');
+  await node(page, hostile).click();
+  await select(page, 'c');
+  await node(page, '2').click();
+  assert.equal(await field(page, 'direction', 'c').inputValue(), 'y'); // x is taken at this node
+  await page.click('.chooser [data-direction="-z"]');
+  assert.equal(await arrows(page).count(), 3);
+  await save(page);
+  const made = read('space/set-ups.json');
+  assert.deepEqual(made.records[0].channels, channels);
+  assert.deepEqual(made.records[1].channels, [channels[0], { column: 'b', role: 'response', node: hostile, direction: 'x' }, { column: 'c', role: 'response', node: '2', direction: '-z' }]);
+  assert.equal(made.geometry, 'frame.json');
+  // The record does not state its sampling rate: the viewer takes it from the case, or as it is typed.
+  await go(page, '#/record/space%2Ftwo.csv');
+  await page.locator('figure', { hasText: 'Spectrum of' }).waitFor();
+  assert.equal(await page.inputValue('[aria-label="Sampling rate in Hz"]'), '50');
+  assert.equal(await page.locator('.channels .buttons select').evaluate((one) => one.selectedIndex), 1); // the set-up of this record
+  await page.fill('[aria-label="Sampling rate in Hz"]', '');
+  await page.locator('[aria-label="Sampling rate in Hz"]').blur();
+  await page.locator('text=the file does not state its sampling rate').waitFor();
+  await page.fill('[aria-label="Sampling rate in Hz"]', '100');
+  await page.locator('[aria-label="Sampling rate in Hz"]').blur();
+  await page.locator('figure', { hasText: 'Spectrum of' }).locator('text', { hasText: /^50$/ }).waitFor();
+  // A modes.json that is not there: the message stays, and the list shows what the case states.
+  write('space/gone.json', { ...read('beam/damage.json'), data: { from: 'none/modes.json', sensors: [{ at: 0.2 }] } });
+  await go(page, '#/channels/space%2Fgone.json');
+  await page.locator('#message.bad', { hasText: 'modes.json' }).waitFor();
+  assert.equal(await arrows(page).count(), 1);
+  await close();
+});
+
+test('angles of a modes.json stay in the modal case, and malformed cases break nothing', skip, async () => {
+  fs.cpSync(at('tower/modal-modal-results'), at('turned-results'), { recursive: true });
+  const modes = read('turned-results/modes.json');
+  Object.assign(modes.sensors[1], { azimuth: 30, elevation: 0 });
+  delete modes.sensors[1].direction;
+  write('turned-results/modes.json', modes);
+  const portal = read('portal/damage.json');
+  portal.structure.nodes = { 1: [0, 0], 2: [0, 1], 3: [1, 1], 4: [1, 0] };
+  portal.structure = JSON.parse(JSON.stringify(portal.structure).replaceAll('"A"', '"1"').replaceAll('"B"', '"2"').replaceAll('"C"', '"3"').replaceAll('"D"', '"4"'));
+  portal.data = { from: 'turned-results/modes.json' };
+  write('turned.json', portal);
+  const { page, close } = await open('#/channels/turned.json');
+  await page.locator('.channels tbody tr').nth(2).waitFor();
+  await select(page, 'floor 3');
+  await node(page, '4').click();
+  await page.locator('#message.bad', { hasText: 'floor 2 of turned-results/modes.json has azimuth and elevation' }).waitFor();
+  assert.equal(await page.locator('.channels button', { hasText: /^Undo$/ }).isDisabled(), true);
+  assert.equal(await page.locator('.channels button', { hasText: /^Save$/ }).isDisabled(), true);
+  const odd = [
+    { kind: 'modal', record: { file: 'x.csv', channels: [null, 5, { column: 'a', role: 'weird' }] }, geometry: { nodes: { constructor: [0, 0], b: 'x' }, lines: [['b'], 5, ['constructor', 'zz']], fixed: 5 } },
+    { kind: 'modal', records: [null, 5, { file: 7 }], geometry: '../../etc/passwd' },
+    { kind: 'damage', structure: { nodes: { a: [0, 0] }, members: [{}, { nodes: ['a', 'q'], name: 'm' }] }, data: { from: 5, sensors: [1, 'x', null, { member: 'm', at: 1, direction: 5 }] } },
+    { kind: 'sid', record: { file: 'a' }, models: 'x' }];
+  page.on('dialog', (dialog) => dialog.accept());
+  for (const [i, json] of odd.entries()) {
+    write(`odd-${i}.json`, json);
+    for (const view of ['case', 'channels']) await go(page, `#/${view}/odd-${i}.json`);
+    for (const one of await page.locator('.channels tbody button').all()) {
+      await one.click();
+      if (await page.locator('.channels .node').count()) await page.locator('.channels .node').first().click();
+    }
+    await go(page, '#/');
+  }
+  await close();
+});
+
+test('the channels of a system identification are on its masses', skip, async () => {
+  run('init', 'sid', '-o', at('sid'));
+  const { page, close } = await open('#/record/sid%2Fsid.csv');
+  await ready(page);
+  assert.equal(await arrows(page).count(), 2);
+  assert.equal(await page.locator('.channels .sensor.force').count(), 1);
+  assert.equal(await page.locator('[aria-label="Lowest frequency of the band in Hz"]').isVisible(), false); // no band in such a case
+  await field(page, 'mass', 'displacement [m]').fill('4');
+  await page.locator('.channels td .fault:visible').waitFor();
+  await select(page, 'displacement [m]');
+  await page.locator('.channels svg.structure .place').click();
+  await ready(page);
+  // Another role and back: the message asks for the quantity, which went with the role.
+  await page.selectOption('[aria-label="Role of displacement [m]"]', 'ignore');
+  await page.selectOption('[aria-label="Role of displacement [m]"]', 'response');
+  await page.locator('.channels svg.structure .place').click();
+  await page.locator('.channels td .fault:visible', { hasText: 'must be "displacement"' }).waitFor();
+  assert.equal(await page.getAttribute('[aria-label="quantity of displacement [m]"]', 'aria-invalid'), 'true');
+  await page.selectOption('[aria-label="quantity of displacement [m]"]', 'velocity');
+  await ready(page);
+  await page.selectOption('[aria-label="Role of force [N]"]', 'base-acceleration');
+  await save(page);
+  assert.deepEqual(read('sid/sid.json').record.channels.slice(1), [{ column: 'force [N]', role: 'base-acceleration' }, { column: 'displacement [m]', role: 'response', mass: 1, quantity: 'velocity' }]);
+  await close();
+});
+
+test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
+  for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
+    const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });
+    for (const place of ['#/record/tower%2Fmodal.csv', '#/channels/portal%2Fdamage.json', '#/channels/building%2Fdamage.json', '#/channels/beam%2Fdamage.json', '#/channels/space%2Fset-ups.json', '#/record/sid%2Fsid.csv']) {
+      await go(page, place);
+      await ready(page, /Valid|: /);
+      await page.evaluate(axe);
+      const { violations } = await page.evaluate(() => window.axe.run(document, { resultTypes: ['violations'] }));
+      assert.deepEqual(violations.map((v) => `${v.id}: ${v.nodes.slice(0, 3).map((n) => n.html).join(' | ')}`), [], `${place} at ${width} px, ${colorScheme}`);
+      assert.ok(await page.evaluate(() => document.documentElement.scrollWidth <= innerWidth), `${place} scrolls sideways at ${width} px`);
+      if (shots) await page.locator('section.channels').screenshot({ path: path.join(shots, `look-channels-${place.replace(/\W+/g, '-')}-${width}-${colorScheme}.png`) });
+    }
+    await close();
+  }
+  if (!shots) return;
+  const { page, close } = await open('#/channels/portal%2Fdamage.json', { viewport: { width: 1400, height: 700 } });
+  await ready(page);
+  await shot(page, 'channels');
+  await close();
+});
