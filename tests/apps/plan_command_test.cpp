@@ -72,8 +72,8 @@ TEST_F(PlanCommand, RecommendsSensorsAndWritesTheirDamageCase) {
   double before = 1e9;
   for (const json& d : p.at("designs")) {
     EXPECT_EQ(d.at("sensors").size(), 2u);
-    EXPECT_LE(d.at("information").get<double>(), before);
-    before = d.at("information").get<double>();
+    EXPECT_LE(d.at("right_place").get<double>(), before);
+    before = d.at("right_place").get<double>();
     for (const char* key : {"detection", "right_place"}) {
       EXPECT_GE(d.at(key).get<double>(), 0.0);
       EXPECT_LE(d.at(key).get<double>(), 1.0);
