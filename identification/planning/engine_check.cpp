@@ -8,6 +8,7 @@
 #include "base/index.hpp"
 #include "identification/structural/damage/damage_problem.hpp"
 #include "inference/engine/reversible_jump.hpp"
+#include "inference/model/model_posterior.hpp"
 
 namespace wheeltap::identification::planning {
 namespace {
@@ -71,6 +72,25 @@ bool right_places(const DamageProblem& problem, const inference::Posterior& post
   std::vector<Spot> true_spots;
   for (const PlacedDefect& d : truth) true_spots.push_back(spot_of(d));
   return agree(draws, true_spots, tolerance);
+}
+
+/// ln π at the true damage, minus that at the highest mode that the search found in the true model.
+double gain_of_truth(const std::vector<DefectKind>& kinds, const DamageProblem& problem,
+                     const inference::Posterior& posterior, const Scenario& scenario) {
+  const int model = scenario.truth.model;
+  std::vector<double> z;
+  for (const PlacedDefect& d : scenario.defects) {
+    const DefectKind& kind = kinds[index(d.kind)];
+    z.push_back(kind.location.to_standard_normal(d.location));
+    if (const inference::Prior* severity = kind.severity_prior())
+      z.push_back(severity->to_standard_normal(d.severity));
+  }
+  if (z.empty()) return 0.0;
+  inference::ModelPosterior log_posterior(problem.problem, model);
+  double highest = -kInfinity;
+  for (const inference::FoundMode& mode : posterior.found[index(model)].modes)
+    highest = std::max(highest, mode.log_posterior);
+  return log_posterior(z).log_posterior() - highest;
 }
 
 TestEstimate difference_of(const std::vector<int>& differences) {
@@ -158,16 +178,7 @@ EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source, const
   const auto problem = make_damage_problem(simulated_case(plan, source, design, scenario), {});
   const inference::Posterior posterior = inference::reversible_jump(problem->problem, options);
   EngineOutcome out;
-  std::vector<double> x;
-  for (const PlacedDefect& d : scenario.defects) {
-    x.push_back(d.location);
-    if (source.structure().kinds()[index(d.kind)].severity_prior()) x.push_back(d.severity);
-  }
-  const auto likelihood = problem->problem.likelihood();
-  const auto [chain, best] = posterior.best_draw();
-  const auto draw = posterior.draw(chain, best);
-  out.truth_gain = likelihood->log_likelihood(scenario.truth.model, x) -
-                   likelihood->log_likelihood(draw.model, draw.theta);
+  out.truth_gain = gain_of_truth(source.structure().kinds(), *problem, posterior, scenario);
   double most = -1.0;
   for (int m = 0; m < static_cast<int>(source.models().size()); ++m) {
     const double p = posterior.probability(m).value;
@@ -200,7 +211,7 @@ EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
     const std::vector<Scenario> scenario = {source.draw(number, solver)};
     inference::Options own = options;
     own.seed = options.seed + number;
-    own.searches = std::max(own.searches, kSearches);
+    if (own.quick) own.searches = std::max(own.searches, kSearches);
     CheckedTest test{.number = number,
                      .approximate = simulate_tests(source, prepared, scenario, plan.tolerance)[0],
                      .engine = identify(plan, source, design.design, number, own)};

@@ -19,8 +19,9 @@ struct EngineOutcome {
   double probability_damaged = 0.0;
   int model = 0;       ///< most probable model
   bool right = false;  ///< true if count and all places are correct by the criteria of TestScorer
-  /// ln of the likelihood of the true damage, minus that of the best draw. A value of several units
-  /// means that the run did not find the true damage.
+  /// ln of the posterior density (in standard normal coordinates) of the true damage, minus that of
+  /// the highest mode that the run found in the true model. A value of several units means that the
+  /// search missed the true damage.
   double truth_gain = 0.0;
 };
 [[nodiscard]] EngineOutcome identify(const PlanCase& plan, const ScenarioSource& source,
@@ -34,8 +35,7 @@ struct CheckedTest {
   EngineOutcome engine;
 };
 
-/// A run of the engine whose best draw is less likely than the true damage by more than this [nats]
-/// did not find the true damage.
+/// A run of the engine with a larger `truth_gain` [nats] missed the true damage.
 inline constexpr double kMissed = 3.0;
 
 /// Differences for the same tests, engine minus approximation: of P(detected) and P(right place),
@@ -52,8 +52,8 @@ struct EngineCheck {
 };
 
 /// Runs the engine on `count` simulated tests that the scores did not use, with at least 200 local
-/// searches for each model: two damages have a posterior mode for many pairs of members. Engine and
-/// approximation use the detection threshold of the design's scores.
+/// searches for each model in quick runs: two damages have a posterior mode for many pairs of
+/// members. Engine and approximation use the detection threshold of the design's scores.
 [[nodiscard]] EngineCheck check_by_engine(const PlanCase& plan, const PlanModel& model,
                                           const ScoredDesign& design, int count,
                                           const inference::Options& options,

@@ -161,6 +161,22 @@ std::pair<double, double> interaction_error(const PlanModel& model, const Prepar
   return {found[found.size() / 2], found[found.size() * 9 / 10]};
 }
 
+/// Largest component of a shape over all candidates, relative to the largest at the sensors of the
+/// design: median over the modes.
+double relative_largest(const PlannedStructure& structure, const TestDesign& design) {
+  const Eigen::MatrixXd shapes = structure.intact_shapes();
+  std::vector<double> ratios;
+  for (Eigen::Index i = 0; i < shapes.cols() && !design.sensors.empty(); ++i) {
+    const Eigen::VectorXd measured = shapes.col(i)(design.sensors);
+    const double largest = measured.cwiseAbs().maxCoeff(),
+                 all = shapes.col(i).cwiseAbs().maxCoeff();
+    if (largest > 0.0) ratios.push_back(all / largest);
+  }
+  if (ratios.empty()) return 1.0;
+  std::ranges::sort(ratios);
+  return ratios[ratios.size() / 2];
+}
+
 void compare_criteria(const PlanCase& plan, const PlanModel& model, const PlanOptions& options,
                       PlanFindings& out) {
   const Eigen::MatrixXd shapes = model.structure().intact_shapes();
@@ -331,6 +347,7 @@ PlanFindings make_plan(const PlanCase& plan, const PlanModel& model, const PlanO
            std::pair(b.scores.right_place.value, b.scores.information.value);
   });
   const ScoredDesign& best = out.designs.front();
+  out.measured_shape_sd = out.shape_sd * relative_largest(structure, best.design);
   const auto report = [&](const char* stage, double fraction) {
     if (options.progress) options.progress(stage, fraction);
   };

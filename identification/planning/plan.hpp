@@ -51,6 +51,8 @@ struct PlanFindings {
   std::vector<double> frequencies_hz;  ///< frequencies of the measured modes, intact structure
   std::vector<double> frequency_cov;
   double shape_sd = 0.0;
+  /// For a largest component of 1 over the sensors of the best design: median over the modes.
+  double measured_shape_sd = 0.0;
   std::vector<int> without_shapes;   ///< modes (from 0) so close that only frequencies are used
   double probability_damaged = 0.0;  ///< prior probability of damage
   /// Designs of the search, by the probability of the right count and place, best first. A

@@ -5,6 +5,7 @@
 #include <memory>
 #include <numbers>
 #include <numeric>
+#include <tuple>
 #include <utility>
 
 #include "base/constants.hpp"
@@ -40,8 +41,8 @@ constexpr std::size_t kReplacedModes = 6;   // highest modes whose components ar
 constexpr Eigen::Index kReplacements = 64;  // draws of the prior for each component
 constexpr int kReplacementClimbs = 2;       // climbs from the most probable of these draws
 constexpr int kReplacementRounds = 4;
-constexpr double kReplacementShare = 0.1;  // share of the budget for replacements
-constexpr long kLeastReplacementCalls = 2000;
+constexpr double kReplacementShare =
+    0.1;  // share of the budget; or as many calls as the climbs took
 constexpr std::uint64_t kReplaceStream = std::uint64_t{3} << 61U;
 
 using Vector = Eigen::VectorXd;
@@ -119,7 +120,7 @@ class Search {
     if (components.size() < 2) return;
     const long most =
         evaluations() +
-        std::max(kLeastReplacementCalls,
+        std::max(evaluations(),
                  static_cast<long>(kReplacementShare * static_cast<double>(options_.budget)));
     Surface& f = *surfaces_.front();
     std::vector<Vector> done;
@@ -136,9 +137,11 @@ class Search {
         }
       }
       if (starts.empty()) return;
-      const long climbs = climbs_;  // these starts are no draws of the prior
+      // These starts are no draws of the prior.
+      const auto counts = std::tuple(climbs_, points_, way_);
       run(starts);
-      climbs_ = climbs;
+      std::tie(climbs_, points_, way_) = counts;
+      if (options_.progress && !options_.progress(1.0)) return;
     }
   }
 

@@ -24,7 +24,8 @@ struct ModeSearchOptions {
   std::uint64_t seed = 1;
   long climbs = 0;  ///< 0: as many as `budget` allows, between kFewestClimbs and kMostClimbs
   /// Largest number of likelihood evaluations, including evaluations that exact derivatives save;
-  /// climbs in progress are finished.
+  /// climbs in progress are finished. Replacements of components may use a further 10 %, or as many
+  /// evaluations as the climbs before.
   long budget = 100000;
   /// Factor in (0, 1] on the work for a growing record: the number of climbs from the prior, of
   /// followed modes, and of draws near each mode.

@@ -339,8 +339,8 @@ Report recommended_case(const PlanCaseFile& parsed, const PlanFindings& findings
     Report sensors = Report::array();
     for (const int s : best.design.sensors) sensors.push_back(Report(parsed.sensors[index(s)]));
     data["sensors"] = sensors;
-    data["shape_sd"] = compact(findings.shape_sd);
-    truth["shape_sd"] = compact(findings.shape_sd);
+    data["shape_sd"] = compact(findings.measured_shape_sd);
+    truth["shape_sd"] = compact(findings.measured_shape_sd);
   }
   out["data"] = data;
   Report damage = Report(parsed.parsed.file.json.at("damage"));

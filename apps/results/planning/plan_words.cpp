@@ -169,13 +169,16 @@ std::vector<std::string> plan_details(const Report& plan) {
 std::string check_sentence(const Report& plan) {
   if (!plan.contains("check")) return {};
   const Report& check = plan.at("check");
+  const int missed = check.at("missed").get<int>();
+  if (check.at("rms_probability_damaged").is_null())
+    return "The full engine missed the true damage in all of the " + std::to_string(missed) +
+           " checked tests.";
   std::string out =
       "The full engine identified " + std::to_string(check.at("tests").get<int>()) +
       " of the simulated tests. " +
-      (check.at("missed").get<int>() > 0
-           ? "In " + std::to_string(check.at("missed").get<int>()) +
-                 " of these tests, the run did not find the true damage; these tests do not "
-                 "count. "
+      (missed > 0
+           ? "In " + std::to_string(missed) +
+                 " of these tests, its search missed the true damage; these tests do not count. "
            : std::string()) +
       "In the counted tests, " + std::to_string(check.at("damaged").get<int>()) +
       " of them with damage, P(at least one damage) of the engine differs by " +
