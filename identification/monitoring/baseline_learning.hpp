@@ -39,7 +39,7 @@ struct LearningOptions {
   int threads = 1;
   int chains = 4;
   // Draws and warm-up iterations of the engine; 0: the engine chooses the number.
-  int engine_draws = 500, engine_warmup = 2000;  ///< numbers per Markov chain
+  int engine_draws = 300, engine_warmup = 1000;  ///< numbers per Markov chain
   int searches = 1;
   std::function<bool(double fraction)> progress = nullptr;  ///< false: stop early
 };
@@ -67,6 +67,11 @@ struct Baseline {
   std::vector<BaselineDraw> draws = {};
   double rows_per_hour = 1.0;
   double last_hours = 0.0;  ///< time of the last row that the filters have processed
+  // Nonlinear parameters of the draw with the highest posterior density, from which refit_baseline
+  // starts; not part of a stored state:
+  std::vector<double> best = {};
+  std::vector<int> hinged = {};  ///< covariates that may have hinges
+  bool has_lag = false;
   // Convergence diagnostics of the engine:
   std::vector<double> hinge_probability = {};  ///< probabilities of 0, 1, … hinges
   bool converged = false;
@@ -84,6 +89,12 @@ void carry(Parcel& parcel, Of& b) {
 /// Trains the baseline on all rows of `learning`. Throws std::invalid_argument if find_faults
 /// reports a fault other than a constant covariate.
 [[nodiscard]] Baseline learn_baseline(const Series& learning, const LearningOptions& options);
+
+/// One draw for other training rows: the nonlinear parameters maximise the evidence, by a climb that
+/// starts from the best draw of `from`; degrees of freedom and correlation are those of the first
+/// draw of `from`. Throws the exceptions of learn_baseline.
+[[nodiscard]] Baseline refit_baseline(const Series& learning, const Baseline& from,
+                                      const LearningOptions& options);
 
 /// Updates the lagged covariates of one draw.
 [[nodiscard]] Weather next_weather(const CovariateScaling::Scaled& scaled, double hours,

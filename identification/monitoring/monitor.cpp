@@ -38,13 +38,7 @@ Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptio
                    .last_hours = learning.hours.front()};
     return replay(all, healthy_innovations(start, learning), options.change, replayed);
   }
-  LearningOptions shorter = options.learning;
-  // One draw is enough here, so that shorter chains are.
-  shorter.draws = 1;
-  shorter.engine_warmup = std::min(shorter.engine_warmup, 500);
-  shorter.engine_draws = std::min(shorter.engine_draws, 100);
-  shorter.progress = nullptr;
-  const Baseline part = learn_baseline(first, shorter);
+  const Baseline part = refit_baseline(first, all, options.learning);
   return replay(part, healthy_innovations(part, rows_from(learning, trained)), options.change,
                 replayed);
 }
