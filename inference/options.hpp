@@ -58,9 +58,9 @@ struct Options {
   bool balance = false;
 
   /// False: do not compute the evidences of models and the shares of posterior modes (they stay
-  /// NaN), for a caller that uses the draws alone. The exploration then ends with one local
-  /// optimisation and one round of importance sampling per model, which suffice for starting points
-  /// and proposals.
+  /// NaN), for a caller that uses the draws alone. The exploration then has at most three rounds of
+  /// importance sampling per model, and two local optimisations from the draws of the tempering,
+  /// which suffice for starting points and proposals.
   bool evidences = true;
 
   /// Folder for draws that do not fit into memory (DrawMemory); empty: all draws are kept in

@@ -117,8 +117,8 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
         .progress = [&](double share) { return run.monitor.advance(share); },
         .stop = [&] { return run.monitor.stopped(); }};
     if (!run.options.evidences) {
-      how.rounds = 1;
-      how.climbs_from_draws = 1;
+      how.rounds = 3;
+      how.climbs_from_draws = 2;
     }
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
     if (nested) how.starts = nested_starts(problem.space, m, state.explorations, kNestedStarts);
