@@ -79,6 +79,11 @@ class BaselineFilter {
   /// Updates the state with an entry of innovation v and variance s, which includes the noise.
   void update(const Eigen::VectorXd& covariance, double v, double s);
 
+  /// Replaces the drifts by their stationary distributions, independent of the coefficients.
+  void reset_drift(const BaselineParameters& parameters);
+  /// Adds prior variance to a coefficient; `variance`: p.
+  void widen(int term, const Eigen::VectorXd& variance);
+
   /// Additional noise variance of a feature due to imputed covariates.
   [[nodiscard]] double imputation_variance(int feature, const Weather& weather) const;
 

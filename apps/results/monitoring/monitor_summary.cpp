@@ -135,6 +135,8 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
                    {"alarms", alarms},
                    {"probability_changed", monitor.probability_changed()},
                    {"false_alarms_per_year", rates},
+                   {"replayed_is_lower_bound",
+                    monitor.replay().is_lower_bound(monitor.log_threshold_stated())},
                    {"log_threshold",
                     {{"stated", monitor.log_threshold_stated()},
                      {"replayed", monitor.log_threshold_replayed()},
@@ -152,7 +154,7 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
         {"replayed", 1.0 / monitor.replay().rate(monitor.log_threshold_stated())}};
   }
   std::vector<std::string> warnings = parsed.warnings;
-  if (monitor.log_threshold_replayed() > monitor.log_threshold_stated())
+  if (monitor.log_threshold() > monitor.log_threshold_stated())
     warnings.push_back(
         "Replayed healthy rows raise more false alarms than the model predicts: Wheeltap uses the "
         "higher threshold of the replay.");
