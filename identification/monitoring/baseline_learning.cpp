@@ -65,8 +65,11 @@ inference::ModelSpace space_of(const TrainingRows& of) {
       counts);
 }
 
+/// Degrees of freedom, and index of a correlation.
 struct TailChoice {
-  double degrees, share, log_evidence;
+  double degrees;
+  std::size_t correlation;
+  double log_evidence;
 };
 
 const TailChoice& draw_choice(const std::vector<TailChoice>& choices, base::Random& random) {
@@ -79,45 +82,53 @@ const TailChoice& draw_choice(const std::vector<TailChoice>& choices, base::Rand
   return choices.back();
 }
 
-MatrixXd mixed_correlation(const MatrixXd& correlation, double share) {
-  return share * correlation +
-         (1.0 - share) * MatrixXd::Identity(correlation.rows(), correlation.cols());
+/// Possible correlations of the drift: none, the estimate and half of it, and one that is common to
+/// all pairs of features.
+std::vector<MatrixXd> possible_correlations(const MatrixXd& estimate) {
+  const Index p = estimate.rows();
+  const MatrixXd one = MatrixXd::Identity(p, p);
+  std::vector<MatrixXd> out = {one};
+  if (p == 1) return out;
+  for (const double share : {0.5, 1.0}) out.emplace_back(share * estimate + (1.0 - share) * one);
+  for (const double r : {0.25, 0.5, 0.75, 0.9})
+    out.emplace_back(MatrixXd::Constant(p, p, r) + (1.0 - r) * one);
+  return out;
 }
 
-/// The full filter's evidence over degrees of freedom for uncorrelated drift, then over shares of
-/// the correlation for each draw of the degrees.
+/// The full filter's evidence over degrees of freedom for uncorrelated drift, then over correlations
+/// for each draw of the degrees.
 class TailChoices {
  public:
   TailChoices(const TrainingRows& of, const std::vector<Row>& rows, BaselineDraw draw,
-              const MatrixXd& correlation)
-      : of_(of), rows_(rows), draw_(std::move(draw)), correlation_(correlation) {
+              const std::vector<MatrixXd>& correlations)
+      : of_(of), rows_(rows), draw_(std::move(draw)), correlations_(correlations) {
     for (const double degrees : {3.0, 5.0, 8.0, 15.0, 40.0, kGaussian})
-      degrees_.push_back(evidence(degrees, 0.0));
+      degrees_.push_back(evidence(degrees, 0));
   }
   TailChoice draw(base::Random& random) {
     const TailChoice degrees = draw_choice(degrees_, random);
-    std::vector<TailChoice>& shares = shares_[degrees.degrees];
-    if (shares.empty()) {
-      shares.push_back(degrees);
-      if (of_.features.size() > 1)
-        for (const double share : {0.5, 1.0}) shares.push_back(evidence(degrees.degrees, share));
+    std::vector<TailChoice>& choices = choices_[degrees.degrees];
+    if (choices.empty()) {
+      choices.push_back(degrees);
+      for (std::size_t i = 1; i < correlations_.size(); ++i)
+        choices.push_back(evidence(degrees.degrees, i));
     }
-    return draw_choice(shares, random);
+    return draw_choice(choices, random);
   }
 
  private:
-  TailChoice evidence(double degrees, double share) {
+  TailChoice evidence(double degrees, std::size_t correlation) {
     draw_.parameters.degrees = degrees;
-    draw_.parameters.correlation = mixed_correlation(correlation_, share);
-    return {degrees, share, run_through(of_, rows_, draw_)};
+    draw_.parameters.correlation = correlations_[correlation];
+    return {degrees, correlation, run_through(of_, rows_, draw_)};
   }
 
   const TrainingRows& of_;
   const std::vector<Row>& rows_;
   BaselineDraw draw_;
-  const MatrixXd& correlation_;
+  const std::vector<MatrixXd>& correlations_;
   std::vector<TailChoice> degrees_;
-  std::map<double, std::vector<TailChoice>> shares_;
+  std::map<double, std::vector<TailChoice>> choices_;
 };
 
 std::vector<Row> rows_of(const Series& series, const Baseline& baseline) {
@@ -204,8 +215,7 @@ void check_faults(const Series& learning) {
 
 void set_times(const Series& learning, Baseline& out) {
   out.last_hours = learning.hours.back();
-  out.rows_per_hour =
-      static_cast<double>(learning.rows() - 1) / (learning.hours.back() - learning.hours.front());
+  out.rows_per_hour = 1.0 / median_step(learning.hours);
 }
 
 /// A parameter of x for a climb: a logarithm between bounds, or a hinge's quantile.
@@ -281,6 +291,8 @@ std::vector<double> climb(const TrainingRows& of, const Layout& layout, std::vec
 Weather next_weather(const CovariateScaling::Scaled& scaled, double hours, BaselineDraw& draw) {
   follow_lag(scaled.z, hours, draw.parameters.terms.lag_hours, draw.lagged);
   follow_lag(scaled.z, hours, kLongLagHours, draw.slow);
+  follow_lag(scaled.variance.diagonal().cwiseMax(0.0).cwiseSqrt(), hours,
+             draw.parameters.terms.lag_hours, draw.lagged_error);
   return weather_at(draw.parameters.terms, scaled, draw.lagged, draw.slow);
 }
 
@@ -318,9 +330,9 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
   base::Random random(options.seed, 0, 0, base::Purpose::simulation);
   BaselineDraw central{.parameters = parameters_of(*prepared, layout, best, out.reference, random)};
   CovariateTerms terms = terms_of(*prepared, layout, best);
-  const MatrixXd correlation =
-      drift_correlation(*prepared, term_table(*prepared, terms), layout, best);
-  TailChoices choices(*prepared, rows, central, correlation);
+  const std::vector<MatrixXd> correlations = possible_correlations(
+      drift_correlation(*prepared, term_table(*prepared, terms), layout, best));
+  TailChoices choices(*prepared, rows, central, correlations);
   const auto p = static_cast<Index>(prepared->features.size());
   VectorXd variance = VectorXd::Zero(p);
   const auto coefficients = static_cast<int>(central.parameters.coefficient_sd.size());
@@ -331,7 +343,7 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
                                         out.reference, random)};
     const TailChoice choice = choices.draw(random);
     draw.parameters.degrees = choice.degrees;
-    draw.parameters.correlation = mixed_correlation(correlation, choice.share);
+    draw.parameters.correlation = correlations[choice.correlation];
     run_through(*prepared, rows, draw);
     variance.array() +=
         draw.parameters.noise_sd.array().square() + draw.parameters.fast_sd.array().square();

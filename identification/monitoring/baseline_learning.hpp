@@ -39,7 +39,7 @@ struct LearningOptions {
   int threads = 1;
   int chains = 4;
   // Draws and warm-up iterations of the engine; 0: the engine chooses the number.
-  int engine_draws = 300, engine_warmup = 1000;  ///< numbers per Markov chain
+  int engine_draws = 500, engine_warmup = 2000;  ///< numbers per Markov chain
   int searches = 1;
   std::function<bool(double fraction)> progress = nullptr;  ///< false: stop early
 };
@@ -50,12 +50,16 @@ struct BaselineDraw {
   BaselineFilter filter = {};
   /// Covariates of the last row with the thermal and the long lag
   Eigen::VectorXd lagged = {}, slow = {};
+  /// Standard deviation of the error of `lagged` that missing covariates cause
+  Eigen::VectorXd lagged_error = {};
+  /// Largest values so far of the terms of unseen weather, kUnseenTerms
+  Eigen::VectorXd unseen = {};
 };
 
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, BaselineDraw>
 void carry(Parcel& parcel, Of& draw) {
-  parcel(draw.parameters, draw.filter, draw.lagged, draw.slow);
+  parcel(draw.parameters, draw.filter, draw.lagged, draw.slow, draw.lagged_error, draw.unseen);
 }
 
 /// The trained baseline.

@@ -16,21 +16,24 @@ using Eigen::VectorXd;
 namespace {
 
 constexpr double kRobustDegrees = 5.0;
-constexpr double kInterceptScale = 100.0, kSlopeScale = 10.0;  // of coefficients, in noise sds
+constexpr double kInterceptScale = 100.0;  // of coefficients, in noise sds
+constexpr double kLeastSlopeScale = 10.0, kSlopesOfSd = 3.0;
+constexpr double kNoiseOfVariance = 0.1;
 // Prior sd of slopes beyond learning's weather, below and above, in what covariates explained in
 // it. Frost stiffens concrete and asphalt many times more than the same step in mild weather.
+constexpr double kLeastCorrelation = 0.02;  // of innovations of a common drift
 constexpr double kBelow = 6.0, kAbove = 2.0;
 
-VectorXd coefficient_scales(Index terms) {
-  VectorXd g = VectorXd::Constant(terms, kSlopeScale);
+VectorXd coefficient_scales(Index terms, double slopes) {
+  VectorXd g = VectorXd::Constant(terms, slopes);
   g[0] = kInterceptScale;
   return g;
 }
 
 RegressionPrior prior_of(const TrainingRows& of, std::size_t feature, Index terms) {
-  return {.coefficient_scale = coefficient_scales(terms),
+  return {.coefficient_scale = coefficient_scales(terms, of.slope_scale[feature]),
           .shape = 1.0,
-          .scale = 0.1 * of.variance[feature]};
+          .scale = of.noise_scale[feature]};
 }
 
 }  // namespace
@@ -125,7 +128,11 @@ void weigh_outliers(TrainingRows& of) {
       VectorXd sizes = r.cwiseAbs();
       const auto middle = sizes.data() + sizes.size() / 2;
       std::nth_element(sizes.data(), middle, sizes.data() + sizes.size());
-      r /= std::max(1.4826 * *middle, 1e-300);
+      const double sigma = std::max(1.4826 * *middle, 1e-4 * std::sqrt(of.variance[j]));
+      r /= sigma;
+      of.slope_scale[j] =
+          std::max(kLeastSlopeScale, kSlopesOfSd * std::sqrt(of.variance[j]) / sigma);
+      of.noise_scale[j] = std::min(kNoiseOfVariance * of.variance[j], sigma * sigma);
       for (Index t = 0; t < r.size(); ++t)
         feature.precision[t] = stated[t] * (kRobustDegrees + 1.0) / (kRobustDegrees + r[t] * r[t]);
     }
@@ -177,9 +184,51 @@ std::unique_ptr<TrainingRows> prepare(const Series& series, const LearningOption
     of.variance.push_back(std::max(rows.y.squaredNorm() / static_cast<double>(count), 1e-24));
     of.features.push_back(std::move(rows));
   }
+  of.slope_scale.assign(of.features.size(), kLeastSlopeScale);
+  for (const double variance : of.variance) of.noise_scale.push_back(kNoiseOfVariance * variance);
   weigh_outliers(of);
   of.evidence.emplace(of.hours, of.features);
   return prepared;
+}
+
+double innovation_correlation(const ProcessRatios& a, const ProcessRatios& b, double step) {
+  using Eigen::Matrix2d;
+  using Eigen::Vector2d;
+  const double fast = std::exp(-a.fast_rate * step), slow = std::exp(-step / kSlowHours);
+  const Vector2d decay(fast, slow), h(1.0, 1.0);
+  struct Filter {
+    Matrix2d p;
+    Vector2d stationary, gain;
+    double s;
+  };
+  const auto start = [](const ProcessRatios& of) {
+    const Vector2d stationary(of.fast_ratio, of.slow_ratio);
+    return Filter{stationary.asDiagonal(), stationary, Vector2d::Zero(), 1.0};
+  };
+  Filter one = start(a), two = start(b);
+  const auto advance = [&](Filter& f) {
+    f.p = decay.asDiagonal() * f.p * decay.asDiagonal();
+    f.p.diagonal().array() += (1.0 - decay.array().square()) * f.stationary.array();
+    f.s = h.dot(f.p * h) + 1.0;
+    f.gain = f.p * h / f.s;
+    f.p -= f.s * f.gain * f.gain.transpose();
+  };
+  const double common = std::sqrt(a.fast_ratio * b.fast_ratio);
+  Matrix2d cross = Matrix2d::Zero();
+  cross(0, 0) = common;
+  double out = 0.0;
+  constexpr int kSteps = 4000;
+  for (int t = 0; t < kSteps; ++t) {
+    advance(one);
+    advance(two);
+    cross = (decay.asDiagonal() * cross * decay.asDiagonal()).eval();
+    cross(0, 0) += (1.0 - fast * fast) * common;
+    out = h.dot(cross * h) / std::sqrt(one.s * two.s);
+    cross = ((Matrix2d::Identity() - one.gain * h.transpose()) * cross *
+             (Matrix2d::Identity() - two.gain * h.transpose()).transpose())
+                .eval();
+  }
+  return out;
 }
 
 MatrixXd drift_correlation(const TrainingRows& of, const MatrixXd& table, const Layout& layout,
@@ -188,7 +237,6 @@ MatrixXd drift_correlation(const TrainingRows& of, const MatrixXd& table, const 
   const auto n = static_cast<Index>(of.hours.size());
   const auto m = static_cast<Index>(p);
   MatrixXd residuals = MatrixXd::Constant(n, m, kNaN);
-  VectorXd share(m);
   const std::vector<MarginalLikelihood> fits = fits_of(of, layout, table, x);
   for (std::size_t j = 0; j < p; ++j) {
     const ProcessRatios process = ratios_of(layout, x, j);
@@ -199,8 +247,8 @@ MatrixXd drift_correlation(const TrainingRows& of, const MatrixXd& table, const 
     for (Index t = 0; t < r.size(); ++t)
       residuals(of.features[j].rows[index(t)], static_cast<Index>(j)) =
           std::clamp(r[t] / sd, -3.0, 3.0);
-    share[static_cast<Index>(j)] = process.fast_ratio / (1.0 + process.fast_ratio);
   }
+  const double step = median_step(of.hours);
   MatrixXd c = MatrixXd::Identity(m, m);
   for (Index a = 0; a < m; ++a)
     for (Index b = 0; b < a; ++b) {
@@ -213,8 +261,9 @@ MatrixXd drift_correlation(const TrainingRows& of, const MatrixXd& table, const 
         ab += ra * rb;
       }
       const double r = aa > 0.0 && bb > 0.0 ? ab / std::sqrt(aa * bb) : 0.0;
-      c(a, b) = c(b, a) =
-          std::clamp(r / std::max(0.2, std::sqrt(share[a] * share[b])), -0.95, 0.95);
+      const double most = innovation_correlation(ratios_of(layout, x, index(a)),
+                                                 ratios_of(layout, x, index(b)), step);
+      c(a, b) = c(b, a) = std::clamp(r / std::max(kLeastCorrelation, most), -0.95, 0.95);
     }
   const Eigen::SelfAdjointEigenSolver<MatrixXd> eigen(c);
   c = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.02).asDiagonal() *
@@ -247,7 +296,7 @@ BaselineParameters parameters_of(const TrainingRows& of, const Layout& layout,
     out.fast_sd[j] = sd * std::sqrt(process.fast_ratio);
     out.slow_sd[j] = sd * std::sqrt(process.slow_ratio);
     out.coefficient_mean(0, j) = reference[j];
-    out.coefficient_sd.col(j) = sd * coefficient_scales(k);
+    out.coefficient_sd.col(j) = sd * coefficient_scales(k, of.slope_scale[feature]);
     if (of.sorted.cols() > 0) {
       // Beyond the learning period's weather a slope may be a few times what the covariates
       // explained in it, in standard deviations of a covariate.

@@ -22,6 +22,9 @@ struct TrainingRows {
   Eigen::MatrixXd sorted = {};          ///< rows x covariates, each column sorted: for knots by quantile
   std::vector<int> hinged = {};  ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< per feature
+  /// Per feature: prior sd of slopes in noise sds, at least three times the feature's own sd.
+  std::vector<double> slope_scale = {};
+  std::vector<double> noise_scale = {};  ///< per feature: scale of the prior of σ²
   std::optional<EvidenceData> evidence = {};  ///< of `features`, with their weights
   bool lag = false;
   int most_hinges = 0;
@@ -65,9 +68,18 @@ struct Layout {
 [[nodiscard]] double log_evidence(const TrainingRows& of, const Layout& layout,
                                   std::span<const double> x);
 
-/// Correlation of the drift from that of residuals, as a correlation matrix.
+/// Correlation of the drift from that of the one-step innovations, as a correlation matrix. An
+/// innovation holds only the part of the drift that is new since the previous row. Each correlation
+/// is therefore divided by the correlation that innovations of a completely correlated drift would
+/// have (innovation_correlation).
 [[nodiscard]] Eigen::MatrixXd drift_correlation(const TrainingRows& of, const Eigen::MatrixXd& table,
                                                 const Layout& layout, std::span<const double> x);
+
+/// Correlation of the innovations of two features whose fast drifts are completely correlated, in
+/// the steady state of their separate filters for rows `step` hours apart. The covariance of the
+/// two filters' errors follows P' = (I - k_1 h')(A P A' + Q)(I - k_2 h')', with h = (1, 1).
+[[nodiscard]] double innovation_correlation(const ProcessRatios& a, const ProcessRatios& b,
+                                            double step);
 
 /// Parameters of one draw: noise variances from their inverse gamma posteriors.
 [[nodiscard]] BaselineParameters parameters_of(const TrainingRows& of, const Layout& layout,
