@@ -39,6 +39,8 @@ double profile_at(ShiftProfile profile, double hours) {
   return profile == ShiftProfile::transient ? std::exp(-hours / kTransientHours) : 1.0;
 }
 
+constexpr int kOnsetParts = 20;  // of the mass of merged onsets
+
 // Weight that moves between the two filters without a change each row.
 constexpr double kFilterShare = 0.05;
 
@@ -49,6 +51,7 @@ ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& opt
       residual_sd_(baseline.residual_sd),
       options_(options),
       draws_(baseline.draws),
+      rows_per_hour_(baseline.rows_per_hour),
       last_hours_(baseline.last_hours),
       last_ramp_hours_(baseline.last_hours) {
   std::vector<int> blocks;
@@ -69,6 +72,8 @@ CandidateOnset ChangePoint::born(const Row& row, ShiftProfile profile) {
   const VectorXd draws = log_weight_.array().exp();
   return {.row = rows_,
           .hours = row.hours,
+          .first_hours = row.hours,
+          .last_hours = row.hours,
           .profile = profile,
           .slot = bank_.add(prior_of_hypotheses(residual_sd_.size()), draws)};
 }
@@ -84,15 +89,21 @@ std::vector<CandidateOnset> ChangePoint::candidates() const {
 void ChangePoint::bear_candidates(const Row& row, double hours) {
   const double log_born = std::log(-std::expm1(-options_.hazard_per_hour * hours)) + log_no_change_;
   log_no_change_ -= options_.hazard_per_hour * hours;
-  const auto bear = [&](ShiftProfile profile, double log_share, double rows) {
+  // The threshold is a number of rows at the usual step. Rows at shorter steps count for less.
+  const auto bear = [&](ShiftProfile profile, double log_share, double rows, double more_log_prior) {
     candidates_.push_back(born(row, profile));
     candidates_.back().log_wealth = log_share + std::log(rows);
-    candidates_.back().log_prior = log_share + log_born + std::log(rows);
+    candidates_.back().log_prior = log_share + log_born + more_log_prior;
   };
-  bear(ShiftProfile::step, std::log1p(-options_.ramp_share), 1.0);
+  bear(ShiftProfile::step, std::log1p(-options_.ramp_share), std::min(1.0, hours * rows_per_hour_),
+       0.0);
   // A candidate ramp stands for all rows since the last one.
-  if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0)
-    bear(ShiftProfile::ramp, std::log(options_.ramp_share), options_.ramp_every);
+  if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0) {
+    const double rows = options_.ramp_every, since = row.hours - last_ramp_hours_;
+    bear(ShiftProfile::ramp, std::log(options_.ramp_share), std::min(rows, since * rows_per_hour_),
+         std::log(since / hours));
+    last_ramp_hours_ = row.hours;
+  }
   if (options_.transients_per_hour > 0.0) {
     const double ends = options_.transient_ends_per_hour * hours;
     for (CandidateOnset& c : transients_) {
@@ -196,6 +207,8 @@ void ChangePoint::merge(std::vector<CandidateOnset>& list, std::size_t from, std
     moved_ += std::exp(a.log_mass() - log_sum(log_no_change_, a.log_mass()));
   b.log_prior = log_sum(b.log_mass(), a.log_mass()) - b.log_ratio;
   b.log_wealth = log_sum(b.log_wealth, a.log_wealth);
+  b.first_hours = std::min(b.first_hours, a.first_hours);
+  b.last_hours = std::max(b.last_hours, a.last_hours);
   bank_.release(a.slot);
   list.erase(list.begin() + static_cast<std::ptrdiff_t>(from));
 }
@@ -247,14 +260,58 @@ bool ChangePoint::merge_one(std::vector<CandidateOnset>& list, ShiftProfile prof
   return false;
 }
 
-PredictedRow ChangePoint::add(const Row& row) {
-  const double hours = row.hours - last_hours_;
-  const CovariateScaling::Scaled scaled = scaling_(row.covariates);
-  bear_candidates(row, hours);
+bool ChangePoint::knows_weather() const {
+  for (const BaselineDraw& draw : draws_) {
+    if (draw.lagged_error.size() == 0 || draw.lagged_error.maxCoeff() == 0.0) continue;
+    const CovariateTerms& terms = draw.parameters.terms;
+    for (Index j = 0; j < residual_sd_.size(); ++j) {
+      const auto b = draw.filter.x.segment(j * draw.parameters.block(), draw.parameters.block() - 2);
+      // Both slopes of a hinge: the missing covariate may be on either side.
+      VectorXd slopes = b.segment(1, draw.lagged_error.size());
+      VectorXd beyond = slopes;
+      for (std::size_t h = 0; h < terms.knots.size(); ++h)
+        beyond[terms.hinge_of[h]] += b[1 + slopes.size() + static_cast<Index>(h)];
+      const VectorXd steepest = slopes.cwiseAbs().cwiseMax(beyond.cwiseAbs());
+      if (steepest.cwiseProduct(draw.lagged_error).norm() > kLargestWeatherError * residual_sd_[j])
+        return false;
+    }
+  }
+  return true;
+}
+
+void ChangePoint::widen_for_weather(const std::vector<Weather>& weather) {
+  for (std::size_t m = 0; m < draws_.size(); ++m) {
+    BaselineDraw& draw = draws_[m];
+    if (draw.lagged.size() == 0) continue;
+    const Index first = draw.parameters.block() - 2 - kUnseenTerms;
+    if (draw.unseen.size() == 0) draw.unseen = VectorXd::Zero(kUnseenTerms);
+    for (Index k = 0; k < kUnseenTerms; ++k) {
+      const double now = weather[m].h[first + k], before = draw.unseen[k];
+      if (now <= before) continue;
+      draw.unseen[k] = now;
+      if (before == 0.0) continue;  // the coefficient still has its prior
+      const VectorXd variance =
+          (1.0 - (before / now) * (before / now)) *
+          draw.parameters.coefficient_sd.row(first + k).transpose().array().square();
+      draw.filter.widen(static_cast<int>(first + k), variance);
+      changed_[m].widen(static_cast<int>(first + k), variance);
+    }
+  }
+}
+
+PredictedRow ChangePoint::add(const Row& measured) {
+  const double hours = measured.hours - last_hours_;
+  const CovariateScaling::Scaled scaled = scaling_(measured.covariates);
+  bear_candidates(measured, hours);
   std::vector<Weather> weather;
   for (BaselineDraw& draw : draws_) weather.push_back(next_weather(scaled, hours, draw));
+  widen_for_weather(weather);
+  Row row = measured;
+  const bool is_scored = knows_weather();
+  if (!is_scored) row.features.setConstant(kNaN);
   PredictedRow out;
   const VectorXd own = score_healthy(row, hours, weather, out);
+  out.is_scored = is_scored;
 
   std::vector<char> present;
   for (const double y : row.features) present.push_back(std::isfinite(y) ? 1 : 0);
@@ -325,7 +382,13 @@ ChangeEstimate ChangePoint::estimate() const {
   VectorXd squares = VectorXd::Zero(p);
   for (const CandidateOnset& c : candidates()) {
     const double mass = std::exp(c.log_mass() - sum);
-    onsets.emplace_back(c.hours, mass);
+    // The mass of merged onsets is spread evenly over their times.
+    const int parts = c.last_hours > c.first_hours ? kOnsetParts : 1;
+    for (int part = 0; part < parts; ++part)
+      onsets.emplace_back(
+          parts == 1 ? c.hours
+                     : c.first_hours + (c.last_hours - c.first_hours) * (part + 0.5) / parts,
+          mass / parts);
     if (c.profile == ShiftProfile::ramp) out.ramp_probability += mass;
     for (const ShiftPosterior& d : c.draws)
       for (Index size = 0; size < kSizes; ++size) {
@@ -379,31 +442,49 @@ MatrixXd ChangePoint::covariate_slopes(int covariates) const {
 }
 
 void ChangePoint::accept_change() {
-  const auto best = std::ranges::max_element(candidates_, {},
-                                             [](const CandidateOnset& c) { return c.log_mass(); });
-  if (best == candidates_.end()) return;
+  if (candidates_.empty()) return;
+  constexpr double kNegligible = 1e-9;
   const Index p = residual_sd_.size();
+  double all = log_no_change_;
+  for (const CandidateOnset& c : candidates_) all = log_sum(all, c.log_mass());
   VectorXd log_weight(log_weight_.size());
   for (std::size_t m = 0; m < draws_.size(); ++m) {
-    const ShiftPosterior d = bank_.posterior(best->slot, static_cast<int>(m));
-    log_weight[static_cast<Index>(m)] = log_sum_exp(d.log_weight);
-    Index h = 0, size = 0;
-    d.log_weight.maxCoeff(&h, &size);
-    VectorXd mean = VectorXd::Zero(p);
-    MatrixXd covariance = MatrixXd::Zero(p, p);
-    if (h == 0) {
-      mean = d.mean.col(size);
-      covariance = d.covariance.middleCols(size * p, p);
-    } else {
-      mean[h - 1] = d.single_mean(h - 1, size);
-      covariance(h - 1, h - 1) = d.single_variance(h - 1, size);
-    }
-    // State and intercept as functions of the shift: x + (F + E) δ.
-    MatrixXd entry = d.sensitivity;
-    for (Index j = 0; j < p; ++j) entry(j * draws_[m].parameters.block(), j) += 1.0;
     BaselineFilter& filter = changed_[m];
-    filter.x += entry * mean;
-    filter.p += entry * covariance * entry.transpose();
+    const Index states = filter.x.size();
+    // Moments of the state's displacement (F + r E) δ over all hypotheses; zero without a change.
+    double sum = std::exp(log_no_change_ - all + log_weight_[static_cast<Index>(m)]);
+    VectorXd mean = VectorXd::Zero(states);
+    MatrixXd square = MatrixXd::Zero(states, states);
+    for (const CandidateOnset& c : candidates_) {
+      const double mass = std::exp(c.log_mass() - all);
+      if (mass < kNegligible) continue;
+      const ShiftPosterior d = bank_.posterior(c.slot, static_cast<int>(m));
+      const double profile = profile_at(c.profile, last_hours_ - c.hours);
+      MatrixXd entry = d.sensitivity;
+      for (Index j = 0; j < p; ++j) entry(j * draws_[m].parameters.block(), j) += profile;
+      VectorXd shift = VectorXd::Zero(p);
+      MatrixXd shift_square = MatrixXd::Zero(p, p);
+      for (Index size = 0; size < kSizes; ++size) {
+        const double joint = mass * std::exp(d.log_weight(0, size));
+        sum += joint;
+        shift += joint * d.mean.col(size);
+        shift_square += joint * (d.covariance.middleCols(size * p, p) +
+                                 d.mean.col(size) * d.mean.col(size).transpose());
+        for (Index j = 0; j < p; ++j) {
+          const double alone = mass * std::exp(d.log_weight(1 + j, size));
+          const double value = d.single_mean(j, size);
+          sum += alone;
+          shift[j] += alone * value;
+          shift_square(j, j) += alone * (value * value + d.single_variance(j, size));
+        }
+      }
+      mean += entry * shift;
+      square += entry * shift_square * entry.transpose();
+    }
+    log_weight[static_cast<Index>(m)] = std::log(sum);
+    mean /= sum;
+    filter.x += mean;
+    filter.p += square / sum - mean * mean.transpose();
     filter.p = 0.5 * (filter.p + filter.p.transpose()).eval();
     draws_[m].filter = filter;
   }

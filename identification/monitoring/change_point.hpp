@@ -41,6 +41,7 @@ namespace wheeltap::identification::monitoring {
 inline constexpr double kShiftSizes[kSizes] = {0.5, 1.5, 5.0};
 inline constexpr double kRampHours = 30.0 * 24.0;
 inline constexpr double kTransientHours = 72.0;
+inline constexpr double kLargestWeatherError = 0.3;
 
 enum class ShiftProfile { step, ramp, transient };
 
@@ -68,6 +69,7 @@ void carry(Parcel& parcel, Of& o) {
 struct CandidateOnset {
   std::int64_t row = 0;  ///< first row with the shift, counted from the start of monitoring
   double hours = 0.0;    ///< time of this row
+  double first_hours = 0.0, last_hours = 0.0;  ///< earliest and latest merged onset
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
   double log_wealth = 0.0;  ///< ln of the candidate's term in the Shiryaev-Roberts sum
@@ -83,13 +85,15 @@ struct CandidateOnset {
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, CandidateOnset>
 void carry(Parcel& parcel, Of& c) {
-  parcel(c.row, c.hours, c.profile, c.log_ratio, c.log_wealth, c.log_prior, c.slot);
+  parcel(c.row, c.hours, c.first_hours, c.last_hours, c.profile, c.log_ratio, c.log_wealth, c.log_prior, c.slot);
 }
 
 /// Prediction of a row without a change since the last alarm.
 struct PredictedRow {
   Eigen::VectorXd mean, sd;  ///< p, logarithms: moments of the mixture of the draws
   Eigen::VectorXd weather;   ///< p: effect of covariates alone, posterior mean
+  /// False if missing covariates leave the effect of the weather unknown (ChangePoint::add).
+  bool is_scored = true;
 };
 
 /// Estimate of the change since a given time.
@@ -106,7 +110,9 @@ class ChangePoint {
   ChangePoint() = default;
   ChangePoint(const Baseline& baseline, const ChangePointOptions& options);
 
-  /// Processes the next row; all its features may be missing.
+  /// Processes the next row; all its features may be missing. The features of a row are not used if
+  /// the error of a missing covariate may shift a feature by more than kLargestWeatherError residual
+  /// standard deviations: such an error is common to many rows and would look like a change.
   PredictedRow add(const Row& row);
 
   /// ln of the sum of the candidates' wealth, the Shiryaev-Roberts statistic.
@@ -117,7 +123,8 @@ class ChangePoint {
   /// Posterior probabilities of the parameter draws, summed over the models with and without a
   /// change.
   [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
-  /// Adds the shift of the most probable candidate to the intercepts, and removes all candidates.
+  /// Adds the present shift to the intercepts, and removes all candidates. Mean and covariance of
+  /// the state are those of the mixture over all candidates, draws' hypotheses and no change.
   void accept_change();
 
   /// p x c (covariates of the series): steady-state slopes ∂ feature/∂ covariate at the covariates
@@ -131,6 +138,8 @@ class ChangePoint {
   [[nodiscard]] double moved_mass() const { return moved_; }
 
  private:
+  [[nodiscard]] bool knows_weather() const;
+  void widen_for_weather(const std::vector<Weather>& weather);
   void bear_candidates(const Row& row, double hours);
   Eigen::VectorXd score_healthy(const Row& row, double hours, const std::vector<Weather>& weather,
                                 PredictedRow& out);
@@ -155,6 +164,7 @@ class ChangePoint {
   std::vector<CandidateOnset> candidates_, transients_;
   CandidateBank bank_;  ///< posteriors of their shifts
   double log_quiet_ = 0.0;  ///< ln P(no transient | no change)
+  double rows_per_hour_ = 1.0;
   double last_hours_ = 0.0, last_ramp_hours_ = 0.0;
   double log_no_change_ = 0.0;  ///< ln of the prior probability of no change so far
   double moved_ = 0.0;
@@ -164,7 +174,8 @@ class ChangePoint {
   requires std::same_as<std::remove_const_t<Of>, ChangePoint>
   friend void carry(Parcel& parcel, Of& c) {
     parcel(c.scaling_, c.residual_sd_, c.options_, c.draws_, c.changed_, c.log_weight_, c.shared_,
-           c.candidates_, c.transients_, c.bank_, c.log_quiet_, c.last_hours_, c.last_ramp_hours_,
+           c.candidates_, c.transients_, c.bank_, c.log_quiet_, c.rows_per_hour_,
+           c.last_hours_, c.last_ramp_hours_,
            c.log_no_change_, c.moved_, c.rows_);
   }
 };
