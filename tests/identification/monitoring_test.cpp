@@ -623,6 +623,25 @@ TEST(LearnBaseline, AcceptsCodesForUnknownSds) {
   EXPECT_LT(found.residual_sd[0], 0.01);
 }
 
+// Fault: the replayed rows began with the lagged covariates and the drift of the last training row.
+TEST(Replay, InnovationsDoNotDependOnTheLastRowOfTraining) {
+  const Series series = simulated_series(200, 36);
+  Baseline trained = learn_baseline(series, quick_options().learning);
+  const auto innovations = [&] {
+    const MatrixXd z = healthy_innovations(trained, series, 50, 100).standardised;
+    return MatrixXd(z.array().isFinite().select(z, 0.0));
+  };
+  const MatrixXd before = innovations();
+  BaselineDraw& draw = trained.draws[0];
+  draw.lagged.setConstant(9.0);
+  draw.slow.setConstant(9.0);
+  const Index block = draw.parameters.block();
+  draw.filter.x[block - 1] += 1.0;
+  draw.filter.x[block - 2] += 1.0;
+  EXPECT_EQ(innovations(), before);
+  EXPECT_EQ(before.rows(), 50);
+}
+
 // Fault: below the median of the maxima the rate was the same at all thresholds.
 TEST(Replay, RateRisesBelowTheMedian) {
   const Replay replay{.series = 6,
