@@ -80,8 +80,7 @@ double Replay::rate(double log_threshold) const {
       const auto i = static_cast<double>(place - log_maxima.begin());
       p = 1.0 - (i + 0.5) / n;
       if (place != log_maxima.begin()) {
-        const double low = *(place - 1),
-                     high = place == log_maxima.end() ? log_median : *place;
+        const double low = *(place - 1), high = place == log_maxima.end() ? log_median : *place;
         const double next = place == log_maxima.end() ? 0.5 : 1.0 - (i + 0.5) / n;
         const double here = 1.0 - (i - 0.5) / n;
         p = high > low ? here + (next - here) * (log_threshold - low) / (high - low) : next;

@@ -38,8 +38,8 @@ struct ReplayOptions {
 /// rate is a lower bound: each series has at least one alarm.
 struct Replay {
   int series = 0, rows = 0;
-  double log_median = 0.0;  ///< u
-  double tail = 1.0;        ///< h
+  double log_median = 0.0;              ///< u
+  double tail = 1.0;                    ///< h
   std::vector<double> log_maxima = {};  ///< below the median, sorted
   /// False alarms per row at a threshold.
   [[nodiscard]] double rate(double log_threshold) const;

@@ -96,7 +96,8 @@ void BaselineFilter::update(const VectorXd& covariance, double v, double s) {
 }
 
 void BaselineFilter::widen(int term, const VectorXd& variance) {
-  for (Index j = 0; j < variance.size(); ++j) p(j * block_ + term, j * block_ + term) += variance[j];
+  for (Index j = 0; j < variance.size(); ++j)
+    p(j * block_ + term, j * block_ + term) += variance[j];
 }
 
 double BaselineFilter::imputation_variance(int feature, const Weather& weather) const {

@@ -47,8 +47,8 @@ inference::ModelSpace space_of(const TrainingRows& of) {
   common.push_back({"time constant", LogUniform{.lower = kShortestDrift, .upper = kLongestDrift}});
   common.push_back({"slow ratio", LogUniform{.lower = kLeastSlow, .upper = kMostSlow}});
   for (std::size_t j = 0; j < of.features.size(); ++j)
-    common.push_back(
-        {"fast ratio " + std::to_string(j + 1), LogUniform{.lower = kLeastFast, .upper = kMostFast}});
+    common.push_back({"fast ratio " + std::to_string(j + 1),
+                      LogUniform{.lower = kLeastFast, .upper = kMostFast}});
   if (of.most_hinges == 0) {
     std::vector<std::string> names;
     for (const auto& p : common) names.push_back(p.name);
@@ -95,8 +95,8 @@ std::vector<MatrixXd> possible_correlations(const MatrixXd& estimate) {
   return out;
 }
 
-/// The full filter's evidence over degrees of freedom for uncorrelated drift, then over correlations
-/// for each draw of the degrees.
+/// The full filter's evidence over degrees of freedom for uncorrelated drift, then over
+/// correlations for each draw of the degrees.
 class TailChoices {
  public:
   TailChoices(const TrainingRows& of, const std::vector<Row>& rows, BaselineDraw draw,
@@ -244,7 +244,8 @@ std::vector<double> start_of_climb(const TrainingRows& of, const Layout& layout,
   x.insert(x.end(), from.best.begin() + static_cast<std::ptrdiff_t>(before.rate()),
            from.best.begin() + static_cast<std::ptrdiff_t>(before.hinge(0)));
   for (std::size_t i = before.hinge(0); i < from.best.size(); ++i) {
-    const double place = std::floor(std::min(from.best[i], static_cast<double>(from.hinged.size()) - 1e-9));
+    const double place =
+        std::floor(std::min(from.best[i], static_cast<double>(from.hinged.size()) - 1e-9));
     const int covariate = from.hinged[static_cast<std::size_t>(place)];
     for (std::size_t k = 0; k < of.hinged.size(); ++k)
       if (here.scaling.used()[index(of.hinged[k])] == covariate)
@@ -361,15 +362,15 @@ Baseline refit_baseline(const Series& learning, const Baseline& from,
                .usual_sds = usual_sds(learning, learning.rows())};
   const std::unique_ptr<TrainingRows> prepared = prepare(learning, options, out);
   const Layout layout{.lag = prepared->lag, .features = prepared->features.size()};
-  const std::vector<double> x = climb(*prepared, layout, start_of_climb(*prepared, layout, from, out));
+  const std::vector<double> x =
+      climb(*prepared, layout, start_of_climb(*prepared, layout, from, out));
   base::Random random(options.seed, 1, 0, base::Purpose::simulation);
   BaselineDraw draw{.parameters = parameters_of(*prepared, layout, x, out.reference, random)};
   draw.parameters.degrees = from.draws.front().parameters.degrees;
   draw.parameters.correlation = from.draws.front().parameters.correlation;
   run_through(*prepared, rows_of(learning, out), draw);
-  out.residual_sd = (draw.parameters.noise_sd.array().square() +
-                     draw.parameters.fast_sd.array().square())
-                        .sqrt();
+  out.residual_sd =
+      (draw.parameters.noise_sd.array().square() + draw.parameters.fast_sd.array().square()).sqrt();
   out.draws.push_back(std::move(draw));
   set_times(learning, out);
   return out;

@@ -94,9 +94,9 @@ void carry(Parcel& parcel, Of& b) {
 /// reports a fault other than a constant covariate.
 [[nodiscard]] Baseline learn_baseline(const Series& learning, const LearningOptions& options);
 
-/// One draw for other training rows: the nonlinear parameters maximise the evidence, by a climb that
-/// starts from the best draw of `from`; degrees of freedom and correlation are those of the first
-/// draw of `from`. Throws the exceptions of learn_baseline.
+/// One draw for other training rows: the nonlinear parameters maximise the evidence, by a climb
+/// that starts from the best draw of `from`; degrees of freedom and correlation are those of the
+/// first draw of `from`. Throws the exceptions of learn_baseline.
 [[nodiscard]] Baseline refit_baseline(const Series& learning, const Baseline& from,
                                       const LearningOptions& options);
 

@@ -142,7 +142,7 @@ void weigh_outliers(TrainingRows& of) {
 }  // namespace
 
 std::unique_ptr<TrainingRows> prepare(const Series& series, const LearningOptions& options,
-                                  Baseline& out) {
+                                      Baseline& out) {
   auto prepared = std::make_unique<TrainingRows>();
   TrainingRows& of = *prepared;
   of.hours = series.hours;

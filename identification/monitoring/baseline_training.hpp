@@ -19,12 +19,12 @@ struct TrainingRows {
   std::vector<CovariateScaling::Scaled> scaled = {};
   std::vector<FeatureRows> features = {};
   Eigen::VectorXd long_low = {}, long_high = {};  ///< of covariates with the long lag
-  Eigen::MatrixXd sorted = {};          ///< rows x covariates, each column sorted: for knots by quantile
+  Eigen::MatrixXd sorted = {};   ///< rows x covariates, each column sorted: for knots by quantile
   std::vector<int> hinged = {};  ///< covariates that may have hinges
   std::vector<double> variance = {};  ///< per feature
   /// Per feature: prior sd of slopes in noise sds, at least three times the feature's own sd.
   std::vector<double> slope_scale = {};
-  std::vector<double> noise_scale = {};  ///< per feature: scale of the prior of σ²
+  std::vector<double> noise_scale = {};       ///< per feature: scale of the prior of σ²
   std::optional<EvidenceData> evidence = {};  ///< of `features`, with their weights
   bool lag = false;
   int most_hinges = 0;
@@ -72,8 +72,9 @@ struct Layout {
 /// innovation holds only the part of the drift that is new since the previous row. Each correlation
 /// is therefore divided by the correlation that innovations of a completely correlated drift would
 /// have (innovation_correlation).
-[[nodiscard]] Eigen::MatrixXd drift_correlation(const TrainingRows& of, const Eigen::MatrixXd& table,
-                                                const Layout& layout, std::span<const double> x);
+[[nodiscard]] Eigen::MatrixXd drift_correlation(const TrainingRows& of,
+                                                const Eigen::MatrixXd& table, const Layout& layout,
+                                                std::span<const double> x);
 
 /// Correlation of the innovations of two features whose fast drifts are completely correlated, in
 /// the steady state of their separate filters for rows `step` hours apart. The covariance of the

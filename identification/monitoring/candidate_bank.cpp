@@ -128,10 +128,9 @@ void CandidateBank::begin(int draw, const RowStart& row) {
   for (int size = 0; size < kSizes; ++size)
     for (int j = 0; j < at.features; ++j)
       inverse_prior_[index(size * at.features + j)] = 1.0 / prior_variance_(j, size);
-  kernel().begin(tiles(draw), {.h = h_.data(),
-                               .fast = row.fast,
-                               .slow = row.slow,
-                               .is_present = row.present.data()});
+  kernel().begin(
+      tiles(draw),
+      {.h = h_.data(), .fast = row.fast, .slow = row.slow, .is_present = row.present.data()});
 }
 
 double CandidateBank::score(int j, double v, double s) {
@@ -153,13 +152,14 @@ double CandidateBank::score(int j, double v, double s) {
 }
 
 void CandidateBank::update(double inflated, const VectorXd& gain) {
-  kernel().update(tiles(draw_), {.j = feature_,
-                                 .e = entries_,
-                                 .v = v_,
-                                 .s = s_,
-                                 .degrees = degrees_,
-                                 .along = along_.data(),
-                                 .prior = inverse_prior_.data()},
+  kernel().update(tiles(draw_),
+                  {.j = feature_,
+                   .e = entries_,
+                   .v = v_,
+                   .s = s_,
+                   .degrees = degrees_,
+                   .along = along_.data(),
+                   .prior = inverse_prior_.data()},
                   inflated);
   gains_.insert(gains_.end(), gain.begin(), gain.end());
   ++entries_;

@@ -5,8 +5,8 @@
 //
 //   g_j = r e_j + F_j' h - Σ_{i<j} (k_i' h)_j g_i,
 //
-// F_j the rows of feature j of the sensitivity of the state to δ, i the entries before it; F changes
-// after the row's last entry.
+// F_j the rows of feature j of the sensitivity of the state to δ, i the entries before it; F
+// changes after the row's last entry.
 #pragma once
 
 #include <concepts>
@@ -50,12 +50,12 @@ class CandidateBank {
   // after the other; then weigh.
 
   struct RowStart {
-    const Eigen::VectorXd& h;           ///< observation vector of every feature
-    double fast, slow;                  ///< decays of both drifts since the previous row
-    double degrees;                     ///< of Student's t; kGaussian
-    const std::vector<char>& present;   ///< p
-    std::span<const double> profile;    ///< r(t - τ) of each slot
-    std::span<const double> log_mass;   ///< ln of the mass of each slot; kExcluded: does not vote
+    const Eigen::VectorXd& h;          ///< observation vector of every feature
+    double fast, slow;                 ///< decays of both drifts since the previous row
+    double degrees;                    ///< of Student's t; kGaussian
+    const std::vector<char>& present;  ///< p
+    std::span<const double> profile;   ///< r(t - τ) of each slot
+    std::span<const double> log_mass;  ///< ln of the mass of each slot; kExcluded: does not vote
   };
   void begin(int draw, const RowStart& row);
   /// Adds the densities of an entry of feature j, whose innovation without a shift is v, of
@@ -91,7 +91,7 @@ class CandidateBank {
   std::vector<char> used_;
   std::vector<std::vector<double>> state_;  ///< per draw: tiles
 
-  // Of the current row:
+  // Values that belong to the current row:
   std::vector<std::vector<double>> scratch_;
   int draw_ = 0, entries_ = 0, feature_ = 0;
   double degrees_ = 0.0, v_ = 0.0, s_ = 0.0;

@@ -1,8 +1,8 @@
 #include "identification/monitoring/change_point.hpp"
 
 #include <algorithm>
-#include <cmath>
 #include <array>
+#include <cmath>
 
 #include "base/constants.hpp"
 #include "base/index.hpp"
@@ -39,7 +39,7 @@ double profile_at(ShiftProfile profile, double hours) {
   return profile == ShiftProfile::transient ? std::exp(-hours / kTransientHours) : 1.0;
 }
 
-constexpr int kOnsetParts = 20;  // of the mass of merged onsets
+constexpr int kOnsetParts = 20;  // parts of the mass of merged onsets
 
 // Weight that moves between the two filters without a change each row.
 constexpr double kFilterShare = 0.05;
@@ -90,7 +90,8 @@ void ChangePoint::bear_candidates(const Row& row, double hours) {
   const double log_born = std::log(-std::expm1(-options_.hazard_per_hour * hours)) + log_no_change_;
   log_no_change_ -= options_.hazard_per_hour * hours;
   // The threshold is a number of rows at the usual step. Rows at shorter steps count for less.
-  const auto bear = [&](ShiftProfile profile, double log_share, double rows, double more_log_prior) {
+  const auto bear = [&](ShiftProfile profile, double log_share, double rows,
+                        double more_log_prior) {
     candidates_.push_back(born(row, profile));
     candidates_.back().log_wealth = log_share + std::log(rows);
     candidates_.back().log_prior = log_share + log_born + more_log_prior;
@@ -265,7 +266,8 @@ bool ChangePoint::knows_weather() const {
     if (draw.lagged_error.size() == 0 || draw.lagged_error.maxCoeff() == 0.0) continue;
     const CovariateTerms& terms = draw.parameters.terms;
     for (Index j = 0; j < residual_sd_.size(); ++j) {
-      const auto b = draw.filter.x.segment(j * draw.parameters.block(), draw.parameters.block() - 2);
+      const auto b =
+          draw.filter.x.segment(j * draw.parameters.block(), draw.parameters.block() - 2);
       // Both slopes of a hinge: the missing covariate may be on either side.
       VectorXd slopes = b.segment(1, draw.lagged_error.size());
       VectorXd beyond = slopes;
@@ -327,12 +329,12 @@ PredictedRow ChangePoint::add(const Row& measured) {
     const BaselineParameters& b = draws_[m].parameters;
     changed_[m].predict(b, hours);
     const CandidateBank::RowStart start{.h = weather[m].h,
-                                  .fast = std::exp(-b.fast_rate * hours),
-                                  .slow = std::exp(-hours / kSlowHours),
-                                  .degrees = b.degrees,
-                                  .present = present,
-                                  .profile = profile,
-                                  .log_mass = log_mass};
+                                        .fast = std::exp(-b.fast_rate * hours),
+                                        .slow = std::exp(-hours / kSlowHours),
+                                        .degrees = b.degrees,
+                                        .present = present,
+                                        .profile = profile,
+                                        .log_mass = log_mass};
     unshifted[static_cast<Index>(m)] = score_draw(m, row, weather[m], start);
   }
   if (row.features.array().isFinite().any()) {

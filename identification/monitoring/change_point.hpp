@@ -14,8 +14,8 @@
 // A shift acts linearly. The innovations of a filter without a shift are then v_t + G_t δ; a
 // recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
 // candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the posterior of δ,
-// which is exact for Gaussian noise. The prior of δ has two equally probable parts, with s one of kShiftSizes (equally
-// probable) and r_j the residual sd of feature j:
+// which is exact for Gaussian noise. The prior of δ has two equally probable parts, with s one of
+// kShiftSizes (equally probable) and r_j the residual sd of feature j:
 //
 //   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
 //
@@ -85,7 +85,8 @@ struct CandidateOnset {
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, CandidateOnset>
 void carry(Parcel& parcel, Of& c) {
-  parcel(c.row, c.hours, c.first_hours, c.last_hours, c.profile, c.log_ratio, c.log_wealth, c.log_prior, c.slot);
+  parcel(c.row, c.hours, c.first_hours, c.last_hours, c.profile, c.log_ratio, c.log_wealth,
+         c.log_prior, c.slot);
 }
 
 /// Prediction of a row without a change since the last alarm.
@@ -111,8 +112,9 @@ class ChangePoint {
   ChangePoint(const Baseline& baseline, const ChangePointOptions& options);
 
   /// Processes the next row; all its features may be missing. The features of a row are not used if
-  /// the error of a missing covariate may shift a feature by more than kLargestWeatherError residual
-  /// standard deviations: such an error is common to many rows and would look like a change.
+  /// the error of a missing covariate may shift a feature by more than kLargestWeatherError
+  /// residual standard deviations: such an error is common to many rows and would look like a
+  /// change.
   PredictedRow add(const Row& row);
 
   /// ln of the sum of the candidates' wealth, the Shiryaev-Roberts statistic.
@@ -162,7 +164,7 @@ class ChangePoint {
   Eigen::VectorXd log_weight_;           ///< log weights of the draws in the model without a change
   Eigen::VectorXd shared_;  ///< share of each draw's weight that belongs to the candidates' filter
   std::vector<CandidateOnset> candidates_, transients_;
-  CandidateBank bank_;  ///< posteriors of their shifts
+  CandidateBank bank_;      ///< posteriors of their shifts
   double log_quiet_ = 0.0;  ///< ln P(no transient | no change)
   double rows_per_hour_ = 1.0;
   double last_hours_ = 0.0, last_ramp_hours_ = 0.0;
@@ -174,9 +176,8 @@ class ChangePoint {
   requires std::same_as<std::remove_const_t<Of>, ChangePoint>
   friend void carry(Parcel& parcel, Of& c) {
     parcel(c.scaling_, c.residual_sd_, c.options_, c.draws_, c.changed_, c.log_weight_, c.shared_,
-           c.candidates_, c.transients_, c.bank_, c.log_quiet_, c.rows_per_hour_,
-           c.last_hours_, c.last_ramp_hours_,
-           c.log_no_change_, c.moved_, c.rows_);
+           c.candidates_, c.transients_, c.bank_, c.log_quiet_, c.rows_per_hour_, c.last_hours_,
+           c.last_ramp_hours_, c.log_no_change_, c.moved_, c.rows_);
   }
 };
 

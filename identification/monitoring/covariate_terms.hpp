@@ -32,8 +32,9 @@ class CovariateScaling {
     bool imputed = false;
   };
   /// An entry more than kLargestDeviation standard deviations from the mean, for example the error
-  /// code -999, counts as missing. A missing entry gets its conditional mean and variance, given the present entries, from the
-  /// normal distribution with mean and covariance of the training period.
+  /// code -999, counts as missing. A missing entry gets its conditional mean and variance, given
+  /// the present entries, from the normal distribution with mean and covariance of the training
+  /// period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }

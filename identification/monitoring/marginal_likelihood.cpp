@@ -150,11 +150,10 @@ std::vector<MarginalLikelihood> EvidenceData::operator()(
   std::vector<MarginalLikelihood> out;
   if (k + 1 > detail::kMostColumns) {
     for (std::size_t j = 0; j < features_.size(); ++j)
-      out.push_back(marginal_likelihood(hours_, terms, features_[j],
-                                        {.fast_rate = fast_rate,
-                                         .fast_ratio = fast_ratios[j],
-                                         .slow_ratio = slow_ratio},
-                                        priors[j]));
+      out.push_back(marginal_likelihood(
+          hours_, terms, features_[j],
+          {.fast_rate = fast_rate, .fast_ratio = fast_ratios[j], .slow_ratio = slow_ratio},
+          priors[j]));
     return out;
   }
   std::vector<double> fast_decay(hours_.size(), 1.0);
@@ -170,7 +169,8 @@ std::vector<MarginalLikelihood> EvidenceData::operator()(
     const std::size_t first = group * kLanes;
     const std::size_t features = std::min<std::size_t>(kLanes, features_.size() - first);
     double ratios[kLanes], log_scales[kLanes] = {};
-    for (std::size_t l = 0; l < kLanes; ++l) ratios[l] = l < features ? fast_ratios[first + l] : 1.0;
+    for (std::size_t l = 0; l < kLanes; ++l)
+      ratios[l] = l < features ? fast_ratios[first + l] : 1.0;
     kernel().accumulate({.rows = static_cast<int>(hours_.size()),
                          .terms = static_cast<int>(k),
                          .table = terms.data(),

@@ -22,8 +22,8 @@ void append(const Eigen::MatrixXd& rows, Eigen::MatrixXd& to) {
 }
 
 /// Residuals of the last third of the learning rows, by a baseline of the first two thirds. If the
-/// last third is shorter than a block of replay, or the first two cannot train a baseline: residuals
-/// of each quarter of the rows, by a baseline of the other quarters, in shorter blocks.
+/// last third is shorter than a block of replay, or the first two cannot train a baseline:
+/// residuals of each quarter of the rows, by a baseline of the other quarters, in shorter blocks.
 Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptions& options) {
   ReplayOptions replayed = options.replay;
   if (replayed.rows == 0)
@@ -42,8 +42,7 @@ Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptio
     Series others = learning;
     others.features.middleRows(from, to - from).setConstant(kNaN);
     // Too few rows for a baseline of the others: by that of all rows.
-    const Baseline part =
-        can_train(others) ? refit_baseline(others, all, options.learning) : all;
+    const Baseline part = can_train(others) ? refit_baseline(others, all, options.learning) : all;
     const Innovations more = healthy_innovations(part, learning, from, to);
     append(more.standardised, innovations.standardised);
     append(more.relative_variance, innovations.relative_variance);

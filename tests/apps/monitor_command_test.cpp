@@ -140,8 +140,8 @@ TEST_F(MonitorCommand, NamesAConstantFeatureAndWarnsOfAConstantCovariate) {
   EXPECT_THAT(ran.out, HasSubstr("is constant in the training period: its effect"));
 }
 
-// Fault: a transient of 72 rows explained the damage, so that the statistic stayed below a threshold
-// of 1000 rows.
+// Fault: a transient of 72 rows explained the damage, so that the statistic stayed below a
+// threshold of 1000 rows.
 TEST_F(MonitorCommand, FindsDamageInTheFirstTestsWithoutAClock) {
   std::string text = "test,f1,f2\n";
   for (int t = 0; t < 100; ++t) {
@@ -151,10 +151,8 @@ TEST_F(MonitorCommand, FindsDamageInTheFirstTestsWithoutAClock) {
   }
   where.write("series.csv", text);
   json c = a_case();
-  c["series"] = {{"file", "series.csv"},
-                 {"time", "test"},
-                 {"time_unit", "row"},
-                 {"features", {"f1", "f2"}}};
+  c["series"] = {
+      {"file", "series.csv"}, {"time", "test"}, {"time_unit", "row"}, {"features", {"f1", "f2"}}};
   c["learning"]["until"] = 60;
   c["alarm"] = {{"mean_rows_between_false_alarms", 1000}};
   const Outcome ran = run(c, "out");

@@ -143,17 +143,16 @@ std::vector<double> after_a_row(const CandidateKernel& kernel, double degrees) {
           state.back()[index((tile * at.rows() + row) * kTile + lane)] = value;
         };
         for (int size = 0; size < detail::kSizes; ++size)
-          for (int j = 0; j < 3; ++j) put(at.covariance() + size * at.half() + j * (j + 3) / 2, 2.0);
+          for (int j = 0; j < 3; ++j)
+            put(at.covariance() + size * at.half() + j * (j + 3) / 2, 2.0);
         for (int j = 0; j < 3; ++j) put(at.precision() + j, 1.0);
         for (int i = 0; i < at.hypotheses(); ++i) put(at.weight() + i, 0.01 + random.uniform());
       }
     scratch.push_back(filled(at.scratch_rows()));
   }
   for (std::size_t m = 0; m < 2; ++m)
-    draws.push_back({.layout = at,
-                     .tiles = kTiles,
-                     .state = state[m].data(),
-                     .scratch = scratch[m].data()});
+    draws.push_back(
+        {.layout = at, .tiles = kTiles, .state = state[m].data(), .scratch = scratch[m].data()});
   const std::vector<double> h = {1.0, 0.3, 0.0, 1.0, 1.0}, prior(9, 0.5), reference(24, 0.1);
   const std::vector<char> present = {1, 0, 1};
   std::vector<double> out;

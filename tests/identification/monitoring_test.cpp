@@ -1,3 +1,4 @@
+// Longer than 600 lines: all tests share one small model and one simulated series.
 #include "identification/monitoring/monitor.hpp"
 
 #include <gtest/gtest.h>
@@ -320,9 +321,8 @@ TEST(ChangePoint, AcceptsAnImprobableChangeWithItsProbability) {
 
 // Fault: the final shift of a ramp was accepted although most of it was still to come.
 TEST(ChangePoint, AcceptsThePresentShiftOfARamp) {
-  ChangePoint change(small_baseline(), {.hazard_per_hour = 1e-4,
-                                        .transients_per_hour = 0.0,
-                                        .ramp_share = 0.999});
+  ChangePoint change(small_baseline(),
+                     {.hazard_per_hour = 1e-4, .transients_per_hour = 0.0, .ramp_share = 0.999});
   std::vector<Row> rows = small_rows(340, 1000, 0.0, 22);
   const auto shift = [](double hours) {
     return -20.0 * std::clamp((hours - 100.0) / kRampHours, 0.0, 1.0);
@@ -644,11 +644,8 @@ TEST(Replay, InnovationsDoNotDependOnTheLastRowOfTraining) {
 
 // Fault: below the median of the maxima the rate was the same at all thresholds.
 TEST(Replay, RateRisesBelowTheMedian) {
-  const Replay replay{.series = 6,
-                      .rows = 1000,
-                      .log_median = 6.0,
-                      .tail = 0.9,
-                      .log_maxima = {4.0, 5.0, 5.5}};
+  const Replay replay{
+      .series = 6, .rows = 1000, .log_median = 6.0, .tail = 0.9, .log_maxima = {4.0, 5.0, 5.5}};
   EXPECT_GT(replay.rate(4.5), 1.5 * replay.rate(6.0));
   EXPECT_GT(replay.rate(5.2), replay.rate(5.8));
   for (const double log_threshold : {4.5, 5.2, 5.8})

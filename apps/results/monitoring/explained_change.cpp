@@ -140,8 +140,9 @@ void add_explanations(const MonitorCaseFile& parsed,
   for (std::size_t i = 0; i < explained.size(); ++i) {
     const double changed = monitor["alarms"][i]["probability_changed"].get<double>();
     for (std::size_t cell = 0; cell < overall.size(); ++cell)
-      overall[cell] = 1.0 - (1.0 - overall[cell]) * (1.0 - changed * explained[i].defects[k].probability *
-                                                               explained[i].defects[k].by_cell[cell]);
+      overall[cell] =
+          1.0 - (1.0 - overall[cell]) * (1.0 - changed * explained[i].defects[k].probability *
+                                                   explained[i].defects[k].by_cell[cell]);
   }
   summary["damage"] = {{"inclusion_by_element",
                         {{"overall", overall}, {"given_count", {{"1", last.defects[k].by_cell}}}}}};

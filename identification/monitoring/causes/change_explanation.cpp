@@ -171,8 +171,7 @@ class Explainer {
   [[nodiscard]] int informed(const ShiftLikelihood::Component& one) const {
     const VectorXd unit = 5.0 * options_.residual_sd;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(
-        MatrixXd(unit.asDiagonal() * one.precision * unit.asDiagonal()),
-        Eigen::EigenvaluesOnly);
+        MatrixXd(unit.asDiagonal() * one.precision * unit.asDiagonal()), Eigen::EigenvaluesOnly);
     return static_cast<int>((solver.eigenvalues().array() > 0.1).count());
   }
 

@@ -13,8 +13,8 @@
 
 namespace wheeltap::identification::monitoring::detail {
 
-inline constexpr int kTile = 8;   ///< candidates in a tile
-inline constexpr int kSizes = 3;  ///< prior standard deviations of a shift
+inline constexpr int kTile = 8;              ///< candidates in a tile
+inline constexpr int kSizes = 3;             ///< prior standard deviations of a shift
 inline constexpr double kExcluded = -1e300;  ///< log mass of lanes that do not vote
 
 struct CandidateLayout {
@@ -23,7 +23,7 @@ struct CandidateLayout {
   [[nodiscard]] int hypotheses() const { return (1 + features) * kSizes; }
   [[nodiscard]] int half() const { return features * (features + 1) / 2; }
   // First rows of a tile:
-  [[nodiscard]] int sensitivity() const { return 0; }  ///< [state p + feature]
+  [[nodiscard]] int sensitivity() const { return 0; }             ///< [state p + feature]
   [[nodiscard]] int mean() const { return states() * features; }  ///< [size p + feature]
   [[nodiscard]] int covariance() const { return mean() + kSizes * features; }
   [[nodiscard]] int precision() const { return covariance() + kSizes * half(); }

@@ -178,9 +178,8 @@ double score_entry(const CandidateTiles& of, const Entry& entry) {
     if constexpr (!kNormal) {
       const double nu = entry.degrees;
       const Vec square = favoured_v * favoured_v;
-      scratch[at.log_mass()] +=
-          log_of<false>(favoured_s * terms.inverse_scale,
-                        (nu * favoured_s + square) * terms.inverse_tail, nu);
+      scratch[at.log_mass()] += log_of<false>(favoured_s * terms.inverse_scale,
+                                              (nu * favoured_s + square) * terms.inverse_tail, nu);
       scratch[at.inflation()] =
           base::lanes::max<Vec>(zero + 1.0, (nu + square / favoured_s) * (1.0 / (nu + 1.0)));
     }

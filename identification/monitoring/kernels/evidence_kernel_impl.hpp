@@ -70,13 +70,26 @@ void accumulate_lanes(const EvidenceRows& of, int first, const EvidenceSums& sum
 
 void accumulate(const EvidenceRows& of, int features, const EvidenceSums& sums) {
   for (int first = 0; first < features; first += kWidth) switch (of.terms + 1) {
-      case 2: accumulate_lanes<2>(of, first, sums); break;
-      case 3: accumulate_lanes<3>(of, first, sums); break;
-      case 4: accumulate_lanes<4>(of, first, sums); break;
-      case 5: accumulate_lanes<5>(of, first, sums); break;
-      case 6: accumulate_lanes<6>(of, first, sums); break;
-      case 7: accumulate_lanes<7>(of, first, sums); break;
-      default: accumulate_lanes<0>(of, first, sums);
+      case 2:
+        accumulate_lanes<2>(of, first, sums);
+        break;
+      case 3:
+        accumulate_lanes<3>(of, first, sums);
+        break;
+      case 4:
+        accumulate_lanes<4>(of, first, sums);
+        break;
+      case 5:
+        accumulate_lanes<5>(of, first, sums);
+        break;
+      case 6:
+        accumulate_lanes<6>(of, first, sums);
+        break;
+      case 7:
+        accumulate_lanes<7>(of, first, sums);
+        break;
+      default:
+        accumulate_lanes<0>(of, first, sums);
     }
 }
 

@@ -19,10 +19,11 @@ template <class V>
   k = large ? k + 1.0 : k;
   const V f = (m - 1.0) / (m + 1.0), square = f * f;
   V p = square * (2.0 / 21.0) + 2.0 / 19.0;
-  constexpr double kInverse[] = {2.0 / 17.0, 2.0 / 15.0, 2.0 / 13.0, 2.0 / 11.0, 2.0 / 9.0,
-                                 2.0 / 7.0,  2.0 / 5.0,  2.0 / 3.0};
+  constexpr double kInverse[] = {2.0 / 17.0, 2.0 / 15.0, 2.0 / 13.0, 2.0 / 11.0,
+                                 2.0 / 9.0,  2.0 / 7.0,  2.0 / 5.0,  2.0 / 3.0};
   for (const double inverse : kInverse) p = p * square + inverse;
-  return k * 6.93147180369123816490e-01 + (f * 2.0 + (f * square * p + k * 1.90821492927058770002e-10));
+  return k * 6.93147180369123816490e-01 +
+         (f * 2.0 + (f * square * p + k * 1.90821492927058770002e-10));
 }
 
 template <class V>
