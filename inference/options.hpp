@@ -57,6 +57,12 @@ struct Options {
   /// (Posterior::log_weight). Small probabilities then also have small relative errors.
   bool balance = false;
 
+  /// False: do not compute the evidences of models and the shares of posterior modes (they stay
+  /// NaN), for a caller that uses the draws alone. The exploration then has at most three rounds of
+  /// importance sampling per model, and two local optimisations from the draws of the tempering,
+  /// which suffice for starting points and proposals.
+  bool evidences = true;
+
   /// Folder for draws that do not fit into memory (DrawMemory); empty: all draws are kept in
   /// memory. This option does not change results.
   std::filesystem::path draws_folder = {};

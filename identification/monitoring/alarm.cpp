@@ -70,29 +70,59 @@ double largest_statistic(const Baseline& baseline, const Innovations& innovation
 }  // namespace
 
 double Replay::rate(double log_threshold) const {
-  const double p =
-      log_threshold <= log_median ? 0.5 : 0.5 * std::exp(-(log_threshold - log_median) / tail);
+  double p = 0.5 * std::exp(-(log_threshold - log_median) / tail);
+  if (log_threshold < log_median) {
+    p = 0.5;
+    if (!log_maxima.empty()) {
+      // P at the i-th smallest of n maxima, with half a maximum above all of them.
+      const auto n = static_cast<double>(series);
+      const auto place = std::ranges::upper_bound(log_maxima, log_threshold);
+      const auto i = static_cast<double>(place - log_maxima.begin());
+      p = 1.0 - (i + 0.5) / n;
+      if (place != log_maxima.begin()) {
+        const double low = *(place - 1), high = place == log_maxima.end() ? log_median : *place;
+        const double next = place == log_maxima.end() ? 0.5 : 1.0 - (i + 0.5) / n;
+        const double here = 1.0 - (i - 0.5) / n;
+        p = high > low ? here + (next - here) * (log_threshold - low) / (high - low) : next;
+      }
+    }
+  }
   return -std::log1p(-p) / rows;
+}
+
+bool Replay::is_lower_bound(double log_threshold) const {
+  return log_threshold < (log_maxima.empty() ? log_median : log_maxima.front());
 }
 
 double Replay::log_threshold(double rate) const {
   const double p = -std::expm1(-rate * rows);
-  return p >= 0.5 ? log_median : log_median - tail * std::log(2.0 * p);
+  if (p < 0.5) return log_median - tail * std::log(2.0 * p);
+  // Bisection: the rate decreases between the smallest maximum and the median.
+  double low = log_maxima.empty() ? log_median : log_maxima.front(), high = log_median;
+  for (int i = 0; i < 60 && high > low; ++i) {
+    const double middle = 0.5 * (low + high);
+    (this->rate(middle) > rate ? low : high) = middle;
+  }
+  return high;
 }
 
-Innovations healthy_innovations(const Baseline& baseline, const Series& series) {
+Innovations healthy_innovations(const Baseline& baseline, const Series& series, int from, int to) {
   BaselineDraw draw = baseline.draws.front();
-  Innovations out{.standardised = MatrixXd(series.rows(), series.feature_count())};
+  draw.filter.reset_drift(draw.parameters);
+  draw.lagged.resize(0);
+  draw.slow.resize(0);
+  Innovations out{.standardised = MatrixXd(to - from, series.feature_count())};
   if (baseline.usual_sds.size() > 0) out.relative_variance = out.standardised;
-  double before = baseline.last_hours;
-  for (int t = 0; t < series.rows(); ++t) {
+  double before = series.hours.front();
+  for (int t = 0; t < to; ++t) {
     const Row row = row_of(series, t, baseline.usual_sds);
     const double step = row.hours - before;
     before = row.hours;
     const Weather weather = next_weather(baseline.scaling(row.covariates), step, draw);
+    if (t < from) continue;
     if (out.relative_variance.size() > 0)
-      out.relative_variance.row(t) = row.relative_variance.transpose();
-    out.standardised.row(t) =
+      out.relative_variance.row(t - from) = row.relative_variance.transpose();
+    out.standardised.row(t - from) =
         filter_row(draw.parameters, weather, row, step, draw.filter).standardised.transpose();
   }
   return out;
@@ -109,6 +139,7 @@ Replay replay(const Baseline& baseline, const Innovations& innovations,
   Replay out{.series = options.series, .rows = options.rows};
   const std::size_t middle = largest.size() / 2;
   out.log_median = largest[middle];
+  out.log_maxima.assign(largest.begin(), largest.begin() + static_cast<std::ptrdiff_t>(middle));
   double sum = 0.0;
   for (std::size_t i = middle; i < largest.size(); ++i) sum += largest[i] - out.log_median;
   out.tail = std::max(1.0, sum / static_cast<double>(largest.size() - middle));

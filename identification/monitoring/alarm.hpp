@@ -9,6 +9,7 @@
 #pragma once
 
 #include <cstdint>
+#include <vector>
 
 #include "identification/monitoring/change_point.hpp"
 
@@ -26,27 +27,32 @@ struct ReplayOptions {
   int threads = 1;
 };
 
-/// False alarms of replayed healthy series, as a function of the threshold. u is the median of the
-/// series' maxima of ln S. The excesses of the maxima over u are assumed exponential with mean h:
+/// False alarms of replayed healthy series, as a function of the threshold:
 ///
-///   rate(A) = -ln(1 - P(A))/rows,   P(A) = 1/2 exp(-(ln A - u)/h).
+///   rate(A) = -ln(1 - P(A))/rows,   P(A) = P(the maximum of ln S in a series exceeds ln A).
 ///
-/// h is the mean excess, but at least 1: under the model, the bound n/A of the false-alarm
-/// probability in n rows does not decay faster.
+/// Above the median u of the series' maxima, the excesses are assumed exponential with mean h: P(A)
+/// = 1/2 exp(-(ln A - u)/h). h is the mean excess, and at least 1, because the bound n/A of the
+/// false-alarm probability under the model does not decay faster. Below the median, P(A) is the
+/// share of maxima above ln A, interpolated between the maxima. If all maxima are above ln A, the
+/// rate is a lower bound: each series has at least one alarm.
 struct Replay {
   int series = 0, rows = 0;
-  double log_median = 0.0;  ///< u
-  double tail = 1.0;        ///< h
+  double log_median = 0.0;              ///< u
+  double tail = 1.0;                    ///< h
+  std::vector<double> log_maxima = {};  ///< below the median, sorted
   /// False alarms per row at a threshold.
   [[nodiscard]] double rate(double log_threshold) const;
-  /// ln of the threshold that has this rate of false alarms, but at least u.
+  /// True if the rate at this threshold is a lower bound.
+  [[nodiscard]] bool is_lower_bound(double log_threshold) const;
+  /// ln of the threshold with this rate of false alarms; at least the smallest maximum.
   [[nodiscard]] double log_threshold(double rate) const;
 };
 
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, Replay>
 void carry(Parcel& parcel, Of& r) {
-  parcel(r.series, r.rows, r.log_median, r.tail);
+  parcel(r.series, r.rows, r.log_median, r.tail, r.log_maxima);
 }
 
 /// One-step innovations of healthy rows, n x p.
@@ -57,8 +63,12 @@ struct Innovations {
   Eigen::MatrixXd relative_variance = {};
 };
 
-/// Innovations of the filter of the first parameter draw.
-[[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& rows);
+/// Innovations of the first draw's filter in rows [from, to) of the series. The coefficients are
+/// those of the trained filter. The drift begins with its stationary distribution, and lagged
+/// covariates follow from the rows before `from`, so that the rows may be anywhere in the training
+/// period.
+[[nodiscard]] Innovations healthy_innovations(const Baseline& baseline, const Series& series,
+                                              int from, int to);
 
 /// Processes `innovations` and their noise variances with a detector that has the drift and noise
 /// of the first draw and no covariates.

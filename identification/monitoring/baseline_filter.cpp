@@ -38,9 +38,23 @@ BaselineFilter::BaselineFilter(const BaselineParameters& b) : block_(b.block()) 
   for (Index j = 0; j < n; ++j) {
     x.segment(j * width, terms) = b.coefficient_mean.col(j);
     p.diagonal().segment(j * width, terms) = b.coefficient_sd.col(j).array().square();
+  }
+  reset_drift(b);
+}
+
+void BaselineFilter::reset_drift(const BaselineParameters& b) {
+  const Index n = b.features(), terms = block_ - 2;
+  for (Index j = 0; j < n; ++j)
+    for (Index d = j * block_ + terms; d < (j + 1) * block_; ++d) {
+      x[d] = 0.0;
+      p.row(d).setZero();
+      p.col(d).setZero();
+    }
+  for (Index j = 0; j < n; ++j) {
+    const Index d = j * block_ + terms;
     for (Index k = 0; k < n; ++k)
-      p(j * width + terms, k * width + terms) = b.fast_sd[j] * b.correlation(j, k) * b.fast_sd[k];
-    p(j * width + terms + 1, j * width + terms + 1) = b.slow_sd[j] * b.slow_sd[j];
+      p(d, k * block_ + terms) = b.fast_sd[j] * b.correlation(j, k) * b.fast_sd[k];
+    p(d + 1, d + 1) = b.slow_sd[j] * b.slow_sd[j];
   }
 }
 
@@ -79,6 +93,11 @@ void BaselineFilter::update(const VectorXd& covariance, double v, double s) {
   x += (v / s) * covariance;
   const VectorXd scaled = covariance / std::sqrt(s);
   p.noalias() -= scaled * scaled.transpose();
+}
+
+void BaselineFilter::widen(int term, const VectorXd& variance) {
+  for (Index j = 0; j < variance.size(); ++j)
+    p(j * block_ + term, j * block_ + term) += variance[j];
 }
 
 double BaselineFilter::imputation_variance(int feature, const Weather& weather) const {

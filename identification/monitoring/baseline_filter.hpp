@@ -19,7 +19,6 @@
 #include <limits>
 
 #include "base/constants.hpp"
-#include "base/log_gamma.hpp"
 #include "identification/monitoring/covariate_terms.hpp"
 #include "identification/monitoring/series.hpp"
 
@@ -80,6 +79,11 @@ class BaselineFilter {
   /// Updates the state with an entry of innovation v and variance s, which includes the noise.
   void update(const Eigen::VectorXd& covariance, double v, double s);
 
+  /// Replaces the drifts by their stationary distributions, independent of the coefficients.
+  void reset_drift(const BaselineParameters& parameters);
+  /// Adds prior variance to a coefficient; `variance`: p.
+  void widen(int term, const Eigen::VectorXd& variance);
+
   /// Additional noise variance of a feature due to imputed covariates.
   [[nodiscard]] double imputation_variance(int feature, const Weather& weather) const;
 
@@ -119,44 +123,5 @@ struct RowPrediction {
 [[nodiscard]] Weather weather_at(const CovariateTerms& terms,
                                  const CovariateScaling::Scaled& scaled, const Eigen::VectorXd& v,
                                  const Eigen::VectorXd& slow);
-
-/// The sum of the log densities of a row's innovations. Densities are multiplied, so that a row
-/// needs one logarithm. The density of innovation v with variance s is N(0, s) if `degrees` is
-/// kGaussian, else Student's t with `degrees` degrees of freedom and scale √s.
-class DensitySum {
- public:
-  explicit DensitySum(double degrees)
-      : degrees_(degrees),
-        constant_(degrees == kGaussian
-                      ? -0.5 * std::log(kTwoPi)
-                      : base::log_gamma(0.5 * (degrees + 1.0)) - base::log_gamma(0.5 * degrees) -
-                            0.5 * std::log(degrees * kPi)) {}
-  struct Terms {
-    double scales = 1.0, tails = 1.0, squares = 0.0;
-    int n = 0;
-  };
-  void add(Terms& terms, double v, double s) const {
-    terms.scales *= s;
-    if (degrees_ == kGaussian)
-      terms.squares += v * v / s;
-    else
-      terms.tails *= 1.0 + v * v / (degrees_ * s);
-    if (++terms.n % 8 == 0) flush(terms);
-  }
-  [[nodiscard]] double value(const Terms& terms) const {
-    const double tails =
-        degrees_ == kGaussian ? 0.0 : 0.5 * (degrees_ + 1.0) * std::log(terms.tails);
-    return terms.n * constant_ - 0.5 * std::log(terms.scales) - 0.5 * terms.squares - tails;
-  }
-
- private:
-  /// Before the product underflows, adds its logarithm to the sum.
-  void flush(Terms& terms) const {
-    terms.squares += std::log(terms.scales);
-    if (degrees_ != kGaussian) terms.squares += (degrees_ + 1.0) * std::log(terms.tails);
-    terms.scales = terms.tails = 1.0;
-  }
-  double degrees_, constant_;
-};
 
 }  // namespace wheeltap::identification::monitoring

@@ -50,12 +50,16 @@ struct BaselineDraw {
   BaselineFilter filter = {};
   /// Covariates of the last row with the thermal and the long lag
   Eigen::VectorXd lagged = {}, slow = {};
+  /// Standard deviation of the error of `lagged` that missing covariates cause
+  Eigen::VectorXd lagged_error = {};
+  /// Largest values so far of the terms of unseen weather, kUnseenTerms
+  Eigen::VectorXd unseen = {};
 };
 
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, BaselineDraw>
 void carry(Parcel& parcel, Of& draw) {
-  parcel(draw.parameters, draw.filter, draw.lagged, draw.slow);
+  parcel(draw.parameters, draw.filter, draw.lagged, draw.slow, draw.lagged_error, draw.unseen);
 }
 
 /// The trained baseline.
@@ -67,7 +71,12 @@ struct Baseline {
   std::vector<BaselineDraw> draws = {};
   double rows_per_hour = 1.0;
   double last_hours = 0.0;  ///< time of the last row that the filters have processed
-  // Results and convergence diagnostics of the engine:
+  // Nonlinear parameters of the draw with the highest posterior density, from which refit_baseline
+  // starts; not part of a stored state:
+  std::vector<double> best = {};
+  std::vector<int> hinged = {};  ///< covariates that may have hinges
+  bool has_lag = false;
+  // Convergence diagnostics of the engine:
   std::vector<double> hinge_probability = {};  ///< probabilities of 0, 1, … hinges
   bool converged = false;
   double rhat_max = 1.0;  ///< largest R-hat of covariate effects, noise and drift
@@ -84,6 +93,12 @@ void carry(Parcel& parcel, Of& b) {
 /// Trains the baseline on all rows of `learning`. Throws std::invalid_argument if find_faults
 /// reports a fault other than a constant covariate.
 [[nodiscard]] Baseline learn_baseline(const Series& learning, const LearningOptions& options);
+
+/// One draw for other training rows: the nonlinear parameters maximise the evidence, by a climb
+/// that starts from the best draw of `from`; degrees of freedom and correlation are those of the
+/// first draw of `from`. Throws the exceptions of learn_baseline.
+[[nodiscard]] Baseline refit_baseline(const Series& learning, const Baseline& from,
+                                      const LearningOptions& options);
 
 /// Updates the lagged covariates of one draw.
 [[nodiscard]] Weather next_weather(const CovariateScaling::Scaled& scaled, double hours,

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <map>
 
 #include "base/constants.hpp"
 #include "base/index.hpp"
@@ -26,12 +25,12 @@ double log_sum_exp(const Values& values) {
   return top == -kInfinity ? top : top + std::log((values.array() - top).exp().sum());
 }
 
-/// ln of the prior probability of each hypothesis on δ, (1 + p) x kSizes.
-MatrixXd log_prior_of_hypotheses(Index p) {
+/// p(δ's hypothesis), (1 + p) x kSizes.
+MatrixXd prior_of_hypotheses(Index p) {
   const double all = p > 1 ? 0.5 : 1.0 - 0.5 / kSizes, each = (1.0 - all) / static_cast<double>(p);
   MatrixXd out(1 + p, kSizes);
-  out.row(0).setConstant(std::log(all / kSizes));
-  out.bottomRows(p).setConstant(std::log(each / kSizes));
+  out.row(0).setConstant(all / kSizes);
+  out.bottomRows(p).setConstant(each / kSizes);
   return out;
 }
 
@@ -40,216 +39,72 @@ double profile_at(ShiftProfile profile, double hours) {
   return profile == ShiftProfile::transient ? std::exp(-hours / kTransientHours) : 1.0;
 }
 
-/// Adds the log densities of a row to the weights of draws and hypotheses, normalises them and
-/// redistributes the fixed share. Returns ln of the row's density given the onset.
-double add_scores(CandidateOnset& c, const std::vector<MatrixXd>& log_density, double share) {
-  double total = -kInfinity;
-  for (std::size_t k = 0; k < c.draws.size(); ++k) {
-    c.draws[k].log_weight += log_density[k];
-    total = log_sum(total, log_sum_exp(c.draws[k].log_weight));
-  }
-  MatrixXd mean = MatrixXd::Zero(c.draws[0].log_weight.rows(), kSizes);
-  for (ShiftPosterior& d : c.draws) {
-    d.log_weight = (d.log_weight.array() - total).exp();
-    mean += d.log_weight;
-  }
-  const auto m = static_cast<double>(c.draws.size());
-  for (ShiftPosterior& d : c.draws)
-    d.log_weight = ((1.0 - share) * d.log_weight.array() + (share / m) * mean.array()).log();
-  return total;
-}
+constexpr int kOnsetParts = 20;  // parts of the mass of merged onsets
 
 // Fraction of weight that each row moves between the two filters of the model without a change.
 constexpr double kFilterShare = 0.05;
 
-/// The candidates of one draw in one row. All candidates share the gain k_i of entry i, so that the
-/// derivative of the innovation of entry j with respect to δ is
-///
-///   g_j = r e_j + F_j' h - Σ_{i<j} (k_i' h)_j g_i,
-///
-/// F_j: rows of F for feature j; i: entries before j. F changes after the row's last entry.
-class DrawScores {
- public:
-  DrawScores(const std::vector<CandidateOnset*>& all, std::size_t draw,
-             const BaselineParameters& parameters, const VectorXd& h, double hours,
-             std::int64_t row)
-      : p_(parameters.features()),
-        block_(parameters.block()),
-        degrees_(parameters.degrees),
-        h_(h),
-        density_(parameters.degrees),
-        hypotheses_(static_cast<std::size_t>((1 + p_) * kSizes)),
-        sums_(all.size() * hypotheses_),
-        gains_(p_ * block_, p_),
-        along_(p_, p_),
-        mass_(static_cast<Index>(all.size())),
-        inflation_(static_cast<Index>(all.size())) {
-    for (std::size_t i = 0; i < all.size(); ++i) {
-      CandidateOnset& c = *all[i];
-      Candidate one{.shift = &c.draws[draw],
-                    .profile = profile_at(c.profile, hours - c.hours),
-                    .g = MatrixXd(p_, p_),
-                    .spread = MatrixXd(p_, kSizes)};
-      for (Index j = 0; j < p_; ++j)
-        one.g.col(j).noalias() =
-            one.shift->sensitivity.middleRows(j * block_, block_).transpose() * h;
-      one.projected = one.g;
-      const MatrixXd& log_weight = one.shift->log_weight;
-      const double most = log_weight.maxCoeff(&one.favourite[0], &one.favourite[1]);
-      mass_[static_cast<Index>(i)] = c.row == row ? -kInfinity : c.log_mass() + most;
-      candidates_.push_back(std::move(one));
-    }
-  }
-
-  /// Adds the densities of an entry of feature j; without a shift, its innovation is v with
-  /// variance s. Returns the common noise inflation of the candidates: the mean over their most
-  /// probable hypotheses, weighted by their mass.
-  double score(Index j, double v, double s) {
-    for (std::size_t i = 0; i < candidates_.size(); ++i) {
-      Candidate& c = candidates_[i];
-      const ShiftPosterior& shift = *c.shift;
-      auto g = c.g.col(entries_);
-      g = c.projected.col(j);
-      g[j] += c.profile;
-      for (Index e = 0; e < entries_; ++e) g -= along_(e, j) * c.g.col(e);
-      DensitySum::Terms* sum = &sums_[i * hypotheses_];
-      for (Index size = 0; size < kSizes; ++size) {
-        auto spread = c.spread.col(size);
-        spread.noalias() = shift.covariance.middleCols(size * p_, p_) * g;
-        add(i, 0, size, v - g.dot(shift.mean.col(size)), s + g.dot(spread), sum[size]);
-        for (Index k = 0; k < p_; ++k)
-          add(i, 1 + k, size, v - g[k] * shift.single_mean(k, size),
-              s + g[k] * g[k] * shift.single_variance(k, size), sum[(1 + k) * kSizes + size]);
-      }
-    }
-    if (degrees_ == kGaussian) return 1.0;
-    const double top = mass_.maxCoeff();
-    if (top == -kInfinity) return noise_inflation(v, s, degrees_);
-    const VectorXd weight = (mass_.array() - top).exp();
-    return weight.dot(inflation_) / weight.sum();
-  }
-
-  /// Updates the posterior of every δ by the entry that was scored last.
-  void update(double v, double inflated, const VectorXd& gain) {
-    for (Candidate& c : candidates_) {
-      ShiftPosterior& shift = *c.shift;
-      const auto g = c.g.col(entries_);
-      for (Index size = 0; size < kSizes; ++size) {
-        const auto spread = c.spread.col(size);
-        const double total = inflated + g.dot(spread);
-        shift.mean.col(size) += spread * ((v - g.dot(shift.mean.col(size))) / total);
-        shift.covariance.middleCols(size * p_, p_).noalias() -=
-            (spread / total) * spread.transpose();
-        for (Index k = 0; k < p_; ++k) {
-          double& variance = shift.single_variance(k, size);
-          const double kg = variance * g[k], st = inflated + g[k] * kg;
-          shift.single_mean(k, size) += kg * (v - g[k] * shift.single_mean(k, size)) / st;
-          variance -= kg * kg / st;
-        }
-      }
-    }
-    gains_.col(entries_) = gain;
-    for (Index j = 0; j < p_; ++j) along_(entries_, j) = gain.segment(j * block_, block_).dot(h_);
-    ++entries_;
-  }
-
-  void finish() {
-    for (Candidate& c : candidates_)
-      c.shift->sensitivity.noalias() -=
-          gains_.leftCols(entries_) * c.g.leftCols(entries_).transpose();
-  }
-
-  /// ln of the row's density under each hypothesis of candidate i.
-  void write(std::size_t i, MatrixXd& log_density) const {
-    for (Index h = 0; h <= p_; ++h)
-      for (Index size = 0; size < kSizes; ++size)
-        log_density(h, size) =
-            density_.value(sums_[i * hypotheses_ + static_cast<std::size_t>(h * kSizes + size)]);
-  }
-
- private:
-  struct Candidate {
-    ShiftPosterior* shift = nullptr;
-    double profile = 1.0;
-    MatrixXd g = {};          // p x entries
-    MatrixXd projected = {};  // column j: F_j' h
-    MatrixXd spread = {};     // covariance of δ times g, one column per size
-    std::array<Index, 2> favourite = {};
-  };
-
-  void add(std::size_t i, Index hypothesis, Index size, double v, double s,
-           DensitySum::Terms& sum) {
-    density_.add(sum, v, s);
-    if (hypothesis != candidates_[i].favourite[0] || size != candidates_[i].favourite[1]) return;
-    inflation_[static_cast<Index>(i)] = noise_inflation(v, s, degrees_);
-    mass_[static_cast<Index>(i)] += log_innovation_density(v, s, degrees_);
-  }
-
-  Index p_, block_;
-  double degrees_;
-  const VectorXd& h_;
-  DensitySum density_;
-  std::size_t hypotheses_;
-  std::vector<DensitySum::Terms> sums_;
-  std::vector<Candidate> candidates_;
-  MatrixXd gains_, along_;  // states x entries; entries x features: k' h
-  VectorXd mass_, inflation_;
-  Index entries_ = 0;
-};
-
 }  // namespace
-
-/// Log densities of a row under each candidate, draw and hypothesis.
-struct ChangePoint::RowScores {
-  std::vector<std::vector<MatrixXd>> log_density;  ///< per candidate and draw: (1 + p) x kSizes
-  VectorXd unshifted;                              ///< per draw: candidates' filter without a shift
-};
 
 ChangePoint::ChangePoint(const Baseline& baseline, const ChangePointOptions& options)
     : scaling_(baseline.scaling),
       residual_sd_(baseline.residual_sd),
       options_(options),
       draws_(baseline.draws),
+      rows_per_hour_(baseline.rows_per_hour),
       last_hours_(baseline.last_hours),
       last_ramp_hours_(baseline.last_hours) {
-  for (const BaselineDraw& draw : draws_) changed_.push_back(draw.filter);
+  std::vector<int> blocks;
+  for (const BaselineDraw& draw : draws_) {
+    changed_.push_back(draw.filter);
+    blocks.push_back(draw.parameters.block());
+  }
+  MatrixXd variance(residual_sd_.size(), kSizes);
+  for (Index s = 0; s < kSizes; ++s)
+    variance.col(s) = (kShiftSizes[s] * residual_sd_).array().square();
+  bank_ = CandidateBank(blocks, variance);
   const auto m = static_cast<Index>(draws_.size());
   log_weight_ = VectorXd::Constant(m, -std::log(static_cast<double>(m)));
   shared_ = VectorXd::Constant(m, 0.5);
 }
 
-CandidateOnset ChangePoint::born(const Row& row, ShiftProfile profile) const {
-  const auto p = static_cast<Index>(residual_sd_.size());
-  CandidateOnset out{.row = rows_, .hours = row.hours, .profile = profile};
-  const MatrixXd prior = log_prior_of_hypotheses(p);
-  for (std::size_t m = 0; m < draws_.size(); ++m) {
-    ShiftPosterior shift{.sensitivity = MatrixXd::Zero(draws_[m].filter.x.size(), p),
-                         .mean = MatrixXd::Zero(p, kSizes),
-                         .covariance = MatrixXd::Zero(p, p * kSizes),
-                         .single_mean = MatrixXd::Zero(p, kSizes),
-                         .single_variance = MatrixXd(p, kSizes),
-                         .log_weight = prior.array() + log_weight_[static_cast<Index>(m)]};
-    for (Index s = 0; s < kSizes; ++s) {
-      shift.single_variance.col(s) = (kShiftSizes[s] * residual_sd_).array().square();
-      shift.covariance.middleCols(s * p, p).diagonal() = shift.single_variance.col(s);
-    }
-    out.draws.push_back(std::move(shift));
-  }
+CandidateOnset ChangePoint::born(const Row& row, ShiftProfile profile) {
+  const VectorXd draws = log_weight_.array().exp();
+  return {.row = rows_,
+          .hours = row.hours,
+          .first_hours = row.hours,
+          .last_hours = row.hours,
+          .profile = profile,
+          .slot = bank_.add(prior_of_hypotheses(residual_sd_.size()), draws)};
+}
+
+std::vector<CandidateOnset> ChangePoint::candidates() const {
+  std::vector<CandidateOnset> out = candidates_;
+  for (CandidateOnset& c : out)
+    for (std::size_t m = 0; m < draws_.size(); ++m)
+      c.draws.push_back(bank_.posterior(c.slot, static_cast<int>(m)));
   return out;
 }
 
 void ChangePoint::bear_candidates(const Row& row, double hours) {
   const double log_born = std::log(-std::expm1(-options_.hazard_per_hour * hours)) + log_no_change_;
   log_no_change_ -= options_.hazard_per_hour * hours;
-  const auto bear = [&](ShiftProfile profile, double log_share, double rows) {
+  // The threshold is a number of rows at the usual step. Rows at shorter steps count for less.
+  const auto bear = [&](ShiftProfile profile, double log_share, double rows,
+                        double more_log_prior) {
     candidates_.push_back(born(row, profile));
     candidates_.back().log_wealth = log_share + std::log(rows);
-    candidates_.back().log_prior = log_share + log_born + std::log(rows);
+    candidates_.back().log_prior = log_share + log_born + more_log_prior;
   };
-  bear(ShiftProfile::step, std::log1p(-options_.ramp_share), 1.0);
-  // A candidate ramp represents all rows since the previous candidate ramp.
-  if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0)
-    bear(ShiftProfile::ramp, std::log(options_.ramp_share), options_.ramp_every);
+  bear(ShiftProfile::step, std::log1p(-options_.ramp_share), std::min(1.0, hours * rows_per_hour_),
+       0.0);
+  // A candidate ramp stands for all rows since the last one.
+  if (options_.ramp_share > 0.0 && (rows_ + 1) % options_.ramp_every == 0) {
+    const double rows = options_.ramp_every, since = row.hours - last_ramp_hours_;
+    bear(ShiftProfile::ramp, std::log(options_.ramp_share), std::min(rows, since * rows_per_hour_),
+         std::log(since / hours));
+    last_ramp_hours_ = row.hours;
+  }
   if (options_.transients_per_hour > 0.0) {
     const double ends = options_.transient_ends_per_hour * hours;
     for (CandidateOnset& c : transients_) {
@@ -261,13 +116,6 @@ void ChangePoint::bear_candidates(const Row& row, double hours) {
         log_quiet_ + std::log(-std::expm1(-options_.transients_per_hour * hours));
     log_quiet_ -= options_.transients_per_hour * hours;
   }
-}
-
-std::vector<CandidateOnset*> ChangePoint::all_candidates() {
-  std::vector<CandidateOnset*> out;
-  for (CandidateOnset& c : candidates_) out.push_back(&c);
-  for (CandidateOnset& c : transients_) out.push_back(&c);
-  return out;
 }
 
 VectorXd ChangePoint::score_healthy(const Row& row, double hours,
@@ -306,37 +154,39 @@ double ChangePoint::weigh_draws(const VectorXd& own, const VectorXd& shared) {
   return total;
 }
 
-void ChangePoint::score_draw(std::size_t m, const Row& row, const Weather& weather,
-                             RowScores& scores) {
+double ChangePoint::score_draw(std::size_t m, const Row& row, const Weather& weather,
+                               const CandidateBank::RowStart& start) {
   const BaselineParameters& parameters = draws_[m].parameters;
   BaselineFilter& filter = changed_[m];
   const auto p = static_cast<Index>(residual_sd_.size());
-  const std::vector<CandidateOnset*> all = all_candidates();
-  DrawScores candidates(all, m, parameters, weather.h, row.hours, rows_);
-  VectorXd covariance, gain(filter.x.size());
+  bank_.begin(static_cast<int>(m), start);
+  VectorXd covariance;
+  double unshifted = 0.0;
+  bool any = false;
   for (Index j = 0; j < p; ++j) {
     if (!std::isfinite(row.features[j])) continue;
+    any = true;
     const int feature = static_cast<int>(j);
     filter.observe(feature, weather.h, covariance);
     const double noise = noise_variance(parameters, weather, row, filter, feature);
     const double s = filter.variance(feature, weather.h, covariance) + noise;
     const double v = row.features[j] - filter.mean(feature, weather.h);
-    scores.unshifted[static_cast<Index>(m)] += log_innovation_density(v, s, parameters.degrees);
-    const double inflated = s + noise * (candidates.score(j, v, s) - 1.0);
-    gain = covariance / inflated;
+    unshifted += log_innovation_density(v, s, parameters.degrees);
+    double inflation = bank_.score(feature, v, s);
+    if (inflation == 0.0) inflation = noise_inflation(v, s, parameters.degrees);
+    const double inflated = s + noise * (inflation - 1.0);
     filter.update(covariance, v, inflated);
-    candidates.update(v, inflated, gain);
+    bank_.update(inflated, covariance / inflated);
   }
-  candidates.finish();
-  for (std::size_t i = 0; i < all.size(); ++i) candidates.write(i, scores.log_density[i][m]);
+  if (any) bank_.finish();
+  return unshifted;
 }
 
-double ChangePoint::weigh_healthy(const RowScores& scores, double log_baseline) {
+double ChangePoint::weigh_healthy(const std::vector<double>& log_density, double log_baseline) {
   double total = log_quiet_ + log_baseline;
   log_quiet_ = total;
-  for (std::size_t i = 0; i < transients_.size(); ++i) {
-    CandidateOnset& c = transients_[i];
-    c.log_ratio += add_scores(c, scores.log_density[candidates_.size() + i], options_.fixed_share);
+  for (CandidateOnset& c : transients_) {
+    c.log_ratio += log_density[index(c.slot)];
     total = log_sum(total, c.log_mass());
   }
   log_quiet_ -= total;
@@ -344,10 +194,9 @@ double ChangePoint::weigh_healthy(const RowScores& scores, double log_baseline) 
   return total;
 }
 
-void ChangePoint::weigh_candidates(const RowScores& scores, double log_healthy) {
-  for (std::size_t i = 0; i < candidates_.size(); ++i) {
-    CandidateOnset& c = candidates_[i];
-    const double gain = add_scores(c, scores.log_density[i], options_.fixed_share) - log_healthy;
+void ChangePoint::weigh_candidates(const std::vector<double>& log_density, double log_healthy) {
+  for (CandidateOnset& c : candidates_) {
+    const double gain = log_density[index(c.slot)] - log_healthy;
     c.log_ratio += gain;
     c.log_wealth += gain;
   }
@@ -359,6 +208,9 @@ void ChangePoint::merge(std::vector<CandidateOnset>& list, std::size_t from, std
     moved_ += std::exp(a.log_mass() - log_sum(log_no_change_, a.log_mass()));
   b.log_prior = log_sum(b.log_mass(), a.log_mass()) - b.log_ratio;
   b.log_wealth = log_sum(b.log_wealth, a.log_wealth);
+  b.first_hours = std::min(b.first_hours, a.first_hours);
+  b.last_hours = std::max(b.last_hours, a.last_hours);
+  bank_.release(a.slot);
   list.erase(list.begin() + static_cast<std::ptrdiff_t>(from));
 }
 
@@ -367,6 +219,7 @@ void ChangePoint::retire_transients(double hours) {
   std::erase_if(transients_, [&](const CandidateOnset& c) {
     if (hours - c.hours < kDecayed * kTransientHours) return false;
     log_quiet_ = log_sum(log_quiet_, c.log_mass());
+    bank_.release(c.slot);
     return true;
   });
 }
@@ -381,15 +234,15 @@ void ChangePoint::merge_old() {
 bool ChangePoint::merge_one(std::vector<CandidateOnset>& list, ShiftProfile profile) {
   constexpr int kLastOctave = 7;  // contains all older candidates
   const bool is_ramp = profile == ShiftProfile::ramp;
-  std::map<int, std::vector<std::size_t>> octaves;
+  std::array<std::vector<std::size_t>, kLastOctave + 1> octaves;
   const double unit = options_.young * (is_ramp ? 4.0 : 1.0);
   for (std::size_t i = 0; i < list.size(); ++i) {
     if (list[i].profile != profile) continue;
     const auto age = static_cast<double>(rows_ - list[i].row);
     if (age >= unit)
-      octaves[std::min(kLastOctave, static_cast<int>(std::log2(age / unit)))].push_back(i);
+      octaves[index(std::min(kLastOctave, static_cast<int>(std::log2(age / unit))))].push_back(i);
   }
-  for (const auto& [octave, members] : octaves) {
+  for (const std::vector<std::size_t>& members : octaves) {
     if (static_cast<int>(members.size()) <= (is_ramp ? 2 : options_.kept_per_octave)) continue;
     // Merge the candidate with the smallest mass into its nearer neighbour.
     std::size_t lightest = 0;
@@ -397,7 +250,7 @@ bool ChangePoint::merge_one(std::vector<CandidateOnset>& list, ShiftProfile prof
       if (list[members[k]].log_mass() < list[members[lightest]].log_mass()) lightest = k;
     std::size_t into = lightest == 0 ? 1 : lightest - 1;
     if (lightest > 0 && lightest + 1 < members.size()) {
-      const auto gap = [&, members = members](std::size_t k) {
+      const auto gap = [&](std::size_t k) {
         return std::abs(list[members[k]].row - list[members[lightest]].row);
       };
       if (gap(lightest + 1) < gap(lightest - 1)) into = lightest + 1;
@@ -408,32 +261,85 @@ bool ChangePoint::merge_one(std::vector<CandidateOnset>& list, ShiftProfile prof
   return false;
 }
 
-PredictedRow ChangePoint::add(const Row& row) {
-  const double hours = row.hours - last_hours_;
-  const CovariateScaling::Scaled scaled = scaling_(row.covariates);
-  bear_candidates(row, hours);
-  std::vector<Weather> weather;
-  for (std::size_t m = 0; m < draws_.size(); ++m) {
-    weather.push_back(next_weather(scaled, hours, draws_[m]));
-    const BaselineParameters& b = draws_[m].parameters;
-    changed_[m].predict(b, hours);
-    const double fast = std::exp(-b.fast_rate * hours), slow = std::exp(-hours / kSlowHours);
-    for (CandidateOnset* c : all_candidates())
-      for (Index j = 1; j <= residual_sd_.size(); ++j) {
-        c->draws[m].sensitivity.row(j * b.block() - 2) *= fast;
-        c->draws[m].sensitivity.row(j * b.block() - 1) *= slow;
-      }
+bool ChangePoint::knows_weather() const {
+  for (const BaselineDraw& draw : draws_) {
+    if (draw.lagged_error.size() == 0 || draw.lagged_error.maxCoeff() == 0.0) continue;
+    const CovariateTerms& terms = draw.parameters.terms;
+    for (Index j = 0; j < residual_sd_.size(); ++j) {
+      const auto b =
+          draw.filter.x.segment(j * draw.parameters.block(), draw.parameters.block() - 2);
+      // Both slopes of a hinge: the missing covariate may be on either side.
+      VectorXd slopes = b.segment(1, draw.lagged_error.size());
+      VectorXd beyond = slopes;
+      for (std::size_t h = 0; h < terms.knots.size(); ++h)
+        beyond[terms.hinge_of[h]] += b[1 + slopes.size() + static_cast<Index>(h)];
+      const VectorXd steepest = slopes.cwiseAbs().cwiseMax(beyond.cwiseAbs());
+      if (steepest.cwiseProduct(draw.lagged_error).norm() > kLargestWeatherError * residual_sd_[j])
+        return false;
+    }
   }
+  return true;
+}
+
+void ChangePoint::widen_for_weather(const std::vector<Weather>& weather) {
+  for (std::size_t m = 0; m < draws_.size(); ++m) {
+    BaselineDraw& draw = draws_[m];
+    if (draw.lagged.size() == 0) continue;
+    const Index first = draw.parameters.block() - 2 - kUnseenTerms;
+    if (draw.unseen.size() == 0) draw.unseen = VectorXd::Zero(kUnseenTerms);
+    for (Index k = 0; k < kUnseenTerms; ++k) {
+      const double now = weather[m].h[first + k], before = draw.unseen[k];
+      if (now <= before) continue;
+      draw.unseen[k] = now;
+      if (before == 0.0) continue;  // the coefficient still has its prior
+      const VectorXd variance =
+          (1.0 - (before / now) * (before / now)) *
+          draw.parameters.coefficient_sd.row(first + k).transpose().array().square();
+      draw.filter.widen(static_cast<int>(first + k), variance);
+      changed_[m].widen(static_cast<int>(first + k), variance);
+    }
+  }
+}
+
+PredictedRow ChangePoint::add(const Row& measured) {
+  const double hours = measured.hours - last_hours_;
+  const CovariateScaling::Scaled scaled = scaling_(measured.covariates);
+  bear_candidates(measured, hours);
+  std::vector<Weather> weather;
+  for (BaselineDraw& draw : draws_) weather.push_back(next_weather(scaled, hours, draw));
+  widen_for_weather(weather);
+  Row row = measured;
+  const bool is_scored = knows_weather();
+  if (!is_scored) row.features.setConstant(kNaN);
   PredictedRow out;
   const VectorXd own = score_healthy(row, hours, weather, out);
+  out.is_scored = is_scored;
+
+  std::vector<char> present;
+  for (const double y : row.features) present.push_back(std::isfinite(y) ? 1 : 0);
+  const auto slots = index(bank_.slots());
+  std::vector<double> profile(slots, 0.0), log_mass(slots, detail::kExcluded);
+  for (const std::vector<CandidateOnset>* list : {&candidates_, &transients_})
+    for (const CandidateOnset& c : *list) {
+      profile[index(c.slot)] = profile_at(c.profile, row.hours - c.hours);
+      if (c.row != rows_) log_mass[index(c.slot)] = c.log_mass();
+    }
+  VectorXd unshifted(log_weight_.size());
+  for (std::size_t m = 0; m < draws_.size(); ++m) {
+    const BaselineParameters& b = draws_[m].parameters;
+    changed_[m].predict(b, hours);
+    const CandidateBank::RowStart start{.h = weather[m].h,
+                                        .fast = std::exp(-b.fast_rate * hours),
+                                        .slow = std::exp(-hours / kSlowHours),
+                                        .degrees = b.degrees,
+                                        .present = present,
+                                        .profile = profile,
+                                        .log_mass = log_mass};
+    unshifted[static_cast<Index>(m)] = score_draw(m, row, weather[m], start);
+  }
   if (row.features.array().isFinite().any()) {
-    RowScores scores;
-    const MatrixXd none(residual_sd_.size() + 1, kSizes);
-    scores.log_density.assign(candidates_.size() + transients_.size(),
-                              std::vector<MatrixXd>(draws_.size(), none));
-    scores.unshifted = VectorXd::Zero(log_weight_.size());
-    for (std::size_t m = 0; m < draws_.size(); ++m) score_draw(m, row, weather[m], scores);
-    weigh_candidates(scores, weigh_healthy(scores, weigh_draws(own, scores.unshifted)));
+    const std::vector<double> log_density = bank_.weigh(unshifted, options_.fixed_share);
+    weigh_candidates(log_density, weigh_healthy(log_density, weigh_draws(own, unshifted)));
   }
   ++rows_;
   retire_transients(row.hours);
@@ -459,7 +365,7 @@ VectorXd ChangePoint::draw_probabilities() const {
   double all = -kInfinity;
   for (const CandidateOnset& c : candidates_) all = log_sum(all, c.log_mass());
   VectorXd out = (1.0 - changed) * log_weight_.array().exp();
-  for (const CandidateOnset& c : candidates_)
+  for (const CandidateOnset& c : candidates())
     for (Index m = 0; m < out.size(); ++m)
       out[m] += changed * std::exp(c.log_mass() - all + log_sum_exp(c.draws[index(m)].log_weight));
   return out / out.sum();
@@ -476,9 +382,15 @@ ChangeEstimate ChangePoint::estimate() const {
   for (const CandidateOnset& c : candidates_) sum = log_sum(sum, c.log_mass());
   std::vector<std::pair<double, double>> onsets;
   VectorXd squares = VectorXd::Zero(p);
-  for (const CandidateOnset& c : candidates_) {
+  for (const CandidateOnset& c : candidates()) {
     const double mass = std::exp(c.log_mass() - sum);
-    onsets.emplace_back(c.hours, mass);
+    // The mass of merged onsets is spread evenly over their times.
+    const int parts = c.last_hours > c.first_hours ? kOnsetParts : 1;
+    for (int part = 0; part < parts; ++part)
+      onsets.emplace_back(
+          parts == 1 ? c.hours
+                     : c.first_hours + (c.last_hours - c.first_hours) * (part + 0.5) / parts,
+          mass / parts);
     if (c.profile == ShiftProfile::ramp) out.ramp_probability += mass;
     for (const ShiftPosterior& d : c.draws)
       for (Index size = 0; size < kSizes; ++size) {
@@ -532,36 +444,56 @@ MatrixXd ChangePoint::covariate_slopes(int covariates) const {
 }
 
 void ChangePoint::accept_change() {
-  const auto best = std::ranges::max_element(candidates_, {},
-                                             [](const CandidateOnset& c) { return c.log_mass(); });
-  if (best == candidates_.end()) return;
+  if (candidates_.empty()) return;
+  constexpr double kNegligible = 1e-9;
   const Index p = residual_sd_.size();
+  double all = log_no_change_;
+  for (const CandidateOnset& c : candidates_) all = log_sum(all, c.log_mass());
   VectorXd log_weight(log_weight_.size());
   for (std::size_t m = 0; m < draws_.size(); ++m) {
-    const ShiftPosterior& d = best->draws[m];
-    log_weight[static_cast<Index>(m)] = log_sum_exp(d.log_weight);
-    Index h = 0, size = 0;
-    d.log_weight.maxCoeff(&h, &size);
-    VectorXd mean = VectorXd::Zero(p);
-    MatrixXd covariance = MatrixXd::Zero(p, p);
-    if (h == 0) {
-      mean = d.mean.col(size);
-      covariance = d.covariance.middleCols(size * p, p);
-    } else {
-      mean[h - 1] = d.single_mean(h - 1, size);
-      covariance(h - 1, h - 1) = d.single_variance(h - 1, size);
-    }
-    // State and intercept are functions of the shift δ: x + (F + E) δ.
-    MatrixXd entry = d.sensitivity;
-    for (Index j = 0; j < p; ++j) entry(j * draws_[m].parameters.block(), j) += 1.0;
     BaselineFilter& filter = changed_[m];
-    filter.x += entry * mean;
-    filter.p += entry * covariance * entry.transpose();
+    const Index states = filter.x.size();
+    // Moments of the state's displacement (F + r E) δ over all hypotheses; zero without a change.
+    double sum = std::exp(log_no_change_ - all + log_weight_[static_cast<Index>(m)]);
+    VectorXd mean = VectorXd::Zero(states);
+    MatrixXd square = MatrixXd::Zero(states, states);
+    for (const CandidateOnset& c : candidates_) {
+      const double mass = std::exp(c.log_mass() - all);
+      if (mass < kNegligible) continue;
+      const ShiftPosterior d = bank_.posterior(c.slot, static_cast<int>(m));
+      const double profile = profile_at(c.profile, last_hours_ - c.hours);
+      MatrixXd entry = d.sensitivity;
+      for (Index j = 0; j < p; ++j) entry(j * draws_[m].parameters.block(), j) += profile;
+      VectorXd shift = VectorXd::Zero(p);
+      MatrixXd shift_square = MatrixXd::Zero(p, p);
+      for (Index size = 0; size < kSizes; ++size) {
+        const double joint = mass * std::exp(d.log_weight(0, size));
+        sum += joint;
+        shift += joint * d.mean.col(size);
+        shift_square += joint * (d.covariance.middleCols(size * p, p) +
+                                 d.mean.col(size) * d.mean.col(size).transpose());
+        for (Index j = 0; j < p; ++j) {
+          const double alone = mass * std::exp(d.log_weight(1 + j, size));
+          const double value = d.single_mean(j, size);
+          sum += alone;
+          shift[j] += alone * value;
+          shift_square(j, j) += alone * (value * value + d.single_variance(j, size));
+        }
+      }
+      mean += entry * shift;
+      square += entry * shift_square * entry.transpose();
+    }
+    log_weight[static_cast<Index>(m)] = std::log(sum);
+    mean /= sum;
+    filter.x += mean;
+    filter.p += square / sum - mean * mean.transpose();
     filter.p = 0.5 * (filter.p + filter.p.transpose()).eval();
     draws_[m].filter = filter;
   }
   log_weight_ = log_weight.array() - log_sum_exp(log_weight);
   shared_.setConstant(0.5);
+  for (const std::vector<CandidateOnset>* list : {&candidates_, &transients_})
+    for (const CandidateOnset& c : *list) bank_.release(c.slot);
   candidates_.clear();
   transients_.clear();
   log_quiet_ = 0.0;

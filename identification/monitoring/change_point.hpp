@@ -12,10 +12,10 @@
 // may have ended early.
 //
 // A shift acts linearly. The innovations of a filter without a shift are then v_t + G_t δ; a
-// recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). A candidate
-// stores the sensitivity F of the state to δ and the posterior of δ, which is exact for Gaussian
-// noise. The prior of δ has two equally probable parts. Its scale s is one of kShiftSizes, which
-// are equally probable; r_j is the residual sd of feature j:
+// recursion common to all values of δ gives G_t (Friedland 1969; Willsky & Jones 1976). For each
+// candidate, candidate_bank.hpp stores the sensitivity F of the state to δ and the posterior of δ,
+// which is exact for Gaussian noise. The prior of δ has two equally probable parts, with s one of
+// kShiftSizes (equally probable) and r_j the residual sd of feature j:
 //
 //   a shift of all features, or of one feature (each equally probable):  δ_j ~ N(0, (s r_j)²).
 //
@@ -34,13 +34,14 @@
 #include <optional>
 
 #include "identification/monitoring/baseline_learning.hpp"
+#include "identification/monitoring/candidate_bank.hpp"
 
 namespace wheeltap::identification::monitoring {
 
-inline constexpr double kShiftSizes[] = {0.5, 1.5, 5.0};
-inline constexpr int kSizes = 3;
+inline constexpr double kShiftSizes[kSizes] = {0.5, 1.5, 5.0};
 inline constexpr double kRampHours = 30.0 * 24.0;
 inline constexpr double kTransientHours = 72.0;
+inline constexpr double kLargestWeatherError = 0.3;
 
 enum class ShiftProfile { step, ramp, transient };
 
@@ -65,32 +66,18 @@ void carry(Parcel& parcel, Of& o) {
          o.ramp_every, o.young, o.kept_per_octave, o.fixed_share);
 }
 
-/// Posterior of δ under one candidate and one parameter draw.
-struct ShiftPosterior {
-  Eigen::MatrixXd sensitivity;                   ///< F: states x p
-  Eigen::MatrixXd mean;                          ///< p x kSizes, all features shift
-  Eigen::MatrixXd covariance;                    ///< p x (p kSizes)
-  Eigen::MatrixXd single_mean, single_variance;  ///< p x kSizes: feature j alone shifts
-  /// (1 + p) x kSizes: ln of the joint posterior of draw and hypothesis, given the onset. Row 0:
-  /// all features shift; row 1 + j: only feature j shifts.
-  Eigen::MatrixXd log_weight;
-};
-
-template <class Parcel, class Of>
-requires std::same_as<std::remove_const_t<Of>, ShiftPosterior>
-void carry(Parcel& parcel, Of& s) {
-  parcel(s.sensitivity, s.mean, s.covariance, s.single_mean, s.single_variance, s.log_weight);
-}
-
 struct CandidateOnset {
   std::int64_t row = 0;  ///< first row with the shift, counted from the start of monitoring
   double hours = 0.0;    ///< time of this row
+  double first_hours = 0.0, last_hours = 0.0;  ///< earliest and latest merged onset
   ShiftProfile profile = ShiftProfile::step;
   double log_ratio = 0.0;   ///< ln Λ
   double log_wealth = 0.0;  ///< ln of its term in the Shiryaev-Roberts sum
   /// ln of the prior probability, including merged candidates. For a transient, log_mass() is ln of
   /// its probability within the model without a change.
   double log_prior = 0.0;
+  int slot = -1;  ///< in the bank of shifts
+  /// Posterior of δ for each parameter draw; only in the result of ChangePoint::candidates().
   std::vector<ShiftPosterior> draws = {};
   [[nodiscard]] double log_mass() const { return log_prior + log_ratio; }
 };
@@ -98,13 +85,16 @@ struct CandidateOnset {
 template <class Parcel, class Of>
 requires std::same_as<std::remove_const_t<Of>, CandidateOnset>
 void carry(Parcel& parcel, Of& c) {
-  parcel(c.row, c.hours, c.profile, c.log_ratio, c.log_wealth, c.log_prior, c.draws);
+  parcel(c.row, c.hours, c.first_hours, c.last_hours, c.profile, c.log_ratio, c.log_wealth,
+         c.log_prior, c.slot);
 }
 
 /// Prediction of a row without a change since the last alarm.
 struct PredictedRow {
   Eigen::VectorXd mean, sd;  ///< p, logarithms: moments of the mixture of the draws
   Eigen::VectorXd weather;   ///< p: effect of covariates alone, posterior mean
+  /// False if missing covariates leave the effect of the weather unknown (ChangePoint::add).
+  bool is_scored = true;
 };
 
 /// Estimate of the change since a given time.
@@ -121,7 +111,10 @@ class ChangePoint {
   ChangePoint() = default;
   ChangePoint(const Baseline& baseline, const ChangePointOptions& options);
 
-  /// Processes the next row; all its features may be missing.
+  /// Processes the next row; all its features may be missing. The features of a row are not used if
+  /// the error of a missing covariate may shift a feature by more than kLargestWeatherError
+  /// residual standard deviations: such an error is common to many rows and would look like a
+  /// change.
   PredictedRow add(const Row& row);
 
   /// ln of the sum of the candidates' wealth, the Shiryaev-Roberts statistic.
@@ -132,7 +125,8 @@ class ChangePoint {
   /// Posterior probabilities of the parameter draws, summed over the models with and without a
   /// change.
   [[nodiscard]] Eigen::VectorXd draw_probabilities() const;
-  /// Adds the shift of the most probable candidate to the intercepts, and removes all candidates.
+  /// Adds the present shift to the intercepts, and removes all candidates. Mean and covariance of
+  /// the state are those of the mixture over all candidates, draws' hypotheses and no change.
   void accept_change();
 
   /// p x c (covariates of the series): steady-state slopes ∂ feature/∂ covariate at the covariates
@@ -140,25 +134,27 @@ class ChangePoint {
   [[nodiscard]] Eigen::MatrixXd covariate_slopes(int covariates) const;
 
   [[nodiscard]] std::int64_t rows() const { return rows_; }
-  [[nodiscard]] const std::vector<CandidateOnset>& candidates() const { return candidates_; }
+  /// All candidate onsets with their posteriors of δ.
+  [[nodiscard]] std::vector<CandidateOnset> candidates() const;
   /// Sum over all merges of the posterior probability that moved to a neighbouring onset.
   [[nodiscard]] double moved_mass() const { return moved_; }
 
  private:
-  struct RowScores;  // scores of the candidates in one row
+  [[nodiscard]] bool knows_weather() const;
+  void widen_for_weather(const std::vector<Weather>& weather);
   void bear_candidates(const Row& row, double hours);
   Eigen::VectorXd score_healthy(const Row& row, double hours, const std::vector<Weather>& weather,
                                 PredictedRow& out);
   double weigh_draws(const Eigen::VectorXd& own, const Eigen::VectorXd& shared);
-  void score_draw(std::size_t m, const Row& row, const Weather& weather, RowScores& scores);
-  void weigh_candidates(const RowScores& scores, double log_healthy);
+  double score_draw(std::size_t m, const Row& row, const Weather& weather,
+                    const CandidateBank::RowStart& start);
+  void weigh_candidates(const std::vector<double>& log_density, double log_healthy);
   void merge_old();
   bool merge_one(std::vector<CandidateOnset>& list, ShiftProfile profile);
   void merge(std::vector<CandidateOnset>& list, std::size_t from, std::size_t into);
-  [[nodiscard]] CandidateOnset born(const Row& row, ShiftProfile profile) const;
-  double weigh_healthy(const RowScores& scores, double log_baseline);
+  [[nodiscard]] CandidateOnset born(const Row& row, ShiftProfile profile);
+  double weigh_healthy(const std::vector<double>& log_density, double log_baseline);
   void retire_transients(double hours);
-  [[nodiscard]] std::vector<CandidateOnset*> all_candidates();
 
   CovariateScaling scaling_;
   Eigen::VectorXd residual_sd_;
@@ -168,7 +164,9 @@ class ChangePoint {
   Eigen::VectorXd log_weight_;           ///< log weights of the draws in the model without a change
   Eigen::VectorXd shared_;  ///< share of each draw's weight that belongs to the candidates' filter
   std::vector<CandidateOnset> candidates_, transients_;
+  CandidateBank bank_;      ///< posteriors of their shifts
   double log_quiet_ = 0.0;  ///< ln P(no transient | no change)
+  double rows_per_hour_ = 1.0;
   double last_hours_ = 0.0, last_ramp_hours_ = 0.0;
   double log_no_change_ = 0.0;  ///< ln of the prior probability of no change so far
   double moved_ = 0.0;
@@ -178,8 +176,8 @@ class ChangePoint {
   requires std::same_as<std::remove_const_t<Of>, ChangePoint>
   friend void carry(Parcel& parcel, Of& c) {
     parcel(c.scaling_, c.residual_sd_, c.options_, c.draws_, c.changed_, c.log_weight_, c.shared_,
-           c.candidates_, c.transients_, c.log_quiet_, c.last_hours_, c.last_ramp_hours_,
-           c.log_no_change_, c.moved_, c.rows_);
+           c.candidates_, c.transients_, c.bank_, c.log_quiet_, c.rows_per_hour_, c.last_hours_,
+           c.last_ramp_hours_, c.log_no_change_, c.moved_, c.rows_);
   }
 };
 

@@ -59,9 +59,9 @@ CovariateScaling::Scaled CovariateScaling::operator()(const VectorXd& covariates
   Scaled out{.z = VectorXd::Zero(c), .variance = MatrixXd::Zero(c, c)};
   std::vector<Index> present, missing;
   for (Index i = 0; i < c; ++i) {
-    const double u = covariates[used_[index(i)]];
-    if (std::isfinite(u)) {
-      out.z[i] = (u - mean_[i]) / sd_[i];
+    const double z = (covariates[used_[index(i)]] - mean_[i]) / sd_[i];
+    if (std::abs(z) <= kLargestDeviation) {  // false for NaN
+      out.z[i] = z;
       present.push_back(i);
     } else {
       missing.push_back(i);

@@ -17,6 +17,8 @@
 
 namespace wheeltap::identification::monitoring {
 
+inline constexpr double kLargestDeviation = 25.0;
+
 /// Scaling and imputation of covariates, from the training period.
 class CovariateScaling {
  public:
@@ -29,8 +31,10 @@ class CovariateScaling {
     Eigen::MatrixXd variance = {};  ///< variance of z: nonzero only for imputed entries
     bool imputed = false;
   };
-  /// A missing entry gets its conditional mean and variance, given the present entries, from the
-  /// normal distribution with mean and covariance of the training period.
+  /// An entry more than kLargestDeviation standard deviations from the mean, for example the error
+  /// code -999, counts as missing. A missing entry gets its conditional mean and variance, given
+  /// the present entries, from the normal distribution with mean and covariance of the training
+  /// period.
   [[nodiscard]] Scaled operator()(const Eigen::VectorXd& covariates) const;
 
   [[nodiscard]] int count() const { return static_cast<int>(used_.size()); }

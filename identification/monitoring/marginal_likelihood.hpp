@@ -7,6 +7,7 @@
 // K²).
 #pragma once
 
+#include <span>
 #include <vector>
 
 #include "base/eigen.hpp"
@@ -44,6 +45,26 @@ struct MarginalLikelihood {
                                                      const FeatureRows& feature,
                                                      const ProcessRatios& process,
                                                      const RegressionPrior& prior);
+
+/// The training rows of all features, prepared for many evaluations. The features are the lanes of
+/// vector instructions (kernels/evidence_kernel.hpp).
+class EvidenceData {
+ public:
+  /// `hours`: times of all rows.
+  EvidenceData(const std::vector<double>& hours, const std::vector<FeatureRows>& features);
+
+  /// marginal_likelihood of every feature, which agrees with the function above up to rounding.
+  /// `terms`: K x (all rows); `fast_ratios` and `priors`: one per feature.
+  [[nodiscard]] std::vector<MarginalLikelihood> operator()(
+      const Eigen::MatrixXd& terms, double fast_rate, double slow_ratio,
+      std::span<const double> fast_ratios, std::span<const RegressionPrior> priors) const;
+
+ private:
+  const std::vector<double>& hours_;
+  const std::vector<FeatureRows>& features_;
+  std::vector<std::vector<double>> values_, variances_;  ///< one entry per group of lanes
+  std::vector<double> slow_decay_;
+};
 
 /// One-step innovations at coefficients b, divided by σ; unit variance under the model.
 [[nodiscard]] Eigen::VectorXd whitened_residuals(const std::vector<double>& hours,

@@ -3,50 +3,51 @@
 #include <algorithm>
 #include <cmath>
 
+#include "base/constants.hpp"
 #include "base/index.hpp"
 
 namespace wheeltap::identification::monitoring {
 namespace {
 
-Series rows_from(const Series& series, int from) {
-  Series out = series;
-  const auto left = static_cast<Eigen::Index>(series.rows() - from);
-  out.hours.assign(series.hours.begin() + from, series.hours.end());
-  out.features = series.features.bottomRows(left);
-  if (series.sds.size() > 0) out.sds = series.sds.bottomRows(left);
-  out.covariates = series.covariates.bottomRows(left);
-  return out;
+bool can_train(const Series& series) {
+  return std::ranges::all_of(find_faults(series, series.rows()), [](const SeriesFault& fault) {
+    return fault.kind == SeriesFault::Kind::covariate_constant;
+  });
 }
 
-/// Replays residuals of the last third of the training rows, from a baseline trained on the first
-/// two thirds. If the last third is shorter than a block, or the first two thirds are unsuitable
-/// for training, it replays residuals of all rows in shorter blocks.
+void append(const Eigen::MatrixXd& rows, Eigen::MatrixXd& to) {
+  if (rows.size() == 0) return;
+  to.conservativeResize(to.rows() + rows.rows(), rows.cols());
+  to.bottomRows(rows.rows()) = rows;
+}
+
+/// Residuals of the last third of the learning rows, by a baseline of the first two thirds. If the
+/// last third is shorter than a block of replay, or the first two cannot train a baseline:
+/// residuals of each quarter of the rows, by a baseline of the other quarters, in shorter blocks.
 Replay replay_of(const Series& learning, const Baseline& all, const MonitorOptions& options) {
   ReplayOptions replayed = options.replay;
   if (replayed.rows == 0)
     replayed.rows = std::clamp(learning.rows(), kFewestReplayRows, kMostReplayRows);
-  const int trained = 2 * learning.rows() / 3;
+  const int n = learning.rows(), trained = 2 * n / 3;
   const Series first = learning.first(trained);
-  bool is_short = learning.rows() - trained < replayed.block;
-  for (const SeriesFault& fault : find_faults(first, trained))
-    is_short = is_short || fault.kind != SeriesFault::Kind::covariate_constant;
-  if (is_short) {
-    replayed.block = std::clamp(learning.rows() / 8, 1, replayed.block);
-    Baseline start{.scaling = all.scaling,
-                   .usual_sds = all.usual_sds,
-                   .draws = all.draws,
-                   .last_hours = learning.hours.front()};
-    return replay(all, healthy_innovations(start, learning), options.change, replayed);
+  if (n - trained >= replayed.block && can_train(first)) {
+    const Baseline part = refit_baseline(first, all, options.learning);
+    return replay(part, healthy_innovations(part, learning, trained, n), options.change, replayed);
   }
-  LearningOptions shorter = options.learning;
-  // The replay uses one draw only, so that shorter chains suffice.
-  shorter.draws = 1;
-  shorter.engine_warmup = std::min(shorter.engine_warmup, 500);
-  shorter.engine_draws = std::min(shorter.engine_draws, 100);
-  shorter.progress = nullptr;
-  const Baseline part = learn_baseline(first, shorter);
-  return replay(part, healthy_innovations(part, rows_from(learning, trained)), options.change,
-                replayed);
+  constexpr int kFolds = 4;
+  replayed.block = std::clamp(n / 8, 1, replayed.block);
+  Innovations innovations;
+  for (int fold = 0; fold < kFolds; ++fold) {
+    const int from = fold * n / kFolds, to = (fold + 1) * n / kFolds;
+    Series others = learning;
+    others.features.middleRows(from, to - from).setConstant(kNaN);
+    // Too few rows for a baseline of the others: by that of all rows.
+    const Baseline part = can_train(others) ? refit_baseline(others, all, options.learning) : all;
+    const Innovations more = healthy_innovations(part, learning, from, to);
+    append(more.standardised, innovations.standardised);
+    append(more.relative_variance, innovations.relative_variance);
+  }
+  return replay(all, innovations, options.change, replayed);
 }
 
 std::vector<RowFinding> learning_findings(const Series& learning, const Baseline& baseline) {
@@ -78,7 +79,7 @@ std::vector<RowFinding> learning_findings(const Series& learning, const Baseline
 }  // namespace
 
 Monitor::Monitor(const Series& learning, const MonitorOptions& options)
-    : settling_rows_(options.settling_rows) {
+    : is_calibrated_(options.is_calibrated), settling_rows_(options.settling_rows) {
   LearningOptions baseline = options.learning;
   if (options.progress)
     baseline.progress = [&](double fraction) { return options.progress("learning", fraction); };
@@ -116,7 +117,12 @@ RowFinding Monitor::add(const Row& row) {
     AlarmRecord& last = alarms_.back();
     last.change = change_.estimate();
     last.likelihood = shift_likelihood(change_.candidates(), baseline_.residual_sd);
-    last.covariate_slopes = change_.covariate_slopes(static_cast<int>(row.covariates.size()));
+    // The mean over the rows since the alarm: slopes differ between frost and mild weather.
+    const double rows = settling_rows_ + 2 - settling_left_;
+    const Eigen::MatrixXd slopes =
+        change_.covariate_slopes(static_cast<int>(row.covariates.size()));
+    if (last.covariate_slopes.size() == 0) last.covariate_slopes = slopes;
+    last.covariate_slopes += (slopes - last.covariate_slopes) / rows;
     if (--settling_left_ == 0) {
       log_unchanged_ += std::log1p(-std::min(alarms_.back().change.probability, 1.0 - 1e-15));
       change_.accept_change();

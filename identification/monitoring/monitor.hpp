@@ -18,8 +18,10 @@ struct MonitorOptions {
   ChangePointOptions change = {};
   LearningOptions learning = {};
   ReplayOptions replay = {};
-  /// Number of rows after an alarm that refine the estimate of the change. After these rows,
-  /// Monitor accepts the change and resets the detector.
+  /// False: the threshold of the model alone is used. Replay still reports its rate.
+  bool is_calibrated = true;
+  /// Number of rows after an alarm that refine the estimate of the change. Then the change is
+  /// accepted and the detector is reset.
   int settling_rows = 24;
   /// Called with the stage and its completed fraction; returns false to stop the training.
   std::function<bool(const char* stage, double fraction)> progress = nullptr;
@@ -66,15 +68,15 @@ class Monitor {
   [[nodiscard]] double log_threshold_stated() const { return log_stated_; }
   [[nodiscard]] double log_threshold_replayed() const;
   [[nodiscard]] double log_threshold() const {
-    return std::max(log_stated_, log_threshold_replayed());
+    return is_calibrated_ ? std::max(log_stated_, log_threshold_replayed()) : log_stated_;
   }
   [[nodiscard]] double rows_per_year() const { return baseline_.rows_per_hour * kHoursPerYear; }
 
   template <class Parcel, class Of>
   requires std::same_as<std::remove_const_t<Of>, Monitor>
   friend void carry(Parcel& parcel, Of& m) {
-    parcel(m.baseline_, m.change_, m.replay_, m.alarms_, m.log_stated_, m.settling_left_,
-           m.settling_rows_, m.log_unchanged_);
+    parcel(m.baseline_, m.change_, m.replay_, m.alarms_, m.log_stated_, m.is_calibrated_,
+           m.settling_left_, m.settling_rows_, m.log_unchanged_);
   }
 
  private:
@@ -84,6 +86,7 @@ class Monitor {
   std::vector<AlarmRecord> alarms_;
   std::vector<RowFinding> learned_;
   double log_stated_ = 0.0;
+  bool is_calibrated_ = true;
   int settling_left_ = 0, settling_rows_ = 24;
   double log_unchanged_ = 0.0;  ///< ln P(no change) up to the last accepted change
 };

@@ -68,6 +68,14 @@ std::vector<SeriesFault> find_faults(const Series& series, int learning) {
   return out;
 }
 
+double median_step(const std::vector<double>& hours) {
+  std::vector<double> steps;
+  for (std::size_t t = 1; t < hours.size(); ++t) steps.push_back(hours[t] - hours[t - 1]);
+  const auto middle = steps.begin() + static_cast<std::ptrdiff_t>(steps.size() / 2);
+  std::nth_element(steps.begin(), middle, steps.end());
+  return *middle;
+}
+
 Eigen::VectorXd usual_sds(const Series& series, int learning) {
   if (series.sds.size() == 0) return {};
   Eigen::VectorXd out(series.feature_count());
@@ -88,7 +96,7 @@ Row row_of(const Series& series, int i, const Eigen::VectorXd& usual) {
   for (Index j = 0; j < usual.size(); ++j)
     if (std::isfinite(series.sds(i, j))) {
       const double ratio = series.sds(i, j) / usual[j];
-      out.relative_variance[j] = ratio * ratio;
+      out.relative_variance[j] = std::min(ratio * ratio, kLargestRelativeVariance);
     }
   return out;
 }

@@ -23,11 +23,14 @@ struct Series {
   [[nodiscard]] Series first(int rows) const;
 };
 
+inline constexpr double kLargestRelativeVariance = 1e8;
+
 /// One row of a series, as input of the filters.
 struct Row {
   double hours = 0.0;
   Eigen::VectorXd features = {};  ///< p logarithms, NaN: missing
   /// p: noise variance of this row divided by the usual noise variance; 1 if no sd is stated.
+  /// At most kLargestRelativeVariance: a larger sd is a code for an unknown sd.
   Eigen::VectorXd relative_variance = {};
   Eigen::VectorXd covariates = {};  ///< c, NaN: missing
 };
@@ -58,6 +61,9 @@ inline constexpr int kFewestLearningRows = 20;
 /// Row i. Its noise variances are relative to `usual_sds`: p medians in the training period, or
 /// empty.
 [[nodiscard]] Row row_of(const Series& series, int i, const Eigen::VectorXd& usual_sds);
+
+/// Median of the steps between two times.
+[[nodiscard]] double median_step(const std::vector<double>& hours);
 
 /// Median sd of each feature over the first `learning` rows; empty if the series states no sds.
 [[nodiscard]] Eigen::VectorXd usual_sds(const Series& series, int learning);

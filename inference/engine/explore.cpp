@@ -116,6 +116,10 @@ void explore_each(RunContext& run, RunState& state, bool anneal, bool nested = f
         .threads = run.options.threads,
         .progress = [&](double share) { return run.monitor.advance(share); },
         .stop = [&] { return run.monitor.stopped(); }};
+    if (!run.options.evidences) {
+      how.rounds = 3;
+      how.climbs_from_draws = 2;
+    }
     if (!state.by_rung.empty()) how.draws = state.by_rung.back().states(m).transpose();
     if (nested) how.starts = nested_starts(problem.space, m, state.explorations, kNestedStarts);
     // Starts also from the modes of earlier climbs, so that this search need not find them again.

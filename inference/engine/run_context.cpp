@@ -18,7 +18,7 @@ double planned_draws(const RunContext& run) {
 }
 
 double planned_evidence(const RunContext& run) {
-  return run.options.prior_only || run.space().size() > kFewModels
+  return run.options.prior_only || !run.options.evidences || run.space().size() > kFewModels
              ? 0.0
              : static_cast<double>(run.space().size()) *
                    (run.options.quick ? kQuickDraws : kEvidenceDraws);

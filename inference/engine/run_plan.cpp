@@ -97,7 +97,7 @@ RunPlan plan_of(const Problem& problem, const Options& asked) {
       chains * (tuned + std::min(kSettlingSteps, options.warmup > 0 ? options.warmup : 1e9));
   const double draws = first_draws(problem, options);
   plan.sample = chains * draws * (options.thin > 0 ? options.thin : default_thin(problem, options));
-  if (!options.prior_only && problem.space.size() <= kFewModels)
+  if (!options.prior_only && options.evidences && problem.space.size() <= kFewModels)
     plan.evidence = problem.space.size() * (options.quick ? kQuickDraws : kEvidenceDraws);
   return plan;
 }

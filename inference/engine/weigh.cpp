@@ -134,7 +134,9 @@ void weigh(RunContext& run, RunState& state) {
     const bool matters =
         (explored.population.cols() > 0 || run.space().size() <= kFewModels) &&
         !(explored.glanced && !explored.modes.empty() && state.probability[at] < kWorthWeighing);
-    if (!matters || !state.pilot.fit->density[at] || run.monitor.stopped()) continue;
+    if (!matters || !run.options.evidences || !state.pilot.fit->density[at] ||
+        run.monitor.stopped())
+      continue;
     std::vector<double>& at_mixture = state.at_mixture[at];
     if (at_mixture.empty()) {
       long calls = 0;

@@ -311,10 +311,10 @@ void take_laplace(int model, const ExplorationOptions& options, ModelExploration
 }
 
 // Starting points of climbs, evenly spaced in the list of draws.
-std::vector<std::vector<double>> some_of(const Matrix& draws) {
+std::vector<std::vector<double>> some_of(const Matrix& draws, int most = kClimbsFromDraws) {
   std::vector<std::vector<double>> starts;
-  for (Eigen::Index k = 0; draws.rows() > 0 && k < kClimbsFromDraws; ++k)
-    starts.push_back(row(draws, k * draws.rows() / kClimbsFromDraws));
+  for (Eigen::Index k = 0; draws.rows() > 0 && k < most; ++k)
+    starts.push_back(row(draws, k * draws.rows() / most));
   return starts;
 }
 
@@ -374,7 +374,7 @@ bool climb_from(const Problem& problem, int model, const ExplorationOptions& opt
 void search_from_prior(const Problem& problem, int model, const ExplorationOptions& options,
                        Reporter& report, ModelExploration& out) {
   std::vector<std::vector<double>> starts = options.starts;
-  std::ranges::move(some_of(options.draws), std::back_inserter(starts));
+  std::ranges::move(some_of(options.draws, options.climbs_from_draws), std::back_inserter(starts));
   ModeSearch found = search_modes(problem, model,
                                   {.seed = options.seed,
                                    .climbs = options.climbs,

@@ -27,8 +27,9 @@ struct ExplorationOptions {
   bool climbs_only = false;
   /// No local optimisations from prior draws, unless `starts` lead to no posterior mode
   bool from_starts = false;
-  int particles = 1200;  ///< number of particles of a full SMC run, over four replicates
-  int rounds = 5;        ///< largest number of rounds of importance sampling
+  int particles = 1200;       ///< number of particles of a full SMC run, over four replicates
+  int rounds = 5;             ///< largest number of rounds of importance sampling
+  int climbs_from_draws = 8;  ///< largest number of local optimisations from `draws`
   /// 0: all threads of the machine. The results do not depend on the number of threads.
   int threads = 0;
   /// Draws of another method, draws × dimension, e.g. tempering over all models.

@@ -140,5 +140,41 @@ TEST_F(MonitorCommand, NamesAConstantFeatureAndWarnsOfAConstantCovariate) {
   EXPECT_THAT(ran.out, HasSubstr("is constant in the training period: its effect"));
 }
 
+// Fault: a transient of 72 rows explained the damage, so that the statistic stayed below a
+// threshold of 1000 rows.
+TEST_F(MonitorCommand, FindsDamageInTheFirstTestsWithoutAClock) {
+  std::string text = "test,f1,f2\n";
+  for (int t = 0; t < 100; ++t) {
+    const double damage = t < 90 ? 1.0 : 0.97;
+    text += std::to_string(t) + "," + std::to_string(damage * (4.0 + 1e-4 * ((t * 7919) % 83))) +
+            "," + std::to_string(damage * (7.0 + 2e-4 * ((t * 104729) % 79))) + "\n";
+  }
+  where.write("series.csv", text);
+  json c = a_case();
+  c["series"] = {
+      {"file", "series.csv"}, {"time", "test"}, {"time_unit", "row"}, {"features", {"f1", "f2"}}};
+  c["learning"]["until"] = 60;
+  c["alarm"] = {{"mean_rows_between_false_alarms", 1000}};
+  const Outcome ran = run(c, "out");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  const json monitor = summary("out").at("monitor");
+  ASSERT_EQ(monitor.at("alarms").size(), 1U);
+  EXPECT_GE(monitor.at("first_alarm"), 90);
+  EXPECT_LE(monitor.at("first_alarm"), 93);
+}
+
+// Fault: an error code in the training period inflated the covariate's sd silently.
+TEST_F(MonitorCommand, WarnsOfErrorCodesAndUsesTheThresholdOfTheModel) {
+  lines_[51].replace(lines_[51].rfind(',') + 1, std::string::npos, "-999");
+  write_rows(600);
+  json c = a_case();
+  c["alarm"]["calibration"] = "model";
+  const Outcome ran = run(c, "out");
+  ASSERT_EQ(ran.exit_code, 0) << ran.err;
+  EXPECT_THAT(ran.out, HasSubstr("is -999 at"));
+  const json threshold = summary("out").at("monitor").at("log_threshold");
+  EXPECT_EQ(threshold.at("used"), threshold.at("stated"));
+}
+
 }  // namespace
 }  // namespace wheeltap::apps

@@ -38,7 +38,7 @@ FOLDERS = {
                   'chains', 'diagnosis', 'exploration', 'engine'],
     'identification': ['', 'findings', 'emulation', 'structural', 'structural/defects', 'structural/likelihood', 'structural/forward',
                        'structural/problem', 'structural/updating', 'structural/damage', 'structural/damage/findings', 'sid/residuals', 'sid', 'sid/findings', 'modal',
-                       'monitoring', 'monitoring/charts', 'planning'],
+                       'monitoring/kernels', 'monitoring', 'monitoring/causes', 'monitoring/charts', 'planning'],
     'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'cases/planning', 'text', 'remote', 'results', 'results/monitoring', 'results/planning', 'report',
              'runs', 'runs/sid', 'runs/batch', 'application', 'commands', 'cli'],
 }

@@ -1,4 +1,4 @@
-#include "identification/monitoring/change_explanation.hpp"
+#include "identification/monitoring/causes/change_explanation.hpp"
 
 #include <gtest/gtest.h>
 

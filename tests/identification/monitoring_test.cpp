@@ -1,3 +1,4 @@
+// Longer than 600 lines: all tests share one small model and one simulated series.
 #include "identification/monitoring/monitor.hpp"
 
 #include <gtest/gtest.h>
@@ -85,10 +86,11 @@ double log_gaussian_density(const VectorXd& y, const VectorXd& mean, const Matri
          factor.matrixLLT().diagonal().array().log().sum();
 }
 
-/// The joint covariance of all entries of the rows, from the model's definition.
+/// The joint covariance of all entries of the rows, from the model's definition. `is_widened`: the
+/// coefficients of unseen weather gain prior variance whenever their terms reach a new maximum.
 class DenseModel {
  public:
-  DenseModel(const Baseline& baseline, const std::vector<Row>& rows) {
+  DenseModel(const Baseline& baseline, const std::vector<Row>& rows, bool is_widened = true) {
     const BaselineParameters& b = baseline.draws[0].parameters;
     BaselineDraw draw = baseline.draws[0];
     std::vector<VectorXd> phi;
@@ -97,6 +99,17 @@ class DenseModel {
       const Weather w = next_weather(baseline.scaling(row.covariates), row.hours - before, draw);
       before = row.hours;
       phi.emplace_back(w.h.head(w.h.size() - 2));
+    }
+    // Prior variance of each coefficient at each row, relative to the first.
+    std::vector<VectorXd> variance;
+    VectorXd now = VectorXd::Ones(7), most = VectorXd::Zero(7);
+    for (const VectorXd& terms : phi) {
+      for (Index k = 7 - kUnseenTerms; k < 7 && is_widened; ++k) {
+        if (terms[k] <= most[k]) continue;
+        if (most[k] > 0.0) now[k] += 1.0 - std::pow(most[k] / terms[k], 2);
+        most[k] = terms[k];
+      }
+      variance.push_back(now);
     }
     for (const Row& row : rows) hours_.push_back(row.hours);
     for (std::size_t t = 0; t < rows.size(); ++t)
@@ -115,8 +128,8 @@ class DenseModel {
             b.fast_sd[ja] * b.correlation(ja, jc) * b.fast_sd[jc] * std::exp(-b.fast_rate * step);
         if (ja == jc) {
           value += b.slow_sd[ja] * b.slow_sd[ja] * std::exp(-step / kSlowHours);
-          value +=
-              phi[ta].dot(VectorXd(b.coefficient_sd.col(ja).array().square() * phi[tc].array()));
+          value += phi[ta].dot(VectorXd(b.coefficient_sd.col(ja).array().square() *
+                                        variance[std::min(ta, tc)].array() * phi[tc].array()));
         }
         if (a == c) value += b.noise_sd[ja] * b.noise_sd[ja] * rows[ta].relative_variance[ja];
         covariance_(a, c) = value;
@@ -170,7 +183,7 @@ TEST(BaselineFilter, EvidenceEqualsTheDenseComputation) {
     const Weather weather = next_weather(baseline.scaling(row.covariates), step, draw);
     sum += filter_row(draw.parameters, weather, row, step, draw.filter).log_density;
   }
-  EXPECT_NEAR(sum, DenseModel(baseline, rows).without_change(), 1e-8);
+  EXPECT_NEAR(sum, DenseModel(baseline, rows, false).without_change(), 1e-8);
 }
 
 /// Without transients, and with them in the model without a change.
@@ -291,6 +304,125 @@ TEST(ChangePoint, AnAcceptedShiftIsTheNewLevel) {
     const PredictedRow predicted = change.add(rows[t]);
     EXPECT_NEAR(predicted.mean[0], -6.0, 4.0 * predicted.sd[0]);
   }
+  EXPECT_LT(change.probability_changed(), 0.5);
+}
+
+// Fault: the full shift of the most probable onset was accepted as certain.
+TEST(ChangePoint, AcceptsAnImprobableChangeWithItsProbability) {
+  ChangePoint change(small_baseline(), {.hazard_per_hour = 1e-5, .transients_per_hour = 0.0});
+  const std::vector<Row> rows = small_rows(80, 1000, 0.0, 21);
+  for (std::size_t t = 0; t < 60; ++t) change.add(rows[t]);
+  ASSERT_LT(change.probability_changed(), 0.05);
+  ChangePoint accepted = change;
+  accepted.accept_change();
+  const PredictedRow before = change.add(rows[60]), after = accepted.add(rows[60]);
+  for (Index j = 0; j < 2; ++j) EXPECT_NEAR(after.mean[j], before.mean[j], 0.1 * before.sd[j]);
+}
+
+// Fault: the final shift of a ramp was accepted although most of it was still to come.
+TEST(ChangePoint, AcceptsThePresentShiftOfARamp) {
+  ChangePoint change(small_baseline(),
+                     {.hazard_per_hour = 1e-4, .transients_per_hour = 0.0, .ramp_share = 0.999});
+  std::vector<Row> rows = small_rows(340, 1000, 0.0, 22);
+  const auto shift = [](double hours) {
+    return -20.0 * std::clamp((hours - 100.0) / kRampHours, 0.0, 1.0);
+  };
+  for (Row& row : rows) row.features[0] += shift(row.hours);
+  for (std::size_t t = 0; t < 300; ++t) change.add(rows[t]);
+  ASSERT_GT(change.probability_changed(), 0.99);
+  change.accept_change();
+  const PredictedRow predicted = change.add(rows[300]);
+  EXPECT_NEAR(predicted.mean[0], shift(rows[300].hours), 3.0);
+}
+
+// Fault: merged onsets counted at one time, so that intervals were too narrow.
+TEST(ChangePoint, SpreadsMergedOnsetsOverTheirTimes) {
+  ChangePoint change(small_baseline(), {.hazard_per_hour = 1e-4,
+                                        .transients_per_hour = 0.0,
+                                        .ramp_share = 0.0,
+                                        .young = 4,
+                                        .kept_per_octave = 1});
+  const std::vector<Row> rows = small_rows(200, 1000, 0.0, 23);
+  for (const Row& row : rows) change.add(row);
+  double longest = 0.0;
+  for (const CandidateOnset& c : change.candidates())
+    longest = std::max(longest, c.last_hours - c.first_hours);
+  EXPECT_GT(longest, 50.0);
+  const ChangeEstimate found = change.estimate();
+  EXPECT_LT(found.onset_low, 0.3 * rows.back().hours);
+  EXPECT_GT(found.onset_high, 0.8 * rows.back().hours);
+}
+
+// Fault: rows at short steps had full weight, so that the rate a year rose with the sampling rate.
+TEST(ChangePoint, RowsAtShortStepsCountForLess) {
+  Baseline baseline = small_baseline();
+  baseline.rows_per_hour = 0.1;
+  const ChangePointOptions options{.transients_per_hour = 0.0, .ramp_share = 0.0, .young = 0};
+  ChangePoint usual(small_baseline(), options), rare(baseline, options);
+  Row row = small_rows(1, 1000, 0.0, 24)[0];
+  row.hours = 1.0;
+  row.features.setConstant(kNaN);
+  usual.add(row);
+  rare.add(row);
+  EXPECT_NEAR(usual.log_statistic(), 0.0, 1e-12);
+  EXPECT_NEAR(rare.log_statistic(), std::log(0.1), 1e-12);
+}
+
+// Fault: a glitch fixed the coefficient of unseen weather; later frost then looked like a change.
+TEST(ChangePoint, WidensPredictionsAtEveryNewExtremeOfTheWeather) {
+  const Baseline baseline = small_baseline();
+  ChangePoint change(baseline, {.hazard_per_hour = 1e-5});
+  std::vector<double> sds;
+  double hours = 0.0;
+  for (const double air : {6.0, 12.0, 24.0}) {
+    for (int t = 0; t < 30; ++t) {
+      hours += 1.0;
+      const Row row{.hours = hours,
+                    .features = VectorXd::Zero(2),
+                    .relative_variance = VectorXd::Ones(2),
+                    .covariates = VectorXd::Constant(1, air)};
+      const PredictedRow predicted = change.add(row);
+      if (t == 15) sds.push_back(predicted.sd[0]);
+    }
+  }
+  // Rows teach the effect at this temperature, but not at the next.
+  hours += 1.0;
+  const Row row{.hours = hours,
+                .features = VectorXd::Zero(2),
+                .relative_variance = VectorXd::Ones(2),
+                .covariates = VectorXd::Constant(1, 48.0)};
+  ChangePoint next = change;
+  EXPECT_GT(next.add(row).sd[0], 2.0 * sds.back());
+}
+
+// Fault: -999 of a thermometer counted as a temperature.
+TEST(CovariateScaling, CountsErrorCodesAsMissing) {
+  const CovariateScaling scaling(some_covariates());
+  EXPECT_TRUE(scaling(VectorXd::Constant(1, -999.0)).imputed);
+  EXPECT_EQ(scaling(VectorXd::Constant(1, -999.0)).z[0], 0.0);
+  EXPECT_FALSE(scaling(VectorXd::Constant(1, -20.0)).imputed);
+}
+
+// Fault: the outage of a thermometer in weather far from the mean looked like a change.
+TEST(ChangePoint, AnOutageOfAThermometerIsNoChange) {
+  Baseline baseline = small_baseline();
+  baseline.draws[0].filter.x[1] = 5.0;  // slopes of 5 noise sds
+  baseline.draws[0].filter.x[10] = 5.0;
+  baseline.draws[0].filter.p.diagonal().segment(1, 2).setConstant(1e-6);
+  baseline.draws[0].filter.p.diagonal().segment(10, 2).setConstant(1e-6);
+  ChangePoint change(baseline, {.hazard_per_hour = 1e-4, .transients_per_hour = 0.0});
+  const double z = 1.0, sd = CovariateScaling(some_covariates()).sd(0),
+               mean = CovariateScaling(some_covariates()).mean(0);
+  base::Random random(25, 0, 0, base::Purpose::test);
+  int scored = 0;
+  for (int t = 0; t < 120; ++t) {
+    const Row row{.hours = t + 1.0,
+                  .features = Eigen::Vector2d(5.0 * z + random.normal(), 5.0 * z + random.normal()),
+                  .relative_variance = VectorXd::Ones(2),
+                  .covariates = VectorXd::Constant(1, t < 60 ? mean + z * sd : kNaN)};
+    scored += change.add(row).is_scored ? 1 : 0;
+  }
+  EXPECT_EQ(scored, 60);
   EXPECT_LT(change.probability_changed(), 0.5);
 }
 
@@ -430,6 +562,96 @@ TEST(Series, NamesItsFaults) {
   series = simulated_series(200, 10);
   series.covariates.col(0).setConstant(5.0);
   EXPECT_EQ(find_faults(series, 100).front().kind, SeriesFault::Kind::covariate_constant);
+}
+
+/// Two features with a common drift; the rest is white noise.
+Series drifting_series(int rows, double correlation, std::uint64_t seed) {
+  base::Random random(seed, 0, 0, base::Purpose::test);
+  Series out{.features = MatrixXd(rows, 2), .covariates = MatrixXd(rows, 0)};
+  Eigen::Vector2d drift(0.0, 0.0);
+  for (int t = 0; t < rows; ++t) {
+    out.hours.push_back(t);
+    const double common = random.normal();
+    for (Index j = 0; j < 2; ++j) {
+      drift[j] = 0.97 * drift[j] + 0.2 * (std::sqrt(correlation) * common +
+                                          std::sqrt(1.0 - correlation) * random.normal());
+      out.features(t, j) = 1.0 + 0.001 * (drift[j] + random.normal());
+    }
+  }
+  return out;
+}
+
+// Fault: the correlation of innovations was divided by the stationary share of the drift, although
+// an innovation holds little of the drift; a correlation of 0.9 was found to be about 0.2.
+TEST(LearnBaseline, FindsTheCorrelationOfTheDrift) {
+  LearningOptions options = quick_options().learning;
+  const Baseline found = learn_baseline(drifting_series(2000, 0.9, 31), options);
+  for (const BaselineDraw& draw : found.draws) EXPECT_GT(draw.parameters.correlation(0, 1), 0.6);
+  const Baseline none = learn_baseline(drifting_series(2000, 0.0, 32), options);
+  for (const BaselineDraw& draw : none.draws)
+    EXPECT_LT(std::abs(draw.parameters.correlation(0, 1)), 0.4);
+}
+
+// Fault: gaps of the training period lowered the number of rows a year.
+TEST(LearnBaseline, CountsRowsAtTheUsualStep) {
+  Series series = drifting_series(200, 0.5, 33);
+  for (std::size_t t = 100; t < 200; ++t) series.hours[t] += 900.0;
+  EXPECT_EQ(learn_baseline(series, quick_options().learning).rows_per_hour, 1.0);
+}
+
+// Fault: the prior of slopes in units of the noise inflated the noise of a strong covariate.
+TEST(LearnBaseline, AStrongCovariateDoesNotInflateTheNoise) {
+  base::Random random(34, 0, 0, base::Purpose::test);
+  Series series{.features = MatrixXd(60, 1), .covariates = MatrixXd(60, 1)};
+  for (int t = 0; t < 60; ++t) {
+    series.hours.push_back(t);
+    series.covariates(t, 0) = 10.0 * random.normal();
+    series.features(t, 0) = 1.0 + 0.01 * series.covariates(t, 0) + 0.0001 * random.normal();
+  }
+  LearningOptions options = quick_options().learning;
+  options.hinges = options.lag = false;
+  EXPECT_LT(learn_baseline(series, options).residual_sd[0], 0.0003);
+}
+
+// Fault: the variances of sds of 1e9, a code for an unknown sd, overflowed in a product.
+TEST(LearnBaseline, AcceptsCodesForUnknownSds) {
+  Series series = drifting_series(200, 0.5, 35);
+  series.sds = MatrixXd::Constant(200, 2, 0.001);
+  series.sds.middleRows(40, 60).setConstant(1e9);
+  const Baseline found = learn_baseline(series, quick_options().learning);
+  EXPECT_TRUE(found.residual_sd.array().isFinite().all());
+  EXPECT_LT(found.residual_sd[0], 0.01);
+}
+
+// Fault: the replayed rows began with the lagged covariates and the drift of the last training row.
+TEST(Replay, InnovationsDoNotDependOnTheLastRowOfTraining) {
+  const Series series = simulated_series(200, 36);
+  Baseline trained = learn_baseline(series, quick_options().learning);
+  const auto innovations = [&] {
+    const MatrixXd z = healthy_innovations(trained, series, 50, 100).standardised;
+    return MatrixXd(z.array().isFinite().select(z, 0.0));
+  };
+  const MatrixXd before = innovations();
+  BaselineDraw& draw = trained.draws[0];
+  draw.lagged.setConstant(9.0);
+  draw.slow.setConstant(9.0);
+  const Index block = draw.parameters.block();
+  draw.filter.x[block - 1] += 1.0;
+  draw.filter.x[block - 2] += 1.0;
+  EXPECT_EQ(innovations(), before);
+  EXPECT_EQ(before.rows(), 50);
+}
+
+// Fault: below the median of the maxima the rate was the same at all thresholds.
+TEST(Replay, RateRisesBelowTheMedian) {
+  const Replay replay{
+      .series = 6, .rows = 1000, .log_median = 6.0, .tail = 0.9, .log_maxima = {4.0, 5.0, 5.5}};
+  EXPECT_GT(replay.rate(4.5), 1.5 * replay.rate(6.0));
+  EXPECT_GT(replay.rate(5.2), replay.rate(5.8));
+  for (const double log_threshold : {4.5, 5.2, 5.8})
+    EXPECT_NEAR(replay.log_threshold(replay.rate(log_threshold)), log_threshold, 1e-6);
+  EXPECT_TRUE(replay.is_lower_bound(3.9));
+  EXPECT_FALSE(replay.is_lower_bound(4.1));
 }
 
 TEST(Replay, RateAndThresholdAreInverse) {

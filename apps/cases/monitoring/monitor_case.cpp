@@ -252,7 +252,36 @@ void read_learning(MonitorCaseFile& out) {
                                ": wait until the training period ends, or give an earlier time");
 }
 
-/// Converts faults of the series to Failure; a constant covariate is only a warning.
+/// Warns of values of the training period that are probably error codes, such as -999: more than
+/// kLargestDeviation robust standard deviations from the median.
+void warn_of_error_codes(MonitorCaseFile& out) {
+  for (int c = 0; c < out.series.covariate_count(); ++c) {
+    std::vector<double> values;
+    for (int i = 0; i < out.learning_rows; ++i)
+      if (const double u = out.series.covariates(i, c); std::isfinite(u)) values.push_back(u);
+    if (values.empty()) continue;
+    const auto median = [](std::vector<double> list) {
+      const auto middle = list.begin() + static_cast<std::ptrdiff_t>(list.size() / 2);
+      std::nth_element(list.begin(), middle, list.end());
+      return *middle;
+    };
+    const double centre = median(values);
+    for (double& u : values) u = std::abs(u - centre);
+    const double limit = identification::monitoring::kLargestDeviation * 1.4826 * median(values);
+    for (int i = 0; i < out.learning_rows && limit > 0.0; ++i) {
+      const double u = out.series.covariates(i, c);
+      if (!(std::abs(u - centre) > limit)) continue;
+      out.warnings.push_back("The covariate " + out.series.covariate_names[index(c)] + " is " +
+                             base::number(u) + " at " + out.time.text(out.series.hours[index(i)]) +
+                             ", in the training period, where its median is " +
+                             base::number(centre) +
+                             ": leave the cell empty if this is an error code.");
+      break;
+    }
+  }
+}
+
+/// Faults of the series as complaints about the case; a constant covariate is a warning.
 void check_series(const SeriesColumns& columns, MonitorCaseFile& out) {
   using Kind = SeriesFault::Kind;
   const Pointer tests =
@@ -302,11 +331,14 @@ void read_alarm(MonitorCaseFile& out) {
                                                    instead + "\"");
   };
   auto& options = out.options;
+  options.is_calibrated = alarm.value("calibration", std::string("replay")) == "replay";
   if (rows) {
     wrong("false_alarms_per_year", "mean_rows_between_false_alarms");
     wrong("hazard_per_year", "hazard_per_row");
     options.mean_rows_between_false_alarms = alarm.value("mean_rows_between_false_alarms", 1000.0);
     options.change.hazard_per_hour = alarm.value("hazard_per_row", 0.001);
+    // A transient decays in hours, and rows have none. It would explain a damage in the first rows.
+    options.change.transients_per_hour = 0.0;
   } else {
     wrong("mean_rows_between_false_alarms", "false_alarms_per_year");
     wrong("hazard_per_row", "hazard_per_year");
@@ -534,6 +566,7 @@ MonitorCaseFile parse_monitor_case(CaseFile file, const ModesReading& reading) {
   else
     read_series_of_tests(columns, reading, out);
   check_series(columns, out);
+  warn_of_error_codes(out);
   read_alarm(out);
   out.structure = parse_monitored_structure(out.file, columns.features.size());
   return out;

@@ -5,7 +5,7 @@
 #include <vector>
 
 #include "apps/cases/damage_case.hpp"
-#include "identification/monitoring/change_explanation.hpp"
+#include "identification/monitoring/causes/change_explanation.hpp"
 
 namespace wheeltap::apps {
 

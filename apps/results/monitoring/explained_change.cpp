@@ -123,15 +123,27 @@ void add_explanations(const MonitorCaseFile& parsed,
     monitor["probability_damage"] = monitor["probability_other"] = nullptr;
     return;
   }
-  const ChangeExplanation& last = explained.back();
-  const double changed = monitor["alarms"].back()["probability_changed"].get<double>();
-  monitor["probability_damage"] = changed * last.damage;
-  monitor["probability_other"] = changed * (1.0 - last.damage);
-  // As in damage runs, use the first kind of defect that is damage.
+  // At least one of the changes is a damage; at least one is a change of another cause.
+  double no_damage = 1.0, no_other = 1.0;
+  for (std::size_t i = 0; i < explained.size(); ++i) {
+    const double changed = monitor["alarms"][i]["probability_changed"].get<double>();
+    no_damage *= 1.0 - changed * explained[i].damage;
+    no_other *= 1.0 - changed * (1.0 - explained[i].damage);
+  }
+  monitor["probability_damage"] = 1.0 - no_damage;
+  monitor["probability_other"] = 1.0 - no_other;
+  // As in damage runs: the first kind that is damage.
   const auto& is_mass = parsed.structure->causes.is_mass;
   const auto k = static_cast<std::size_t>(std::ranges::find(is_mass, false) - is_mass.begin());
-  std::vector<double> overall = last.defects[k].by_cell;
-  for (double& p : overall) p *= changed * last.defects[k].probability;
+  const ChangeExplanation& last = explained.back();
+  std::vector<double> overall(last.defects[k].by_cell.size(), 0.0);
+  for (std::size_t i = 0; i < explained.size(); ++i) {
+    const double changed = monitor["alarms"][i]["probability_changed"].get<double>();
+    for (std::size_t cell = 0; cell < overall.size(); ++cell)
+      overall[cell] =
+          1.0 - (1.0 - overall[cell]) * (1.0 - changed * explained[i].defects[k].probability *
+                                                   explained[i].defects[k].by_cell[cell]);
+  }
   summary["damage"] = {{"inclusion_by_element",
                         {{"overall", overall}, {"given_count", {{"1", last.defects[k].by_cell}}}}}};
 }

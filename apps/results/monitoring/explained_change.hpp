@@ -6,7 +6,7 @@
 
 #include "apps/cases/monitoring/monitor_case.hpp"
 #include "apps/results/summary.hpp"
-#include "identification/monitoring/change_explanation.hpp"
+#include "identification/monitoring/causes/change_explanation.hpp"
 
 namespace wheeltap::apps {
 

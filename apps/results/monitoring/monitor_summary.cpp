@@ -130,21 +130,23 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
   const double per_year = monitor.rows_per_year();
   Report rates = {{"stated", per_year * std::exp(-monitor.log_threshold_stated())},
                   {"replayed", per_year * monitor.replay().rate(monitor.log_threshold_stated())}};
-  Report result = {{"alarm", !monitor.alarms().empty()},
-                   {"first_alarm", alarms.empty() ? Report() : alarms[0]["time"]},
-                   {"alarms", alarms},
-                   {"probability_changed", monitor.probability_changed()},
-                   {"false_alarms_per_year", rates},
-                   {"log_threshold",
-                    {{"stated", monitor.log_threshold_stated()},
-                     {"replayed", monitor.log_threshold_replayed()},
-                     {"used", monitor.log_threshold()}}},
-                   {"rows", parsed.series.rows()},
-                   {"time_unit", parsed.time.unit},
-                   {"learning_rows", parsed.learning_rows},
-                   {"last_time", parsed.time.written(parsed.series.hours.back())},
-                   {"onset_mass_moved", monitor.change().moved_mass()},
-                   {"baseline", baseline_json(monitor)}};
+  Report result = {
+      {"alarm", !monitor.alarms().empty()},
+      {"first_alarm", alarms.empty() ? Report() : alarms[0]["time"]},
+      {"alarms", alarms},
+      {"probability_changed", monitor.probability_changed()},
+      {"false_alarms_per_year", rates},
+      {"replayed_is_lower_bound", monitor.replay().is_lower_bound(monitor.log_threshold_stated())},
+      {"log_threshold",
+       {{"stated", monitor.log_threshold_stated()},
+        {"replayed", monitor.log_threshold_replayed()},
+        {"used", monitor.log_threshold()}}},
+      {"rows", parsed.series.rows()},
+      {"time_unit", parsed.time.unit},
+      {"learning_rows", parsed.learning_rows},
+      {"last_time", parsed.time.written(parsed.series.hours.back())},
+      {"onset_mass_moved", monitor.change().moved_mass()},
+      {"baseline", baseline_json(monitor)}};
   if (parsed.tests) result["tracked_modes"] = tracked_json(parsed);
   if (parsed.time.unit == "row") {
     result["rows_between_false_alarms"] = {
@@ -152,7 +154,7 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
         {"replayed", 1.0 / monitor.replay().rate(monitor.log_threshold_stated())}};
   }
   std::vector<std::string> warnings = parsed.warnings;
-  if (monitor.log_threshold_replayed() > monitor.log_threshold_stated())
+  if (monitor.log_threshold() > monitor.log_threshold_stated())
     warnings.push_back(
         "Replayed healthy rows raise more false alarms than the model predicts: Wheeltap uses the "
         "higher threshold of the replay.");

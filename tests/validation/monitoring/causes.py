@@ -89,6 +89,8 @@ def work(task):
 
 
 def holds(interval, truth):
+    if interval["q5"] is None or interval["q95"] is None:  # the kind has no probability
+        return False
     return interval["q5"] <= truth <= interval["q95"]
 
 

@@ -73,11 +73,13 @@ def run_all(options, tasks, work):
 
 def poisson_at_least(count, mean):
     """P(X >= count)."""
-    below, term = 0.0, math.exp(-mean)
-    for k in range(count):
-        below += term
-        term *= mean / (k + 1)
+    below = sum(math.exp(k * math.log(mean) - mean - math.lgamma(k + 1)) for k in range(count))
     return max(0.0, 1.0 - below)
+
+
+def poisson_at_most(count, mean):
+    """P(X <= count)."""
+    return 1.0 - poisson_at_least(count + 1, mean)
 
 
 def binomial_interval(successes, n):

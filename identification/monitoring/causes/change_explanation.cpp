@@ -1,4 +1,4 @@
-#include "identification/monitoring/change_explanation.hpp"
+#include "identification/monitoring/causes/change_explanation.hpp"
 
 #include <algorithm>
 #include <array>
@@ -6,6 +6,7 @@
 #include <map>
 
 #include "base/constants.hpp"
+#include "base/eigen_solvers.hpp"
 #include "base/index.hpp"
 #include "inference/statistics/standard_normal.hpp"
 
@@ -165,11 +166,17 @@ class Explainer {
   }
 
  private:
+<<<<<<< HEAD:identification/monitoring/change_explanation.cpp
   /// Number of features for which the rows contain information.
+=======
+  /// Number of directions of the shift that the rows say something about: the rank of the precision
+  /// in units of the prior.
+>>>>>>> hmon:identification/monitoring/causes/change_explanation.cpp
   [[nodiscard]] int informed(const ShiftLikelihood::Component& one) const {
-    return static_cast<int>(
-        (one.precision.diagonal().array() * (5.0 * options_.residual_sd.array()).square() > 0.1)
-            .count());
+    const VectorXd unit = 5.0 * options_.residual_sd;
+    const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(
+        MatrixXd(unit.asDiagonal() * one.precision * unit.asDiagonal()), Eigen::EigenvaluesOnly);
+    return static_cast<int>((solver.eigenvalues().array() > 0.1).count());
   }
 
   const ShiftLikelihood& likelihood_;

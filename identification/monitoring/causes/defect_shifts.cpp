@@ -1,4 +1,4 @@
-#include "identification/monitoring/defect_shifts.hpp"
+#include "identification/monitoring/causes/defect_shifts.hpp"
 
 #include <algorithm>
 #include <array>

@@ -14,7 +14,7 @@
 // whenever all other causes were less probable.
 #pragma once
 
-#include "identification/monitoring/defect_shifts.hpp"
+#include "identification/monitoring/causes/defect_shifts.hpp"
 #include "identification/monitoring/shift_likelihood.hpp"
 
 namespace wheeltap::identification::monitoring {

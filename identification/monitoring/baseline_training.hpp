@@ -1,0 +1,94 @@
+// The parts of the baseline's training that do not depend on how parameters are sampled: prepared
+// rows, terms of the covariates, evidence, and the parameters of one draw.
+#pragma once
+
+#include <memory>
+#include <optional>
+#include <span>
+#include <vector>
+
+#include "base/random.hpp"
+#include "identification/monitoring/baseline_learning.hpp"
+#include "identification/monitoring/marginal_likelihood.hpp"
+
+namespace wheeltap::identification::monitoring::training {
+
+/// Learning rows, prepared for the engine.
+struct TrainingRows {
+  std::vector<double> hours = {};
+  std::vector<CovariateScaling::Scaled> scaled = {};
+  std::vector<FeatureRows> features = {};
+  Eigen::VectorXd long_low = {}, long_high = {};  ///< of covariates with the long lag
+  Eigen::MatrixXd sorted = {};   ///< rows x covariates, each column sorted: for knots by quantile
+  std::vector<int> hinged = {};  ///< covariates that may have hinges
+  std::vector<double> variance = {};  ///< per feature
+  /// Per feature: prior sd of slopes in noise sds, at least three times the feature's own sd.
+  std::vector<double> slope_scale = {};
+  std::vector<double> noise_scale = {};       ///< per feature: scale of the prior of σ²
+  std::optional<EvidenceData> evidence = {};  ///< of `features`, with their weights
+  bool lag = false;
+  int most_hinges = 0;
+  TrainingRows() = default;
+  TrainingRows(const TrainingRows&) = delete;  // `evidence` refers to the rows
+  TrainingRows& operator=(const TrainingRows&) = delete;
+};
+
+/// Where the parameters of the engine's models lie: lag (if any), time constant, slow ratio, then
+/// the fast ratio of each feature, then one number a hinge: the covariate's place plus a quantile.
+struct Layout {
+  bool lag;
+  std::size_t features;
+  [[nodiscard]] std::size_t rate() const { return lag ? 1 : 0; }
+  [[nodiscard]] std::size_t slow() const { return rate() + 1; }
+  [[nodiscard]] std::size_t fast(std::size_t j) const { return slow() + 1 + j; }
+  [[nodiscard]] std::size_t hinge(std::size_t h) const { return slow() + 1 + features + h; }
+};
+
+/// Prepares the rows, with robust weights, and sets the reference of `out`.
+[[nodiscard]] std::unique_ptr<TrainingRows> prepare(const Series& series,
+                                                    const LearningOptions& options, Baseline& out);
+
+/// Lag, hinges and knots of the parameters x.
+[[nodiscard]] CovariateTerms terms_of(const TrainingRows& of, const Layout& layout,
+                                      std::span<const double> x);
+
+/// phi of all rows, one column per row, without the terms of extrapolation; sets the range of
+/// lagged covariates.
+[[nodiscard]] Eigen::MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms);
+
+[[nodiscard]] ProcessRatios ratios_of(const Layout& layout, std::span<const double> x,
+                                      std::size_t feature);
+
+/// The posteriors of all features' coefficients and noise variances at x.
+[[nodiscard]] std::vector<MarginalLikelihood> fits_of(const TrainingRows& of, const Layout& layout,
+                                                      const Eigen::MatrixXd& table,
+                                                      std::span<const double> x);
+
+/// ln p(rows | x), summed over the features.
+[[nodiscard]] double log_evidence(const TrainingRows& of, const Layout& layout,
+                                  std::span<const double> x);
+
+/// Correlation of the drift from that of the one-step innovations, as a correlation matrix. An
+/// innovation holds only the part of the drift that is new since the previous row. Each correlation
+/// is therefore divided by the correlation that innovations of a completely correlated drift would
+/// have (innovation_correlation).
+[[nodiscard]] Eigen::MatrixXd drift_correlation(const TrainingRows& of,
+                                                const Eigen::MatrixXd& table, const Layout& layout,
+                                                std::span<const double> x);
+
+/// Correlation of the innovations of two features whose fast drifts are completely correlated, in
+/// the steady state of their separate filters for rows `step` hours apart. The covariance of the
+/// two filters' errors follows P' = (I - k_1 h')(A P A' + Q)(I - k_2 h')', with h = (1, 1).
+[[nodiscard]] double innovation_correlation(const ProcessRatios& a, const ProcessRatios& b,
+                                            double step);
+
+/// Parameters of one draw: noise variances from their inverse gamma posteriors.
+[[nodiscard]] BaselineParameters parameters_of(const TrainingRows& of, const Layout& layout,
+                                               std::span<const double> x,
+                                               const Eigen::VectorXd& reference,
+                                               base::Random& random);
+
+/// Runs the full filter from its prior through the learning rows; the log evidence.
+double run_through(const TrainingRows& of, const std::vector<Row>& rows, BaselineDraw& draw);
+
+}  // namespace wheeltap::identification::monitoring::training

@@ -1,0 +1,97 @@
+// The loops over candidate onsets of one parameter draw (candidate_bank.hpp), one candidate in each
+// lane.
+//
+// The loops are compiled for several register widths, so this header uses only plain pointers and
+// numbers (base/simd.hpp). No operation depends on the width.
+//
+// Candidates are stored in tiles of kLanes. A tile is a list of rows of kLanes numbers; the layout
+// gives the first row of each quantity. Covariances hold the lower half, row by row. A feature that
+// shifts alone has a shift of precision 1/prior + precision and mean information/(that precision);
+// both sums are common to all sizes of the prior. Weights of the hypotheses are linear: [hypothesis
+// kSizes + size], hypothesis 0 all features, 1 + j feature j alone.
+#pragma once
+
+namespace wheeltap::identification::monitoring::detail {
+
+inline constexpr int kTile = 8;              ///< candidates in a tile
+inline constexpr int kSizes = 3;             ///< prior standard deviations of a shift
+inline constexpr double kExcluded = -1e300;  ///< log mass of lanes that do not vote
+
+struct CandidateLayout {
+  int features, block;
+  [[nodiscard]] int states() const { return features * block; }
+  [[nodiscard]] int hypotheses() const { return (1 + features) * kSizes; }
+  [[nodiscard]] int half() const { return features * (features + 1) / 2; }
+  // First rows of a tile:
+  [[nodiscard]] int sensitivity() const { return 0; }             ///< [state p + feature]
+  [[nodiscard]] int mean() const { return states() * features; }  ///< [size p + feature]
+  [[nodiscard]] int covariance() const { return mean() + kSizes * features; }
+  [[nodiscard]] int precision() const { return covariance() + kSizes * half(); }
+  [[nodiscard]] int information() const { return precision() + features; }
+  [[nodiscard]] int weight() const { return information() + features; }
+  [[nodiscard]] int rows() const { return weight() + hypotheses(); }
+  // First rows of a tile of scratch:
+  [[nodiscard]] int profile() const { return 0; }   ///< r(t - τ), set by the caller
+  [[nodiscard]] int log_mass() const { return 1; }  ///< set by the caller
+  [[nodiscard]] int favourite() const { return 2; }
+  [[nodiscard]] int inflation() const { return 3; }
+  [[nodiscard]] int log_most() const { return 4; }  ///< largest log ratio of the hypotheses
+  [[nodiscard]] int total() const { return 5; }     ///< see `weigh`
+  [[nodiscard]] int projected() const { return 6; }
+  [[nodiscard]] int direction() const { return projected() + features * features; }
+  [[nodiscard]] int spread() const { return direction() + features * features; }
+  [[nodiscard]] int scales() const { return spread() + kSizes * features; }
+  [[nodiscard]] int tails() const { return scales() + hypotheses(); }
+  [[nodiscard]] int log_ratio() const { return tails() + hypotheses(); }
+  [[nodiscard]] int scratch_rows() const { return log_ratio() + hypotheses(); }
+};
+
+/// The tiles of one draw.
+struct CandidateTiles {
+  CandidateLayout layout;
+  int tiles;
+  double* state;    ///< tiles x layout.rows() x kTile
+  double* scratch;  ///< tiles x layout.scratch_rows() x kTile
+};
+
+struct RowStart {
+  const double* h;         ///< block: observation vector of every feature
+  double fast, slow;       ///< decays of both drifts since the previous row
+  const char* is_present;  ///< p
+};
+
+/// One entry of a row, of feature j: the e-th that is present.
+struct Entry {
+  int j, e;
+  double v, s;          ///< innovation without a shift, and its variance
+  double degrees;       ///< of Student's t; infinity: Gaussian
+  const double* along;  ///< e: h'k_i of feature j for the gains k_i of earlier entries
+  const double* prior;  ///< kSizes x p: inverse prior variances
+};
+
+struct CandidateKernel {
+  const char* name;
+  /// Decays the sensitivities of the drift, projects them on h, and resets the sums of the row.
+  void (*begin)(const CandidateTiles& tiles, const RowStart& row);
+  /// Adds the densities of an entry under every hypothesis, relative to the density without a
+  /// shift. Returns the mean inflation of noise of the candidates' most probable hypotheses,
+  /// weighted by the mass of the candidates; 0: no candidate votes.
+  double (*score)(const CandidateTiles& tiles, const Entry& entry);
+  /// Conditions shifts on the entry that was scored last; `inflated`: variance of the update.
+  void (*update)(const CandidateTiles& tiles, const Entry& entry, double inflated);
+  /// Updates sensitivities by the gains (states x `entries`, one entry after the other).
+  void (*finish)(const CandidateTiles& tiles, int entries, double degrees, const double* gains);
+  /// Multiplies the weights by exp(log ratio + offset - reference); `reference`: tiles x kTile.
+  void (*weigh)(const CandidateTiles& tiles, double offset, const double* reference);
+  /// Divides the weights of all draws by `totals` (tiles x kTile) and redistributes `share` evenly
+  /// between the draws.
+  void (*normalise)(const CandidateTiles* draws, int count, const double* totals, double share);
+};
+
+extern const CandidateKernel kBaselineCandidates;
+#ifdef WHEELTAP_X86_KERNELS
+extern const CandidateKernel kAvx2Candidates;
+extern const CandidateKernel kAvx512Candidates;
+#endif
+
+}  // namespace wheeltap::identification::monitoring::detail

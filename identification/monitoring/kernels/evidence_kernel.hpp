@@ -1,0 +1,43 @@
+// The loop of the training's evidence (marginal_likelihood.hpp) for several features at once, one
+// feature in each lane.
+//
+// The loop is compiled for several register widths, so this header uses only plain pointers and
+// numbers (base/simd.hpp). No operation depends on the width.
+#pragma once
+
+namespace wheeltap::identification::monitoring::detail {
+
+inline constexpr int kLanes = 8;
+/// Largest number of columns (terms and the feature).
+inline constexpr int kMostColumns = 24;
+
+/// One group of kLanes features over n rows, K terms. Missing entries have the variance 0.
+struct EvidenceRows {
+  int rows, terms;
+  const double* table;       ///< n x K: phi of each row
+  const double* values;      ///< n x kLanes
+  const double* variance;    ///< n x kLanes: noise variance with σ = 1
+  const double* fast_decay;  ///< n: exp(-rate·step) since the previous row
+  const double* slow_decay;  ///< n: the same of the slow drift
+  const double* fast_ratio;  ///< kLanes
+  double slow_ratio;
+};
+
+struct EvidenceSums {
+  double* gram;        ///< (K + 1)(K + 2)/2 x kLanes: lower half of Σ w wᵀ, w whitened [phi, y]
+  double* log_scales;  ///< kLanes: Σ ln of the innovations' variances
+};
+
+struct EvidenceKernel {
+  const char* name;
+  /// Sums over all rows for the first `features` lanes.
+  void (*accumulate)(const EvidenceRows& rows, int features, const EvidenceSums& sums);
+};
+
+extern const EvidenceKernel kBaselineEvidence;
+#ifdef WHEELTAP_X86_KERNELS
+extern const EvidenceKernel kAvx2Evidence;
+extern const EvidenceKernel kAvx512Evidence;
+#endif
+
+}  // namespace wheeltap::identification::monitoring::detail
