@@ -166,12 +166,8 @@ class Explainer {
   }
 
  private:
-<<<<<<< HEAD:identification/monitoring/change_explanation.cpp
-  /// Number of features for which the rows contain information.
-=======
   /// Number of directions of the shift that the rows say something about: the rank of the precision
   /// in units of the prior.
->>>>>>> hmon:identification/monitoring/causes/change_explanation.cpp
   [[nodiscard]] int informed(const ShiftLikelihood::Component& one) const {
     const VectorXd unit = 5.0 * options_.residual_sd;
     const Eigen::SelfAdjointEigenSolver<MatrixXd> solver(
