@@ -333,6 +333,68 @@ test('the channels of a system identification are on its masses', skip, async ()
   await close();
 });
 
+// A universal file of dataset 58: one function for each node. Functions of unequal length are separate tables.
+const universal = (lengths) => Object.entries(lengths).map(([label, samples]) => {
+  const values = Array.from({ length: samples }, (ignored, i) => (Math.sin(0.3 * i) + ((i * 7919) % 1009) / 1009).toExponential(5).replace(/e([+-])(\d)$/, 'E$10$2').padStart(13));
+  const none = '         0    0    0    0 NONE                 NONE                ';
+  return ['    -1', '    58', 'id', 'NONE', 'NONE', 'NONE', 'NONE', `    1         0    0         0 NONE      ${label.padStart(10)}   3 NONE               0   0`,
+    `         2${String(samples).padStart(10)}         1  0.00000E+00  1.00000E-02  0.00000E+00`, '        17    0    0    0 Time                 s                   ', '        12    1    0    0 Acceleration         m/s2                ', none, none,
+    ...Array.from({ length: Math.ceil(samples / 6) }, (ignored, i) => values.slice(6 * i, 6 * i + 6).join('')), '    -1', ''].join('\n');
+}).join('');
+const twoTables = (folder) => {
+  fs.mkdirSync(at(folder), { recursive: true });
+  fs.writeFileSync(at(folder, 'two.uff'), universal({ 11: 300, 12: 300, 21: 200, 22: 200 }));
+  for (const name of ['a', 'b']) write(`${folder}/${name}.json`, { kind: 'modal', record: { file: 'two.uff', channels: [{ column: '11:+Z Acceleration', role: 'response' }] } });
+};
+const idle = (page) => page.waitForFunction(() => document.querySelector('.channels')?.inert === false);
+const answered = (page) => { // the questions of the page, which are declined while `accept` is false
+  const asked = { texts: [], accept: false };
+  page.on('dialog', (dialog) => { asked.texts.push(dialog.message()); return asked.accept ? dialog.accept() : dialog.dismiss(); });
+  return asked;
+};
+const viewed = (page) => page.locator('label', { hasText: /^Table / }).locator('select');
+
+test('a changed draft of a modal case is not lost without a question', skip, async () => {
+  twoTables('drafts');
+  const { page, close } = await open('#/record/drafts%2Ftwo.uff');
+  const asked = answered(page), leave = 'Leave without saving the case?', discard = 'Discard the roles and places of the new modal case?';
+  await page.selectOption('[aria-label="Case"]', { label: 'A new modal case' });
+  const role = field(page, 'Role', '12:+Z Acceleration');
+  await role.selectOption('ignore');
+  const kept = async () => {
+    assert.equal(await page.inputValue('[aria-label="Case"]'), 'A new modal case');
+    assert.equal(await role.inputValue(), 'ignore');
+    assert.equal(await viewed(page).evaluate((one) => one.selectedIndex), 0);
+  };
+  await page.selectOption('[aria-label="Case"]', 'drafts/a.json');
+  assert.deepEqual(asked.texts, [leave]);
+  await kept();
+  await page.evaluate(() => { location.hash = '#/'; });
+  await page.waitForFunction(() => location.hash.includes('record'));
+  assert.deepEqual(asked.texts, [leave, leave]);
+  await kept();
+  const isHeld = () => page.evaluate(() => !dispatchEvent(new Event('beforeunload', { cancelable: true })));
+  assert.equal(await isHeld(), true);
+  await viewed(page).selectOption({ index: 1 });
+  assert.deepEqual(asked.texts, [leave, leave, discard]);
+  await kept();
+  // After consent, the draft has the channels of the second table. A draft without changes is replaced without a question.
+  asked.accept = true;
+  await viewed(page).selectOption({ index: 1 });
+  await field(page, 'Role', '22:+Z Acceleration').waitFor();
+  assert.equal(await isHeld(), false);
+  await viewed(page).selectOption({ index: 0 });
+  await role.selectOption('ignore');
+  assert.deepEqual(asked.texts, [leave, leave, discard, discard]);
+  // A new case has the roles of the draft, which is then left without a question.
+  await page.click('text=New modal case from this record');
+  await page.click('dialog >> text=Create');
+  await page.locator('textarea.code').waitFor();
+  assert.deepEqual(asked.texts, [leave, leave, discard, discard]);
+  assert.deepEqual(read('drafts/two-modal.json').record.channels.map((one) => one.role), ['response', 'ignore']);
+  await close();
+});
+
 test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
   for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
     const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });

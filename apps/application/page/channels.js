@@ -67,7 +67,8 @@ export class ChannelPanel {
     removeEventListener('beforeunload', this.leaving);
   }
 
-  unsaved() { return !this.draft && written(this.doc) !== this.saved; }
+  // The changes of a draft are unsaved until a case is made from it.
+  unsaved() { return written(this.doc) !== this.saved; }
 
   list() { return channelLists(this.doc)[this.listIndex]; }
 

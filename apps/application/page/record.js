@@ -145,10 +145,12 @@ export const recordView = async (place, name) => {
     const control = element('input', { value: `${stem}-modal.json`, required: true, spellcheck: 'false' });
     const given = await ask('New modal case', [{ label: 'Name of the case, in the folder of the record', control }], 'Create');
     if (!given) return;
+    const source = panel, drafted = written(panel.doc);
     const { record, ...rest } = complete(structuredClone(panel.doc));
     const { samples, sample_rate, channels: list, ...named } = record;
     const made = { ...rest, record: { ...named, ...(samples ? { samples } : {}), ...(sample_rate ? { sample_rate } : {}), channels: list } };
     await post('save', { name: given[0].trim(), text: `${written(made)}\n`, before: null });
+    source.saved = drafted;
     location.hash = `#/case/${encodeURIComponent(given[0].trim())}`;
   });
 
@@ -196,6 +198,7 @@ export const recordView = async (place, name) => {
   };
 
   const tables = contents.tables.length > 1 ? element('label', { class: 'inline' }, 'Table ', element('select', { onchange: (event) => {
+    if (panel?.draft && panel.unsaved() && !confirm('Discard the roles and places of the new modal case?')) { event.target.selectedIndex = table; return; }
     table = event.target.selectedIndex;
     [begin, end] = [0, 0];
     shown.clear();
