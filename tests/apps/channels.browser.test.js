@@ -395,6 +395,20 @@ test('a changed draft of a modal case is not lost without a question', skip, asy
   await close();
 });
 
+test('a declined question keeps the chosen case of a record', skip, async () => {
+  twoTables('choice');
+  const { page, close } = await open('#/record/choice%2Ftwo.uff');
+  const asked = answered(page);
+  await page.selectOption('[aria-label="Case"]', 'choice/b.json');
+  await page.locator('a[href="#/case/choice%2Fb.json"]').waitFor();
+  await idle(page);
+  await field(page, 'Role', '11:+Z Acceleration').selectOption('ignore');
+  await page.selectOption('[aria-label="Case"]', 'choice/a.json');
+  assert.equal(asked.texts.length, 1);
+  assert.equal(await page.inputValue('[aria-label="Case"]'), 'choice/b.json');
+  await close();
+});
+
 test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
   for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
     const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });

@@ -170,7 +170,8 @@ export const recordView = async (place, name) => {
     take.textContent = bands.hidden ? 'Use this window in the case' : 'Use this window and band in the case';
     if (one.doc) panel.listIndex = Math.max(0, one.files.indexOf(name));
     const choice = element('select', { 'aria-label': 'Case', onchange: () => {
-      if (panel.unsaved() && !confirm('Leave without saving the case?')) { choice.selectedIndex = cases.indexOf(one) + 1 ? cases.indexOf(one) : cases.length; return; }
+      const entry = cases.findIndex((each) => each.name === one.name);
+      if (panel.unsaved() && !confirm('Leave without saving the case?')) { choice.selectedIndex = entry >= 0 ? entry : cases.length; return; }
       attempt(() => openPanel(cases[choice.selectedIndex]));
     } }, cases.map((each) => element('option', { selected: each.name === one.name }, each.name)), element('option', { selected: !one.doc }, 'A new modal case'));
     selection.replaceChildren('Case ', choice);
