@@ -409,6 +409,22 @@ test('a declined question keeps the chosen case of a record', skip, async () => 
   await close();
 });
 
+test('the channels of a saved case do not depend on the viewed table', skip, async () => {
+  twoTables('viewed');
+  const { page, close } = await open('#/record/viewed%2Ftwo.uff');
+  const unused = page.locator('.channels .rest', { hasText: 'Columns of the file that the case does not use' });
+  assert.match(await unused.textContent(), /not use \(1\): 2 12:\+Z/);
+  await viewed(page).selectOption({ index: 1 });
+  await page.selectOption('[aria-label="Case"]', 'viewed/b.json');
+  await page.locator('a[href="#/case/viewed%2Fb.json"]').waitFor();
+  await idle(page);
+  assert.match(await unused.textContent(), /not use \(1\): 2 12:\+Z/);
+  // A new case has the channels of the viewed table.
+  await page.selectOption('[aria-label="Case"]', { label: 'A new modal case' });
+  await field(page, 'Role', '22:+Z Acceleration').waitFor();
+  await close();
+});
+
 test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
   for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
     const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });

@@ -160,7 +160,8 @@ export const recordView = async (place, name) => {
   const cases = [];
   const showPanel = async (one) => {
     panel?.close();
-    const known = (list) => (list.path.length === 1 || one.files?.[list.path[1]] === name ? columnsOf(current()) : undefined);
+    // A saved case refers to the first table of its file; a draft takes the viewed table.
+    const known = (list) => (list.path.length === 1 || one.files?.[list.path[1]] === name ? columnsOf(one.doc ? contents.tables[0] : current()) : undefined);
     panel = one.doc ? new ChannelPanel({ name: one.name, doc: one.doc, version: one.version, known: one.files.length === 1 ? known : undefined })
       : new ChannelPanel({ name: `${stem}-modal.json`, draft: true, known, complete,
         doc: { kind: 'modal', title: `Modes of ${file}`, record: { file, channels: current().channels.map((channel) => ({ column: columnOf(channel, current().channels), role: 'response' })) } } });
