@@ -425,6 +425,34 @@ test('the channels of a saved case do not depend on the viewed table', skip, asy
   await close();
 });
 
+test('typing in another set-up, or again in a field, is another step of undo', skip, async () => {
+  fs.mkdirSync(at('typing'), { recursive: true });
+  for (const name of ['one', 'two']) fs.writeFileSync(at(`typing/${name}.csv`), `a,b,c\n${'1,2,3\n'.repeat(20)}`);
+  const channels = ['a', 'b', 'c'].map((column) => ({ column, role: 'response', azimuth: 0, elevation: 0 }));
+  write('typing/case.json', { kind: 'modal', records: ['one', 'two'].map((name) => ({ file: `${name}.csv`, sample_rate: 50, channels })) });
+  const { page, close } = await open('#/channels/typing%2Fcase.json');
+  const asked = answered(page), typed = field(page, 'node', 'c'), undo = page.locator('.channels button', { hasText: /^Undo$/ });
+  const show = async (index) => { await page.selectOption('.channels .buttons select', { index }); await idle(page); };
+  await typed.fill('5');
+  await show(1);
+  await typed.fill('6');
+  await undo.click();
+  await page.waitForFunction(() => document.querySelector('[aria-label="node of c"]').value === '');
+  await show(0);
+  assert.equal(await typed.inputValue(), '5');
+  for (const what of ['node of c', 'azimuth of c in degrees', 'elevation of c in degrees']) {
+    const input = page.locator(`[aria-label="${what}"]`);
+    for (const text of ['10', '20']) {
+      await input.fill(text);
+      await input.blur();
+    }
+    await undo.click();
+    assert.equal(await input.inputValue(), '10', what);
+  }
+  asked.accept = true;
+  await close();
+});
+
 test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
   for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
     const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });
