@@ -453,6 +453,23 @@ test('typing in another set-up, or again in a field, is another step of undo', s
   await close();
 });
 
+test('a case shows no other file for an absolute or an empty name', skip, async () => {
+  const nodes = { 1: [0, 0], 2: [0, 2] }, channels = [{ column: 'a', role: 'response' }];
+  write('names/frame.json', { kind: 'damage', structure: { nodes, members: [{ nodes: ['1', '2'] }] } });
+  fs.writeFileSync(at('names/x.csv'), `a,b\n${'1,2\n'.repeat(20)}`);
+  write('names/case.json', { kind: 'modal', records: [{ file: '/x.csv', channels }, { file: '', channels }], geometry: '/frame.json' });
+  const { page, close } = await open('#/channels/names%2Fcase.json');
+  assert.equal(await page.locator('a[href^="#/record/"]').count(), 0);
+  for (const index of [0, 1]) {
+    await page.selectOption('.channels .buttons select', { index });
+    await idle(page);
+    assert.deepEqual(await page.locator('.channels tbody th').allTextContents(), ['a']);
+    assert.equal(await page.locator('.channels svg.structure').count(), 0);
+    assert.equal(await page.locator('#message.bad').isVisible(), false);
+  }
+  await close();
+});
+
 test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
   for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
     const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });
