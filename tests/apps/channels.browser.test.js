@@ -333,6 +333,143 @@ test('the channels of a system identification are on its masses', skip, async ()
   await close();
 });
 
+// A universal file of dataset 58: one function for each node. Functions of unequal length are separate tables.
+const universal = (lengths) => Object.entries(lengths).map(([label, samples]) => {
+  const values = Array.from({ length: samples }, (ignored, i) => (Math.sin(0.3 * i) + ((i * 7919) % 1009) / 1009).toExponential(5).replace(/e([+-])(\d)$/, 'E$10$2').padStart(13));
+  const none = '         0    0    0    0 NONE                 NONE                ';
+  return ['    -1', '    58', 'id', 'NONE', 'NONE', 'NONE', 'NONE', `    1         0    0         0 NONE      ${label.padStart(10)}   3 NONE               0   0`,
+    `         2${String(samples).padStart(10)}         1  0.00000E+00  1.00000E-02  0.00000E+00`, '        17    0    0    0 Time                 s                   ', '        12    1    0    0 Acceleration         m/s2                ', none, none,
+    ...Array.from({ length: Math.ceil(samples / 6) }, (ignored, i) => values.slice(6 * i, 6 * i + 6).join('')), '    -1', ''].join('\n');
+}).join('');
+const twoTables = (folder) => {
+  fs.mkdirSync(at(folder), { recursive: true });
+  fs.writeFileSync(at(folder, 'two.uff'), universal({ 11: 300, 12: 300, 21: 200, 22: 200 }));
+  for (const name of ['a', 'b']) write(`${folder}/${name}.json`, { kind: 'modal', record: { file: 'two.uff', channels: [{ column: '11:+Z Acceleration', role: 'response' }] } });
+};
+const idle = (page) => page.waitForFunction(() => document.querySelector('.channels')?.inert === false);
+const answered = (page) => { // the questions of the page, which are declined while `accept` is false
+  const asked = { texts: [], accept: false };
+  page.on('dialog', (dialog) => { asked.texts.push(dialog.message()); return asked.accept ? dialog.accept() : dialog.dismiss(); });
+  return asked;
+};
+const viewed = (page) => page.locator('label', { hasText: /^Table / }).locator('select');
+
+test('a changed draft of a modal case is not lost without a question', skip, async () => {
+  twoTables('drafts');
+  const { page, close } = await open('#/record/drafts%2Ftwo.uff');
+  const asked = answered(page), leave = 'Leave without saving the case?', discard = 'Discard the roles and places of the new modal case?';
+  await page.selectOption('[aria-label="Case"]', { label: 'A new modal case' });
+  const role = field(page, 'Role', '12:+Z Acceleration');
+  await role.selectOption('ignore');
+  const kept = async () => {
+    assert.equal(await page.inputValue('[aria-label="Case"]'), 'A new modal case');
+    assert.equal(await role.inputValue(), 'ignore');
+    assert.equal(await viewed(page).evaluate((one) => one.selectedIndex), 0);
+  };
+  await page.selectOption('[aria-label="Case"]', 'drafts/a.json');
+  assert.deepEqual(asked.texts, [leave]);
+  await kept();
+  await page.evaluate(() => { location.hash = '#/'; });
+  await page.waitForFunction(() => location.hash.includes('record'));
+  assert.deepEqual(asked.texts, [leave, leave]);
+  await kept();
+  const isHeld = () => page.evaluate(() => !dispatchEvent(new Event('beforeunload', { cancelable: true })));
+  assert.equal(await isHeld(), true);
+  await viewed(page).selectOption({ index: 1 });
+  assert.deepEqual(asked.texts, [leave, leave, discard]);
+  await kept();
+  // After consent, the draft has the channels of the second table. A draft without changes is replaced without a question.
+  asked.accept = true;
+  await viewed(page).selectOption({ index: 1 });
+  await field(page, 'Role', '22:+Z Acceleration').waitFor();
+  assert.equal(await isHeld(), false);
+  await viewed(page).selectOption({ index: 0 });
+  await role.selectOption('ignore');
+  assert.deepEqual(asked.texts, [leave, leave, discard, discard]);
+  // A new case has the roles of the draft, which is then left without a question.
+  await page.click('text=New modal case from this record');
+  await page.click('dialog >> text=Create');
+  await page.locator('textarea.code').waitFor();
+  assert.deepEqual(asked.texts, [leave, leave, discard, discard]);
+  assert.deepEqual(read('drafts/two-modal.json').record.channels.map((one) => one.role), ['response', 'ignore']);
+  await close();
+});
+
+test('a declined question keeps the chosen case of a record', skip, async () => {
+  twoTables('choice');
+  const { page, close } = await open('#/record/choice%2Ftwo.uff');
+  const asked = answered(page);
+  await page.selectOption('[aria-label="Case"]', 'choice/b.json');
+  await page.locator('a[href="#/case/choice%2Fb.json"]').waitFor();
+  await idle(page);
+  await field(page, 'Role', '11:+Z Acceleration').selectOption('ignore');
+  await page.selectOption('[aria-label="Case"]', 'choice/a.json');
+  assert.equal(asked.texts.length, 1);
+  assert.equal(await page.inputValue('[aria-label="Case"]'), 'choice/b.json');
+  await close();
+});
+
+test('the channels of a saved case do not depend on the viewed table', skip, async () => {
+  twoTables('viewed');
+  const { page, close } = await open('#/record/viewed%2Ftwo.uff');
+  const unused = page.locator('.channels .rest', { hasText: 'Columns of the file that the case does not use' });
+  assert.match(await unused.textContent(), /not use \(1\): 2 12:\+Z/);
+  await viewed(page).selectOption({ index: 1 });
+  await page.selectOption('[aria-label="Case"]', 'viewed/b.json');
+  await page.locator('a[href="#/case/viewed%2Fb.json"]').waitFor();
+  await idle(page);
+  assert.match(await unused.textContent(), /not use \(1\): 2 12:\+Z/);
+  // A new case has the channels of the viewed table.
+  await page.selectOption('[aria-label="Case"]', { label: 'A new modal case' });
+  await field(page, 'Role', '22:+Z Acceleration').waitFor();
+  await close();
+});
+
+test('typing in another set-up, or again in a field, is another step of undo', skip, async () => {
+  fs.mkdirSync(at('typing'), { recursive: true });
+  for (const name of ['one', 'two']) fs.writeFileSync(at(`typing/${name}.csv`), `a,b,c\n${'1,2,3\n'.repeat(20)}`);
+  const channels = ['a', 'b', 'c'].map((column) => ({ column, role: 'response', azimuth: 0, elevation: 0 }));
+  write('typing/case.json', { kind: 'modal', records: ['one', 'two'].map((name) => ({ file: `${name}.csv`, sample_rate: 50, channels })) });
+  const { page, close } = await open('#/channels/typing%2Fcase.json');
+  const asked = answered(page), typed = field(page, 'node', 'c'), undo = page.locator('.channels button', { hasText: /^Undo$/ });
+  const show = async (index) => { await page.selectOption('.channels .buttons select', { index }); await idle(page); };
+  await typed.fill('5');
+  await show(1);
+  await typed.fill('6');
+  await undo.click();
+  await page.waitForFunction(() => document.querySelector('[aria-label="node of c"]').value === '');
+  await show(0);
+  assert.equal(await typed.inputValue(), '5');
+  for (const what of ['node of c', 'azimuth of c in degrees', 'elevation of c in degrees']) {
+    const input = page.locator(`[aria-label="${what}"]`);
+    for (const text of ['10', '20']) {
+      await input.fill(text);
+      await input.blur();
+    }
+    await undo.click();
+    assert.equal(await input.inputValue(), '10', what);
+  }
+  asked.accept = true;
+  await close();
+});
+
+test('a case shows no other file for an absolute or an empty name', skip, async () => {
+  const nodes = { 1: [0, 0], 2: [0, 2] }, channels = [{ column: 'a', role: 'response' }];
+  write('names/frame.json', { kind: 'damage', structure: { nodes, members: [{ nodes: ['1', '2'] }] } });
+  fs.writeFileSync(at('names/x.csv'), `a,b\n${'1,2\n'.repeat(20)}`);
+  write('names/case.json', { kind: 'modal', records: [{ file: '/x.csv', channels }, { file: '', channels }], geometry: '/frame.json' });
+  const { page, close } = await open('#/channels/names%2Fcase.json');
+  assert.equal(await page.locator('a[href^="#/record/"]').count(), 0);
+  for (const index of [0, 1]) {
+    await page.selectOption('.channels .buttons select', { index });
+    await idle(page);
+    assert.deepEqual(await page.locator('.channels tbody th').allTextContents(), ['a']);
+    assert.equal(await page.locator('.channels svg.structure').count(), 0);
+    assert.equal(await page.locator('#message.bad').isVisible(), false);
+  }
+  await close();
+});
+
 test('axe-core finds nothing in the channels, at two widths and in both schemes', skip, async () => {
   for (const [width, colorScheme] of [[1400, 'light'], [800, 'dark']]) {
     const { page, close } = await open('#/', { viewport: { width, height: 1000 }, colorScheme });

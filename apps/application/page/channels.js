@@ -67,7 +67,8 @@ export class ChannelPanel {
     removeEventListener('beforeunload', this.leaving);
   }
 
-  unsaved() { return !this.draft && written(this.doc) !== this.saved; }
+  // The changes of a draft are unsaved until a case is made from it.
+  unsaved() { return written(this.doc) !== this.saved; }
 
   list() { return channelLists(this.doc)[this.listIndex]; }
 
@@ -80,6 +81,7 @@ export class ChannelPanel {
     const list = this.list();
     this.known = [];
     this.fault = null;
+    this.typed = null;
     // What is clicked meanwhile would be lost.
     const focused = this.lists.contains(document.activeElement);
     this.node.inert = true;
@@ -299,9 +301,9 @@ export class ChannelPanel {
     const named = support === 'beam' ? 'position' : support === 'chain' ? 'mass' : 'node';
     const input = element('input', { id: id('place'), class: 'short', value: String(shown), list: 'places', autocomplete: 'off', spellcheck: 'false', 'aria-label': `${named} of ${row.name}`,
       inputmode: support === 'beam' ? 'decimal' : undefined, oninput: () => this.change(row, (channel) => setPlace(channel, this.typedPlace(input.value.trim(), row), support), id('place')),
-      onchange: () => this.show() });
+      onchange: () => { this.typed = null; this.show(); } });
     const at = place?.member === undefined ? null : element('label', { class: 'inline', 'data-pointer': `${row.pointer}/at` }, ' at ', element('input', { id: id('at'), class: 'short', inputmode: 'decimal', value: String(place.at ?? ''), 'aria-label': `distance of ${row.name} from the first node of the member in m`,
-      oninput: (event) => { const x = Number(event.target.value.replace(',', '.')); this.change(row, (channel) => { channel.at = event.target.value.trim() !== '' && Number.isFinite(x) ? x : event.target.value; }, id('at')); } }), ' m');
+      oninput: (event) => { const x = Number(event.target.value.replace(',', '.')); this.change(row, (channel) => { channel.at = event.target.value.trim() !== '' && Number.isFinite(x) ? x : event.target.value; }, id('at')); }, onchange: () => { this.typed = null; } }), ' m');
     return cell(key, input, at);
   }
 
@@ -326,12 +328,12 @@ export class ChannelPanel {
       return cell('quantity', quantity);
     }
     const angles = channel.azimuth !== undefined || channel.elevation !== undefined;
-    if (support === 'matrices') return cell('direction', element('input', { id: id('direction'), class: 'short', value: channel.direction ?? '', 'aria-label': `direction of ${row.name}`, oninput: (event) => { const text = event.target.value.trim(); this.change(row, (own) => { if (text) own.direction = text; else delete own.direction; }, id('direction')); } }));
+    if (support === 'matrices') return cell('direction', element('input', { id: id('direction'), class: 'short', value: channel.direction ?? '', 'aria-label': `direction of ${row.name}`, oninput: (event) => { const text = event.target.value.trim(); this.change(row, (own) => { if (text) own.direction = text; else delete own.direction; }, id('direction')); }, onchange: () => { this.typed = null; } }));
     const now = angles ? 'angles' : channel.direction ?? { beam: 'deflection', chain: placeOf(channel, support) ? 'x' : '' }[support] ?? '';
     const select = element('select', { id: id('direction'), 'aria-label': `direction of ${row.name}`, onchange: () => this.turnTo(row, select.value) },
       [...(now && options.includes(now) ? [] : [now]), ...options].map((one) => element('option', { value: one, selected: one === now }, String(one).replace('-', '−') || '–')));
     const angle = (key, label) => element('label', { class: 'inline', 'data-pointer': `${row.pointer}/${key}` }, label, element('input', { id: id(key), class: 'angle', inputmode: 'decimal', value: String(channel[key] ?? 0), 'aria-label': `${key} of ${row.name} in degrees`,
-      oninput: (event) => { const x = Number(event.target.value.replace(',', '.')); this.change(row, (own) => { own[key] = event.target.value.trim() !== '' && Number.isFinite(x) ? x : event.target.value; }, id(key)); } }), '°');
+      oninput: (event) => { const x = Number(event.target.value.replace(',', '.')); this.change(row, (own) => { own[key] = event.target.value.trim() !== '' && Number.isFinite(x) ? x : event.target.value; }, id(key)); }, onchange: () => { this.typed = null; } }), '°');
     return cell('direction', select, angles ? element('span', { class: 'angles' }, angle('azimuth', 'az. '), angle('elevation', 'el. ')) : null);
   }
 

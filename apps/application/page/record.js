@@ -145,10 +145,12 @@ export const recordView = async (place, name) => {
     const control = element('input', { value: `${stem}-modal.json`, required: true, spellcheck: 'false' });
     const given = await ask('New modal case', [{ label: 'Name of the case, in the folder of the record', control }], 'Create');
     if (!given) return;
+    const source = panel, drafted = written(panel.doc);
     const { record, ...rest } = complete(structuredClone(panel.doc));
     const { samples, sample_rate, channels: list, ...named } = record;
     const made = { ...rest, record: { ...named, ...(samples ? { samples } : {}), ...(sample_rate ? { sample_rate } : {}), channels: list } };
     await post('save', { name: given[0].trim(), text: `${written(made)}\n`, before: null });
+    source.saved = drafted;
     location.hash = `#/case/${encodeURIComponent(given[0].trim())}`;
   });
 
@@ -158,7 +160,8 @@ export const recordView = async (place, name) => {
   const cases = [];
   const showPanel = async (one) => {
     panel?.close();
-    const known = (list) => (list.path.length === 1 || one.files?.[list.path[1]] === name ? columnsOf(current()) : undefined);
+    // A saved case refers to the first table of its file; a draft takes the viewed table.
+    const known = (list) => (list.path.length === 1 || one.files?.[list.path[1]] === name ? columnsOf(one.doc ? contents.tables[0] : current()) : undefined);
     panel = one.doc ? new ChannelPanel({ name: one.name, doc: one.doc, version: one.version, known: one.files.length === 1 ? known : undefined })
       : new ChannelPanel({ name: `${stem}-modal.json`, draft: true, known, complete,
         doc: { kind: 'modal', title: `Modes of ${file}`, record: { file, channels: current().channels.map((channel) => ({ column: columnOf(channel, current().channels), role: 'response' })) } } });
@@ -168,7 +171,8 @@ export const recordView = async (place, name) => {
     take.textContent = bands.hidden ? 'Use this window in the case' : 'Use this window and band in the case';
     if (one.doc) panel.listIndex = Math.max(0, one.files.indexOf(name));
     const choice = element('select', { 'aria-label': 'Case', onchange: () => {
-      if (panel.unsaved() && !confirm('Leave without saving the case?')) { choice.selectedIndex = cases.indexOf(one) + 1 ? cases.indexOf(one) : cases.length; return; }
+      const entry = cases.findIndex((each) => each.name === one.name);
+      if (panel.unsaved() && !confirm('Leave without saving the case?')) { choice.selectedIndex = entry >= 0 ? entry : cases.length; return; }
       attempt(() => openPanel(cases[choice.selectedIndex]));
     } }, cases.map((each) => element('option', { selected: each.name === one.name }, each.name)), element('option', { selected: !one.doc }, 'A new modal case'));
     selection.replaceChildren('Case ', choice);
@@ -196,6 +200,7 @@ export const recordView = async (place, name) => {
   };
 
   const tables = contents.tables.length > 1 ? element('label', { class: 'inline' }, 'Table ', element('select', { onchange: (event) => {
+    if (panel?.draft && panel.unsaved() && !confirm('Discard the roles and places of the new modal case?')) { event.target.selectedIndex = table; return; }
     table = event.target.selectedIndex;
     [begin, end] = [0, 0];
     shown.clear();

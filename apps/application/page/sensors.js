@@ -187,8 +187,10 @@ export const allArrows = (doc, structure) => {
   return lists.flatMap((list) => arrowsOf(rowsOf(doc, list, []), support)).map((arrow) => (lists.length > 1 ? { ...arrow, number: '' } : arrow));
 };
 
-// The place of a file that a case in `folder` names; null outside the folder of the application.
+// The place of a file that a case in `folder` names; null outside the folder of the application, for
+// an absolute path and for an empty name.
 export const resolved = (folder, name) => {
+  if (name === '' || String(name).startsWith('/')) return null;
   const parts = [];
   for (const part of [...folder.split('/'), ...String(name).split('/')]) {
     if (part === '..' && !parts.length) return null;
