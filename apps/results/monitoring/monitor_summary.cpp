@@ -171,11 +171,13 @@ Report monitor_summary(const MonitorCaseFile& parsed, const Monitor& monitor, co
 }
 
 std::string monitor_headline(const Report& monitor) {
-  if (!monitor.at("alarm").get<bool>())
+  if (!monitor.at("alarm").get<bool>()) {
+    const std::string changed = percent(monitor.at("probability_changed").get<double>());
+    const bool bound = changed.starts_with('<') || changed.starts_with('>');
     return "No alarm in " +
            base::grouped(monitor.at("rows").get<long>() - monitor.at("learning_rows").get<long>()) +
-           " monitored rows; P(changed) = " +
-           percent(monitor.at("probability_changed").get<double>()) + ".";
+           " monitored rows; P(changed) " + (bound ? "" : "= ") + changed + ".";
+  }
   const Report& alarms = monitor.at("alarms");
   const Report& last = alarms.back();
   const std::string unit = monitor.value("time_unit", std::string());
