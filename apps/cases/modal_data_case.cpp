@@ -179,14 +179,14 @@ class ModalDataParser {
   // ---- frequencies
 
   void take_repeats() {
-    const auto tests = std::make_shared<const RepeatedTests>(
-        parse_repeats(file_, where_, shape_rows().empty()));
+    const auto tests =
+        std::make_shared<const RepeatedTests>(parse_repeats(file_, where_, shape_rows().empty()));
     const Json& repeats = json_.at("repeats");
     out_.frequencies_hz = tests->frequencies_hz;
     out_.covariance = tests->covariance_hz2;
-    out_.origin = in_words(*tests, repeats.is_object()
-                                       ? "from " + repeats.at("file").get<std::string>()
-                                       : "given in the case");
+    out_.origin =
+        in_words(*tests, repeats.is_object() ? "from " + repeats.at("file").get<std::string>()
+                                             : "given in the case");
     out_.repeats = tests;
   }
 

@@ -43,8 +43,8 @@ Rows read_rows(const CaseFile& file, const Pointer& at) {
     rows.emplace_back();
     for (const Json& f : repeats[t]) rows.back().push_back(f.is_null() ? kNaN : f.get<double>());
     if (rows[t].size() != rows[0].size())
-      file.refuse(at / t, "has " + std::to_string(rows[t].size()) + " frequencies, the first test " +
-                              std::to_string(rows[0].size()) +
+      file.refuse(at / t, "has " + std::to_string(rows[t].size()) +
+                              " frequencies, the first test " + std::to_string(rows[0].size()) +
                               ": write one value per mode in each test, null if the test did not "
                               "identify the mode");
   }
@@ -110,9 +110,9 @@ std::string in_words(const RepeatedTests& tests, const std::string& origin) {
     const std::size_t all = numbers.size();
     if (all > kMostListed) numbers.resize(kMostListed);
     out += all == 1 ? "; probable outlier: test " : "; probable outliers: tests ";
-    out += all > kMostListed ? listed(numbers) + " and " + std::to_string(all - kMostListed) +
-                                   " more"
-                             : in_words(numbers);
+    out += all > kMostListed
+               ? listed(numbers) + " and " + std::to_string(all - kMostListed) + " more"
+               : in_words(numbers);
   }
   const double inflation = *std::ranges::max_element(tests.inflation);
   if (inflation > 1.0)

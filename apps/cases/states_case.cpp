@@ -210,7 +210,8 @@ bool has_states(const CaseFile& file) {
     if (discrepancy.is_object() && discrepancy.contains("stiffness")) return true;
     // A baseline that contains more than frequencies is also a state.
     if (where == kBaseline &&
-        has_any(file.json.at(where), {"from", "sensors", "shapes", "covariance", "discrepancy", "repeats"}))
+        has_any(file.json.at(where),
+                {"from", "sensors", "shapes", "covariance", "discrepancy", "repeats"}))
       return true;
   }
   return false;

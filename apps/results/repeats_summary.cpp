@@ -27,8 +27,8 @@ Report one_report(const RepeatedTests& tests) {
   }
   for (const int t : tests.outliers) outliers.push_back(t + 1);
   for (std::size_t n = 0; n < tests.probabilities.size(); ++n)
-    degrees.push_back({{"value", finite(tests.degrees_of_freedom[n])},
-                       {"probability", tests.probabilities[n]}});
+    degrees.push_back(
+        {{"value", finite(tests.degrees_of_freedom[n])}, {"probability", tests.probabilities[n]}});
   return {{"tests", tests.tests},
           {"identified", tests.identified},
           {"mean_hz", finite_list(tests.frequencies_hz)},

@@ -115,8 +115,8 @@ void print_update(std::ostream& out, const UpdateCaseFile& parsed, const UpdateF
   page.heading(parsed.update.title);
   const ModalData& data = parsed.update.data;
   const int modes = data.measured_modes();
-  std::string line = "Data: " + std::to_string(modes) + (modes == 1 ? " mode, " : " modes, ") +
-                     data.origin;
+  std::string line =
+      "Data: " + std::to_string(modes) + (modes == 1 ? " mode, " : " modes, ") + data.origin;
   if (data.has_shapes())
     line += "; shapes at " + std::to_string(data.sensors.size()) +
             (data.sensors.size() == 1 ? " sensor" : " sensors");

@@ -112,8 +112,8 @@ class Sampler {
     }
   }
 
-  /// p(ν | μ, Σ, known entries) ∝ Π_t Γ((ν + q)/2) / Γ(ν/2) · (2/ν)^{q/2} · (1 + d_t²/ν)^{-(ν + q)/2}
-  /// with q known entries in test t; exp(-d_t²/2) for ν = ∞.
+  /// p(ν | μ, Σ, known entries) ∝ Π_t Γ((ν + q)/2) / Γ(ν/2) · (2/ν)^{q/2} · (1 + d_t²/ν)^{-(ν +
+  /// q)/2} with q known entries in test t; exp(-d_t²/2) for ν = ∞.
   void draw_degrees_of_freedom(base::Random& random) {
     const std::vector<double>& list = options_.degrees_of_freedom;
     std::vector<double> logs(list.size(), 0.0);
@@ -141,8 +141,8 @@ class Sampler {
     while (nu_ + 1 < list.size() && (left -= probabilities_[nu_]) > 0.0) ++nu_;
   }
 
-  /// Draws the weights w ~ Gamma((ν + q)/2, rate (ν + d²)/2) of a pattern's tests, and their missing
-  /// entries from the normal distribution given the known entries.
+  /// Draws the weights w ~ Gamma((ν + q)/2, rate (ν + d²)/2) of a pattern's tests, and their
+  /// missing entries from the normal distribution given the known entries.
   void complete(std::size_t k, base::Random& random) {
     const Pattern& pattern = patterns_[k];
     const double nu = options_.degrees_of_freedom[nu_];
@@ -162,8 +162,7 @@ class Sampler {
     for (const Index t : pattern.rows) {
       VectorXd noise(static_cast<Index>(pattern.missing.size()));
       for (double& x : noise) x = random.normal();
-      const VectorXd known =
-          z_.row(t)(pattern.known).transpose() - VectorXd(mean_(pattern.known));
+      const VectorXd known = z_.row(t)(pattern.known).transpose() - VectorXd(mean_(pattern.known));
       z_.row(t)(pattern.missing) = (mean_(pattern.missing) + gain * known +
                                     factor.matrixL() * noise / std::sqrt(weights_[t]))
                                        .transpose();
@@ -276,16 +275,16 @@ std::vector<Index> identified_modes(const MatrixXd& frequencies_hz, std::vector<
     counts.push_back(count);
     if (count == 0) continue;
     if (count < kLeastTests)
-      throw std::invalid_argument(mode + " was identified in " + std::to_string(count) +
-                                  (count == 1 ? " test" : " tests") +
-                                  ": the scatter between tests needs at least " +
-                                  std::to_string(kLeastTests) +
-                                  "; add tests, or write null for this mode in all tests");
+      throw std::invalid_argument(
+          mode + " was identified in " + std::to_string(count) + (count == 1 ? " test" : " tests") +
+          ": the scatter between tests needs at least " + std::to_string(kLeastTests) +
+          "; add tests, or write null for this mode in all tests");
     if (low == high)
       throw std::invalid_argument(
-          mode + " has the same frequency in all tests, so that its scatter cannot be inferred; "
-                 "give the measured frequencies with more digits, or one list \"frequencies\" with "
-                 "\"cov\"");
+          mode +
+          " has the same frequency in all tests, so that its scatter cannot be inferred; "
+          "give the measured frequencies with more digits, or one list \"frequencies\" with "
+          "\"cov\"");
     out.push_back(j);
   }
   if (out.empty()) throw std::invalid_argument("no test identified a mode");
@@ -334,8 +333,7 @@ RepeatedTests infer_repeated_tests(const MatrixXd& frequencies_hz,
   std::vector<double> quantiles;
   for (const double nu : options.degrees_of_freedom)
     quantiles.push_back(
-        std::isinf(nu) ? 1.0
-                       : boost::math::quantile(boost::math::students_t(nu), kUpperSigma));
+        std::isinf(nu) ? 1.0 : boost::math::quantile(boost::math::students_t(nu), kUpperSigma));
   out.degrees_of_freedom = options.degrees_of_freedom;
   out.probabilities.assign(quantiles.size(), 0.0);
 

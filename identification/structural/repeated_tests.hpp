@@ -25,8 +25,8 @@ namespace wheeltap::identification {
 
 struct RepeatedTestsOptions {
   /// Possible degrees of freedom ν, with equal prior probabilities.
-  std::vector<double> degrees_of_freedom = {
-      2.0, 3.0, 5.0, 10.0, 30.0, std::numeric_limits<double>::infinity()};
+  std::vector<double> degrees_of_freedom = {2.0,  3.0,  5.0,
+                                            10.0, 30.0, std::numeric_limits<double>::infinity()};
   int warmup = 500, draws = 4000;
   std::uint64_t seed = 1;
 };
@@ -59,8 +59,8 @@ struct RepeatedTests {
   std::vector<int> outliers = {};    ///< tests (0-based) with weight < kOutlierWeight
 
   /// Correlation of consecutive tests, in the order given, for each mode. Significant correlation
-  /// (`kSerialLevel` standard errors) reduces the information about the mean: the variance of μ_j is
-  /// multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. Otherwise inflation_j = 1.
+  /// (`kSerialLevel` standard errors) reduces the information about the mean: the variance of μ_j
+  /// is multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. Otherwise inflation_j = 1.
   std::vector<double> serial_correlation = {}, inflation = {};
 };
 
@@ -70,9 +70,9 @@ inline constexpr double kSerialLevel = 2.0;
 /// Infers mean and scatter of repeated tests.
 /// \param frequencies_hz tests × modes, > 0; NaN: not identified
 /// The results, except `serial_correlation` and `inflation`, do not depend on the order of the
-/// tests. Throws std::invalid_argument, with the mode, if a frequency is not positive, if fewer than
-/// kLeastTests tests identified a mode (unless no test did), or if all frequencies of a mode are
-/// equal.
+/// tests. Throws std::invalid_argument, with the mode, if a frequency is not positive, if fewer
+/// than kLeastTests tests identified a mode (unless no test did), or if all frequencies of a mode
+/// are equal.
 [[nodiscard]] RepeatedTests infer_repeated_tests(const Eigen::MatrixXd& frequencies_hz,
                                                  const RepeatedTestsOptions& options = {});
 

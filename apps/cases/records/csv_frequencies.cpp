@@ -15,8 +15,8 @@ namespace wheeltap::apps {
 
 namespace {
 
-/// The cells of a delimited text with a header line, as frequencies in Hz. Errors state the line and
-/// the column.
+/// The cells of a delimited text with a header line, as frequencies in Hz. Errors state the line
+/// and the column.
 class FrequencyText {
  public:
   FrequencyText(std::string bytes, const std::filesystem::path& path)
