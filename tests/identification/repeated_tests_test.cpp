@@ -157,7 +157,7 @@ TEST(RepeatedTests, IntervalsHaveTheirCoverage) {
 }
 
 TEST(RepeatedTests, OneOutlierBarelyMovesTheMean) {
-  const MatrixXd clean = Simulated{}.tests(20, 7);
+  const MatrixXd clean = Simulated{}.tests(40, 7);
   MatrixXd gross = clean;
   gross.row(12) *= 1.5;
   const RepeatedTests before = infer_repeated_tests(clean), after = infer_repeated_tests(gross);

@@ -3,7 +3,7 @@
 
 The first half of a laboratory's tests against the second half, and one laboratory against the other. Two cases:
 
-- shipped: the shipped case, with uncertain masses and a model error of 0.5 %. Both halves have the same model error
+- shipped: the shipped case, with uncertain masses and a model error of 0.3 %. Both halves have the same model error
   and masses, so this comparison is lenient.
 - strict: known masses and no model error. The difference is then due to the scatter between tests alone.
 
