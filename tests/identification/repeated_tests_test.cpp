@@ -29,10 +29,10 @@ constexpr double kNormal = std::numeric_limits<double>::infinity();
 struct Simulated {
   VectorXd frequencies_hz = VectorXd{{10.0, 25.0, 60.0}};
   VectorXd scatter = VectorXd{{0.002, 0.004, 0.01}};
-  double nu = kNormal;           ///< degrees of freedom of Student t
-  double outliers = 0.0;         ///< probability of an error eight times as large
-  double missing = 0.0;          ///< probability that a test does not identify a mode
-  double serial = 0.0;           ///< correlation of consecutive tests
+  double nu = kNormal;    ///< degrees of freedom of Student t
+  double outliers = 0.0;  ///< probability of an error eight times as large
+  double missing = 0.0;   ///< probability that a test does not identify a mode
+  double serial = 0.0;    ///< correlation of consecutive tests
 
   [[nodiscard]] MatrixXd tests(int count, std::uint64_t seed) const {
     base::Random random(seed, 0, static_cast<std::uint64_t>(count), base::Purpose::test);
@@ -84,10 +84,10 @@ TEST(RepeatedTests, EqualTheConjugatePosterior) {
     const double f = found.frequencies_hz[static_cast<std::size_t>(i)];
     EXPECT_NEAR(f, std::exp(mean[i]), 1e-10 * f);
     for (Index j = 0; j < 3; ++j)
-      EXPECT_NEAR(found.covariance_hz2(i, j),
-                  f * found.frequencies_hz[static_cast<std::size_t>(j)] * squares(i, j) /
-                      (n * (n - 2.0)),
-                  1e-8 * sd_of(found, i) * sd_of(found, j));
+      EXPECT_NEAR(
+          found.covariance_hz2(i, j),
+          f * found.frequencies_hz[static_cast<std::size_t>(j)] * squares(i, j) / (n * (n - 2.0)),
+          1e-8 * sd_of(found, i) * sd_of(found, j));
     // Σ_ii ~ inverse gamma(N/2, squares_ii/2): E[√Σ_ii] = √(squares_ii/2) Γ((N-1)/2) / Γ(N/2)
     const double scatter = std::sqrt(0.5 * squares(i, i)) *
                            std::exp(std::lgamma(0.5 * (n - 1.0)) - std::lgamma(0.5 * n));
@@ -109,8 +109,8 @@ TEST(RepeatedTests, EqualTheQuadratureOfOneMode) {
       // Prior of Σ = σ²: inverse gamma(1/2, s²/2), i.e. density in ln σ ∝ σ⁻¹ exp(-s²/2σ²)
       double log_density = -log_sigma - 0.5 * s * s / (sigma * sigma);
       for (const double x : y)
-        log_density -= log_sigma + 0.5 * (nu + 1.0) *
-                                       std::log1p((x - mu) * (x - mu) / (nu * sigma * sigma));
+        log_density -=
+            log_sigma + 0.5 * (nu + 1.0) * std::log1p((x - mu) * (x - mu) / (nu * sigma * sigma));
       const double p = std::exp(log_density - 40.0);
       sum += p;
       mean += p * (mu - centre);
@@ -134,9 +134,8 @@ TEST(RepeatedTests, IntervalsHaveTheirCoverage) {
     int means = 0, scales = 0;
     constexpr int kSets = 200;
     for (int set = 0; set < kSets; ++set) {
-      const RepeatedTests found =
-          infer_repeated_tests(simulated.tests(20, 100 + static_cast<std::uint64_t>(set)),
-                               {.warmup = 100, .draws = 500});
+      const RepeatedTests found = infer_repeated_tests(
+          simulated.tests(20, 100 + static_cast<std::uint64_t>(set)), {.warmup = 50, .draws = 350});
       for (std::size_t j = 0; j < 3; ++j) {
         const auto at = static_cast<Index>(j);
         const double error = found.frequencies_hz[j] - simulated.frequencies_hz[at];
