@@ -8,7 +8,7 @@
 #include "apps/cases/damage_parts.hpp"
 #include "apps/cases/records/csv_frequencies.hpp"
 #include "apps/cases/records/modes_as_data.hpp"
-#include "apps/cases/repeats_case.hpp"
+#include "apps/cases/records/repeats_case.hpp"
 #include "apps/cases/structures/structure_case.hpp"
 #include "apps/cases/syntax/case_remedies.hpp"
 #include "apps/nearest.hpp"

@@ -4,8 +4,8 @@
 #include <cmath>
 
 #include "apps/results/baseline_words.hpp"
+#include "apps/results/measured/repeats_summary.hpp"
 #include "apps/results/posterior_file.hpp"
-#include "apps/results/repeats_summary.hpp"
 #include "apps/text/answer.hpp"
 #include "apps/text/damage_words.hpp"
 

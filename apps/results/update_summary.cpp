@@ -3,7 +3,7 @@
 #include <cmath>
 
 #include "apps/draw_columns.hpp"
-#include "apps/results/repeats_summary.hpp"
+#include "apps/results/measured/repeats_summary.hpp"
 #include "apps/text/answer.hpp"
 #include "apps/text/update_words.hpp"
 

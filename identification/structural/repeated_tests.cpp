@@ -28,7 +28,7 @@ struct Spread {
   double centre = 0.0, scale = 0.0;
 };
 
-double middle_of(std::vector<double> values) {
+double sample_median(std::vector<double> values) {
   const std::size_t half = values.size() / 2;
   std::ranges::sort(values);
   return values.size() % 2 == 1 ? values[half] : 0.5 * (values[half - 1] + values[half]);
@@ -37,10 +37,10 @@ double middle_of(std::vector<double> values) {
 /// Median and 1.4826 times the median absolute deviation. If more than half of the values are equal
 /// (rounded frequencies), the scale is 1.2533 times the mean absolute deviation.
 Spread spread_of(const std::vector<double>& values) {
-  Spread out{.centre = middle_of(values), .scale = 0.0};
+  Spread out{.centre = sample_median(values), .scale = 0.0};
   std::vector<double> distances;
   for (const double x : values) distances.push_back(std::abs(x - out.centre));
-  out.scale = 1.4826 * middle_of(distances);
+  out.scale = 1.4826 * sample_median(distances);
   if (out.scale > 0.0) return out;
   out.scale = 1.2533 * std::accumulate(distances.begin(), distances.end(), 0.0) /
               static_cast<double>(distances.size());

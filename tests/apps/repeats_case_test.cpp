@@ -1,5 +1,5 @@
 // "repeats" in update and damage cases: parsing, error messages, and the summary of a run.
-#include "apps/cases/repeats_case.hpp"
+#include "apps/cases/records/repeats_case.hpp"
 
 #include <gmock/gmock.h>
 

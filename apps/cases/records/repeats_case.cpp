@@ -1,4 +1,4 @@
-#include "apps/cases/repeats_case.hpp"
+#include "apps/cases/records/repeats_case.hpp"
 
 #include <algorithm>
 #include <cmath>

@@ -1,4 +1,4 @@
-#include "apps/results/repeats_summary.hpp"
+#include "apps/results/measured/repeats_summary.hpp"
 
 #include <cmath>
 
