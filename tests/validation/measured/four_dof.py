@@ -87,6 +87,10 @@ def phi(z):
     return 0.5 * math.erfc(-z / math.sqrt(2.0))
 
 
+def percent(p):
+    return "> 99.99 %" if p > 0.9999 else "< 0.01 %" if p < 0.0001 else f"{100 * p:.1f} %"
+
+
 for name, make in (("shipped", shipped_case), ("strict", strict_case)):
     whole = {}
     for laboratory in ("de", "br"):
@@ -107,5 +111,5 @@ for name, make in (("shipped", shipped_case), ("strict", strict_case)):
     for p, a, q, b in compare(whole["de"], whole["br"]):
         print(f"     solution with P = {p:.3f} and {q:.3f}: " + "; ".join(
             f"{k} {a[k][0]:.0f} +- {a[k][1]:.0f}, {b[k][0]:.0f} +- {b[k][1]:.0f}, "
-            f"{100 * (b[k][0] / a[k][0] - 1):+.1f} %, P(br > de) = {phi(in_sd(a, b, k)):.4f}" for k in STIFFNESSES))
+            f"{100 * (b[k][0] / a[k][0] - 1):+.1f} %, P(br > de) = {percent(phi(in_sd(a, b, k)))}" for k in STIFFNESSES))
 check.end()
