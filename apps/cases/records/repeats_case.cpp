@@ -114,10 +114,13 @@ std::string in_words(const RepeatedTests& tests, const std::string& origin) {
                ? listed(numbers) + " and " + std::to_string(all - kMostListed) + " more"
                : in_words(numbers);
   }
-  const double inflation = *std::ranges::max_element(tests.inflation);
-  if (inflation > 1.0)
-    out += "; consecutive tests are correlated: the mean has the error of " +
-           significant(tests.tests / inflation, 2) + " independent tests (worst mode)";
+  double independent = kInfinity;
+  for (std::size_t j = 0; j < tests.inflation.size(); ++j)
+    if (tests.inflation[j] > 1.0)
+      independent = std::min(independent, tests.identified[j] / tests.inflation[j]);
+  if (std::isfinite(independent))
+    out += "; consecutive tests are correlated: the mean has the error of about " +
+           significant(independent, 2) + " independent tests (worst mode)";
   return out;
 }
 
