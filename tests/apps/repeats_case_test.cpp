@@ -39,13 +39,13 @@ json tests_of_two_modes(int count) {
   return out;
 }
 
-identification::UpdateCase parsed(const json& text) {
+identification::UpdateCase update_with_repeats(const json& text) {
   return parse_update_case({.path = "case.json", .json = Json::parse(text.dump())}).update;
 }
 
-void expect_refused(const json& text, const std::string& place, const std::string& words) {
+void expect_repeats_refused(const json& text, const std::string& place, const std::string& words) {
   try {
-    static_cast<void>(parsed(text));
+    static_cast<void>(update_with_repeats(text));
     FAIL() << "not refused: " << place;
   } catch (const Failure& failure) {
     EXPECT_EQ(failure.exit(), Exit::bad_input);
@@ -56,7 +56,7 @@ void expect_refused(const json& text, const std::string& place, const std::strin
 }
 
 TEST(RepeatsCase, GiveFrequenciesAndTheirCovariance) {
-  const auto data = parsed(two_masses(tests_of_two_modes(30))).data;
+  const auto data = update_with_repeats(two_masses(tests_of_two_modes(30))).data;
   ASSERT_EQ(data.modes(), 2);
   EXPECT_NEAR(data.frequencies_hz[0], 2.8, 0.005);
   EXPECT_NEAR(data.frequencies_hz[1], 6.7, 0.01);
@@ -70,7 +70,7 @@ TEST(RepeatsCase, GiveFrequenciesAndTheirCovariance) {
 TEST(RepeatsCase, DiscrepancyIsCommonToAllTests) {
   json few = two_masses(tests_of_two_modes(40)), many = two_masses(tests_of_two_modes(160));
   few["data"]["discrepancy"] = many["data"]["discrepancy"] = {{"cov", 0.01}};
-  const auto a = parsed(few).data, b = parsed(many).data;
+  const auto a = update_with_repeats(few).data, b = update_with_repeats(many).data;
   EXPECT_NEAR(std::sqrt(b.covariance(0, 0) / a.covariance(0, 0)), 0.5, 0.06);
   EXPECT_EQ(a.discrepancy.value, 0.01);
   EXPECT_EQ(b.discrepancy.value, 0.01);
@@ -113,7 +113,7 @@ TEST(RepeatsCase, RowsOfUnequalLengthAreErrors) {
               HasSubstr("r.csv:3:2: \"-4\": must be a number > 0"));
   json text = two_masses(tests_of_two_modes(6));
   text["data"]["repeats"][3].push_back(9.0);
-  expect_refused(text, "/data/repeats/3", "has 3 frequencies, the first test 2");
+  expect_repeats_refused(text, "/data/repeats/3", "has 3 frequencies, the first test 2");
 }
 
 TEST(RepeatsCase, OtherUncertaintiesAreRefused) {
@@ -122,24 +122,24 @@ TEST(RepeatsCase, OtherUncertaintiesAreRefused) {
     text["data"][key] = value;
     return text;
   };
-  expect_refused(with("cov", 0.01), "/data/cov", "state errors common to all tests");
-  expect_refused(with("sd", {0.1, 0.1}), "/data/sd", "\"discrepancy\"");
-  expect_refused(with("covariance", {{1.0, 0.0}, {0.0, 1.0}}), "/data/covariance",
-                 "the scatter is inferred");
-  expect_refused(with("frequencies", {2.8, 6.7}), "/data/frequencies", "leave out one");
-  expect_refused(with("file", "f.csv"), "/data/file", "leave out one");
+  expect_repeats_refused(with("cov", 0.01), "/data/cov", "state errors common to all tests");
+  expect_repeats_refused(with("sd", {0.1, 0.1}), "/data/sd", "\"discrepancy\"");
+  expect_repeats_refused(with("covariance", {{1.0, 0.0}, {0.0, 1.0}}), "/data/covariance",
+                         "the scatter is inferred");
+  expect_repeats_refused(with("frequencies", {2.8, 6.7}), "/data/frequencies", "leave out one");
+  expect_repeats_refused(with("file", "f.csv"), "/data/file", "leave out one");
 }
 
 TEST(RepeatsCase, TestsThatCannotBeUsedAreErrors) {
-  expect_refused(two_masses(tests_of_two_modes(3)), "/data/repeats",
-                 "mode 1 was identified in 3 tests");
+  expect_repeats_refused(two_masses(tests_of_two_modes(3)), "/data/repeats",
+                         "mode 1 was identified in 3 tests");
   json text = two_masses(tests_of_two_modes(6));
   for (json& test : text["data"]["repeats"]) std::swap(test[0], test[1]);
-  expect_refused(text, "/data/repeats", "the mean frequencies must increase");
+  expect_repeats_refused(text, "/data/repeats", "the mean frequencies must increase");
   for (json& test : text["data"]["repeats"]) test = {2.8, 6.7};
-  expect_refused(text, "/data/repeats", "the same frequency in all tests");
+  expect_repeats_refused(text, "/data/repeats", "the same frequency in all tests");
   text["data"]["repeats"][2] = {0.0, 6.7};
-  EXPECT_THROW(static_cast<void>(parsed(text)), Failure);
+  EXPECT_THROW(static_cast<void>(update_with_repeats(text)), Failure);
 }
 
 // Repeated tests of a beam: covariance, emulators, and a mode that no test identified.
@@ -208,7 +208,7 @@ TEST(RepeatsCase, StatesHaveTheirOwnTests) {
                   {"states",
                    {{{"repeats", first}},
                     {{"frequencies", {2.7, 6.5}}, {"masses", {{{"node", "1"}, {"mass", 0.1}}}}}}}};
-  const auto update = parsed(text);
+  const auto update = update_with_repeats(text);
   ASSERT_TRUE(update.states);
   EXPECT_TRUE(update.states->list[0].data.repeats);
   EXPECT_FALSE(update.states->list[1].data.repeats);
