@@ -42,7 +42,8 @@ Pointer damage_key(const char* text) {
 }
 
 bool has_measured(const Json& data) {
-  return data.contains("frequencies") || data.contains("file") || data.contains("from");
+  return data.contains("frequencies") || data.contains("file") || data.contains("from") ||
+         data.contains("repeats");
 }
 
 }  // namespace

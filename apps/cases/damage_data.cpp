@@ -133,7 +133,7 @@ void take_data(const CaseFile& f, DamageCase& out) {
   const Json& data = f.json.at("data");
   const bool shapes = std::ranges::any_of(
       std::initializer_list<const char*>{"sensors", "shapes", "shape_sd", "shape_covariance",
-                                         "covariance", "from"},
+                                         "covariance", "from", "repeats"},
       [&](const char* key) { return data.contains(key); });
   const bool inferred =
       data.contains("discrepancy") && data["discrepancy"].is_object() &&
@@ -142,6 +142,10 @@ void take_data(const CaseFile& f, DamageCase& out) {
     out.data = parse_data(f, data_key("/data"));
     return;
   }
+  if (out.emulator && data.contains("repeats"))
+    f.refuse(data_key("/predictor"),
+             "an emulator does not support \"repeats\", whose errors are correlated between modes: "
+             "use \"fe\" here");
   if (out.emulator)
     f.refuse(data_key("/predictor"),
              "an emulator predicts frequencies, not shapes: use \"fe\" here");

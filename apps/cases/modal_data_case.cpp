@@ -8,6 +8,7 @@
 #include "apps/cases/damage_parts.hpp"
 #include "apps/cases/records/csv_frequencies.hpp"
 #include "apps/cases/records/modes_as_data.hpp"
+#include "apps/cases/records/repeats_case.hpp"
 #include "apps/cases/structures/structure_case.hpp"
 #include "apps/cases/syntax/case_remedies.hpp"
 #include "apps/nearest.hpp"
@@ -46,7 +47,12 @@ class ModalDataParser {
   }
 
   ModalData parse() {
-    if (has("from")) {
+    if (has("repeats")) {
+      take_repeats();
+      parse_sensors();
+      parse_shapes();
+      parse_shape_scatter();
+    } else if (has("from")) {
       take_from();
     } else {
       if (has("modes") && json_.at("modes").is_array())
@@ -171,6 +177,18 @@ class ModalDataParser {
   }
 
   // ---- frequencies
+
+  void take_repeats() {
+    const auto tests =
+        std::make_shared<const RepeatedTests>(parse_repeats(file_, where_, shape_rows().empty()));
+    const Json& repeats = json_.at("repeats");
+    out_.frequencies_hz = tests->frequencies_hz;
+    out_.covariance = tests->covariance_hz2;
+    out_.origin =
+        in_words(*tests, repeats.is_object() ? "from " + repeats.at("file").get<std::string>()
+                                             : "given in the case");
+    out_.repeats = tests;
+  }
 
   void parse_frequencies() {
     if (has("frequencies") && has("file"))

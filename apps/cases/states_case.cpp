@@ -45,10 +45,10 @@ std::vector<Pointer> places(const CaseFile& file, const Pointer& where) {
 
 /// Adds the keys of a block to a state; keys of the state take precedence.
 void inherit(Json& state, const Json& block) {
-  static constexpr std::array<std::array<const char*, 3>, 3> alternatives = {
-      {{"frequencies", "file", "from"},
-       {"cov", "sd", "covariance"},
-       {"shape_sd", "shape_covariance", "shape_sd"}}};
+  static constexpr std::array<std::array<const char*, 4>, 3> alternatives = {
+      {{"frequencies", "file", "from", "repeats"},
+       {"cov", "sd", "covariance", "repeats"},
+       {"shape_sd", "shape_covariance", "shape_sd", "shape_sd"}}};
   for (const auto& [key, value] : block.items()) {
     if (key == "states" || state.contains(key)) continue;
     if (state.contains("predict") && (key == "sd" || key == "covariance")) continue;
@@ -210,7 +210,8 @@ bool has_states(const CaseFile& file) {
     if (discrepancy.is_object() && discrepancy.contains("stiffness")) return true;
     // A baseline that contains more than frequencies is also a state.
     if (where == kBaseline &&
-        has_any(file.json.at(where), {"from", "sensors", "shapes", "covariance", "discrepancy"}))
+        has_any(file.json.at(where),
+                {"from", "sensors", "shapes", "covariance", "discrepancy", "repeats"}))
       return true;
   }
   return false;

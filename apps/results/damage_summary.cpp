@@ -4,6 +4,7 @@
 #include <cmath>
 
 #include "apps/results/baseline_words.hpp"
+#include "apps/results/measured/repeats_summary.hpp"
 #include "apps/results/posterior_file.hpp"
 #include "apps/text/answer.hpp"
 #include "apps/text/damage_words.hpp"
@@ -420,6 +421,9 @@ Report damage_summary(const DamageCaseFile& file, const DamageFindings& findings
                            {"statement", baseline_statement(*damage_case.baseline)}};
   }
   if (findings.baseline) summary["baseline"] = baseline_report(damage_case, findings);
+  if (Report repeats = repeats_report(damage_case.modal(), damage_case.states().get());
+      !repeats.is_null())
+    summary["repeats"] = std::move(repeats);
   if (damage_case.data.discrepancy_cv > 0.0) {
     summary["data"]["discrepancy_cov"] = damage_case.data.discrepancy_cv;
   }

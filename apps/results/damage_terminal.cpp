@@ -239,7 +239,7 @@ void print_damage(std::ostream& out, const DamageCaseFile& file, const DamageFin
   const Page page{out, colour};
   const DamageCase& damage_case = file.damage;
   page.heading(damage_case.title);
-  out << "Data: " << damage_case.data.origin << '\n';
+  page.wrapped("Data: " + damage_case.data.origin, "", "  ");
   if (damage_case.baseline)
     page.wrapped("Baseline: " + baseline_statement(*damage_case.baseline), "", "  ");
   print_answer(page, answer(damage_case, findings));

@@ -3,6 +3,7 @@
 #include <cmath>
 
 #include "apps/draw_columns.hpp"
+#include "apps/results/measured/repeats_summary.hpp"
 #include "apps/text/answer.hpp"
 #include "apps/text/update_words.hpp"
 
@@ -188,6 +189,9 @@ Report update_summary(const UpdateCaseFile& parsed, const UpdateProblem& problem
                     {"reduced_basis", reduced_basis_of(problem, findings)},
                     {"diagnostics", diagnostics(findings, update_warnings(findings))},
                     {"cost", cost(findings.sampling)}};
+  if (Report repeats = repeats_report(&parsed.update.data, parsed.update.states.get());
+      !repeats.is_null())
+    summary["repeats"] = std::move(repeats);
   summary["cost"]["seconds_a_likelihood"] = problem.seconds_a_likelihood;
   if (!findings.evidence.empty()) summary["evidence"] = evidence_report(findings);
   return summary;

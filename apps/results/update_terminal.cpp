@@ -115,11 +115,12 @@ void print_update(std::ostream& out, const UpdateCaseFile& parsed, const UpdateF
   page.heading(parsed.update.title);
   const ModalData& data = parsed.update.data;
   const int modes = data.measured_modes();
-  out << "Data: " << modes << (modes == 1 ? " mode" : " modes") << ", " << data.origin;
+  std::string line =
+      "Data: " + std::to_string(modes) + (modes == 1 ? " mode, " : " modes, ") + data.origin;
   if (data.has_shapes())
-    out << "; shapes at " << data.sensors.size()
-        << (data.sensors.size() == 1 ? " sensor" : " sensors");
-  out << "; " << findings.numbers << " numbers\n";
+    line += "; shapes at " + std::to_string(data.sensors.size()) +
+            (data.sensors.size() == 1 ? " sensor" : " sensors");
+  page.wrapped(line + "; " + std::to_string(findings.numbers) + " numbers", "", "  ");
   if (findings.numbering)
     out << "Modes without shapes are paired by number, "
         << probability_is(findings.numbering->probability) << " under the priors\n";

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cmath>
+#include <memory>
 #include <optional>
 #include <string>
 #include <vector>
@@ -11,6 +12,8 @@
 #include "inference/model/prior.hpp"
 
 namespace wheeltap::identification {
+
+struct RepeatedTests;
 
 /// A sensor and the motion that it measures.
 struct Sensor {
@@ -57,6 +60,10 @@ struct ModalData {
   /// Prior probability that a measured mode is spurious (a harmonic, a noise pole). Requires
   /// shapes.
   double doubt = 0.0;
+
+  /// The repeated tests from which frequencies and covariance were inferred; null without
+  /// "repeats".
+  std::shared_ptr<const RepeatedTests> repeats = {};
 
   int predict = 0;  ///< number of further modes to predict
   std::vector<double> held_out_hz =

@@ -39,7 +39,7 @@ FOLDERS = {
     'identification': ['', 'findings', 'emulation', 'structural', 'structural/defects', 'structural/likelihood', 'structural/forward',
                        'structural/problem', 'structural/updating', 'structural/damage', 'structural/damage/findings', 'sid/residuals', 'sid', 'sid/findings', 'modal',
                        'monitoring/kernels', 'monitoring', 'monitoring/causes', 'monitoring/charts', 'planning'],
-    'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'cases/planning', 'text', 'remote', 'results', 'results/monitoring', 'results/planning', 'report',
+    'apps': ['', 'cases/syntax', 'cases/structures', 'cases/records', 'cases', 'cases/monitoring', 'cases/planning', 'text', 'remote', 'results/measured', 'results', 'results/monitoring', 'results/planning', 'report',
              'runs', 'runs/sid', 'runs/batch', 'application', 'commands', 'cli'],
 }
 MOST_FILES = 30

@@ -36,6 +36,18 @@ struct FrequencyTable {
 [[nodiscard]] FrequencyTable read_frequency_csv(const std::filesystem::path& path,
                                                 const FrequencyCells& cells);
 
+/// Parses the frequencies of repeated tests. The text has one test per row and one mode per column.
+/// `columns` are names (or 1-based numbers) of the columns of mode 1, 2, …. If the list is empty,
+/// this function uses the columns with a unit of frequency. If no column has such a unit, it uses
+/// all columns. The result has one row per test, in Hz, with NaN for a missing value. Every row
+/// must have as many cells as the header. Throws like parse_frequency_csv.
+[[nodiscard]] std::vector<std::vector<double>> parse_repeats_csv(
+    std::string bytes, const std::filesystem::path& name, const std::vector<std::string>& columns);
+
+/// Reads and parses a file with parse_repeats_csv. Also throws Failure (66) for an unreadable file.
+[[nodiscard]] std::vector<std::vector<double>> read_repeats_csv(
+    const std::filesystem::path& path, const std::vector<std::string>& columns);
+
 /// CSV text of mode, frequency and standard deviation, one mode per row.
 [[nodiscard]] std::string frequency_csv(const FrequencyTable& table, const std::string& comment);
 

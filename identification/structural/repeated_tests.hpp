@@ -1,0 +1,79 @@
+// Natural frequencies of repeated tests of one structure: their mean, and the scatter of one test.
+//
+// Model of test t, t = 1 … N, with p modes:
+//
+//   y_t = ln f_t ~ Student t of p variables (ν, μ, Σ), tests independent
+//
+// Frequencies that were not identified are missing at random. Priors: μ flat; Σ inverse Wishart
+// with p degrees of freedom and the scale matrix diag(s_j²), where s_j is the robust scatter of
+// mode j; ν uniform on a list of values. This prior of Σ counts as one test: without missing
+// frequencies and for ν = ∞, the posterior of μ is Student t with N degrees of freedom, about the
+// mean of the tests, with the scale matrix (S + diag(s_j²)) / N² (S: sum of squares about the
+// mean).
+//
+// The posterior is drawn by Gibbs sampling with data augmentation (Liu 1996, "Bayesian robust
+// multivariate linear regression with incomplete data", J. Am. Stat. Assoc. 91:1219).
+#pragma once
+
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "base/eigen.hpp"
+
+namespace wheeltap::identification {
+
+struct RepeatedTestsOptions {
+  /// Possible degrees of freedom ν, with equal prior probabilities.
+  std::vector<double> degrees_of_freedom = {2.0,  3.0,  5.0,
+                                            10.0, 30.0, std::numeric_limits<double>::infinity()};
+  int warmup = 500, draws = 4000;
+  std::uint64_t seed = 1;
+};
+
+/// Fewest tests in which a mode must be identified.
+inline constexpr int kLeastTests = 4;
+/// A test with a smaller posterior mean weight is a probable outlier.
+inline constexpr double kOutlierWeight = 0.25;
+
+/// Posterior of the mean of the tests and of the scatter of one test. A mode that no test
+/// identified has NaN in `frequencies_hz`, `scatter`, `scatter_sd` and `serial_correlation`, and
+/// zeros in the matrices.
+struct RepeatedTests {
+  int tests = 0;
+  std::vector<int> identified = {};  ///< number of tests that identified each mode
+
+  std::vector<double> frequencies_hz = {};  ///< exp(E[μ_j])
+  /// Covariance of `frequencies_hz` [Hz²], modes × modes: f_i f_j cov(μ_i, μ_j), multiplied by
+  /// √(inflation_i · inflation_j).
+  Eigen::MatrixXd covariance_hz2 = {};
+
+  /// Relative scatter of one test: half the width of the central 68.3 % interval of ln f_j, i.e.
+  /// √Σ_jj times the 84.1 % quantile of Student t with ν degrees of freedom. For ν = ∞, it is the
+  /// standard deviation. Posterior mean and posterior sd.
+  std::vector<double> scatter = {}, scatter_sd = {};
+  Eigen::MatrixXd correlation = {};  ///< posterior mean of the correlations in Σ
+
+  std::vector<double> degrees_of_freedom = {}, probabilities = {};  ///< posterior of ν
+  std::vector<double> weights = {};  ///< posterior mean weight of each test, about 1 for most tests
+  std::vector<int> outliers = {};    ///< tests (0-based) with weight < kOutlierWeight
+
+  /// Correlation of consecutive tests, in the order given, for each mode. Significant correlation
+  /// (`kSerialLevel` standard errors) reduces the information about the mean: the variance of μ_j
+  /// is multiplied by inflation_j = (1 + r_j) / (1 - r_j), at most N. Otherwise inflation_j = 1.
+  std::vector<double> serial_correlation = {}, inflation = {};
+};
+
+/// Number of standard errors (N^-1/2) beyond which a serial correlation is significant.
+inline constexpr double kSerialLevel = 2.0;
+
+/// Infers mean and scatter of repeated tests.
+/// \param frequencies_hz tests × modes, > 0; NaN: not identified
+/// The results, except `serial_correlation` and `inflation`, do not depend on the order of the
+/// tests. Throws std::invalid_argument, with the mode, if a frequency is not positive, if fewer
+/// than kLeastTests tests identified a mode (unless no test did), or if all frequencies of a mode
+/// are equal.
+[[nodiscard]] RepeatedTests infer_repeated_tests(const Eigen::MatrixXd& frequencies_hz,
+                                                 const RepeatedTestsOptions& options = {});
+
+}  // namespace wheeltap::identification
