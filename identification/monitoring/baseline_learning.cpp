@@ -24,6 +24,7 @@ using namespace training;  // NOLINT(google-build-using-namespace): its only use
 // Variance of the slow drift: a short period cannot rule it out.
 constexpr double kLeastSlow = 0.5, kMostSlow = 10.0;
 constexpr double kLargestRhat = 1.1;
+constexpr long kManyEntries = 20'000;
 constexpr double kLeastFast = 1e-3, kMostFast = 1e2;               // variance of the fast drift
 constexpr double kShortestDrift = 0.5, kLongestDrift = 30.0 * 24;  // time constant, hours
 constexpr double kShortestLag = 0.1, kLongestLag = 72.0;           // hours
@@ -306,6 +307,9 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
   const inference::Problem problem{.space = space_of(*prepared), .likelihood = [prepared, layout] {
                                      return std::make_unique<LearningLikelihood>(*prepared, layout);
                                    }};
+  // The evidences are not used. Where a likelihood evaluation is fast, the longer exploration that
+  // they need improves the proposals for many covariates.
+  const long entries = static_cast<long>(learning.rows()) * learning.feature_count();
   inference::Options engine{.seed = options.seed,
                             .chains = options.chains,
                             .threads = options.threads,
@@ -313,7 +317,7 @@ Baseline learn_baseline(const Series& learning, const LearningOptions& options) 
                             .draws = options.engine_draws,
                             .thin = 4,
                             .searches = options.searches,
-                            .evidences = false};
+                            .evidences = entries <= kManyEntries};
   if (options.progress)
     engine.progress = [&](const inference::Options::Progress& p) {
       return options.progress(p.fraction);

@@ -56,7 +56,10 @@ CovariateTerms terms_of(const TrainingRows& of, const Layout& layout, std::span<
   return out;
 }
 
-MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms) {
+namespace {
+
+/// phi of all rows.
+MatrixXd table_of(const TrainingRows& of, const CovariateTerms& terms) {
   const Index c = of.sorted.cols(), hinges = static_cast<Index>(terms.knots.size());
   const auto n = static_cast<Index>(of.hours.size());
   MatrixXd out(1 + c + hinges, n);
@@ -65,7 +68,7 @@ MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms) {
     const double step = t > 0 ? of.hours[index(t)] - of.hours[index(t - 1)] : 0.0;
     if (terms.lag_hours > 0.0 && step != before) follows = -std::expm1(-step / terms.lag_hours);
     before = step;
-    const double* z = of.scaled[index(t)].z.data();
+    const double* z = of.z.col(t).data();
     double* phi = out.col(t).data();
     phi[0] = 1.0;
     if (t == 0 || !(terms.lag_hours > 0.0)) {
@@ -77,6 +80,14 @@ MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms) {
     for (Index h = 0; h < hinges; ++h)
       phi[1 + c + h] = std::max(0.0, phi[1 + terms.hinge_of[index(h)]] - terms.knots[index(h)]);
   }
+  return out;
+}
+
+}  // namespace
+
+MatrixXd term_table(const TrainingRows& of, CovariateTerms& terms) {
+  const Index c = of.sorted.cols();
+  MatrixXd out = table_of(of, terms);
   terms.long_low = of.long_low;
   terms.long_high = of.long_high;
   terms.low = out.middleRows(1, c).rowwise().minCoeff();
@@ -100,8 +111,7 @@ std::vector<MarginalLikelihood> fits_of(const TrainingRows& of, const Layout& la
 }
 
 double log_evidence(const TrainingRows& of, const Layout& layout, std::span<const double> x) {
-  CovariateTerms terms = terms_of(of, layout, x);
-  const MatrixXd table = term_table(of, terms);
+  const MatrixXd table = table_of(of, terms_of(of, layout, x));
   double sum = 0.0;
   for (const MarginalLikelihood& one : fits_of(of, layout, table, x)) sum += one.log_density;
   return sum;
@@ -148,10 +158,12 @@ std::unique_ptr<TrainingRows> prepare(const Series& series, const LearningOption
   of.hours = series.hours;
   const auto n = static_cast<Index>(series.rows());
   of.sorted.resize(n, out.scaling.count());
+  of.z.resize(out.scaling.count(), n);
   VectorXd slow;
   for (Index t = 0; t < n; ++t) {
     of.scaled.push_back(out.scaling(series.covariates.row(t).transpose()));
     of.sorted.row(t) = of.scaled.back().z.transpose();
+    of.z.col(t) = of.scaled.back().z;
     follow_lag(of.scaled.back().z, t > 0 ? of.hours[index(t)] - of.hours[index(t - 1)] : 0.0,
                kLongLagHours, slow);
     of.long_low = t > 0 ? of.long_low.cwiseMin(slow).eval() : slow;

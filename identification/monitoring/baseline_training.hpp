@@ -17,6 +17,7 @@ namespace wheeltap::identification::monitoring::training {
 struct TrainingRows {
   std::vector<double> hours = {};
   std::vector<CovariateScaling::Scaled> scaled = {};
+  Eigen::MatrixXd z = {};  ///< covariates x rows: `scaled` without variances
   std::vector<FeatureRows> features = {};
   Eigen::VectorXd long_low = {}, long_high = {};  ///< of covariates with the long lag
   Eigen::MatrixXd sorted = {};   ///< rows x covariates, each column sorted: for knots by quantile
